@@ -1,0 +1,55 @@
+# What every target of the project has in common.
+add_library(runcert_options INTERFACE)
+target_compile_options(runcert_options INTERFACE
+  -Wall -Wextra -Wconversion -Wshadow -Werror
+  # The same binary must give the same bytes on every machine: no fused multiply-add.
+  -ffp-contract=off
+  -ffile-prefix-map=${CMAKE_SOURCE_DIR}/=)
+if(RUNCERT_SANITIZE)
+  target_compile_options(runcert_options INTERFACE
+    -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_link_options(runcert_options INTERFACE -fsanitize=address,undefined)
+endif()
+
+# runcert_module(NAME core SOURCES a.cpp DEPENDS core PUBLIC Eigen3::Eigen PRIVATE fmt::fmt)
+#
+# A static library `runcert_NAME` of the sources in the calling folder. Its headers are included
+# as "NAME/header.h", and only by targets that depend on it: each module has an include folder
+# of its own that holds nothing but a link to it, so an include that the dependency list does
+# not allow does not compile.
+function(runcert_module)
+  cmake_parse_arguments(M "" "NAME" "SOURCES;DEPENDS;PUBLIC;PRIVATE" ${ARGN})
+  string(REPLACE "/" "_" target runcert_${M_NAME})
+  set(include_dir ${CMAKE_BINARY_DIR}/include/${target})
+  get_filename_component(parent ${include_dir}/${M_NAME} DIRECTORY)
+  file(MAKE_DIRECTORY ${parent})
+  file(CREATE_LINK ${CMAKE_CURRENT_SOURCE_DIR} ${include_dir}/${M_NAME} SYMBOLIC)
+  add_library(${target} STATIC ${M_SOURCES})
+  target_include_directories(${target} PUBLIC ${include_dir})
+  list(TRANSFORM M_DEPENDS PREPEND runcert_)
+  list(TRANSFORM M_DEPENDS REPLACE "/" "_")
+  target_link_libraries(${target} PUBLIC ${M_DEPENDS} ${M_PUBLIC} PRIVATE runcert_options ${M_PRIVATE})
+endfunction()
+
+# runcert_embed(OUT_VAR NAMESPACE_FUNCTION file...)
+#
+# Generates a source that defines `std::string_view FUNCTION(std::string_view file_name)`: the
+# text of the file of that name, empty where there is none.
+function(runcert_embed out_var function)
+  set(source ${CMAKE_CURRENT_BINARY_DIR}/${function}.cpp)
+  set(code "#include <string_view>\nnamespace runcert {\nstd::string_view ${function}(std::string_view name)\;\nstd::string_view ${function}(std::string_view name) {\n")
+  foreach(file ${ARGN})
+    get_filename_component(path ${file} ABSOLUTE)
+    file(READ ${path} text)
+    file(RELATIVE_PATH relative ${CMAKE_CURRENT_SOURCE_DIR} ${path})
+    get_filename_component(base ${path} NAME)
+    if(relative MATCHES "^\\.\\.")
+      set(relative ${base})
+    endif()
+    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${path})
+    string(APPEND code "    if (name == \"${relative}\")\n        return R\"runcert(${text})runcert\"\;\n")
+  endforeach()
+  string(APPEND code "    return {}\;\n}\n}  // namespace runcert\n")
+  file(CONFIGURE OUTPUT ${source} CONTENT "${code}" @ONLY)
+  set(${out_var} ${source} PARENT_SCOPE)
+endfunction()

@@ -1,0 +1,19 @@
+# Writes OUTPUT only where its text changes. Outside a git checkout the revision is "unknown".
+execute_process(COMMAND git -C ${SOURCE_DIR} -c safe.directory=* rev-parse --short=12 HEAD
+  OUTPUT_VARIABLE revision OUTPUT_STRIP_TRAILING_WHITESPACE RESULT_VARIABLE status ERROR_QUIET)
+if(NOT status EQUAL 0)
+  set(revision "unknown")
+else()
+  execute_process(COMMAND git -C ${SOURCE_DIR} -c safe.directory=* status --porcelain --untracked-files=no
+    OUTPUT_VARIABLE changed ERROR_QUIET)
+  if(changed)
+    string(APPEND revision "-modified")
+  endif()
+endif()
+file(CONFIGURE OUTPUT ${OUTPUT} @ONLY CONTENT
+"#include \"files/program.h\"
+namespace runcert {
+const char* program_version() { return \"@VERSION@\"; }
+const char* source_revision() { return \"@revision@\"; }
+}  // namespace runcert
+")

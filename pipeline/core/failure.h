@@ -1,0 +1,32 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace runcert {
+
+/// The one exception of the project: something could not be done.
+///
+/// `where` names the file, and where known the line, column or byte; `what` says what was found
+/// and what was expected; `remedy` says what the user can do about it. Caught once, at the top
+/// of each program, which prints the three and exits with status 2.
+class Failure : public std::runtime_error {
+  public:
+    Failure(std::string where, std::string what, std::string remedy)
+        : std::runtime_error(where + ": " + what + ". " + remedy),
+          where_(std::move(where)),
+          what_(std::move(what)),
+          remedy_(std::move(remedy)) {}
+
+    const std::string& where() const { return where_; }
+    const std::string& problem() const { return what_; }
+    const std::string& remedy() const { return remedy_; }
+
+  private:
+    std::string where_;
+    std::string what_;
+    std::string remedy_;
+};
+
+}  // namespace runcert

@@ -1,3 +1,5 @@
+cmake_minimum_required(VERSION 3.25)
+
 # Writes OUTPUT only where its text changes. Outside a git checkout the revision is "unknown".
 execute_process(COMMAND git -C ${SOURCE_DIR} -c safe.directory=* rev-parse --short=12 HEAD
   OUTPUT_VARIABLE revision OUTPUT_STRIP_TRAILING_WHITESPACE RESULT_VARIABLE status ERROR_QUIET)

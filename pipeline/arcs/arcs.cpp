@@ -1,0 +1,29 @@
+#include "arcs/arcs.h"
+
+namespace runcert {
+
+template <int Axes>
+std::vector<Arc<Axes>> arcs_of(const ScreenedTable& table) {
+    std::vector<Arc<Axes>> arcs;
+    for (std::size_t i = 0; i < table.rows.size(); ++i) {
+        const ScreenedEpoch& row = table.rows[i];
+        if (!row.arc) continue;
+        if (arcs.empty() || arcs.back().number != *row.arc) {
+            arcs.emplace_back();
+            arcs.back().number = *row.arc;
+        }
+        ArcEpoch<Axes> epoch;
+        epoch.time_s = row.time.seconds();
+        if (row.usable)
+            epoch.measurement = PositionMeasurement<Axes>{
+                .position = measured_position<Axes>(row), .covariance = stated_covariance<Axes>(row)};
+        arcs.back().rows.push_back(i);
+        arcs.back().epochs.push_back(epoch);
+    }
+    return arcs;
+}
+
+template std::vector<Arc<2>> arcs_of<2>(const ScreenedTable&);
+template std::vector<Arc<3>> arcs_of<3>(const ScreenedTable&);
+
+}  // namespace runcert

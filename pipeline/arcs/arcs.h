@@ -1,0 +1,23 @@
+#pragma once
+
+#include <vector>
+
+#include "estimation/smoother.h"
+#include "schemas/screened/screened.h"
+
+namespace runcert {
+
+/// A stretch without a break, ready for estimation.
+template <int Axes>
+struct Arc {
+    std::int64_t number = 0;
+    std::vector<std::size_t> rows;        ///< indices into the table's rows
+    std::vector<ArcEpoch<Axes>> epochs;   ///< one for each of these rows
+};
+
+/// The arcs of a screened table, in order. Rejected epochs inside an arc are kept, without their
+/// measurement. The covariances are those stated, unscaled.
+template <int Axes>
+std::vector<Arc<Axes>> arcs_of(const ScreenedTable& table);
+
+}  // namespace runcert

@@ -1,0 +1,31 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+
+#include "commands.h"
+#include "files/program.h"
+#include "run/stage_main.h"
+
+using namespace runcert;
+
+int main(int argc, char** argv) {
+    return guarded_main([&]() -> int {
+        CLI::App app("Certifies speed-record attempts from recorded satellite positions", "runcert");
+        app.require_subcommand(1);
+        app.set_version_flag("--version",
+                             fmt::format("runcert {} {}", program_version(), source_revision()));
+        app.footer("Exit status: 0 yes or done, 1 the answer is no, 2 it could not be done.");
+        Command chosen;
+        add_certify(app, chosen);
+        add_verify(app, chosen);
+        add_inspect(app, chosen);
+        add_simulate(app, chosen);
+        add_keygen(app, chosen);
+        try {
+            app.parse(argc, argv);
+        } catch (const CLI::Success& help) {
+            return app.exit(help);
+        }
+        return chosen();
+    });
+}

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <compare>
+#include <numbers>
+
+namespace runcert {
+
+/// A plane angle. Made only through a function that names the unit, so that degrees and radians
+/// cannot be mixed up.
+///
+/// Kept in degrees, the unit in which positions are recorded: a latitude of 90 degrees, or one
+/// read from text, keeps its exact value; radians are rounded once, to within 1 ulp.
+class Angle {
+  public:
+    constexpr Angle() = default;
+
+    /// The angle of so many radians.
+    static constexpr Angle from_radians(double radians) { return Angle(radians * (180.0 / pi)); }
+
+    /// The angle of so many degrees.
+    static constexpr Angle from_degrees(double degrees) { return Angle(degrees); }
+
+    /// The angle of `degrees`, `minutes` and `seconds` of arc, all non-negative, with the sign of
+    /// `sign` (negative: south or west). The sign stands apart because -0 degrees 30 minutes
+    /// would lose it.
+    static constexpr Angle from_dms(int sign, double degrees, double minutes, double seconds) {
+        const double magnitude = degrees + (minutes + seconds / 60.0) / 60.0;
+        return Angle(sign < 0 ? -magnitude : magnitude);
+    }
+
+    constexpr double radians() const { return degrees_ * (pi / 180.0); }
+    constexpr double degrees() const { return degrees_; }
+
+    friend constexpr bool operator==(Angle, Angle) = default;
+    friend constexpr auto operator<=>(Angle, Angle) = default;
+
+  private:
+    static constexpr double pi = std::numbers::pi;
+
+    explicit constexpr Angle(double degrees) : degrees_(degrees) {}
+
+    double degrees_ = 0.0;
+};
+
+}  // namespace runcert

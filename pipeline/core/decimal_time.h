@@ -1,0 +1,15 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+namespace runcert {
+
+/// Seconds written as a decimal number ("12.3", "-0.05", "7"), as an exact count of nanoseconds.
+///
+/// Digits after the ninth decimal must be zero. Nothing if
+/// the text is anything else (blanks, exponent, a value beyond 290 years).
+std::optional<std::int64_t> parse_decimal_nanoseconds(std::string_view text);
+
+}  // namespace runcert

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <span>
+#include <string_view>
+
+#include "core/gps_time.h"
+
+namespace runcert {
+
+/// From the start of this UTC day on, GPS time is ahead of UTC by so many seconds.
+struct LeapSecondStep {
+    int year;
+    int month;
+    int day;
+    int gps_minus_utc_s;
+};
+
+/// Every step of GPS - UTC from the GPS epoch (0 s) to now (18 s since 2017-01-01), in order.
+std::span<const LeapSecondStep> leap_second_table();
+
+/// Where the table is from, for a report.
+std::string_view leap_second_source();
+
+/// The UTC day up to which no other leap second can come: the expiry of the source, 2027-06-28.
+CalendarTime leap_seconds_known_until();
+
+}  // namespace runcert

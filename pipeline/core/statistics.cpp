@@ -1,0 +1,98 @@
+#include "core/statistics.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/special_functions/erf.hpp>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+
+#include "core/failure.h"
+
+namespace runcert {
+
+namespace {
+
+[[noreturn]] void fail(const std::string& what, const char* remedy) {
+    throw Failure("statistics", what, remedy);
+}
+
+void require_degrees(int degrees_of_freedom) {
+    if (degrees_of_freedom < 1)
+        fail(fmt::format("{} degrees of freedom", degrees_of_freedom), "Give 1 or more");
+}
+
+void require_count(std::size_t count, std::size_t least) {
+    if (count < least)
+        fail(fmt::format("{} values where at least {} are needed", count, least),
+             "Give a longer stretch of data");
+}
+
+}  // namespace
+
+double chi_squared_quantile(double probability, int degrees_of_freedom) {
+    require_degrees(degrees_of_freedom);
+    if (!(probability >= 0.0 && probability < 1.0))
+        fail(fmt::format("the probability {} is not in [0, 1)", probability),
+             "Give a probability below 1");
+    return boost::math::quantile(boost::math::chi_squared(degrees_of_freedom), probability);
+}
+
+double chi_squared_upper_quantile(double tail_probability, int degrees_of_freedom) {
+    require_degrees(degrees_of_freedom);
+    if (!(tail_probability > 0.0 && tail_probability <= 1.0))
+        fail(fmt::format("the tail probability {} is not in (0, 1]", tail_probability),
+             "Give a probability above 0");
+    return boost::math::quantile(
+        boost::math::complement(boost::math::chi_squared(degrees_of_freedom), tail_probability));
+}
+
+double normal_quantile(double probability) {
+    if (!(probability > 0.0 && probability < 1.0))
+        fail(fmt::format("the probability {} is not in (0, 1)", probability),
+             "Give a probability between 0 and 1");
+    return -std::numbers::sqrt2 * boost::math::erfc_inv(2.0 * probability);
+}
+
+double normal_cdf(double x) {
+    return 0.5 * std::erfc(-x / std::numbers::sqrt2);
+}
+
+double mean(std::span<const double> values) {
+    require_count(values.size(), 1);
+    double sum = 0.0;
+    for (const double value : values)
+        sum += value;
+    return sum / static_cast<double>(values.size());
+}
+
+double standard_deviation(std::span<const double> values) {
+    require_count(values.size(), 2);
+    const double centre = mean(values);
+    double sum = 0.0;
+    for (const double value : values)
+        sum += (value - centre) * (value - centre);
+    return std::sqrt(sum / static_cast<double>(values.size() - 1));
+}
+
+double root_mean_square(std::span<const double> values) {
+    require_count(values.size(), 1);
+    double sum = 0.0;
+    for (const double value : values)
+        sum += value * value;
+    return std::sqrt(sum / static_cast<double>(values.size()));
+}
+
+double median(std::vector<double> values) {
+    require_count(values.size(), 1);
+    if (std::any_of(values.begin(), values.end(), [](double v) { return std::isnan(v); }))
+        fail("a value is not a number", "Leave out missing values");
+    std::sort(values.begin(), values.end());
+    const std::size_t half = values.size() / 2;
+    if (values.size() % 2 == 1) return values[half];
+    return 0.5 * values[half - 1] + 0.5 * values[half];
+}
+
+}  // namespace runcert

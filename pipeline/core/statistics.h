@@ -1,0 +1,35 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+namespace runcert {
+
+/// The x with P(chi-squared <= x) = probability. Failure (at "statistics") unless
+/// 0 <= probability < 1 and degrees_of_freedom >= 1. Relative accuracy 1e-13.
+double chi_squared_quantile(double probability, int degrees_of_freedom);
+
+/// The x with P(chi-squared > x) = tail_probability, which keeps its digits however small the
+/// tail. Failure unless 0 < tail_probability <= 1 and degrees_of_freedom >= 1.
+double chi_squared_upper_quantile(double tail_probability, int degrees_of_freedom);
+
+/// The x with P(z <= x) = probability, z standard normal. Failure unless 0 < probability < 1.
+double normal_quantile(double probability);
+
+/// P(z <= x), z standard normal; relative accuracy kept in the lower tail.
+double normal_cdf(double x);
+
+/// Arithmetic mean, summed in order. Failure where there are no values.
+double mean(std::span<const double> values);
+
+/// Standard deviation of a sample, with n - 1. Failure where there are fewer than two values.
+double standard_deviation(std::span<const double> values);
+
+/// sqrt(mean of the squares). Failure where there are no values.
+double root_mean_square(std::span<const double> values);
+
+/// The middle value, or the mean of the two middle ones. Failure where there are no values or one
+/// is NaN.
+double median(std::vector<double> values);
+
+}  // namespace runcert

@@ -1,0 +1,115 @@
+#include "core/text.h"
+
+#include <fast_float/fast_float.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+namespace runcert {
+
+namespace {
+
+bool is_digit(char c) {
+    return c >= '0' && c <= '9';
+}
+
+bool is_printable(char c) {
+    return c >= ' ' && c <= '~';
+}
+
+std::string_view without_plus(std::string_view text) {
+    if (text.starts_with('+')) text.remove_prefix(1);
+    return text;
+}
+
+/// Whether a digit other than 0 stands before the exponent.
+bool has_nonzero_mantissa(std::string_view number) {
+    const std::string_view mantissa = number.substr(0, number.find_first_of("eE"));
+    return mantissa.find_first_of("123456789") != std::string_view::npos;
+}
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+    std::vector<std::size_t> row(b.size() + 1);
+    std::iota(row.begin(), row.end(), std::size_t{0});
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        std::size_t diagonal = row[0];
+        row[0] = i + 1;
+        for (std::size_t j = 0; j < b.size(); ++j) {
+            const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
+            diagonal = row[j + 1];
+            row[j + 1] = std::min({replaced, row[j] + 1, row[j + 1] + 1});
+        }
+    }
+    return row.back();
+}
+
+}  // namespace
+
+std::optional<double> parse_double(std::string_view text) {
+    const bool has_sign = text.starts_with('+') || text.starts_with('-');
+    const std::string_view unsigned_text = text.substr(has_sign ? 1 : 0);
+    // Keeps out nan, inf and a second sign.
+    if (unsigned_text.empty() || !(is_digit(unsigned_text[0]) || unsigned_text[0] == '.'))
+        return std::nullopt;
+    const std::string_view number = without_plus(text);
+    const char* const end = number.data() + number.size();
+    double value = 0.0;
+    const auto result = fast_float::from_chars(number.data(), end, value);
+    if (result.ec != std::errc() || result.ptr != end || !std::isfinite(value)) return std::nullopt;
+    if (value == 0.0 && has_nonzero_mantissa(number)) return std::nullopt;
+    return value;
+}
+
+std::optional<std::int64_t> parse_integer(std::string_view text) {
+    const std::string_view number = without_plus(text);
+    if (number.size() < text.size() && number.starts_with('-')) return std::nullopt;
+    const char* const end = number.data() + number.size();
+    std::int64_t value = 0;
+    const auto result = std::from_chars(number.data(), end, value);
+    if (result.ec != std::errc() || result.ptr != end) return std::nullopt;
+    return value;
+}
+
+std::string_view trim(std::string_view text) {
+    constexpr std::string_view blanks = " \t\r\n\v\f";
+    const std::size_t first = text.find_first_not_of(blanks);
+    if (first == std::string_view::npos) return {};
+    return text.substr(first, text.find_last_not_of(blanks) - first + 1);
+}
+
+std::string format_fixed(double value, int decimals) {
+    std::string text = fmt::format("{:.{}f}", value, decimals);
+    if (text.starts_with('-') && text.find_first_not_of("-0.") == std::string::npos)
+        text.erase(0, 1);
+    return text;
+}
+
+std::string_view nearest(std::string_view word, std::span<const std::string_view> candidates) {
+    const auto found = std::min_element(candidates.begin(), candidates.end(),
+                                        [word](std::string_view a, std::string_view b) {
+                                            return edit_distance(word, a) < edit_distance(word, b);
+                                        });
+    return found == candidates.end() ? std::string_view{} : *found;
+}
+
+bool is_printable_ascii(std::string_view text) {
+    return std::all_of(text.begin(), text.end(), is_printable);
+}
+
+std::string escape_for_message(std::string_view bytes, std::size_t max) {
+    std::string escaped;
+    for (const char c : bytes.substr(0, max)) {
+        if (is_printable(c))
+            escaped += c;
+        else
+            escaped += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
+    }
+    if (bytes.size() > max) escaped += "...";
+    return escaped;
+}
+
+}  // namespace runcert

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace runcert {
+
+/// The number a text holds, correctly rounded, or nothing. The whole text must be one finite
+/// decimal number: digits with an optional leading + or -, decimal point and exponent. No blanks,
+/// hexadecimal, nan or inf; nothing too large, and nothing so small that it would become zero.
+std::optional<double> parse_double(std::string_view text);
+
+/// The integer a text holds, or nothing: decimal digits with an optional leading + or -, no more.
+std::optional<std::int64_t> parse_integer(std::string_view text);
+
+/// The text without blanks, tabs and line ends at both ends.
+std::string_view trim(std::string_view text);
+
+/// A finite number with this many decimals (0 or more), correctly rounded, whatever the locale. A
+/// value that rounds to zero has no minus sign.
+std::string format_fixed(double value, int decimals);
+
+/// The candidate with the smallest edit distance (Levenshtein) to a word, the first of equals, for
+/// "did you mean". Empty where there are no candidates.
+std::string_view nearest(std::string_view word, std::span<const std::string_view> candidates);
+
+/// Whether every byte is a printable ASCII character, blank included.
+bool is_printable_ascii(std::string_view text);
+
+/// A piece of input as a message may quote it: printable ASCII as it is, every other byte as
+/// \xNN, and "..." where more than `max` bytes of input were cut to `max`.
+std::string escape_for_message(std::string_view bytes, std::size_t max = 40);
+
+}  // namespace runcert

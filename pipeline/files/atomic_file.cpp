@@ -1,0 +1,196 @@
+#include "files/atomic_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "core/failure.h"
+
+namespace runcert {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What a user can do about a system error.
+std::string remedy_for(int error) {
+    switch (error) {
+        case ENOENT:
+        case ENOTDIR:
+            return "Check the spelling of the path and that each folder in it exists";
+        case EACCES:
+        case EPERM:
+            return "Change the permissions of the file or its folder, or choose another place";
+        case EROFS:
+            return "The file system is read-only: choose another place";
+        case ENOSPC:
+        case EDQUOT:
+            return "Free some space there, or choose another place";
+        case EFBIG:
+            return "Raise the limit on file sizes (ulimit -f), or choose another place";
+        case EISDIR:
+            return "A folder has that name: name a file";
+        case EEXIST:
+            return "A file has that name: move it, or choose another name";
+        case ENAMETOOLONG:
+            return "Choose a shorter name";
+        case EMFILE:
+        case ENFILE:
+            return "Raise the limit on open files (ulimit -n)";
+        default:
+            return "Check the disk it is on";
+    }
+}
+
+[[noreturn]] void fail(const fs::path& path, const std::string& attempted, int error) {
+    throw Failure(path.string(), attempted + ": " + std::generic_category().message(error),
+                  remedy_for(error));
+}
+
+/// A file descriptor that is closed when it goes out of scope.
+class Descriptor {
+  public:
+    explicit Descriptor(int number) : number_(number) {}
+    Descriptor(const Descriptor&) = delete;
+    Descriptor& operator=(const Descriptor&) = delete;
+    ~Descriptor() {
+        if (number_ >= 0) ::close(number_);
+    }
+
+    int number() const { return number_; }
+    bool is_open() const { return number_ >= 0; }
+
+    /// Closes it and gives the error, 0 where there is none: some file systems report a full
+    /// disk only here.
+    int close() { return ::close(std::exchange(number_, -1)) == 0 ? 0 : errno; }
+
+  private:
+    int number_;
+};
+
+/// A new file of an unused name in a folder, removed again unless it is kept.
+class TemporaryFile {
+  public:
+    TemporaryFile(const fs::path& target, mode_t mode) : target_(target), file_(create(mode)) {}
+    TemporaryFile(const TemporaryFile&) = delete;
+    TemporaryFile& operator=(const TemporaryFile&) = delete;
+    ~TemporaryFile() {
+        if (!kept_) ::unlink(name_.c_str());
+    }
+
+    void write(std::string_view bytes) {
+        while (!bytes.empty()) {
+            const ssize_t count = ::write(file_.number(), bytes.data(), bytes.size());
+            if (count < 0 && errno == EINTR) continue;
+            if (count < 0) fail(target_, "cannot write this file", errno);
+            bytes.remove_prefix(static_cast<std::size_t>(count));
+        }
+    }
+
+    void rename_to_target() {
+        if (::fsync(file_.number()) != 0)
+            fail(target_, "cannot write this file to the disk", errno);
+        if (const int error = file_.close(); error != 0)
+            fail(target_, "cannot write this file", error);
+        if (::rename(name_.c_str(), target_.c_str()) != 0)
+            fail(target_, "cannot give the new file its name", errno);
+        kept_ = true;
+    }
+
+  private:
+    int create(mode_t mode) {
+        // The counter keeps threads apart, the process number processes, and O_EXCL machines
+        // that share the folder and what killed runs left behind.
+        static std::atomic<unsigned> counter{0};
+        for (;;) {
+            name_ = target_;
+            name_.replace_filename(".runcert-" + std::to_string(::getpid()) + "-" +
+                                   std::to_string(counter++) + ".tmp");
+            const int number = ::open(name_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
+            if (number >= 0) return number;
+            if (errno != EEXIST && errno != EINTR)
+                fail(target_, "cannot create a file in this folder", errno);
+        }
+    }
+
+    fs::path target_;
+    fs::path name_;
+    Descriptor file_;
+    bool kept_ = false;
+};
+
+/// Syncs a folder, so that a rename in it outlives a power cut.
+void sync_folder_of(const fs::path& path) {
+    const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+    const Descriptor opened(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    // A folder that may be written but not listed cannot be opened, and some network file
+    // systems cannot sync one: there the file is as safe as that place allows.
+    if (!opened.is_open() || ::fsync(opened.number()) == 0 || errno == EINVAL || errno == ENOTSUP)
+        return;
+    fail(path, "the new file is in place, but its folder cannot be written to the disk", errno);
+}
+
+/// Opens a regular file to read. Without O_NONBLOCK, opening a pipe would wait for its writer.
+int open_regular(const fs::path& path) {
+    const int number = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+    if (number < 0) fail(path, "cannot open this file", errno);
+    struct stat status {};
+    const int error = ::fstat(number, &status) == 0 ? 0 : errno;
+    if (error == 0 && S_ISREG(status.st_mode)) return number;
+    ::close(number);
+    if (error != 0) fail(path, "cannot open this file", error);
+    throw Failure(path.string(),
+                  S_ISDIR(status.st_mode) ? "this is a folder, not a file"
+                                          : "this is a pipe or a device, not a file",
+                  S_ISDIR(status.st_mode) ? "Name a file in it"
+                                          : "Save its contents to a file and name that");
+}
+
+}  // namespace
+
+void read_pieces(const fs::path& path, const std::function<void(std::string_view)>& take) {
+    const Descriptor file(open_regular(path));
+    std::vector<char> buffer(std::size_t{1} << 20);
+    for (;;) {
+        const ssize_t count = ::read(file.number(), buffer.data(), buffer.size());
+        if (count < 0 && errno == EINTR) continue;
+        if (count < 0) fail(path, "cannot read this file", errno);
+        if (count == 0) return;
+        take({buffer.data(), static_cast<std::size_t>(count)});
+    }
+}
+
+std::string read_file(const fs::path& path) {
+    std::string bytes;
+    read_pieces(path, [&bytes](std::string_view piece) { bytes.append(piece); });
+    return bytes;
+}
+
+void write_file_atomically(const fs::path& path, std::string_view bytes, FileAccess access) {
+    if (!path.has_filename()) throw Failure(path.string(), "this names no file", "Name a file");
+    // Renaming would replace a device like /dev/stdout by a file, where the user may do that.
+    struct stat status {};
+    if (::stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode))
+        throw Failure(path.string(),
+                      S_ISDIR(status.st_mode) ? "a folder has that name"
+                                              : "this is a pipe or a device, not a file",
+                      "Name a file");
+    TemporaryFile file(path, access == FileAccess::owner_only ? 0600 : 0666);
+    file.write(bytes);
+    file.rename_to_target();
+    sync_folder_of(path);
+}
+
+void make_directory(const fs::path& path) {
+    std::error_code error;
+    fs::create_directories(path, error);
+    if (error) fail(path, "cannot make this folder", error.value());
+    if (!fs::is_directory(path, error)) fail(path, "cannot make this folder", EEXIST);
+}
+
+}  // namespace runcert

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <string_view>
+
+namespace runcert {
+
+/// Who may read a file that is written: everyone the user's umask allows, or the owner alone
+/// (mode 0600, for secret keys).
+enum class FileAccess { by_umask, owner_only };
+
+/// The whole contents of a file, byte for byte.
+/// Failure where it is missing, unreadable, or not a regular file: a folder, a pipe or a device
+/// is refused at once, never waited for.
+std::string read_file(const std::filesystem::path& path);
+
+/// Gives the contents of a file to `take`, in order, in pieces of at most 1 MiB.
+/// Failures as for read_file; what `take` throws passes through.
+void read_pieces(const std::filesystem::path& path,
+                 const std::function<void(std::string_view piece)>& take);
+
+/// Replaces or creates a file so that, whatever happens, its name holds the whole old contents
+/// or the whole new ones: written under a temporary name (`.runcert-*.tmp`) in the same folder,
+/// synced, renamed, the folder synced. A symbolic link of that name is replaced, not followed.
+/// Safe with several processes and threads at once; the last to rename wins.
+/// Failure where the name is that of a folder, a pipe or a device, and where any step fails
+/// (read-only folder, full disk, quota, ...): the temporary is removed and the old file untouched.
+/// Only the final sync of the folder can fail after the new contents are in place, and its message
+/// says so.
+void write_file_atomically(const std::filesystem::path& path, std::string_view bytes,
+                           FileAccess access = FileAccess::by_umask);
+
+/// Makes a folder and those above it; nothing happens where it exists already.
+/// Failure where it cannot be made, e.g. where a file has that name.
+void make_directory(const std::filesystem::path& path);
+
+}  // namespace runcert

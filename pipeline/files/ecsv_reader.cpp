@@ -1,0 +1,254 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <set>
+
+#include "core/decimal_time.h"
+#include "core/failure.h"
+#include "core/text.h"
+#include "files/ecsv.h"
+#include "files/yaml_input.h"
+
+namespace runcert {
+namespace {
+
+constexpr std::string_view remade =
+    "The file is not as the program writes it; take the original, or run the stage again";
+
+/// astropy writes an ordered meta as `!!omap`, a list of maps of one key each.
+YAML::Node plain_map(const YAML::Node& node) {
+    if (!node || node.Tag() != "tag:yaml.org,2002:omap") return node;
+    YAML::Node map(YAML::NodeType::Map);
+    for (const auto& item : node)
+        for (const auto& pair : item)
+            map[pair.first] = plain_map(pair.second);
+    return map;
+}
+
+}  // namespace
+
+EcsvReader::EcsvReader(std::string_view text, std::string where)
+    : text_(text), where_(std::move(where)) {
+    read_header();
+}
+
+void EcsvReader::fail_at(std::size_t line, std::size_t position, const std::string& what,
+                         const std::string& remedy) const {
+    throw Failure(fmt::format("{}:{}:{}", where_, line, position), what, remedy);
+}
+
+void EcsvReader::fail(std::size_t column, const std::string& what,
+                      const std::string& remedy) const {
+    const std::size_t position = column < cells_.size() ? cells_[column].position : 1;
+    fail_at(line_, position, fmt::format("column \"{}\": {}", columns_[column].name, what), remedy);
+}
+
+std::optional<std::string_view> EcsvReader::next_line() {
+    if (offset_ >= text_.size()) return std::nullopt;
+    std::size_t end = text_.find('\n', offset_);
+    ++line_;
+    if (end == std::string_view::npos)
+        fail_at(line_, text_.size() - offset_ + 1, "the last line has no end: the file is cut off",
+                std::string(remade));
+    std::string_view line = text_.substr(offset_, end - offset_);
+    offset_ = end + 1;
+    if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
+    return line;
+}
+
+void EcsvReader::read_header() {
+    if (text_.empty()) throw Failure(where_, "the file is empty", std::string(remade));
+    const auto first = next_line();
+    if (*first != "# %ECSV 1.0")
+        fail_at(1, 1,
+                fmt::format("expected \"# %ECSV 1.0\", found \"{}\"", escape_for_message(*first)),
+                "This is not an ECSV 1.0 table");
+    std::string yaml;
+    std::optional<std::string_view> line;
+    while ((line = next_line()) && line->starts_with('#')) {
+        if (line->starts_with("##")) {
+            yaml += '\n';
+            continue;
+        }
+        if (!line->starts_with("# "))
+            fail_at(line_, 2, "a header line must begin with \"# \"", std::string(remade));
+        yaml.append(line->substr(2)).push_back('\n');
+    }
+    if (!line)
+        fail_at(line_, 1, "the header is not followed by the line of column names",
+                std::string(remade));
+    // The YAML text starts on line 2 of the file: keep its line numbers.
+    const YAML::Node header = parse_yaml("\n" + yaml, where_);
+    if (!header.IsMap() || !header["datatype"] || !header["datatype"].IsSequence())
+        fail_at(2, 1, "the header has no list \"datatype\"", std::string(remade));
+    if (!header["delimiter"] || !header["delimiter"].IsScalar() ||
+        header["delimiter"].Scalar() != ",")
+        fail_at(2, 1, "the delimiter is not a comma", "Only tables with delimiter ',' are read");
+    for (const auto& pair : header) {
+        const std::string key = pair.first.Scalar();
+        if (key != "datatype" && key != "delimiter" && key != "meta" && key != "schema")
+            throw Failure(yaml_place(where_, pair.first), "unknown header key \"" + key + "\"",
+                          std::string(remade));
+    }
+    for (std::size_t i = 0; i < header["datatype"].size(); ++i)
+        read_column(header["datatype"][i], i);
+    meta_ = plain_map(header["meta"]);
+    check_names(*line);
+}
+
+void EcsvReader::read_column(const YAML::Node& node, std::size_t index) {
+    const auto scalar = [&](const char* key) {
+        return node[key] && node[key].IsScalar() ? node[key].Scalar() : std::string();
+    };
+    if (!node.IsMap() || scalar("name").empty())
+        throw Failure(yaml_place(where_, node), fmt::format("column {} has no name", index + 1),
+                      std::string(remade));
+    for (const auto& pair : node) {
+        static const std::set<std::string> known{"name",   "unit",        "datatype",
+                                                 "format", "description", "meta"};
+        if (!known.contains(pair.first.Scalar()))
+            throw Failure(yaml_place(where_, pair.first),
+                          "unknown column key \"" + pair.first.Scalar() + "\"",
+                          std::string(remade));
+    }
+    EcsvColumn column;
+    column.name = scalar("name");
+    column.unit = scalar("unit");
+    column.description = scalar("description");
+    const YAML::Node& meta = node["meta"];
+    if (meta && meta.IsMap() && meta["required"] && meta["required"].IsScalar())
+        column.must_understand = meta["required"].Scalar() == "true";
+    const std::string type = scalar("datatype");
+    bool known_type = false;
+    for (const CellType candidate :
+         {CellType::boolean, CellType::integer, CellType::real, CellType::text})
+        if (type == ecsv_name(candidate)) {
+            column.type = candidate;
+            known_type = true;
+        }
+    if (!known_type)
+        throw Failure(yaml_place(where_, node),
+                      fmt::format("column \"{}\" has the type \"{}\"", column.name, type),
+                      "Only bool, int64, float64 and string are read");
+    const std::string format = scalar("format");
+    if (format.starts_with("%.") && format.ends_with("f"))
+        column.decimals = static_cast<int>(
+            parse_integer(std::string_view(format).substr(2, format.size() - 3)).value_or(0));
+    for (const EcsvColumn& other : columns_)
+        if (other.name == column.name)
+            throw Failure(yaml_place(where_, node), "two columns are named \"" + column.name + "\"",
+                          std::string(remade));
+    columns_.push_back(std::move(column));
+}
+
+void EcsvReader::check_names(std::string_view line) {
+    split(line);
+    bool equal = cell_count_ == columns_.size();
+    for (std::size_t i = 0; equal && i < cell_count_; ++i)
+        equal = cells_[i].text == columns_[i].name;
+    if (!equal)
+        fail_at(line_, 1, "the line of column names does not equal the header's list of columns",
+                std::string(remade));
+}
+
+std::size_t EcsvReader::split_quoted(std::string_view line, std::size_t at, Cell& cell) {
+    const std::size_t opened = at;
+    for (++at; at < line.size(); ++at) {
+        if (line[at] != '"') {
+            cell.text += line[at];
+        } else if (at + 1 < line.size() && line[at + 1] == '"') {
+            cell.text += '"';
+            ++at;
+        } else {
+            if (at + 1 < line.size() && line[at + 1] != ',')
+                fail_at(line_, at + 2, "text after a closing quote", std::string(remade));
+            return at + 1;
+        }
+    }
+    fail_at(line_, opened + 1, "a quote is not closed on its line", std::string(remade));
+}
+
+void EcsvReader::split(std::string_view line) {
+    cell_count_ = 0;
+    std::size_t at = 0;
+    while (true) {
+        if (cell_count_ == cells_.size()) cells_.emplace_back();
+        Cell& cell = cells_[cell_count_++];
+        cell.text.clear();
+        cell.position = at + 1;
+        if (at < line.size() && line[at] == '"') {
+            at = split_quoted(line, at, cell);
+        } else {
+            const std::size_t end = std::min(line.find(',', at), line.size());
+            cell.text.assign(line.substr(at, end - at));
+            at = end;
+        }
+        if (at >= line.size()) return;
+        ++at;  // the comma
+    }
+}
+
+bool EcsvReader::next_row() {
+    const auto line = next_line();
+    if (!line) return false;
+    split(*line);
+    if (cell_count_ != columns_.size())
+        fail_at(line_, 1,
+                fmt::format("the row has {} cells, the header has {} columns", cell_count_,
+                            columns_.size()),
+                std::string(remade));
+    for (const Cell& cell : cells_)
+        if (!cell.text.empty() && !is_printable_ascii(cell.text))
+            fail_at(line_, cell.position, "a cell holds bytes that are not printable ASCII",
+                    std::string(remade));
+    return true;
+}
+
+const EcsvReader::Cell& EcsvReader::present(std::size_t column) const {
+    if (cells_[column].text.empty())
+        fail(column, "the cell is empty but must not be", std::string(remade));
+    return cells_[column];
+}
+
+bool EcsvReader::boolean(std::size_t column) const {
+    const std::string& cell = present(column).text;
+    if (cell != "True" && cell != "False")
+        fail(column, fmt::format("\"{}\" is neither True nor False", escape_for_message(cell)),
+             std::string(remade));
+    return cell == "True";
+}
+
+std::int64_t EcsvReader::integer(std::size_t column) const {
+    const auto value = parse_integer(present(column).text);
+    if (!value)
+        fail(column,
+             fmt::format("\"{}\" is not a whole number", escape_for_message(cells_[column].text)),
+             std::string(remade));
+    return *value;
+}
+
+double EcsvReader::real(std::size_t column) const {
+    const auto value = parse_double(present(column).text);
+    if (!value)
+        fail(column,
+             fmt::format("\"{}\" is not a finite number", escape_for_message(cells_[column].text)),
+             std::string(remade));
+    return *value;
+}
+
+std::int64_t EcsvReader::seconds(std::size_t column) const {
+    const std::string& cell = present(column).text;
+    const auto value = parse_decimal_nanoseconds(cell);
+    if (!value)
+        fail(column,
+             fmt::format("\"{}\" is not a time in seconds with at most nine decimals",
+                         escape_for_message(cell)),
+             std::string(remade));
+    return *value;
+}
+
+const std::string& EcsvReader::text(std::size_t column) const {
+    return present(column).text;
+}
+
+}  // namespace runcert

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace runcert {
+
+/// A document as block-style YAML text, the same bytes everywhere: keys in their order, text in
+/// double quotes wherever a YAML 1.1 or 1.2 reader could take it for anything but that text,
+/// numbers in their shortest form that reads back equal. ASCII: other characters are escaped.
+std::string to_yaml_text(const nlohmann::ordered_json& document);
+
+/// `value` rounded to that many decimals, so that its shortest form has no more than these.
+double rounded(double value, int decimals);
+
+}  // namespace runcert

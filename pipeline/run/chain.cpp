@@ -1,0 +1,116 @@
+#include "run/chain.h"
+
+#include <fmt/format.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+
+#include "core/failure.h"
+#include "core/text.h"
+#include "files/atomic_file.h"
+#include "files/process.h"
+
+namespace runcert {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view workshop_prefix = ".runcert-";
+
+std::vector<std::string> lines_of(const std::string& text) {
+    std::vector<std::string> lines;
+    for (std::size_t begin = 0; begin < text.size();) {
+        const std::size_t end = std::min(text.find('\n', begin), text.size());
+        lines.push_back(text.substr(begin, end - begin));
+        begin = end + 1;
+    }
+    return lines;
+}
+
+/// Workshops of runs that were killed.
+void remove_abandoned(const fs::path& run_dir) {
+    for (const auto& entry : fs::directory_iterator(run_dir)) {
+        const std::string name = entry.path().filename().string();
+        if (!name.starts_with(workshop_prefix) || !entry.is_directory()) continue;
+        const auto process = parse_integer(name.substr(workshop_prefix.size()));
+        if (process && kill(static_cast<pid_t>(*process), 0) != 0 && errno == ESRCH) {
+            std::error_code ignored;
+            fs::remove_all(entry.path(), ignored);
+        }
+    }
+}
+
+bool is_report(const std::string& name) { return name.starts_with("report."); }
+
+}  // namespace
+
+StageDone run_stage(const std::string& name, const std::vector<std::string>& arguments) {
+    std::vector<std::string> command{(program_folder() / ("runcert-" + name)).string()};
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    const auto begin = std::chrono::steady_clock::now();
+    const ProcessResult result = run_process(command);
+    if (result.exit_status == 2) throw StageFailed{name, result.errors};
+    if (result.exit_status != 0)
+        throw Failure("runcert-" + name,
+                      fmt::format("the program ended with status {}: {}", result.exit_status,
+                                  escape_for_message(result.errors, 400)),
+                      "This is a fault of the program; please report it with the attempt");
+    return {.name = name,
+            .said = lines_of(result.output),
+            .seconds =
+                std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count()};
+}
+
+void run_stages(const fs::path& attempt, const fs::path& run_dir, const fs::path& evidence,
+                const std::function<void(const StageDone&)>& done) {
+    std::vector<std::string> import_arguments{"--attempt", attempt.string(), "--run-dir",
+                                              run_dir.string()};
+    if (!evidence.empty()) {
+        import_arguments.emplace_back("--evidence");
+        import_arguments.push_back(evidence.string());
+    }
+    done(run_stage("import", import_arguments));
+    // From here on the run folder's own copy of the attempt is read.
+    const std::vector<std::string> arguments{"--attempt", (run_dir / "attempt.yaml").string(),
+                                             "--run-dir", run_dir.string()};
+    for (const char* stage : {"enu", "screen", "smooth", "window", "check"})
+        done(run_stage(stage, arguments));
+}
+
+Workshop::Workshop(fs::path run_dir)
+    : run_dir_(std::move(run_dir)), created_run_dir_(!fs::exists(run_dir_)) {
+    make_directory(run_dir_);
+    remove_abandoned(run_dir_);
+    path_ = run_dir_ / fmt::format("{}{}", workshop_prefix, getpid());
+    make_directory(path_);
+}
+
+Workshop::~Workshop() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+    if (created_run_dir_ && fs::is_empty(run_dir_, ignored)) fs::remove(run_dir_, ignored);
+}
+
+void Workshop::publish() {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(path_))
+        names.push_back(entry.path().filename().string());
+    std::sort(names.begin(), names.end(), [](const std::string& a, const std::string& b) {
+        return std::pair(is_report(a), a) < std::pair(is_report(b), b);
+    });
+    std::error_code error;
+    for (const char* old : {"report.json.minisig", "report.json", "report.html", "report.pdf"})
+        fs::remove(run_dir_ / old, error);
+    for (const std::string& name : names) {
+        fs::rename(path_ / name, run_dir_ / name, error);
+        if (error)
+            throw Failure((run_dir_ / name).string(),
+                          "the file could not be put in place: " + error.message(),
+                          "Check that the folder can be written, and run again");
+    }
+}
+
+}  // namespace runcert

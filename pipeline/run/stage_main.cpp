@@ -1,0 +1,58 @@
+#include "run/stage_main.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <cstdio>
+#include <new>
+
+#include "core/failure.h"
+#include "files/program.h"
+
+namespace runcert {
+
+int guarded_main(const std::function<int()>& body) {
+    // A file-size limit is then an error of the write, with a message, and not a sudden end.
+    std::signal(SIGXFSZ, SIG_IGN);
+    try {
+        return body();
+    } catch (const Failure& failure) {
+        fmt::print(stderr, "error: {}\n  where: {}\n  what to do: {}\n", failure.problem(),
+                   failure.where(), failure.remedy());
+    } catch (const CLI::Error& error) {
+        fmt::print(stderr, "error: {}\n  where: the command line\n  what to do: see --help\n",
+                   error.what());
+    } catch (const std::bad_alloc&) {
+        fmt::print(stderr,
+                   "error: there is not enough memory\n  where: this computer\n  what to do: close "
+                   "other programs, or cut the recording down to the runs\n");
+    }
+    return 2;
+}
+
+int stage_main(int argc, char** argv, const std::string& stage, const std::string& summary,
+               const std::function<void(StageRun&)>& body,
+               const std::function<void(CLI::App&)>& options) {
+    return guarded_main([&]() -> int {
+        CLI::App app(summary, "runcert-" + stage);
+        std::string attempt;
+        std::string run_dir;
+        app.add_option("--attempt", attempt, "the attempt (schema attempt/1.0)")->required();
+        app.add_option("--run-dir", run_dir, "folder of the run's files")->required();
+        app.set_version_flag("--version",
+                             fmt::format("{} {}", program_version(), source_revision()));
+        if (options) options(app);
+        try {
+            app.parse(argc, argv);
+        } catch (const CLI::Success& help) {
+            return app.exit(help);
+        }
+        StageRun run(stage, attempt, run_dir);
+        body(run);
+        for (const std::string& line : run.said()) fmt::print("{}\n", line);
+        return 0;
+    });
+}
+
+}  // namespace runcert

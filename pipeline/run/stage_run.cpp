@@ -1,0 +1,89 @@
+#include "run/stage_run.h"
+
+#include <fmt/format.h>
+
+#include "core/failure.h"
+#include "files/atomic_file.h"
+#include "files/program.h"
+#include "files/sha256.h"
+#include "run/evidence.h"
+
+namespace runcert {
+
+StageRun::StageRun(std::string stage, const std::filesystem::path& attempt_file,
+                   std::filesystem::path run_dir)
+    : stage_(std::move(stage)),
+      attempt_path_(attempt_file),
+      run_dir_(std::move(run_dir)),
+      attempt_text_(read_file(attempt_file)),
+      attempt_(read_attempt(attempt_text_, attempt_file.string())) {
+    make_directory(run_dir_);
+}
+
+void StageRun::note(const InputFile& input) {
+    check_claim(input.file, input.sha256);
+    for (const InputFile& known : inputs_)
+        if (known.file == input.file) return;
+    inputs_.push_back(input);
+}
+
+void StageRun::note_attempt() {
+    note_input("attempt", std::string(evidence_attempt_file), attempt_text_);
+}
+
+void StageRun::note_input(const std::string& role, const std::string& file, std::string_view bytes,
+                          const std::string& original) {
+    const FileDigest digest = digest_of(bytes);
+    note({.role = role,
+          .file = file,
+          .sha256 = digest.sha256,
+          .bytes = digest.bytes,
+          .original = original == file ? "" : original});
+}
+
+std::string StageRun::read_text(const std::string& role, const std::string& file) {
+    std::string text = read_file(run_dir_ / file);
+    note_input(role, file, text);
+    return text;
+}
+
+void StageRun::check_claim(const std::string& file, const std::string& sha256) const {
+    const auto claim = claims_.find(file);
+    if (claim == claims_.end() || claim->second.sha256 == sha256) return;
+    throw Failure((run_dir_ / file).string(),
+                  fmt::format("the file is not the one that {} was made from: its SHA-256 is {}, "
+                              "expected {}",
+                              claim->second.claimed_by, sha256, claim->second.sha256),
+                  "Run the stages again from the first that changed, or `runcert certify`");
+}
+
+void StageRun::note_claims(const std::string& file, const Header& header) {
+    for (const InputFile& input : header.inputs) {
+        claims_[input.file] = {input.sha256, file};
+        for (const InputFile& known : inputs_)
+            if (known.file == input.file) check_claim(known.file, known.sha256);
+    }
+}
+
+Header StageRun::header() const {
+    Header header;
+    header.stage = stage_;
+    header.program_version = program_version();
+    header.source_revision = source_revision();
+    header.inputs = inputs_;
+    const auto parameters = attempt_.parameters.find(stage_);
+    if (parameters != attempt_.parameters.end()) header.parameters = parameters->second;
+    return header;
+}
+
+void StageRun::write(const std::string& file, std::string_view text) const {
+    write_file_atomically(run_dir_ / file, text);
+}
+
+std::string product_file(const Attempt& attempt, const Receiver& receiver, std::string_view stem,
+                         std::string_view extension) {
+    if (receiver.id == attempt.receivers.front().id) return fmt::format("{}.{}", stem, extension);
+    return fmt::format("{}.{}.{}", stem, receiver.id, extension);
+}
+
+}  // namespace runcert

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "core/gps_time.h"
+#include "schemas/common/table.h"
+
+namespace runcert {
+
+/// A unit in which the report gives speeds.
+struct SpeedUnit {
+    std::string_view key;   ///< in the names of fields: "km_h"
+    std::string_view name;  ///< as written: "km/h"
+    double per_mps = 1.0;   ///< so many of it are 1 m/s
+    int decimals = 2;       ///< of a speed that is shown
+    int decimals_kept = 4;  ///< of a speed in the report's fields
+};
+
+/// km/h, m/s, kn, mph (knot 1852 m/h, statute mile 1609.344 m, both exact).
+const std::array<SpeedUnit, 4>& speed_units();
+
+/// The one of that name ("km/h"), km/h where it is empty. Failure where it is not known.
+const SpeedUnit& speed_unit(std::string_view name);
+
+/// Decimals (0 to 6) that show two significant digits of an uncertainty; 2 for zero.
+int uncertainty_decimals(double uncertainty);
+
+/// An uncertainty with two significant digits, "0.018".
+std::string uncertainty_text(double uncertainty);
+
+/// A speed with the decimals usual for its unit, or those of its uncertainty where these are more.
+std::string speed_text(double speed_mps, std::optional<double> uncertainty_mps,
+                       const SpeedUnit& unit);
+
+/// "20.100 s": three decimals.
+std::string seconds_text(ElapsedTime time);
+
+/// "2022-03-18 08:51:04.300" of a GPS time, in UTC.
+std::string utc_text(GpsTime time);
+/// The same instant on the GPS time scale.
+std::string gps_text(GpsTime time);
+
+/// "4.1e-09": two significant digits of a small figure.
+std::string scientific_text(double value);
+
+/// A count with its noun: "1 epoch", "12 epochs".
+std::string counted(std::int64_t count, std::string_view noun);
+
+/// A label and a text, the element of every list of facts.
+nlohmann::ordered_json fact(std::string_view label, std::string value);
+
+/// Sets `name_km_h`, `name_m_s`, `name_knots`, `name_mph` where there is a speed.
+void set_speeds(nlohmann::ordered_json& json, const std::string& name,
+                const std::optional<double>& speed_mps);
+
+}  // namespace runcert

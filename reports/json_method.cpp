@@ -1,0 +1,144 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "reports/display.h"
+#include "reports/json_parts.h"
+
+namespace runcert {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+/// Whole-run figures are thinned to about as many points as a page can show.
+constexpr std::size_t points_of_a_curve = 1500;
+
+std::string value_text(const Json& value) {
+    if (value.is_string()) return value.get<std::string>();
+    if (!value.is_array()) return value.dump();
+    std::string text;
+    for (const Json& item : value) text += (text.empty() ? "" : ", ") + value_text(item);
+    return text;
+}
+
+Json parameter_json(const std::string& stage, const std::string& name, const Json& value,
+                    const std::vector<std::string>& overrides) {
+    const std::string path = stage + "." + name;
+    Json json{{"parameter", path}, {"value", value}, {"value_text", value_text(value)}};
+    if (const FieldRule* rule = attempt_schema().find("parameters." + path)) {
+        if (!rule->unit.empty()) json["value_unit"] = rule->unit;
+        json["meaning"] = rule->description;
+    }
+    json["set_by_attempt"] = std::find(overrides.begin(), overrides.end(), path) != overrides.end();
+    return json;
+}
+
+/// A stage with the parameters it says it used.
+Json stage_json(const Header& header, const Attempt& attempt) {
+    std::string stage = header.stage;
+    if (stage.starts_with("runcert-")) stage.erase(0, 8);
+    Json json{{"stage", header.stage},
+              {"stage_version", header.program_version},
+              {"stage_revision", header.source_revision},
+              {"stage_parameters", header.parameters},
+              {"parameters", Json::array()}};
+    if (header.parameters.is_object())
+        for (const auto& [name, value] : header.parameters.items())
+            if (!value.is_null() && !value.is_object())
+                json["parameters"].push_back(
+                    parameter_json(stage, name, value, attempt.overrides));
+    return json;
+}
+
+Json description(const ReportInputs& inputs) {
+    Json words = Json::array();
+    if (inputs.receivers.front().screened.facts.georeferenced)
+        words.push_back(
+            "Positions are taken from the recording as they are and expressed as east, north and "
+            "up at the origin given above, on the WGS 84 ellipsoid, their covariances rotated with "
+            "them.");
+    else
+        words.push_back("Plane coordinates are taken from the recording as they are.");
+    words.push_back(
+        "Every epoch is screened: the kind of its solution, its stated accuracy, the order of "
+        "time, and whether its position follows from those before it (innovation test of a "
+        "Kalman filter with constant acceleration and white-noise jerk). Epochs are marked, never "
+        "deleted. A gap in time, or several rejections in a row, ends a stretch.");
+    words.push_back(
+        "Within each stretch position, velocity and acceleration are estimated from all usable "
+        "epochs at once, in two ways that must agree: batch least squares, and a Kalman filter "
+        "with Rauch-Tung-Striebel smoothing. Covariances are multiplied by the a posteriori "
+        "variance of unit weight where it exceeds one.");
+    words.push_back(
+        "Every window of the rule's length that lies within one stretch and holds usable epochs "
+        "only is compared; the fastest is the certified one. The standard uncertainty of its "
+        "speed is propagated from the joint covariance of the positions at both its ends.");
+    words.push_back(
+        "The speeds of [DHD22] (Deakin, Holden & Daddo 2022, Precision of Derived Velocity from "
+        "Kinematic GPS for Land Yachting Speed Record Attempt) are computed beside it for "
+        "comparison and decide nothing.");
+    return words;
+}
+
+std::string thinning_words(std::size_t every) {
+    return every > 1 ? fmt::format(" One epoch in {} is drawn.", every) : "";
+}
+
+Json speed_figure(std::size_t every) {
+    return {{"figure", "speed"},
+            {"figure_title", "Horizontal speed over the whole run"},
+            {"caption", "Smoothed speed; the line is broken where the recording is. Marks at the "
+                        "foot: epochs that were not used. Shaded: the windows. Dashed: the speed "
+                        "to reach." +
+                            thinning_words(every)},
+            {"every", every}};
+}
+
+Json window_figure(const Json& profile) {
+    return {{"figure", "window"},
+            {"figure_title", "The window under the rule " + profile["profile"].get<std::string>()},
+            {"caption", "Smoothed speed with a band of twice its standard uncertainty, and the "
+                        "speeds by other methods. Shaded: the window. Black: the speed that "
+                        "counts. Dashed: the speed to reach, where it is within the figure."},
+            {"every", 1},
+            {"figure_profile", profile["profile"]}};
+}
+
+Json track_figure(std::size_t every, bool georeferenced) {
+    return {{"figure", "track"},
+            {"figure_title", "The track in the plane"},
+            {"caption", std::string("Smoothed positions on axes of equal scale") +
+                            (georeferenced ? ", from the origin." : " of the recording's plane.") +
+                            thinning_words(every)},
+            {"every", every}};
+}
+
+}  // namespace
+
+Json method_json(const ReportInputs& inputs) {
+    Json json{{"description", description(inputs)}, {"stages", Json::array()}};
+    const ReceiverResults& judged = inputs.receivers.front();
+    for (const Header* header :
+         {&judged.observations.header, &judged.enu_header, &judged.screened.header,
+          &judged.trajectory.header, &judged.windows.header, &inputs.verdict.header})
+        json["stages"].push_back(stage_json(*header, inputs.attempt));
+    return json;
+}
+
+Json figures_json(const ReportInputs& inputs, const Json& profiles) {
+    Json figures = Json::array();
+    const TrajectoryTable& table = inputs.receivers.front().trajectory;
+    const auto drawable =
+        std::count_if(table.rows.begin(), table.rows.end(),
+                      [](const TrajectoryEpoch& row) { return row.arc && row.speed_mps; });
+    if (drawable < 2) return figures;
+    const std::size_t every = 1 + table.rows.size() / points_of_a_curve;
+    figures.push_back(speed_figure(every));
+    for (const Json& profile : profiles)
+        if (profile.contains("window")) figures.push_back(window_figure(profile));
+    figures.push_back(track_figure(every, table.facts.georeferenced));
+    return figures;
+}
+
+}  // namespace runcert

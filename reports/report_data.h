@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "schemas/attempt/attempt.h"
+#include "schemas/observations/observations.h"
+#include "schemas/profile/profile.h"
+#include "schemas/screened/screened.h"
+#include "schemas/trajectory/trajectory.h"
+#include "schemas/verdict/verdict.h"
+#include "schemas/windows/windows.h"
+
+namespace runcert {
+
+/// A file that the report vouches for.
+struct ReportSubject {
+    std::string role;  ///< "attempt", "recording", "profile", "observations", ...
+    std::string file;  ///< name in the run folder
+    std::string sha256;
+    std::uint64_t bytes = 0;
+    std::string original;  ///< the name it was handed in under; empty where it is the same
+};
+
+/// What the stages found for one receiver.
+struct ReceiverResults {
+    Observations observations;  ///< its rows are not looked at and may be left out
+    Header enu_header;
+    ScreenedTable screened;
+    TrajectoryTable trajectory;
+    Windows windows;
+};
+
+/// Who is about to sign the report; empty key id: nobody.
+struct ReportSigner {
+    std::string key_id;           ///< as key_id_text prints it
+    std::string trusted_comment;  ///< the one that is signed along with the report
+    std::string role;             ///< empty where not given
+};
+
+/// A whole run folder, as the report needs it.
+struct ReportInputs {
+    Attempt attempt;
+    std::vector<Profile> profiles;           ///< in the order of the verdict's
+    std::vector<ReceiverResults> receivers;  ///< in the order of the attempt's; the first is judged
+    Verdict verdict;
+    std::vector<ReportSubject> subjects;  ///< in the order in which they are to be listed
+    std::vector<ReportSigner> signers;    ///< none: the report says UNSIGNED on every page
+};
+
+}  // namespace runcert

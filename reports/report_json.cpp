@@ -1,0 +1,147 @@
+#include "reports/report_json.h"
+
+#include <fmt/format.h>
+
+#include "core/failure.h"
+#include "files/program.h"
+#include "files/sha256.h"
+#include "reports/json_parts.h"
+#include "schemas/common/document.h"
+
+namespace runcert {
+
+std::string_view report_text(std::string_view name);
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+constexpr const char* statement_type = "https://in-toto.io/Statement/v1";
+constexpr const char* predicate_type = "urn:runcert:measurement-report:1.0";
+
+const DocumentSchema& report_schema() {
+    static const DocumentSchema schema =
+        DocumentSchema::parse(report_text("v1.yaml"), "reports/v1.yaml");
+    return schema;
+}
+
+Json signature_json(const std::vector<ReportSigner>& signers) {
+    Json json{{"signed", !signers.empty()}, {"signers", Json::array()}};
+    for (const ReportSigner& signer : signers) {
+        Json entry{{"key_id", signer.key_id}, {"trusted_comment", signer.trusted_comment}};
+        if (!signer.role.empty()) entry["signer_role"] = signer.role;
+        json["signers"].push_back(std::move(entry));
+    }
+    return json;
+}
+
+Json files_json(const std::vector<ReportSubject>& subjects) {
+    Json json = Json::array();
+    for (const ReportSubject& subject : subjects) {
+        Json entry{{"file_role", subject.role},
+                   {"file", subject.file},
+                   {"sha256", subject.sha256},
+                   {"bytes", subject.bytes}};
+        if (!subject.original.empty() && subject.original != subject.file)
+            entry["original"] = subject.original;
+        json.push_back(std::move(entry));
+    }
+    return json;
+}
+
+Json attestations_json(const Verdict& verdict) {
+    Json json = Json::array();
+    for (const ProfileVerdict& profile : verdict.profiles)
+        for (const Requirement& requirement : profile.requirements)
+            if (requirement.status == "attest")
+                json.push_back({{"profile", profile.profile},
+                                {"clause", requirement.clause},
+                                {"text", requirement.text}});
+    return json;
+}
+
+void check_inputs(const ReportInputs& inputs) {
+    const auto refuse = [](const std::string& what) {
+        throw Failure("report", what, "Run all stages of the attempt again, into an empty folder");
+    };
+    if (inputs.receivers.empty() || inputs.receivers.size() != inputs.attempt.receivers.size())
+        refuse(fmt::format("the run has results of {}, the attempt names {}",
+                           inputs.receivers.size(), inputs.attempt.receivers.size()));
+    if (inputs.verdict.attempt != inputs.attempt.id)
+        refuse(fmt::format("the verdict is on the attempt \"{}\", not on \"{}\"",
+                           inputs.verdict.attempt, inputs.attempt.id));
+    if (inputs.profiles.size() != inputs.verdict.profiles.size())
+        refuse(fmt::format("the verdict is by {} rules, {} were given",
+                           inputs.verdict.profiles.size(), inputs.profiles.size()));
+    for (std::size_t i = 0; i < inputs.profiles.size(); ++i)
+        if (inputs.profiles[i].id != inputs.verdict.profiles[i].profile)
+            refuse(fmt::format("the verdict is by the rule \"{}\" where \"{}\" was given",
+                               inputs.verdict.profiles[i].profile, inputs.profiles[i].id));
+}
+
+/// JSON is YAML, so the field tables of the stages' products serve for the report too.
+void check_predicate(const Json& predicate, const std::string& where) {
+    (void)read_document(predicate.dump(2, ' ', false, Json::error_handler_t::replace), where,
+                        report_schema());
+}
+
+}  // namespace
+
+std::string report_id(const std::vector<ReportSubject>& subjects) {
+    std::string lines;
+    for (const ReportSubject& subject : subjects)
+        lines += fmt::format("{}  {}\n", subject.sha256, subject.file);
+    return sha256_hex(lines).substr(0, 16);
+}
+
+Json report_json(const ReportInputs& inputs) {
+    check_inputs(inputs);
+    Json predicate;
+    predicate["schema"] = {{"name", report_schema().name()},
+                           {"version", report_schema().version()}};
+    predicate["report_id"] = report_id(inputs.subjects);
+    predicate["program"] = {{"name", "runcert"},
+                            {"version", program_version()},
+                            {"source_revision", source_revision()}};
+    predicate["signature"] = signature_json(inputs.signers);
+    predicate["attempt"] = attempt_json(inputs.attempt, inputs.verdict);
+    predicate["profiles"] = Json::array();
+    for (std::size_t i = 0; i < inputs.profiles.size(); ++i)
+        predicate["profiles"].push_back(profile_json(inputs, i));
+    predicate["statements"] = inputs.verdict.statements;
+    predicate["attestations"] = attestations_json(inputs.verdict);
+    predicate["frame"] = frame_json(inputs);
+    predicate["receivers"] = Json::array();
+    for (std::size_t i = 0; i < inputs.receivers.size(); ++i)
+        predicate["receivers"].push_back(
+            receiver_json(inputs.receivers[i], inputs.attempt.receivers[i]));
+    predicate["method"] = method_json(inputs);
+    predicate["figures"] = figures_json(inputs, predicate["profiles"]);
+    predicate["files"] = files_json(inputs.subjects);
+    check_predicate(predicate, "report");
+
+    Json statement{{"_type", statement_type}, {"subject", Json::array()}};
+    for (const ReportSubject& subject : inputs.subjects)
+        statement["subject"].push_back(
+            {{"name", subject.file}, {"digest", {{"sha256", subject.sha256}}}});
+    statement["predicateType"] = predicate_type;
+    statement["predicate"] = std::move(predicate);
+    return statement;
+}
+
+std::string report_text_of(const Json& report) {
+    return report.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+Json parse_report(const std::string& text, const std::string& where) {
+    const Json report = Json::parse(text, nullptr, false);
+    if (!report.is_object() || !report.contains("predicate") ||
+        report.value("predicateType", Json()) != Json(predicate_type))
+        throw Failure(where, "this is not a measurement report of this program's version",
+                      "Give the report.json of a run folder, or use the version of the program "
+                      "that made it");
+    check_predicate(report["predicate"], where);
+    return report;
+}
+
+}  // namespace runcert

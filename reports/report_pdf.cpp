@@ -1,0 +1,30 @@
+#include "reports/report_pdf.h"
+
+#include <fmt/format.h>
+
+#include "core/failure.h"
+#include "core/text.h"
+#include "files/atomic_file.h"
+#include "files/process.h"
+
+namespace runcert {
+
+std::string report_pdf(const std::string& html) {
+    const TemporaryFolder folder;
+    const std::filesystem::path page = folder.path() / "report.html";
+    const std::filesystem::path pdf = folder.path() / "report.pdf";
+    write_file_atomically(page, html);
+    // WeasyPrint writes the time of making into the file unless it is told another.
+    const ProcessResult result =
+        run_process({"weasyprint", "--quiet", "--encoding", "utf-8", page.string(), pdf.string()},
+                    {{"SOURCE_DATE_EPOCH", "0"}, {"LC_ALL", "C.UTF-8"}, {"TZ", "UTC"}});
+    if (result.exit_status != 0 || !std::filesystem::exists(pdf))
+        throw Failure("weasyprint",
+                      fmt::format("the PDF could not be made (exit status {}): {}",
+                                  result.exit_status,
+                                  escape_for_message(trim(result.errors), 2000)),
+                      "Install the package weasyprint, or leave the PDF out with --no-render");
+    return read_file(pdf);
+}
+
+}  // namespace runcert

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "reports/report_data.h"
+
+namespace runcert {
+
+/// The bytes of report.json, which are what gets signed.
+std::string write_report_json(const ReportInputs& inputs);
+
+struct RenderOptions {
+    bool pdf = true;
+};
+
+/// Writes report.html and report.pdf into the run folder, from the bytes of report.json and from
+/// the tables in the folder alone, so that anyone can make them again from what was signed.
+void render_report(const std::filesystem::path& run_folder, const std::string& report_text,
+                   const RenderOptions& options = {});
+
+}  // namespace runcert

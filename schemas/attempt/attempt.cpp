@@ -1,0 +1,204 @@
+#include "schemas/attempt/attempt.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "core/failure.h"
+#include "core/text.h"
+#include "schemas/common/enum_text.h"
+
+namespace runcert {
+
+std::string_view attempt_schema_text(std::string_view name);
+
+namespace {
+
+constexpr EnumWords<CoordinateFrame, 4> frame_words{
+    {{CoordinateFrame::geodetic, "geodetic"},
+     {CoordinateFrame::ecef, "ecef"},
+     {CoordinateFrame::utm, "utm"},
+     {CoordinateFrame::local_plane, "local_plane"}}};
+
+std::string default_text(std::string_view field) {
+    return attempt_schema().find(field)->default_value.text();
+}
+
+/// An id names files: nothing that a file system or a shell could read otherwise.
+std::string read_id(const YamlValue& value) {
+    const std::string id = value.text();
+    const bool good = !id.empty() && id.size() <= 64 && id.front() != '-' &&
+                      std::all_of(id.begin(), id.end(), [](char c) {
+                          return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+                                 (c >= '0' && c <= '9') || c == '-' || c == '_';
+                      });
+    if (!good)
+        value.fail(fmt::format("\"{}\" cannot be an id", escape_for_message(id)),
+                   "Use 1 to 64 letters, digits, - and _, not beginning with -");
+    return id;
+}
+
+void read_frame(const YamlValue& entry, Receiver& receiver) {
+    const YamlValue frame = entry["frame"];
+    if (!frame.exists()) return;
+    if (frame.is_map()) {
+        receiver.frame = CoordinateFrame::utm;
+        receiver.utm_zone =
+            UtmZone{.zone = static_cast<int>(frame["utm"]["zone"].integer()),
+                    .northern = frame["utm"]["hemisphere"].text() == "north"};
+        return;
+    }
+    CoordinateFrame value{};
+    if (!value_of(frame_words, frame.text(), value))
+        frame.fail(fmt::format("\"{}\" is not a frame", escape_for_message(frame.text())),
+                   "Use geodetic, ecef, local_plane, or utm: {zone: 55, hemisphere: south}");
+    if (value == CoordinateFrame::utm)
+        frame.fail("UTM coordinates need their zone and hemisphere",
+                   "Write frame: {utm: {zone: 55, hemisphere: south}}");
+    receiver.frame = value;
+}
+
+std::optional<GpsTime> read_time(const YamlValue& value) {
+    if (!value.exists()) return std::nullopt;
+    try {
+        return parse_gps_iso(value.text());
+    } catch (const Failure& failure) {
+        value.fail(failure.problem(), failure.remedy());
+    }
+}
+
+Receiver read_receiver(const YamlValue& entry) {
+    Receiver receiver;
+    receiver.id = read_id(entry["id"]);
+    receiver.recording = entry["recording"].text();
+    if (receiver.recording.empty())
+        entry["recording"].fail("is empty", "Name the recording's file");
+    receiver.format = entry["format"].text_or(default_text("receivers[].format"));
+    read_frame(entry, receiver);
+    for (const std::string& key : entry["columns"].keys())
+        if (entry["columns"][key].exists())
+            receiver.columns[key] = entry["columns"][key].text();
+    receiver.time_format = entry["time_format"].text_or(default_text("receivers[].time_format"));
+    receiver.time_scale = entry["time_scale"].text_or(default_text("receivers[].time_scale"));
+    receiver.delimiter = entry["delimiter"].text_or(default_text("receivers[].delimiter"));
+    receiver.start_gps = read_time(entry["start_gps"]);
+    receiver.height_m = entry["height_m"].optional_real();
+    if (const YamlValue accuracy = entry["accuracy"]; accuracy.exists())
+        receiver.accuracy = AttemptAccuracy{.horizontal_m = accuracy["horizontal_m"].real(),
+                                            .vertical_m = accuracy["vertical_m"].optional_real()};
+    receiver.antenna_height_m = entry["antenna_height_m"].optional_real();
+    receiver.place = entry.place();
+    return receiver;
+}
+
+std::vector<Receiver> read_receivers(const YamlValue& list) {
+    std::vector<Receiver> receivers;
+    std::set<std::string> ids;
+    for (const YamlValue& entry : list.list()) {
+        receivers.push_back(read_receiver(entry));
+        if (!ids.insert(receivers.back().id).second)
+            entry["id"].fail(fmt::format("two receivers have the id \"{}\"", receivers.back().id),
+                             "Give each receiver an id of its own");
+    }
+    if (receivers.empty() || receivers.size() > 2)
+        list.fail(fmt::format("{} receivers are listed", receivers.size()),
+                  "List one receiver, or a primary and a secondary one");
+    return receivers;
+}
+
+std::string read_date(const YamlValue& value) {
+    if (!value.exists()) return {};
+    const std::string date = value.text();
+    try {
+        if (date.size() != 10) throw Failure("", "", "");
+        (void)parse_gps_iso(date + "T00:00:00");
+    } catch (const Failure&) {
+        value.fail(fmt::format("\"{}\" is not a date", escape_for_message(date)),
+                   "Write it as YYYY-MM-DD");
+    }
+    return date;
+}
+
+void resolve_parameters(const YamlValue& document, Attempt& attempt) {
+    for (const FieldRule& rule : attempt_schema().fields()) {
+        constexpr std::string_view prefix = "parameters.";
+        if (!rule.path.starts_with(prefix) || rule.path.ends_with("[]")) continue;
+        const std::string path = rule.path.substr(prefix.size());
+        const std::size_t point = path.find('.');
+        if (point == std::string::npos) continue;
+        const std::string stage = path.substr(0, point);
+        const std::string name = path.substr(point + 1);
+        YamlValue value = document["parameters"][stage][name];
+        if (value.exists())
+            attempt.overrides.push_back(path);
+        else
+            value = rule.default_value.is_map() ? rule.default_value[attempt.craft_class]
+                                                : rule.default_value;
+        attempt.parameters[stage][name] = json_from_yaml(value);
+    }
+}
+
+std::vector<std::string> read_profiles(const YamlValue& list) {
+    std::vector<std::string> profiles;
+    std::set<std::string> names;
+    for (const YamlValue& entry : list.list()) {
+        profiles.push_back(entry.text());
+        if (!names.insert(profile_name(profiles.back())).second)
+            entry.fail("the profile is claimed twice", "Name each profile once");
+    }
+    if (profiles.empty()) list.fail("no profile is named", "Name at least one, e.g. nalsa");
+    return profiles;
+}
+
+}  // namespace
+
+std::string_view to_text(CoordinateFrame frame) { return word_of(frame_words, frame); }
+
+const DocumentSchema& attempt_schema() {
+    static const DocumentSchema schema =
+        DocumentSchema::parse(attempt_schema_text("v1.yaml"), "schemas/attempt/v1.yaml");
+    return schema;
+}
+
+std::string profile_name(const std::string& claimed) {
+    std::string name = claimed.substr(claimed.find_last_of('/') + 1);
+    if (name.ends_with(".yaml")) name.resize(name.size() - 5);
+    return name;
+}
+
+Attempt read_attempt(std::string_view text, const std::string& where) {
+    const YamlValue document(parse_yaml(text, where), where);
+    if (!document.is_map())
+        document.fail("this is not an attempt", "An attempt begins with \"schema: attempt/1.0\"");
+    if (!document["schema"].exists() || document["schema"].text() != "attempt/1.0")
+        (document["schema"].exists() ? document["schema"] : document)
+            .fail("the file does not say that it follows attempt/1.0",
+                  "An attempt begins with \"schema: attempt/1.0\"");
+    attempt_schema().validate(document);
+
+    Attempt attempt;
+    attempt.id = read_id(document["id"]);
+    attempt.craft_name = document["craft"]["name"].text();
+    attempt.craft_class = document["craft"]["class"].text();
+    attempt.place = document["place"].text_or("");
+    attempt.date = read_date(document["date"]);
+    for (const YamlValue& official : document["officials"].list())
+        attempt.officials.push_back({.role = official["role"].text(),
+                                     .name = official["name"].text_or(""),
+                                     .key = official["key"].text_or("")});
+    attempt.receivers = read_receivers(document["receivers"]);
+    if (const YamlValue origin = document["origin"]; origin.exists())
+        attempt.origin = Geodetic{.latitude = Angle::from_degrees(origin["latitude_deg"].real()),
+                                  .longitude = Angle::from_degrees(origin["longitude_deg"].real()),
+                                  .height_m = origin["height_m"].real()};
+    if (const YamlValue record = document["record"]; record.exists())
+        attempt.record = Record{.speed = record["speed"].real(),
+                                .unit = record["unit"].text(),
+                                .source = record["source"].text()};
+    attempt.profiles = read_profiles(document["profiles"]);
+    resolve_parameters(document, attempt);
+    return attempt;
+}
+
+}  // namespace runcert

@@ -1,0 +1,39 @@
+#include "schemas/common/document.h"
+
+#include "files/yaml_output.h"
+
+namespace runcert {
+namespace {
+
+void round_reals(nlohmann::ordered_json& value, const std::string& path,
+                 const DocumentSchema& schema) {
+    if (value.is_object()) {
+        for (auto& [key, member] : value.items())
+            round_reals(member, path.empty() ? key : path + "." + key, schema);
+    } else if (value.is_array()) {
+        for (auto& item : value) round_reals(item, path + "[]", schema);
+    } else if (value.is_number_float()) {
+        if (const FieldRule* rule = schema.find(path))
+            value = rounded(value.get<double>(), rule->decimals);
+    }
+}
+
+}  // namespace
+
+YamlValue read_document(std::string_view text, const std::string& where,
+                        const DocumentSchema& schema) {
+    YamlValue document(parse_yaml(text, where), where);
+    const bool newer = check_version(document, schema);
+    schema.validate(document, newer);
+    return document;
+}
+
+std::string write_document(nlohmann::ordered_json document, const DocumentSchema& schema) {
+    document["schema"] = {{"name", schema.name()}, {"version", schema.version()}};
+    round_reals(document, "", schema);
+    std::string text = to_yaml_text(document);
+    (void)read_document(text, schema.name() + " as written", schema);
+    return text;
+}
+
+}  // namespace runcert

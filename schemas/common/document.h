@@ -1,0 +1,27 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <nlohmann/json.hpp>
+
+#include "schemas/common/header.h"
+
+namespace runcert {
+
+/// Reads a YAML product: parses it, checks its version and every field against `schema`.
+YamlValue read_document(std::string_view text, const std::string& where,
+                        const DocumentSchema& schema);
+
+/// Writes a YAML product: sets `schema` in it, rounds every real number to the decimals of the
+/// field table, checks the whole against the table (a deviation is a fault of the program).
+std::string write_document(nlohmann::ordered_json document, const DocumentSchema& schema);
+
+/// Sets `json[key]` where there is a value.
+template <class T>
+void set_optional(nlohmann::ordered_json& json, const char* key, const std::optional<T>& value) {
+    if (value) json[key] = *value;
+}
+
+}  // namespace runcert

@@ -1,0 +1,99 @@
+#include "schemas/common/header.h"
+
+#include <fmt/format.h>
+
+#include "core/failure.h"
+#include "core/text.h"
+
+namespace runcert {
+
+std::string_view common_schema_text(std::string_view name);
+
+using Json = nlohmann::ordered_json;
+
+const DocumentSchema& header_schema() {
+    static const DocumentSchema schema =
+        DocumentSchema::parse(common_schema_text("v1.yaml"), "schemas/common/v1.yaml");
+    return schema;
+}
+
+Json header_json(const Header& header) {
+    Json json;
+    json["schema"] = {{"name", header.schema_name}, {"version", header.schema_version}};
+    json["stage"] = {{"name", header.stage},
+                     {"version", header.program_version},
+                     {"source_revision", header.source_revision}};
+    json["inputs"] = Json::array();
+    for (const InputFile& input : header.inputs) {
+        Json entry = {{"role", input.role},
+                      {"file", input.file},
+                      {"sha256", input.sha256},
+                      {"bytes", input.bytes}};
+        if (!input.original.empty()) entry["original"] = input.original;
+        json["inputs"].push_back(std::move(entry));
+    }
+    json["parameters"] = header.parameters;
+    return json;
+}
+
+Header read_header(const YamlValue& document) {
+    Header header;
+    header.schema_name = document["schema"]["name"].text();
+    header.schema_version = document["schema"]["version"].text();
+    header.stage = document["stage"]["name"].text();
+    header.program_version = document["stage"]["version"].text();
+    header.source_revision = document["stage"]["source_revision"].text();
+    for (const YamlValue& input : document["inputs"].list())
+        header.inputs.push_back({.role = input["role"].text(),
+                                 .file = input["file"].text(),
+                                 .sha256 = input["sha256"].text(),
+                                 .bytes = static_cast<std::uint64_t>(input["bytes"].integer()),
+                                 .original = input["original"].text_or("")});
+    header.parameters = json_from_yaml(document["parameters"]);
+    return header;
+}
+
+bool check_version(const YamlValue& document, const DocumentSchema& expected) {
+    const std::string name = document["schema"]["name"].text();
+    if (name != expected.name())
+        throw Failure(document.where(),
+                      fmt::format("this is a file of the schema \"{}\", expected \"{}\"",
+                                  escape_for_message(name), expected.name()),
+                      "Give the file that the stage expects");
+    const std::string version = document["schema"]["version"].text();
+    const std::size_t point = version.find('.');
+    const auto model = parse_integer(version.substr(0, point));
+    const auto revision =
+        point == std::string::npos ? std::nullopt : parse_integer(version.substr(point + 1));
+    const std::string& own = expected.version();
+    const std::size_t own_point = own.find('.');
+    if (!model || !revision || model != parse_integer(own.substr(0, own_point)))
+        throw Failure(document.where(),
+                      fmt::format("version \"{}\" of the schema {} is not known, this program "
+                                  "reads {}",
+                                  escape_for_message(version), name, own),
+                      "Use the version of the program that made the file, or a newer one");
+    return *revision > parse_integer(own.substr(own_point + 1)).value();
+}
+
+Json json_from_yaml(const YamlValue& value) {
+    if (!value.exists()) return nullptr;
+    if (value.is_map()) {
+        Json map = Json::object();
+        for (const std::string& key : value.keys()) map[key] = json_from_yaml(value[key]);
+        return map;
+    }
+    if (value.is_list()) {
+        Json list = Json::array();
+        for (const YamlValue& item : value.list()) list.push_back(json_from_yaml(item));
+        return list;
+    }
+    const std::string text = value.text();
+    if (value.node().Tag() == "!") return text;
+    if (text == "true" || text == "false") return text == "true";
+    if (const auto integer = parse_integer(text)) return *integer;
+    if (const auto real = parse_double(text)) return *real;
+    return text;
+}
+
+}  // namespace runcert

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "files/document_schema.h"
+
+namespace runcert {
+
+/// A file that another was made from.
+struct InputFile {
+    std::string role;
+    std::string file;  ///< name in the run folder
+    std::string sha256;
+    std::uint64_t bytes = 0;
+    std::string original;  ///< the name it was handed in under; empty where it is the same
+};
+
+/// What every stage file says about itself: `schemas/common/v1.yaml`.
+struct Header {
+    std::string schema_name;
+    std::string schema_version;
+    std::string stage;
+    std::string program_version;
+    std::string source_revision;
+    std::vector<InputFile> inputs;
+    nlohmann::ordered_json parameters = nlohmann::ordered_json::object();
+};
+
+/// The field table of the header, the part all products share.
+const DocumentSchema& header_schema();
+
+/// The header as the first members of a document.
+nlohmann::ordered_json header_json(const Header& header);
+
+/// Reads the header from a validated document.
+Header read_header(const YamlValue& document);
+
+/// Checks that a document follows the schema `expected` in a version this program reads: the same
+/// model. Returns whether its revision is newer. A different schema or model is a Failure.
+bool check_version(const YamlValue& document, const DocumentSchema& expected);
+
+/// A YAML value as the same JSON value, numbers as numbers where they were not quoted.
+nlohmann::ordered_json json_from_yaml(const YamlValue& value);
+
+}  // namespace runcert

@@ -1,0 +1,166 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "core/failure.h"
+#include "files/ecsv.h"
+#include "files/yaml_output.h"
+#include "schemas/common/header.h"
+
+namespace runcert {
+
+/// Seconds from the recording's first epoch, exact.
+struct ElapsedTime {
+    std::int64_t nanoseconds = 0;
+    double seconds() const { return static_cast<double>(nanoseconds) * 1e-9; }
+    friend auto operator<=>(const ElapsedTime&, const ElapsedTime&) = default;
+};
+
+/// The field table of a product that is a table: columns, and the fields of its `meta`.
+class TableSchema {
+  public:
+    static TableSchema parse(std::string_view text, const std::string& where);
+
+    const DocumentSchema& meta() const { return meta_; }
+    const std::vector<EcsvColumn>& columns() const { return columns_; }
+
+    /// Checks a table's header against this schema and returns, for each column of the schema, the
+    /// index of that column in the table. A column that is missing, unknown, or of another type
+    /// or unit is a Failure; unknown columns of a newer revision are passed over unless they are
+    /// marked as required.
+    std::vector<std::size_t> match(const EcsvReader& reader) const;
+
+  private:
+    DocumentSchema meta_;
+    std::vector<EcsvColumn> columns_;
+};
+
+namespace cell {
+
+inline void write(EcsvWriter& out, double value) { out.real(value); }
+inline void write(EcsvWriter& out, std::int64_t value) { out.integer(value); }
+inline void write(EcsvWriter& out, bool value) { out.boolean(value); }
+inline void write(EcsvWriter& out, ElapsedTime value) { out.seconds(value.nanoseconds); }
+template <class Enum>
+    requires std::is_enum_v<Enum>
+void write(EcsvWriter& out, Enum value) {
+    out.text(to_text(value));
+}
+template <class T>
+void write(EcsvWriter& out, const std::optional<T>& value) {
+    if (value)
+        write(out, *value);
+    else
+        out.missing();
+}
+
+inline void read(const EcsvReader& in, std::size_t column, double& value) {
+    value = in.real(column);
+}
+inline void read(const EcsvReader& in, std::size_t column, std::int64_t& value) {
+    value = in.integer(column);
+}
+inline void read(const EcsvReader& in, std::size_t column, bool& value) {
+    value = in.boolean(column);
+}
+inline void read(const EcsvReader& in, std::size_t column, ElapsedTime& value) {
+    value.nanoseconds = in.seconds(column);
+}
+template <class Enum>
+    requires std::is_enum_v<Enum>
+void read(const EcsvReader& in, std::size_t column, Enum& value) {
+    const std::string& text = in.text(column);
+    if (!from_text(text, value))
+        in.fail(column, "\"" + text + "\" is not one of the known words",
+                "The file is not as the program writes it; take the original, or run the stage "
+                "again");
+}
+template <class T>
+void read(const EcsvReader& in, std::size_t column, std::optional<T>& value) {
+    if (in.is_missing(column)) {
+        value.reset();
+        return;
+    }
+    T present{};
+    read(in, column, present);
+    value = present;
+}
+
+}  // namespace cell
+
+/// Connects a column with a member of a row. An enumeration needs `to_text(Enum)` and
+/// `bool from_text(std::string_view, Enum&)`.
+template <class Row>
+struct ColumnBinding {
+    std::string name;
+    void (*write)(EcsvWriter&, const Row&);
+    void (*read)(const EcsvReader&, std::size_t, Row&);
+};
+
+template <class Row, auto Member>
+ColumnBinding<Row> column(std::string name) {
+    return {std::move(name),
+            [](EcsvWriter& out, const Row& row) { cell::write(out, row.*Member); },
+            [](const EcsvReader& in, std::size_t index, Row& row) {
+                cell::read(in, index, row.*Member);
+            }};
+}
+
+/// A schema and the struct of its rows.
+template <class Row>
+class TableFormat {
+  public:
+    /// The bindings must stand in the order of the schema's columns, and name each of them.
+    TableFormat(std::string_view schema_text, const std::string& where,
+                std::vector<ColumnBinding<Row>> bindings)
+        : schema_(TableSchema::parse(schema_text, where)), bindings_(std::move(bindings)) {
+        bool equal = bindings_.size() == schema_.columns().size();
+        for (std::size_t i = 0; equal && i < bindings_.size(); ++i)
+            equal = bindings_[i].name == schema_.columns()[i].name;
+        if (!equal)
+            throw Failure(where, "the struct of the rows does not follow the field table",
+                          "This is a fault of the program; please report it");
+    }
+
+    const TableSchema& schema() const { return schema_; }
+
+    /// The table's text. `schema` in the meta is set here.
+    std::string write(nlohmann::ordered_json meta, std::span<const Row> rows) const {
+        meta["schema"] = {{"name", schema_.meta().name()}, {"version", schema_.meta().version()}};
+        schema_.meta().validate(
+            YamlValue(parse_yaml(to_yaml_text(meta), "header"), "header of the table"));
+        EcsvWriter out(schema_.columns(), meta);
+        for (const Row& row : rows)
+            for (const ColumnBinding<Row>& binding : bindings_) binding.write(out, row);
+        return std::move(out).take();
+    }
+
+    /// `where` names the file in messages.
+    struct Contents {
+        YamlValue meta;
+        std::vector<Row> rows;
+    };
+    Contents read(std::string_view text, const std::string& where) const {
+        EcsvReader reader(text, where);
+        const std::vector<std::size_t> index = schema_.match(reader);
+        Contents contents{YamlValue(reader.meta(), where), {}};
+        while (reader.next_row()) {
+            Row& row = contents.rows.emplace_back();
+            for (std::size_t i = 0; i < bindings_.size(); ++i)
+                bindings_[i].read(reader, index[i], row);
+        }
+        return contents;
+    }
+
+  private:
+    TableSchema schema_;
+    std::vector<ColumnBinding<Row>> bindings_;
+};
+
+}  // namespace runcert

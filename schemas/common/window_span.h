@@ -1,0 +1,23 @@
+#pragma once
+
+#include <optional>
+
+#include "core/gps_time.h"
+#include "schemas/common/table.h"
+
+namespace runcert {
+
+/// A stretch between two epochs.
+struct WindowSpan {
+    std::int64_t first_epoch = 0;
+    std::int64_t last_epoch = 0;
+    ElapsedTime start;
+    ElapsedTime duration;
+    std::optional<GpsTime> start_gps;  ///< empty where the recording's time is relative
+};
+
+/// The members of a document that hold a span, and back.
+nlohmann::ordered_json window_span_json(const WindowSpan& span);
+WindowSpan read_window_span(const YamlValue& value);
+
+}  // namespace runcert

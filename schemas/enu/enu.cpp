@@ -1,0 +1,51 @@
+#include "schemas/enu/enu.h"
+
+namespace runcert {
+
+std::string_view enu_schema_text(std::string_view name);
+
+namespace {
+
+const TableFormat<EnuEpoch>& format() {
+    static const TableFormat<EnuEpoch> instance(enu_schema_text("v1.yaml"), "schemas/enu/v1.yaml",
+                                                enu_columns<EnuEpoch>());
+    return instance;
+}
+
+}  // namespace
+
+nlohmann::ordered_json frame_meta_json(const Header& header, const RecordingFacts& facts,
+                                       const std::optional<FrameOrigin>& origin) {
+    nlohmann::ordered_json meta = header_json(header);
+    meta.update(recording_facts_json(facts));
+    if (origin)
+        meta["origin"] = {{"latitude_deg", rounded(origin->position.latitude.degrees(), 11)},
+                          {"longitude_deg", rounded(origin->position.longitude.degrees(), 11)},
+                          {"height_m", rounded(origin->position.height_m, 6)},
+                          {"source", origin->source}};
+    return meta;
+}
+
+std::optional<FrameOrigin> read_origin(const YamlValue& meta) {
+    const YamlValue origin = meta["origin"];
+    if (!origin.exists()) return std::nullopt;
+    return FrameOrigin{.position = {.latitude = Angle::from_degrees(origin["latitude_deg"].real()),
+                                    .longitude =
+                                        Angle::from_degrees(origin["longitude_deg"].real()),
+                                    .height_m = origin["height_m"].real()},
+                       .source = origin["source"].text()};
+}
+
+std::string write_enu(const EnuTable& table) {
+    return format().write(frame_meta_json(table.header, table.facts, table.origin), table.rows);
+}
+
+EnuTable read_enu(std::string_view text, const std::string& where) {
+    auto contents = format().read(text, where);
+    return {.header = read_header(contents.meta),
+            .facts = read_recording_facts(contents.meta),
+            .origin = read_origin(contents.meta),
+            .rows = std::move(contents.rows)};
+}
+
+}  // namespace runcert

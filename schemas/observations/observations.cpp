@@ -1,0 +1,125 @@
+#include "schemas/observations/observations.h"
+
+#include "files/yaml_output.h"
+#include "schemas/common/enum_text.h"
+
+namespace runcert {
+
+std::string_view observations_schema_text(std::string_view name);
+
+namespace {
+
+constexpr EnumWords<FixKind, 9> fix_words{{{FixKind::unknown, "unknown"},
+                                           {FixKind::none, "none"},
+                                           {FixKind::single, "single"},
+                                           {FixKind::dgps, "dgps"},
+                                           {FixKind::sbas, "sbas"},
+                                           {FixKind::ppp, "ppp"},
+                                           {FixKind::float_ambiguities, "float"},
+                                           {FixKind::fixed, "fixed"},
+                                           {FixKind::dead_reckoning, "dead_reckoning"}}};
+
+const TableFormat<Observation>& format() {
+    static const TableFormat<Observation> instance = [] {
+        using Row = Observation;
+        std::vector<ColumnBinding<Row>> columns{
+            column<Row, &Row::epoch>("epoch"),
+            column<Row, &Row::time>("time"),
+            column<Row, &Row::latitude_deg>("latitude"),
+            column<Row, &Row::longitude_deg>("longitude"),
+            column<Row, &Row::height_m>("height"),
+            column<Row, &Row::plane_east_m>("plane_east"),
+            column<Row, &Row::plane_north_m>("plane_north"),
+            column<Row, &Row::plane_up_m>("plane_up")};
+        bind_accuracy(columns);
+        bind_recorded_velocity(columns);
+        bind_quality(columns);
+        return TableFormat<Row>(observations_schema_text("v1.yaml"),
+                                "schemas/observations/v1.yaml", std::move(columns));
+    }();
+    return instance;
+}
+
+}  // namespace
+
+std::string_view to_text(FixKind fix) { return word_of(fix_words, fix); }
+bool from_text(std::string_view text, FixKind& fix) { return value_of(fix_words, text, fix); }
+
+template <int Axes>
+Eigen::Matrix<double, Axes, Axes> stated_covariance(const StatedAccuracy& accuracy) {
+    const Eigen::Vector3d sigma(accuracy.sigma_east_m.value_or(0.0),
+                                accuracy.sigma_north_m.value_or(0.0),
+                                accuracy.sigma_up_m.value_or(0.0));
+    Eigen::Matrix3d correlation = Eigen::Matrix3d::Identity();
+    correlation(0, 1) = correlation(1, 0) = accuracy.correlation_east_north.value_or(0.0);
+    correlation(0, 2) = correlation(2, 0) = accuracy.correlation_east_up.value_or(0.0);
+    correlation(1, 2) = correlation(2, 1) = accuracy.correlation_north_up.value_or(0.0);
+    const Eigen::Matrix3d covariance = sigma.asDiagonal() * correlation * sigma.asDiagonal();
+    return covariance.topLeftCorner<Axes, Axes>();
+}
+template Eigen::Matrix2d stated_covariance<2>(const StatedAccuracy&);
+template Eigen::Matrix3d stated_covariance<3>(const StatedAccuracy&);
+
+nlohmann::ordered_json recording_facts_json(const RecordingFacts& facts) {
+    nlohmann::ordered_json json;
+    json["receiver"] = facts.receiver;
+    if (facts.first_epoch) {
+        json["first_epoch_gps"] = to_iso(*facts.first_epoch, 9);
+        json["first_epoch_utc"] = to_utc_iso(*facts.first_epoch, 9);
+    }
+    json["georeferenced"] = facts.georeferenced;
+    json["vertical_measured"] = facts.vertical_measured;
+    json["nominal_interval_s"] = rounded(facts.nominal_interval_s, 9);
+    return json;
+}
+
+RecordingFacts read_recording_facts(const YamlValue& meta) {
+    RecordingFacts facts;
+    facts.receiver = meta["receiver"].text();
+    if (meta["first_epoch_gps"].exists())
+        facts.first_epoch = parse_gps_iso(meta["first_epoch_gps"].text());
+    facts.georeferenced = meta["georeferenced"].boolean();
+    facts.vertical_measured = meta["vertical_measured"].boolean();
+    facts.nominal_interval_s = meta["nominal_interval_s"].real();
+    return facts;
+}
+
+WindowSpan window_span(const RecordingFacts& facts, std::int64_t first_epoch,
+                       std::int64_t last_epoch, ElapsedTime first, ElapsedTime last) {
+    WindowSpan span{.first_epoch = first_epoch,
+                    .last_epoch = last_epoch,
+                    .start = first,
+                    .duration = {last.nanoseconds - first.nanoseconds},
+                    .start_gps = std::nullopt};
+    if (facts.first_epoch)
+        span.start_gps = facts.first_epoch->plus_nanoseconds(first.nanoseconds);
+    return span;
+}
+
+std::string write_observations(const Observations& observations) {
+    nlohmann::ordered_json meta = header_json(observations.header);
+    meta.update(recording_facts_json(observations.facts));
+    meta["format"] = observations.format;
+    meta["frame"] = observations.frame;
+    meta["time_scale"] = observations.time_scale;
+    meta["accuracy_source"] = observations.accuracy_source;
+    meta["notes"] = observations.notes;
+    return format().write(meta, observations.rows);
+}
+
+Observations read_observations(std::string_view text, const std::string& where) {
+    auto contents = format().read(text, where);
+    Observations observations;
+    observations.header = read_header(contents.meta);
+    observations.facts = read_recording_facts(contents.meta);
+    observations.format = contents.meta["format"].text();
+    observations.frame = contents.meta["frame"].text();
+    observations.time_scale = contents.meta["time_scale"].text();
+    observations.accuracy_source = contents.meta["accuracy_source"].text();
+    for (const YamlValue& note : contents.meta["notes"].list())
+        observations.notes.push_back(note.text());
+    observations.rows = std::move(contents.rows);
+    return observations;
+}
+
+}  // namespace runcert

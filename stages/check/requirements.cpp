@@ -1,0 +1,113 @@
+#include "stages/check/requirements.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <functional>
+#include <map>
+
+#include "core/failure.h"
+
+namespace runcert {
+namespace {
+
+struct Finding {
+    std::string status;
+    std::string evidence;
+};
+
+std::string in_unit(double speed_mps, const std::string& unit, int decimals) {
+    return fmt::format("{:.{}f} {}", speed_mps / metres_per_second(unit), decimals, unit);
+}
+
+Finding window_complete(const ClauseContext& context) {
+    if (!context.windows.best)
+        return {"not_met", fmt::format("no {:g} s of the recording are without a break and "
+                                       "without an unusable epoch",
+                                       context.profile.duration_s)};
+    const WindowSpan& span = context.windows.best->span;
+    return {"met", fmt::format("{:.3f} s from epoch {} to epoch {}, no break and no unusable epoch "
+                               "inside; the best of {} such windows",
+                               span.duration.seconds(), span.first_epoch, span.last_epoch,
+                               context.windows.candidates)};
+}
+
+Finding accuracy(const ClauseContext& context) {
+    if (!context.windows.best || !context.profile.accuracy_limit_mps)
+        return {"not_met", "there is no certifiable window whose accuracy could be stated"};
+    const double u = *context.expanded_uncertainty_mps;
+    const bool met = u <= *context.profile.accuracy_limit_mps;
+    const std::string& unit = context.profile.accuracy_unit;
+    return {met ? "met" : "not_met",
+            fmt::format("{:g} times the standard uncertainty is {}, the limit {}",
+                        context.profile.coverage_factor, in_unit(u, unit, 3),
+                        in_unit(*context.profile.accuracy_limit_mps, unit, 3))};
+}
+
+Finding margin(const ClauseContext& context) {
+    if (!context.input.attempt.record)
+        return {"attest", "the attempt names no record to beat"};
+    if (!context.windows.best) return {"not_met", "there is no certifiable window"};
+    const std::string& unit = context.input.attempt.record->unit;
+    const double speed = context.windows.best->speed_mps;
+    const double u = *context.expanded_uncertainty_mps;
+    const bool met = speed - u >= *context.target_mps;
+    return {met ? "met" : "not_met",
+            fmt::format("speed {} less expanded uncertainty {} is {}, to reach {}",
+                        in_unit(speed, unit, 3), in_unit(u, unit, 3), in_unit(speed - u, unit, 3),
+                        in_unit(*context.target_mps, unit, 3))};
+}
+
+Finding georeferenced(const ClauseContext& context) {
+    if (context.input.judged.facts.georeferenced)
+        return {"met", "WGS 84 positions, taken to a local frame without a grid's scale factor"};
+    return {"attest", "the recording holds local-plane coordinates, not georeferenced: their unit "
+                      "must be the true metre on the ground"};
+}
+
+Finding secondary_method(const ClauseContext& context) {
+    if (!context.input.secondary)
+        return {"attest", "the attempt has one receiver; another method is not part of it"};
+    if (!context.windows.best || !context.secondary || !context.secondary->best)
+        return {"not_met", fmt::format("receiver \"{}\" has no certifiable window to compare",
+                                       context.input.secondary->receiver)};
+    const double error = normalised_error(*context.windows.best, *context.secondary->best);
+    return {error <= 1.0 ? "met" : "not_met",
+            fmt::format("receiver \"{}\" gives {:.3f} km/h, {:+.3f} km/h against the primary one; "
+                        "normalised error {:.2f}, at most 1",
+                        context.input.secondary->receiver, context.secondary->best->speed_mps * 3.6,
+                        (context.secondary->best->speed_mps - context.windows.best->speed_mps) *
+                            3.6,
+                        error)};
+}
+
+Finding attest(const ClauseContext&) { return {"attest", "the data cannot tell"}; }
+
+}  // namespace
+
+double normalised_error(const CertifiableWindow& a, const CertifiableWindow& b) {
+    constexpr double coverage_factor = 2.0;
+    return std::abs(a.speed_mps - b.speed_mps) /
+           (coverage_factor * std::hypot(a.standard_uncertainty_mps, b.standard_uncertainty_mps));
+}
+
+Requirement decide_clause(const Clause& clause, const ClauseContext& context) {
+    static const std::map<std::string, std::function<Finding(const ClauseContext&)>> computations{
+        {"window_complete", window_complete}, {"accuracy", accuracy},
+        {"margin", margin},                   {"georeferenced", georeferenced},
+        {"secondary_method", secondary_method}, {"attest", attest}};
+    const auto computation = computations.find(clause.decided_by);
+    if (computation == computations.end())
+        throw Failure("clause " + clause.id,
+                      "there is no computation \"" + clause.decided_by + "\"",
+                      "Use one of the names of the profile's schema");
+    const Finding finding = computation->second(context);
+    return {.clause = clause.id,
+            .status = finding.status,
+            .evidence = finding.evidence,
+            .text = clause.text,
+            .source = clause.source,
+            .certainty = clause.certainty};
+}
+
+}  // namespace runcert

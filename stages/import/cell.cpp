@@ -1,0 +1,99 @@
+#include "stages/import/cell.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/decimal_time.h"
+#include "core/failure.h"
+#include "core/text.h"
+
+namespace runcert {
+namespace {
+
+constexpr double largest_deviation = 1e9;
+
+bool is_nan_or_inf(std::string_view text) {
+    std::string lower(text.substr(text.starts_with('-') || text.starts_with('+') ? 1 : 0));
+    for (char& c : lower)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return lower.starts_with("nan") || lower.starts_with("inf") || lower.starts_with("1.#");
+}
+
+/// The text with its one comma made a point, where that makes it a number.
+std::optional<std::string> with_decimal_point(std::string_view text) {
+    if (std::count(text.begin(), text.end(), ',') != 1) return std::nullopt;
+    std::string number(text);
+    number[number.find(',')] = '.';
+    if (!parse_double(number)) return std::nullopt;
+    return number;
+}
+
+/// Says why a cell is no number.
+[[noreturn]] void refuse_number(const Cell& cell, std::string_view meaning) {
+    const std::string quoted = escape_for_message(cell.text);
+    if (cell.text.empty())
+        cell.fail(fmt::format("the {} is missing", meaning),
+                  "Take the line out, or the recording as the receiver wrote it");
+    if (is_nan_or_inf(cell.text))
+        cell.fail(fmt::format("the {} is \"{}\", which is no number", meaning, quoted),
+                  "Take the line out; a program wrote it where it had no value");
+    if (const auto number = with_decimal_point(cell.text))
+        cell.fail(fmt::format("the {} \"{}\" has a decimal comma", meaning, quoted),
+                  fmt::format("Write {}: export the recording with decimal points", *number));
+    cell.fail(fmt::format("the {} \"{}\" is not a number", meaning, quoted),
+              "Correct the line, or the description of the columns");
+}
+
+}  // namespace
+
+std::string place_in(const RecordingBytes& recording, std::int64_t line, std::size_t column) {
+    return fmt::format("{}:{}:{}", recording.name, line, column);
+}
+
+std::string Cell::place() const {
+    return place_in(*recording, line, column);
+}
+
+void Cell::fail(const std::string& what, const std::string& remedy) const {
+    throw Failure(place(), what, remedy);
+}
+
+double read_real(const Cell& cell, std::string_view meaning) {
+    const std::optional<double> value = parse_double(cell.text);
+    if (!value) refuse_number(cell, meaning);
+    return *value;
+}
+
+std::int64_t read_whole(const Cell& cell, std::string_view meaning, std::int64_t least,
+                        std::int64_t most) {
+    const double value = read_real(cell, meaning);
+    if (value != std::floor(value) || value < static_cast<double>(least) ||
+        value > static_cast<double>(most))
+        cell.fail(fmt::format("the {} \"{}\" is not a whole number from {} to {}", meaning,
+                              escape_for_message(cell.text), least, most),
+                  "Correct the line, or the description of the columns");
+    return static_cast<std::int64_t>(value);
+}
+
+double read_deviation(const Cell& cell, std::string_view meaning) {
+    const double value = read_real(cell, meaning);
+    if (value < 0.0 || value > largest_deviation)
+        cell.fail(fmt::format("the {} {} cannot be one", meaning, escape_for_message(cell.text)),
+                  "A standard deviation is positive, in metres or metres a second");
+    return value;
+}
+
+std::int64_t read_nanoseconds(const Cell& cell, std::string_view meaning) {
+    const std::optional<std::int64_t> value = parse_decimal_nanoseconds(cell.text);
+    if (value) return *value;
+    if (parse_double(cell.text))
+        cell.fail(fmt::format("the {} \"{}\" is not a plain count of seconds with at most nine "
+                              "decimals",
+                              meaning, escape_for_message(cell.text)),
+                  "Write it without exponent, rounded to the nanosecond or coarser");
+    refuse_number(cell, meaning);
+}
+
+}  // namespace runcert

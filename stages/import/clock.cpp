@@ -1,0 +1,129 @@
+#include "stages/import/clock.h"
+
+#include <fmt/format.h>
+
+#include "core/decimal_time.h"
+#include "core/failure.h"
+#include "core/text.h"
+
+namespace runcert {
+namespace {
+
+constexpr std::int64_t jst_offset_ns = 9 * 3600 * GpsTime::nanoseconds_per_second;
+constexpr std::int64_t unix_seconds_of_gps_epoch = 315'964'800;
+
+/// The number of exactly `size` digits at `at`, which must be there.
+std::optional<int> digits(std::string_view text, std::size_t at, std::size_t size) {
+    if (text.size() < at + size) return std::nullopt;
+    int value = 0;
+    for (const char c : text.substr(at, size)) {
+        if (c < '0' || c > '9') return std::nullopt;
+        value = value * 10 + (c - '0');
+    }
+    return value;
+}
+
+void read_date(const Cell& cell, CalendarTime& calendar) {
+    const std::string_view text = cell.text;
+    const auto year = digits(text, 0, 4);
+    const auto month = digits(text, 5, 2);
+    const auto day = digits(text, 8, 2);
+    const bool separated =
+        text.size() == 10 && (text[4] == '-' || text[4] == '/') && text[7] == text[4];
+    if (!separated || !year || !month || !day)
+        cell.fail(fmt::format("\"{}\" is not a date", escape_for_message(text)),
+                  "Write dates as 2023-07-11 or 2023/07/11: year, month, day");
+    calendar.year = *year;
+    calendar.month = *month;
+    calendar.day = *day;
+}
+
+void read_time_of_day(const Cell& cell, CalendarTime& calendar) {
+    const std::string_view text = cell.text;
+    const auto hour = digits(text, 0, 2);
+    const auto minute = digits(text, 3, 2);
+    std::optional<std::int64_t> nanoseconds;
+    if (text.size() >= 8 && text[2] == ':' && text[5] == ':' && digits(text, 6, 2) &&
+        (text.size() == 8 || text[8] == '.'))
+        nanoseconds = parse_decimal_nanoseconds(text.substr(6));
+    if (!hour || !minute || !nanoseconds)
+        cell.fail(fmt::format("\"{}\" is not a time of day", escape_for_message(text)),
+                  "Write times as 06:04:30.000: two digits each, at most nine decimals");
+    calendar.hour = *hour;
+    calendar.minute = *minute;
+    calendar.second = static_cast<int>(*nanoseconds / GpsTime::nanoseconds_per_second);
+    calendar.nanosecond = *nanoseconds % GpsTime::nanoseconds_per_second;
+}
+
+GpsTime instant(const CalendarTime& shown, Clock clock) {
+    switch (clock) {
+        case Clock::gps:
+            return GpsTime::from_calendar(shown);
+        case Clock::utc:
+            return gps_from_utc(shown);
+        case Clock::jst:
+            break;
+    }
+    return gps_from_utc(GpsTime::from_calendar(shown).plus_nanoseconds(-jst_offset_ns).calendar());
+}
+
+/// Runs a conversion; its failure is one at the cell.
+template <class Conversion>
+GpsTime at(const Cell& cell, Conversion conversion) {
+    try {
+        return conversion();
+    } catch (const Failure& failure) {
+        cell.fail(fmt::format("the time \"{}\" does not exist: {}", escape_for_message(cell.text),
+                              failure.problem()),
+                  failure.remedy());
+    }
+}
+
+}  // namespace
+
+GpsTime read_calendar(const Cell& date, const Cell& time_of_day, Clock clock) {
+    CalendarTime calendar;
+    read_date(date, calendar);
+    read_time_of_day(time_of_day, calendar);
+    return at(time_of_day, [&] { return instant(calendar, clock); });
+}
+
+GpsTime read_iso(const Cell& cell, Clock clock) {
+    std::string_view text = cell.text;
+    if (text.size() < 11 || (text[10] != 'T' && text[10] != ' '))
+        cell.fail(fmt::format("\"{}\" is not a date and time", escape_for_message(text)),
+                  "Write them as 2023-07-11T06:04:30.000");
+    if (text.ends_with('Z')) {
+        if (clock != Clock::utc)
+            cell.fail(fmt::format("\"{}\" ends in Z, which is UTC, but the attempt says GPS time",
+                                  escape_for_message(text)),
+                      "Write time_scale: utc in the attempt");
+        text.remove_suffix(1);
+    }
+    Cell date = cell, time_of_day = cell;
+    date.text = text.substr(0, 10);
+    time_of_day.text = text.substr(11);
+    time_of_day.column += 11;
+    return read_calendar(date, time_of_day, clock);
+}
+
+GpsTime read_week_time(const Cell& week, const Cell& seconds_of_week, Clock clock) {
+    const auto week_number = static_cast<int>(read_whole(week, "GPS week", 0, 9999));
+    const std::int64_t nanoseconds = read_nanoseconds(seconds_of_week, "time of week");
+    return at(seconds_of_week, [&] {
+        const GpsTime shown = GpsTime::from_week(week_number, nanoseconds);
+        return clock == Clock::gps ? shown : instant(shown.calendar(), clock);
+    });
+}
+
+GpsTime read_unix(const Cell& cell) {
+    const std::int64_t nanoseconds = read_nanoseconds(cell, "unix time");
+    return at(cell, [&] {
+        const GpsTime shown =
+            GpsTime::from_nanoseconds(nanoseconds)
+                .plus_nanoseconds(-unix_seconds_of_gps_epoch * GpsTime::nanoseconds_per_second);
+        return instant(shown.calendar(), Clock::utc);
+    });
+}
+
+}  // namespace runcert

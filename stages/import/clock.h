@@ -1,0 +1,27 @@
+#pragma once
+
+#include "core/gps_time.h"
+#include "stages/import/cell.h"
+
+namespace runcert {
+
+/// What a recording's clock shows: GPS time, UTC, or Japan Standard Time (UTC + 9 h).
+enum class Clock { gps, utc, jst };
+
+// All fail at the cell that holds what cannot be read. Exact: no time is ever a double.
+
+/// The instant at which the clock shows this date ("2023-07-11" or "2023/07/11") and time of day
+/// ("06:04:30", with any decimals up to the ninth). Second 60 where UTC had a leap second.
+GpsTime read_calendar(const Cell& date, const Cell& time_of_day, Clock clock);
+
+/// The same from one cell: date, T or a blank, time of day. A final Z says UTC, and fails where
+/// the clock is another.
+GpsTime read_iso(const Cell& cell, Clock clock);
+
+/// The instant at which the clock shows this full week number and these seconds of the week.
+GpsTime read_week_time(const Cell& week, const Cell& seconds_of_week, Clock clock);
+
+/// The instant of a count of seconds since 1970-01-01 UTC, without leap seconds.
+GpsTime read_unix(const Cell& cell);
+
+}  // namespace runcert

@@ -1,0 +1,122 @@
+#include "stages/import/csv.h"
+
+#include <fmt/format.h>
+
+#include "core/failure.h"
+#include "core/text.h"
+#include "stages/import/csv_layout.h"
+#include "stages/import/csv_row.h"
+#include "stages/import/csv_split.h"
+#include "stages/import/finish.h"
+
+namespace runcert::csv {
+namespace {
+
+bool is_skipped(const SourceLine& line) {
+    return line.text.starts_with('#') || trim(line.text).empty();
+}
+
+[[noreturn]] void refuse_count(const SourceLine& line, const RecordingBytes& recording,
+                               std::size_t count, const Layout& layout, bool last) {
+    const Cell start{line.text, &recording, line.number, 1};
+    if (count < layout.fields && last && !line.ended)
+        start.fail(
+            fmt::format("the last line is cut off: it has {} fields of {}", count, layout.fields),
+            "Take the whole recording, or take that line out");
+    start.fail(fmt::format("the line has {} fields; the first line of the table has {}", count,
+                           layout.fields),
+               count > layout.fields && layout.delimiter == ','
+                   ? "If numbers have a decimal comma (\"1,5\"), write 1.5"
+                   : "Correct the line, or take it out");
+}
+
+TimedRows read_rows(const Receiver& receiver, const Description& description,
+                    const RecordingBytes& recording) {
+    LineReader lines(recording.bytes);
+    std::optional<SourceLine> line = lines.next();
+    while (line && is_skipped(*line))
+        line = lines.next();
+    TimedRows timed;
+    if (!line) return timed;
+    const Layout layout = read_layout(receiver, description, *line, recording);
+    if (layout.has_header_line) line = lines.next();
+    for (; line; line = lines.next()) {
+        if (trim(line->text).empty()) continue;
+        const std::vector<Cell> cells = split(*line, recording, layout.delimiter);
+        if (cells.size() != layout.fields)
+            refuse_count(*line, recording, cells.size(), layout, lines.at_end());
+        Row row = read_row(cells, layout, description, receiver);
+        row.observation.source_line = line->number;
+        row.observation.source_byte = line->byte;
+        timed.rows.push_back(row.observation);
+        timed.instants.push_back(row.instant);
+    }
+    return timed;
+}
+
+std::string time_scale_word(const Receiver& receiver, const Description& description) {
+    if (description.time_format == TimeFormat::seconds)
+        return receiver.start_gps ? "gps" : "relative";
+    return description.utc || description.time_format == TimeFormat::unix ? "utc" : "gps";
+}
+
+void note_description(Observations& observations, const Receiver& receiver,
+                      const Description& description) {
+    if (description.constant_height_m)
+        observations.notes.push_back(
+            fmt::format("Heights are not recorded; every position is put at the attempt's {} m.",
+                        *description.constant_height_m));
+    if (receiver.columns.contains("quality_2d"))
+        observations.notes.push_back(
+            "The recorded horizontal accuracy is a two-dimensional coordinate quality; each "
+            "coordinate is given 1/sqrt(2) of it.");
+    if (description.frame == CoordinateFrame::utm && receiver.columns.contains("sigma_east"))
+        observations.notes.push_back(
+            "The recorded accuracies are along the UTM grid, and were turned to true east and "
+            "north.");
+    if (receiver.start_gps && description.time_format != TimeFormat::seconds)
+        observations.notes.push_back(
+            "The attempt's start_gps is not used: the recording has times of its own.");
+    if (receiver.height_m && !description.constant_height_m)
+        observations.notes.push_back("The attempt's height_m is not used.");
+}
+
+}  // namespace
+
+bool recognises(std::string_view bytes) {
+    LineReader lines(bytes);
+    std::optional<SourceLine> line = lines.next();
+    while (line && is_skipped(*line))
+        line = lines.next();
+    if (!line) return false;
+    const char delimiter = find_delimiter(line->text);
+    if (line->text.find(delimiter) == std::string_view::npos) return false;
+    const RecordingBytes nameless;
+    try {
+        const std::size_t fields = split(*line, nameless, delimiter).size();
+        const auto second = lines.next();
+        return fields > 2 && second && split(*second, nameless, delimiter).size() == fields;
+    } catch (const Failure&) {
+        return false;  // unbalanced quotation marks: no table
+    }
+}
+
+Observations read(const Receiver& receiver, const RecordingBytes& recording) {
+    const Description description = describe(receiver);
+    require_text(recording);
+    Observations observations;
+    observations.facts.receiver = receiver.id;
+    observations.facts.georeferenced = description.frame != CoordinateFrame::local_plane;
+    observations.facts.vertical_measured =
+        description.has_up || description.frame == CoordinateFrame::ecef;
+    observations.format = "csv";
+    observations.frame = to_text(description.frame);
+    observations.time_scale = time_scale_word(receiver, description);
+    set_times(observations, read_rows(receiver, description, recording), recording);
+    note_description(observations, receiver, description);
+    set_accuracy(observations, receiver);
+    note_text(observations, recording);
+    return observations;
+}
+
+}  // namespace runcert::csv

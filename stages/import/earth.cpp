@@ -1,0 +1,91 @@
+#include "stages/import/earth.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "core/text.h"
+
+namespace runcert {
+namespace {
+
+constexpr double largest_height_m = 100e3;
+constexpr double least_radius_m = 6.3e6;
+constexpr double largest_radius_m = 6.6e6;
+
+std::optional<double> finite(double value) {
+    if (!std::isfinite(value)) return std::nullopt;
+    return value;
+}
+
+}  // namespace
+
+Geodetic checked_geodetic(const Geodetic& position, const Cell& latitude, const Cell& longitude,
+                          const Cell& height) {
+    const double latitude_deg = position.latitude.degrees();
+    const double longitude_deg = position.longitude.degrees();
+    if (std::abs(latitude_deg) > 90.0)
+        latitude.fail(
+            fmt::format("a latitude of {} degrees is impossible", latitude_deg),
+            std::abs(longitude_deg) <= 90.0 && latitude_deg >= -180.0 && latitude_deg <= 360.0
+                ? "Are latitude and longitude swapped?"
+                : "Latitudes are within 90 degrees of the equator; check the columns");
+    if (longitude_deg < -180.0 || longitude_deg > 360.0)
+        longitude.fail(fmt::format("a longitude of {} degrees is impossible", longitude_deg),
+                       "Longitudes are -180 to 360 degrees, east positive; check the columns");
+    if (std::abs(position.height_m) > largest_height_m)
+        height.fail(fmt::format("a height of {} m is impossible", position.height_m),
+                    "Heights are metres above the ellipsoid, within 100 km of it; check the "
+                    "columns and their units");
+    Geodetic result = position;
+    if (longitude_deg > 180.0) result.longitude = Angle::from_degrees(longitude_deg - 360.0);
+    return result;
+}
+
+Geodetic checked_ecef(const Eigen::Vector3d& position_m, const Cell& first) {
+    const double radius_m = position_m.norm();
+    if (!(radius_m >= least_radius_m && radius_m <= largest_radius_m))
+        first.fail(fmt::format("the position is {:.0f} km from the centre of the Earth",
+                               radius_m / 1000.0),
+                   "Earth-centred coordinates are metres, 6300 to 6600 km from the centre; check "
+                   "the columns and their units");
+    return geodetic_from_ecef(Ecef{position_m});
+}
+
+void set_position(Observation& row, const Geodetic& position) {
+    row.latitude_deg = position.latitude.degrees();
+    row.longitude_deg = position.longitude.degrees();
+    row.height_m = position.height_m;
+}
+
+StatedAccuracy accuracy_from_covariance(const Eigen::Matrix3d& covariance_m2) {
+    const auto sigma = [&](int axis) -> std::optional<double> {
+        if (!(covariance_m2(axis, axis) > 0.0)) return std::nullopt;
+        return std::sqrt(covariance_m2(axis, axis));
+    };
+    StatedAccuracy accuracy;
+    accuracy.sigma_east_m = sigma(0);
+    accuracy.sigma_north_m = sigma(1);
+    accuracy.sigma_up_m = sigma(2);
+    const auto correlation = [&](int a, int b) -> std::optional<double> {
+        if (!sigma(a) || !sigma(b)) return std::nullopt;
+        return finite(covariance_m2(a, b) / (*sigma(a) * *sigma(b)));
+    };
+    accuracy.correlation_east_north = correlation(0, 1);
+    accuracy.correlation_east_up = correlation(0, 2);
+    accuracy.correlation_north_up = correlation(1, 2);
+    return accuracy;
+}
+
+Eigen::Matrix3d covariance_from_rtklib(const Eigen::Vector3d& deviations,
+                                       const Eigen::Vector3d& signed_roots) {
+    Eigen::Matrix3d covariance = deviations.cwiseAbs2().asDiagonal();
+    for (const int a : {0, 1, 2}) {
+        const int b = (a + 1) % 3;
+        const double root = signed_roots(a);
+        covariance(a, b) = covariance(b, a) = std::copysign(root * root, root);
+    }
+    return covariance;
+}
+
+}  // namespace runcert

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "core/geodesy.h"
+#include "schemas/observations/observations.h"
+#include "stages/import/cell.h"
+
+namespace runcert {
+
+// Positions and accuracies as recordings give them, turned into those of an observation. A
+// position that cannot be one of a craft (a latitude of 95 degrees, 100 km above or below the
+// ellipsoid, an Earth-centred radius outside 6300 to 6600 km) fails at its cell.
+
+/// A position of geographic coordinates, longitude from -180 to 360 degrees; the result's is from
+/// -180 to 180. The cells are for messages.
+Geodetic checked_geodetic(const Geodetic& position, const Cell& latitude, const Cell& longitude,
+                          const Cell& height);
+
+/// The position of Earth-centred coordinates (m).
+Geodetic checked_ecef(const Eigen::Vector3d& position_m, const Cell& first);
+
+/// Puts a WGS 84 position into a row.
+void set_position(Observation& row, const Geodetic& position);
+
+/// Standard deviations and correlations of a covariance (m^2, towards east, north, up). A
+/// variance that is not positive leaves its deviation and correlations empty. A correlation
+/// beyond +-1 is kept: screening judges.
+StatedAccuracy accuracy_from_covariance(const Eigen::Matrix3d& covariance_m2);
+
+/// A covariance from how RTKLIB prints it: three standard deviations, and for the pairs (0,1),
+/// (1,2), (2,0) sign(c) sqrt(|c|) of the covariance c (RTKLIB 2.4.3 manual, appendix B).
+Eigen::Matrix3d covariance_from_rtklib(const Eigen::Vector3d& deviations,
+                                       const Eigen::Vector3d& signed_roots);
+
+}  // namespace runcert

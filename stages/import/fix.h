@@ -1,0 +1,12 @@
+#pragma once
+
+#include "schemas/observations/observations.h"
+#include "stages/import/cell.h"
+
+namespace runcert {
+
+/// The kind of solution of RTKLIB's number Q, 0 to 7, which may be printed as "1.0000000".
+/// Failure at the cell for any other text.
+FixKind read_rtklib_quality(const Cell& cell);
+
+}  // namespace runcert

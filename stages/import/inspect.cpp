@@ -1,0 +1,195 @@
+#include "stages/import/inspect.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "core/geodesy.h"
+#include "core/statistics.h"
+
+namespace runcert {
+namespace {
+
+constexpr double gap_factor = 1.5;
+constexpr std::int64_t shortest_window_ns = 2'999'000'000;
+constexpr std::int64_t window_ns = 3'000'000'000;
+
+bool has_position(const Observation& row) {
+    return row.latitude_deg || row.plane_east_m;
+}
+
+bool has_velocity(const Observation& row) {
+    return row.recorded_velocity_east_mps && row.recorded_velocity_north_mps;
+}
+
+double horizontal_speed(const Observation& row) {
+    return std::hypot(*row.recorded_velocity_east_mps, *row.recorded_velocity_north_mps);
+}
+
+Geodetic place_of(const Observation& row) {
+    return {.latitude = Angle::from_degrees(*row.latitude_deg),
+            .longitude = Angle::from_degrees(*row.longitude_deg),
+            .height_m = *row.height_m};
+}
+
+/// The rows that `usable` holds for, in the order of time, the first of each time.
+template <class Usable>
+std::vector<const Observation*> by_time(const std::vector<Observation>& rows, Usable usable) {
+    std::vector<const Observation*> sorted;
+    for (const Observation& row : rows)
+        if (usable(row)) sorted.push_back(&row);
+    const auto earlier = [](const Observation* a, const Observation* b) {
+        return a->time < b->time;
+    };
+    const auto equal = [](const Observation* a, const Observation* b) {
+        return a->time == b->time;
+    };
+    std::stable_sort(sorted.begin(), sorted.end(), earlier);
+    sorted.erase(std::unique(sorted.begin(), sorted.end(), equal), sorted.end());
+    return sorted;
+}
+
+/// The fastest of all windows of about 3 s; `speed(from, to)` is that of the window between two
+/// indices.
+template <class Speed>
+std::optional<RawBest> fastest(const std::vector<const Observation*>& rows,
+                               double nominal_interval_s, Speed speed) {
+    const auto longest_ns = window_ns + static_cast<std::int64_t>(nominal_interval_s * 1e9 + 0.5);
+    std::optional<RawBest> best;
+    std::size_t to = 0;
+    for (std::size_t from = 0; from < rows.size(); ++from) {
+        const auto span_ns = [&](std::size_t end) {
+            return rows[end]->time.nanoseconds - rows[from]->time.nanoseconds;
+        };
+        while (to < rows.size() && span_ns(to) < shortest_window_ns)
+            ++to;
+        for (std::size_t end = to; end < rows.size() && span_ns(end) < longest_ns; ++end) {
+            const double duration_s = static_cast<double>(span_ns(end)) * 1e-9;
+            const double candidate = speed(from, end, duration_s);
+            if (best && candidate <= best->speed_mps) continue;
+            best = RawBest{.speed_mps = candidate,
+                           .start = rows[from]->time,
+                           .duration_s = duration_s,
+                           .first_epoch = rows[from]->epoch,
+                           .last_epoch = rows[end]->epoch,
+                           .all_fixed = std::all_of(
+                               rows.begin() + static_cast<std::ptrdiff_t>(from),
+                               rows.begin() + static_cast<std::ptrdiff_t>(end) + 1,
+                               [](const Observation* row) { return row->fix == FixKind::fixed; })};
+        }
+    }
+    return best;
+}
+
+std::optional<RawBest> best_by_position(const Observations& observations) {
+    const auto rows = by_time(observations.rows, has_position);
+    std::vector<Eigen::Vector3d> points;
+    for (const Observation* row : rows)
+        points.push_back(row->latitude_deg
+                             ? ecef_from_geodetic(place_of(*row)).m
+                             : Eigen::Vector3d(*row->plane_east_m, *row->plane_north_m, 0.0));
+    return fastest(rows, observations.facts.nominal_interval_s,
+                   [&](std::size_t from, std::size_t to, double duration_s) {
+                       Eigen::Vector3d chord = points[to] - points[from];
+                       if (rows[from]->latitude_deg) {
+                           const Geodetic place = place_of(*rows[from]);
+                           chord = rotation_enu_from_ecef(place.latitude, place.longitude) * chord;
+                       }
+                       return chord.head<2>().norm() / duration_s;
+                   });
+}
+
+std::optional<RawBest> best_by_velocity(const Observations& observations) {
+    const auto rows = by_time(observations.rows, [](const Observation&) { return true; });
+    // Sums up to each row of the speeds, and of the rows that have none.
+    std::vector<double> sum(rows.size() + 1, 0.0);
+    std::vector<std::size_t> missing(rows.size() + 1, 0);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const bool there = has_velocity(*rows[i]);
+        sum[i + 1] = sum[i] + (there ? horizontal_speed(*rows[i]) : 0.0);
+        missing[i + 1] = missing[i] + (there ? 0 : 1);
+    }
+    std::optional<RawBest> best = fastest(
+        rows, observations.facts.nominal_interval_s, [&](std::size_t from, std::size_t to, double) {
+            if (missing[to + 1] != missing[from]) return -1.0;
+            return (sum[to + 1] - sum[from]) / static_cast<double>(to + 1 - from);
+        });
+    if (best && best->speed_mps < 0.0) best.reset();
+    return best;
+}
+
+void count_steps(const Observations& observations, Inspection& inspection) {
+    const double gap_s = gap_factor * observations.facts.nominal_interval_s;
+    const auto& rows = observations.rows;
+    for (std::size_t i = 1; i < rows.size(); ++i) {
+        const std::int64_t step_ns = rows[i].time.nanoseconds - rows[i - 1].time.nanoseconds;
+        const double step_s = static_cast<double>(step_ns) * 1e-9;
+        inspection.repeated_times += step_ns == 0 ? 1 : 0;
+        inspection.backward_times += step_ns < 0 ? 1 : 0;
+        inspection.fix_changes += rows[i].fix != rows[i - 1].fix ? 1 : 0;
+        if (step_ns <= 0 || step_s <= gap_s) continue;
+        ++inspection.gaps;
+        inspection.longest_gap_s = std::max(inspection.longest_gap_s, step_s);
+    }
+}
+
+void count_rows(const Observations& observations, Inspection& inspection) {
+    constexpr std::size_t kinds = static_cast<std::size_t>(FixKind::dead_reckoning) + 1;
+    std::array<std::size_t, kinds> count{};
+    std::vector<double> horizontal_m;
+    for (const Observation& row : observations.rows) {
+        ++count[static_cast<std::size_t>(row.fix)];
+        inspection.without_position += has_position(row) ? 0 : 1;
+        inspection.with_velocity += has_velocity(row) ? 1 : 0;
+        if (row.sigma_east_m && row.sigma_north_m)
+            horizontal_m.push_back(std::hypot(*row.sigma_east_m, *row.sigma_north_m));
+    }
+    for (std::size_t kind = 0; kind < kinds; ++kind)
+        if (count[kind] > 0) inspection.fixes.emplace_back(static_cast<FixKind>(kind), count[kind]);
+    std::stable_sort(inspection.fixes.begin(), inspection.fixes.end(),
+                     [](const auto& a, const auto& b) { return a.second > b.second; });
+    inspection.with_accuracy = horizontal_m.size();
+    if (horizontal_m.empty()) return;
+    inspection.worst_horizontal_m = *std::max_element(horizontal_m.begin(), horizontal_m.end());
+    inspection.median_horizontal_m = median(std::move(horizontal_m));
+}
+
+void measure_span(const Observations& observations, Inspection& inspection) {
+    const auto& rows = observations.rows;
+    if (rows.empty()) return;
+    const auto [earliest, latest] = std::minmax_element(
+        rows.begin(), rows.end(),
+        [](const Observation& a, const Observation& b) { return a.time < b.time; });
+    inspection.span_s = latest->time.seconds() - earliest->time.seconds();
+    if (!observations.facts.first_epoch) return;
+    inspection.first = observations.facts.first_epoch->plus_nanoseconds(earliest->time.nanoseconds);
+    inspection.last = observations.facts.first_epoch->plus_nanoseconds(latest->time.nanoseconds);
+}
+
+}  // namespace
+
+Inspection inspect(const Observations& observations) {
+    Inspection inspection;
+    inspection.format = observations.format;
+    inspection.frame = observations.frame;
+    inspection.time_scale = observations.time_scale;
+    inspection.epochs = observations.rows.size();
+    inspection.nominal_interval_s = observations.facts.nominal_interval_s;
+    inspection.georeferenced = observations.facts.georeferenced;
+    inspection.vertical_measured = observations.facts.vertical_measured;
+    inspection.accuracy_source = observations.accuracy_source;
+    inspection.notes = observations.notes;
+    measure_span(observations, inspection);
+    count_rows(observations, inspection);
+    count_steps(observations, inspection);
+    inspection.best_by_position = best_by_position(observations);
+    inspection.best_by_velocity = best_by_velocity(observations);
+    for (auto* best : {&inspection.best_by_position, &inspection.best_by_velocity})
+        if (*best && observations.facts.first_epoch)
+            (*best)->start_gps = observations.facts.first_epoch->plus_nanoseconds(
+                (*best)->start.nanoseconds);
+    return inspection;
+}
+
+}  // namespace runcert

@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "schemas/observations/observations.h"
+
+namespace runcert {
+
+/// A fastest stretch, unscreened.
+struct RawBest {
+    double speed_mps = 0.0;  ///< horizontal
+    ElapsedTime start;       ///< since the first epoch
+    std::optional<GpsTime> start_gps;
+    double duration_s = 0.0;
+    std::int64_t first_epoch = 0;
+    std::int64_t last_epoch = 0;
+    bool all_fixed = false;  ///< every epoch from the first to the last is "fixed"
+};
+
+/// What a recording holds, before anything is judged.
+struct Inspection {
+    std::string format, frame, time_scale;
+    std::optional<GpsTime> first, last;  ///< earliest and latest epoch; empty on relative time
+    double span_s = 0.0;
+    std::size_t epochs = 0;
+    std::size_t without_position = 0;
+    double nominal_interval_s = 0.0;
+    std::vector<std::pair<FixKind, std::size_t>> fixes;  ///< most frequent first
+    std::size_t fix_changes = 0;
+    std::size_t gaps = 0;  ///< steps longer than 1.5 nominal intervals
+    double longest_gap_s = 0.0;
+    std::size_t repeated_times = 0;  ///< steps of zero
+    std::size_t backward_times = 0;
+    std::size_t with_velocity = 0;
+    bool georeferenced = true;
+    bool vertical_measured = true;
+    std::string accuracy_source;
+    std::size_t with_accuracy = 0;
+    /// sqrt(sigma_east^2 + sigma_north^2)
+    std::optional<double> median_horizontal_m, worst_horizontal_m;
+    std::optional<RawBest> best_by_position, best_by_velocity;
+    std::vector<std::string> notes;
+};
+
+/// Counts and measures a recording.
+///
+/// The best 3 s are over all windows whose ends are epochs at least 2.999 s and less than 3 s and
+/// one nominal interval apart, bad epochs included. By position: the straight line between the
+/// ends, projected on the horizontal of its first; by velocity: mean horizontal speed of the
+/// window's epochs, all of which must have one. Of several epochs with one time, the first counts.
+Inspection inspect(const Observations& observations);
+
+/// The same for a person, about 20 lines, with what an official should look at.
+std::string inspection_text(const Inspection& inspection, const std::string& file_name);
+
+}  // namespace runcert

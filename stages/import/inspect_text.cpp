@@ -1,0 +1,178 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/text.h"
+#include "stages/import/inspect.h"
+
+namespace runcert {
+namespace {
+
+constexpr double kmh_per_mps = 3.6;
+constexpr std::size_t most_notes = 4;
+/// Of the larger: a difference of the two bests beyond this is worth a sentence.
+constexpr double notable_difference = 0.05;
+
+std::string fixed(double value, int decimals) {
+    return format_fixed(value, decimals);
+}
+
+std::string frame_text(const std::string& frame) {
+    if (frame == "geodetic") return "latitude, longitude, height";
+    if (frame == "ecef") return "Earth-centred x, y, z";
+    if (frame == "utm") return "UTM grid";
+    return "local plane";
+}
+
+std::string time_scale_text(const std::string& time_scale) {
+    if (time_scale == "gps") return "GPS time";
+    if (time_scale == "utc") return "UTC";
+    return "relative time";
+}
+
+std::string duration_text(double seconds) {
+    const double tenths = std::round(seconds * 10.0);
+    const double hours = std::floor(tenths / 36000.0);
+    const double minutes = std::floor((tenths - hours * 36000.0) / 600.0);
+    const double rest = (tenths - hours * 36000.0 - minutes * 600.0) / 10.0;
+    std::string text;
+    if (hours > 0.0) text += fixed(hours, 0) + " h ";
+    if (hours > 0.0 || minutes > 0.0) text += fixed(minutes, 0) + " min ";
+    return text + fixed(rest, 1) + " s";
+}
+
+std::string span_text(const Inspection& it) {
+    const std::string length = duration_text(it.span_s);
+    if (!it.first || !it.last) return length + ", from an unknown start";
+    return fmt::format("{} to {} GPS time, {}\n            {} to {} UTC", to_iso(*it.first),
+                       to_iso(*it.last), length, to_utc_iso(*it.first), to_utc_iso(*it.last));
+}
+
+std::string epochs_text(const Inspection& it) {
+    if (it.nominal_interval_s <= 0.0) return fmt::format("{}", it.epochs);
+    return fmt::format("{}, mostly {} s apart ({} Hz)", it.epochs, fixed(it.nominal_interval_s, 3),
+                       fixed(1.0 / it.nominal_interval_s, 2));
+}
+
+std::string fixes_text(const Inspection& it) {
+    std::string text;
+    for (const auto& [kind, count] : it.fixes)
+        text += fmt::format("{}{} {}", text.empty() ? "" : ", ", to_text(kind), count);
+    return fmt::format("{}; {} changes", text, it.fix_changes);
+}
+
+std::string gaps_text(const Inspection& it) {
+    std::string text =
+        it.gaps == 0 ? "none"
+                     : fmt::format("{}, the longest {} s", it.gaps, fixed(it.longest_gap_s, 1));
+    return text +
+           fmt::format("; {} repeated and {} backward times", it.repeated_times, it.backward_times);
+}
+
+std::string accuracy_text(const Inspection& it) {
+    if (!it.median_horizontal_m) return "none stated";
+    return fmt::format("horizontal {} m (median), {} m (worst), stated by the {}",
+                       fixed(*it.median_horizontal_m, 4), fixed(*it.worst_horizontal_m, 4),
+                       it.accuracy_source);
+}
+
+std::string best_text(const std::optional<RawBest>& best) {
+    if (!best) return "no stretch of 3 s";
+    std::string at = fixed(best->start.seconds(), 3) + " s after the first epoch";
+    if (best->start_gps) at += fmt::format(", {} GPS time", to_iso(*best->start_gps));
+    return fmt::format("{} km/h over {} s,\n            from {} (epochs {} to {})",
+                       fixed(best->speed_mps * kmh_per_mps, 1), fixed(best->duration_s, 3), at,
+                       best->first_epoch, best->last_epoch);
+}
+
+std::size_t count_of(const Inspection& it, FixKind kind) {
+    for (const auto& [candidate, count] : it.fixes)
+        if (candidate == kind) return count;
+    return 0;
+}
+
+std::string percent(std::size_t part, std::size_t whole) {
+    return fixed(100.0 * static_cast<double>(part) / static_cast<double>(whole), 1) + " %";
+}
+
+void add_quality_concerns(const Inspection& it, std::vector<std::string>& concerns) {
+    const std::size_t unknown = count_of(it, FixKind::unknown);
+    const std::size_t lesser = it.epochs - count_of(it, FixKind::fixed) - unknown;
+    if (unknown == it.epochs)
+        concerns.push_back("The recording does not say which positions are fixed solutions.");
+    else if (lesser > 0)
+        concerns.push_back(
+            fmt::format("{} of the epochs are not fixed solutions.", percent(lesser, it.epochs)));
+    if (it.without_position > 0)
+        concerns.push_back(fmt::format("{} epochs have no position.", it.without_position));
+    if (it.with_accuracy == 0)
+        concerns.push_back(
+            "No accuracy is stated: the attempt must give one (accuracy: {horizontal_m: ...}).");
+    else if (*it.worst_horizontal_m > 10.0 || *it.median_horizontal_m < 0.001)
+        concerns.push_back("The stated accuracy is not believable everywhere.");
+}
+
+void add_time_concerns(const Inspection& it, std::vector<std::string>& concerns) {
+    if (it.gaps > 0)
+        concerns.push_back(
+            fmt::format("Epochs are missing in {} places; no speed is certified "
+                        "across a gap.",
+                        it.gaps));
+    if (it.repeated_times + it.backward_times > 0)
+        concerns.push_back(
+            "Times repeat or run backwards: was the recording edited, or are there several in it?");
+    if (!it.first)
+        concerns.push_back("The time is relative: the recording does not show when it was made.");
+    if (!it.georeferenced)
+        concerns.push_back("The recording does not show where on the Earth it was made.");
+}
+
+void add_speed_concerns(const Inspection& it, std::vector<std::string>& concerns) {
+    if (!it.best_by_position)
+        concerns.push_back("There is no stretch of 3 s to measure a speed over.");
+    else if (!it.best_by_position->all_fixed && count_of(it, FixKind::unknown) != it.epochs)
+        concerns.push_back("The fastest stretch by position is not made of fixed solutions alone.");
+    if (!it.best_by_position || !it.best_by_velocity) return;
+    const double a = it.best_by_position->speed_mps;
+    const double b = it.best_by_velocity->speed_mps;
+    if (std::abs(a - b) > notable_difference * std::max(a, b))
+        concerns.push_back(
+            "The best by position and by recorded velocity differ: one of the two is wrong.");
+}
+
+}  // namespace
+
+std::string inspection_text(const Inspection& it, const std::string& file_name) {
+    std::string text = fmt::format("{}: {}, {}, {}\n", file_name, it.format,
+                                   frame_text(it.frame), time_scale_text(it.time_scale));
+    const auto line = [&](std::string_view title, const std::string& value) {
+        text += fmt::format("  {:<10}{}\n", title, value);
+    };
+    line("Time", span_text(it));
+    line("Epochs", epochs_text(it));
+    line("Gaps", gaps_text(it));
+    line("Solutions", fixes_text(it));
+    line("Accuracy", accuracy_text(it));
+    line("Velocity", it.with_velocity == 0
+                         ? "not recorded"
+                         : fmt::format("recorded in {} epochs", it.with_velocity));
+    line("Best 3 s", "unscreened, not for a certificate:");
+    line("", "by position " + best_text(it.best_by_position));
+    if (it.with_velocity > 0)
+        line("", "by recorded velocity " + best_text(it.best_by_velocity));
+
+    std::vector<std::string> concerns;
+    add_quality_concerns(it, concerns);
+    add_time_concerns(it, concerns);
+    add_speed_concerns(it, concerns);
+    concerns.insert(
+        concerns.end(), it.notes.begin(),
+        it.notes.begin() + static_cast<std::ptrdiff_t>(std::min(it.notes.size(), most_notes)));
+    for (const std::string& concern : concerns)
+        text += "  - " + concern + "\n";
+    if (concerns.empty()) text += "  Nothing in it looks wrong at first sight.\n";
+    return text;
+}
+
+}  // namespace runcert

@@ -1,0 +1,106 @@
+#include "stages/import/recording.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "core/failure.h"
+
+namespace runcert {
+namespace {
+
+constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
+
+/// How a kind of file begins that cannot be read as text.
+struct Beginning {
+    std::string_view bytes;
+    std::string_view what;
+    std::string_view remedy;
+};
+
+using std::string_view_literals::operator""sv;
+
+constexpr std::string_view unpack = "Unpack it, and name the recording inside it";
+constexpr std::string_view save_as_utf8 =
+    "Save as UTF-8, in the program that wrote it or an editor";
+
+// UTF-32 before UTF-16, whose mark its own begins with.
+constexpr std::array<Beginning, 9> beginnings{{
+    {"\xff\xfe\0\0"sv, "the file is UTF-32 text", save_as_utf8},
+    {"\0\0\xfe\xff"sv, "the file is UTF-32 text", save_as_utf8},
+    {"\xff\xfe"sv, "the file is UTF-16 text", save_as_utf8},
+    {"\xfe\xff"sv, "the file is UTF-16 text", save_as_utf8},
+    {"PK\x03\x04"sv, "the file is a ZIP archive, a folder packed into a file", unpack},
+    {"\x1f\x8b"sv, "the file is a gzip archive", unpack},
+    {"7z\xbc\xaf\x27\x1c"sv, "the file is a 7z archive", unpack},
+    {"BZh"sv, "the file is a bzip2 archive", unpack},
+    {"\xb5\x62"sv, "the file is a u-blox UBX log, which is not read",
+     "Export the solution as RTKLIB .pos or CSV"},
+}};
+
+/// Whether every second byte of the beginning is NUL: UTF-16 without its mark.
+bool looks_like_utf16(std::string_view bytes) {
+    const std::string_view start = bytes.substr(0, 64);
+    if (start.size() < 4) return false;
+    for (const std::size_t parity : {std::size_t{0}, std::size_t{1}}) {
+        bool all = true;
+        for (std::size_t i = 0; i < start.size(); ++i)
+            all = all && (start[i] == '\0') == (i % 2 == parity);
+        if (all) return true;
+    }
+    return false;
+}
+
+[[noreturn]] void fail(const RecordingBytes& recording, std::string_view what,
+                       std::string_view remedy) {
+    throw Failure(recording.name + ":1:1", std::string(what), std::string(remedy));
+}
+
+void refuse_nul(const RecordingBytes& recording, std::size_t at) {
+    const std::string_view before = recording.bytes.substr(0, at);
+    const auto line = 1 + std::count(before.begin(), before.end(), '\n');
+    const std::size_t line_start = before.rfind('\n') + 1;  // npos + 1 is 0
+    throw Failure(fmt::format("{}:{}:{}", recording.name, line, at - line_start + 1),
+                  fmt::format("byte {} is NUL: the file is binary, or damaged", at),
+                  "Export the recording as text; after a crash of the logger, cut the file before "
+                  "that line");
+}
+
+}  // namespace
+
+LineReader::LineReader(std::string_view bytes)
+    : bytes_(bytes), has_byte_order_mark_(bytes.starts_with(byte_order_mark)) {
+    if (has_byte_order_mark_) offset_ = byte_order_mark.size();
+}
+
+std::optional<SourceLine> LineReader::next() {
+    if (at_end()) return std::nullopt;
+    const std::size_t end = bytes_.find('\n', offset_);
+    SourceLine line{.text = bytes_.substr(offset_, end - offset_),
+                    .number = ++line_,
+                    .byte = static_cast<std::int64_t>(offset_),
+                    .ended = end != std::string_view::npos};
+    if (line.text.ends_with('\r')) line.text.remove_suffix(1);
+    offset_ = line.ended ? end + 1 : bytes_.size();
+    return line;
+}
+
+void require_text(const RecordingBytes& recording) {
+    const std::string_view bytes = recording.bytes;
+    if (bytes.empty())
+        fail(recording, "the recording is empty, 0 bytes", "Copy it again from the receiver");
+    for (const Beginning& beginning : beginnings)
+        if (bytes.starts_with(beginning.bytes)) fail(recording, beginning.what, beginning.remedy);
+    if (looks_like_utf16(bytes)) fail(recording, "the file is UTF-16 text", save_as_utf8);
+    if (bytes.size() > 262 && bytes.substr(257, 5) == "ustar")
+        fail(recording, "the file is a tar archive, a folder packed into a file", unpack);
+    if (const std::size_t nul = bytes.find('\0'); nul != std::string_view::npos)
+        refuse_nul(recording, nul);
+    if (bytes.find_first_not_of(" \t\r\n", bytes.starts_with(byte_order_mark) ? 3 : 0) ==
+        std::string_view::npos)
+        fail(recording, "the recording holds nothing but blanks",
+             "Copy it again from the receiver");
+}
+
+}  // namespace runcert

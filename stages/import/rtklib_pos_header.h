@@ -1,0 +1,106 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "core/geodesy.h"
+#include "stages/import/cell.h"
+#include "stages/import/clock.h"
+
+namespace runcert::rtklib_pos {
+
+/// How the rows under a column header line state positions.
+enum class Coordinates { degrees, degrees_minutes_seconds, earth_centred, baseline };
+
+/// What a column holds. Towards east, north, up, or along the Earth-centred axes; `root_*` are
+/// sign times square root of covariances.
+enum class Column : std::size_t {
+    latitude,
+    longitude,
+    height,
+    x,
+    y,
+    z,
+    east,
+    north,
+    up,
+    quality,
+    satellites,
+    age,
+    ratio,
+    sigma_east,
+    sigma_north,
+    sigma_up,
+    root_east_north,
+    root_north_up,
+    root_up_east,
+    sigma_x,
+    sigma_y,
+    sigma_z,
+    root_xy,
+    root_yz,
+    root_zx,
+    velocity_east,
+    velocity_north,
+    velocity_up,
+    velocity_x,
+    velocity_y,
+    velocity_z,
+    sigma_velocity_east,
+    sigma_velocity_north,
+    sigma_velocity_up,
+    root_velocity_east_north,
+    root_velocity_north_up,
+    root_velocity_up_east,
+    sigma_velocity_x,
+    sigma_velocity_y,
+    sigma_velocity_z,
+    root_velocity_xy,
+    root_velocity_yz,
+    root_velocity_zx,
+    count
+};
+
+/// What a column header line says about the rows below it.
+struct Layout {
+    Clock clock = Clock::gps;
+    Coordinates coordinates = Coordinates::degrees;
+    char separator = '\0';   ///< ',', ';' or tab; NUL where only blanks stand between fields
+    std::size_t fields = 0;  ///< in a row, the two of the time included
+    /// Index of the first field of a column.
+    std::array<std::optional<std::size_t>, static_cast<std::size_t>(Column::count)> field;
+
+    std::optional<std::size_t> operator[](Column column) const {
+        return field[static_cast<std::size_t>(column)];
+    }
+};
+
+/// Splits a line at blanks and at most one separator (as in `Layout`) between each two fields.
+/// Two separators in a row fail: a field is missing there.
+std::vector<Cell> split_fields(const SourceLine& line, std::string_view text,
+                               const RecordingBytes& recording, char separator);
+
+/// Whether a header line is the one that names the columns.
+bool is_column_line(std::string_view line);
+
+/// Reads it. Failure on a time system, column or unit that is not known, a column that stands
+/// twice, or a set of columns that is not complete.
+Layout read_column_line(const SourceLine& line, const RecordingBytes& recording);
+
+/// The base's position from a "% ref pos" line in degrees, degrees-minutes-seconds or ECEF;
+/// nothing for any other line.
+std::optional<Geodetic> read_reference_position(const SourceLine& line,
+                                                const RecordingBytes& recording);
+
+/// Degrees from three fields, the sign (also of "-0") on the degrees.
+Angle read_dms(const Cell& degrees, const Cell& minutes, const Cell& seconds,
+               std::string_view meaning);
+
+/// Failure for a header line that says that the datum is not WGS 84, or that heights are not above
+/// the ellipsoid.
+void require_datum(const SourceLine& line, const RecordingBytes& recording);
+
+}  // namespace runcert::rtklib_pos

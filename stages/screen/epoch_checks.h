@@ -1,0 +1,20 @@
+#pragma once
+
+#include <vector>
+
+#include "stages/screen/screen.h"
+
+namespace runcert {
+
+/// Marks what an epoch's own cells, or its time against the epochs before, forbid: no_position,
+/// no_fix, float, other_fix, duplicate_time, backward_time, accuracy_missing, accuracy_absurd.
+/// All other epochs become usable.
+void check_epochs(std::vector<ScreenedEpoch>& rows, bool vertical_measured,
+                  const ScreenConfig& config);
+
+/// Numbers the arcs of the usable epochs: a step longer than `gap_factor` nominal intervals begins
+/// a new one.
+void number_arcs(std::vector<ScreenedEpoch>& rows, double nominal_interval_s,
+                 const ScreenConfig& config);
+
+}  // namespace runcert

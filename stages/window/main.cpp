@@ -1,0 +1,37 @@
+#include <fmt/format.h>
+
+#include "run/evidence.h"
+#include "run/stage_main.h"
+#include "stages/window/window.h"
+
+using namespace runcert;
+
+int main(int argc, char** argv) {
+    return stage_main(
+        argc, argv, "window", "The best window of each rule profile", [](StageRun& run) {
+            const Attempt& attempt = run.attempt();
+            std::vector<Profile> profiles;
+            for (const std::string& claimed : attempt.profiles)
+                profiles.push_back(read_claimed_profile(run.run_dir(), claimed));
+            for (const Receiver& receiver : attempt.receivers) {
+                StageRun one = run;
+                const auto file = [&](std::string_view stem) {
+                    return product_file(attempt, receiver, stem, "ecsv");
+                };
+                const ScreenedTable screened =
+                    one.read("screened", file("3-screened"), read_screened);
+                const TrajectoryTable trajectory =
+                    one.read("trajectory", file("4-trajectory"), read_trajectory);
+                Windows windows = find_windows(screened, trajectory, profiles,
+                                               window_config(attempt, trajectory));
+                windows.header = one.header();
+                one.write(product_file(attempt, receiver, "5-windows", "yaml"),
+                          write_windows(windows));
+                for (const ProfileWindows& entry : windows.profiles)
+                    run.say(entry.best ? fmt::format("{}: best of {} windows {:.3f} km/h",
+                                                     entry.profile, entry.candidates,
+                                                     entry.best->speed_mps * 3.6)
+                                       : fmt::format("{}: no certifiable window", entry.profile));
+            }
+        });
+}

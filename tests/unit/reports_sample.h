@@ -1,0 +1,294 @@
+#pragma once
+
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/random.h"
+#include "files/atomic_file.h"
+#include "files/program.h"
+#include "files/sha256.h"
+#include "reports/report_data.h"
+
+// A made-up run: the logistic run of [DHD22], 451 epochs at 10 Hz, with what the stages would have
+// said of it.
+
+namespace runcert::sample {
+
+struct Options {
+    int epochs = 451;
+    double interval_s = 0.1;
+    bool certified = true;   ///< false: no window, everything after 17 s unusable
+    bool is_signed = true;
+    bool vertical = true;
+    bool georeferenced = true;
+    bool second_receiver = false;
+    int gap_every_s = 0;  ///< 20 epochs are lost so often
+    std::string craft = "Salt Runner";
+    std::string place = "dry lake";
+};
+
+struct Run {
+    ReportInputs inputs;
+    std::map<std::string, std::string> files;  ///< name in the run folder -> contents
+};
+
+inline double truth_speed(double t) {
+    const double t0 = 15.0, top = 60.0, rate = std::log(top / 0.01 - 1.0) / t0;
+    return top / (1.0 + std::exp(-rate * (t - t0)));
+}
+
+inline double truth_distance(double t) {
+    const double t0 = 15.0, top = 60.0, rate = std::log(top / 0.01 - 1.0) / t0;
+    const double c = std::exp(rate * t0);
+    return top * (t + std::log((1.0 + c * std::exp(-rate * t)) / (1.0 + c)) / rate);
+}
+
+inline ElapsedTime elapsed(double seconds) { return {std::llround(seconds * 1e9)}; }
+
+inline GpsTime first_epoch() {
+    return GpsTime::from_calendar(
+        {.year = 2022, .month = 3, .day = 18, .hour = 8, .minute = 51, .second = 22,
+         .nanosecond = 300'000'000});
+}
+
+inline Header header(const std::string& stage, nlohmann::ordered_json parameters) {
+    return {.schema_name = {}, .schema_version = {}, .stage = stage,
+            .program_version = program_version(), .source_revision = source_revision(),
+            .inputs = {}, .parameters = std::move(parameters)};
+}
+
+inline RecordingFacts facts(const Options& options, const std::string& receiver) {
+    RecordingFacts facts{.receiver = receiver,
+                         .first_epoch = std::nullopt,
+                         .georeferenced = options.georeferenced,
+                         .vertical_measured = options.vertical,
+                         .nominal_interval_s = options.interval_s};
+    if (options.georeferenced) facts.first_epoch = first_epoch();
+    return facts;
+}
+
+inline std::optional<FrameOrigin> origin(const Options& options) {
+    if (!options.georeferenced) return std::nullopt;
+    return FrameOrigin{{Angle::from_degrees(-31.4), Angle::from_degrees(137.25), 87.5}, "attempt"};
+}
+
+inline WindowSpan span(const Options& options, double start, double duration) {
+    WindowSpan span{.first_epoch = static_cast<std::int64_t>(start / options.interval_s) + 1,
+                    .last_epoch =
+                        static_cast<std::int64_t>((start + duration) / options.interval_s) + 1,
+                    .start = elapsed(start), .duration = elapsed(duration),
+                    .start_gps = std::nullopt};
+    if (options.georeferenced)
+        span.start_gps = first_epoch().plus_nanoseconds(span.start.nanoseconds);
+    return span;
+}
+
+inline void fill_tables(const Options& options, ScreenedTable& screened,
+                        TrajectoryTable& trajectory) {
+    RandomGenerator random(1);
+    std::int64_t arc = 1;
+    bool was_lost = false;
+    for (int i = 0; i < options.epochs; ++i) {
+        const double t = i * options.interval_s;
+        const int second = static_cast<int>(t);
+        if (options.gap_every_s > 0 && second % options.gap_every_s == 0 && second > 0 &&
+            t - second < 0.5) {
+            was_lost = true;
+            continue;
+        }
+        arc += was_lost ? 1 : 0;
+        const bool bad = (i > 100 && i % 97 < 2) || (!options.certified && t > 17.0);
+        ScreenedEpoch epoch;
+        epoch.epoch = i + 1;
+        epoch.time = elapsed(t);
+        epoch.east_m = 1000.0 + truth_distance(t) * std::sqrt(0.5) + 0.01 * random.normal();
+        epoch.north_m = 1000.0 + truth_distance(t) * std::sqrt(0.5) + 0.01 * random.normal();
+        if (options.vertical) epoch.up_m = 0.02 * random.normal();
+        epoch.sigma_east_m = epoch.sigma_north_m = 0.01;
+        epoch.usable = !bad;
+        epoch.reason = !bad ? Reason::none
+                            : (options.certified ? Reason::innovation : Reason::float_ambiguities);
+        epoch.statistic = bad ? 61.2 : 1.7;
+        epoch.threshold = 27.6;
+        const bool outside = !options.certified && t > 17.0;
+        if (!outside) epoch.arc = arc;
+        if (was_lost || i == 0) epoch.break_before = i == 0 ? ArcBreak::start : ArcBreak::gap;
+        was_lost = false;
+        screened.rows.push_back(epoch);
+
+        TrajectoryEpoch row{.epoch = epoch.epoch, .time = epoch.time};
+        if (!outside) {
+            const double v = truth_speed(t);
+            row.east_m = 1000.0 + truth_distance(t) * std::sqrt(0.5);
+            row.north_m = row.east_m;
+            if (options.vertical) row.up_m = 0.0;
+            row.speed_mps = v + 0.004 * std::sin(2.1 * t);
+            row.sigma_speed_mps = 0.012;
+            row.velocity_east_mps = row.velocity_north_mps = *row.speed_mps * std::sqrt(0.5);
+            row.speed_batch_mps = row.speed_mps;
+            if (i % 50 > 1) row.speed_v1_mps = v + 0.0627 * random.normal();
+            if (i % 50 > 2) row.speed_v2_mps = v + 0.0303 * random.normal();
+            row.speed_kalman_mps = truth_speed(t - 0.4) + 0.02 * random.normal();
+            row.arc = arc;
+            row.usable = !bad;
+        }
+        trajectory.rows.push_back(row);
+    }
+    trajectory.estimation = {.arcs = arc, .degrees_of_freedom = 890, .variance_factor = 0.9713,
+                             .variance_factor_applied = 1.0,
+                             .largest_position_difference_m = 4.1e-9,
+                             .largest_velocity_difference_mps = 2.2e-8};
+    screened.variance_factor = 1.04;
+}
+
+inline ReceiverResults receiver(const Options& options, const std::string& id) {
+    ReceiverResults results;
+    const RecordingFacts recording = facts(options, id);
+    results.observations = {.header = header("import", {{"format", "auto"}}),
+                            .facts = recording, .format = "rtklib-pos",
+                            .frame = options.georeferenced ? "geodetic" : "local_plane",
+                            .time_scale = options.georeferenced ? "gps" : "relative",
+                            .accuracy_source = "recording",
+                            .notes = {"The recording gives 3 decimals of a second."}, .rows = {}};
+    results.enu_header = header("enu", nlohmann::ordered_json::object());
+    results.screened.header =
+        header("screen", {{"allowed_fixes", {"fixed", "unknown"}}, {"accuracy_min_m", 0.0001},
+                          {"accuracy_max_m", 10}, {"gap_factor", 1.5}, {"false_alarm_rate", 1e-6},
+                          {"restart_after", 3}, {"min_arc_epochs", 6}, {"jerk_density", 0.6}});
+    results.trajectory.header =
+        header("smooth", {{"jerk_density", 0.9}, {"dhd22_acceleration_sigma", 0.1}});
+    results.screened.facts = results.trajectory.facts = recording;
+    results.screened.origin = results.trajectory.origin = origin(options);
+    fill_tables(options, results.screened, results.trajectory);
+    results.windows = {.header = header("window", {{"duration_tolerance_s", 0.001}}),
+                       .receiver = id, .first_epoch = recording.first_epoch,
+                       .georeferenced = options.georeferenced, .profiles = {}};
+    for (const double duration : {3.0, 2.0}) {
+        ProfileWindows windows{.profile = duration > 2.5 ? "nalsa" : "fisly",
+                               .duration_s = duration, .definition = "displacement",
+                               .candidates = options.certified ? 421 : 0,
+                               .best = std::nullopt, .indicated = std::nullopt};
+        if (options.certified)
+            windows.best = CertifiableWindow{
+                .span = span(options, 40.2, duration), .arc = 1, .speed_mps = 60.002417,
+                .standard_uncertainty_mps = 0.002551, .displacement_m = 60.002417 * duration,
+                .definitions = {60.002417, 60.002424, 60.002402, 60.002405},
+                .methods = {60.002402, 60.002402, 60.0068, std::nullopt, 59.9954}};
+        windows.indicated = IndicatedWindow{span(options, 35.1, duration), 60.0871,
+                                            {"The jump at epoch 353 is inside it."}};
+        results.windows.profiles.push_back(windows);
+    }
+    return results;
+}
+
+inline std::vector<Requirement> requirements(const Profile& profile, bool certified) {
+    std::vector<Requirement> list;
+    for (const Clause& clause : profile.clauses) {
+        Requirement entry{clause.id, "met", "", clause.text, clause.source, clause.certainty};
+        if (clause.decided_by == "attest") entry.status = "attest";
+        if (clause.decided_by == "window_complete")
+            entry.evidence = certified ? "The window of 3.000 s holds 31 usable epochs in one "
+                                         "stretch."
+                                       : "No stretch of the rule's length holds usable epochs only.";
+        if (clause.decided_by == "window_complete" && !certified) entry.status = "not_met";
+        if (clause.decided_by == "accuracy")
+            entry.evidence = "Expanded uncertainty 0.0184 km/h (k = 2), limit 0.8 km/h.";
+        if (entry.evidence.empty()) entry.evidence = "Not decided by the data.";
+        list.push_back(entry);
+    }
+    return list;
+}
+
+inline Verdict verdict(const Options& options, const std::vector<Profile>& profiles) {
+    Verdict verdict{.header = header("check", nlohmann::ordered_json::object()),
+                    .attempt = "logistic-run", .receiver = "primary",
+                    .georeferenced = options.georeferenced,
+                    .record = RecordToBeat{202.9, "km/h", "published figure of 2009",
+                                           202.9 / 3.6},
+                    .statements = {"The uncertainty covers the random errors of the positions as "
+                                   "the recording states them and as the estimate confirms them.",
+                                   "It does not cover errors common to all epochs of the window, "
+                                   "nor the best of many windows being fast by chance."},
+                    .profiles = {}};
+    for (const Profile& profile : profiles) {
+        ProfileVerdict entry{.profile = profile.id, .body = profile.body, .title = profile.title,
+                             .outcome = options.certified ? "beaten" : "not_certifiable",
+                             .reason = options.certified
+                                           ? "216.009 km/h less 0.018 km/h reaches the 204.51 km/h "
+                                             "that the rule asks for."
+                                           : "There is no stretch of the rule's length in which "
+                                             "every epoch is usable.",
+                             .definition = profile.definition, .coverage_factor = 2.0,
+                             .speed_mps = std::nullopt, .expanded_uncertainty_mps = std::nullopt,
+                             .target_mps = 204.509344 / 3.6, .window = std::nullopt,
+                             .requirements = requirements(profile, options.certified),
+                             .indicated = std::nullopt};
+        if (options.certified) {
+            entry.speed_mps = 60.002417;
+            entry.expanded_uncertainty_mps = 0.005102;
+            entry.window = span(options, 40.2, profile.duration_s);
+        }
+        entry.indicated = RefusedWindow{span(options, 35.1, profile.duration_s), 60.0871,
+                                        {"The jump at epoch 353 is inside it."}};
+        verdict.profiles.push_back(entry);
+    }
+    return verdict;
+}
+
+inline void add_file(Run& run, const std::string& role, const std::string& name,
+                     std::string contents) {
+    const FileDigest digest = digest_of(contents);
+    run.inputs.subjects.push_back({role, name, digest.sha256, digest.bytes,
+                                   role == "recording" ? "rover track.pos" : ""});
+    run.files[name] = std::move(contents);
+}
+
+inline Attempt attempt(const Options& options) {
+    std::string text = "schema: attempt/1.0\nid: logistic-run\n"
+        "craft: {name: placeholder, class: land-yacht}\ndate: \"2022-03-18\"\n"
+        "officials: [{role: measurer}, {role: observer, name: appointed by the club}]\n"
+        "receivers:\n  - {id: primary, recording: data/rover.pos, antenna_height_m: 1.15}\n";
+    if (options.second_receiver) text += "  - {id: secondary, recording: data/second.pos}\n";
+    text += "record: {speed: 202.9, unit: km/h, source: published figure of 2009}\n"
+        "profiles: [nalsa, fisly]\n";
+    Attempt attempt = read_attempt(text, "attempt.yaml");
+    attempt.parameters["smooth"]["jerk_density"] = 0.9;
+    attempt.overrides = {"smooth.jerk_density"};
+    attempt.craft_name = options.craft;
+    attempt.place = options.place;
+    return attempt;
+}
+
+inline Run make_run(const Options& options = {}) {
+    Run run;
+    run.inputs.attempt = attempt(options);
+    for (const char* name : {"nalsa", "fisly"})
+        run.inputs.profiles.push_back(read_profile(builtin_profile(name), name));
+    run.inputs.receivers.push_back(receiver(options, "primary"));
+    if (options.second_receiver) run.inputs.receivers.push_back(receiver(options, "secondary"));
+    run.inputs.verdict = verdict(options, run.inputs.profiles);
+    const ReceiverResults& judged = run.inputs.receivers.front();
+    add_file(run, "attempt", "attempt.yaml", "id: logistic-run\n");
+    add_file(run, "recording", "0-recording.pos", "% recording\n");
+    add_file(run, "profile", "profile.nalsa.yaml", std::string(builtin_profile("nalsa")));
+    add_file(run, "observations", "1-observations.ecsv", write_observations(judged.observations));
+    add_file(run, "screened", "3-screened.ecsv", write_screened(judged.screened));
+    add_file(run, "trajectory", "4-trajectory.ecsv", write_trajectory(judged.trajectory));
+    add_file(run, "windows", "5-windows.yaml", write_windows(judged.windows));
+    add_file(run, "verdict", "6-verdict.yaml", write_verdict(run.inputs.verdict));
+    if (options.is_signed)
+        run.inputs.signers.push_back({.key_id = "9F3C5B7A11D04E62",
+                                      .trusted_comment = "measurement report of logistic-run",
+                                      .role = "measurer"});
+    return run;
+}
+
+inline void write_files(const Run& run, const std::filesystem::path& folder) {
+    make_directory(folder);
+    for (const auto& [name, contents] : run.files) write_file_atomically(folder / name, contents);
+}
+
+}  // namespace runcert::sample

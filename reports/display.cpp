@@ -36,7 +36,8 @@ const SpeedUnit& speed_unit(std::string_view name) {
 int uncertainty_decimals(double uncertainty) {
     if (!(uncertainty > 0.0)) return 2;
     int decimals = 0;
-    for (double scaled = uncertainty; scaled < 9.95 && decimals < 6; scaled *= 10.0) ++decimals;
+    for (double scaled = uncertainty; scaled < 9.95 && decimals < 6; scaled *= 10.0)
+        ++decimals;
     return decimals;
 }
 
@@ -52,13 +53,21 @@ std::string speed_text(double speed_mps, std::optional<double> uncertainty_mps,
     return format_fixed(speed_mps * unit.per_mps, decimals);
 }
 
-std::string seconds_text(ElapsedTime time) { return format_fixed(time.seconds(), 3) + " s"; }
+std::string seconds_text(ElapsedTime time) {
+    return format_fixed(time.seconds(), 3) + " s";
+}
 
-std::string utc_text(GpsTime time) { return without_letters(to_utc_iso(time, 3)); }
+std::string utc_text(GpsTime time) {
+    return without_letters(to_utc_iso(time, 3));
+}
 
-std::string gps_text(GpsTime time) { return without_letters(to_iso(time, 3)); }
+std::string gps_text(GpsTime time) {
+    return without_letters(to_iso(time, 3));
+}
 
-std::string scientific_text(double value) { return fmt::format("{:.1e}", value); }
+std::string scientific_text(double value) {
+    return fmt::format("{:.1e}", value);
+}
 
 std::string counted(std::int64_t count, std::string_view noun) {
     return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");

@@ -3,7 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
+#include <array>
+#include <kainjow/mustache.hpp>
 
 #include "core/failure.h"
 #include "core/text.h"
@@ -61,8 +62,8 @@ std::string target_arrays(const Json& predicate) {
     for (const Json& profile : predicate["profiles"]) {
         if (!profile.contains("target_km_h")) continue;
         targets.push_back(number(profile["target_km_h"]));
-        titles.push_back(fmt::format("'speed to reach, {}'",
-                                     plain_text(profile["profile"].get<std::string>())));
+        titles.push_back(
+            fmt::format("'speed to reach, {}'", plain_text(profile["profile"].get<std::string>())));
     }
     return fmt::format("targets = {}\n", targets.size()) + array("target", targets) +
            array("target_title", titles);
@@ -70,11 +71,10 @@ std::string target_arrays(const Json& predicate) {
 
 std::string run_settings(const Json& predicate, const Json& figure) {
     const Json& screening = predicate["receivers"][0]["screening"];
-    return fmt::format("every = {}\nunusable = {}\ngeoreferenced = {}\n",
-                       figure["every"].get<int>(),
-                       screening["epochs"].get<std::int64_t>() -
-                           screening["usable"].get<std::int64_t>(),
-                       predicate["frame"]["georeferenced"].get<bool>() ? 1 : 0) +
+    return fmt::format(
+               "every = {}\nunusable = {}\ngeoreferenced = {}\n", figure["every"].get<int>(),
+               screening["epochs"].get<std::int64_t>() - screening["usable"].get<std::int64_t>(),
+               predicate["frame"]["georeferenced"].get<bool>() ? 1 : 0) +
            window_arrays(predicate, "window", "window") +
            window_arrays(predicate, "indicated", "refused_window") + target_arrays(predicate);
 }
@@ -92,18 +92,58 @@ std::string window_settings(const Json& predicate, const Json& figure) {
                   "Run the attempt again");
 }
 
-/// From the <svg> on, with ids that are this figure's own, since one page holds several.
-std::string embedded(std::string svg, const std::string& prefix) {
-    svg.erase(0, svg.find("<svg"));
-    const auto replace_all = [&svg](std::string_view from, const std::string& to) {
-        for (std::size_t at = svg.find(from); at != std::string::npos;
-             at = svg.find(from, at + to.size()))
-            svg.replace(at, from.size(), to);
+void replace_all(std::string& text, std::string_view from, std::string_view to) {
+    for (std::size_t at = text.find(from); at != std::string::npos;
+         at = text.find(from, at + to.size()))
+        text.replace(at, from.size(), to);
+}
+
+/// Draws each point where it stands instead of referring to a shape by its id: WeasyPrint cannot
+/// colour a shape that is referred to, and ids would be the same in all figures of a page.
+void inline_points(std::string& svg) {
+    struct Shape {
+        std::string_view id, element, coloured;
     };
-    replace_all("id='", "id='" + prefix + "-");
-    replace_all("id=\"", "id=\"" + prefix + "-");
-    replace_all("href='#", "href='#" + prefix + "-");
-    replace_all("url(#", "url(#" + prefix + "-");
+    static constexpr std::array<Shape, 4> shapes{
+        {{"gpPt0", "path fill='none' stroke-width='0.3' d='M-1,0 h2 M0,-1 v2'", "stroke="},
+         {"gpPt3", "rect fill='none' stroke-width='0.3' x='-1' y='-1' width='2' height='2'",
+          "stroke="},
+         {"gpPt5", "circle fill='none' stroke-width='0.4' r='1'", "stroke="},
+         {"gpPt6", "circle stroke='none' r='1'", "fill="}}};
+    if (const std::size_t defs = svg.find("<defs>"); defs != std::string::npos)
+        svg.erase(defs, svg.find("</defs>") + 7 - defs);
+    std::string out;
+    std::size_t copied = 0;
+    constexpr std::string_view reference = "<use xlink:href='#";
+    for (std::size_t at = svg.find(reference); at != std::string::npos;
+         at = svg.find(reference, copied)) {
+        const std::size_t name = at + reference.size();
+        const std::size_t quote = svg.find('\'', name);
+        const std::size_t end = svg.find("/>", quote);
+        const std::string id = svg.substr(name, quote - name);
+        const auto shape = std::find_if(shapes.begin(), shapes.end(),
+                                        [&](const Shape& known) { return known.id == id; });
+        if (end == std::string::npos || shape == shapes.end())
+            throw Failure("gnuplot", "a figure has points of an unknown shape " + id,
+                          "Use gnuplot 5.4");
+        std::string attributes = svg.substr(quote + 1, end - quote - 1);
+        replace_all(attributes, "color=", shape->coloured);
+        out += fmt::format("{}<{}{}", svg.substr(copied, at - copied), shape->element, attributes);
+        copied = end;
+    }
+    svg = out + svg.substr(copied);
+}
+
+/// From the <svg> on, with ids that are this figure's own, since one page holds several.
+std::string embedded(std::string svg, const std::string& prefix, const std::string& title) {
+    svg.erase(0, svg.find("<svg"));
+    inline_points(svg);
+    if (const std::size_t desc = svg.find("<title>"); desc != std::string::npos)
+        svg.replace(desc, svg.find("</desc>") + 7 - desc,
+                    fmt::format("<title>{}</title>", kainjow::mustache::html_escape(title)));
+    replace_all(svg, "id=\"", "id=\"" + prefix + "-");
+    replace_all(svg, "font-family=\"DejaVu Sans\"",
+                "font-family=\"DejaVu Sans, Verdana, sans-serif\"");
     return svg;
 }
 
@@ -118,11 +158,11 @@ std::string draw(const std::string& script, const std::filesystem::path& run_fol
          (absolute / screened_file).string(), svg_file.string(), folder.path().string()},
         {{"LC_ALL", "C.UTF-8"}, {"GNUTERM", "svg"}, {"TZ", "UTC"}, {"GNUPLOT_FIT_SCRIPT", ""}});
     if (result.exit_status != 0 || !std::filesystem::exists(svg_file))
-        throw Failure("gnuplot",
-                      fmt::format("a figure could not be drawn (exit status {}): {}",
-                                  result.exit_status,
-                                  escape_for_message(trim(result.errors), 2000)),
-                      "Install the package gnuplot-nox, or leave the figures out with --no-render");
+        throw Failure(
+            "gnuplot",
+            fmt::format("a figure could not be drawn (exit status {}): {}", result.exit_status,
+                        escape_for_message(trim(result.errors), 2000)),
+            "Install the package gnuplot-nox, or leave the figures out with --no-render");
     return read_file(svg_file);
 }
 
@@ -149,15 +189,15 @@ std::vector<Figure> draw_figures(const std::filesystem::path& run_folder, const 
             check_table(run_folder, predicate, screened_file);
         }
         const std::string kind = figure["figure"].get<std::string>();
-        const std::string settings = kind == "window" ? window_settings(predicate, figure)
-                                                      : run_settings(predicate, figure);
-        const std::string script =
-            std::string(report_text("gnuplot/common.gp")) + settings +
-            std::string(report_text(fmt::format("gnuplot/{}.gp", kind)));
-        figures.push_back({.title = figure["figure_title"].get<std::string>(),
-                           .caption = figure["caption"].get<std::string>(),
-                           .svg = embedded(draw(script, run_folder),
-                                           fmt::format("figure{}", figures.size()))});
+        const std::string settings =
+            kind == "window" ? window_settings(predicate, figure) : run_settings(predicate, figure);
+        const std::string script = std::string(report_text("gnuplot/common.gp")) + settings +
+                                   std::string(report_text(fmt::format("gnuplot/{}.gp", kind)));
+        figures.push_back(
+            {.title = figure["figure_title"].get<std::string>(),
+             .caption = figure["caption"].get<std::string>(),
+             .svg = embedded(draw(script, run_folder), fmt::format("figure{}", figures.size()),
+                             figure["figure_title"].get<std::string>())});
     }
     return figures;
 }

@@ -18,7 +18,8 @@ std::string value_text(const Json& value) {
     if (value.is_string()) return value.get<std::string>();
     if (!value.is_array()) return value.dump();
     std::string text;
-    for (const Json& item : value) text += (text.empty() ? "" : ", ") + value_text(item);
+    for (const Json& item : value)
+        text += (text.empty() ? "" : ", ") + value_text(item);
     return text;
 }
 
@@ -46,8 +47,7 @@ Json stage_json(const Header& header, const Attempt& attempt) {
     if (header.parameters.is_object())
         for (const auto& [name, value] : header.parameters.items())
             if (!value.is_null() && !value.is_object())
-                json["parameters"].push_back(
-                    parameter_json(stage, name, value, attempt.overrides));
+                json["parameters"].push_back(parameter_json(stage, name, value, attempt.overrides));
     return json;
 }
 
@@ -88,19 +88,22 @@ std::string thinning_words(std::size_t every) {
 Json speed_figure(std::size_t every) {
     return {{"figure", "speed"},
             {"figure_title", "Horizontal speed over the whole run"},
-            {"caption", "Smoothed speed; the line is broken where the recording is. Marks at the "
-                        "foot: epochs that were not used. Shaded: the windows. Dashed: the speed "
-                        "to reach." +
-                            thinning_words(every)},
+            {"caption",
+             "Smoothed speed; the line is broken where the recording is. Marks at the "
+             "foot: epochs that were not used. Shaded: the windows, the certified "
+             "and the fastest of the raw positions where that one was refused. "
+             "Dashed: the speed to reach." +
+                 thinning_words(every)},
             {"every", every}};
 }
 
 Json window_figure(const Json& profile) {
     return {{"figure", "window"},
             {"figure_title", "The window under the rule " + profile["profile"].get<std::string>()},
-            {"caption", "Smoothed speed with a band of twice its standard uncertainty, and the "
-                        "speeds by other methods. Shaded: the window. Black: the speed that "
-                        "counts. Dashed: the speed to reach, where it is within the figure."},
+            {"caption",
+             "Smoothed speed with a band of twice its standard uncertainty, and the "
+             "speeds by other methods. Shaded: the window. Black: the speed that "
+             "counts. Dashed: the speed to reach, where it is within the figure."},
             {"every", 1},
             {"figure_profile", profile["profile"]}};
 }

@@ -17,7 +17,4 @@ nlohmann::ordered_json profile_json(const ReportInputs& inputs, std::size_t inde
 nlohmann::ordered_json figures_json(const ReportInputs& inputs,
                                     const nlohmann::ordered_json& profiles);
 
-/// A rule's definition of speed in words.
-std::string definition_words(std::string_view definition);
-
 }  // namespace runcert

@@ -17,17 +17,28 @@ namespace {
 /// Why epochs were not used, in words.
 std::string reason_words(Reason reason) {
     switch (reason) {
-        case Reason::none: return "used";
-        case Reason::no_position: return "no position";
-        case Reason::no_fix: return "no solution";
-        case Reason::float_ambiguities: return "carrier-phase ambiguities not fixed";
-        case Reason::other_fix: return "a kind of solution that is not allowed";
-        case Reason::duplicate_time: return "time of an epoch before it";
-        case Reason::backward_time: return "time earlier than an epoch before it";
-        case Reason::accuracy_missing: return "no stated accuracy";
-        case Reason::accuracy_absurd: return "stated accuracy outside the allowed range";
-        case Reason::innovation: return "position does not follow from those before it";
-        case Reason::short_arc: return "in a stretch too short to be used";
+        case Reason::none:
+            return "used";
+        case Reason::no_position:
+            return "no position";
+        case Reason::no_fix:
+            return "no solution";
+        case Reason::float_ambiguities:
+            return "carrier-phase ambiguities not fixed";
+        case Reason::other_fix:
+            return "a kind of solution that is not allowed";
+        case Reason::duplicate_time:
+            return "time of an epoch before it";
+        case Reason::backward_time:
+            return "time earlier than an epoch before it";
+        case Reason::accuracy_missing:
+            return "no stated accuracy";
+        case Reason::accuracy_absurd:
+            return "stated accuracy outside the allowed range";
+        case Reason::innovation:
+            return "position does not follow from those before it";
+        case Reason::short_arc:
+            return "in a stretch too short to be used";
     }
     return {};
 }
@@ -75,7 +86,8 @@ double longest_arc_s(const std::vector<ScreenedEpoch>& rows) {
 
 ElapsedTime last_time(const std::vector<ScreenedEpoch>& rows) {
     ElapsedTime last;
-    for (const ScreenedEpoch& row : rows) last = std::max(last, row.time);
+    for (const ScreenedEpoch& row : rows)
+        last = std::max(last, row.time);
     return last;
 }
 
@@ -88,9 +100,8 @@ Json screening_json(const ScreenedTable& table) {
               {"variance_factor", rounded(table.variance_factor, 4)},
               {"reasons", Json::array()}};
     for (const auto& [reason, count] : summary.reasons)
-        json["reasons"].push_back({{"reason", to_text(reason)},
-                                   {"words", reason_words(reason)},
-                                   {"count", count}});
+        json["reasons"].push_back(
+            {{"reason", to_text(reason)}, {"words", reason_words(reason)}, {"count", count}});
     return json;
 }
 
@@ -117,8 +128,7 @@ Json recording_facts(const ReceiverResults& results, const Json& recording) {
     facts.push_back(fact("Epochs", counted(recording["screening"]["epochs"].get<int>(), "epoch")));
     if (const double interval = observations.facts.nominal_interval_s; interval > 0.0)
         facts.push_back(fact("Rate", format_fixed(1.0 / interval, 2) + " Hz"));
-    facts.push_back(
-        fact("Length", format_fixed(recording["length_s"].get<double>(), 3) + " s"));
+    facts.push_back(fact("Length", format_fixed(recording["length_s"].get<double>(), 3) + " s"));
     facts.push_back(fact("Heights", observations.facts.vertical_measured
                                         ? "measured"
                                         : "not measured: the estimate is in the plane"));
@@ -131,8 +141,7 @@ Json recording_facts(const ReceiverResults& results, const Json& recording) {
         facts.push_back(
             fact("Vertical accuracy stated", stated["accuracy_vertical_m"].dump() + " m"));
     if (stated.contains("antenna_height_m"))
-        facts.push_back(
-            fact("Antenna above the ground", stated["antenna_height_m"].dump() + " m"));
+        facts.push_back(fact("Antenna above the ground", stated["antenna_height_m"].dump() + " m"));
     return facts;
 }
 
@@ -141,8 +150,8 @@ Json screening_facts(const Json& screening) {
     facts.push_back(fact("Epochs used", fmt::format("{} of {}", screening["usable"].get<int>(),
                                                     screening["epochs"].get<int>())));
     facts.push_back(fact("Stretches without a break", screening["arcs"].dump()));
-    facts.push_back(fact("Longest of them",
-                         format_fixed(screening["longest_arc_s"].get<double>(), 3) + " s"));
+    facts.push_back(
+        fact("Longest of them", format_fixed(screening["longest_arc_s"].get<double>(), 3) + " s"));
     facts.push_back(fact("Variance factor of the innovations",
                          format_fixed(screening["variance_factor"].get<double>(), 2)));
     return facts;
@@ -158,10 +167,9 @@ Json estimation_facts(const Json& estimation) {
     facts.push_back(
         fact("Smoother and batch least squares, largest difference of position",
              scientific_text(estimation["largest_position_difference_m"].get<double>()) + " m"));
-    facts.push_back(
-        fact("and of velocity",
-             scientific_text(estimation["largest_velocity_difference_m_s"].get<double>()) +
-                 " m/s"));
+    facts.push_back(fact(
+        "and of velocity",
+        scientific_text(estimation["largest_velocity_difference_m_s"].get<double>()) + " m/s"));
     return facts;
 }
 
@@ -184,10 +192,9 @@ Json attempt_json(const Attempt& attempt, const Verdict& verdict) {
     if (!attempt.place.empty()) facts.push_back(fact("Place", attempt.place));
     if (!attempt.date.empty()) facts.push_back(fact("Date", attempt.date));
     if (verdict.record)
-        facts.push_back(fact("Record to beat", fmt::format("{} {} ({})",
-                                                           Json(verdict.record->speed).dump(),
-                                                           verdict.record->unit,
-                                                           verdict.record->source)));
+        facts.push_back(
+            fact("Record to beat", fmt::format("{} {} ({})", Json(verdict.record->speed).dump(),
+                                               verdict.record->unit, verdict.record->source)));
     else
         facts.push_back(fact("Record to beat", "none is named"));
     json["facts"] = std::move(facts);
@@ -209,11 +216,12 @@ Json frame_json(const ReportInputs& inputs) {
                           {"height_m", rounded(position.height_m, 6)},
                           {"chosen_by", table.origin->source}};
         facts.push_back(fact("Coordinates", "east, north, up on the WGS 84 ellipsoid"));
-        facts.push_back(fact("Origin, latitude", format_fixed(position.latitude.degrees(), 9) + "°"));
+        facts.push_back(
+            fact("Origin, latitude", format_fixed(position.latitude.degrees(), 9) + "°"));
         facts.push_back(
             fact("Origin, longitude", format_fixed(position.longitude.degrees(), 9) + "°"));
-        facts.push_back(fact("Origin, height above the ellipsoid",
-                             format_fixed(position.height_m, 3) + " m"));
+        facts.push_back(
+            fact("Origin, height above the ellipsoid", format_fixed(position.height_m, 3) + " m"));
         facts.push_back(fact("Chosen by", table.origin->source == "attempt"
                                               ? "the attempt"
                                               : "the first usable position"));

@@ -32,13 +32,6 @@ struct ReceiverResults {
     Windows windows;
 };
 
-/// Who is about to sign the report; empty key id: nobody.
-struct ReportSigner {
-    std::string key_id;           ///< as key_id_text prints it
-    std::string trusted_comment;  ///< the one that is signed along with the report
-    std::string role;             ///< empty where not given
-};
-
 /// A whole run folder, as the report needs it.
 struct ReportInputs {
     Attempt attempt;
@@ -46,7 +39,6 @@ struct ReportInputs {
     std::vector<ReceiverResults> receivers;  ///< in the order of the attempt's; the first is judged
     Verdict verdict;
     std::vector<ReportSubject> subjects;  ///< in the order in which they are to be listed
-    std::vector<ReportSigner> signers;    ///< none: the report says UNSIGNED on every page
 };
 
 }  // namespace runcert

@@ -1,8 +1,11 @@
 #include "reports/report_html.h"
 
+#include <algorithm>
 #include <kainjow/mustache.hpp>
 
 #include "core/failure.h"
+#include "files/signature.h"
+#include "files/signature_text.h"
 
 namespace runcert {
 
@@ -26,12 +29,14 @@ std::string printable(std::string text) {
 TemplateData template_data(const Json& value) {
     if (value.is_object()) {
         TemplateData data{TemplateData::type::object};
-        for (const auto& [key, member] : value.items()) data.set(key, template_data(member));
+        for (const auto& [key, member] : value.items())
+            data.set(key, template_data(member));
         return data;
     }
     if (value.is_array()) {
         TemplateData data{TemplateData::type::list};
-        for (const Json& item : value) data.push_back(template_data(item));
+        for (const Json& item : value)
+            data.push_back(template_data(item));
         return data;
     }
     if (value.is_boolean()) return TemplateData(value.get<bool>());
@@ -40,7 +45,22 @@ TemplateData template_data(const Json& value) {
 
 }  // namespace
 
-std::string report_html(const Json& report, const std::vector<Figure>& figures) {
+ReportSigner read_signer(std::string_view signature_file_text, const std::string& where) {
+    const auto lines = signature_text::lines_of(signature_file_text);
+    constexpr std::string_view mark = "trusted comment: ";
+    if (lines.size() != 4 || !lines[2].starts_with(mark))
+        throw Failure(where, "this is not a signature file",
+                      "Give the file that `runcert sign` or `minisign -S` made");
+    // Algorithm (2 bytes), key id (8), signature (64).
+    const std::string bytes = signature_text::bytes_of_base64(lines[1], 74, "signature", where);
+    PublicKey key;
+    std::copy_n(bytes.begin() + 2, key.key_id.size(), key.key_id.begin());
+    return {.key_id = key_id_text(key),
+            .trusted_comment = std::string(lines[2].substr(mark.size()))};
+}
+
+std::string report_html(const Json& report, const std::vector<Figure>& figures,
+                        const std::vector<ReportSigner>& signers) {
     TemplateData data = template_data(report["predicate"]);
     TemplateData drawn{TemplateData::type::list};
     for (const Figure& figure : figures) {
@@ -50,7 +70,19 @@ std::string report_html(const Json& report, const std::vector<Figure>& figures) 
         entry.set("svg", figure.svg);
         drawn.push_back(std::move(entry));
     }
-    data.set("figures", std::move(drawn));
+    TemplateData keys{TemplateData::type::list};
+    for (const ReportSigner& signer : signers) {
+        TemplateData entry{TemplateData::type::object};
+        entry.set("key_id", printable(signer.key_id));
+        entry.set("trusted_comment", printable(signer.trusted_comment));
+        keys.push_back(std::move(entry));
+    }
+    data.set("signed", TemplateData(!signers.empty()));
+    data.set("signers", std::move(keys));
+    data.set("has_figures", TemplateData(!figures.empty()));
+    data.set("drawn", std::move(drawn));
+    data.set("has_attestations", TemplateData(!report["predicate"]["attestations"].empty()));
+    data.set("two_receivers", TemplateData(report["predicate"]["receivers"].size() > 1));
     data.set("style", std::string(report_text("template/report.css")));
     kainjow::mustache::mustache page(std::string(report_text("template/report.html")));
     if (!page.is_valid())

@@ -25,16 +25,6 @@ const DocumentSchema& report_schema() {
     return schema;
 }
 
-Json signature_json(const std::vector<ReportSigner>& signers) {
-    Json json{{"signed", !signers.empty()}, {"signers", Json::array()}};
-    for (const ReportSigner& signer : signers) {
-        Json entry{{"key_id", signer.key_id}, {"trusted_comment", signer.trusted_comment}};
-        if (!signer.role.empty()) entry["signer_role"] = signer.role;
-        json["signers"].push_back(std::move(entry));
-    }
-    return json;
-}
-
 Json files_json(const std::vector<ReportSubject>& subjects) {
     Json json = Json::array();
     for (const ReportSubject& subject : subjects) {
@@ -103,7 +93,6 @@ Json report_json(const ReportInputs& inputs) {
     predicate["program"] = {{"name", "runcert"},
                             {"version", program_version()},
                             {"source_revision", source_revision()}};
-    predicate["signature"] = signature_json(inputs.signers);
     predicate["attempt"] = attempt_json(inputs.attempt, inputs.verdict);
     predicate["profiles"] = Json::array();
     for (std::size_t i = 0; i < inputs.profiles.size(); ++i)

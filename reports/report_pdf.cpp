@@ -18,12 +18,15 @@ std::string report_pdf(const std::string& html) {
     const ProcessResult result =
         run_process({"weasyprint", "--quiet", "--encoding", "utf-8", page.string(), pdf.string()},
                     {{"SOURCE_DATE_EPOCH", "0"}, {"LC_ALL", "C.UTF-8"}, {"TZ", "UTC"}});
-    if (result.exit_status != 0 || !std::filesystem::exists(pdf))
+    if (result.exit_status != 0 || !std::filesystem::exists(pdf)) {
+        // Of a traceback, the last line says what was wrong.
+        const std::string_view said = trim(result.errors);
+        const std::string_view reason = said.substr(said.find_last_of('\n') + 1);
         throw Failure("weasyprint",
                       fmt::format("the PDF could not be made (exit status {}): {}",
-                                  result.exit_status,
-                                  escape_for_message(trim(result.errors), 2000)),
+                                  result.exit_status, escape_for_message(reason, 500)),
                       "Install the package weasyprint, or leave the PDF out with --no-render");
+    }
     return read_file(pdf);
 }
 

@@ -2,7 +2,6 @@
 
 #include "files/atomic_file.h"
 #include "reports/figures.h"
-#include "reports/report_html.h"
 #include "reports/report_json.h"
 #include "reports/report_pdf.h"
 
@@ -16,7 +15,7 @@ void render_report(const std::filesystem::path& run_folder, const std::string& r
                    const RenderOptions& options) {
     const auto report = parse_report(report_text, (run_folder / "report.json").string());
     const std::string html =
-        report_html(report, draw_figures(run_folder, report["predicate"]));
+        report_html(report, draw_figures(run_folder, report["predicate"]), options.signers);
     write_file_atomically(run_folder / "report.html", html);
     if (options.pdf) write_file_atomically(run_folder / "report.pdf", report_pdf(html));
 }

@@ -2,8 +2,10 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "reports/report_data.h"
+#include "reports/report_html.h"
 
 namespace runcert {
 
@@ -11,6 +13,7 @@ namespace runcert {
 std::string write_report_json(const ReportInputs& inputs);
 
 struct RenderOptions {
+    std::vector<ReportSigner> signers;  ///< none: every page says UNSIGNED
     bool pdf = true;
 };
 

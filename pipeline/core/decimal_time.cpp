@@ -1,13 +1,19 @@
 #include "core/decimal_time.h"
 
+#include <limits>
+
 namespace runcert {
 namespace {
 
-constexpr std::int64_t per_second = 1'000'000'000;
-constexpr std::int64_t max_seconds = 9'000'000'000;
+constexpr std::uint64_t per_second = 1'000'000'000;
+constexpr std::uint64_t largest = std::numeric_limits<std::int64_t>::max();
 
 bool is_digit(char c) {
     return c >= '0' && c <= '9';
+}
+
+std::uint64_t digit(char c) {
+    return static_cast<std::uint64_t>(c - '0');
 }
 
 }  // namespace
@@ -18,27 +24,28 @@ std::optional<std::int64_t> parse_decimal_nanoseconds(std::string_view text) {
         negative = text.front() == '-';
         text.remove_prefix(1);
     }
-    std::int64_t seconds = 0;
+    std::uint64_t seconds = 0;
     std::size_t digits = 0;
     while (!text.empty() && is_digit(text.front())) {
-        seconds = seconds * 10 + (text.front() - '0');
-        if (seconds > max_seconds) return std::nullopt;
+        seconds = seconds * 10 + digit(text.front());
+        if (seconds > largest / per_second) return std::nullopt;
         text.remove_prefix(1);
         ++digits;
     }
-    std::int64_t nanoseconds = 0;
+    std::uint64_t nanoseconds = 0;
     if (!text.empty() && text.front() == '.') {
         text.remove_prefix(1);
-        std::int64_t scale = per_second / 10;
+        std::uint64_t scale = per_second / 10;
         for (; !text.empty() && is_digit(text.front()); text.remove_prefix(1), ++digits) {
             if (scale == 0 && text.front() != '0') return std::nullopt;
-            nanoseconds += scale * (text.front() - '0');
+            nanoseconds += scale * digit(text.front());
             scale /= 10;
         }
     }
     if (digits == 0 || !text.empty()) return std::nullopt;
-    const std::int64_t total = seconds * per_second + nanoseconds;
-    return negative ? -total : total;
+    const std::uint64_t total = seconds * per_second + nanoseconds;
+    if (total > largest + (negative ? 1 : 0)) return std::nullopt;
+    return static_cast<std::int64_t>(negative ? 0 - total : total);
 }
 
 }  // namespace runcert

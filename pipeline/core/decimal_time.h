@@ -8,8 +8,8 @@ namespace runcert {
 
 /// Seconds written as a decimal number ("12.3", "-0.05", "7"), as an exact count of nanoseconds.
 ///
-/// Digits after the ninth decimal must be zero. Nothing if
-/// the text is anything else (blanks, exponent, a value beyond 290 years).
+/// Digits after the ninth decimal must be zero. Nothing if the text is anything else (blanks, an
+/// exponent, a value beyond the 64-bit count: 292 years).
 std::optional<std::int64_t> parse_decimal_nanoseconds(std::string_view text);
 
 }  // namespace runcert

@@ -53,14 +53,14 @@ void check_values(const FieldRule& rule, const YamlValue& value) {
 }
 
 void check_scalar(const FieldRule& rule, const YamlValue& value) {
-    if (has_type(rule, "integer")) {
+    if (has_type(rule, "text")) {
+        check_values(rule, value);
+    } else if (has_type(rule, "integer")) {
         check_range(rule, value, static_cast<double>(value.integer()));
     } else if (has_type(rule, "real")) {
         check_range(rule, value, value.real());
     } else if (has_type(rule, "boolean")) {
         value.boolean();
-    } else if (has_type(rule, "text")) {
-        check_values(rule, value);
     } else {
         value.fail(fmt::format("is a single value, not a {}", fmt::join(rule.types, " or ")),
                    "See the field table of the schema");
@@ -110,13 +110,14 @@ std::vector<std::string_view> DocumentSchema::children(const std::string& path) 
 void DocumentSchema::validate_map(const YamlValue& value, const std::string& path,
                                   bool newer) const {
     const std::string prefix = path.empty() ? "" : path + ".";
+    const std::vector<std::string_view> known = children(path);
     for (const std::string& key : value.keys()) {
-        std::string child = prefix + key;
-        if (!find(child) && find(prefix + "*")) child = prefix + "*";
-        if (find(child)) {
-            validate_node(value[key], child, newer);
+        // Not by the whole path: a key may be written "craft.name", which is no field.
+        if (std::find(known.begin(), known.end(), key) != known.end()) {
+            validate_node(value[key], prefix + key, newer);
+        } else if (find(prefix + "*")) {
+            validate_node(value[key], prefix + "*", newer);
         } else if (!newer) {
-            const auto known = children(path);
             YAML::Node key_node;
             for (const auto& pair : value.node())
                 if (pair.first.Scalar() == key) key_node.reset(pair.first);
@@ -130,7 +131,7 @@ void DocumentSchema::validate_map(const YamlValue& value, const std::string& pat
                           remedy);
         }
     }
-    for (const std::string_view name : children(path)) {
+    for (const std::string_view name : known) {
         const FieldRule& rule = *find(prefix + std::string(name));
         if (rule.required && !value[std::string(name)].exists())
             value.fail(fmt::format("the key \"{}\" is missing ({})", name, rule.description),
@@ -144,8 +145,10 @@ void DocumentSchema::validate_node(const YamlValue& value, const std::string& pa
     if (!value.exists() || has_type(rule, "any")) return;
     if (value.is_map() && has_type(rule, "map")) return validate_map(value, path, newer);
     if (value.is_list() && has_type(rule, "list")) {
-        for (const YamlValue& item : value.list())
+        for (const YamlValue& item : value.list()) {
+            if (!item.exists()) item.fail("is empty", "Give it a value, or remove it");
             if (find(path + "[]")) validate_node(item, path + "[]", newer);
+        }
         return;
     }
     if (value.is_map() || value.is_list())

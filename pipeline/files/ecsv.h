@@ -11,7 +11,8 @@
 
 // ECSV 1.0 (Astropy Proposal for Enhancement 6), a strict subset: delimiter comma, the types
 // bool, int64, float64 and string, ASCII, every header line "# " and one line of one YAML
-// document. Missing cells are empty. Everything else is a Failure with line and column.
+// document. Missing cells are empty. Lines may end in CR LF. Everything else is a Failure with
+// line and column.
 
 namespace runcert {
 
@@ -33,7 +34,7 @@ struct EcsvColumn {
 /// Writes one table into memory, cell by cell in column order.
 class EcsvWriter {
   public:
-    /// `meta` becomes the header's `meta`. Text that is not ASCII is written with YAML escapes.
+    /// `meta` becomes the header's `meta`; null for none. Text that is not ASCII is written with YAML escapes.
     EcsvWriter(std::vector<EcsvColumn> columns, const nlohmann::ordered_json& meta);
 
     void boolean(bool value);
@@ -42,7 +43,8 @@ class EcsvWriter {
     void real(double value);
     /// A count of nanoseconds, written exactly as seconds with nine decimals.
     void seconds(std::int64_t nanoseconds);
-    /// Printable ASCII, not empty (an empty cell means missing); else Failure.
+    /// Printable ASCII, not empty (an empty cell means missing), no blank at either end (astropy
+    /// takes it off, quoted or not); else Failure.
     void text(std::string_view value);
     void missing();
 

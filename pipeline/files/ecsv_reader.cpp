@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <set>
+#include <utility>
 
 #include "core/decimal_time.h"
 #include "core/failure.h"
@@ -15,14 +16,39 @@ namespace {
 constexpr std::string_view remade =
     "The file is not as the program writes it; take the original, or run the stage again";
 
-/// astropy writes an ordered meta as `!!omap`, a list of maps of one key each.
-YAML::Node plain_map(const YAML::Node& node) {
-    if (!node || node.Tag() != "tag:yaml.org,2002:omap") return node;
+/// astropy writes an ordered map as `!!omap`, a list of maps of one key each: turned into maps,
+/// wherever in `node` they stand.
+YAML::Node plain_map(const YAML::Node& node, const std::string& where) {
+    if (node.IsMap()) {
+        YAML::Node map = node;
+        for (auto pair : map) pair.second = plain_map(pair.second, where);
+        return map;
+    }
+    if (!node.IsSequence()) return node;
+    if (node.Tag() != "tag:yaml.org,2002:omap") {
+        YAML::Node list = node;
+        for (std::size_t i = 0; i < list.size(); ++i) list[i] = plain_map(list[i], where);
+        return list;
+    }
     YAML::Node map(YAML::NodeType::Map);
-    for (const auto& item : node)
-        for (const auto& pair : item)
-            map[pair.first] = plain_map(pair.second);
+    for (const auto& item : node) {
+        const bool is_pair = item.IsMap() && item.size() == 1;
+        if (!is_pair || std::as_const(map)[item.begin()->first.Scalar()].IsDefined())
+            throw Failure(yaml_place(where, item), "an !!omap entry is not one new key and its value",
+                          std::string(remade));
+        map.force_insert(item.begin()->first, plain_map(item.begin()->second, where));
+    }
     return map;
+}
+
+/// Whether a mark is taken back. Any other value than `false` counts as the mark.
+bool is_false(const YAML::Node& node) { return node.IsScalar() && node.Scalar() == "false"; }
+
+/// A header line as the line of YAML it holds. Blanks instead of "# " keep the columns that
+/// messages name; the document's marks must stand at the line's beginning.
+std::string yaml_line(std::string_view content) {
+    const bool is_mark = content.starts_with("---") || content.starts_with("...");
+    return (is_mark ? "" : "  ") + std::string(content) + "\n";
 }
 
 }  // namespace
@@ -72,7 +98,10 @@ void EcsvReader::read_header() {
         }
         if (!line->starts_with("# "))
             fail_at(line_, 2, "a header line must begin with \"# \"", std::string(remade));
-        yaml.append(line->substr(2)).push_back('\n');
+        if (!is_printable_ascii(*line))
+            fail_at(line_, 1, "a header line holds bytes that are not printable ASCII",
+                    std::string(remade));
+        yaml += yaml_line(line->substr(2));
     }
     if (!line)
         fail_at(line_, 1, "the header is not followed by the line of column names",
@@ -81,9 +110,10 @@ void EcsvReader::read_header() {
     const YAML::Node header = parse_yaml("\n" + yaml, where_);
     if (!header.IsMap() || !header["datatype"] || !header["datatype"].IsSequence())
         fail_at(2, 1, "the header has no list \"datatype\"", std::string(remade));
-    if (!header["delimiter"] || !header["delimiter"].IsScalar() ||
-        header["delimiter"].Scalar() != ",")
-        fail_at(2, 1, "the delimiter is not a comma", "Only tables with delimiter ',' are read");
+    const YAML::Node delimiter = header["delimiter"];
+    if (!delimiter || !delimiter.IsScalar() || delimiter.Scalar() != ",")
+        throw Failure(delimiter ? yaml_place(where_, delimiter) : where_ + ":2:1",
+                      "the delimiter is not a comma", "Only tables with delimiter ',' are read");
     for (const auto& pair : header) {
         const std::string key = pair.first.Scalar();
         if (key != "datatype" && key != "delimiter" && key != "meta" && key != "schema")
@@ -92,7 +122,7 @@ void EcsvReader::read_header() {
     }
     for (std::size_t i = 0; i < header["datatype"].size(); ++i)
         read_column(header["datatype"][i], i);
-    meta_ = plain_map(header["meta"]);
+    if (header["meta"]) meta_ = plain_map(header["meta"], where_);
     check_names(*line);
 }
 
@@ -115,9 +145,10 @@ void EcsvReader::read_column(const YAML::Node& node, std::size_t index) {
     column.name = scalar("name");
     column.unit = scalar("unit");
     column.description = scalar("description");
-    const YAML::Node& meta = node["meta"];
-    if (meta && meta.IsMap() && meta["required"] && meta["required"].IsScalar())
-        column.must_understand = meta["required"].Scalar() == "true";
+    if (node["meta"]) {
+        const YAML::Node meta = plain_map(node["meta"], where_);
+        column.must_understand = meta.IsMap() && meta["required"] && !is_false(meta["required"]);
+    }
     const std::string type = scalar("datatype");
     bool known_type = false;
     for (const CellType candidate :
@@ -181,6 +212,10 @@ void EcsvReader::split(std::string_view line) {
         } else {
             const std::size_t end = std::min(line.find(',', at), line.size());
             cell.text.assign(line.substr(at, end - at));
+            const std::size_t quote = cell.text.find('"');
+            if (quote != std::string::npos)
+                fail_at(line_, at + quote + 1, "a quote inside a cell that is not quoted",
+                        std::string(remade));
             at = end;
         }
         if (at >= line.size()) return;
@@ -191,16 +226,23 @@ void EcsvReader::split(std::string_view line) {
 bool EcsvReader::next_row() {
     const auto line = next_line();
     if (!line) return false;
+    // Other readers pass over both.
+    if (line->empty()) fail_at(line_, 1, "the line is empty", std::string(remade));
+    if (line->starts_with('#')) fail_at(line_, 1, "a comment among the rows", std::string(remade));
     split(*line);
     if (cell_count_ != columns_.size())
         fail_at(line_, 1,
                 fmt::format("the row has {} cells, the header has {} columns", cell_count_,
                             columns_.size()),
                 std::string(remade));
-    for (const Cell& cell : cells_)
-        if (!cell.text.empty() && !is_printable_ascii(cell.text))
+    for (const Cell& cell : cells_) {
+        if (!is_printable_ascii(cell.text))
             fail_at(line_, cell.position, "a cell holds bytes that are not printable ASCII",
                     std::string(remade));
+        if (cell.text.starts_with(' ') || cell.text.ends_with(' '))
+            fail_at(line_, cell.position, "a cell begins or ends with a blank",
+                    std::string(remade));
+    }
     return true;
 }
 

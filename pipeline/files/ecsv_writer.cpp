@@ -32,12 +32,12 @@ nlohmann::ordered_json column_entry(const EcsvColumn& column) {
     entry["datatype"] = ecsv_name(column.type);
     if (column.type == CellType::real) entry["format"] = fmt::format("%.{}f", column.decimals);
     if (!column.description.empty()) entry["description"] = column.description;
+    if (column.must_understand) entry["meta"] = {{"required", true}};
     return entry;
 }
 
 bool needs_quotes(std::string_view text) {
-    return text.find_first_of(",\"#") != std::string_view::npos || text.front() == ' ' ||
-           text.back() == ' ';
+    return text.find_first_of(",\"#") != std::string_view::npos;
 }
 
 }  // namespace
@@ -49,7 +49,7 @@ EcsvWriter::EcsvWriter(std::vector<EcsvColumn> columns, const nlohmann::ordered_
     for (const EcsvColumn& column : columns_)
         header["datatype"].push_back(column_entry(column));
     header["delimiter"] = ",";
-    header["meta"] = meta;
+    if (!meta.is_null()) header["meta"] = meta;
     out_ = "# %ECSV 1.0\n# ---\n";
     const std::string yaml = to_yaml_text(header);
     std::size_t begin = 0;
@@ -105,10 +105,10 @@ void EcsvWriter::seconds(std::int64_t nanoseconds) {
 
 void EcsvWriter::text(std::string_view value) {
     const EcsvColumn& column = begin_cell();
-    if (value.empty() || !is_printable_ascii(value))
+    if (value.empty() || !is_printable_ascii(value) || value.front() == ' ' || value.back() == ' ')
         throw Failure("column " + column.name,
                       "the text \"" + escape_for_message(value) + "\" cannot be a table cell",
-                      "Use printable ASCII characters");
+                      "Use printable ASCII characters, without blanks at the ends");
     if (!needs_quotes(value)) {
         out_ += value;
         return;
@@ -123,6 +123,8 @@ void EcsvWriter::text(std::string_view value) {
 
 void EcsvWriter::missing() {
     begin_cell();
+    // A row of nothing would be an empty line, which other readers pass over.
+    if (columns_.size() == 1) out_ += "\"\"";
 }
 
 std::string EcsvWriter::take() && {

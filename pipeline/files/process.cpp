@@ -12,45 +12,83 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <utility>
 
 #include "core/failure.h"
 
 namespace runcert {
 namespace {
 
-struct Pipe {
-    int read_end = -1;
-    int write_end = -1;
-};
-
-Pipe open_pipe() {
-    std::array<int, 2> ends{};
-    if (pipe2(ends.data(), O_CLOEXEC) != 0)
-        throw Failure("starting a program", std::strerror(errno), "Close other programs");
-    return {ends[0], ends[1]};
+[[noreturn]] void fail_to_start(int error) {
+    throw Failure("starting a program", std::strerror(error), "Close other programs");
 }
 
+/// A pipe whose ends are closed when it goes out of scope, and in a program that is started.
+class Pipe {
+  public:
+    Pipe() {
+        if (pipe2(ends_.data(), O_CLOEXEC) != 0) fail_to_start(errno);
+        // Where the caller has closed standard input or output, its number may be given to an
+        // end, and the child would overwrite it before it is used.
+        for (int& end : ends_)
+            if (end <= STDERR_FILENO) {
+                const int moved = fcntl(end, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+                if (moved < 0) fail_to_start(errno);
+                close(end);
+                end = moved;
+            }
+    }
+    ~Pipe() {
+        for (const int end : ends_)
+            if (end >= 0) close(end);
+    }
+    Pipe(const Pipe&) = delete;
+    Pipe& operator=(const Pipe&) = delete;
+
+    int read_end() const { return ends_[0]; }
+    int write_end() const { return ends_[1]; }
+    void close_write_end() { close(std::exchange(ends_[1], -1)); }
+
+  private:
+    std::array<int, 2> ends_{-1, -1};
+};
+
+/// The pipes between a program and its caller. `problem` brings the error of a program that could
+/// not be started, and nothing where it could.
+struct Pipes {
+    Pipe out;
+    Pipe err;
+    Pipe problem;
+};
+
 /// What the child does between fork and exec: only calls that are safe there.
-[[noreturn]] void become(char* const* arguments, char* const* environment, const Pipe& out,
-                         const Pipe& err, pid_t parent) {
+[[noreturn]] void become(char* const* arguments, char* const* environment, const Pipes& pipes,
+                         pid_t parent) {
     prctl(PR_SET_PDEATHSIG, SIGTERM);
     if (getppid() != parent) _exit(127);
     const int null = open("/dev/null", O_RDONLY);
     dup2(null, STDIN_FILENO);
-    dup2(out.write_end, STDOUT_FILENO);
-    dup2(err.write_end, STDERR_FILENO);
+    dup2(pipes.out.write_end(), STDOUT_FILENO);
+    dup2(pipes.err.write_end(), STDERR_FILENO);
     execvpe(arguments[0], arguments, environment);
+    const int error = errno;
+    [[maybe_unused]] const ssize_t written =
+        write(pipes.problem.write_end(), &error, sizeof error);
     _exit(127);
 }
 
 /// Reads both pipes until the child has closed them.
-void drain(const Pipe& out, const Pipe& err, ProcessResult& result) {
-    std::array<pollfd, 2> files{{{out.read_end, POLLIN, 0}, {err.read_end, POLLIN, 0}}};
+void drain(const Pipes& pipes, ProcessResult& result) {
+    std::array<pollfd, 2> files{
+        {{pipes.out.read_end(), POLLIN, 0}, {pipes.err.read_end(), POLLIN, 0}}};
     const std::array<std::string*, 2> texts{&result.output, &result.errors};
     std::array<char, 65536> buffer{};
     int open_files = 2;
     while (open_files > 0) {
-        if (poll(files.data(), files.size(), -1) < 0 && errno != EINTR) break;
+        if (poll(files.data(), files.size(), -1) < 0) {
+            if (errno == EINTR) continue;
+            break;
+        }
         for (std::size_t i = 0; i < files.size(); ++i) {
             if (files[i].fd < 0 || files[i].revents == 0) continue;
             const ssize_t count = read(files[i].fd, buffer.data(), buffer.size());
@@ -93,25 +131,25 @@ ProcessResult run_process(const std::vector<std::string>& arguments,
     std::vector<std::string> environment_texts = merged_environment(environment);
     const std::vector<char*> argument_list = pointers(argument_texts);
     const std::vector<char*> environment_list = pointers(environment_texts);
-    const Pipe out = open_pipe();
-    const Pipe err = open_pipe();
+    Pipes pipes;
     const pid_t parent = getpid();
     const pid_t child = fork();
-    if (child < 0)
-        throw Failure("starting " + arguments[0], std::strerror(errno), "Close other programs");
-    if (child == 0) become(argument_list.data(), environment_list.data(), out, err, parent);
-    close(out.write_end);
-    close(err.write_end);
+    if (child < 0) fail_to_start(errno);
+    if (child == 0) become(argument_list.data(), environment_list.data(), pipes, parent);
+    for (Pipe* pipe : {&pipes.out, &pipes.err, &pipes.problem}) pipe->close_write_end();
+    int error = 0;
+    ssize_t count = 0;
+    while ((count = read(pipes.problem.read_end(), &error, sizeof error)) < 0 && errno == EINTR) {
+    }
     ProcessResult result;
-    drain(out, err, result);
-    close(out.read_end);
-    close(err.read_end);
+    drain(pipes, result);
     int status = 0;
     while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
     }
     result.exit_status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-    if (result.exit_status == 127 && result.output.empty() && result.errors.empty())
-        throw Failure(arguments[0], "the program could not be started",
+    if (count == sizeof error)
+        throw Failure(arguments[0],
+                      fmt::format("the program could not be started: {}", std::strerror(error)),
                       "Install it (see packages.txt), or build the program again");
     return result;
 }
@@ -121,9 +159,12 @@ std::filesystem::path program_folder() {
 }
 
 TemporaryFolder::TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "runcert-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr)
-        throw Failure(name, std::strerror(errno), "Make room for temporary files, or set TMPDIR");
+    const std::string remedy = "Make room for temporary files, or set TMPDIR";
+    std::error_code error;
+    const std::filesystem::path parent = std::filesystem::temp_directory_path(error);
+    if (error) throw Failure("the folder for temporary files", error.message(), remedy);
+    std::string name = (parent / "runcert-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) throw Failure(name, std::strerror(errno), remedy);
     path_ = name;
 }
 

@@ -5,8 +5,7 @@
 #include <string_view>
 #include <vector>
 
-/// What minisign's key and signature files have in common. For signature.cpp and
-/// signature_keys.cpp alone.
+/// What minisign's key and signature files have in common. For the sources of this folder alone.
 namespace runcert::signature_text {
 
 inline constexpr std::string_view untrusted_prefix = "untrusted comment: ";

@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 #include <yaml-cpp/eventhandler.h>
 
+#include <algorithm>
 #include <set>
 #include <sstream>
 
 #include "core/failure.h"
 #include "core/text.h"
+#include "files/signature_text.h"
 
 namespace runcert {
 namespace {
@@ -23,9 +25,14 @@ class StrictEvents : public YAML::EventHandler {
   public:
     explicit StrictEvents(const std::string& where) : where_(where) {}
 
-    void OnDocumentStart(const YAML::Mark&) override {}
+    void OnDocumentStart(const YAML::Mark& mark) override {
+        if (++documents_ > 1)
+            throw Failure(place(where_, mark), "the file holds more than one YAML document",
+                          "Keep one, without further `---` lines, and check the indentation there");
+    }
     void OnDocumentEnd() override {}
     void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override {
+        refuse_as_key(mark);
         enter(mark, "", anchor, "");
     }
     void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override { refuse_alias(mark); }
@@ -35,12 +42,14 @@ class StrictEvents : public YAML::EventHandler {
     }
     void OnSequenceStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                          YAML::EmitterStyle::value) override {
+        refuse_as_key(mark);
         enter(mark, tag, anchor, "");
         push(mark, false);
     }
     void OnSequenceEnd() override { levels_.pop_back(); }
     void OnMapStart(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                     YAML::EmitterStyle::value) override {
+        refuse_as_key(mark);
         enter(mark, tag, anchor, "");
         push(mark, true);
     }
@@ -56,8 +65,9 @@ class StrictEvents : public YAML::EventHandler {
     void enter(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
                const std::string& value) {
         if (anchor != 0) refuse_alias(mark);
-        if (!tag.empty() && tag != "?" && tag != "!" && !tag.starts_with("tag:yaml.org,2002:"))
-            throw Failure(place(where_, mark), "the tag \"" + tag + "\" is not understood",
+        if (!is_understood(tag))
+            throw Failure(place(where_, mark),
+                          "the tag \"" + escape_for_message(tag) + "\" is not understood",
                           "Remove it");
         if (levels_.empty() || !levels_.back().is_map) return;
         Level& level = levels_.back();
@@ -73,12 +83,26 @@ class StrictEvents : public YAML::EventHandler {
                           "No file of this program is; check what this file is");
         levels_.push_back({is_map});
     }
+    /// "?" and "!" stand for plain and for quoted text without a tag. A tag that says what its
+    /// value already is would need a check of its own: only those that astropy writes are read.
+    static bool is_understood(std::string_view tag) {
+        if (tag.empty() || tag == "?" || tag == "!") return true;
+        constexpr std::string_view standard = "tag:yaml.org,2002:";
+        if (!tag.starts_with(standard)) return false;
+        tag.remove_prefix(standard.size());
+        return tag == "map" || tag == "seq" || tag == "omap";
+    }
+    void refuse_as_key(const YAML::Mark& mark) const {
+        if (!levels_.empty() && levels_.back().is_map && levels_.back().key_next)
+            throw Failure(place(where_, mark), "a key is not text", "Write one word as the key");
+    }
     [[noreturn]] void refuse_alias(const YAML::Mark& mark) {
         throw Failure(place(where_, mark), "YAML anchors and aliases are not read",
                       "Write the value out in each place");
     }
 
     const std::string& where_;
+    int documents_ = 0;
     std::vector<Level> levels_;
 };
 
@@ -91,21 +115,42 @@ void refuse_other_encodings(std::string_view text, const std::string& where) {
                       "Save it as UTF-8 text");
 }
 
+/// yaml-cpp passes malformed UTF-8 through, and takes the control character 4 for the end of the
+/// file and a lone carriage return for a line's.
+void refuse_unprintable_lines(std::string_view text, const std::string& where) {
+    if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+    for (std::size_t line = 1; !text.empty(); ++line) {
+        const std::size_t end = std::min(text.find('\n'), text.size());
+        std::string_view content = text.substr(0, end);
+        if (content.ends_with('\r')) content.remove_suffix(1);
+        if (!signature_text::is_printable_line(content))
+            throw Failure(fmt::format("{}:{}:1", where, line),
+                          "the line holds control characters, or bytes that are not UTF-8",
+                          "Save the file as UTF-8 text, and write such characters as escapes "
+                          "(\"\\u200f\")");
+        text.remove_prefix(std::min(end + 1, text.size()));
+    }
+}
+
 }  // namespace
 
 YAML::Node parse_yaml(std::string_view text, const std::string& where) {
     refuse_other_encodings(text, where);
+    refuse_unprintable_lines(text, where);
+    // yaml-cpp takes a quote that is never closed for closed at the end of the file, unless a mark
+    // of the document's end stands there.
+    std::string marked(text);
+    marked += text.ends_with('\n') ? "...\n" : "\n...\n";
     try {
-        std::istringstream stream{std::string(text)};
+        std::istringstream stream(marked);
         YAML::Parser parser(stream);
         StrictEvents events(where);
-        if (!parser.HandleNextDocument(events))
+        while (parser.HandleNextDocument(events)) {
+        }
+        YAML::Node document = YAML::Load(marked);
+        if (document.IsNull())
             throw Failure(where, "the file is empty", "Give the file its content back");
-        StrictEvents rest(where);
-        if (parser.HandleNextDocument(rest))
-            throw Failure(where, "the file holds more than one YAML document",
-                          "Keep one document, without further `---` lines");
-        return YAML::Load(std::string(text));
+        return document;
     } catch (const YAML::Exception& error) {
         throw Failure(place(where, error.mark), "not valid YAML: " + error.msg,
                       "Check indentation, colons and quotes there");
@@ -120,15 +165,23 @@ std::string yaml_place(const std::string& where, const YAML::Node& node) {
 YamlValue::YamlValue(YAML::Node node, std::string where, std::string path)
     : node_(std::move(node)), where_(std::move(where)), path_(std::move(path)) {}
 
+YamlValue& YamlValue::operator=(const YamlValue& other) {
+    // Assignment of a YAML::Node would write into the tree that both belong to.
+    node_.reset(other.node_);
+    where_ = other.where_;
+    path_ = other.path_;
+    return *this;
+}
+
 void YamlValue::fail(const std::string& what, const std::string& remedy) const {
     throw Failure(place(), path_.empty() ? what : path_ + ": " + what, remedy);
 }
 
 YamlValue YamlValue::operator[](const std::string& key) const {
     const std::string path = path_.empty() ? key : path_ + "." + key;
-    if (!is_map()) return {YAML::Node(YAML::NodeType::Undefined), where_, path};
     const YAML::Node& map = node_;
-    return {map[key], where_, path};
+    if (is_map() && map[key].IsDefined()) return {map[key], where_, path};
+    return {YAML::Node(YAML::NodeType::Undefined), where_, path};
 }
 
 bool YamlValue::exists() const {

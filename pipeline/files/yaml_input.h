@@ -2,6 +2,7 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,8 +11,8 @@
 namespace runcert {
 
 /// Parses one YAML document. Refused with line and column: what is not YAML or not UTF-8 text, two
-/// equal keys in one map, anchors and aliases, tags other than the standard ones, nesting deeper
-/// than 32, more than one document.
+/// equal keys in one map, keys that are not text, anchors and aliases, tags (but !!map, !!seq and
+/// astropy's !!omap), control characters, nesting deeper than 32, more than one document.
 YAML::Node parse_yaml(std::string_view text, const std::string& where);
 
 /// "file:line:column" of a node, for messages; "file" where the node has no place.
@@ -24,6 +25,10 @@ std::string yaml_place(const std::string& where, const YAML::Node& node);
 class YamlValue {
   public:
     YamlValue(YAML::Node node, std::string where, std::string path = {});
+
+    YamlValue(const YamlValue&) = default;
+    YamlValue& operator=(const YamlValue& other);
+    ~YamlValue() = default;
 
     /// The member of that name; `exists()` is false where there is none or it is null.
     YamlValue operator[](const std::string& key) const;

@@ -1,9 +1,11 @@
 #include "files/yaml_output.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
+#include "core/failure.h"
 #include "core/text.h"
 
 namespace runcert {
@@ -26,19 +28,52 @@ bool is_plain_word(const std::string& text) {
            std::find(std::begin(reserved), std::end(reserved), lower) == std::end(reserved);
 }
 
-std::string scalar_text(const Json& value) {
-    if (value.is_null()) return "null";
-    if (value.is_string() && is_plain_word(value.get_ref<const std::string&>()))
-        return value.get<std::string>();
-    // A JSON string or number is a YAML scalar of the same value; invalid UTF-8 is replaced.
-    std::string text = value.dump(-1, ' ', true, Json::error_handler_t::replace);
-    if (value.is_number_float()) {
-        // YAML 1.1 takes 1e-06 for text, 1.0e-06 for a number.
-        const std::size_t exponent = text.find('e');
-        if (exponent != std::string::npos && text.find('.') == std::string::npos)
-            text.insert(exponent, ".0");
+[[noreturn]] void refuse_not_finite() {
+    throw Failure("document", "a result is not a finite number",
+                  "This is a fault of the program or of its input; please report it with the run "
+                  "folder");
+}
+
+/// The shortest decimal that reads back equal. (nlohmann's own is a digit or two longer for one
+/// number in a thousand: 40.146414342999996.)
+std::string real_text(double value) {
+    if (!std::isfinite(value)) refuse_not_finite();
+    std::string text = fmt::format("{}", value);
+    // YAML 1.1 takes 1e-06 for text, 1.0e-06 for a number; and 1 for an integer.
+    if (text.find('.') == std::string::npos) text.insert(std::min(text.find('e'), text.size()), ".0");
+    return text;
+}
+
+/// JSON's escapes are YAML's too, but for characters beyond U+FFFF: JSON writes them as two
+/// surrogates (\ud83d\ude00), YAML as one number (\U0001f600).
+std::string quoted_text(const std::string& value) {
+    const std::string json = Json(value).dump(-1, ' ', true, Json::error_handler_t::replace);
+    const auto unit = [&json](std::size_t at) {
+        return static_cast<unsigned>(std::stoul(json.substr(at + 2, 4), nullptr, 16));
+    };
+    std::string text;
+    for (std::size_t at = 0; at < json.size();) {
+        if (json[at] != '\\') {
+            text += json[at++];
+        } else if (json[at + 1] != 'u' || unit(at) < 0xD800 || unit(at) > 0xDFFF) {
+            text.append(json, at, 2);
+            at += 2;
+        } else {
+            text += fmt::format("\\U{:08x}",
+                                0x10000 + ((unit(at) - 0xD800) << 10U) + (unit(at + 6) - 0xDC00));
+            at += 12;
+        }
     }
     return text;
+}
+
+std::string scalar_text(const Json& value) {
+    if (value.is_string()) {
+        const auto& text = value.get_ref<const std::string&>();
+        return is_plain_word(text) ? text : quoted_text(text);
+    }
+    if (value.is_number_float()) return real_text(value.get<double>());
+    return value.dump();
 }
 
 void write(const Json& value, int indent, std::string& out);
@@ -85,6 +120,7 @@ std::string to_yaml_text(const Json& document) {
 }
 
 double rounded(double value, int decimals) {
+    if (!std::isfinite(value)) refuse_not_finite();
     return parse_double(format_fixed(value, decimals)).value();
 }
 

@@ -8,9 +8,11 @@ namespace runcert {
 /// A document as block-style YAML text, the same bytes everywhere: keys in their order, text in
 /// double quotes wherever a YAML 1.1 or 1.2 reader could take it for anything but that text,
 /// numbers in their shortest form that reads back equal. ASCII: other characters are escaped.
+/// Failure where a number is not finite.
 std::string to_yaml_text(const nlohmann::ordered_json& document);
 
 /// `value` rounded to that many decimals, so that its shortest form has no more than these.
+/// Failure where it is not finite.
 double rounded(double value, int decimals);
 
 }  // namespace runcert

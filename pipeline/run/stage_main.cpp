@@ -27,6 +27,11 @@ int guarded_main(const std::function<int()>& body) {
         fmt::print(stderr,
                    "error: there is not enough memory\n  where: this computer\n  what to do: close "
                    "other programs, or cut the recording down to the runs\n");
+    } catch (const std::exception& fault) {
+        fmt::print(stderr,
+                   "error: {}\n  where: inside the program\n  what to do: this is a fault of the "
+                   "program; please report it with the attempt and its recordings\n",
+                   fault.what());
     }
     return 2;
 }

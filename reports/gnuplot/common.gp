@@ -18,7 +18,7 @@ set decimalsign '.'
 set border 3 linewidth 0.8 linecolor rgb grey
 set tics nomirror out scale 0.5
 set grid linewidth 0.6 linecolor rgb '#dddddd'
-set key noenhanced outside below horizontal center samplen 2.5 spacing 1.15
+set key noenhanced outside below horizontal left reverse Left samplen 2.5 spacing 1.15 width -5
 set datafile separator ','
 set datafile columnheaders
 

@@ -25,7 +25,7 @@ unset table
 set datafile separator whitespace
 unset datafile columnheaders
 
-set terminal svg size 760,400 font 'DejaVu Sans,13' name 'speed' background 'white'
+set terminal svg size 760,330 font 'DejaVu Sans,13' name 'speed' background 'white'
 set output figure
 set xlabel 'time from the first epoch (s)'
 set ylabel 'horizontal speed (km/h)'
@@ -43,7 +43,7 @@ do for [i = 1:windows] {
 plot for [i = 1:windows > 0] NaN with boxes fillstyle solid 0.45 noborder \
         linecolor rgb sky title 'certified window', \
     for [i = 1:refused_windows > 0] NaN with boxes fillstyle solid 0.30 noborder \
-        linecolor rgb orange title 'fastest window of the raw positions, refused', \
+        linecolor rgb orange title 'refused window', \
     for [i = 1:targets] target[i] with lines dashtype 1 + i linewidth 1.4 \
         linecolor rgb vermilion title target_title[i], \
     for [i = 1:unusable > 0] unused using 1:(-0.03 * top):(0.5 * span / bins):(0.015 * top) \

@@ -29,7 +29,7 @@ middle_east = 0.5 * (east_min + east_max)
 middle_north = 0.5 * (north_min + north_max)
 plot_width = 660.0
 canvas_height = int(plot_width * half_height / half_width) + 90
-set terminal svg size 760, canvas_height > 640 ? 640 : canvas_height font 'DejaVu Sans,13' \
+set terminal svg size 760, canvas_height > 520 ? 520 : canvas_height font 'DejaVu Sans,13' \
     name 'track' background 'white'
 set output figure
 set size ratio -1
@@ -37,12 +37,13 @@ set xlabel georeferenced ? 'east of the origin (m)' : 'first plane coordinate (m
 set ylabel georeferenced ? 'north of the origin (m)' : 'second plane coordinate (m)'
 set xrange [middle_east - half_width : middle_east + half_width]
 set yrange [middle_north - half_height : middle_north + half_height]
-set arrow 1 from graph 0.96, graph 0.78 to graph 0.96, graph 0.95 head filled size screen 0.012, 20 \
-    front linewidth 1.6 linecolor rgb black
-set label 1 (georeferenced ? 'N' : 'plane N') at graph 0.96, graph 0.73 center front
-set label 2 ' start' at first_east, first_north left front \
+set rmargin 10
+set arrow 1 from screen 0.95, screen 0.80 to screen 0.95, screen 0.93 \
+    head filled size screen 0.012, 20 front linewidth 1.6 linecolor rgb black
+set label 1 (georeferenced ? 'N' : 'plane N') at screen 0.95, screen 0.76 center front
+set label 2 '   start' at first_east, first_north left front \
     point pointtype 6 pointsize 1.1 linewidth 1.8 linecolor rgb green
-set label 3 ' end' at last_east, last_north left front \
+set label 3 '   end' at last_east, last_north left front \
     point pointtype 4 pointsize 1.1 linewidth 1.8 linecolor rgb black
 plot curve using 1:2 with lines linewidth 1.6 linecolor rgb blue title 'track', \
     for [i = 1:windows > 0] highlight using 1:2 with points pointtype 7 pointsize 0.45 \

@@ -32,7 +32,7 @@ bottom = bottom - 0.05 * room
 top = top + 0.05 * room
 target_shown = target >= bottom && target <= top
 
-set terminal svg size 760,420 font 'DejaVu Sans,13' name 'window' background 'white'
+set terminal svg size 760,350 font 'DejaVu Sans,13' name 'window' background 'white'
 set output figure
 set xlabel 'time from the first epoch (s)'
 set ylabel 'horizontal speed (km/h)'
@@ -45,9 +45,9 @@ plot curve using 1:($2 - 2 * $3):($2 + 2 * $3) with filledcurves fillstyle solid
         linecolor rgb blue title 'smoothed, ± 2 σ', \
     curve using 1:4 with points pointtype 1 pointsize 0.6 linewidth 1.2 linecolor rgb green \
         title 'method v1', \
-    curve using 1:5 with points pointtype 7 pointsize 0.35 linecolor rgb vermilion \
+    curve using 1:5 with points pointtype 7 pointsize 0.45 linecolor rgb vermilion \
         title 'method v2', \
-    curve using 1:6 with lines dashtype 3 linewidth 1.4 linecolor rgb purple \
+    curve using 1:6 with lines dashtype 4 linewidth 1.6 linecolor rgb purple \
         title 'forward filter of [DHD22]', \
     curve using 1:2 with lines linewidth 1.8 linecolor rgb blue title 'smoothed', \
     for [i = 1:target_shown] target with lines dashtype 2 linewidth 1.4 linecolor rgb vermilion \

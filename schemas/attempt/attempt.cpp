@@ -26,14 +26,17 @@ std::string default_text(std::string_view field) {
 }
 
 /// An id names files: nothing that a file system or a shell could read otherwise.
+bool is_id(std::string_view text) {
+    return !text.empty() && text.size() <= 64 && text.front() != '-' &&
+           std::all_of(text.begin(), text.end(), [](char c) {
+               return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                      c == '-' || c == '_';
+           });
+}
+
 std::string read_id(const YamlValue& value) {
     const std::string id = value.text();
-    const bool good = !id.empty() && id.size() <= 64 && id.front() != '-' &&
-                      std::all_of(id.begin(), id.end(), [](char c) {
-                          return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
-                                 (c >= '0' && c <= '9') || c == '-' || c == '_';
-                      });
-    if (!good)
+    if (!is_id(id))
         value.fail(fmt::format("\"{}\" cannot be an id", escape_for_message(id)),
                    "Use 1 to 64 letters, digits, - and _, not beginning with -");
     return id;
@@ -59,15 +62,6 @@ void read_frame(const YamlValue& entry, Receiver& receiver) {
     receiver.frame = value;
 }
 
-std::optional<GpsTime> read_time(const YamlValue& value) {
-    if (!value.exists()) return std::nullopt;
-    try {
-        return parse_gps_iso(value.text());
-    } catch (const Failure& failure) {
-        value.fail(failure.problem(), failure.remedy());
-    }
-}
-
 Receiver read_receiver(const YamlValue& entry) {
     Receiver receiver;
     receiver.id = read_id(entry["id"]);
@@ -82,12 +76,15 @@ Receiver read_receiver(const YamlValue& entry) {
     receiver.time_format = entry["time_format"].text_or(default_text("receivers[].time_format"));
     receiver.time_scale = entry["time_scale"].text_or(default_text("receivers[].time_scale"));
     receiver.delimiter = entry["delimiter"].text_or(default_text("receivers[].delimiter"));
-    receiver.start_gps = read_time(entry["start_gps"]);
+    receiver.start_gps = read_gps_time(entry["start_gps"]);
     receiver.height_m = entry["height_m"].optional_real();
     if (const YamlValue accuracy = entry["accuracy"]; accuracy.exists())
         receiver.accuracy = AttemptAccuracy{.horizontal_m = accuracy["horizontal_m"].real(),
                                             .vertical_m = accuracy["vertical_m"].optional_real()};
     receiver.antenna_height_m = entry["antenna_height_m"].optional_real();
+    if (const YamlValue arm = entry["lever_arm_m"]; arm.exists())
+        receiver.lever_arm = Eigen::Vector3d(arm["forward"].real(), arm["right"].real(),
+                                             arm["down"].real());
     receiver.place = entry.place();
     return receiver;
 }
@@ -111,7 +108,7 @@ std::string read_date(const YamlValue& value) {
     if (!value.exists()) return {};
     const std::string date = value.text();
     try {
-        if (date.size() != 10) throw Failure("", "", "");
+        if (date.size() != 10 || date[4] != '-') throw Failure("", "", "");
         (void)parse_gps_iso(date + "T00:00:00");
     } catch (const Failure&) {
         value.fail(fmt::format("\"{}\" is not a date", escape_for_message(date)),
@@ -144,6 +141,11 @@ std::vector<std::string> read_profiles(const YamlValue& list) {
     std::set<std::string> names;
     for (const YamlValue& entry : list.list()) {
         profiles.push_back(entry.text());
+        if (!is_id(profile_name(profiles.back())))
+            entry.fail(fmt::format("\"{}\" cannot be a profile",
+                                   escape_for_message(profiles.back())),
+                       "Give the name of a profile, or a file whose name has letters, digits, - "
+                       "and _ and ends in .yaml");
         if (!names.insert(profile_name(profiles.back())).second)
             entry.fail("the profile is claimed twice", "Name each profile once");
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <map>
 #include <optional>
 #include <string>
@@ -42,6 +43,8 @@ struct Receiver {
     std::optional<double> height_m;
     std::optional<AttemptAccuracy> accuracy;
     std::optional<double> antenna_height_m;
+    /// From the antenna to the craft's reference point (m): forward, right, down.
+    std::optional<Eigen::Vector3d> lever_arm;
     std::string place;  ///< "file:line:column" of this receiver in the attempt, for messages
 };
 

@@ -53,27 +53,52 @@ Header read_header(const YamlValue& document) {
     return header;
 }
 
+namespace {
+
+struct Version {
+    std::int64_t model = 0;
+    std::int64_t revision = 0;
+};
+
+/// "1.0", as two whole numbers without signs.
+std::optional<Version> parse_version(std::string_view text) {
+    const std::size_t point = text.find('.');
+    if (point == std::string_view::npos || text.find_first_of("+-") != std::string_view::npos)
+        return std::nullopt;
+    const auto model = parse_integer(text.substr(0, point));
+    const auto revision = parse_integer(text.substr(point + 1));
+    if (!model || !revision) return std::nullopt;
+    return Version{*model, *revision};
+}
+
+}  // namespace
+
 bool check_version(const YamlValue& document, const DocumentSchema& expected) {
     const std::string name = document["schema"]["name"].text();
     if (name != expected.name())
-        throw Failure(document.where(),
+        throw Failure(document["schema"]["name"].place(),
                       fmt::format("this is a file of the schema \"{}\", expected \"{}\"",
                                   escape_for_message(name), expected.name()),
                       "Give the file that the stage expects");
     const std::string version = document["schema"]["version"].text();
-    const std::size_t point = version.find('.');
-    const auto model = parse_integer(version.substr(0, point));
-    const auto revision =
-        point == std::string::npos ? std::nullopt : parse_integer(version.substr(point + 1));
-    const std::string& own = expected.version();
-    const std::size_t own_point = own.find('.');
-    if (!model || !revision || model != parse_integer(own.substr(0, own_point)))
-        throw Failure(document.where(),
+    const auto found = parse_version(version);
+    const auto own = parse_version(expected.version()).value();
+    if (!found || found->model != own.model)
+        throw Failure(document["schema"]["version"].place(),
                       fmt::format("version \"{}\" of the schema {} is not known, this program "
                                   "reads {}",
-                                  escape_for_message(version), name, own),
+                                  escape_for_message(version), name, expected.version()),
                       "Use the version of the program that made the file, or a newer one");
-    return *revision > parse_integer(own.substr(own_point + 1)).value();
+    return found->revision > own.revision;
+}
+
+std::optional<GpsTime> read_gps_time(const YamlValue& value) {
+    if (!value.exists()) return std::nullopt;
+    try {
+        return parse_gps_iso(value.text());
+    } catch (const Failure& failure) {
+        value.fail(failure.problem(), failure.remedy());
+    }
 }
 
 Json json_from_yaml(const YamlValue& value) {

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
+#include "core/gps_time.h"
 #include "files/document_schema.h"
 
 namespace runcert {
@@ -42,6 +44,9 @@ Header read_header(const YamlValue& document);
 /// Checks that a document follows the schema `expected` in a version this program reads: the same
 /// model. Returns whether its revision is newer. A different schema or model is a Failure.
 bool check_version(const YamlValue& document, const DocumentSchema& expected);
+
+/// A GPS time in ISO form, nothing where the value is missing. Failure with the value's place.
+std::optional<GpsTime> read_gps_time(const YamlValue& value);
 
 /// A YAML value as the same JSON value, numbers as numbers where they were not quoted.
 nlohmann::ordered_json json_from_yaml(const YamlValue& value);

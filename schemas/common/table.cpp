@@ -23,6 +23,7 @@ EcsvColumn read_column(const YamlValue& entry) {
         entry["type"].fail("\"" + type + "\" is not a type", "Use integer, real, boolean or text");
     column.unit = entry["unit"].text_or("");
     column.description = entry["description"].text();
+    column.must_understand = entry["required"].exists() && entry["required"].boolean();
     return column;
 }
 

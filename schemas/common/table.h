@@ -132,7 +132,8 @@ class TableFormat {
 
     /// The table's text. `schema` in the meta is set here.
     std::string write(nlohmann::ordered_json meta, std::span<const Row> rows) const {
-        meta["schema"] = {{"name", schema_.meta().name()}, {"version", schema_.meta().version()}};
+        meta["schema"] = nlohmann::ordered_json::object(
+            {{"name", schema_.meta().name()}, {"version", schema_.meta().version()}});
         schema_.meta().validate(
             YamlValue(parse_yaml(to_yaml_text(meta), "header"), "header of the table"));
         EcsvWriter out(schema_.columns(), meta);

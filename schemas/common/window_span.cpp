@@ -8,10 +8,14 @@ namespace runcert {
 namespace {
 
 ElapsedTime read_elapsed(const YamlValue& value) {
-    (void)value.real();
-    const auto nanoseconds = parse_decimal_nanoseconds(value.text());
-    // A shortest-form number below 1e-5 is written with an exponent.
-    return {nanoseconds ? *nanoseconds : std::llround(value.real() * 1e9)};
+    const double seconds = value.real();
+    if (const auto nanoseconds = parse_decimal_nanoseconds(value.text())) return {*nanoseconds};
+    // In its shortest form a number below 0.0001 is written with an exponent.
+    if (std::abs(seconds) >= 1e-4)
+        value.fail("is not a time in seconds with at most nine decimals",
+                   "The file is not as the program writes it; take the original, or run the stage "
+                   "again");
+    return {std::llround(seconds * 1e9)};
 }
 
 }  // namespace
@@ -35,7 +39,7 @@ WindowSpan read_window_span(const YamlValue& value) {
     span.last_epoch = value["last_epoch"].integer();
     span.start = read_elapsed(value["start_time_s"]);
     span.duration = read_elapsed(value["duration_s"]);
-    if (value["start_gps"].exists()) span.start_gps = parse_gps_iso(value["start_gps"].text());
+    span.start_gps = read_gps_time(value["start_gps"]);
     return span;
 }
 

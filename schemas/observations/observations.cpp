@@ -76,8 +76,7 @@ nlohmann::ordered_json recording_facts_json(const RecordingFacts& facts) {
 RecordingFacts read_recording_facts(const YamlValue& meta) {
     RecordingFacts facts;
     facts.receiver = meta["receiver"].text();
-    if (meta["first_epoch_gps"].exists())
-        facts.first_epoch = parse_gps_iso(meta["first_epoch_gps"].text());
+    facts.first_epoch = read_gps_time(meta["first_epoch_gps"]);
     facts.georeferenced = meta["georeferenced"].boolean();
     facts.vertical_measured = meta["vertical_measured"].boolean();
     facts.nominal_interval_s = meta["nominal_interval_s"].real();

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <set>
+
 #include "core/failure.h"
 #include "core/text.h"
 
@@ -16,6 +18,29 @@ const DocumentSchema& profile_schema() {
     static const DocumentSchema schema =
         DocumentSchema::parse(profile_schema_text("v1.yaml"), "schemas/profile/v1.yaml");
     return schema;
+}
+
+std::vector<Clause> read_clauses(const YamlValue& document, const Profile& profile) {
+    std::vector<Clause> clauses;
+    std::set<std::string> ids;
+    for (const YamlValue& entry : document["clauses"].list()) {
+        const Clause& clause = clauses.emplace_back(Clause{.id = entry["id"].text(),
+                                                           .text = entry["text"].text(),
+                                                           .source = entry["source"].text(),
+                                                           .certainty = entry["certainty"].text(),
+                                                           .decided_by =
+                                                               entry["decided_by"].text()});
+        if (!ids.insert(clause.id).second)
+            entry["id"].fail(fmt::format("two clauses have the id \"{}\"",
+                                         escape_for_message(clause.id)),
+                             "Give each clause an id of its own");
+        if (clause.decided_by == "accuracy" && !profile.accuracy_limit_mps)
+            entry["decided_by"].fail("the profile states no limit of accuracy",
+                                     "Add accuracy: {limit, unit, coverage_factor}");
+    }
+    if (clauses.empty())
+        document["clauses"].fail("the rule requires nothing", "List its requirements");
+    return clauses;
 }
 
 }  // namespace
@@ -54,18 +79,15 @@ Profile read_profile(std::string_view text, const std::string& where) {
     profile.margin_is_relative = margin["kind"].text() == "relative";
     if (!profile.margin_is_relative && !margin["unit"].exists())
         margin.fail("an absolute margin needs a unit", "Add unit: km/h, m/s, kn or mph");
+    if (profile.margin_is_relative && margin["unit"].exists())
+        margin["unit"].fail("a relative margin has no unit", "Remove it");
     profile.margin = margin["value"].real() *
                      (profile.margin_is_relative ? 1.0 : metres_per_second(margin["unit"].text()));
     if (const YamlValue rounding = document["rounding"]; rounding.exists())
         profile.rounding = {.mode = rounding["mode"].text(),
                             .unit = rounding["unit"].text(),
                             .decimals = static_cast<int>(rounding["decimals"].integer())};
-    for (const YamlValue& clause : document["clauses"].list())
-        profile.clauses.push_back({.id = clause["id"].text(),
-                                   .text = clause["text"].text(),
-                                   .source = clause["source"].text(),
-                                   .certainty = clause["certainty"].text(),
-                                   .decided_by = clause["decided_by"].text()});
+    profile.clauses = read_clauses(document, profile);
     return profile;
 }
 

@@ -109,8 +109,7 @@ Windows read_windows(std::string_view text, const std::string& where) {
     Windows windows;
     windows.header = read_header(document);
     windows.receiver = document["receiver"].text();
-    if (document["first_epoch_gps"].exists())
-        windows.first_epoch = parse_gps_iso(document["first_epoch_gps"].text());
+    windows.first_epoch = read_gps_time(document["first_epoch_gps"]);
     windows.georeferenced = document["georeferenced"].boolean();
     for (const YamlValue& entry : document["profiles"].list()) {
         ProfileWindows profile{.profile = entry["profile"].text(),

@@ -187,8 +187,8 @@ Inspection inspect(const Observations& observations) {
     inspection.best_by_velocity = best_by_velocity(observations);
     for (auto* best : {&inspection.best_by_position, &inspection.best_by_velocity})
         if (*best && observations.facts.first_epoch)
-            (*best)->start_gps = observations.facts.first_epoch->plus_nanoseconds(
-                (*best)->start.nanoseconds);
+            (*best)->start_gps =
+                observations.facts.first_epoch->plus_nanoseconds((*best)->start.nanoseconds);
     return inspection;
 }
 

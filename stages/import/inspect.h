@@ -15,7 +15,7 @@ namespace runcert {
 struct RawBest {
     double speed_mps = 0.0;  ///< horizontal
     ElapsedTime start;       ///< since the first epoch
-    std::optional<GpsTime> start_gps;
+    std::optional<GpsTime> start_gps = std::nullopt;
     double duration_s = 0.0;
     std::int64_t first_epoch = 0;
     std::int64_t last_epoch = 0;

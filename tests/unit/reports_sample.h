@@ -20,8 +20,7 @@ namespace runcert::sample {
 struct Options {
     int epochs = 451;
     double interval_s = 0.1;
-    bool certified = true;   ///< false: no window, everything after 17 s unusable
-    bool is_signed = true;
+    bool certified = true;  ///< false: no window, everything after 17 s unusable
     bool vertical = true;
     bool georeferenced = true;
     bool second_receiver = false;
@@ -46,18 +45,28 @@ inline double truth_distance(double t) {
     return top * (t + std::log((1.0 + c * std::exp(-rate * t)) / (1.0 + c)) / rate);
 }
 
-inline ElapsedTime elapsed(double seconds) { return {std::llround(seconds * 1e9)}; }
+inline ElapsedTime elapsed(double seconds) {
+    return {std::llround(seconds * 1e9)};
+}
 
 inline GpsTime first_epoch() {
-    return GpsTime::from_calendar(
-        {.year = 2022, .month = 3, .day = 18, .hour = 8, .minute = 51, .second = 22,
-         .nanosecond = 300'000'000});
+    return GpsTime::from_calendar({.year = 2022,
+                                   .month = 3,
+                                   .day = 18,
+                                   .hour = 8,
+                                   .minute = 51,
+                                   .second = 22,
+                                   .nanosecond = 300'000'000});
 }
 
 inline Header header(const std::string& stage, nlohmann::ordered_json parameters) {
-    return {.schema_name = {}, .schema_version = {}, .stage = stage,
-            .program_version = program_version(), .source_revision = source_revision(),
-            .inputs = {}, .parameters = std::move(parameters)};
+    return {.schema_name = {},
+            .schema_version = {},
+            .stage = stage,
+            .program_version = program_version(),
+            .source_revision = source_revision(),
+            .inputs = {},
+            .parameters = std::move(parameters)};
 }
 
 inline RecordingFacts facts(const Options& options, const std::string& receiver) {
@@ -76,11 +85,12 @@ inline std::optional<FrameOrigin> origin(const Options& options) {
 }
 
 inline WindowSpan span(const Options& options, double start, double duration) {
-    WindowSpan span{.first_epoch = static_cast<std::int64_t>(start / options.interval_s) + 1,
-                    .last_epoch =
-                        static_cast<std::int64_t>((start + duration) / options.interval_s) + 1,
-                    .start = elapsed(start), .duration = elapsed(duration),
-                    .start_gps = std::nullopt};
+    WindowSpan span{
+        .first_epoch = static_cast<std::int64_t>(start / options.interval_s) + 1,
+        .last_epoch = static_cast<std::int64_t>((start + duration) / options.interval_s) + 1,
+        .start = elapsed(start),
+        .duration = elapsed(duration),
+        .start_gps = std::nullopt};
     if (options.georeferenced)
         span.start_gps = first_epoch().plus_nanoseconds(span.start.nanoseconds);
     return span;
@@ -137,7 +147,9 @@ inline void fill_tables(const Options& options, ScreenedTable& screened,
         }
         trajectory.rows.push_back(row);
     }
-    trajectory.estimation = {.arcs = arc, .degrees_of_freedom = 890, .variance_factor = 0.9713,
+    trajectory.estimation = {.arcs = arc,
+                             .degrees_of_freedom = 890,
+                             .variance_factor = 0.9713,
                              .variance_factor_applied = 1.0,
                              .largest_position_difference_m = 4.1e-9,
                              .largest_velocity_difference_mps = 2.2e-8};
@@ -148,37 +160,50 @@ inline ReceiverResults receiver(const Options& options, const std::string& id) {
     ReceiverResults results;
     const RecordingFacts recording = facts(options, id);
     results.observations = {.header = header("import", {{"format", "auto"}}),
-                            .facts = recording, .format = "rtklib-pos",
+                            .facts = recording,
+                            .format = "rtklib-pos",
                             .frame = options.georeferenced ? "geodetic" : "local_plane",
                             .time_scale = options.georeferenced ? "gps" : "relative",
                             .accuracy_source = "recording",
-                            .notes = {"The recording gives 3 decimals of a second."}, .rows = {}};
+                            .notes = {"The recording gives 3 decimals of a second."},
+                            .rows = {}};
     results.enu_header = header("enu", nlohmann::ordered_json::object());
-    results.screened.header =
-        header("screen", {{"allowed_fixes", {"fixed", "unknown"}}, {"accuracy_min_m", 0.0001},
-                          {"accuracy_max_m", 10}, {"gap_factor", 1.5}, {"false_alarm_rate", 1e-6},
-                          {"restart_after", 3}, {"min_arc_epochs", 6}, {"jerk_density", 0.6}});
+    results.screened.header = header("screen", {{"allowed_fixes", {"fixed", "unknown"}},
+                                                {"accuracy_min_m", 0.0001},
+                                                {"accuracy_max_m", 10},
+                                                {"gap_factor", 1.5},
+                                                {"false_alarm_rate", 1e-6},
+                                                {"restart_after", 3},
+                                                {"min_arc_epochs", 6},
+                                                {"jerk_density", 0.6}});
     results.trajectory.header =
         header("smooth", {{"jerk_density", 0.9}, {"dhd22_acceleration_sigma", 0.1}});
     results.screened.facts = results.trajectory.facts = recording;
     results.screened.origin = results.trajectory.origin = origin(options);
     fill_tables(options, results.screened, results.trajectory);
     results.windows = {.header = header("window", {{"duration_tolerance_s", 0.001}}),
-                       .receiver = id, .first_epoch = recording.first_epoch,
-                       .georeferenced = options.georeferenced, .profiles = {}};
+                       .receiver = id,
+                       .first_epoch = recording.first_epoch,
+                       .georeferenced = options.georeferenced,
+                       .profiles = {}};
     for (const double duration : {3.0, 2.0}) {
         ProfileWindows windows{.profile = duration > 2.5 ? "nalsa" : "fisly",
-                               .duration_s = duration, .definition = "displacement",
+                               .duration_s = duration,
+                               .definition = "displacement",
                                .candidates = options.certified ? 421 : 0,
-                               .best = std::nullopt, .indicated = std::nullopt};
+                               .best = std::nullopt,
+                               .indicated = std::nullopt};
         if (options.certified)
             windows.best = CertifiableWindow{
-                .span = span(options, 40.2, duration), .arc = 1, .speed_mps = 60.002417,
-                .standard_uncertainty_mps = 0.002551, .displacement_m = 60.002417 * duration,
+                .span = span(options, 40.2, duration),
+                .arc = 1,
+                .speed_mps = 60.002417,
+                .standard_uncertainty_mps = 0.002551,
+                .displacement_m = 60.002417 * duration,
                 .definitions = {60.002417, 60.002424, 60.002402, 60.002405},
                 .methods = {60.002402, 60.002402, 60.0068, std::nullopt, 59.9954}};
-        windows.indicated = IndicatedWindow{span(options, 35.1, duration), 60.0871,
-                                            {"The jump at epoch 353 is inside it."}};
+        windows.indicated = IndicatedWindow{
+            span(options, 35.1, duration), 60.0871, {"The jump at epoch 353 is inside it."}};
         results.windows.profiles.push_back(windows);
     }
     return results;
@@ -190,9 +215,10 @@ inline std::vector<Requirement> requirements(const Profile& profile, bool certif
         Requirement entry{clause.id, "met", "", clause.text, clause.source, clause.certainty};
         if (clause.decided_by == "attest") entry.status = "attest";
         if (clause.decided_by == "window_complete")
-            entry.evidence = certified ? "The window of 3.000 s holds 31 usable epochs in one "
-                                         "stretch."
-                                       : "No stretch of the rule's length holds usable epochs only.";
+            entry.evidence = certified
+                                 ? "The window of 3.000 s holds 31 usable epochs in one "
+                                   "stretch."
+                                 : "No stretch of the rule's length holds usable epochs only.";
         if (clause.decided_by == "window_complete" && !certified) entry.status = "not_met";
         if (clause.decided_by == "accuracy")
             entry.evidence = "Expanded uncertainty 0.0184 km/h (k = 2), limit 0.8 km/h.";
@@ -204,26 +230,31 @@ inline std::vector<Requirement> requirements(const Profile& profile, bool certif
 
 inline Verdict verdict(const Options& options, const std::vector<Profile>& profiles) {
     Verdict verdict{.header = header("check", nlohmann::ordered_json::object()),
-                    .attempt = "logistic-run", .receiver = "primary",
+                    .attempt = "logistic-run",
+                    .receiver = "primary",
                     .georeferenced = options.georeferenced,
-                    .record = RecordToBeat{202.9, "km/h", "published figure of 2009",
-                                           202.9 / 3.6},
+                    .record = RecordToBeat{202.9, "km/h", "published figure of 2009", 202.9 / 3.6},
                     .statements = {"The uncertainty covers the random errors of the positions as "
                                    "the recording states them and as the estimate confirms them.",
                                    "It does not cover errors common to all epochs of the window, "
                                    "nor the best of many windows being fast by chance."},
                     .profiles = {}};
     for (const Profile& profile : profiles) {
-        ProfileVerdict entry{.profile = profile.id, .body = profile.body, .title = profile.title,
+        ProfileVerdict entry{.profile = profile.id,
+                             .body = profile.body,
+                             .title = profile.title,
                              .outcome = options.certified ? "beaten" : "not_certifiable",
                              .reason = options.certified
                                            ? "216.009 km/h less 0.018 km/h reaches the 204.51 km/h "
                                              "that the rule asks for."
                                            : "There is no stretch of the rule's length in which "
                                              "every epoch is usable.",
-                             .definition = profile.definition, .coverage_factor = 2.0,
-                             .speed_mps = std::nullopt, .expanded_uncertainty_mps = std::nullopt,
-                             .target_mps = 204.509344 / 3.6, .window = std::nullopt,
+                             .definition = profile.definition,
+                             .coverage_factor = 2.0,
+                             .speed_mps = std::nullopt,
+                             .expanded_uncertainty_mps = std::nullopt,
+                             .target_mps = 204.509344 / 3.6,
+                             .window = std::nullopt,
                              .requirements = requirements(profile, options.certified),
                              .indicated = std::nullopt};
         if (options.certified) {
@@ -231,7 +262,8 @@ inline Verdict verdict(const Options& options, const std::vector<Profile>& profi
             entry.expanded_uncertainty_mps = 0.005102;
             entry.window = span(options, 40.2, profile.duration_s);
         }
-        entry.indicated = RefusedWindow{span(options, 35.1, profile.duration_s), 60.0871,
+        entry.indicated = RefusedWindow{span(options, 35.1, profile.duration_s),
+                                        60.0871,
                                         {"The jump at epoch 353 is inside it."}};
         verdict.profiles.push_back(entry);
     }
@@ -241,18 +273,20 @@ inline Verdict verdict(const Options& options, const std::vector<Profile>& profi
 inline void add_file(Run& run, const std::string& role, const std::string& name,
                      std::string contents) {
     const FileDigest digest = digest_of(contents);
-    run.inputs.subjects.push_back({role, name, digest.sha256, digest.bytes,
-                                   role == "recording" ? "rover track.pos" : ""});
+    run.inputs.subjects.push_back(
+        {role, name, digest.sha256, digest.bytes, role == "recording" ? "rover track.pos" : ""});
     run.files[name] = std::move(contents);
 }
 
 inline Attempt attempt(const Options& options) {
-    std::string text = "schema: attempt/1.0\nid: logistic-run\n"
+    std::string text =
+        "schema: attempt/1.0\nid: logistic-run\n"
         "craft: {name: placeholder, class: land-yacht}\ndate: \"2022-03-18\"\n"
         "officials: [{role: measurer}, {role: observer, name: appointed by the club}]\n"
         "receivers:\n  - {id: primary, recording: data/rover.pos, antenna_height_m: 1.15}\n";
     if (options.second_receiver) text += "  - {id: secondary, recording: data/second.pos}\n";
-    text += "record: {speed: 202.9, unit: km/h, source: published figure of 2009}\n"
+    text +=
+        "record: {speed: 202.9, unit: km/h, source: published figure of 2009}\n"
         "profiles: [nalsa, fisly]\n";
     Attempt attempt = read_attempt(text, "attempt.yaml");
     attempt.parameters["smooth"]["jerk_density"] = 0.9;
@@ -279,16 +313,13 @@ inline Run make_run(const Options& options = {}) {
     add_file(run, "trajectory", "4-trajectory.ecsv", write_trajectory(judged.trajectory));
     add_file(run, "windows", "5-windows.yaml", write_windows(judged.windows));
     add_file(run, "verdict", "6-verdict.yaml", write_verdict(run.inputs.verdict));
-    if (options.is_signed)
-        run.inputs.signers.push_back({.key_id = "9F3C5B7A11D04E62",
-                                      .trusted_comment = "measurement report of logistic-run",
-                                      .role = "measurer"});
     return run;
 }
 
 inline void write_files(const Run& run, const std::filesystem::path& folder) {
     make_directory(folder);
-    for (const auto& [name, contents] : run.files) write_file_atomically(folder / name, contents);
+    for (const auto& [name, contents] : run.files)
+        write_file_atomically(folder / name, contents);
 }
 
 }  // namespace runcert::sample

@@ -1,0 +1,130 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+
+#include "commands.h"
+#include "core/failure.h"
+#include "files/atomic_file.h"
+#include "files/yaml_output.h"
+#include "schemas/attempt/attempt.h"
+#include "schemas/simulation/simulation.h"
+#include "simulation/recording_text.h"
+
+namespace runcert {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+std::string recording_name(const SimulationSpec& spec) {
+    return spec.place ? "recording.pos" : "recording.csv";
+}
+
+Json plane_columns(const SimulationSpec& spec) {
+    Json columns = {{"time", "time_s"}, {"east", "east_m"}, {"north", "north_m"}};
+    columns["up"] = spec.recording.with_up ? Json("up_m") : Json(nullptr);
+    if (!spec.faults.float_fixes.empty()) columns["fix"] = "fix";
+    return columns;
+}
+
+Json receiver_of(const SimulationSpec& spec) {
+    Json receiver = {{"id", "primary"}, {"recording", recording_name(spec)}};
+    if (spec.place) {
+        receiver["format"] = "rtklib-pos";
+        return receiver;
+    }
+    receiver["format"] = "csv";
+    receiver["columns"] = plane_columns(spec);
+    receiver["frame"] = "local_plane";
+    receiver["accuracy"] = {{"horizontal_m", spec.recording.accuracy.horizontal_m}};
+    if (spec.recording.with_up)
+        receiver["accuracy"]["vertical_m"] = spec.recording.accuracy.vertical_m;
+    if (spec.start) receiver["start_gps"] = to_iso(*spec.start, 3);
+    return receiver;
+}
+
+/// The attempt that certifies the recording as it stands. What attempt/1.0 refuses of the spec's
+/// own part is a Failure at that part.
+std::string attempt_text(const SimulationDocument& simulation) {
+    const SimulationSpec& spec = simulation.spec;
+    Json attempt = {{"schema", "attempt/1.0"}};
+    const auto take = [&](std::initializer_list<const char*> keys) {
+        for (const char* key : keys)
+            if (simulation.attempt.contains(key)) attempt[key] = simulation.attempt[key];
+    };
+    take({"id", "craft", "place", "date", "officials"});
+    attempt["receivers"] = Json::array({receiver_of(spec)});
+    if (spec.place)
+        attempt["origin"] = {{"latitude_deg", spec.place->latitude.degrees()},
+                             {"longitude_deg", spec.place->longitude.degrees()},
+                             {"height_m", spec.place->height_m}};
+    take({"record", "profiles", "parameters"});
+    const std::string text =
+        "# Written by runcert simulate: the recording is simulated.\n" + to_yaml_text(attempt);
+    try {
+        (void)read_attempt(text, "attempt.yaml");
+    } catch (const Failure& failure) {
+        throw Failure(simulation.attempt_place, "the attempt: " + failure.problem(),
+                      failure.remedy());
+    }
+    return text;
+}
+
+struct NewFile {
+    fs::path path;
+    std::string text;
+};
+
+/// Writes all or, where one exists already, none: a genuine recording may have the name.
+void write_new_files(const fs::path& folder, const std::vector<NewFile>& files) {
+    for (const NewFile& file : files)
+        if (fs::exists(folder / file.path))
+            throw Failure((folder / file.path).string(), "the file exists already",
+                          "Name another folder, or remove the file");
+    make_directory(folder);
+    for (const NewFile& file : files)
+        write_file_atomically(folder / file.path, file.text);
+}
+
+int simulate_to_folder(const std::string& spec_file, const fs::path& folder) {
+    const SimulationDocument simulation = read_simulation(read_file(spec_file), spec_file);
+    const SimulationSpec& spec = simulation.spec;
+    const std::vector<SimulatedEpoch> epochs = simulate(spec);
+    write_new_files(folder, {{recording_name(spec), spec.place ? rtklib_pos_text(spec, epochs)
+                                                               : plane_csv_text(spec, epochs)},
+                             {"truth.csv", truth_csv_text(epochs)},
+                             {"attempt.yaml", attempt_text(simulation)}});
+    fmt::print(
+        "recording  {}\n"
+        "truth      {}\n"
+        "attempt    {}\n"
+        "next       runcert certify {}\n",
+        (folder / recording_name(spec)).string(), (folder / "truth.csv").string(),
+        (folder / "attempt.yaml").string(), (folder / "attempt.yaml").string());
+    return 0;
+}
+
+}  // namespace
+
+void add_simulate(CLI::App& app, Command& chosen) {
+    auto spec = std::make_shared<std::string>();
+    auto folder = std::make_shared<std::string>();
+    CLI::App* command = app.add_subcommand(
+        "simulate", "Make the recording of a run whose true speed is known, and its attempt");
+    command->add_option("SPEC", *spec, "the simulation's file (YAML)")->required();
+    command->add_option("--out", *folder, "folder to write")->required();
+    command->footer(fmt::format(
+        "Writes recording.pos (or recording.csv, in a local plane), truth.csv and attempt.yaml.\n\n"
+        "A simulation (schema simulation/1.0; examples/salt_lake/spec.yaml is one):\n\n"
+        "  schema: simulation/1.0\n"
+        "  run: {{top_speed_m_s: 60, half_speed_time_s: 15, duration_s: 45, rate_hz: 10}}\n"
+        "  white_noise: {{horizontal_m: 0.010}}\n\n"
+        "Every key:\n{}",
+        simulation_schema().field_table()));
+    command->callback([&chosen, spec, folder] {
+        chosen = [spec, folder] { return simulate_to_folder(*spec, *folder); };
+    });
+}
+
+}  // namespace runcert

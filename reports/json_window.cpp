@@ -1,0 +1,165 @@
+#include "reports/json_window.h"
+
+#include <fmt/format.h>
+
+#include "core/text.h"
+#include "files/yaml_output.h"
+
+namespace runcert {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+/// km/h, m/s, kn, mph, the rule's own in front.
+std::vector<const SpeedUnit*> units_in_order(const Profile& profile) {
+    std::vector<const SpeedUnit*> units{&rule_unit(profile)};
+    for (const SpeedUnit& unit : speed_units())
+        if (&unit != units.front()) units.push_back(&unit);
+    return units;
+}
+
+Json span_json(const WindowSpan& span) {
+    Json json = window_span_json(span);
+    if (span.start_gps) {
+        const GpsTime end = span.start_gps->plus_nanoseconds(span.duration.nanoseconds);
+        json["end_gps"] = to_iso(end, 3);
+        json["end_utc"] = to_utc_iso(end, 3);
+    }
+    return json;
+}
+
+/// When a window was, on the clock.
+Json time_facts(const WindowSpan& span) {
+    Json facts = Json::array();
+    if (span.start_gps) {
+        const GpsTime end = span.start_gps->plus_nanoseconds(span.duration.nanoseconds);
+        facts.push_back(
+            fact("UTC", fmt::format("{} to {}", utc_text(*span.start_gps), utc_text(end))));
+        facts.push_back(
+            fact("GPS time", fmt::format("{} to {}", gps_text(*span.start_gps), gps_text(end))));
+    } else {
+        facts.push_back(fact("UTC", "not known: the recording's time is relative"));
+    }
+    facts.push_back(fact("Length", seconds_text(span.duration)));
+    return facts;
+}
+
+/// Where a window is in the recording.
+Json place_facts(const WindowSpan& span) {
+    Json facts = Json::array();
+    const ElapsedTime end{span.start.nanoseconds + span.duration.nanoseconds};
+    facts.push_back(fact("From the first epoch",
+                         fmt::format("{} to {}", seconds_text(span.start), seconds_text(end))));
+    facts.push_back(fact("Epochs", fmt::format("{} to {}", span.first_epoch, span.last_epoch)));
+    return facts;
+}
+
+void set_definitions(Json& json, const CertifiableWindow& best, const Profile& profile) {
+    const SpeedDefinitions& all = best.definitions;
+    const double u = best.standard_uncertainty_mps * profile.coverage_factor;
+    std::vector<SpeedRow> rows;
+    json["definitions"] = Json::array();
+    for (const std::string_view name : {"displacement", "path_length", "mean_n_plus_1", "mean_n"}) {
+        const bool counts = name == profile.definition;
+        Json entry{{"definition", name}, {"counts", counts}};
+        set_speeds(entry, "speed", all.by_name(name));
+        json["definitions"].push_back(std::move(entry));
+        rows.push_back(
+            {definition_words(name) + (counts ? " – the rule's" : ""), all.by_name(name)});
+    }
+    rows.push_back({"Standard uncertainty", best.standard_uncertainty_mps, SpeedRow::uncertainty});
+    json["definition_table"] = speed_table(rows, profile, u);
+}
+
+void set_methods(Json& json, const CertifiableWindow& best, const Profile& profile) {
+    const std::vector<std::pair<std::string, SpeedRow>> methods{
+        {"smoothed", {"Smoother, forward and backward", best.methods.smoothed_mps}},
+        {"batch", {"Batch least squares", best.methods.batch_mps}},
+        {"v1", {"Method v1 of [DHD22]: central difference", best.methods.v1_mps}},
+        {"v2", {"Method v2 of [DHD22]: path length", best.methods.v2_mps}},
+        {"kalman", {"Forward filter of [DHD22]", best.methods.kalman_mps}}};
+    json["methods"] = Json::array();
+    std::vector<SpeedRow> rows;
+    for (const auto& [name, row] : methods) {
+        rows.push_back(row);
+        if (!row.speed_mps) continue;
+        Json entry{{"method", name}};
+        set_speeds(entry, "speed", row.speed_mps);
+        json["methods"].push_back(std::move(entry));
+    }
+    json["method_table"] =
+        speed_table(rows, profile, best.standard_uncertainty_mps * profile.coverage_factor);
+}
+
+}  // namespace
+
+const SpeedUnit& rule_unit(const Profile& profile) {
+    return speed_unit(profile.rounding ? profile.rounding->unit : profile.accuracy_unit);
+}
+
+Json speed_table(const std::vector<SpeedRow>& rows, const Profile& profile,
+                 std::optional<double> uncertainty_mps) {
+    Json table{{"units", Json::array()}, {"rows", Json::array()}};
+    const auto units = units_in_order(profile);
+    for (const SpeedUnit* unit : units)
+        table["units"].push_back(unit->name);
+    for (const SpeedRow& row : rows) {
+        if (!row.speed_mps) continue;
+        Json entry{{"label", row.label}, {"cells", Json::array()}};
+        for (const SpeedUnit* unit : units) {
+            const double speed = *row.speed_mps;
+            entry["cells"].push_back(
+                row.kind == SpeedRow::uncertainty
+                    ? uncertainty_text(speed * unit->per_mps)
+                    : speed_text(speed,
+                                 row.kind == SpeedRow::stated ? std::nullopt : uncertainty_mps,
+                                 *unit));
+        }
+        table["rows"].push_back(std::move(entry));
+    }
+    return table;
+}
+
+Json window_json(const ProfileVerdict& verdict, const ProfileWindows* windows,
+                 const Profile& profile) {
+    Json json = span_json(*verdict.window);
+    Json facts = place_facts(*verdict.window);
+    if (windows != nullptr && windows->best) {
+        const CertifiableWindow& best = *windows->best;
+        json["arc"] = best.arc;
+        json["candidates"] = windows->candidates;
+        json["displacement_m"] = rounded(best.displacement_m, 6);
+        facts.push_back(
+            fact("Distance between its ends", format_fixed(best.displacement_m, 3) + " m"));
+        facts.push_back(fact("Windows compared", Json(windows->candidates).dump()));
+        set_definitions(json, best, profile);
+        set_methods(json, best, profile);
+    }
+    json["window_time"] = time_facts(*verdict.window);
+    json["window_facts"] = std::move(facts);
+    return json;
+}
+
+Json indicated_json(const RefusedWindow& indicated, const Profile& profile) {
+    Json json = span_json(indicated.span);
+    set_speeds(json, "speed", indicated.speed_mps);
+    const SpeedUnit& unit = rule_unit(profile);
+    json["indicated_speed"] =
+        fmt::format("{} {}", speed_text(indicated.speed_mps, std::nullopt, unit), unit.name);
+    json["refusals"] = indicated.refusals;
+    Json facts = time_facts(indicated.span);
+    for (const Json& place : place_facts(indicated.span))
+        facts.push_back(place);
+    json["indicated_facts"] = std::move(facts);
+    return json;
+}
+
+std::string definition_words(std::string_view definition) {
+    if (definition == "displacement") return "Displacement over time";
+    if (definition == "path_length") return "Path length over time";
+    if (definition == "mean_n_plus_1") return "Mean of the speeds, both ends included";
+    return "Mean of the speeds after the first";
+}
+
+}  // namespace runcert

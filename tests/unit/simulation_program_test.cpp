@@ -1,0 +1,152 @@
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+// `runcert simulate` as people type it: the specs of the examples, and specs that are refused.
+
+namespace runcert {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string text_of(const fs::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    EXPECT_TRUE(stream) << file;
+    std::ostringstream text;
+    text << stream.rdbuf();
+    return text.str();
+}
+
+class SimulateProgram : public testing::Test {
+  protected:
+    void SetUp() override {
+        program_ = fs::read_symlink("/proc/self/exe").parent_path().parent_path() / "bin/runcert";
+        if (!fs::exists(program_)) GTEST_SKIP() << program_ << " is not built";
+        std::string name = (fs::temp_directory_path() / "runcert-XXXXXX").string();
+        ASSERT_NE(mkdtemp(name.data()), nullptr);
+        folder_ = name;
+    }
+    void TearDown() override { fs::remove_all(folder_); }
+
+    /// Runs `runcert simulate SPEC --out OUT`; returns the exit status.
+    int simulate(const fs::path& spec, const fs::path& out) {
+        std::ostringstream command;  // a path streams in double quotes
+        command << program_ << " simulate " << spec << " --out " << out << " >" << folder_ / "said"
+                << " 2>" << folder_ / "errors";
+        const int status = std::system(command.str().c_str());
+        return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    }
+    std::string errors() { return text_of(folder_ / "errors"); }
+
+    fs::path write_spec(const std::string& text) {
+        std::ofstream(folder_ / "spec.yaml") << text;
+        return folder_ / "spec.yaml";
+    }
+
+    /// A spec that must be refused, with a message that holds each of these.
+    void expect_refused(const std::string& spec, const std::vector<std::string>& parts) {
+        EXPECT_EQ(simulate(write_spec(spec), folder_ / "out"), 2) << spec;
+        const std::string message = errors();
+        for (const std::string& part : parts)
+            EXPECT_NE(message.find(part), std::string::npos) << part << " in " << message;
+        EXPECT_FALSE(fs::exists(folder_ / "out")) << spec;
+    }
+
+    fs::path program_;
+    fs::path folder_;
+};
+
+const std::string minimal =
+    "schema: simulation/1.0\n"
+    "run: {top_speed_m_s: 60, half_speed_time_s: 15, duration_s: 45, rate_hz: 10}\n";
+
+TEST_F(SimulateProgram, MakesTheExamplesByteForByte) {
+    for (const char* example : {"salt_lake", "rejected"}) {
+        const fs::path committed = fs::path(RUNCERT_SOURCE_DIR "/examples") / example;
+        const fs::path made = folder_ / example;
+        ASSERT_EQ(simulate(committed / "spec.yaml", made), 0) << errors();
+        for (const char* file : {"recording.pos", "truth.csv", "attempt.yaml"})
+            EXPECT_TRUE(text_of(made / file) == text_of(committed / file)) << example << file;
+    }
+}
+
+TEST_F(SimulateProgram, NeedsOnlyTheRunItself) {
+    ASSERT_EQ(simulate(write_spec(minimal), folder_ / "out"), 0) << errors();
+    const std::string attempt = text_of(folder_ / "out/attempt.yaml");
+    EXPECT_NE(attempt.find("id: simulated-run\n"), std::string::npos) << attempt;
+    EXPECT_NE(attempt.find("frame: local_plane\n"), std::string::npos) << attempt;
+    EXPECT_NE(attempt.find("horizontal_m: 0.0001\n"), std::string::npos) << attempt;
+    EXPECT_TRUE(fs::exists(folder_ / "out/recording.csv"));
+    EXPECT_TRUE(fs::exists(folder_ / "out/truth.csv"));
+}
+
+TEST_F(SimulateProgram, ClaimsTheAccuracyThatTheErrorHas) {
+    const std::string errors_part =
+        "white_noise: {horizontal_m: 0.003}\n"
+        "correlated_error: {horizontal_m: 0.004, correlation_time_s: 1}\n"
+        "recording: {up: false}\n";
+    ASSERT_EQ(simulate(write_spec(minimal + errors_part), folder_ / "out"), 0) << errors();
+    const std::string attempt = text_of(folder_ / "out/attempt.yaml");
+    EXPECT_NE(attempt.find("horizontal_m: 0.005\n"), std::string::npos) << attempt;
+    EXPECT_NE(attempt.find("up: null\n"), std::string::npos) << attempt;
+    EXPECT_EQ(attempt.find("vertical_m"), std::string::npos) << attempt;
+}
+
+TEST_F(SimulateProgram, OverwritesNothing) {
+    fs::create_directory(folder_ / "out");
+    std::ofstream(folder_ / "out/truth.csv") << "mine";
+    EXPECT_EQ(simulate(write_spec(minimal), folder_ / "out"), 2);
+    EXPECT_NE(errors().find("exists already"), std::string::npos);
+    EXPECT_EQ(text_of(folder_ / "out/truth.csv"), "mine");
+    EXPECT_FALSE(fs::exists(folder_ / "out/recording.csv"));
+}
+
+TEST_F(SimulateProgram, SaysWhereASpecIsWrong) {
+    expect_refused("run: {}\n", {"spec.yaml:1:1", "simulation/1.0"});
+    expect_refused(minimal + "sed: 2\n", {"spec.yaml:3:1", "seed"});
+    expect_refused(minimal + "seed: -1\n", {"spec.yaml:3:7", "below 0"});
+    expect_refused(
+        "schema: simulation/1.0\n"
+        "run: {top_speed_m_s: fast, half_speed_time_s: 15, duration_s: 45, rate_hz: 10}\n",
+        {"spec.yaml:2:22", "not a number"});
+    expect_refused(
+        "schema: simulation/1.0\n"
+        "run: {top_speed_m_s: 60, half_speed_time_s: 15, duration_s: 45, rate_hz: 3}\n",
+        {"spec.yaml:2:74", "milliseconds"});
+    expect_refused(
+        "schema: simulation/1.0\n"
+        "run: {top_speed_m_s: 60, start_speed_m_s: 31, half_speed_time_s: 15, duration_s: 45, "
+        "rate_hz: 10}\n",
+        {"spec.yaml:2:6", "half the top speed"});
+    expect_refused(minimal + "place: {latitude_deg: 1, longitude_deg: 2, height_m: 3}\n",
+                   {"spec.yaml:3:8", "start_gps"});
+    expect_refused(minimal + "start_gps: \"2026-02-30T00:00:00\"\n", {"spec.yaml:3:12"});
+}
+
+TEST_F(SimulateProgram, SaysWhichFaultWouldNotShow) {
+    expect_refused(minimal + "faults:\n  outliers:\n    - {east_m: 1}\n",
+                   {"spec.yaml:5:7", "epoch or by time_s"});
+    expect_refused(minimal + "faults:\n  outliers:\n    - {time_s: 4.05, east_m: 1}\n",
+                   {"spec.yaml:5:16", "no epoch at 4.05 s"});
+    expect_refused(minimal + "faults:\n  outliers:\n    - {epoch: 452, east_m: 1}\n",
+                   {"spec.yaml:5:15", "451 epochs"});
+    expect_refused(minimal + "faults:\n  steps:\n    - {time_s: 45.1, east_m: 1}\n",
+                   {"spec.yaml:5:16", "after the end"});
+    expect_refused(minimal + "faults:\n  gaps:\n    - {from_s: 5, to_s: 4}\n",
+                   {"spec.yaml:5:7", "ends before it begins"});
+}
+
+TEST_F(SimulateProgram, RefusesAnAttemptThatCouldNotBeCertified) {
+    expect_refused(minimal + "attempt:\n  id: a/b\n", {"spec.yaml:4:3", "cannot be an id"});
+    expect_refused(minimal + "attempt:\n  date: \"14 March\"\n", {"spec.yaml:4:3", "not a date"});
+    expect_refused(minimal + "attempt:\n  crew: me\n", {"spec.yaml:4:3", "unknown key"});
+}
+
+}  // namespace
+}  // namespace runcert

@@ -152,7 +152,9 @@ YAML::Node parse_yaml(std::string_view text, const std::string& where) {
             throw Failure(where, "the file is empty", "Give the file its content back");
         return document;
     } catch (const YAML::Exception& error) {
-        throw Failure(place(where, error.mark), "not valid YAML: " + error.msg,
+        const bool unclosed = error.msg == YAML::ErrorMsg::DOC_IN_SCALAR;
+        throw Failure(place(where, error.mark),
+                      "not valid YAML: " + (unclosed ? "a quote is not closed" : error.msg),
                       "Check indentation, colons and quotes there");
     }
 }

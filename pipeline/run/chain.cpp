@@ -1,12 +1,12 @@
 #include "run/chain.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
-#include <signal.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
-#include <cstdlib>
 
 #include "core/failure.h"
 #include "core/text.h"
@@ -30,16 +30,26 @@ std::vector<std::string> lines_of(const std::string& text) {
     return lines;
 }
 
-/// Workshops of runs that were killed.
+/// Opens a folder and takes its lock, which ends with the process however that ends; -1 where
+/// another has it.
+int lock_folder(const fs::path& folder) {
+    const int file = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (file >= 0 && flock(file, LOCK_EX | LOCK_NB) == 0) return file;
+    if (file >= 0) close(file);
+    return -1;
+}
+
+/// Removes workshops of runs that were killed: those whose lock nobody holds.
 void remove_abandoned(const fs::path& run_dir) {
     for (const auto& entry : fs::directory_iterator(run_dir)) {
-        const std::string name = entry.path().filename().string();
-        if (!name.starts_with(workshop_prefix) || !entry.is_directory()) continue;
-        const auto process = parse_integer(name.substr(workshop_prefix.size()));
-        if (process && kill(static_cast<pid_t>(*process), 0) != 0 && errno == ESRCH) {
-            std::error_code ignored;
-            fs::remove_all(entry.path(), ignored);
-        }
+        if (!entry.path().filename().string().starts_with(workshop_prefix) ||
+            !entry.is_directory())
+            continue;
+        const int lock = lock_folder(entry.path());
+        if (lock < 0) continue;
+        std::error_code ignored;
+        fs::remove_all(entry.path(), ignored);
+        close(lock);
     }
 }
 
@@ -86,9 +96,11 @@ Workshop::Workshop(fs::path run_dir)
     remove_abandoned(run_dir_);
     path_ = run_dir_ / fmt::format("{}{}", workshop_prefix, getpid());
     make_directory(path_);
+    lock_ = lock_folder(path_);
 }
 
 Workshop::~Workshop() {
+    if (lock_ >= 0) close(lock_);
     std::error_code ignored;
     fs::remove_all(path_, ignored);
     if (created_run_dir_ && fs::is_empty(run_dir_, ignored)) fs::remove(run_dir_, ignored);

@@ -50,6 +50,7 @@ class Workshop {
     std::filesystem::path run_dir_;
     std::filesystem::path path_;
     bool created_run_dir_ = false;
+    int lock_ = -1;
 };
 
 }  // namespace runcert

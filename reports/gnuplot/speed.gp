@@ -27,7 +27,7 @@ unset datafile columnheaders
 
 set terminal svg size 760,330 font 'DejaVu Sans,13' name 'speed' background 'white'
 set output figure
-set xlabel 'time from the first epoch (s)'
+set xlabel 'time from the first epoch (s)' offset 0, 0.5
 set ylabel 'horizontal speed (km/h)'
 set xrange [time_min : time_min + span]
 set yrange [-0.06 * top : top]

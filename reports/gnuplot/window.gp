@@ -34,7 +34,7 @@ target_shown = target >= bottom && target <= top
 
 set terminal svg size 760,350 font 'DejaVu Sans,13' name 'window' background 'white'
 set output figure
-set xlabel 'time from the first epoch (s)'
+set xlabel 'time from the first epoch (s)' offset 0, 0.5
 set ylabel 'horizontal speed (km/h)'
 set xrange [low:high]
 set yrange [bottom:top]

@@ -129,7 +129,9 @@ inline void fill_tables(const Options& options, ScreenedTable& screened,
         was_lost = false;
         screened.rows.push_back(epoch);
 
-        TrajectoryEpoch row{.epoch = epoch.epoch, .time = epoch.time};
+        TrajectoryEpoch row;
+        row.epoch = epoch.epoch;
+        row.time = epoch.time;
         if (!outside) {
             const double v = truth_speed(t);
             row.east_m = 1000.0 + truth_distance(t) * std::sqrt(0.5);

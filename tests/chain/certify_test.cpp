@@ -1,0 +1,158 @@
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "chain_support.h"
+#include "core/text.h"
+
+namespace runcert::chain {
+namespace {
+
+TEST(Certify, LandYachtIsBeatenAndNotGeoreferenced) {
+    const TemporaryFolder folder;
+    const ProcessResult result =
+        certify(examples / "land_yacht" / "attempt.yaml", folder.path() / "run");
+    EXPECT_EQ(result.exit_status, 0) << result.errors;
+    EXPECT_NE(result.output.find("BEATEN  nalsa"), std::string::npos) << result.output;
+    EXPECT_NE(result.output.find("UNSIGNED"), std::string::npos);
+    const YamlValue verdict = read_yaml(folder.path() / "run" / "6-verdict.yaml");
+    EXPECT_FALSE(verdict["georeferenced"].boolean());
+    const YamlValue profile = verdict["profiles"].list().at(0);
+    EXPECT_EQ(profile["outcome"].text(), "beaten");
+    // The true speed of the simulated run is 60 m/s.
+    EXPECT_NEAR(profile["speed_km_h"].real(), 216.0,
+                profile["expanded_uncertainty_km_h"].real());
+    EXPECT_FALSE(profile["window"]["start_gps"].exists());
+}
+
+TEST(Certify, SaltLakeIsBeatenUnderBothRules) {
+    const TemporaryFolder folder;
+    const ProcessResult result =
+        certify(examples / "salt_lake" / "attempt.yaml", folder.path() / "run", {"--no-render"});
+    EXPECT_EQ(result.exit_status, 0) << result.errors;
+    for (const YamlValue& profile :
+         read_yaml(folder.path() / "run" / "6-verdict.yaml")["profiles"].list()) {
+        EXPECT_EQ(profile["outcome"].text(), "beaten");
+        EXPECT_TRUE(profile["window"]["start_utc"].exists());
+    }
+    EXPECT_TRUE(fs::exists(folder.path() / "run" / "report.json"));
+    EXPECT_FALSE(fs::exists(folder.path() / "run" / "report.html"));
+}
+
+TEST(Certify, AStepInsideTheBestWindowIsNotCertified) {
+    const TemporaryFolder folder;
+    const ProcessResult result =
+        certify(examples / "rejected" / "attempt.yaml", folder.path() / "run", {"--no-render"});
+    EXPECT_EQ(result.exit_status, 1) << result.errors;
+    const YamlValue profile =
+        read_yaml(folder.path() / "run" / "6-verdict.yaml")["profiles"].list().at(0);
+    EXPECT_NE(profile["outcome"].text(), "beaten");
+    // The raw positions look like a record, and that window is refused because of the step.
+    EXPECT_GT(profile["indicated"]["speed_km_h"].real(), profile["target_km_h"].real());
+    EXPECT_NE(profile["indicated"]["refusals"].list().at(0).text().find("step"),
+              std::string::npos);
+}
+
+/// What must not depend on where, when or under which locale a run was made.
+std::map<std::string, std::string> hashed_files(const fs::path& run) {
+    auto contents = contents_of(run);
+    contents.erase("run.yaml");
+    return contents;
+}
+
+TEST(Certify, TheSameCommandTwiceGivesTheSameBytes) {
+    const TemporaryFolder folder;
+    const fs::path attempt = examples / "salt_lake" / "attempt.yaml";
+    certify(attempt, folder.path() / "a");
+    certify(attempt, folder.path() / "b");
+    const auto a = hashed_files(folder.path() / "a");
+    EXPECT_GE(a.size(), 11U);
+    EXPECT_EQ(a, hashed_files(folder.path() / "b"));
+    // Again into a folder that holds an earlier result.
+    certify(attempt, folder.path() / "a");
+    EXPECT_EQ(a, hashed_files(folder.path() / "a"));
+}
+
+TEST(Certify, AGermanLocaleGivesTheSameBytes) {
+    const TemporaryFolder folder;
+    const std::string locale = (folder.path() / "de_DE.UTF-8").string();
+    if (run_process({"sh", "-c",
+                     fmt::format("localedef -i de_DE -f UTF-8 {} 2>/dev/null", locale)})
+            .exit_status > 1)
+        GTEST_SKIP() << "localedef cannot make a German locale here";
+    const Environment german{{"LC_ALL", "de_DE.UTF-8"}, {"LOCPATH", folder.path().string()}};
+    // The locale must really have a decimal comma.
+    ASSERT_EQ(run_process({"bash", "-c", "printf '%.1f' 1,5"}, german).output, "1,5");
+    const fs::path attempt = examples / "land_yacht" / "attempt.yaml";
+    certify(attempt, folder.path() / "plain");
+    certify(attempt, folder.path() / "german", {}, german);
+    const auto plain = hashed_files(folder.path() / "plain");
+    EXPECT_GE(plain.size(), 11U);
+    EXPECT_EQ(plain, hashed_files(folder.path() / "german"));
+}
+
+TEST(Certify, StagesByHandGiveTheSameBytesAsCertify) {
+    const TemporaryFolder folder;
+    const fs::path attempt = examples / "salt_lake" / "attempt.yaml";
+    certify(attempt, folder.path() / "chain", {"--no-render"});
+    for (const char* stage : {"import", "enu", "screen", "smooth", "window", "check"}) {
+        const ProcessResult result = run_process(
+            {fmt::format("{}/runcert-{}", RUNCERT_PROGRAMS, stage), "--attempt", attempt.string(),
+             "--run-dir", (folder.path() / "hand").string()});
+        ASSERT_EQ(result.exit_status, 0) << stage << result.errors;
+    }
+    run_process({RUNCERT_PROGRAMS "/runcert-report", "--attempt", attempt.string(), "--run-dir",
+                 (folder.path() / "hand").string(), "--no-render"});
+    EXPECT_EQ(hashed_files(folder.path() / "chain"), hashed_files(folder.path() / "hand"));
+}
+
+TEST(Certify, ThePdfHoldsVerdictSpeedUncertaintyAndAllHashes) {
+    const TemporaryFolder folder;
+    const fs::path run = folder.path() / "run";
+    ASSERT_EQ(certify(examples / "salt_lake" / "attempt.yaml", run).exit_status, 0);
+    ProcessResult text;
+    try {
+        text = run_process({"pdftotext", (run / "report.pdf").string(), "-"});
+    } catch (const std::exception&) {
+        GTEST_SKIP() << "pdftotext is not installed";
+    }
+    ASSERT_EQ(text.exit_status, 0) << text.errors;
+    const YamlValue profile = read_yaml(run / "6-verdict.yaml")["profiles"].list().at(0);
+    EXPECT_NE(text.output.find(format_fixed(profile["speed_km_h"].real(), 2)), std::string::npos);
+    EXPECT_NE(text.output.find("UNSIGNED"), std::string::npos);
+    std::string lower = text.output;
+    for (char& c : lower)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    EXPECT_NE(lower.find("beaten"), std::string::npos);
+    const auto report = nlohmann::json::parse(read_file(run / "report.json"));
+    EXPECT_GE(report["subject"].size(), 9U);
+    for (const auto& subject : report["subject"]) {
+        const auto hash = subject["digest"]["sha256"].get<std::string>();
+        EXPECT_NE(text.output.find(hash), std::string::npos) << subject["name"];
+    }
+}
+
+TEST(Help, EveryProgramSaysWhatItDoes) {
+    for (const char* name : {"runcert", "runcert-import", "runcert-enu", "runcert-screen",
+                             "runcert-smooth", "runcert-window", "runcert-check",
+                             "runcert-report"}) {
+        const ProcessResult result =
+            run_process({fmt::format("{}/{}", RUNCERT_PROGRAMS, name), "--help"});
+        EXPECT_EQ(result.exit_status, 0) << name;
+        EXPECT_GT(result.output.size(), 100U) << name;
+    }
+    const ProcessResult help = runcert({"certify", "--help"});
+    EXPECT_NE(help.output.find("receivers[].recording"), std::string::npos);
+    EXPECT_NE(help.output.find("schema: attempt/1.0"), std::string::npos);
+}
+
+TEST(Help, UnknownArgumentsAreRefused) {
+    for (const std::vector<std::string>& arguments :
+         {std::vector<std::string>{}, {"certifi"}, {"certify"}, {"certify", "a", "--oot", "b"}}) {
+        const ProcessResult result = runcert(arguments);
+        EXPECT_EQ(result.exit_status, 2);
+        EXPECT_NE(result.errors.find("what to do"), std::string::npos);
+    }
+}
+
+}  // namespace
+}  // namespace runcert::chain

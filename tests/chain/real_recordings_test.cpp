@@ -1,0 +1,91 @@
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "chain_support.h"
+
+namespace runcert::chain {
+namespace {
+
+/// Certifies a real recording as a car under nalsa; what comes out is in `run`.
+ProcessResult certify_recording(const fs::path& recording, const fs::path& folder,
+                                const std::string& more = {}) {
+    const std::string attempt = fmt::format(
+        "schema: attempt/1.0\nid: recorded\ncraft: {{name: car, class: car}}\n"
+        "officials: [{{role: measurer}}]\n"
+        "receivers: [{{id: primary, recording: \"{}\"}}]\n"
+        "record: {{speed: 202.9, unit: km/h, source: published}}\nprofiles: [nalsa]\n{}",
+        recording.string(), more);
+    write_file_atomically(folder / "attempt.yaml", attempt);
+    return certify(folder / "attempt.yaml", folder / "run", {"--no-render"});
+}
+
+TEST(RealRecordings, UrbanCar) {
+    const auto data = recordings();
+    if (!data) GTEST_SKIP() << "RUNCERT_DATA is not set";
+    const TemporaryFolder folder;
+    const ProcessResult result = certify_recording(
+        *data / "ppk_urban_car" / "rover.pos", folder.path(),
+        "origin: {latitude_deg: 35.134709483, longitude_deg: 136.977574275, height_m: 104.728}\n");
+    EXPECT_EQ(result.exit_status, 1) << result.errors;
+    const YamlValue verdict = read_yaml(folder.path() / "run" / "6-verdict.yaml");
+    const YamlValue profile = verdict["profiles"].list().at(0);
+    EXPECT_EQ(profile["outcome"].text(), "not_beaten");
+    // The reference says 44.473 there.
+    EXPECT_NEAR(profile["speed_km_h"].real(), 44.47, 0.05);
+    ASSERT_TRUE(profile["indicated"].exists());
+    EXPECT_GT(profile["indicated"]["speed_km_h"].real(), 50.0);
+    EXPECT_FALSE(profile["indicated"]["refusals"].list().empty());
+    const YamlValue windows = read_yaml(folder.path() / "run" / "5-windows.yaml");
+    EXPECT_GT(windows["profiles"].list().at(0)["candidates"].integer(), 1000);
+}
+
+TEST(RealRecordings, RtkDrive) {
+    const auto data = recordings();
+    if (!data) GTEST_SKIP() << "RUNCERT_DATA is not set";
+    const TemporaryFolder folder;
+    const ProcessResult result =
+        certify_recording(*data / "rtk_imu_drive" / "rover.pos", folder.path());
+    EXPECT_EQ(result.exit_status, 1) << result.errors;
+    const YamlValue profile =
+        read_yaml(folder.path() / "run" / "6-verdict.yaml")["profiles"].list().at(0);
+    EXPECT_NEAR(profile["speed_km_h"].real(), 58.5, 0.2);
+    EXPECT_LT(profile["expanded_uncertainty_km_h"].real(), 0.8);
+}
+
+TEST(RealRecordings, TokyoEcef) {
+    const auto data = recordings();
+    if (!data) GTEST_SKIP() << "RUNCERT_DATA is not set";
+    const TemporaryFolder folder;
+    const ProcessResult result =
+        certify_recording(*data / "ppk_tokyo_ecef" / "rover.pos", folder.path());
+    EXPECT_EQ(result.exit_status, 1) << result.errors;
+    const YamlValue profile =
+        read_yaml(folder.path() / "run" / "6-verdict.yaml")["profiles"].list().at(0);
+    EXPECT_GT(profile["speed_km_h"].real(), 50.0);
+    EXPECT_LT(profile["speed_km_h"].real(), 60.5);
+}
+
+TEST(RealRecordings, Walk) {
+    const auto data = recordings();
+    if (!data) GTEST_SKIP() << "RUNCERT_DATA is not set";
+    const TemporaryFolder folder;
+    const ProcessResult result =
+        certify_recording(*data / "ubx_walk" / "rover.pos", folder.path());
+    EXPECT_EQ(result.exit_status, 1) << result.errors;
+    const YamlValue profile =
+        read_yaml(folder.path() / "run" / "6-verdict.yaml")["profiles"].list().at(0);
+    EXPECT_LT(profile["speed_km_h"].real(), 8.0);
+}
+
+TEST(RealRecordings, Inspect) {
+    const auto data = recordings();
+    if (!data) GTEST_SKIP() << "RUNCERT_DATA is not set";
+    const ProcessResult result =
+        runcert({"inspect", (*data / "ppk_urban_car" / "rover.pos").string()});
+    EXPECT_EQ(result.exit_status, 0) << result.errors;
+    for (const char* fact : {"5395", "1799", "3596", "282", "20"})
+        EXPECT_NE(result.output.find(fact), std::string::npos) << fact << "\n" << result.output;
+}
+
+}  // namespace
+}  // namespace runcert::chain

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "schemas/attempt/attempt.h"
+#include "schemas/enu/enu.h"
+#include "schemas/observations/observations.h"
+#include "schemas/profile/profile.h"
+#include "schemas/screened/screened.h"
+#include "schemas/simulation/simulation.h"
+#include "schemas/trajectory/trajectory.h"
+#include "schemas/verdict/verdict.h"
+#include "schemas/windows/windows.h"
+
+namespace runcert::golden {
+
+inline std::string slurp(const std::string& path) {
+    std::ifstream in(path, std::ios::binary);
+    EXPECT_TRUE(in.good()) << path;
+    return {std::istreambuf_iterator<char>(in), {}};
+}
+
+inline std::string text_of(const std::string& name) {
+    return slurp(std::string(RUNCERT_SOURCE_DIR) + "/tests/golden/v1.0/" + name);
+}
+
+/// The normative field table of a schema.
+inline std::string field_table(const std::string& schema) {
+    return slurp(std::string(RUNCERT_SOURCE_DIR) + "/schemas/" + schema + "/v1.yaml");
+}
+
+struct GoldenFile {
+    const char* name;
+    const char* schema;
+    /// Reads it, and gives the text that writing it again makes; empty for what people write.
+    std::string (*again)(const std::string& text, const std::string& where);
+};
+
+inline constexpr GoldenFile files[] = {
+    {"1-observations.ecsv", "observations",
+     [](const std::string& text, const std::string& where) {
+         return write_observations(read_observations(text, where));
+     }},
+    {"2-enu.ecsv", "enu",
+     [](const std::string& text, const std::string& where) {
+         return write_enu(read_enu(text, where));
+     }},
+    {"3-screened.ecsv", "screened",
+     [](const std::string& text, const std::string& where) {
+         return write_screened(read_screened(text, where));
+     }},
+    {"4-trajectory.ecsv", "trajectory",
+     [](const std::string& text, const std::string& where) {
+         return write_trajectory(read_trajectory(text, where));
+     }},
+    {"5-windows.yaml", "windows",
+     [](const std::string& text, const std::string& where) {
+         return write_windows(read_windows(text, where));
+     }},
+    {"6-verdict.yaml", "verdict",
+     [](const std::string& text, const std::string& where) {
+         return write_verdict(read_verdict(text, where));
+     }},
+    {"attempt.yaml", "attempt",
+     [](const std::string& text, const std::string& where) {
+         (void)read_attempt(text, where);
+         return std::string();
+     }},
+    {"profile.yaml", "profile",
+     [](const std::string& text, const std::string& where) {
+         (void)read_profile(text, where);
+         return std::string();
+     }},
+    {"simulation.yaml", "simulation",
+     [](const std::string& text, const std::string& where) {
+         (void)read_simulation(text, where);
+         return std::string();
+     }},
+};
+
+}  // namespace runcert::golden

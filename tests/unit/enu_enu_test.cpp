@@ -1,0 +1,114 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "core/failure.h"
+#include "stages/enu/enu.h"
+
+namespace runcert {
+namespace {
+
+/// One observation with a full covariance and a velocity, `north_m` metres north of the origin.
+Observations at(double latitude_deg, double longitude_deg, double height_m) {
+    Observations observations;
+    observations.facts.receiver = "primary";
+    Observation& row = observations.rows.emplace_back();
+    row.epoch = 1;
+    row.fix = FixKind::fixed;
+    row.latitude_deg = latitude_deg;
+    row.longitude_deg = longitude_deg;
+    row.height_m = height_m;
+    row.sigma_east_m = 0.01;
+    row.sigma_north_m = 0.02;
+    row.sigma_up_m = 0.05;
+    row.correlation_east_north = 0.5;
+    row.correlation_east_up = 0.0;
+    row.correlation_north_up = -0.2;
+    row.recorded_velocity_east_mps = 10.0;
+    row.recorded_velocity_north_mps = 20.0;
+    row.recorded_velocity_up_mps = 0.0;
+    return observations;
+}
+
+Geodetic origin_at(double latitude_deg, double longitude_deg, double height_m) {
+    return {.latitude = Angle::from_degrees(latitude_deg),
+            .longitude = Angle::from_degrees(longitude_deg),
+            .height_m = height_m};
+}
+
+TEST(ToEnu, TheFirstFixedPositionIsTheOrigin) {
+    Observations observations = at(35.0, 137.0, 100.0);
+    Observation other = observations.rows[0];
+    other.fix = FixKind::single;
+    other.latitude_deg = 35.001;
+    observations.rows.insert(observations.rows.begin(), other);
+    const EnuTable table = to_enu(observations, std::nullopt);
+    EXPECT_EQ(table.origin->source, "first_epoch");
+    EXPECT_NEAR(*table.rows[1].east_m, 0.0, 1e-9);
+    EXPECT_NEAR(*table.rows[1].up_m, 0.0, 1e-9);
+    EXPECT_NEAR(*table.rows[0].north_m, 110.94, 0.02);
+}
+
+TEST(ToEnu, AtTheOriginCovarianceAndVelocityStayAsTheyAre) {
+    const EnuTable table = to_enu(at(35.0, 137.0, 100.0), origin_at(35.0, 137.0, 100.0));
+    EXPECT_EQ(table.origin->source, "attempt");
+    EXPECT_NEAR(*table.rows[0].sigma_east_m, 0.01, 1e-12);
+    EXPECT_NEAR(*table.rows[0].correlation_east_north, 0.5, 1e-9);
+    EXPECT_NEAR(*table.rows[0].correlation_north_up, -0.2, 1e-9);
+    EXPECT_NEAR(*table.rows[0].recorded_velocity_north_mps, 20.0, 1e-12);
+}
+
+TEST(ToEnu, AwayFromTheOriginTheyTurnWithTheMeridian) {
+    // 20 km east at latitude 60 the meridians have converged by dlon sin(lat).
+    const double dlon_deg = 20000.0 / (6378137.0 * 0.5) * 180.0 / std::numbers::pi;
+    const EnuTable table = to_enu(at(60.0, 10.0 + dlon_deg, 0.0), origin_at(60.0, 10.0, 0.0));
+    const double turn = dlon_deg * std::numbers::pi / 180.0 * std::sin(60.0 * std::numbers::pi / 180);
+    const double expected_east = 10.0 * std::cos(turn) - 20.0 * std::sin(turn);
+    EXPECT_NEAR(*table.rows[0].recorded_velocity_east_mps, expected_east, 2e-4);
+    // The determinant and the trace of a covariance do not turn.
+    const Eigen::Matrix3d before = stated_covariance<3>(at(60.0, 10.0, 0.0).rows[0]);
+    const Eigen::Matrix3d after = stated_covariance<3>(table.rows[0]);
+    EXPECT_NEAR(after.trace(), before.trace(), 1e-15);
+    EXPECT_NEAR(after.diagonal().prod() / before.diagonal().prod(), 1.0, 0.05);
+    EXPECT_GT(std::abs(after(0, 0) - before(0, 0)), 1e-7);
+}
+
+TEST(ToEnu, LocalPlaneCoordinatesPassThrough) {
+    Observations observations;
+    observations.facts.georeferenced = false;
+    observations.facts.vertical_measured = false;
+    Observation& row = observations.rows.emplace_back();
+    row.plane_east_m = 1000.001;
+    row.plane_north_m = 999.999;
+    row.sigma_east_m = 0.01;
+    const EnuTable table = to_enu(observations, std::nullopt);
+    EXPECT_FALSE(table.origin.has_value());
+    EXPECT_FALSE(table.facts.georeferenced);
+    EXPECT_EQ(*table.rows[0].east_m, 1000.001);
+    EXPECT_FALSE(table.rows[0].up_m.has_value());
+    EXPECT_THROW(to_enu(observations, origin_at(0, 0, 0)), Failure);
+}
+
+TEST(ToEnu, WithoutMeasuredHeightsUpIsEmpty) {
+    Observations observations = at(35.0, 137.0, 100.0);
+    observations.facts.vertical_measured = false;
+    observations.rows[0].sigma_up_m.reset();
+    const EnuTable table = to_enu(observations, std::nullopt);
+    EXPECT_FALSE(table.rows[0].up_m.has_value());
+    EXPECT_FALSE(table.rows[0].sigma_up_m.has_value());
+    EXPECT_NEAR(*table.rows[0].sigma_north_m, 0.02, 1e-9);
+}
+
+TEST(ToEnu, AnOriginFarAwayIsRefused) {
+    EXPECT_THROW(to_enu(at(35.0, 137.0, 100.0), origin_at(-35.0, 137.0, 100.0)), Failure);
+}
+
+TEST(ToEnu, ARecordingWithoutPositionsIsRefused) {
+    Observations observations = at(35.0, 137.0, 100.0);
+    observations.rows[0].latitude_deg.reset();
+    EXPECT_THROW(to_enu(observations, std::nullopt), Failure);
+}
+
+}  // namespace
+}  // namespace runcert

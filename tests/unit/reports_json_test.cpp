@@ -1,0 +1,147 @@
+#include <gtest/gtest.h>
+
+#include "core/failure.h"
+#include "reports/report_json.h"
+#include "reports/report_run.h"
+#include "reports_sample.h"
+
+namespace runcert {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+TEST(ReportJson, IsTheSameTwice) {
+    EXPECT_EQ(write_report_json(sample::make_run().inputs),
+              write_report_json(sample::make_run().inputs));
+}
+
+TEST(ReportJson, IsAStatementOverEveryFile) {
+    const sample::Run run = sample::make_run();
+    const Json report = report_json(run.inputs);
+    EXPECT_EQ(report["_type"], "https://in-toto.io/Statement/v1");
+    EXPECT_EQ(report["predicateType"], "urn:runcert:measurement-report:1.0");
+    ASSERT_EQ(report["subject"].size(), run.inputs.subjects.size());
+    for (std::size_t i = 0; i < run.inputs.subjects.size(); ++i) {
+        const ReportSubject& subject = run.inputs.subjects[i];
+        EXPECT_EQ(report["subject"][i]["name"], subject.file);
+        EXPECT_EQ(report["subject"][i]["digest"]["sha256"],
+                  digest_of(run.files.at(subject.file)).sha256);
+    }
+}
+
+TEST(ReportJson, TheIdNamesTheFiles) {
+    sample::Run run = sample::make_run();
+    const std::string id = report_id(run.inputs.subjects);
+    EXPECT_EQ(id.size(), 16U);
+    EXPECT_EQ(report_json(run.inputs)["predicate"]["report_id"], id);
+    run.inputs.subjects.back().sha256[0] ^= 1;
+    EXPECT_NE(report_id(run.inputs.subjects), id);
+    // printf 'HASH  NAME\n' | sha256sum
+    EXPECT_EQ(report_id({{"", "a", std::string(64, '0'), 0, ""}}),
+              sha256_hex(std::string(64, '0') + "  a\n").substr(0, 16));
+}
+
+TEST(ReportJson, HoldsTheFullFiguresBesideTheShownOnes) {
+    const Json predicate = report_json(sample::make_run().inputs)["predicate"];
+    const Json& nalsa = predicate["profiles"][0];
+    EXPECT_EQ(nalsa["speed_m_s"], 60.002417);
+    EXPECT_EQ(nalsa["expanded_uncertainty_m_s"], 0.005102);
+    EXPECT_EQ(nalsa["standard_uncertainty_m_s"], 0.002551);
+    EXPECT_EQ(nalsa["lower_limit_m_s"], 59.997315);
+    EXPECT_EQ(nalsa["target_km_h"], 204.5093);
+    EXPECT_EQ(nalsa["headline"]["headline_speed"], "216.009");
+    EXPECT_EQ(nalsa["headline"]["headline_uncertainty"], "0.018");
+    EXPECT_EQ(nalsa["window"]["definitions"].size(), 4U);
+    EXPECT_EQ(nalsa["window"]["methods"].size(), 4U);  // v2 has no value
+    EXPECT_EQ(nalsa["window"]["end_utc"], "2022-03-18T08:51:47.500Z");
+}
+
+TEST(ReportJson, SaysWhichParametersTheAttemptSet) {
+    const Json predicate = report_json(sample::make_run().inputs)["predicate"];
+    int set_by_attempt = 0;
+    for (const Json& stage : predicate["method"]["stages"])
+        for (const Json& parameter : stage["parameters"])
+            if (parameter["set_by_attempt"].get<bool>()) {
+                ++set_by_attempt;
+                EXPECT_EQ(parameter["parameter"], "smooth.jerk_density");
+                EXPECT_EQ(parameter["value_unit"], "m s-2.5");
+            }
+    EXPECT_EQ(set_by_attempt, 1);
+}
+
+TEST(ReportJson, WithoutAWindowThereIsNoSpeed) {
+    const Json predicate = report_json(sample::make_run({.certified = false}).inputs)["predicate"];
+    for (const Json& profile : predicate["profiles"]) {
+        EXPECT_EQ(profile["outcome_title"], "Not certifiable");
+        EXPECT_EQ(profile["tone"], "refused");
+        for (const char* absent : {"speed_km_h", "headline", "window", "lower_limit_m_s"})
+            EXPECT_FALSE(profile.contains(absent)) << absent;
+        EXPECT_TRUE(profile.contains("indicated"));
+    }
+    EXPECT_EQ(predicate["figures"].size(), 2U);
+}
+
+TEST(ReportJson, NothingIsDrawnWhereNothingWasEstimated) {
+    sample::Run run = sample::make_run({.certified = false});
+    for (TrajectoryEpoch& row : run.inputs.receivers[0].trajectory.rows)
+        row.arc.reset();
+    EXPECT_TRUE(report_json(run.inputs)["predicate"]["figures"].empty());
+}
+
+TEST(ReportJson, LongRunsAreThinned) {
+    const auto run = sample::make_run({.epochs = 28200, .interval_s = 0.05});
+    const Json figure = report_json(run.inputs)["predicate"]["figures"][0];
+    EXPECT_EQ(figure["every"], 19);
+    EXPECT_NE(figure["caption"].get<std::string>().find("One epoch in 19"), std::string::npos);
+}
+
+TEST(ReportJson, TwoReceiversStandBesideEachOther) {
+    const Json predicate =
+        report_json(sample::make_run({.second_receiver = true}).inputs)["predicate"];
+    EXPECT_EQ(predicate["receivers"].size(), 2U);
+    EXPECT_EQ(predicate["profiles"][0]["by_receiver"].size(), 2U);
+}
+
+TEST(ReportJson, HoldsNoPathOfTheAttempt) {
+    const std::string text = write_report_json(sample::make_run().inputs);
+    EXPECT_EQ(text.find("data/rover.pos"), std::string::npos);
+    EXPECT_NE(text.find("rover.pos"), std::string::npos);
+}
+
+TEST(ReportJson, IsReadBack) {
+    const Json report = report_json(sample::make_run().inputs);
+    EXPECT_EQ(parse_report(report_text_of(report), "report.json"), report);
+}
+
+TEST(ReportJson, WhatIsNotAReportIsRefused) {
+    for (const char* text : {"", "[]", "{}", "not JSON", R"({"predicateType": 3, "predicate": {}})",
+                             R"({"predicateType": "urn:other", "predicate": {}})"})
+        EXPECT_THROW(parse_report(text, "report.json"), Failure) << text;
+}
+
+TEST(ReportJson, APredicateThatDeviatesFromItsFieldTableIsRefused) {
+    const Json report = report_json(sample::make_run().inputs);
+    for (const char* change :
+         {R"([{"op":"add","path":"/predicate/extra","value":1}])",
+          R"([{"op":"remove","path":"/predicate/report_id"}])",
+          R"([{"op":"replace","path":"/predicate/schema/version","value":"2.0"}])",
+          R"([{"op":"replace","path":"/predicate/frame/georeferenced",
+                                    "value":"yes"}])"})
+        EXPECT_THROW(parse_report(report.patch(Json::parse(change)).dump(), "report.json"), Failure)
+            << change;
+}
+
+TEST(ReportJson, PartsOfDifferentRunsAreRefused) {
+    sample::Run run = sample::make_run();
+    run.inputs.verdict.attempt = "another";
+    EXPECT_THROW(report_json(run.inputs), Failure);
+    run = sample::make_run();
+    std::swap(run.inputs.profiles[0], run.inputs.profiles[1]);
+    EXPECT_THROW(report_json(run.inputs), Failure);
+    run = sample::make_run();
+    run.inputs.receivers.clear();
+    EXPECT_THROW(report_json(run.inputs), Failure);
+}
+
+}  // namespace
+}  // namespace runcert

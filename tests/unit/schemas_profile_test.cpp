@@ -1,0 +1,136 @@
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "files_test_support.h"
+#include "schemas/profile/profile.h"
+
+namespace runcert {
+namespace {
+
+using test::failure_of;
+using test::replaced;
+
+const std::string sample = R"(schema: profile/1.0
+id: my-rule
+body: Some Body
+title: top speed
+window: {duration_s: 10, definition: mean_n_plus_1}
+accuracy: {limit: 0.5, unit: kn, coverage_factor: 3}
+margin: {kind: absolute, value: 1, unit: mph}
+rounding: {mode: nearest, unit: kn, decimals: 2}
+clauses:
+  - {id: c1, text: t, source: s, certainty: quoted, decided_by: window_complete}
+  - {id: c2, text: t, source: s, certainty: quoted, decided_by: accuracy}
+)";
+
+TEST(Profile, NalsaIsRead) {
+    const Profile profile = read_profile(builtin_profile("nalsa"), "nalsa.yaml");
+    EXPECT_EQ(profile.id, "nalsa");
+    EXPECT_EQ(profile.duration_s, 3.0);
+    EXPECT_EQ(profile.definition, "displacement");
+    EXPECT_DOUBLE_EQ(profile.accuracy_limit_mps.value(), 0.8 / 3.6);
+    EXPECT_EQ(profile.accuracy_unit, "km/h");
+    EXPECT_EQ(profile.coverage_factor, 2.0);
+    EXPECT_FALSE(profile.margin_is_relative);
+    EXPECT_DOUBLE_EQ(profile.margin, 0.44704);
+    EXPECT_FALSE(profile.rounding);
+    EXPECT_EQ(profile.clauses.size(), 10U);
+}
+
+TEST(Profile, FislyIsRead) {
+    const Profile profile = read_profile(builtin_profile("fisly"), "fisly.yaml");
+    EXPECT_EQ(profile.id, "fisly");
+    EXPECT_EQ(profile.duration_s, 2.0);
+    EXPECT_FALSE(profile.accuracy_limit_mps);
+    EXPECT_TRUE(profile.margin_is_relative);
+    EXPECT_EQ(profile.margin, 0.002);
+    ASSERT_TRUE(profile.rounding);
+    EXPECT_EQ(profile.rounding->mode, "truncate");
+    EXPECT_EQ(profile.rounding->unit, "km/h");
+    EXPECT_EQ(profile.rounding->decimals, 2);
+    EXPECT_EQ(profile.clauses.size(), 6U);
+}
+
+TEST(Profile, EveryProfileOfTheProgramIsReadAndNamedAsItsFile) {
+    const std::filesystem::path folder =
+        std::string(RUNCERT_SOURCE_DIR) + "/stages/check/profiles";
+    int count = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+        const std::string name = entry.path().stem().string();
+        EXPECT_EQ(builtin_profile(name), test::slurp(entry.path())) << name;
+        EXPECT_EQ(read_profile(builtin_profile(name), name).id, name);
+        ++count;
+    }
+    EXPECT_GE(count, 2);
+    EXPECT_EQ(builtin_profile("none"), "");
+    EXPECT_EQ(builtin_profile(""), "");
+}
+
+TEST(Profile, EveryMemberIsRead) {
+    const Profile profile = read_profile(sample, "p.yaml");
+    EXPECT_EQ(profile.body, "Some Body");
+    EXPECT_EQ(profile.title, "top speed");
+    EXPECT_EQ(profile.definition, "mean_n_plus_1");
+    EXPECT_DOUBLE_EQ(profile.accuracy_limit_mps.value(), 0.5 * 1852.0 / 3600.0);
+    EXPECT_EQ(profile.coverage_factor, 3.0);
+    EXPECT_EQ(profile.clauses.at(1).id, "c2");
+    EXPECT_EQ(profile.clauses.at(1).text, "t");
+    EXPECT_EQ(profile.clauses.at(1).source, "s");
+    EXPECT_EQ(profile.clauses.at(1).certainty, "quoted");
+    EXPECT_EQ(profile.clauses.at(1).decided_by, "accuracy");
+}
+
+TEST(Profile, BadInputIsNamedWithItsPlace) {
+    const struct {
+        std::string from, to, where, said;
+    } cases[] = {
+        {"decided_by: accuracy", "decided_by: dice", "p:11:65", "\"dice\" is not one of window_com"},
+        {"certainty: quoted, decided_by: acc", "certainty: sure, decided_by: acc", "p:11:45",
+         "\"sure\" is not one of quoted, secondary, unconfirmed"},
+        {", unit: mph", "", "p:7:9", "an absolute margin needs a unit"},
+        {"kind: absolute", "kind: relative", "p:7:42", "a relative margin has no unit"},
+        {"kind: absolute", "kind: half", "p:7:16", "\"half\" is not one of absolute, relative"},
+        {"unit: mph", "unit: furlong", "p:7:42", "is not one of km/h, m/s, kn, mph"},
+        {"value: 1", "value: -1", "p:7:33", "below 0"},
+        {"value: 1", "value: '1'", "p:7:33", "not a number"},
+        {"duration_s: 10", "duration_s: 0", "p:5:22", "0 is below 0.1 s"},
+        {"duration_s: 10, ", "", "p:5:9", "\"duration_s\" is missing"},
+        {"definition: mean_n_plus_1", "definition: mean", "p:5:38", "is not one of displacement"},
+        {"definition:", "defintion:", "p:5:26", "Did you mean \"definition\""},
+        {"window:", "windows:", "p:5:1", "Did you mean \"window\""},
+        {"coverage_factor: 3", "coverage_factor: 0.5", "p:6:51", "below 1"},
+        {"accuracy: {limit: 0.5, unit: kn, coverage_factor: 3}\n", "", "p:10:65",
+         "states no limit of accuracy"},
+        {"decimals: 2", "decimals: 2.5", "p:8:47", "not a whole number"},
+        {"mode: nearest", "mode: up", "p:8:18", "\"up\" is not one of truncate, nearest"},
+        {"id: c2", "id: c1", "p:11:10", "two clauses have the id \"c1\""},
+        {"{id: c2, text: t, ", "{id: c2, ", "p:11:5", "\"text\" is missing"},
+        {"  - {id: c1, text: t, source: s, certainty: quoted, decided_by: window_complete}\n"
+         "  - {id: c2, text: t, source: s, certainty: quoted, decided_by: accuracy}\n",
+         "  []\n", "p:10:3", "the rule requires nothing"},
+        {"id: my-rule\n", "", "p:1:1", "\"id\" is missing"},
+        {"profile/1.0", "profile/2.0", "p:1:1", "this is not a profile"},
+        {"schema: profile/1.0\n", "", "p:1:1", "this is not a profile"},
+    };
+    ASSERT_NO_THROW(read_profile(sample, "p"));
+    for (const auto& c : cases) {
+        const auto said = failure_of([&] { read_profile(replaced(sample, c.from, c.to), "p"); });
+        EXPECT_EQ(said.where, c.where) << c.to << "\n" << said.problem;
+        EXPECT_TRUE(said.contains(c.said)) << c.to << "\n" << said.problem << ". " << said.remedy;
+    }
+    for (const char* text : {"", "[]", "x", "null", "schema: [profile/1.0]\n"})
+        EXPECT_FALSE(failure_of([&] { read_profile(text, "p"); }).where.empty()) << text;
+}
+
+TEST(MetresPerSecond, KnowsFourUnitsAndRefusesOtherUnits) {
+    EXPECT_EQ(metres_per_second("m/s"), 1.0);
+    EXPECT_EQ(metres_per_second("km/h"), 1.0 / 3.6);
+    EXPECT_EQ(metres_per_second("kn"), 1852.0 / 3600.0);
+    EXPECT_EQ(metres_per_second("mph"), 0.44704);
+    for (const char* unit : {"", "kmh", "knots", "KN", "m / s"})
+        EXPECT_TRUE(failure_of([&] { metres_per_second(unit); }).contains("km/h, m/s, kn or mph"));
+}
+
+}  // namespace
+}  // namespace runcert

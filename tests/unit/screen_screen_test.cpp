@@ -1,0 +1,174 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/random.h"
+#include "stages/screen/screen.h"
+
+namespace runcert {
+namespace {
+
+ScreenConfig config() {
+    const Attempt attempt = read_attempt(
+        "schema: attempt/1.0\nid: t\ncraft: {name: t, class: land-yacht}\n"
+        "receivers: [{id: primary, recording: r}]\nprofiles: [nalsa]\n",
+        "attempt");
+    return screen_config(attempt);
+}
+
+/// A run at 30 m/s with 10 mm noise at 10 Hz, fixed, with true stated accuracies.
+EnuTable clean_run(std::size_t epochs, std::uint64_t seed = 1) {
+    RandomGenerator random(seed);
+    EnuTable table;
+    table.facts = {.receiver = "primary",
+                   .first_epoch = std::nullopt,
+                   .georeferenced = true,
+                   .vertical_measured = true,
+                   .nominal_interval_s = 0.1};
+    for (std::size_t k = 0; k < epochs; ++k) {
+        EnuEpoch& row = table.rows.emplace_back();
+        row.epoch = static_cast<std::int64_t>(k) + 1;
+        row.time.nanoseconds = static_cast<std::int64_t>(k) * 100'000'000;
+        row.east_m = 3.0 * static_cast<double>(k) + 0.01 * random.normal();
+        row.north_m = 0.01 * random.normal();
+        row.up_m = 0.02 * random.normal();
+        row.sigma_east_m = row.sigma_north_m = 0.01;
+        row.sigma_up_m = 0.02;
+        row.fix = FixKind::fixed;
+    }
+    return table;
+}
+
+TEST(Screen, ACleanRunIsOneArcAndAllUsable) {
+    const ScreenedTable screened = screen(clean_run(400), config());
+    const ScreeningSummary summary = summarise(screened.rows);
+    EXPECT_EQ(summary.usable, 400);
+    EXPECT_EQ(summary.arcs, 1);
+    EXPECT_EQ(screened.rows[0].break_before, ArcBreak::start);
+    EXPECT_GE(screened.variance_factor, 1.0);
+    EXPECT_LT(screened.variance_factor, 1.3);
+    for (std::size_t k = 3; k < 400; ++k) {
+        ASSERT_TRUE(screened.rows[k].statistic.has_value());
+        EXPECT_LE(*screened.rows[k].statistic, *screened.rows[k].threshold);
+    }
+}
+
+struct EpochCase {
+    const char* name;
+    void (*damage)(EnuTable&);
+    Reason reason;
+};
+
+TEST(Screen, EachEpochByItself) {
+    const EpochCase cases[] = {
+        {"no position", [](EnuTable& t) { t.rows[50].east_m.reset(); }, Reason::no_position},
+        {"no height", [](EnuTable& t) { t.rows[50].up_m.reset(); }, Reason::no_position},
+        {"no fix", [](EnuTable& t) { t.rows[50].fix = FixKind::none; }, Reason::no_fix},
+        {"float", [](EnuTable& t) { t.rows[50].fix = FixKind::float_ambiguities; },
+         Reason::float_ambiguities},
+        {"single", [](EnuTable& t) { t.rows[50].fix = FixKind::single; }, Reason::other_fix},
+        {"same time", [](EnuTable& t) { t.rows[50].time = t.rows[49].time; },
+         Reason::duplicate_time},
+        {"backward", [](EnuTable& t) { t.rows[50].time = t.rows[40].time; },
+         Reason::backward_time},
+        {"no accuracy", [](EnuTable& t) { t.rows[50].sigma_north_m.reset(); },
+         Reason::accuracy_missing},
+        {"no vertical accuracy", [](EnuTable& t) { t.rows[50].sigma_up_m.reset(); },
+         Reason::accuracy_missing},
+        {"too good", [](EnuTable& t) { t.rows[50].sigma_east_m = 1e-6; }, Reason::accuracy_absurd},
+        {"too bad", [](EnuTable& t) { t.rows[50].sigma_up_m = 1.7e6; }, Reason::accuracy_absurd},
+        {"correlation of two", [](EnuTable& t) { t.rows[50].correlation_east_north = 2.0; },
+         Reason::accuracy_absurd},
+        {"not positive definite",
+         [](EnuTable& t) {
+             t.rows[50].correlation_east_north = 0.9;
+             t.rows[50].correlation_east_up = 0.9;
+             t.rows[50].correlation_north_up = -0.9;
+         },
+         Reason::accuracy_absurd}};
+    for (const EpochCase& one : cases) {
+        SCOPED_TRACE(one.name);
+        EnuTable table = clean_run(100);
+        one.damage(table);
+        const ScreenedTable screened = screen(table, config());
+        EXPECT_EQ(screened.rows.size(), 100U);
+        EXPECT_FALSE(screened.rows[50].usable);
+        EXPECT_EQ(screened.rows[50].reason, one.reason) << to_text(screened.rows[50].reason);
+        EXPECT_EQ(summarise(screened.rows).usable, 99);
+        // What is missing for more than half a step is a break.
+        EXPECT_EQ(screened.rows[51].break_before, ArcBreak::gap);
+    }
+}
+
+TEST(Screen, AGapEndsTheArc) {
+    EnuTable table = clean_run(100);
+    table.rows.erase(table.rows.begin() + 40, table.rows.begin() + 43);
+    const ScreenedTable screened = screen(table, config());
+    EXPECT_EQ(summarise(screened.rows).arcs, 2);
+    EXPECT_EQ(screened.rows[39].arc, 1);
+    EXPECT_EQ(screened.rows[40].arc, 2);
+    EXPECT_EQ(screened.rows[40].break_before, ArcBreak::gap);
+}
+
+TEST(Screen, OneOutlierIsRejectedAndTheArcGoesOn) {
+    EnuTable table = clean_run(200);
+    *table.rows[100].north_m += 0.3;
+    const ScreenedTable screened = screen(table, config());
+    EXPECT_EQ(screened.rows[100].reason, Reason::innovation);
+    EXPECT_GT(*screened.rows[100].statistic, *screened.rows[100].threshold);
+    EXPECT_EQ(screened.rows[100].arc, 1);
+    EXPECT_EQ(summarise(screened.rows).usable, 199);
+    EXPECT_EQ(summarise(screened.rows).arcs, 1);
+}
+
+TEST(Screen, AStepIsABreakAtItsFirstEpoch) {
+    EnuTable table = clean_run(200);
+    for (std::size_t k = 100; k < 200; ++k) *table.rows[k].east_m += 0.5;
+    const ScreenedTable screened = screen(table, config());
+    EXPECT_EQ(summarise(screened.rows).arcs, 2);
+    EXPECT_EQ(screened.rows[99].arc, 1);
+    EXPECT_EQ(screened.rows[100].arc, 2);
+    EXPECT_EQ(screened.rows[100].break_before, ArcBreak::innovation);
+    EXPECT_GT(*screened.rows[100].statistic, *screened.rows[100].threshold);
+    EXPECT_EQ(summarise(screened.rows).usable, 200);
+}
+
+TEST(Screen, ShortArcsAreNotUsed) {
+    EnuTable table = clean_run(100);
+    table.rows.erase(table.rows.begin() + 40, table.rows.begin() + 43);
+    table.rows.erase(table.rows.begin() + 44, table.rows.begin() + 47);
+    const ScreenedTable screened = screen(table, config());
+    EXPECT_EQ(screened.rows[40].reason, Reason::short_arc);
+    EXPECT_EQ(screened.rows[43].reason, Reason::short_arc);
+    EXPECT_EQ(*screened.rows[43].statistic, 4.0);
+    EXPECT_FALSE(screened.rows[40].arc.has_value());
+    EXPECT_EQ(screened.rows[44].arc, 2);
+}
+
+TEST(Screen, ErrorsLargerThanStatedAreNotMistakenForOutliers) {
+    // Stated accuracies are optimistic in practice; the variance factor takes that up.
+    EnuTable table = clean_run(400);
+    for (EnuEpoch& row : table.rows) {
+        row.sigma_east_m = row.sigma_north_m = 0.003;
+        row.sigma_up_m = 0.006;
+    }
+    const ScreenedTable screened = screen(table, config());
+    EXPECT_GT(screened.variance_factor, 3.0);
+    EXPECT_EQ(summarise(screened.rows).usable, 400);
+}
+
+TEST(Screen, FalseAlarmsAreAsRareAsStated) {
+    std::int64_t rejected = 0;
+    for (std::uint64_t seed = 1; seed <= 20; ++seed)
+        rejected += summarise(screen(clean_run(1000, seed), config()).rows).reasons[Reason::innovation];
+    EXPECT_LE(rejected, 1);  // 20,000 tests at a rate of 1e-6
+}
+
+TEST(Screen, TablesOfNothingAndOfOneEpoch) {
+    EXPECT_EQ(screen(clean_run(0), config()).rows.size(), 0U);
+    const ScreenedTable one = screen(clean_run(1), config());
+    EXPECT_EQ(one.rows[0].reason, Reason::short_arc);
+}
+
+}  // namespace
+}  // namespace runcert

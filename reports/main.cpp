@@ -5,6 +5,7 @@
 
 #include "files/atomic_file.h"
 #include "files/sha256.h"
+#include "reports/report_html.h"
 #include "reports/report_run.h"
 #include "run/evidence.h"
 #include "run/signing.h"
@@ -72,6 +73,20 @@ ReportInputs gather(StageRun& run) {
     return inputs;
 }
 
+/// The signature that goes with the report, if there is one. Whether it holds is for
+/// `runcert verify` to say, with the signer's public key.
+std::vector<ReportSigner> signers_of(const std::filesystem::path& run_dir) {
+    const std::filesystem::path file = run_dir / "report.json.minisig";
+    if (!std::filesystem::exists(file)) return {};
+    return {read_signer(read_file(file), file.string())};
+}
+
+/// A new report makes the signature of an earlier one void.
+void write_report(const StageRun& run, const std::string& report) {
+    std::filesystem::remove(run.run_dir() / "report.json.minisig");
+    run.write("report.json", report);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -82,10 +97,12 @@ int main(int argc, char** argv) {
         argc, argv, "report", "The measurement report: report.json, and from it HTML and PDF",
         [&](StageRun& run) {
             run.note_attempt();
-            if (!render_only) run.write("report.json", write_report_json(gather(run)));
-            if (!key.empty()) sign_report(run.run_dir(), load_secret_key(key), "unstated");
+            if (!render_only) write_report(run, write_report_json(gather(run)));
+            if (!key.empty())
+                sign_report(run.run_dir(), load_secret_key(key), signing_role(run.attempt()));
             if (no_render) return;
-            render_report(run.run_dir(), read_file(run.run_dir() / "report.json"));
+            render_report(run.run_dir(), read_file(run.run_dir() / "report.json"),
+                          {.signers = signers_of(run.run_dir())});
             run.say("report.json, report.html, report.pdf");
         },
         [&](CLI::App& app) {

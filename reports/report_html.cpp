@@ -26,6 +26,28 @@ std::string printable(std::string text) {
     return out;
 }
 
+/// Escaped for HTML, and very long words with places where a line may end: WeasyPrint takes minutes
+/// over a word of ten thousand letters. Nothing of that is seen or copied.
+std::string escaped(const std::string& text) {
+    constexpr std::size_t long_word = 100;  // longer than any hash
+    std::string out;
+    std::size_t begin = 0;
+    while (begin < text.size()) {
+        const std::size_t end = std::min(text.find_first_of(" \n\t", begin), text.size());
+        for (std::size_t piece = begin; piece < end;) {
+            std::size_t next = end - begin > long_word ? std::min(piece + long_word / 2, end) : end;
+            while (next < end && (static_cast<unsigned char>(text[next]) & 0xC0) == 0x80)
+                ++next;
+            out += kainjow::mustache::html_escape(text.substr(piece, next - piece));
+            if (next < end) out += "<wbr>";
+            piece = next;
+        }
+        if (end < text.size()) out += text[end];
+        begin = end + 1;
+    }
+    return out;
+}
+
 TemplateData template_data(const Json& value) {
     if (value.is_object()) {
         TemplateData data{TemplateData::type::object};
@@ -50,7 +72,7 @@ ReportSigner read_signer(std::string_view signature_file_text, const std::string
     constexpr std::string_view mark = "trusted comment: ";
     if (lines.size() != 4 || !lines[2].starts_with(mark))
         throw Failure(where, "this is not a signature file",
-                      "Give the file that `runcert sign` or `minisign -S` made");
+                      "Give the file that `runcert certify --key` or `minisign -S` made");
     // Algorithm (2 bytes), key id (8), signature (64).
     const std::string bytes = signature_text::bytes_of_base64(lines[1], 74, "signature", where);
     PublicKey key;
@@ -88,6 +110,7 @@ std::string report_html(const Json& report, const std::vector<Figure>& figures,
     if (!page.is_valid())
         throw Failure("template/report.html", page.error_message(),
                       "This is a fault of the program; please report it");
+    page.set_custom_escape(escaped);
     return page.render(data);
 }
 

@@ -54,8 +54,8 @@ bool print_verdict(const YamlValue& profile) {
     fmt::print("\n{}  {}\n", in_capitals(outcome), profile["profile"].text());
     if (profile["speed_km_h"].exists())
         fmt::print("  speed    {} km/h +/- {} km/h (k = {:g})\n",
-                   format_fixed(profile["speed_km_h"].real(), 2),
-                   format_fixed(profile["expanded_uncertainty_km_h"].real(), 2),
+                   format_fixed(profile["speed_km_h"].real(), 3),
+                   format_fixed(profile["expanded_uncertainty_km_h"].real(), 3),
                    profile["coverage_factor"].real());
     if (const YamlValue window = profile["window"]; window.exists())
         fmt::print("  window   {} s from {} s{}\n",
@@ -68,7 +68,7 @@ bool print_verdict(const YamlValue& profile) {
         for (const YamlValue& refusal : indicated["refusals"].list())
             refusals += (refusals.empty() ? "" : "; ") + refusal.text();
         fmt::print("  refused  {} km/h at {} s: {}\n",
-                   format_fixed(indicated["speed_km_h"].real(), 2),
+                   format_fixed(indicated["speed_km_h"].real(), 3),
                    format_fixed(indicated["start_time_s"].real(), 3), refusals);
     }
     std::string attest;
@@ -97,11 +97,6 @@ void print_stage(const StageDone& stage) {
     for (std::size_t i = 1; i < stage.said.size(); ++i)
         fmt::print("{:<8} {}\n", "", stage.said[i]);
     std::fflush(stdout);
-}
-
-/// The role a signature is made in: the first official the attempt names, or none.
-std::string signing_role(const Attempt& attempt) {
-    return attempt.officials.empty() ? "unstated" : attempt.officials.front().role;
 }
 
 int certify(const CertifyOptions& options) {

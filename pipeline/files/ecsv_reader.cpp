@@ -34,8 +34,8 @@ YAML::Node plain_map(const YAML::Node& node, const std::string& where) {
     for (const auto& item : node) {
         const bool is_pair = item.IsMap() && item.size() == 1;
         if (!is_pair || std::as_const(map)[item.begin()->first.Scalar()].IsDefined())
-            throw Failure(yaml_place(where, item), "an !!omap entry is not one new key and its value",
-                          std::string(remade));
+            throw Failure(yaml_place(where, item),
+                          "an !!omap entry is not one new key and its value", std::string(remade));
         map.force_insert(item.begin()->first, plain_map(item.begin()->second, where));
     }
     return map;

@@ -40,7 +40,8 @@ std::string real_text(double value) {
     if (!std::isfinite(value)) refuse_not_finite();
     std::string text = fmt::format("{}", value);
     // YAML 1.1 takes 1e-06 for text, 1.0e-06 for a number; and 1 for an integer.
-    if (text.find('.') == std::string::npos) text.insert(std::min(text.find('e'), text.size()), ".0");
+    if (text.find('.') == std::string::npos)
+        text.insert(std::min(text.find('e'), text.size()), ".0");
     return text;
 }
 

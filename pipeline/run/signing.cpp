@@ -69,6 +69,10 @@ std::string ask_new_password() {
     return password;
 }
 
+std::string signing_role(const Attempt& attempt) {
+    return attempt.officials.empty() ? "unstated" : attempt.officials.front().role;
+}
+
 void sign_report(const std::filesystem::path& run_dir, const SecretKey& key,
                  const std::string& role) {
     const std::string report = read_file(run_dir / "report.json");

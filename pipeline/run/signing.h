@@ -4,6 +4,7 @@
 #include <string>
 
 #include "files/signature.h"
+#include "schemas/attempt/attempt.h"
 
 namespace runcert {
 
@@ -13,6 +14,9 @@ SecretKey load_secret_key(const std::filesystem::path& path);
 
 /// Asks twice for a new password in the same way.
 std::string ask_new_password();
+
+/// The role a signature is made in: that of the first official the attempt names.
+std::string signing_role(const Attempt& attempt);
 
 /// Signs RUN_DIR/report.json into RUN_DIR/report.json.minisig. The trusted comment names the
 /// report, the role of the signer and the time of signing.

@@ -33,6 +33,12 @@ set terminal svg size 760, canvas_height > 520 ? 520 : canvas_height font 'DejaV
     name 'track' background 'white'
 set output figure
 set size ratio -1
+# Six ticks at most along the longer axis: a step of 1, 2 or 5 times a power of ten.
+raw = 2 * (half_width > half_height ? half_width : half_height) / 6
+power = 10 ** floor(log10(raw))
+step = raw <= 2 * power ? 2 * power : raw <= 5 * power ? 5 * power : 10 * power
+set xtics step
+set ytics step
 set xlabel georeferenced ? 'east of the origin (m)' : 'first plane coordinate (m)'
 set ylabel georeferenced ? 'north of the origin (m)' : 'second plane coordinate (m)'
 set xrange [middle_east - half_width : middle_east + half_width]
@@ -41,7 +47,7 @@ set rmargin 10
 set arrow 1 from screen 0.95, screen 0.80 to screen 0.95, screen 0.93 \
     head filled size screen 0.012, 20 front linewidth 1.6 linecolor rgb black
 set label 1 (georeferenced ? 'N' : 'plane N') at screen 0.95, screen 0.76 center front
-set label 2 '   start' at first_east, first_north left front \
+set label 2 'start   ' at first_east, first_north right front \
     point pointtype 6 pointsize 1.1 linewidth 1.8 linecolor rgb green
 set label 3 '   end' at last_east, last_north left front \
     point pointtype 4 pointsize 1.1 linewidth 1.8 linecolor rgb black

@@ -25,6 +25,7 @@ Json best_json(const CertifiableWindow& best) {
     json["speed_m_s"] = best.speed_mps;
     json["standard_uncertainty_m_s"] = best.standard_uncertainty_mps;
     json["displacement_m"] = best.displacement_m;
+    json["position_r95_m"] = best.position_r95_m;
     json["definitions"] = {{"displacement_m_s", best.definitions.displacement_mps},
                            {"path_length_m_s", best.definitions.path_length_mps},
                            {"mean_n_plus_1_m_s", best.definitions.mean_n_plus_1_mps},
@@ -47,6 +48,7 @@ CertifiableWindow read_best(const YamlValue& value) {
             .speed_mps = value["speed_m_s"].real(),
             .standard_uncertainty_mps = value["standard_uncertainty_m_s"].real(),
             .displacement_m = value["displacement_m"].real(),
+            .position_r95_m = value["position_r95_m"].real(),
             .definitions = {.displacement_mps = definitions["displacement_m_s"].real(),
                             .path_length_mps = definitions["path_length_m_s"].real(),
                             .mean_n_plus_1_mps = definitions["mean_n_plus_1_m_s"].real(),

@@ -32,6 +32,7 @@ struct CertifiableWindow {
     double speed_mps = 0.0;  ///< by the profile's definition
     double standard_uncertainty_mps = 0.0;
     double displacement_m = 0.0;
+    double position_r95_m = 0.0;  ///< 95 % radius of the position at the worse end
     SpeedDefinitions definitions;
     MethodMeans methods;
 };

@@ -36,24 +36,24 @@ void set_outcome(const ClauseContext& context, ProfileVerdict& verdict) {
     const auto& record = context.input.attempt.record;
     if (!context.windows.best || !failed.empty()) {
         verdict.outcome = "not_certifiable";
-        verdict.reason = failed.empty() ? "there is no certifiable window" : failed.front();
+        verdict.reason = failed.empty() ? "There is no certifiable window." : "Not met: " + failed.front();
     } else if (!record) {
         verdict.outcome = "not_proven";
-        verdict.reason = "the attempt names no record to beat";
+        verdict.reason = "The attempt names no record to beat.";
     } else {
         const double speed = context.windows.best->speed_mps;
         const double uncertainty = *context.expanded_uncertainty_mps;
         verdict.outcome = decide(speed, uncertainty, *context.target_mps);
         const double unit = metres_per_second(record->unit);
         const std::string figures =
-            fmt::format("{:.2f} {} +/- {:.2f} {} against {:.2f} {} to reach", speed / unit,
+            fmt::format("{:.3f} {} +/- {:.3f} {} against {:.3f} {} to reach.", speed / unit,
                         record->unit, uncertainty / unit, record->unit, *context.target_mps / unit,
                         record->unit);
         verdict.reason = verdict.outcome == "beaten"
-                             ? "the speed less its expanded uncertainty reaches the target: " + figures
+                             ? "The speed less its expanded uncertainty reaches the target: " + figures
                          : verdict.outcome == "not_beaten"
-                             ? "the speed is below the target: " + figures
-                             : "the target lies within the expanded uncertainty: " + figures;
+                             ? "The speed is below the target: " + figures
+                             : "The target lies within the expanded uncertainty: " + figures;
     }
 }
 

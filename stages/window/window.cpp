@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "arcs/arcs.h"
+#include "core/accuracy_measures.h"
 #include "core/failure.h"
 #include "estimation/speed.h"
 #include "stages/window/search.h"
@@ -109,15 +111,23 @@ std::optional<double> mean_over(const TrajectoryTable& trajectory, const Candida
     return sum / static_cast<double>(candidate.window.last - candidate.window.first + 1);
 }
 
+/// What the covariances of a window's two ends say.
+struct EndsUncertainty {
+    double speed_mps = 0.0;       ///< standard uncertainty of the displacement speed
+    double position_r95_m = 0.0;  ///< 95 % radius of the position at the worse end
+};
+
 /// Smooths the candidate's arc anew for the joint covariance of the window's ends, and checks that
 /// the estimate is the trajectory's.
 template <int Axes>
-double standard_uncertainty(const ScreenedTable& screened, const TrajectoryTable& trajectory,
+EndsUncertainty ends_uncertainty(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                             const Candidate& candidate, const WindowConfig& config) {
     const auto arcs = arcs_of<Axes>(screened);
     for (const Arc<Axes>& arc : arcs) {
         if (arc.number != candidate.arc->number) continue;
         const SmoothedArc<Axes> smoothed = smooth<Axes>(arc.epochs, config.model);
+        const double variance_factor = trajectory.estimation.variance_factor_applied;
+        EndsUncertainty uncertainty;
         for (const std::size_t k : {candidate.window.first, candidate.window.last}) {
             const TrajectoryEpoch& row = trajectory.rows[candidate.arc->rows[k]];
             const Eigen::Vector2d position = smoothed.states[k].mean.template head<2>();
@@ -128,13 +138,17 @@ double standard_uncertainty(const ScreenedTable& screened, const TrajectoryTable
                                           "screened epochs",
                                           difference_m),
                               "Run runcert-smooth again, with the same attempt");
+            const Eigen::Matrix2d covariance =
+                variance_factor * smoothed.states[k].covariance.template topLeftCorner<2, 2>();
+            uncertainty.position_r95_m = std::max(uncertainty.position_r95_m, r95(covariance));
         }
         const double duration_s = arc.epochs[candidate.window.last].time_s -
                                   arc.epochs[candidate.window.first].time_s;
-        return std::sqrt(trajectory.estimation.variance_factor_applied) *
-               displacement_speed(smoothed, candidate.window.first, candidate.window.last,
-                                  duration_s)
-                   .standard_uncertainty_mps;
+        uncertainty.speed_mps = std::sqrt(variance_factor) *
+                                displacement_speed(smoothed, candidate.window.first,
+                                                   candidate.window.last, duration_s)
+                                    .standard_uncertainty_mps;
+        return uncertainty;
     }
     throw Failure(fmt::format("arc {}", candidate.arc->number),
                   "the trajectory has an arc that the screened epochs do not have",
@@ -152,10 +166,12 @@ CertifiableWindow certified(const ScreenedTable& screened, const TrajectoryTable
     window.definitions = candidate.definitions;
     window.speed_mps = candidate.definitions.by_name(profile.definition);
     window.displacement_m = (position_of(last) - position_of(first)).norm();
-    window.standard_uncertainty_mps =
+    const EndsUncertainty uncertainty =
         trajectory.facts.vertical_measured
-            ? standard_uncertainty<3>(screened, trajectory, candidate, config)
-            : standard_uncertainty<2>(screened, trajectory, candidate, config);
+            ? ends_uncertainty<3>(screened, trajectory, candidate, config)
+            : ends_uncertainty<2>(screened, trajectory, candidate, config);
+    window.standard_uncertainty_mps = uncertainty.speed_mps;
+    window.position_r95_m = uncertainty.position_r95_m;
     using Row = TrajectoryEpoch;
     window.methods = {.smoothed_mps = mean_over(trajectory, candidate, &Row::speed_mps),
                       .batch_mps = mean_over(trajectory, candidate, &Row::speed_batch_mps),

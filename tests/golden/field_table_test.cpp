@@ -12,13 +12,23 @@ namespace {
 using Names = std::set<std::string>;
 
 /// Real numbers that are no physical quantity, or whose unit stands in a field beside them.
-const Names without_unit{
-    "correlation_east_north", "correlation_east_up", "correlation_north_up",  // a column each
-    "ratio", "statistic", "threshold",
-    "summary.variance_factor", "estimation.variance_factor", "estimation.variance_factor_applied",
-    "profiles[].coverage_factor", "accuracy.coverage_factor",
-    "accuracy.limit", "margin.value", "record.speed", "attempt.record.speed",  // unit beside it
-    "parameters.screen.gap_factor", "parameters.screen.false_alarm_rate"};
+const Names without_unit{"correlation_east_north",
+                         "correlation_east_up",
+                         "correlation_north_up",  // a column each
+                         "ratio",
+                         "statistic",
+                         "threshold",
+                         "summary.variance_factor",
+                         "estimation.variance_factor",
+                         "estimation.variance_factor_applied",
+                         "profiles[].coverage_factor",
+                         "accuracy.coverage_factor",
+                         "accuracy.limit",
+                         "margin.value",
+                         "record.speed",
+                         "attempt.record.speed",  // unit beside it
+                         "parameters.screen.gap_factor",
+                         "parameters.screen.false_alarm_rate"};
 
 const Names known_types{"text", "integer", "real", "boolean", "map", "list", "any"};
 const Names known_keys{"type", "unit",     "required", "values",     "min",
@@ -44,7 +54,8 @@ TEST(FieldTables, EveryFieldIsDescribedAndPhysicalQuantitiesHaveAUnit) {
             SCOPED_TRACE(rule.path);
             EXPECT_TRUE(paths.insert(rule.path).second);
             EXPECT_GE(rule.description.size(), 2U);
-            for (const std::string& type : rule.types) EXPECT_TRUE(known_types.contains(type));
+            for (const std::string& type : rule.types)
+                EXPECT_TRUE(known_types.contains(type));
             for (const std::string& key : schema.source()["fields"][rule.path].keys())
                 EXPECT_TRUE(known_keys.contains(key)) << key;
             if (rule.types == std::vector<std::string>{"real"}) {
@@ -73,7 +84,8 @@ TEST(FieldTables, EveryColumnIsDescribedAndPhysicalQuantitiesHaveAUnit) {
         EXPECT_GE(schema.columns().size(), 20U);
         for (const EcsvColumn& column : schema.columns()) {
             EXPECT_GE(column.description.size(), 2U) << column.name;
-            const bool without = column.type != CellType::real || without_unit.contains(column.name);
+            const bool without =
+                column.type != CellType::real || without_unit.contains(column.name);
             EXPECT_EQ(column.unit.empty(), without) << column.name;
         }
     }
@@ -104,7 +116,8 @@ void collect(const YamlValue& value, const std::string& path, Names& paths) {
     for (const std::string& key : value.keys())
         collect(value[key], path.empty() ? key : path + "." + key, paths);
     if (value.is_list())
-        for (const YamlValue& item : value.list()) collect(item, path + "[]", paths);
+        for (const YamlValue& item : value.list())
+            collect(item, path + "[]", paths);
 }
 
 TEST(FieldTables, GoldenFilesHaveEveryFieldOfTheirSchema) {

@@ -7,10 +7,43 @@ namespace runcert {
 namespace {
 
 std::string mutated(std::string text, RandomGenerator& random) {
-    static constexpr std::string_view pieces[] = {
-        "\"", "'", ": ", "- ", "\n", "\n- ", "[", "]", "{", "}", ",", "#", "\n# ", "---\n", "...\n",
-        "&a ", "*a ", "!!omap ", "!x ", "|\n", "? ", "~", "null", "nan", "1e999", "-", "0", "True",
-        "\t", "\r", "9223372036854775808", "\xc3", "\xef\xbb\xbf", "\x04", "[]", "{}", "\\"};
+    static constexpr std::string_view pieces[] = {"\"",
+                                                  "'",
+                                                  ": ",
+                                                  "- ",
+                                                  "\n",
+                                                  "\n- ",
+                                                  "[",
+                                                  "]",
+                                                  "{",
+                                                  "}",
+                                                  ",",
+                                                  "#",
+                                                  "\n# ",
+                                                  "---\n",
+                                                  "...\n",
+                                                  "&a ",
+                                                  "*a ",
+                                                  "!!omap ",
+                                                  "!x ",
+                                                  "|\n",
+                                                  "? ",
+                                                  "~",
+                                                  "null",
+                                                  "nan",
+                                                  "1e999",
+                                                  "-",
+                                                  "0",
+                                                  "True",
+                                                  "\t",
+                                                  "\r",
+                                                  "9223372036854775808",
+                                                  "\xc3",
+                                                  "\xef\xbb\xbf",
+                                                  "\x04",
+                                                  "[]",
+                                                  "{}",
+                                                  "\\"};
     for (std::uint64_t n = 1 + random.next() % 4; n > 0 && !text.empty(); --n) {
         const std::size_t at = random.next() % text.size();
         const std::size_t length = random.next() % 40;
@@ -19,7 +52,7 @@ std::string mutated(std::string text, RandomGenerator& random) {
                 text[at] = static_cast<char>(random.next() % 256);
                 break;
             case 1:
-                text[at] = static_cast<char>(text[at] ^ (1U << random.next() % 8));
+                text[at] = static_cast<char>(text[at] ^ static_cast<char>(1U << random.next() % 8));
                 break;
             case 2:
                 text.erase(at, length);

@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -38,15 +39,38 @@ TEST(DecimalNanoseconds, ReadsSecondsExactly) {
         {"-9223372036.854775807", -largest},
         {"-9223372036.854775808", smallest},
     };
-    for (const auto& c : cases) EXPECT_EQ(parse_decimal_nanoseconds(c.text), c.nanoseconds) << c.text;
+    for (const auto& c : cases)
+        EXPECT_EQ(parse_decimal_nanoseconds(c.text), c.nanoseconds) << c.text;
 }
 
 TEST(DecimalNanoseconds, RefusesEverythingElse) {
-    for (const char* text :
-         {"", "+", "-", ".", "-.", "+-1", "--1", " 1", "1 ", "1.2.3", "1,5", "1e3", "1.0e-06", "0x1",
-          "nan", "inf", "12:30", "1s", "1_000", "1.0000000001", "0.1234567891",
-          "9223372036.854775808", "-9223372036.854775809", "9223372037", "-9223372037",
-          "18446744073.709551616", "99999999999999999999999999"})
+    for (const char* text : {"",
+                             "+",
+                             "-",
+                             ".",
+                             "-.",
+                             "+-1",
+                             "--1",
+                             " 1",
+                             "1 ",
+                             "1.2.3",
+                             "1,5",
+                             "1e3",
+                             "1.0e-06",
+                             "0x1",
+                             "nan",
+                             "inf",
+                             "12:30",
+                             "1s",
+                             "1_000",
+                             "1.0000000001",
+                             "0.1234567891",
+                             "9223372036.854775808",
+                             "-9223372036.854775809",
+                             "9223372037",
+                             "-9223372037",
+                             "18446744073.709551616",
+                             "99999999999999999999999999"})
         EXPECT_FALSE(parse_decimal_nanoseconds(text).has_value()) << text;
     EXPECT_FALSE(parse_decimal_nanoseconds(std::string_view("1\0", 2)).has_value());
 }
@@ -56,9 +80,9 @@ TEST(DecimalNanoseconds, EveryCountRoundTrips) {
     for (int i = 0; i < 10'000; ++i) {
         const auto magnitude = random.next() >> (1 + random.next() % 60);
         const bool negative = random.next() % 2 == 0;
-        const std::string fraction = std::to_string(magnitude % 1'000'000'000);
-        const std::string text = (negative ? "-" : "") + std::to_string(magnitude / 1'000'000'000) +
-                                 "." + std::string(9 - fraction.size(), '0') + fraction;
+        const std::string text =
+            fmt::format("{}{}.{:09}", negative ? "-" : "", magnitude / 1'000'000'000,
+                        magnitude % 1'000'000'000);
         const auto count = static_cast<std::int64_t>(magnitude);
         ASSERT_EQ(parse_decimal_nanoseconds(text), negative ? -count : count) << text;
     }

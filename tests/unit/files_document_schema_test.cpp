@@ -75,10 +75,9 @@ TEST(DocumentSchema, AcceptsWhatFollowsIt) {
     for (const char* text :
          {"name: x\n", "name: 5\n", "name: x\nkind: ice\ncount: 10\nspeed: 0\nflag: false\n",
           "name: x\nspeed: 1.0e+3\n", "name: x\ncolumn: 3\n", "name: x\ncolumn: three\n",
-          "name: x\nframe: word\n", "name: x\nframe: {utm: {zone: 60}}\n",
-          "name: x\nlist: []\n", "name: x\nlist: [{id: a, words: [a, b, a]}]\n",
-          "name: x\nkind: null\nlist:\nframe: ~\n", "name: x\ncounts: {gap: 1, '*': 2, a.b: 3}\n",
-          "name: x\nfree: [1, {a: b}, null]\n"})
+          "name: x\nframe: word\n", "name: x\nframe: {utm: {zone: 60}}\n", "name: x\nlist: []\n",
+          "name: x\nlist: [{id: a, words: [a, b, a]}]\n", "name: x\nkind: null\nlist:\nframe: ~\n",
+          "name: x\ncounts: {gap: 1, '*': 2, a.b: 3}\n", "name: x\nfree: [1, {a: b}, null]\n"})
         EXPECT_EQ(check(text).problem, "") << text;
 }
 
@@ -145,7 +144,8 @@ TEST(DocumentSchema, PassesOverUnknownKeysOfANewerRevisionAlone) {
 
 TEST(DocumentSchema, TheCommonPartStandsInFront) {
     const DocumentSchema common = DocumentSchema::parse(
-        "schema: c\nversion: '1.0'\nfields:\n  stage: {type: text, required: true, description: s}\n",
+        "schema: c\nversion: '1.0'\nfields:\n  stage: {type: text, required: true, description: "
+        "s}\n",
         "c");
     const DocumentSchema both = DocumentSchema::parse(
         "schema: d\nversion: '1.0'\nfields:\n  own: {type: text, description: o}\n", "d", &common);

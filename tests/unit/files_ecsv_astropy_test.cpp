@@ -35,27 +35,56 @@ from astropy.table import Table
 t = Table.read(sys.argv[1], format='ascii.ecsv')
 columns = []
 for c in t.columns.values():
-    mask = getattr(c, 'mask', np.zeros(len(c), bool))
+    mask = np.broadcast_to(getattr(c, 'mask', False), len(c)).tolist()
     columns.append({'name': c.name, 'unit': str(c.unit) if c.unit else '', 'kind': c.dtype.kind,
         'description': c.description or '', 'format': c.format or '',
-        'values': [None if m else v for v, m in zip(c.tolist(), np.broadcast_to(mask, len(c)).tolist())]})
+        'values': [None if m else v for v, m in zip(c.tolist(), mask)]})
 print(json.dumps({'columns': columns, 'meta': t.meta}))
 )";
 
 TEST_F(EcsvAstropy, ReadsWhatWeWrite) {
-    const Json meta = {
-        {"schema", {{"name", "observations"}, {"version", "1.0"}}},
-        {"text",
-         {"1.0", "1e3", "0x1f", "0o17", "2026-11-21", "yes", "No", "true", "null", "~", "", " x ",
-          "a: b", "#c", "- d", "12:30:45", "\xc2\xb5m", "\xe5\x90\x8d\xe5\x8f\xa4\xe5\xb1\x8b",
-          "\xf0\x9f\x98\x80", "line\nline", "tab\tx", "quote \"x\" 'y'", "back\\slash", ".inf",
-          ".nan", "=", "<<", "%x", "@x", "`x", "!x", "&x", "*x", "nan"}},
-        {"numbers", {0, -1, 9223372036854775807, 0.1, 1e-6, 1e20, -2.5e-300, 1.0}},
-        {"flags", {true, false, nullptr}},
-        {"empty", {Json::object(), Json::array()}},
-        {"deep", {{"list", {{{"a", 1}, {"b", {1, 2, {{"c", nullptr}}}}}, {}}}}},
-        {"1", "a key that looks like a number"},
-        {"yes", "a key that looks like true"}};
+    const Json meta = {{"schema", {{"name", "observations"}, {"version", "1.0"}}},
+                       {"text",
+                        {"1.0",
+                         "1e3",
+                         "0x1f",
+                         "0o17",
+                         "2026-11-21",
+                         "yes",
+                         "No",
+                         "true",
+                         "null",
+                         "~",
+                         "",
+                         " x ",
+                         "a: b",
+                         "#c",
+                         "- d",
+                         "12:30:45",
+                         "\xc2\xb5m",
+                         "\xe5\x90\x8d\xe5\x8f\xa4\xe5\xb1\x8b",
+                         "\xf0\x9f\x98\x80",
+                         "line\nline",
+                         "tab\tx",
+                         "quote \"x\" 'y'",
+                         "back\\slash",
+                         ".inf",
+                         ".nan",
+                         "=",
+                         "<<",
+                         "%x",
+                         "@x",
+                         "`x",
+                         "!x",
+                         "&x",
+                         "*x",
+                         "nan"}},
+                       {"numbers", {0, -1, 9223372036854775807, 0.1, 1e-6, 1e20, -2.5e-300, 1.0}},
+                       {"flags", {true, false, nullptr}},
+                       {"empty", {Json::object(), Json::array()}},
+                       {"deep", {{"list", {{{"a", 1}, {"b", {1, 2, {{"c", nullptr}}}}}, {}}}}},
+                       {"1", "a key that looks like a number"},
+                       {"yes", "a key that looks like true"}};
     EcsvWriter out(
         {{.name = "flag", .type = CellType::boolean, .unit = {}, .description = "yes or no"},
          {.name = "count", .type = CellType::integer, .unit = {}, .description = {}},
@@ -85,7 +114,8 @@ TEST_F(EcsvAstropy, ReadsWhatWeWrite) {
     ASSERT_EQ(columns.size(), 7U);
     const auto each = [&](const char* key) {
         Json list = Json::array();
-        for (const Json& column : columns) list.push_back(column[key]);
+        for (const Json& column : columns)
+            list.push_back(column[key]);
         return list;
     };
     EXPECT_EQ(each("name"), Json({"flag", "count", "speed", "turn", "force", "word", "time"}));
@@ -112,7 +142,8 @@ TEST_F(EcsvAstropy, KeepsARowThatIsMissing) {
     out.missing();
     out.integer(3);
     spill(file(), std::move(out).take());
-    EXPECT_EQ(Json::parse(python(describe, {file()}))["columns"][0]["values"], Json({1, nullptr, 3}));
+    EXPECT_EQ(Json::parse(python(describe, {file()}))["columns"][0]["values"],
+              Json({1, nullptr, 3}));
 }
 
 /// A table with everything that a user of astropy would put into one of ours.
@@ -132,7 +163,8 @@ t['turn'].unit = 'deg'
 t['speed'].meta['required'] = True
 t['speed'].info.format = None
 t.meta = MAP(schema=MAP(name='x', version='1.0'), ordered=OrderedDict(b=1, a=OrderedDict(z='1.0')),
-             plain={'list': [1, 2.5, None, True, OrderedDict(k='yes')]}, text='\u00b5 \U0001F600 2026-11-21')
+             plain={'list': [1, 2.5, None, True, OrderedDict(k='yes')]},
+             text='\u00b5 \U0001F600 2026-11-21')
 t.write(sys.argv[1], format='ascii.ecsv', delimiter=',')
 )";
 

@@ -3,14 +3,10 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <map>
 #include <optional>
 #include <string>
-#include <variant>
 #include <vector>
 
-#include "core/random.h"
-#include "core/text.h"
 #include "files/ecsv.h"
 #include "files_test_support.h"
 
@@ -106,8 +102,7 @@ TEST(Ecsv, WriterRefusesWhatNoCellCanHold) {
         return failure_of([&] {
                    EcsvWriter out({{.name = "c", .unit = {}, .description = {}}}, nullptr);
                    write(out);
-               })
-                   .where == "column c";
+               }).where == "column c";
     };
     for (const double value : {std::numeric_limits<double>::quiet_NaN(), HUGE_VAL, -HUGE_VAL})
         EXPECT_TRUE(refused([&](EcsvWriter& out) { out.real(value); })) << value;
@@ -130,19 +125,19 @@ TEST(Ecsv, AMissingCellAloneIsNoEmptyLine) {
 }
 
 const std::string table =
-    "# %ECSV 1.0\n"                                 // 1
-    "# ---\n"                                       // 2
-    "# datatype:\n"                                 // 3
-    "#   - {name: epoch, datatype: int64}\n"        // 4
+    "# %ECSV 1.0\n"                           // 1
+    "# ---\n"                                 // 2
+    "# datatype:\n"                           // 3
+    "#   - {name: epoch, datatype: int64}\n"  // 4
     "#   - {name: speed, unit: m / s, datatype: float64, format: \"%.3f\"}\n"
-    "#   - {name: usable, datatype: bool}\n"        // 6
-    "#   - {name: reason, datatype: string}\n"      // 7
-    "# delimiter: \",\"\n"                          // 8
-    "# meta:\n"                                     // 9
-    "#   note: plain\n"                             // 10
-    "epoch,speed,usable,reason\n"                   // 11
-    "1,61.500,True,none\n"                          // 12
-    "2,61.250,False,\"a, b\"\n";                    // 13
+    "#   - {name: usable, datatype: bool}\n"    // 6
+    "#   - {name: reason, datatype: string}\n"  // 7
+    "# delimiter: \",\"\n"                      // 8
+    "# meta:\n"                                 // 9
+    "#   note: plain\n"                         // 10
+    "epoch,speed,usable,reason\n"               // 11
+    "1,61.500,True,none\n"                      // 12
+    "2,61.250,False,\"a, b\"\n";                // 13
 
 /// Reads every cell.
 void read_all(const std::string& text) {
@@ -155,7 +150,9 @@ void read_all(const std::string& text) {
     }
 }
 
-TEST(Ecsv, TheTableOfDeviationsIsGood) { EXPECT_NO_THROW(read_all(table)); }
+TEST(Ecsv, TheTableOfDeviationsIsGood) {
+    EXPECT_NO_THROW(read_all(table));
+}
 
 TEST(Ecsv, EveryDeviationIsAFailureWithItsPlace) {
     const struct {
@@ -257,9 +254,11 @@ TEST(Ecsv, WholeFilesThatAreNoTables) {
 
 TEST(Ecsv, ReadsWhatOtherWritersMake) {
     // Lines that end in CR LF, ignored comments, no meta, a schema, keys in another order.
-    std::string text = replaced(table, "# meta:\n#   note: plain\n", "## not yaml: [\n# schema: x\n");
+    std::string text =
+        replaced(table, "# meta:\n#   note: plain\n", "## not yaml: [\n# schema: x\n");
     std::string crlf;
-    for (const char c : text) crlf += c == '\n' ? std::string("\r\n") : std::string(1, c);
+    for (const char c : text)
+        crlf += c == '\n' ? std::string("\r\n") : std::string(1, c);
     EXPECT_NO_THROW(read_all(crlf));
     EcsvReader in(text, "t.ecsv");
     EXPECT_TRUE(in.meta().IsNull());
@@ -304,96 +303,6 @@ TEST(Ecsv, OrderedMapsAreMapsWhereverTheyStand) {
                                      "# meta: !!omap\n# - {note: plain}\n# - {more: [1]}\n");
     EcsvReader ordered(top, "t");
     EXPECT_EQ(ordered.meta()["note"].Scalar(), "plain");
-}
-
-// --- random tables -----------------------------------------------------------------------------
-
-using Cell = std::variant<std::monostate, bool, std::int64_t, double, std::string>;
-
-std::string random_text(RandomGenerator& random) {
-    static constexpr std::string_view favourites = ",\"#'\\ ;:~0";
-    std::string text;
-    for (std::uint64_t n = 1 + random.next() % 12; n > 0; --n)
-        text += random.next() % 2 == 0 ? favourites[random.next() % favourites.size()]
-                                       : static_cast<char>(' ' + random.next() % 95);
-    text = trim(text);
-    return text.empty() ? "x" : text;
-}
-
-Cell random_cell(const EcsvColumn& column, RandomGenerator& random) {
-    if (random.next() % 5 == 0) return {};
-    switch (column.type) {
-        case CellType::boolean:
-            return random.next() % 2 == 0;
-        case CellType::integer:
-            return static_cast<std::int64_t>(random.next() >> random.next() % 64);
-        case CellType::real: {
-            const double scale = std::pow(10.0, static_cast<double>(random.next() % 20));
-            return parse_double(format_fixed(random.normal() * scale, column.decimals)).value();
-        }
-        case CellType::text:
-            return random_text(random);
-    }
-    return {};
-}
-
-void write_cell(EcsvWriter& out, const Cell& cell) {
-    if (std::holds_alternative<std::monostate>(cell)) out.missing();
-    if (const auto* value = std::get_if<bool>(&cell)) out.boolean(*value);
-    if (const auto* value = std::get_if<std::int64_t>(&cell)) out.integer(*value);
-    if (const auto* value = std::get_if<double>(&cell)) out.real(*value);
-    if (const auto* value = std::get_if<std::string>(&cell)) out.text(*value);
-}
-
-Cell read_cell(const EcsvReader& in, std::size_t column) {
-    if (in.is_missing(column)) return {};
-    switch (in.columns()[column].type) {
-        case CellType::boolean:
-            return in.boolean(column);
-        case CellType::integer:
-            return in.integer(column);
-        case CellType::real:
-            return in.real(column);
-        case CellType::text:
-            return in.text(column);
-    }
-    return {};
-}
-
-TEST(Ecsv, RandomTablesRoundTrip) {
-    RandomGenerator random(20220318);
-    for (int round = 0; round < 300; ++round) {
-        std::vector<EcsvColumn> columns(1 + random.next() % 6);
-        for (std::size_t i = 0; i < columns.size(); ++i)
-            columns[i] = {.name = "c" + std::to_string(i),
-                          .type = static_cast<CellType>(random.next() % 4),
-                          .unit = random.next() % 2 == 0 ? "m / s2" : "",
-                          .decimals = static_cast<int>(random.next() % 13),
-                          .description = random_text(random),
-                          .must_understand = random.next() % 2 == 0};
-        nlohmann::ordered_json meta;
-        meta[random_text(random)] = random_text(random);
-        EcsvWriter out(columns, meta);
-        std::vector<std::vector<Cell>> rows(random.next() % 8);
-        for (auto& row : rows)
-            for (const EcsvColumn& column : columns)
-                write_cell(out, row.emplace_back(random_cell(column, random)));
-        const std::string text = std::move(out).take();
-
-        EcsvReader in(text, "random");
-        ASSERT_EQ(in.columns().size(), columns.size());
-        for (std::size_t i = 0; i < columns.size(); ++i) {
-            EXPECT_EQ(in.columns()[i].description, columns[i].description);
-            EXPECT_EQ(in.columns()[i].must_understand, columns[i].must_understand);
-        }
-        EXPECT_EQ(in.meta()[meta.begin().key()].Scalar(), meta.begin()->get<std::string>());
-        for (const auto& row : rows) {
-            ASSERT_TRUE(in.next_row()) << text;
-            for (std::size_t i = 0; i < columns.size(); ++i)
-                ASSERT_EQ(read_cell(in, i), row[i]) << text;
-        }
-        ASSERT_FALSE(in.next_row());
-    }
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-#include <gtest/gtest.h>
 #include <fcntl.h>
+#include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -29,7 +29,9 @@ TEST(RunProcess, ReturnsWhatTheProgramSaidAndItsStatus) {
     EXPECT_EQ(run_process({"/bin/true"}).exit_status, 0);
 }
 
-TEST(RunProcess, ASilentStatusOf127IsAStatus) { EXPECT_EQ(shell("exit 127").exit_status, 127); }
+TEST(RunProcess, ASilentStatusOf127IsAStatus) {
+    EXPECT_EQ(shell("exit 127").exit_status, 127);
+}
 
 TEST(RunProcess, ASignalIs128AndItsNumber) {
     EXPECT_EQ(shell("kill -KILL $$").exit_status, 128 + SIGKILL);
@@ -93,7 +95,8 @@ TEST(RunProcess, LargeOutputOnBothPipesDoesNotBlock) {
 TEST(RunProcess, LeavesNoFileOpen) {
     const auto open_files = [] {
         int count = 0;
-        for ([[maybe_unused]] const auto& entry : fs::directory_iterator("/proc/self/fd")) ++count;
+        for ([[maybe_unused]] const auto& entry : fs::directory_iterator("/proc/self/fd"))
+            ++count;
         return count;
     };
     const int before = open_files();
@@ -106,7 +109,8 @@ TEST(RunProcess, WorksWhereTheCallerHasClosedItsOwnInputAndOutput) {
     const int in = fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 10);
     const int out = fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 10);
     const int err = fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 10);
-    for (const int file : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) close(file);
+    for (const int file : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+        close(file);
     const ProcessResult result = shell("cat; printf out; printf err >&2");
     for (const auto& [from, to] : {std::pair{in, STDIN_FILENO}, std::pair{out, STDOUT_FILENO},
                                    std::pair{err, STDERR_FILENO}}) {

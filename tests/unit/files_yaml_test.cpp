@@ -18,12 +18,15 @@ namespace {
 using Json = nlohmann::ordered_json;
 using test::failure_of;
 
-YamlValue parsed(const std::string& text) { return {parse_yaml(text, "f"), "f"}; }
+YamlValue parsed(const std::string& text) {
+    return {parse_yaml(text, "f"), "f"};
+}
 
 TEST(ParseYaml, RefusesWithAPlace) {
     using namespace std::string_literals;
     std::string dashes;
-    for (int i = 0; i < 10'000; ++i) dashes += "- ";
+    for (int i = 0; i < 10'000; ++i)
+        dashes += "- ";
     const struct {
         std::string text, where, said;
     } cases[] = {
@@ -81,14 +84,16 @@ TEST(ParseYaml, RefusesWithAPlace) {
     for (const auto& c : cases) {
         const auto said = failure_of([&] { parse_yaml(c.text, "f"); });
         EXPECT_FALSE(said.where.empty());
-        EXPECT_TRUE(c.said.empty() || said.where == c.where)
-            << c.text.substr(0, 80) << "\n" << said.where << ": " << said.problem;
+        EXPECT_TRUE(c.said.empty() || said.where == c.where) << c.text.substr(0, 80) << "\n"
+                                                             << said.where << ": " << said.problem;
         EXPECT_TRUE(said.contains(c.said)) << c.text.substr(0, 80) << "\n" << said.problem;
     }
 }
 
 TEST(ParseYaml, ReadsWhatPeopleWrite) {
-    for (const char* text : {"a: 1", "a: 1\n", "a: 1\r\nb: 2\r\n", "\xef\xbb\xbf" "a: 1\n",
+    for (const char* text : {"a: 1", "a: 1\n", "a: 1\r\nb: 2\r\n",
+                             "\xef\xbb\xbf"
+                             "a: 1\n",
                              "%YAML 1.2\n---\na: 1\n...\n", "a: 1 # comment\n", "{a: 1, b: [x]}\n",
                              "a: 1\nb: |\n  text\n  more\n", "'a': \"1\"\n", "a: 1\n...\n# end\n"})
         EXPECT_EQ(parsed(text)["a"].text(), "1") << text;
@@ -100,7 +105,8 @@ TEST(ParseYaml, ReadsWhatPeopleWrite) {
 TEST(YamlValue, ReadsItselfStrictly) {
     const YamlValue d = parsed(
         "real: 1.5\nwhole: 7\nflag: true\ntext: abc\nquoted: \"5\"\nblock: |\n  5\nyes: yes\n"
-        "nil: null\nempty:\nlist: [1, x]\nmap: {k: v}\nbad: [0x10, 1_000, 1e400, .nan, .inf, 12m]\n");
+        "nil: null\nempty:\nlist: [1, x]\nmap: {k: v}\nbad: [0x10, 1_000, 1e400, .nan, .inf, "
+        "12m]\n");
     EXPECT_EQ(d["real"].real(), 1.5);
     EXPECT_EQ(d["whole"].real(), 7.0);
     EXPECT_EQ(d["whole"].integer(), 7);
@@ -155,6 +161,7 @@ TEST(YamlValue, AssignmentDoesNotWriteIntoTheDocument) {
 
 /// Text that some YAML reader takes for something else, or that quoting could spoil.
 const std::vector<std::string>& awkward_texts() {
+    // clang-format off
     static const std::vector<std::string> texts{
         "yes", "Yes", "NO", "on", "Off", "y", "N", "true", "False", "null", "Null", "~", "", "1",
         "-1", "+1", "1.0", "1e3", "1.0e-06", ".5", "5.", "0x1f", "0o17", "017", "0b11", "1_000",
@@ -167,18 +174,24 @@ const std::vector<std::string>& awkward_texts() {
         "\xe5\x90\x8d\xe5\x8f\xa4\xe5\xb1\x8b", "\x7f", "\x01", "\x1b[1m", "\xc2\x85",
         "\xe2\x80\xa8", "\xe2\x80\xae", "\xef\xbb\xbf", "\xef\xbf\xbf", "\xf4\x8f\xbf\xbd", "a/b",
         "m / s", "A.b-c_d/e", "word", std::string(119, 'x'), std::string(5000, 'x'),
-        std::string("a\0b", 3), "0", "0.0", "-0", "00", "08", "1e", "e1", "E5", "_", "_1", "1_"};
+        std::string("a\0b", 3), "0", "0.0", "-0", "00", "08", "1e", "e1", "E5", "_", "_1", "1_",
+    };
+    // clang-format on
     return texts;
 }
 
 Json awkward_document() {
     Json document;
     document["list"] = awkward_texts();
+    // clang-format off
     document["numbers"] = {0, -1, 9223372036854775807, 0.0, 1.0, -2.5, 1e-6, 1e20, 1.5e-300, 1e15,
                            1e16, 0.0001, 0.00001, 123456.789, 5e-324, 1.7976931348623157e308};
+    // clang-format on
     document["flags"] = {true, false, nullptr};
     document["nested"] = {{{"a", {{"b", Json::array()}, {"c", Json::object()}}}, {"d", {1, {2}}}},
-                          Json::array(), Json::object(), {{}, {"x"}}};
+                          Json::array(),
+                          Json::object(),
+                          {{}, {"x"}}};
     for (const std::string& text : awkward_texts())
         if (text.size() < 200) document["keys"][text] = text;
     return document;
@@ -187,7 +200,8 @@ Json awkward_document() {
 TEST(YamlOutput, EveryTextComesBackAsThatText) {
     const Json document = awkward_document();
     const std::string text = to_yaml_text(document);
-    for (const char c : text) ASSERT_TRUE(c == '\n' || (c >= ' ' && c <= '~')) << text;
+    for (const char c : text)
+        ASSERT_TRUE(c == '\n' || (c >= ' ' && c <= '~')) << text;
     const YamlValue back = parsed(text);
     const std::vector<YamlValue> list = back["list"].list();
     ASSERT_EQ(list.size(), awkward_texts().size());
@@ -260,7 +274,8 @@ TEST(Rounded, RoundsToDecimals) {
         double rounded;
     } cases[] = {{1.23456, 2, 1.23}, {-1.235001, 2, -1.24},  {0.1 + 0.2, 9, 0.3},
                  {1e-9, 6, 0.0},     {12345.6789, 0, 12346}, {1e300, 9, 1e300}};
-    for (const auto& c : cases) EXPECT_EQ(rounded(c.value, c.decimals), c.rounded) << c.value;
+    for (const auto& c : cases)
+        EXPECT_EQ(rounded(c.value, c.decimals), c.rounded) << c.value;
     EXPECT_FALSE(std::signbit(rounded(-1e-9, 6)));
 }
 

@@ -202,6 +202,7 @@ inline ReceiverResults receiver(const Options& options, const std::string& id) {
                 .speed_mps = 60.002417,
                 .standard_uncertainty_mps = 0.002551,
                 .displacement_m = 60.002417 * duration,
+                .position_r95_m = 0.0144,
                 .definitions = {60.002417, 60.002424, 60.002402, 60.002405},
                 .methods = {60.002402, 60.002402, 60.0068, std::nullopt, 59.9954}};
         windows.indicated = IndicatedWindow{

@@ -79,9 +79,8 @@ TEST(Attempt, WhatIsLeftOutHasItsDefault) {
 }
 
 TEST(Attempt, EveryMemberOfAReceiverIsKept) {
-    const Attempt attempt = read_attempt(
-        replaced(least, "  - {id: primary, recording: r.csv}\n",
-                 R"(  - id: primary
+    const Attempt attempt = read_attempt(replaced(least, "  - {id: primary, recording: r.csv}\n",
+                                                  R"(  - id: primary
     recording: day 1/r.csv
     format: csv
     frame: {utm: {zone: 55, hemisphere: south}}
@@ -96,15 +95,15 @@ TEST(Attempt, EveryMemberOfAReceiverIsKept) {
     lever_arm_m: {forward: 0.5, right: -0.25, down: -1.2}
   - {id: secondary, recording: s.pos, frame: local_plane, accuracy: {horizontal_m: 0.5}}
 )"),
-        "f");
+                                         "f");
     ASSERT_EQ(attempt.receivers.size(), 2U);
     const Receiver& first = attempt.receivers[0];
     EXPECT_EQ(first.recording, "day 1/r.csv");
     EXPECT_EQ(first.frame, CoordinateFrame::utm);
     EXPECT_EQ(first.utm_zone->zone, 55);
     EXPECT_FALSE(first.utm_zone->northern);
-    EXPECT_EQ(first.columns, (std::map<std::string, std::string>{
-                                 {"time", "t"}, {"east", "2"}, {"north", "3"}}));
+    EXPECT_EQ(first.columns,
+              (std::map<std::string, std::string>{{"time", "t"}, {"east", "2"}, {"north", "3"}}));
     EXPECT_EQ(first.time_format, "seconds_of_week");
     EXPECT_EQ(first.time_scale, "utc");
     EXPECT_EQ(first.delimiter, "semicolon");
@@ -132,14 +131,16 @@ TEST(Attempt, BadInputIsNamedWithItsPlace) {
     const struct {
         std::string from, to, where, said;
     } cases[] = {
-        {"receivers:", "reciever:", "f:4:1", "unknown key \"reciever\". Did you mean \"receivers\""},
+        {"receivers:", "reciever:", "f:4:1",
+         "unknown key \"reciever\". Did you mean \"receivers\""},
         {"recording", "recoding", "f:5:19", "Did you mean \"recording\""},
         {"class", "clas", "f:3:18", "unknown key \"clas\" in craft. Did you mean \"class\""},
         {"class: board", "class: plane", "f:3:25", "\"plane\" is not one of land-yacht"},
         {"name: b, ", "", "f:3:8", "craft: the key \"name\" is missing"},
         {"craft: {name: b, class: board}\n", "", "f:1:1", "the key \"craft\" is missing"},
         {"craft: {name: b, class: board}", "craft: board", "f:3:8", "not a map"},
-        {"receivers:\n  - {id: primary, recording: r.csv}\n", "", "f:1:1", "\"receivers\" is missing"},
+        {"receivers:\n  - {id: primary, recording: r.csv}\n", "", "f:1:1",
+         "\"receivers\" is missing"},
         {"receivers:\n  - {id: primary, recording: r.csv}\n", "receivers: []\n", "f:4:12",
          "0 receivers are listed"},
         {"r.csv}\n", "r.csv}\n  - {id: primary, recording: s}\n", "f:6:10",
@@ -223,7 +224,8 @@ TEST(Attempt, BadInputIsNamedWithItsPlace) {
 
 TEST(Attempt, WholeFilesThatAreNoAttempt) {
     std::string utf16 = "\xff\xfe";
-    for (const char c : least) utf16 += {c, '\0'};
+    for (const char c : least)
+        utf16 += {c, '\0'};
     const struct {
         std::string text, where, said;
     } cases[] = {
@@ -274,23 +276,22 @@ TEST(Attempt, EveryParameterHasADefaultOfItsTypeForEveryClass) {
                 parameters["parameters"][stage][key] = value;
                 ++count;
             }
-        const Attempt again =
-            read_attempt(replaced(least, "class: board", "class: " + name) +
-                             to_yaml_text(parameters),
-                         "f");
+        const Attempt again = read_attempt(
+            replaced(least, "class: board", "class: " + name) + to_yaml_text(parameters), "f");
         EXPECT_EQ(again.parameters, attempt.parameters) << name;
         EXPECT_EQ(again.overrides.size(), count);
     }
 }
 
 TEST(Attempt, OverridesReplaceDefaultsAndAreListed) {
-    const Attempt attempt = read_attempt(
-        least + "parameters:\n  smooth: {jerk_density: 1.25}\n"
-                "  screen: {restart_after: 5, allowed_fixes: [fixed], gap_factor: null}\n",
-        "f");
-    EXPECT_EQ(attempt.overrides, (std::vector<std::string>{"screen.allowed_fixes",
-                                                           "screen.restart_after",
-                                                           "smooth.jerk_density"}));
+    const Attempt attempt =
+        read_attempt(least +
+                         "parameters:\n  smooth: {jerk_density: 1.25}\n"
+                         "  screen: {restart_after: 5, allowed_fixes: [fixed], gap_factor: null}\n",
+                     "f");
+    EXPECT_EQ(attempt.overrides,
+              (std::vector<std::string>{"screen.allowed_fixes", "screen.restart_after",
+                                        "smooth.jerk_density"}));
     EXPECT_EQ(attempt.parameters.at("smooth").at("jerk_density"), 1.25);
     EXPECT_EQ(attempt.parameters.at("screen").at("restart_after"), 5);
     EXPECT_EQ(attempt.parameters.at("screen").at("allowed_fixes"),

@@ -43,7 +43,8 @@ TEST(CheckVersion, KnowsItsModelAndTellsNewerRevisions) {
     const struct {
         const char *schema, *where, *said;
     } cases[] = {
-        {"{name: sample, version: \"2.0\"}", "f:1:33", "version \"2.0\" of the schema sample is not"},
+        {"{name: sample, version: \"2.0\"}", "f:1:33",
+         "version \"2.0\" of the schema sample is not"},
         {"{name: sample, version: \"0.9\"}", "f:1:33", "not known, this program reads 1.2"},
         {"{name: sample, version: \"10.2\"}", "f:1:33", "not known"},
         {"{name: sample, version: \"1\"}", "f:1:33", "not known"},
@@ -108,8 +109,8 @@ TEST(WriteDocument, RoundsToTheDecimalsOfTheTableAndChecksItself) {
 }
 
 TEST(WindowSpan, RoundTripsToTheNanosecond) {
-    for (const std::int64_t start : {0LL, 1LL, 999LL, 99'999LL, 100'000LL, 40'146'414'343LL,
-                                     86'400'000'000'001LL}) {
+    for (const std::int64_t start :
+         {0LL, 1LL, 999LL, 99'999LL, 100'000LL, 40'146'414'343LL, 86'400'000'000'001LL}) {
         const WindowSpan span{.first_epoch = 3,
                               .last_epoch = 33,
                               .start = {start},

@@ -53,8 +53,7 @@ TEST(Profile, FislyIsRead) {
 }
 
 TEST(Profile, EveryProfileOfTheProgramIsReadAndNamedAsItsFile) {
-    const std::filesystem::path folder =
-        std::string(RUNCERT_SOURCE_DIR) + "/stages/check/profiles";
+    const std::filesystem::path folder = std::string(RUNCERT_SOURCE_DIR) + "/stages/check/profiles";
     int count = 0;
     for (const auto& entry : std::filesystem::directory_iterator(folder)) {
         const std::string name = entry.path().stem().string();
@@ -85,7 +84,8 @@ TEST(Profile, BadInputIsNamedWithItsPlace) {
     const struct {
         std::string from, to, where, said;
     } cases[] = {
-        {"decided_by: accuracy", "decided_by: dice", "p:11:65", "\"dice\" is not one of window_com"},
+        {"decided_by: accuracy", "decided_by: dice", "p:11:65",
+         "\"dice\" is not one of window_com"},
         {"certainty: quoted, decided_by: acc", "certainty: sure, decided_by: acc", "p:11:45",
          "\"sure\" is not one of quoted, secondary, unconfirmed"},
         {", unit: mph", "", "p:7:9", "an absolute margin needs a unit"},

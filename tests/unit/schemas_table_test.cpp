@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "files_test_support.h"
@@ -26,10 +26,10 @@ std::string golden(const std::string& name) {
 std::string newer_enu(const std::string& column) {
     std::string text = golden("2-enu.ecsv");
     text = replaced(text, "name: enu\n#     version: \"1.0\"", "name: enu\n#     version: \"1.1\"");
-    text = replaced(text, "# delimiter", "#   - {name: later, datatype: int64" + column +
-                                             "}\n# delimiter");
+    text = replaced(text, "# delimiter",
+                    "#   - {name: later, datatype: int64" + column + "}\n# delimiter");
     text = replaced(text, "#   receiver:", "#   added_later: 1\n#   receiver:");
-    text = replaced(text, "source_byte\n", "source_byte,later\n");
+    text = replaced(text, ",source_byte\n", ",source_byte,later\n");
     std::string out;
     bool in_rows = false;
     for (std::size_t at = 0; at < text.size();) {
@@ -45,24 +45,25 @@ std::string newer_enu(const std::string& column) {
 TEST(TableVersion, ANewerRevisionIsReadUnlessItMustBeUnderstood) {
     EXPECT_EQ(read_enu(newer_enu(""), "f").rows.size(), 5U);
     EXPECT_EQ(read_enu(newer_enu(", meta: {required: false}"), "f").rows.at(3).north_m, 6.324);
-    const auto said =
-        failure_of([] { read_enu(newer_enu(", meta: {required: true}"), "f"); });
+    const auto said = failure_of([] { read_enu(newer_enu(", meta: {required: true}"), "f"); });
     EXPECT_TRUE(said.contains("the column \"later\" is not known")) << said.problem;
     const std::string same_revision =
         replaced(newer_enu(""), "version: \"1.1\"", "version: \"1.0\"");
     EXPECT_TRUE(failure_of([&] {
                     read_enu(replaced(same_revision, "#   added_later: 1\n", ""), "f");
                 }).contains("the column \"later\" is not known"));
-    EXPECT_TRUE(failure_of([&] { read_enu(same_revision, "f"); })
-                    .contains("unknown key \"added_later\""));
+    EXPECT_TRUE(
+        failure_of([&] { read_enu(same_revision, "f"); }).contains("unknown key \"added_later\""));
 }
 
 TEST(TableSchema, DeviationsFromTheFieldTable) {
     const struct {
         std::string from, to, said;
     } cases[] = {
-        {"name: enu\n#     version: \"1.0\"", "name: enu\n#     version: \"2.0\"", "version \"2.0\""},
-        {"name: enu\n#     version", "name: screened\n#     version", "schema \"screened\", expected"},
+        {"name: enu\n#     version: \"1.0\"", "name: enu\n#     version: \"2.0\"",
+         "version \"2.0\""},
+        {"name: enu\n#     version", "name: screened\n#     version",
+         "schema \"screened\", expected"},
         {"unit: \"m / s\"", "unit: km / h", "\"km / h\", expected float64 in \"m / s\""},
         {"name: east\n#     unit: m\n", "name: east\n", "\"east\" is float64 in \"\""},
         {"name: epoch\n#     datatype: int64", "name: epoch\n#     datatype: float64",

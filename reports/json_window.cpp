@@ -133,8 +133,8 @@ Json window_json(const ProfileVerdict& verdict, const ProfileWindows* windows,
         facts.push_back(
             fact("Distance between its ends", format_fixed(best.displacement_m, 3) + " m"));
         json["position_r95_m"] = rounded(best.position_r95_m, 6);
-        facts.push_back(fact("Position at its ends, 95 % radius",
-                             format_fixed(best.position_r95_m, 3) + " m"));
+        facts.push_back(
+            fact("Position at its ends, 95 % radius", format_fixed(best.position_r95_m, 3) + " m"));
         facts.push_back(fact("Windows compared", Json(windows->candidates).dump()));
         set_definitions(json, best, profile);
         set_methods(json, best, profile);

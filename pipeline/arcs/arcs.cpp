@@ -15,8 +15,9 @@ std::vector<Arc<Axes>> arcs_of(const ScreenedTable& table) {
         ArcEpoch<Axes> epoch;
         epoch.time_s = row.time.seconds();
         if (row.usable)
-            epoch.measurement = PositionMeasurement<Axes>{
-                .position = measured_position<Axes>(row), .covariance = stated_covariance<Axes>(row)};
+            epoch.measurement =
+                PositionMeasurement<Axes>{.position = measured_position<Axes>(row),
+                                          .covariance = stated_covariance<Axes>(row)};
         arcs.back().rows.push_back(i);
         arcs.back().epochs.push_back(epoch);
     }

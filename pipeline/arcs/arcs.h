@@ -11,8 +11,8 @@ namespace runcert {
 template <int Axes>
 struct Arc {
     std::int64_t number = 0;
-    std::vector<std::size_t> rows;        ///< indices into the table's rows
-    std::vector<ArcEpoch<Axes>> epochs;   ///< one for each of these rows
+    std::vector<std::size_t> rows;       ///< indices into the table's rows
+    std::vector<ArcEpoch<Axes>> epochs;  ///< one for each of these rows
 };
 
 /// The arcs of a screened table, in order. Rejected epochs inside an arc are kept, without their

@@ -58,8 +58,7 @@ bool print_verdict(const YamlValue& profile) {
                    format_fixed(profile["expanded_uncertainty_km_h"].real(), 3),
                    profile["coverage_factor"].real());
     if (const YamlValue window = profile["window"]; window.exists())
-        fmt::print("  window   {} s from {} s{}\n",
-                   format_fixed(window["duration_s"].real(), 3),
+        fmt::print("  window   {} s from {} s{}\n", format_fixed(window["duration_s"].real(), 3),
                    format_fixed(window["start_time_s"].real(), 3),
                    window["start_utc"].exists() ? " (" + window["start_utc"].text() + ")" : "");
     fmt::print("  why      {}\n", profile["reason"].text());
@@ -85,8 +84,7 @@ bool print_verdicts(const fs::path& run_dir, bool signed_report, bool rendered) 
     bool all_beaten = true;
     for (const YamlValue& profile : verdict["profiles"].list())
         all_beaten = print_verdict(profile) && all_beaten;
-    fmt::print("\nreport   {}{}\n",
-               (run_dir / (rendered ? "report.html" : "report.json")).string(),
+    fmt::print("\nreport   {}{}\n", (run_dir / (rendered ? "report.html" : "report.json")).string(),
                signed_report ? " (signed)" : " (UNSIGNED: give --key to sign it)");
     return all_beaten;
 }
@@ -104,7 +102,8 @@ int certify(const CertifyOptions& options) {
     const Attempt attempt = read_attempt(read_file(options.attempt), options.attempt);
     std::optional<SecretKey> key;
     if (!options.key.empty()) key = load_secret_key(options.key);
-    const fs::path run_dir = options.out.empty() ? fs::path("out") / attempt.id : fs::path(options.out);
+    const fs::path run_dir =
+        options.out.empty() ? fs::path("out") / attempt.id : fs::path(options.out);
     Workshop workshop(run_dir);
     std::vector<StageDone> stages;
     const auto done = [&](const StageDone& stage) {
@@ -115,9 +114,9 @@ int certify(const CertifyOptions& options) {
     };
     try {
         run_stages(options.attempt, workshop.path(), {}, done);
-        const std::vector<std::string> report{
-            "--attempt", (workshop.path() / "attempt.yaml").string(), "--run-dir",
-            workshop.path().string()};
+        const std::vector<std::string> report{"--attempt",
+                                              (workshop.path() / "attempt.yaml").string(),
+                                              "--run-dir", workshop.path().string()};
         auto with = [&](const char* flag) {
             auto arguments = report;
             arguments.emplace_back(flag);

@@ -24,10 +24,11 @@ int make_keys(const std::string& name, bool no_password) {
     const KeyPair pair = generate_key_pair();
     write_file_atomically(secret, secret_key_file(pair, password), FileAccess::owner_only);
     write_file_atomically(open, public_key_file(pair.public_key));
-    fmt::print("secret key  {}  (keep it; nobody else may have it)\n"
-               "public key  {}  (give it to everybody who is to verify)\n"
-               "key id      {}\n",
-               secret, open, key_id_text(pair.public_key));
+    fmt::print(
+        "secret key  {}  (keep it; nobody else may have it)\n"
+        "public key  {}  (give it to everybody who is to verify)\n"
+        "key id      {}\n",
+        secret, open, key_id_text(pair.public_key));
     return 0;
 }
 

@@ -10,7 +10,8 @@ using namespace runcert;
 
 int main(int argc, char** argv) {
     return guarded_main([&]() -> int {
-        CLI::App app("Certifies speed-record attempts from recorded satellite positions", "runcert");
+        CLI::App app("Certifies speed-record attempts from recorded satellite positions",
+                     "runcert");
         app.require_subcommand(1);
         app.set_version_flag("--version",
                              fmt::format("runcert {} {}", program_version(), source_revision()));

@@ -76,8 +76,8 @@ std::optional<std::string> value_difference(const Json& a, const Json& b, const 
         if (std::abs(a.get<double>() - b.get<double>()) <= tolerance) return std::nullopt;
     } else if (a.is_object() && b.is_object() && a.size() == b.size()) {
         if (a.contains("standard_uncertainty_m_s"))
-            tolerance = std::max(tolerance, fraction_of_uncertainty *
-                                                a["standard_uncertainty_m_s"].get<double>());
+            tolerance = std::max(
+                tolerance, fraction_of_uncertainty * a["standard_uncertainty_m_s"].get<double>());
         for (const auto& [key, value] : a.items()) {
             if (!b.contains(key)) return path + key + ": missing when recomputed";
             if (auto difference = value_difference(value, b[key], path + key + ".", tolerance))
@@ -152,7 +152,8 @@ VerificationStep verify_recomputation(const fs::path& run_dir) {
         step.details.push_back(name + ": " + *difference);
     }
     if (!step.passed)
-        step.finding = "recomputation gives other results; the first differing stage is named first";
+        step.finding =
+            "recomputation gives other results; the first differing stage is named first";
     else if (identical == names.size())
         step.finding = fmt::format("identical: all {} stage files, byte for byte", identical);
     else

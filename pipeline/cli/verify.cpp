@@ -20,14 +20,16 @@ struct VerifyOptions {
 
 bool print_step(const VerificationStep& step) {
     fmt::print("{:<4} {:<12} {}\n", step.passed ? "yes" : "NO", step.what, step.finding);
-    for (const std::string& detail : step.details) fmt::print("     {:<12} {}\n", "", detail);
+    for (const std::string& detail : step.details)
+        fmt::print("     {:<12} {}\n", "", detail);
     return step.passed;
 }
 
 int verify(const VerifyOptions& options) {
     const std::filesystem::path run_dir = options.run_dir;
     if (!std::filesystem::is_directory(run_dir))
-        throw Failure(run_dir.string(), "this is not a folder", "Give the folder of a certified run");
+        throw Failure(run_dir.string(), "this is not a folder",
+                      "Give the folder of a certified run");
     std::optional<PublicKey> key;
     if (!options.public_key.empty())
         key = parse_public_key(read_file(options.public_key), options.public_key);

@@ -59,13 +59,13 @@ StateEstimate<Axes> update(const StateEstimate<Axes>& predicted,
     return updated;
 }
 
-#define RUNCERT_INSTANTIATE(AXES)                                                            \
-    template StateEstimate<AXES> vague_prior<AXES>(const PositionVector<AXES>&);             \
+#define RUNCERT_INSTANTIATE(AXES)                                                              \
+    template StateEstimate<AXES> vague_prior<AXES>(const PositionVector<AXES>&);               \
     template StateEstimate<AXES> predict<AXES>(const StateEstimate<AXES>&, const MotionModel&, \
-                                               double);                                      \
-    template Innovation<AXES> innovation<AXES>(const StateEstimate<AXES>&,                   \
-                                               const PositionMeasurement<AXES>&);            \
-    template StateEstimate<AXES> update<AXES>(const StateEstimate<AXES>&,                    \
+                                               double);                                        \
+    template Innovation<AXES> innovation<AXES>(const StateEstimate<AXES>&,                     \
+                                               const PositionMeasurement<AXES>&);              \
+    template StateEstimate<AXES> update<AXES>(const StateEstimate<AXES>&,                      \
                                               const PositionMeasurement<AXES>&);
 RUNCERT_INSTANTIATE(2)
 RUNCERT_INSTANTIATE(3)

@@ -43,7 +43,8 @@ ForwardPass<Axes> filter_forward(std::span<const ArcEpoch<Axes>> arc, const Moti
 template <int Axes>
 StateMatrix<Axes> SmoothedArc<Axes>::cross_covariance(std::size_t s, std::size_t e) const {
     StateMatrix<Axes> product = states[e].covariance;
-    for (std::size_t k = e; k > s; --k) product = gains[k - 1] * product;
+    for (std::size_t k = e; k > s; --k)
+        product = gains[k - 1] * product;
     return product;
 }
 

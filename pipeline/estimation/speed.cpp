@@ -13,9 +13,10 @@ SpeedEstimate horizontal_speed(const Eigen::Vector2d& velocity, const Eigen::Mat
         const Eigen::Vector2d direction = velocity / speed;
         variance = direction.dot(covariance * direction);
     } else {
-        variance = Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(covariance, Eigen::EigenvaluesOnly)
-                       .eigenvalues()
-                       .maxCoeff();
+        variance =
+            Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(covariance, Eigen::EigenvaluesOnly)
+                .eigenvalues()
+                .maxCoeff();
     }
     return {speed, std::sqrt(std::max(variance, 0.0))};
 }

@@ -21,7 +21,8 @@ FieldRule read_rule(const std::string& path, const YamlValue& entry) {
     }
     rule.unit = entry["unit"].text_or("");
     rule.required = entry["required"].exists() && entry["required"].boolean();
-    for (const YamlValue& value : entry["values"].list()) rule.values.push_back(value.text());
+    for (const YamlValue& value : entry["values"].list())
+        rule.values.push_back(value.text());
     rule.minimum = entry["min"].optional_real();
     rule.maximum = entry["max"].optional_real();
     rule.decimals = static_cast<int>(entry["decimals"].optional_integer().value_or(6));

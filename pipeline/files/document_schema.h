@@ -11,7 +11,7 @@ namespace runcert {
 
 /// One line of a schema's field table.
 struct FieldRule {
-    std::string path;                ///< "window.start_time_s", "profiles[].profile", "map.*"
+    std::string path;                  ///< "window.start_time_s", "profiles[].profile", "map.*"
     std::vector<std::string> types{};  ///< of text, integer, real, boolean, map, list, any
     std::string unit{};
     bool required = false;

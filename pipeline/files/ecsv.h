@@ -34,7 +34,8 @@ struct EcsvColumn {
 /// Writes one table into memory, cell by cell in column order.
 class EcsvWriter {
   public:
-    /// `meta` becomes the header's `meta`; null for none. Text that is not ASCII is written with YAML escapes.
+    /// `meta` becomes the header's `meta`; null for none. Text that is not ASCII is written with
+    /// YAML escapes.
     EcsvWriter(std::vector<EcsvColumn> columns, const nlohmann::ordered_json& meta);
 
     void boolean(bool value);

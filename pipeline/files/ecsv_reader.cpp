@@ -21,13 +21,15 @@ constexpr std::string_view remade =
 YAML::Node plain_map(const YAML::Node& node, const std::string& where) {
     if (node.IsMap()) {
         YAML::Node map = node;
-        for (auto pair : map) pair.second = plain_map(pair.second, where);
+        for (auto pair : map)
+            pair.second = plain_map(pair.second, where);
         return map;
     }
     if (!node.IsSequence()) return node;
     if (node.Tag() != "tag:yaml.org,2002:omap") {
         YAML::Node list = node;
-        for (std::size_t i = 0; i < list.size(); ++i) list[i] = plain_map(list[i], where);
+        for (std::size_t i = 0; i < list.size(); ++i)
+            list[i] = plain_map(list[i], where);
         return list;
     }
     YAML::Node map(YAML::NodeType::Map);
@@ -42,7 +44,9 @@ YAML::Node plain_map(const YAML::Node& node, const std::string& where) {
 }
 
 /// Whether a mark is taken back. Any other value than `false` counts as the mark.
-bool is_false(const YAML::Node& node) { return node.IsScalar() && node.Scalar() == "false"; }
+bool is_false(const YAML::Node& node) {
+    return node.IsScalar() && node.Scalar() == "false";
+}
 
 /// A header line as the line of YAML it holds. Blanks instead of "# " keep the columns that
 /// messages name; the document's marks must stand at the line's beginning.

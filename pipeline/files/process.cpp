@@ -72,8 +72,7 @@ struct Pipes {
     dup2(pipes.err.write_end(), STDERR_FILENO);
     execvpe(arguments[0], arguments, environment);
     const int error = errno;
-    [[maybe_unused]] const ssize_t written =
-        write(pipes.problem.write_end(), &error, sizeof error);
+    [[maybe_unused]] const ssize_t written = write(pipes.problem.write_end(), &error, sizeof error);
     _exit(127);
 }
 
@@ -112,13 +111,15 @@ std::vector<std::string> merged_environment(
             replaced = replaced || text.starts_with(name + "=");
         if (!replaced) merged.push_back(text);
     }
-    for (const auto& [name, value] : additions) merged.push_back(name + "=" + value);
+    for (const auto& [name, value] : additions)
+        merged.push_back(name + "=" + value);
     return merged;
 }
 
 std::vector<char*> pointers(std::vector<std::string>& texts) {
     std::vector<char*> list;
-    for (std::string& text : texts) list.push_back(text.data());
+    for (std::string& text : texts)
+        list.push_back(text.data());
     list.push_back(nullptr);
     return list;
 }
@@ -136,7 +137,8 @@ ProcessResult run_process(const std::vector<std::string>& arguments,
     const pid_t child = fork();
     if (child < 0) fail_to_start(errno);
     if (child == 0) become(argument_list.data(), environment_list.data(), pipes, parent);
-    for (Pipe* pipe : {&pipes.out, &pipes.err, &pipes.problem}) pipe->close_write_end();
+    for (Pipe* pipe : {&pipes.out, &pipes.err, &pipes.problem})
+        pipe->close_write_end();
     int error = 0;
     ssize_t count = 0;
     while ((count = read(pipes.problem.read_end(), &error, sizeof error)) < 0 && errno == EINTR) {

@@ -42,8 +42,7 @@ int lock_folder(const fs::path& folder) {
 /// Removes workshops of runs that were killed: those whose lock nobody holds.
 void remove_abandoned(const fs::path& run_dir) {
     for (const auto& entry : fs::directory_iterator(run_dir)) {
-        if (!entry.path().filename().string().starts_with(workshop_prefix) ||
-            !entry.is_directory())
+        if (!entry.path().filename().string().starts_with(workshop_prefix) || !entry.is_directory())
             continue;
         const int lock = lock_folder(entry.path());
         if (lock < 0) continue;
@@ -53,7 +52,9 @@ void remove_abandoned(const fs::path& run_dir) {
     }
 }
 
-bool is_report(const std::string& name) { return name.starts_with("report."); }
+bool is_report(const std::string& name) {
+    return name.starts_with("report.");
+}
 
 }  // namespace
 
@@ -68,10 +69,10 @@ StageDone run_stage(const std::string& name, const std::vector<std::string>& arg
                       fmt::format("the program ended with status {}: {}", result.exit_status,
                                   escape_for_message(result.errors, 400)),
                       "This is a fault of the program; please report it with the attempt");
-    return {.name = name,
-            .said = lines_of(result.output),
-            .seconds =
-                std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count()};
+    return {
+        .name = name,
+        .said = lines_of(result.output),
+        .seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count()};
 }
 
 void run_stages(const fs::path& attempt, const fs::path& run_dir, const fs::path& evidence,

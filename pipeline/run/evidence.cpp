@@ -23,12 +23,10 @@ std::string evidence_profile_file(const std::string& claimed) {
     return fmt::format("profile.{}.yaml", profile_name(claimed));
 }
 
-std::string find_recording(const Receiver& receiver,
-                           const std::filesystem::path& attempt_file,
+std::string find_recording(const Receiver& receiver, const std::filesystem::path& attempt_file,
                            const std::optional<std::filesystem::path>& evidence) {
-    const std::filesystem::path path = evidence
-                                           ? *evidence / evidence_recording_file(receiver)
-                                           : attempt_file.parent_path() / receiver.recording;
+    const std::filesystem::path path = evidence ? *evidence / evidence_recording_file(receiver)
+                                                : attempt_file.parent_path() / receiver.recording;
     if (!std::filesystem::exists(path))
         throw Failure(receiver.place,
                       fmt::format("the recording \"{}\" of receiver \"{}\" does not exist (looked "
@@ -45,8 +43,7 @@ std::string find_profile(const std::string& claimed, const std::filesystem::path
         return std::string(text);
     const std::filesystem::path path = attempt_file.parent_path() / claimed;
     if (!claimed.ends_with(".yaml") || !std::filesystem::exists(path))
-        throw Failure(attempt_file.string(),
-                      fmt::format("there is no profile \"{}\"", claimed),
+        throw Failure(attempt_file.string(), fmt::format("there is no profile \"{}\"", claimed),
                       "Use nalsa or fisly, or give the path of a profile file (.yaml) relative to "
                       "the attempt's folder");
     return read_file(path);

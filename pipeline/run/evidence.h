@@ -22,8 +22,7 @@ std::string evidence_profile_file(const std::string& claimed);
 /// What the attempt names, found where it says or, with `evidence`, in a run folder made earlier.
 ///
 /// A missing file is a Failure that names the place in the attempt.
-std::string find_recording(const Receiver& receiver,
-                           const std::filesystem::path& attempt_file,
+std::string find_recording(const Receiver& receiver, const std::filesystem::path& attempt_file,
                            const std::optional<std::filesystem::path>& evidence);
 std::string find_profile(const std::string& claimed, const std::filesystem::path& attempt_file,
                          const std::optional<std::filesystem::path>& evidence);

@@ -58,8 +58,7 @@ std::string ask(const std::string& question) {
 SecretKey load_secret_key(const std::filesystem::path& path) {
     const std::string text = read_file(path);
     if (!secret_key_is_encrypted(text)) return parse_secret_key(text, std::nullopt, path.string());
-    return parse_secret_key(text, ask(fmt::format("password of {}", path.string())),
-                            path.string());
+    return parse_secret_key(text, ask(fmt::format("password of {}", path.string())), path.string());
 }
 
 std::string ask_new_password() {
@@ -77,11 +76,11 @@ void sign_report(const std::filesystem::path& run_dir, const SecretKey& key,
                  const std::string& role) {
     const std::string report = read_file(run_dir / "report.json");
     const auto json = nlohmann::json::parse(report);
-    const std::string comment = fmt::format(
-        "runcert report={} attempt={} role={} signed={:%Y-%m-%dT%H:%M:%SZ}",
-        json.at("predicate").at("report_id").get<std::string>(),
-        json.at("predicate").at("attempt").at("id").get<std::string>(), role,
-        fmt::gmtime(std::time(nullptr)));
+    const std::string comment =
+        fmt::format("runcert report={} attempt={} role={} signed={:%Y-%m-%dT%H:%M:%SZ}",
+                    json.at("predicate").at("report_id").get<std::string>(),
+                    json.at("predicate").at("attempt").at("id").get<std::string>(), role,
+                    fmt::gmtime(std::time(nullptr)));
     write_file_atomically(run_dir / "report.json.minisig", sign(report, key, comment));
 }
 

@@ -55,7 +55,8 @@ int stage_main(int argc, char** argv, const std::string& stage, const std::strin
         }
         StageRun run(stage, attempt, run_dir);
         body(run);
-        for (const std::string& line : run.said()) fmt::print("{}\n", line);
+        for (const std::string& line : run.said())
+            fmt::print("{}\n", line);
         return 0;
     });
 }

@@ -71,7 +71,9 @@ VerificationStep verify_files(const fs::path& run_dir) {
                        : "not all files are those the report names";
     for (const auto& entry : fs::directory_iterator(run_dir)) {
         const std::string name = entry.path().filename().string();
-        if (!subjects.contains(name) && !name.starts_with("report.") && name != "run.yaml")
+        if (name == "report.html" || name == "report.pdf")
+            step.details.push_back(name + ": for reading; what is signed is report.json");
+        else if (!subjects.contains(name) && !name.starts_with("report.json") && name != "run.yaml")
             step.details.push_back(name + ": not part of the report");
     }
     return step;
@@ -104,9 +106,9 @@ VerificationStep verify_chain(const fs::path& run_dir) {
             fail(fmt::format("{}: cannot be read: {}", name, failure.problem()));
         }
     }
-    step.finding = step.passed ? fmt::format("each of {} stage files was made from the files named",
-                                             products)
-                               : "the stage files do not belong together";
+    step.finding =
+        step.passed ? fmt::format("each of {} stage files was made from the files named", products)
+                    : "the stage files do not belong together";
     return step;
 }
 
@@ -118,8 +120,9 @@ VerificationStep verify_signature(const fs::path& run_dir, const std::optional<P
         return step;
     }
     if (!key) {
-        step.finding = "the report is signed, but no key was given to check the signature with "
-                       "(--pubkey)";
+        step.finding =
+            "the report is signed, but no key was given to check the signature with "
+            "(--pubkey)";
         return step;
     }
     try {

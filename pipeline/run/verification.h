@@ -12,8 +12,8 @@ namespace runcert {
 /// One thing that verification looked at, and what it found.
 struct VerificationStep {
     bool passed = false;
-    std::string what;                   ///< "files", "chain", "signature"
-    std::string finding;                ///< one sentence
+    std::string what;                  ///< "files", "chain", "signature"
+    std::string finding;               ///< one sentence
     std::vector<std::string> details;  ///< one line for each file concerned
 };
 

@@ -47,9 +47,8 @@ void read_frame(const YamlValue& entry, Receiver& receiver) {
     if (!frame.exists()) return;
     if (frame.is_map()) {
         receiver.frame = CoordinateFrame::utm;
-        receiver.utm_zone =
-            UtmZone{.zone = static_cast<int>(frame["utm"]["zone"].integer()),
-                    .northern = frame["utm"]["hemisphere"].text() == "north"};
+        receiver.utm_zone = UtmZone{.zone = static_cast<int>(frame["utm"]["zone"].integer()),
+                                    .northern = frame["utm"]["hemisphere"].text() == "north"};
         return;
     }
     CoordinateFrame value{};
@@ -71,8 +70,7 @@ Receiver read_receiver(const YamlValue& entry) {
     receiver.format = entry["format"].text_or(default_text("receivers[].format"));
     read_frame(entry, receiver);
     for (const std::string& key : entry["columns"].keys())
-        if (entry["columns"][key].exists())
-            receiver.columns[key] = entry["columns"][key].text();
+        if (entry["columns"][key].exists()) receiver.columns[key] = entry["columns"][key].text();
     receiver.time_format = entry["time_format"].text_or(default_text("receivers[].time_format"));
     receiver.time_scale = entry["time_scale"].text_or(default_text("receivers[].time_scale"));
     receiver.delimiter = entry["delimiter"].text_or(default_text("receivers[].delimiter"));
@@ -83,8 +81,8 @@ Receiver read_receiver(const YamlValue& entry) {
                                             .vertical_m = accuracy["vertical_m"].optional_real()};
     receiver.antenna_height_m = entry["antenna_height_m"].optional_real();
     if (const YamlValue arm = entry["lever_arm_m"]; arm.exists())
-        receiver.lever_arm = Eigen::Vector3d(arm["forward"].real(), arm["right"].real(),
-                                             arm["down"].real());
+        receiver.lever_arm =
+            Eigen::Vector3d(arm["forward"].real(), arm["right"].real(), arm["down"].real());
     receiver.place = entry.place();
     return receiver;
 }
@@ -142,10 +140,10 @@ std::vector<std::string> read_profiles(const YamlValue& list) {
     for (const YamlValue& entry : list.list()) {
         profiles.push_back(entry.text());
         if (!is_id(profile_name(profiles.back())))
-            entry.fail(fmt::format("\"{}\" cannot be a profile",
-                                   escape_for_message(profiles.back())),
-                       "Give the name of a profile, or a file whose name has letters, digits, - "
-                       "and _ and ends in .yaml");
+            entry.fail(
+                fmt::format("\"{}\" cannot be a profile", escape_for_message(profiles.back())),
+                "Give the name of a profile, or a file whose name has letters, digits, - "
+                "and _ and ends in .yaml");
         if (!names.insert(profile_name(profiles.back())).second)
             entry.fail("the profile is claimed twice", "Name each profile once");
     }
@@ -155,7 +153,9 @@ std::vector<std::string> read_profiles(const YamlValue& list) {
 
 }  // namespace
 
-std::string_view to_text(CoordinateFrame frame) { return word_of(frame_words, frame); }
+std::string_view to_text(CoordinateFrame frame) {
+    return word_of(frame_words, frame);
+}
 
 const DocumentSchema& attempt_schema() {
     static const DocumentSchema schema =

@@ -31,10 +31,10 @@ struct AttemptAccuracy {
 
 struct Receiver {
     std::string id;
-    std::string recording;                      ///< as written, relative to the attempt
-    std::string format;                         ///< "auto", "rtklib-pos", "csv"
-    std::optional<CoordinateFrame> frame;       ///< of a CSV
-    std::optional<UtmZone> utm_zone;            ///< where frame is utm
+    std::string recording;                       ///< as written, relative to the attempt
+    std::string format;                          ///< "auto", "rtklib-pos", "csv"
+    std::optional<CoordinateFrame> frame;        ///< of a CSV
+    std::optional<UtmZone> utm_zone;             ///< where frame is utm
     std::map<std::string, std::string> columns;  ///< of a CSV: what -> header name or number
     std::string time_format;  ///< "seconds", "seconds_of_week", "unix", "iso", "time_of_day"
     std::string time_scale;   ///< "gps", "utc"
@@ -67,8 +67,8 @@ struct Attempt {
     std::optional<Geodetic> origin;
     std::optional<Record> record;
     std::vector<std::string> profiles;
-    /// For each stage, every parameter resolved: the attempt's figure, or the default of the craft's
-    /// class.
+    /// For each stage, every parameter resolved: the attempt's figure, or the default of the
+    /// craft's class.
     std::map<std::string, nlohmann::ordered_json> parameters;
     /// Paths of the parameters that the attempt sets itself ("smooth.jerk_density").
     std::vector<std::string> overrides;

@@ -11,7 +11,8 @@ void round_reals(nlohmann::ordered_json& value, const std::string& path,
         for (auto& [key, member] : value.items())
             round_reals(member, path.empty() ? key : path + "." + key, schema);
     } else if (value.is_array()) {
-        for (auto& item : value) round_reals(item, path + "[]", schema);
+        for (auto& item : value)
+            round_reals(item, path + "[]", schema);
     } else if (value.is_number_float()) {
         if (const FieldRule* rule = schema.find(path))
             value = rounded(value.get<double>(), rule->decimals);

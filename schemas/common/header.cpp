@@ -105,12 +105,14 @@ Json json_from_yaml(const YamlValue& value) {
     if (!value.exists()) return nullptr;
     if (value.is_map()) {
         Json map = Json::object();
-        for (const std::string& key : value.keys()) map[key] = json_from_yaml(value[key]);
+        for (const std::string& key : value.keys())
+            map[key] = json_from_yaml(value[key]);
         return map;
     }
     if (value.is_list()) {
         Json list = Json::array();
-        for (const YamlValue& item : value.list()) list.push_back(json_from_yaml(item));
+        for (const YamlValue& item : value.list())
+            list.push_back(json_from_yaml(item));
         return list;
     }
     const std::string text = value.text();

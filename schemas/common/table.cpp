@@ -55,10 +55,9 @@ std::vector<std::size_t> TableSchema::match(const EcsvReader& reader) const {
         if (found == reader.columns().end())
             refuse(reader, fmt::format("the column \"{}\" is missing", expected.name));
         if (found->type != expected.type || found->unit != expected.unit)
-            refuse(reader,
-                   fmt::format("the column \"{}\" is {} in \"{}\", expected {} in \"{}\"",
-                               expected.name, ecsv_name(found->type), found->unit,
-                               ecsv_name(expected.type), expected.unit));
+            refuse(reader, fmt::format("the column \"{}\" is {} in \"{}\", expected {} in \"{}\"",
+                                       expected.name, ecsv_name(found->type), found->unit,
+                                       ecsv_name(expected.type), expected.unit));
         index.push_back(static_cast<std::size_t>(found - reader.columns().begin()));
     }
     for (const EcsvColumn& column : reader.columns()) {

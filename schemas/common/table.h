@@ -43,12 +43,20 @@ class TableSchema {
 
 namespace cell {
 
-inline void write(EcsvWriter& out, double value) { out.real(value); }
-inline void write(EcsvWriter& out, std::int64_t value) { out.integer(value); }
-inline void write(EcsvWriter& out, bool value) { out.boolean(value); }
-inline void write(EcsvWriter& out, ElapsedTime value) { out.seconds(value.nanoseconds); }
+inline void write(EcsvWriter& out, double value) {
+    out.real(value);
+}
+inline void write(EcsvWriter& out, std::int64_t value) {
+    out.integer(value);
+}
+inline void write(EcsvWriter& out, bool value) {
+    out.boolean(value);
+}
+inline void write(EcsvWriter& out, ElapsedTime value) {
+    out.seconds(value.nanoseconds);
+}
 template <class Enum>
-    requires std::is_enum_v<Enum>
+requires std::is_enum_v<Enum>
 void write(EcsvWriter& out, Enum value) {
     out.text(to_text(value));
 }
@@ -73,7 +81,7 @@ inline void read(const EcsvReader& in, std::size_t column, ElapsedTime& value) {
     value.nanoseconds = in.seconds(column);
 }
 template <class Enum>
-    requires std::is_enum_v<Enum>
+requires std::is_enum_v<Enum>
 void read(const EcsvReader& in, std::size_t column, Enum& value) {
     const std::string& text = in.text(column);
     if (!from_text(text, value))
@@ -105,8 +113,7 @@ struct ColumnBinding {
 
 template <class Row, auto Member>
 ColumnBinding<Row> column(std::string name) {
-    return {std::move(name),
-            [](EcsvWriter& out, const Row& row) { cell::write(out, row.*Member); },
+    return {std::move(name), [](EcsvWriter& out, const Row& row) { cell::write(out, row.*Member); },
             [](const EcsvReader& in, std::size_t index, Row& row) {
                 cell::read(in, index, row.*Member);
             }};
@@ -138,7 +145,8 @@ class TableFormat {
             YamlValue(parse_yaml(to_yaml_text(meta), "header"), "header of the table"));
         EcsvWriter out(schema_.columns(), meta);
         for (const Row& row : rows)
-            for (const ColumnBinding<Row>& binding : bindings_) binding.write(out, row);
+            for (const ColumnBinding<Row>& binding : bindings_)
+                binding.write(out, row);
         return std::move(out).take();
     }
 

@@ -29,11 +29,11 @@ nlohmann::ordered_json frame_meta_json(const Header& header, const RecordingFact
 std::optional<FrameOrigin> read_origin(const YamlValue& meta) {
     const YamlValue origin = meta["origin"];
     if (!origin.exists()) return std::nullopt;
-    return FrameOrigin{.position = {.latitude = Angle::from_degrees(origin["latitude_deg"].real()),
-                                    .longitude =
-                                        Angle::from_degrees(origin["longitude_deg"].real()),
-                                    .height_m = origin["height_m"].real()},
-                       .source = origin["source"].text()};
+    return FrameOrigin{
+        .position = {.latitude = Angle::from_degrees(origin["latitude_deg"].real()),
+                     .longitude = Angle::from_degrees(origin["longitude_deg"].real()),
+                     .height_m = origin["height_m"].real()},
+        .source = origin["source"].text()};
 }
 
 std::string write_enu(const EnuTable& table) {

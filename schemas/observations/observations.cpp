@@ -22,28 +22,31 @@ constexpr EnumWords<FixKind, 9> fix_words{{{FixKind::unknown, "unknown"},
 const TableFormat<Observation>& format() {
     static const TableFormat<Observation> instance = [] {
         using Row = Observation;
-        std::vector<ColumnBinding<Row>> columns{
-            column<Row, &Row::epoch>("epoch"),
-            column<Row, &Row::time>("time"),
-            column<Row, &Row::latitude_deg>("latitude"),
-            column<Row, &Row::longitude_deg>("longitude"),
-            column<Row, &Row::height_m>("height"),
-            column<Row, &Row::plane_east_m>("plane_east"),
-            column<Row, &Row::plane_north_m>("plane_north"),
-            column<Row, &Row::plane_up_m>("plane_up")};
+        std::vector<ColumnBinding<Row>> columns{column<Row, &Row::epoch>("epoch"),
+                                                column<Row, &Row::time>("time"),
+                                                column<Row, &Row::latitude_deg>("latitude"),
+                                                column<Row, &Row::longitude_deg>("longitude"),
+                                                column<Row, &Row::height_m>("height"),
+                                                column<Row, &Row::plane_east_m>("plane_east"),
+                                                column<Row, &Row::plane_north_m>("plane_north"),
+                                                column<Row, &Row::plane_up_m>("plane_up")};
         bind_accuracy(columns);
         bind_recorded_velocity(columns);
         bind_quality(columns);
-        return TableFormat<Row>(observations_schema_text("v1.yaml"),
-                                "schemas/observations/v1.yaml", std::move(columns));
+        return TableFormat<Row>(observations_schema_text("v1.yaml"), "schemas/observations/v1.yaml",
+                                std::move(columns));
     }();
     return instance;
 }
 
 }  // namespace
 
-std::string_view to_text(FixKind fix) { return word_of(fix_words, fix); }
-bool from_text(std::string_view text, FixKind& fix) { return value_of(fix_words, text, fix); }
+std::string_view to_text(FixKind fix) {
+    return word_of(fix_words, fix);
+}
+bool from_text(std::string_view text, FixKind& fix) {
+    return value_of(fix_words, text, fix);
+}
 
 template <int Axes>
 Eigen::Matrix<double, Axes, Axes> stated_covariance(const StatedAccuracy& accuracy) {
@@ -90,8 +93,7 @@ WindowSpan window_span(const RecordingFacts& facts, std::int64_t first_epoch,
                     .start = first,
                     .duration = {last.nanoseconds - first.nanoseconds},
                     .start_gps = std::nullopt};
-    if (facts.first_epoch)
-        span.start_gps = facts.first_epoch->plus_nanoseconds(first.nanoseconds);
+    if (facts.first_epoch) span.start_gps = facts.first_epoch->plus_nanoseconds(first.nanoseconds);
     return span;
 }
 

@@ -24,16 +24,16 @@ std::vector<Clause> read_clauses(const YamlValue& document, const Profile& profi
     std::vector<Clause> clauses;
     std::set<std::string> ids;
     for (const YamlValue& entry : document["clauses"].list()) {
-        const Clause& clause = clauses.emplace_back(Clause{.id = entry["id"].text(),
-                                                           .text = entry["text"].text(),
-                                                           .source = entry["source"].text(),
-                                                           .certainty = entry["certainty"].text(),
-                                                           .decided_by =
-                                                               entry["decided_by"].text()});
+        const Clause& clause =
+            clauses.emplace_back(Clause{.id = entry["id"].text(),
+                                        .text = entry["text"].text(),
+                                        .source = entry["source"].text(),
+                                        .certainty = entry["certainty"].text(),
+                                        .decided_by = entry["decided_by"].text()});
         if (!ids.insert(clause.id).second)
-            entry["id"].fail(fmt::format("two clauses have the id \"{}\"",
-                                         escape_for_message(clause.id)),
-                             "Give each clause an id of its own");
+            entry["id"].fail(
+                fmt::format("two clauses have the id \"{}\"", escape_for_message(clause.id)),
+                "Give each clause an id of its own");
         if (clause.decided_by == "accuracy" && !profile.accuracy_limit_mps)
             entry["decided_by"].fail("the profile states no limit of accuracy",
                                      "Add accuracy: {limit, unit, coverage_factor}");

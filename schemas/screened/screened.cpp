@@ -22,9 +22,8 @@ constexpr EnumWords<Reason, 11> reason_words{{{Reason::none, "none"},
                                               {Reason::innovation, "innovation"},
                                               {Reason::short_arc, "short_arc"}}};
 
-constexpr EnumWords<ArcBreak, 3> break_words{{{ArcBreak::start, "start"},
-                                              {ArcBreak::gap, "gap"},
-                                              {ArcBreak::innovation, "innovation"}}};
+constexpr EnumWords<ArcBreak, 3> break_words{
+    {{ArcBreak::start, "start"}, {ArcBreak::gap, "gap"}, {ArcBreak::innovation, "innovation"}}};
 
 const TableFormat<ScreenedEpoch>& format() {
     static const TableFormat<ScreenedEpoch> instance = [] {
@@ -44,11 +43,15 @@ const TableFormat<ScreenedEpoch>& format() {
 
 }  // namespace
 
-std::string_view to_text(Reason reason) { return word_of(reason_words, reason); }
+std::string_view to_text(Reason reason) {
+    return word_of(reason_words, reason);
+}
 bool from_text(std::string_view text, Reason& reason) {
     return value_of(reason_words, text, reason);
 }
-std::string_view to_text(ArcBreak arc_break) { return word_of(break_words, arc_break); }
+std::string_view to_text(ArcBreak arc_break) {
+    return word_of(break_words, arc_break);
+}
 bool from_text(std::string_view text, ArcBreak& arc_break) {
     return value_of(break_words, text, arc_break);
 }
@@ -67,7 +70,8 @@ std::string write_screened(const ScreenedTable& table) {
     nlohmann::ordered_json meta = frame_meta_json(table.header, table.facts, table.origin);
     const ScreeningSummary summary = summarise(table.rows);
     nlohmann::ordered_json reasons = nlohmann::ordered_json::object();
-    for (const auto& [reason, count] : summary.reasons) reasons[std::string(to_text(reason))] = count;
+    for (const auto& [reason, count] : summary.reasons)
+        reasons[std::string(to_text(reason))] = count;
     meta["summary"] = {{"epochs", table.rows.size()},
                        {"usable", summary.usable},
                        {"arcs", summary.arcs},

@@ -32,12 +32,9 @@ Json requirement_json(const Requirement& requirement) {
 }
 
 Json profile_json(const ProfileVerdict& profile) {
-    Json json{{"profile", profile.profile},
-              {"body", profile.body},
-              {"title", profile.title},
-              {"outcome", profile.outcome},
-              {"reason", profile.reason},
-              {"definition", profile.definition}};
+    Json json{{"profile", profile.profile}, {"body", profile.body},
+              {"title", profile.title},     {"outcome", profile.outcome},
+              {"reason", profile.reason},   {"definition", profile.definition}};
     set_speed(json, "speed", profile.speed_mps);
     set_speed(json, "expanded_uncertainty", profile.expanded_uncertainty_mps);
     json["coverage_factor"] = profile.coverage_factor;

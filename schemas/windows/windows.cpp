@@ -69,9 +69,8 @@ Json indicated_json(const IndicatedWindow& indicated) {
 }
 
 IndicatedWindow read_indicated(const YamlValue& value) {
-    IndicatedWindow indicated{.span = read_window_span(value),
-                              .speed_mps = value["speed_m_s"].real(),
-                              .refusals = {}};
+    IndicatedWindow indicated{
+        .span = read_window_span(value), .speed_mps = value["speed_m_s"].real(), .refusals = {}};
     for (const YamlValue& refusal : value["refusals"].list())
         indicated.refusals.push_back(refusal.text());
     return indicated;

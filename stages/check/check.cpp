@@ -36,7 +36,8 @@ void set_outcome(const ClauseContext& context, ProfileVerdict& verdict) {
     const auto& record = context.input.attempt.record;
     if (!context.windows.best || !failed.empty()) {
         verdict.outcome = "not_certifiable";
-        verdict.reason = failed.empty() ? "There is no certifiable window." : "Not met: " + failed.front();
+        verdict.reason =
+            failed.empty() ? "There is no certifiable window." : "Not met: " + failed.front();
     } else if (!record) {
         verdict.outcome = "not_proven";
         verdict.reason = "The attempt names no record to beat.";
@@ -45,27 +46,25 @@ void set_outcome(const ClauseContext& context, ProfileVerdict& verdict) {
         const double uncertainty = *context.expanded_uncertainty_mps;
         verdict.outcome = decide(speed, uncertainty, *context.target_mps);
         const double unit = metres_per_second(record->unit);
-        const std::string figures =
-            fmt::format("{:.3f} {} +/- {:.3f} {} against {:.3f} {} to reach.", speed / unit,
-                        record->unit, uncertainty / unit, record->unit, *context.target_mps / unit,
-                        record->unit);
-        verdict.reason = verdict.outcome == "beaten"
-                             ? "The speed less its expanded uncertainty reaches the target: " + figures
-                         : verdict.outcome == "not_beaten"
-                             ? "The speed is below the target: " + figures
-                             : "The target lies within the expanded uncertainty: " + figures;
+        const std::string figures = fmt::format(
+            "{:.3f} {} +/- {:.3f} {} against {:.3f} {} to reach.", speed / unit, record->unit,
+            uncertainty / unit, record->unit, *context.target_mps / unit, record->unit);
+        verdict.reason =
+            verdict.outcome == "beaten"
+                ? "The speed less its expanded uncertainty reaches the target: " + figures
+            : verdict.outcome == "not_beaten"
+                ? "The speed is below the target: " + figures
+                : "The target lies within the expanded uncertainty: " + figures;
     }
 }
 
 ProfileVerdict judge(const CheckInput& input, const Profile& profile) {
-    ClauseContext context{.input = input,
-                          .profile = profile,
-                          .windows = windows_of(input.judged.windows, profile)};
+    ClauseContext context{
+        .input = input, .profile = profile, .windows = windows_of(input.judged.windows, profile)};
     if (input.secondary) context.secondary = &windows_of(input.secondary->windows, profile);
     const auto& best = context.windows.best;
     if (best)
-        context.expanded_uncertainty_mps =
-            profile.coverage_factor * best->standard_uncertainty_mps;
+        context.expanded_uncertainty_mps = profile.coverage_factor * best->standard_uncertainty_mps;
     if (const auto& record = input.attempt.record)
         context.target_mps = target_speed(profile, record->speed * metres_per_second(record->unit));
 
@@ -99,21 +98,28 @@ std::vector<std::string> statements_of(const CheckInput& input) {
         "The uncertainty covers errors of the positions that are independent from epoch to epoch, "
         "of the size stated, multiplied by the variance factor. Errors that vary slowly over the "
         "window, as carrier-phase positions have them, are not in it."};
-    statements.push_back(fmt::format(
-        "Stated accuracies come from the {}; the variance factor of the adjustment is {:.2f}, "
-        "applied {:.2f}.",
-        judged.accuracy_source == "attempt" ? "attempt" : "recording",
-        judged.estimation.variance_factor, judged.estimation.variance_factor_applied));
+    if (judged.accuracy_source == "none")
+        statements.push_back(
+            "Neither the recording nor the attempt states an accuracy: nothing "
+            "can be certified without one.");
+    else
+        statements.push_back(fmt::format(
+            "Stated accuracies come from the {}; the variance factor of the adjustment is {:.2f}, "
+            "applied {:.2f}.",
+            judged.accuracy_source, judged.estimation.variance_factor,
+            judged.estimation.variance_factor_applied));
     if (!judged.facts.georeferenced)
-        statements.push_back("Not georeferenced: the coordinates are those of a local plane, whose "
-                             "place, orientation and scale on the Earth are not stated.");
+        statements.push_back(
+            "Not georeferenced: the coordinates are those of a local plane, whose "
+            "place, orientation and scale on the Earth are not stated.");
     if (!judged.facts.vertical_measured)
         statements.push_back("Heights were not measured: the estimate is in the plane.");
     if (!judged.facts.first_epoch)
         statements.push_back("The recording's time is relative: the run has no date in it.");
     else if (!utc_from_gps(*judged.facts.first_epoch).leap_seconds_known)
-        statements.push_back("UTC is given with the leap seconds known to the program, whose table "
-                             "does not reach the date of the recording.");
+        statements.push_back(
+            "UTC is given with the leap seconds known to the program, whose table "
+            "does not reach the date of the recording.");
     return statements;
 }
 
@@ -130,7 +136,8 @@ Verdict check(const CheckInput& input) {
                                       .source = record->source,
                                       .speed_mps = record->speed * metres_per_second(record->unit)};
     verdict.statements = statements_of(input);
-    for (const Profile& profile : input.profiles) verdict.profiles.push_back(judge(input, profile));
+    for (const Profile& profile : input.profiles)
+        verdict.profiles.push_back(judge(input, profile));
     return verdict;
 }
 

@@ -33,8 +33,8 @@ void say_verdict(StageRun& run, const Verdict& verdict) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    return stage_main(argc, argv, "check", "Every requirement of each rule profile, and the outcome",
-                      [](StageRun& run) {
+    return stage_main(argc, argv, "check",
+                      "Every requirement of each rule profile, and the outcome", [](StageRun& run) {
                           run.note_attempt();
                           std::vector<Profile> profiles;
                           for (const std::string& claimed : run.attempt().profiles) {

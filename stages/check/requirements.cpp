@@ -21,10 +21,16 @@ std::string in_unit(double speed_mps, const std::string& unit, int decimals) {
 }
 
 Finding window_complete(const ClauseContext& context) {
-    if (!context.windows.best)
-        return {"not_met", fmt::format("no {:g} s of the recording are without a break and "
-                                       "without an unusable epoch",
-                                       context.profile.duration_s)};
+    if (!context.windows.best) {
+        std::string evidence = fmt::format(
+            "no {:g} s of the recording are without a break and without an unusable epoch",
+            context.profile.duration_s);
+        if (const auto& indicated = context.windows.indicated)
+            evidence +=
+                fmt::format("; the fastest {:g} s of the raw positions hold {}",
+                            context.profile.duration_s, fmt::join(indicated->refusals, ", "));
+        return {"not_met", evidence};
+    }
     const WindowSpan& span = context.windows.best->span;
     return {"met", fmt::format("{:.3f} s from epoch {} to epoch {}, no break and no unusable epoch "
                                "inside; the best of {} such windows",
@@ -45,8 +51,7 @@ Finding accuracy(const ClauseContext& context) {
 }
 
 Finding margin(const ClauseContext& context) {
-    if (!context.input.attempt.record)
-        return {"attest", "the attempt names no record to beat"};
+    if (!context.input.attempt.record) return {"attest", "the attempt names no record to beat"};
     if (!context.windows.best) return {"not_met", "there is no certifiable window"};
     const std::string& unit = context.input.attempt.record->unit;
     const double speed = context.windows.best->speed_mps;
@@ -61,8 +66,9 @@ Finding margin(const ClauseContext& context) {
 Finding georeferenced(const ClauseContext& context) {
     if (context.input.judged.facts.georeferenced)
         return {"met", "WGS 84 positions, taken to a local frame without a grid's scale factor"};
-    return {"attest", "the recording holds local-plane coordinates, not georeferenced: their unit "
-                      "must be the true metre on the ground"};
+    return {"attest",
+            "the recording holds local-plane coordinates, not georeferenced: their unit "
+            "must be the true metre on the ground"};
 }
 
 Finding secondary_method(const ClauseContext& context) {
@@ -72,16 +78,18 @@ Finding secondary_method(const ClauseContext& context) {
         return {"not_met", fmt::format("receiver \"{}\" has no certifiable window to compare",
                                        context.input.secondary->receiver)};
     const double error = normalised_error(*context.windows.best, *context.secondary->best);
-    return {error <= 1.0 ? "met" : "not_met",
-            fmt::format("receiver \"{}\" gives {:.3f} km/h, {:+.3f} km/h against the primary one; "
-                        "normalised error {:.2f}, at most 1",
-                        context.input.secondary->receiver, context.secondary->best->speed_mps * 3.6,
-                        (context.secondary->best->speed_mps - context.windows.best->speed_mps) *
-                            3.6,
-                        error)};
+    return {
+        error <= 1.0 ? "met" : "not_met",
+        fmt::format("receiver \"{}\" gives {:.3f} km/h, {:+.3f} km/h against the primary one; "
+                    "normalised error {:.2f}, at most 1",
+                    context.input.secondary->receiver, context.secondary->best->speed_mps * 3.6,
+                    (context.secondary->best->speed_mps - context.windows.best->speed_mps) * 3.6,
+                    error)};
 }
 
-Finding attest(const ClauseContext&) { return {"attest", "the data cannot tell"}; }
+Finding attest(const ClauseContext&) {
+    return {"attest", "the data cannot tell"};
+}
 
 }  // namespace
 
@@ -93,9 +101,12 @@ double normalised_error(const CertifiableWindow& a, const CertifiableWindow& b) 
 
 Requirement decide_clause(const Clause& clause, const ClauseContext& context) {
     static const std::map<std::string, std::function<Finding(const ClauseContext&)>> computations{
-        {"window_complete", window_complete}, {"accuracy", accuracy},
-        {"margin", margin},                   {"georeferenced", georeferenced},
-        {"secondary_method", secondary_method}, {"attest", attest}};
+        {"window_complete", window_complete},
+        {"accuracy", accuracy},
+        {"margin", margin},
+        {"georeferenced", georeferenced},
+        {"secondary_method", secondary_method},
+        {"attest", attest}};
     const auto computation = computations.find(clause.decided_by);
     if (computation == computations.end())
         throw Failure("clause " + clause.id,

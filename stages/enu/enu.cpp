@@ -67,10 +67,11 @@ void rotate_velocity(const RecordedVelocity& from, const Eigen::Matrix3d& rotati
     to.recorded_velocity_north_mps = velocity.y();
     if (from.recorded_velocity_up_mps) to.recorded_velocity_up_mps = velocity.z();
     if (!from.sigma_recorded_velocity_east_mps || !from.sigma_recorded_velocity_north_mps) return;
-    const Eigen::Vector3d variance = Eigen::Vector3d(*from.sigma_recorded_velocity_east_mps,
-                                                     *from.sigma_recorded_velocity_north_mps,
-                                                     from.sigma_recorded_velocity_up_mps.value_or(0.0))
-                                         .cwiseAbs2();
+    const Eigen::Vector3d variance =
+        Eigen::Vector3d(*from.sigma_recorded_velocity_east_mps,
+                        *from.sigma_recorded_velocity_north_mps,
+                        from.sigma_recorded_velocity_up_mps.value_or(0.0))
+            .cwiseAbs2();
     const Eigen::Matrix3d rotated = rotation * variance.asDiagonal() * rotation.transpose();
     to.sigma_recorded_velocity_east_mps = std::sqrt(rotated(0, 0));
     to.sigma_recorded_velocity_north_mps = std::sqrt(rotated(1, 1));
@@ -141,8 +142,8 @@ EnuTable to_enu(const Observations& observations, const std::optional<Geodetic>&
     if (!position)
         throw Failure("recording of receiver " + observations.facts.receiver,
                       "no epoch has a position", "Give a recording with positions");
-    table.origin = FrameOrigin{.position = *position,
-                               .source = stated_origin ? "attempt" : "first_epoch"};
+    table.origin =
+        FrameOrigin{.position = *position, .source = stated_origin ? "attempt" : "first_epoch"};
     const LocalFrame frame(*position);
     for (const Observation& row : observations.rows)
         table.rows.push_back(from_the_earth(row, frame, observations.facts.vertical_measured));

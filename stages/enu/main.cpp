@@ -1,8 +1,7 @@
-#include "stages/enu/enu.h"
-
 #include <fmt/format.h>
 
 #include "run/stage_main.h"
+#include "stages/enu/enu.h"
 
 using namespace runcert;
 
@@ -19,12 +18,11 @@ int main(int argc, char** argv) {
                 EnuTable table = to_enu(observations, attempt.origin);
                 table.header = one.header();
                 one.write(product_file(attempt, receiver, "2-enu", "ecsv"), write_enu(table));
-                run.say(table.origin
-                            ? fmt::format("origin {:.6f} {:.6f}, height {:.1f} m",
-                                          table.origin->position.latitude.degrees(),
-                                          table.origin->position.longitude.degrees(),
-                                          table.origin->position.height_m)
-                            : std::string("local plane: not georeferenced"));
+                run.say(table.origin ? fmt::format("origin {:.6f} {:.6f}, height {:.1f} m",
+                                                   table.origin->position.latitude.degrees(),
+                                                   table.origin->position.longitude.degrees(),
+                                                   table.origin->position.height_m)
+                                     : std::string("local plane: not georeferenced"));
             }
         });
 }

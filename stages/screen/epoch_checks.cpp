@@ -18,7 +18,9 @@ std::optional<Finding> check_fix(const ScreenedEpoch& row, const ScreenConfig& c
     if (row.fix == FixKind::none) return Finding{Reason::no_fix, {}, {}};
     if (config.allowed_fixes.contains(row.fix)) return std::nullopt;
     return Finding{
-        row.fix == FixKind::float_ambiguities ? Reason::float_ambiguities : Reason::other_fix, {}, {}};
+        row.fix == FixKind::float_ambiguities ? Reason::float_ambiguities : Reason::other_fix,
+        {},
+        {}};
 }
 
 std::optional<Finding> check_accuracy(const ScreenedEpoch& row, bool vertical,
@@ -42,9 +44,7 @@ std::optional<Finding> check_accuracy(const ScreenedEpoch& row, bool vertical,
     const double determinant_limit = 1e-9;
     const Eigen::LLT<Eigen::Matrix3d> factor(correlation);
     const double determinant =
-        factor.info() == Eigen::Success
-            ? std::pow(factor.matrixLLT().diagonal().prod(), 2)
-            : 0.0;
+        factor.info() == Eigen::Success ? std::pow(factor.matrixLLT().diagonal().prod(), 2) : 0.0;
     if (determinant < determinant_limit)
         return Finding{Reason::accuracy_absurd, determinant, determinant_limit};
     return std::nullopt;
@@ -57,9 +57,8 @@ void check_epochs(std::vector<ScreenedEpoch>& rows, bool vertical, const ScreenC
     for (ScreenedEpoch& row : rows) {
         std::optional<Finding> finding;
         if (latest && row.time <= *latest)
-            finding = Finding{
-                row.time == *latest ? Reason::duplicate_time : Reason::backward_time,
-                row.time.seconds() - latest->seconds(), 0.0};
+            finding = Finding{row.time == *latest ? Reason::duplicate_time : Reason::backward_time,
+                              row.time.seconds() - latest->seconds(), 0.0};
         else
             latest = row.time;
         if (!finding) finding = check_fix(row, config);

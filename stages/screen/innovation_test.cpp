@@ -28,9 +28,8 @@ class ArcFilter {
     /// cannot test.
     std::optional<double> statistic(const ScreenedEpoch& row) {
         const auto measurement = measurement_of<Axes>(row, variance_factor_);
-        predicted_ = started_
-                         ? predict(estimate_, model_, row.time.seconds() - time_s_)
-                         : vague_prior<Axes>(measurement.position);
+        predicted_ = started_ ? predict(estimate_, model_, row.time.seconds() - time_s_)
+                              : vague_prior<Axes>(measurement.position);
         if (!started_) taken_ = 0;
         if (taken_ < 3) return std::nullopt;
         return innovation(predicted_, measurement).statistic;
@@ -107,7 +106,8 @@ void test_rows(std::vector<ScreenedEpoch>& rows, double variance_factor,
         rejected.push_back(i);
         if (static_cast<std::int64_t>(rejected.size()) < config.restart_after) continue;
         const std::size_t first = rejected.front();
-        for (const std::size_t index : rejected) readmit(rows[index]);
+        for (const std::size_t index : rejected)
+            readmit(rows[index]);
         given_up[first] = true;
         rows[first].break_before = ArcBreak::innovation;
         i = first - 1;

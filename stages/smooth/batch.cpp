@@ -147,10 +147,10 @@ std::vector<StateVector<Axes>> solve_batch(std::span<const ArcEpoch<Axes>> arc,
     ceres::Solver::Summary summary;
     ceres::Solve(solver_options(), &problem, &summary);
     if (!summary.IsSolutionUsable())
-        throw Failure(fmt::format("arc from {:.3f} s to {:.3f} s", arc.front().time_s,
-                                  arc.back().time_s),
-                      "the batch least squares did not converge: " + summary.message,
-                      "Check the stated accuracies and the time steps of this stretch");
+        throw Failure(
+            fmt::format("arc from {:.3f} s to {:.3f} s", arc.front().time_s, arc.back().time_s),
+            "the batch least squares did not converge: " + summary.message,
+            "Check the stated accuracies and the time steps of this stretch");
     return states;
 }
 

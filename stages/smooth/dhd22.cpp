@@ -18,8 +18,8 @@ std::vector<std::optional<double>> speed_v2(std::span<const PlanePosition> posit
     for (std::size_t k = 1; k < positions.size(); ++k)
         path_m[k] = path_m[k - 1] + (positions[k].position - positions[k - 1].position).norm();
     for (std::size_t k = 2; k + 2 < positions.size(); ++k)
-        speeds[k] = (path_m[k + 2] - path_m[k - 2]) /
-                    (positions[k + 2].time_s - positions[k - 2].time_s);
+        speeds[k] =
+            (path_m[k + 2] - path_m[k - 2]) / (positions[k + 2].time_s - positions[k - 2].time_s);
     return speeds;
 }
 
@@ -56,7 +56,8 @@ std::vector<FilteredState> filter_dhd22(std::span<const PlanePosition> positions
         Eigen::Matrix4d keep = Eigen::Matrix4d::Identity();
         keep.leftCols<2>() -= gain;
         state.mean = predicted + gain * (measured.position - predicted.head<2>());
-        state.covariance = keep * covariance * keep.transpose() + variance * gain * gain.transpose();
+        state.covariance =
+            keep * covariance * keep.transpose() + variance * gain * gain.transpose();
         states.push_back(state);
     }
     return states;

@@ -33,8 +33,8 @@ struct FilteredState {
 /// The filter of [DHD22] (31) to (41): constant velocity driven by acceleration noise of standard
 /// deviation `acceleration_sigma` (m/s^2) held over each step, H = [dt^2/2, dt]. ((31) as printed
 /// has 1 in place of dt, which does not reproduce the printed figures.) The paper prints neither
-/// its noise nor its start; 0.1 m/s^2 reproduces its figures. Starts at the first position, at rest,
-/// with standard deviations of sigma and 100 m/s.
+/// its noise nor its start; 0.1 m/s^2 reproduces its figures. Starts at the first position, at
+/// rest, with standard deviations of sigma and 100 m/s.
 std::vector<FilteredState> filter_dhd22(std::span<const PlanePosition> positions,
                                         double acceleration_sigma_mps2);
 

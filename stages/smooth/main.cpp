@@ -7,8 +7,9 @@ using namespace runcert;
 
 int main(int argc, char** argv) {
     return stage_main(
-        argc, argv, "smooth", "Position, velocity and acceleration by RTS smoothing and by batch "
-                              "least squares, which must agree",
+        argc, argv, "smooth",
+        "Position, velocity and acceleration by RTS smoothing and by batch "
+        "least squares, which must agree",
         [](StageRun& run) {
             const Attempt& attempt = run.attempt();
             for (const Receiver& receiver : attempt.receivers) {
@@ -20,11 +21,14 @@ int main(int argc, char** argv) {
                 table.header = one.header();
                 one.write(product_file(attempt, receiver, "4-trajectory", "ecsv"),
                           write_trajectory(table));
-                run.say(fmt::format("smoother and batch agree within {:.1e} m and {:.1e} m/s, "
-                                    "variance factor {:.2f}",
-                                    table.estimation.largest_position_difference_m,
-                                    table.estimation.largest_velocity_difference_mps,
-                                    table.estimation.variance_factor));
+                run.say(
+                    table.estimation.arcs == 0
+                        ? "nothing to estimate: no usable stretch"
+                        : fmt::format("smoother and batch agree within {:.1e} m and {:.1e} m/s, "
+                                      "variance factor {:.2f}",
+                                      table.estimation.largest_position_difference_m,
+                                      table.estimation.largest_velocity_difference_mps,
+                                      table.estimation.variance_factor));
             }
         });
 }

@@ -32,8 +32,8 @@ void set_state(const StateEstimate<Axes>& state, double variance_factor, Traject
     const StateVector<Axes> sigma =
         (variance_factor * state.covariance.diagonal()).cwiseMax(0.0).cwiseSqrt();
     set_axes<Axes>(mean.template head<Axes>(), row.east_m, row.north_m, row.up_m);
-    set_axes<Axes>(mean.template segment<Axes>(Axes), row.velocity_east_mps,
-                   row.velocity_north_mps, row.velocity_up_mps);
+    set_axes<Axes>(mean.template segment<Axes>(Axes), row.velocity_east_mps, row.velocity_north_mps,
+                   row.velocity_up_mps);
     set_axes<Axes>(mean.template tail<Axes>(), row.acceleration_east_mps2,
                    row.acceleration_north_mps2, row.acceleration_up_mps2);
     set_axes<Axes>(sigma.template head<Axes>(), row.sigma_east_m, row.sigma_north_m,
@@ -95,8 +95,7 @@ void set_batch(const Arc<Axes>& arc, const SmoothedArc<Axes>& smoothed, const Mo
                             arc.epochs[k].time_s),
                 fmt::format("smoother and batch least squares differ by {:.2e} m and {:.2e} m/s, "
                             "more than {:.0e} m and {:.0e} m/s",
-                            position_m, velocity_mps, agreement_position_m,
-                            agreement_velocity_mps),
+                            position_m, velocity_mps, agreement_position_m, agreement_velocity_mps),
                 "The estimate cannot be trusted here; check stated accuracies and time steps, and "
                 "report it with the run folder");
         table.rows[arc.rows[k]].speed_batch_mps = batch[k].template segment<2>(Axes).norm();
@@ -119,8 +118,7 @@ void estimate(const ScreenedTable& screened, const SmoothConfig& config, Traject
     EstimationSummary& summary = table.estimation;
     summary.arcs = static_cast<std::int64_t>(arcs.size());
     if (summary.degrees_of_freedom > 0)
-        summary.variance_factor =
-            innovation_sum / static_cast<double>(summary.degrees_of_freedom);
+        summary.variance_factor = innovation_sum / static_cast<double>(summary.degrees_of_freedom);
     summary.variance_factor_applied = std::max(1.0, summary.variance_factor);
     for (std::size_t a = 0; a < arcs.size(); ++a)
         for (std::size_t k = 0; k < arcs[a].rows.size(); ++k)

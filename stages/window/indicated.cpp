@@ -52,11 +52,13 @@ std::vector<std::string> refusals_of(const ScreenedTable& screened, std::size_t 
         if (i == first || !row.break_before) continue;
         (*row.break_before == ArcBreak::innovation ? steps : gaps) += 1;
     }
-    for (const auto& [reason, count] : reasons) refusals.push_back(describe(reason, count));
+    for (const auto& [reason, count] : reasons)
+        refusals.push_back(describe(reason, count));
     if (steps > 0)
-        refusals.push_back(fmt::format("{} {} that the motion cannot explain: positions before and "
-                                       "after do not belong together",
-                                       steps, steps == 1 ? "step" : "steps"));
+        refusals.push_back(
+            fmt::format("{} {} that the motion cannot explain: positions before and "
+                        "after do not belong together",
+                        steps, steps == 1 ? "step" : "steps"));
     if (gaps > 0 && reasons.empty())
         refusals.push_back(fmt::format("{} {} in time", gaps, gaps == 1 ? "gap" : "gaps"));
     return refusals;
@@ -68,7 +70,8 @@ std::optional<IndicatedWindow> fastest_indicated(const ScreenedTable& screened, 
                                                  const WindowConfig& config) {
     const std::vector<std::size_t> rows = rows_in_time(screened);
     std::vector<ElapsedTime> times;
-    for (const std::size_t row : rows) times.push_back(screened.rows[row].time);
+    for (const std::size_t row : rows)
+        times.push_back(screened.rows[row].time);
     const auto ends = window_ends(times, duration_s, config.duration_tolerance_s,
                                   screened.facts.nominal_interval_s);
     std::optional<EpochPair> best;

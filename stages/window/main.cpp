@@ -28,10 +28,10 @@ int main(int argc, char** argv) {
                 one.write(product_file(attempt, receiver, "5-windows", "yaml"),
                           write_windows(windows));
                 for (const ProfileWindows& entry : windows.profiles)
-                    run.say(entry.best ? fmt::format("{}: best of {} windows {:.3f} km/h",
-                                                     entry.profile, entry.candidates,
-                                                     entry.best->speed_mps * 3.6)
-                                       : fmt::format("{}: no certifiable window", entry.profile));
+                    run.say(entry.best
+                                ? fmt::format("{}: best of {} windows {:.3f} km/h", entry.profile,
+                                              entry.candidates, entry.best->speed_mps * 3.6)
+                                : fmt::format("{}: no certifiable window", entry.profile));
             }
         });
 }

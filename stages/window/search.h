@@ -18,8 +18,7 @@ struct EpochPair {
 /// For each epoch, the first later one that is at least `duration` away; nothing where there is
 /// none, or where it is further than one `nominal_interval` beyond. Times must increase. Linear.
 std::vector<std::optional<std::size_t>> window_ends(std::span<const ElapsedTime> times,
-                                                    double duration_s,
-                                                    double duration_tolerance_s,
+                                                    double duration_s, double duration_tolerance_s,
                                                     double nominal_interval_s);
 
 }  // namespace runcert

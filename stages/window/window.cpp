@@ -17,12 +17,14 @@ namespace {
 /// Sums along the rows of a trajectory, so that a window's means cost the same whatever its length.
 /// Each counts from the beginning of the row's arc.
 struct RunningSums {
-    std::vector<double> path_m;    ///< path length up to the row
-    std::vector<double> speed;     ///< sum of smoothed speeds up to and with the row
-    std::vector<int> unusable;     ///< unusable rows up to and with the row
+    std::vector<double> path_m;  ///< path length up to the row
+    std::vector<double> speed;   ///< sum of smoothed speeds up to and with the row
+    std::vector<int> unusable;   ///< unusable rows up to and with the row
 };
 
-Eigen::Vector2d position_of(const TrajectoryEpoch& row) { return {*row.east_m, *row.north_m}; }
+Eigen::Vector2d position_of(const TrajectoryEpoch& row) {
+    return {*row.east_m, *row.north_m};
+}
 
 /// The rows of one arc, as the trajectory has them.
 struct ArcRows {
@@ -83,7 +85,8 @@ void search_arc(const TrajectoryTable& trajectory, const ArcRows& arc, const Pro
                 std::int64_t& candidates) {
     const RunningSums sums = sums_over(trajectory, arc.rows);
     std::vector<ElapsedTime> times;
-    for (const std::size_t row : arc.rows) times.push_back(trajectory.rows[row].time);
+    for (const std::size_t row : arc.rows)
+        times.push_back(trajectory.rows[row].time);
     const auto ends = window_ends(times, profile.duration_s, config.duration_tolerance_s,
                                   trajectory.facts.nominal_interval_s);
     for (std::size_t first = 0; first < arc.rows.size(); ++first) {
@@ -93,15 +96,15 @@ void search_arc(const TrajectoryTable& trajectory, const ArcRows& arc, const Pro
         ++candidates;
         const EpochPair window{first, *ends[first]};
         const SpeedDefinitions definitions = definitions_of(trajectory, arc, sums, window);
-        if (!best || definitions.by_name(profile.definition) >
-                         best->definitions.by_name(profile.definition))
+        if (!best ||
+            definitions.by_name(profile.definition) > best->definitions.by_name(profile.definition))
             best = Candidate{&arc, window, definitions};
     }
 }
 
 /// Mean of a method's speeds over the window; nothing if one is missing.
 std::optional<double> mean_over(const TrajectoryTable& trajectory, const Candidate& candidate,
-                                std::optional<double> TrajectoryEpoch::* method) {
+                                std::optional<double> TrajectoryEpoch::*method) {
     double sum = 0.0;
     for (std::size_t k = candidate.window.first; k <= candidate.window.last; ++k) {
         const auto& value = trajectory.rows[candidate.arc->rows[k]].*method;
@@ -121,7 +124,7 @@ struct EndsUncertainty {
 /// the estimate is the trajectory's.
 template <int Axes>
 EndsUncertainty ends_uncertainty(const ScreenedTable& screened, const TrajectoryTable& trajectory,
-                            const Candidate& candidate, const WindowConfig& config) {
+                                 const Candidate& candidate, const WindowConfig& config) {
     const auto arcs = arcs_of<Axes>(screened);
     for (const Arc<Axes>& arc : arcs) {
         if (arc.number != candidate.arc->number) continue;
@@ -133,21 +136,22 @@ EndsUncertainty ends_uncertainty(const ScreenedTable& screened, const Trajectory
             const Eigen::Vector2d position = smoothed.states[k].mean.template head<2>();
             const double difference_m = (position - position_of(row)).norm();
             if (difference_m > 2e-6)  // both coordinates are written to a micrometre
-                throw Failure(fmt::format("epoch {}", row.epoch),
-                              fmt::format("the trajectory is {:.1e} m from the estimate of the same "
-                                          "screened epochs",
-                                          difference_m),
-                              "Run runcert-smooth again, with the same attempt");
+                throw Failure(
+                    fmt::format("epoch {}", row.epoch),
+                    fmt::format("the trajectory is {:.1e} m from the estimate of the same "
+                                "screened epochs",
+                                difference_m),
+                    "Run runcert-smooth again, with the same attempt");
             const Eigen::Matrix2d covariance =
                 variance_factor * smoothed.states[k].covariance.template topLeftCorner<2, 2>();
             uncertainty.position_r95_m = std::max(uncertainty.position_r95_m, r95(covariance));
         }
-        const double duration_s = arc.epochs[candidate.window.last].time_s -
-                                  arc.epochs[candidate.window.first].time_s;
-        uncertainty.speed_mps = std::sqrt(variance_factor) *
-                                displacement_speed(smoothed, candidate.window.first,
-                                                   candidate.window.last, duration_s)
-                                    .standard_uncertainty_mps;
+        const double duration_s =
+            arc.epochs[candidate.window.last].time_s - arc.epochs[candidate.window.first].time_s;
+        uncertainty.speed_mps =
+            std::sqrt(variance_factor) *
+            displacement_speed(smoothed, candidate.window.first, candidate.window.last, duration_s)
+                .standard_uncertainty_mps;
         return uncertainty;
     }
     throw Failure(fmt::format("arc {}", candidate.arc->number),

@@ -23,10 +23,10 @@ WindowConfig window_config(const Attempt& attempt, const TrajectoryTable& trajec
 /// For each profile the best certifiable window of the smoothed trajectory, and the fastest one
 /// that the raw positions indicate.
 ///
-/// A certifiable window begins and ends at usable epochs of one arc, holds no unusable epoch, and is
-/// as long as the rule says (to the tolerance; where no epoch is exactly so far, the next one). Its
-/// speed is by the profile's definition, its uncertainty that of the displacement, from the joint
-/// covariance of both ends, computed anew from the screened epochs and multiplied by the
+/// A certifiable window begins and ends at usable epochs of one arc, holds no unusable epoch, and
+/// is as long as the rule says (to the tolerance; where no epoch is exactly so far, the next one).
+/// Its speed is by the profile's definition, its uncertainty that of the displacement, from the
+/// joint covariance of both ends, computed anew from the screened epochs and multiplied by the
 /// trajectory's variance factor. Failure where that new estimate is not the trajectory's.
 Windows find_windows(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                      const std::vector<Profile>& profiles, const WindowConfig& config);

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-
 #include <unistd.h>
 
 #include "chain_support.h"
@@ -9,12 +8,12 @@ namespace runcert::chain {
 namespace {
 
 const std::string good_attempt =
-    "schema: attempt/1.0\n"                                     // 1
-    "id: bad-input\n"                                           // 2
-    "craft: {name: yacht, class: land-yacht}\n"                 // 3
-    "receivers:\n"                                              // 4
-    "  - {id: primary, recording: recording.pos}\n"             // 5
-    "profiles: [nalsa]\n";                                      // 6
+    "schema: attempt/1.0\n"                          // 1
+    "id: bad-input\n"                                // 2
+    "craft: {name: yacht, class: land-yacht}\n"      // 3
+    "receivers:\n"                                   // 4
+    "  - {id: primary, recording: recording.pos}\n"  // 5
+    "profiles: [nalsa]\n";                           // 6
 
 const std::string pos_header =
     "%  GPST   latitude(deg) longitude(deg)  height(m)   Q  ns   sdn(m)   sde(m)   sdu(m)  "
@@ -24,11 +23,11 @@ const std::string pos_header =
 std::string recording_with(int line, const std::string& text) {
     std::string recording = pos_header;
     for (int i = 2; i <= 21; ++i)
-        recording += i == line
-                         ? text
-                         : fmt::format("2022/03/18 08:51:{:02}.000  35.1000{:05}  137.0000000  "
-                                       "10.000 1 10 0.01 0.01 0.02 0 0 0 0 9\n",
-                                       i, i * 10);
+        recording += i == line ? text
+                               : fmt::format(
+                                     "2022/03/18 08:51:{:02}.000  35.1000{:05}  137.0000000  "
+                                     "10.000 1 10 0.01 0.01 0.02 0 0 0 0 9\n",
+                                     i, i * 10);
     return recording;
 }
 
@@ -51,26 +50,40 @@ std::vector<BadInput> bad_attempts() {
         {"attempt cut off", good_attempt.substr(0, 70), good, {"attempt.yaml:4:1"}},
         {"not YAML", "a: [1, 2\nb: {", good, {"attempt.yaml:", "YAML"}},
         {"unknown key",
-         replaced(good_attempt, "receivers:", "recievers:"), good,
+         replaced(good_attempt, "receivers:", "recievers:"),
+         good,
          {"attempt.yaml:4:1", "recievers", "receivers"}},
-        {"unknown craft class", replaced(good_attempt, "land-yacht", "land-yatch"), good,
+        {"unknown craft class",
+         replaced(good_attempt, "land-yacht", "land-yatch"),
+         good,
          {"attempt.yaml:3:", "land-yatch"}},
         {"two receivers with one id",
-         replaced(good_attempt, "profiles", "  - {id: primary, recording: b.pos}\nprofiles"), good,
+         replaced(good_attempt, "profiles", "  - {id: primary, recording: b.pos}\nprofiles"),
+         good,
          {"attempt.yaml:6:", "two receivers", "primary"}},
-        {"missing recording", replaced(good_attempt, "recording.pos", "absent.pos"), good,
+        {"missing recording",
+         replaced(good_attempt, "recording.pos", "absent.pos"),
+         good,
          {"attempt.yaml:5:", "absent.pos", "does not exist"}},
-        {"unknown profile", replaced(good_attempt, "[nalsa]", "[nasla]"), good,
+        {"unknown profile",
+         replaced(good_attempt, "[nalsa]", "[nasla]"),
+         good,
          {"attempt.yaml", "nasla"}},
         {"text where a number belongs",
-         good_attempt + "origin: {latitude_deg: north, longitude_deg: 1, height_m: 2}\n", good,
+         good_attempt + "origin: {latitude_deg: north, longitude_deg: 1, height_m: 2}\n",
+         good,
          {"attempt.yaml:7:24", "north", "number"}},
         {"latitude 95",
-         good_attempt + "origin: {latitude_deg: 95, longitude_deg: 1, height_m: 2}\n", good,
+         good_attempt + "origin: {latitude_deg: 95, longitude_deg: 1, height_m: 2}\n",
+         good,
          {"attempt.yaml:7:24", "95"}},
-        {"id that is a path", replaced(good_attempt, "bad-input", "../bad"), good,
+        {"id that is a path",
+         replaced(good_attempt, "bad-input", "../bad"),
+         good,
          {"attempt.yaml:2:5"}},
-        {"record without unit", good_attempt + "record: {speed: 1, source: s}\n", good,
+        {"record without unit",
+         good_attempt + "record: {speed: 1, source: s}\n",
+         good,
          {"attempt.yaml:7:", "unit"}},
         {"UTF-16", std::string("\xff\xfes\0c\0h\0", 8), good, {"attempt.yaml", "UTF-16"}},
     };
@@ -87,13 +100,16 @@ std::vector<BadInput> bad_recordings() {
         {"no header", good_attempt, row + row, {"recording.pos"}},
         {"header only", good_attempt, pos_header, {"recording.pos", "epochs"}},
         {"cut off", good_attempt, recording_with(0, "").substr(0, 1300), {"recording.pos:"}},
-        {"wrong column count", good_attempt, with(" 0 0 0 0 9", " 0 0 0 0 9 9 9"),
+        {"wrong column count",
+         good_attempt,
+         with(" 0 0 0 0 9", " 0 0 0 0 9 9 9"),
          {"recording.pos:7"}},
         {"text for a number", good_attempt, with("10.0 1", "ten 1"), {"recording.pos:7:", "ten"}},
         {"not a number", good_attempt, with("0.02", "nan"), {"recording.pos:7:", "nan"}},
-        {"latitude 95", good_attempt, with("35.1000070", "95.1000070"),
-         {"recording.pos:7:", "95"}},
-        {"swapped", good_attempt, with("35.1000070  137.0", "137.0  35.1000070"),
+        {"latitude 95", good_attempt, with("35.1000070", "95.1000070"), {"recording.pos:7:", "95"}},
+        {"swapped",
+         good_attempt,
+         with("35.1000070  137.0", "137.0  35.1000070"),
          {"recording.pos:7:", "swapped"}},
         {"UTF-16", good_attempt, std::string("\xff\xfe%\0 \0", 6), {"recording.pos", "UTF-16"}},
         {"binary", good_attempt, std::string("\x00\x01\x02\x03", 4), {"recording.pos"}},
@@ -133,11 +149,13 @@ TEST(BadInput, TheGoodAttemptIsGood) {
 }
 
 TEST(BadInput, Attempts) {
-    for (const BadInput& one : bad_attempts()) expect_refused(one);
+    for (const BadInput& one : bad_attempts())
+        expect_refused(one);
 }
 
 TEST(BadInput, Recordings) {
-    for (const BadInput& one : bad_recordings()) expect_refused(one);
+    for (const BadInput& one : bad_recordings())
+        expect_refused(one);
 }
 
 TEST(BadInput, NoAttemptAtAll) {
@@ -197,7 +215,8 @@ TEST(BadInput, ARunThatWasKilledLeavesNothingThatStays) {
                  fmt::format("{} certify {} --out {} & sleep 0.03; kill -9 $!", program,
                              (examples / "salt_lake" / "attempt.yaml").string(), out.string())});
     EXPECT_FALSE(fs::exists(out / "report.json"));
-    ASSERT_EQ(certify(examples / "salt_lake" / "attempt.yaml", out, {"--no-render"}).exit_status, 0);
+    ASSERT_EQ(certify(examples / "salt_lake" / "attempt.yaml", out, {"--no-render"}).exit_status,
+              0);
     for (const auto& entry : fs::directory_iterator(out))
         EXPECT_TRUE(entry.is_regular_file()) << entry.path();
 }

@@ -19,8 +19,7 @@ TEST(Certify, LandYachtIsBeatenAndNotGeoreferenced) {
     const YamlValue profile = verdict["profiles"].list().at(0);
     EXPECT_EQ(profile["outcome"].text(), "beaten");
     // The true speed of the simulated run is 60 m/s.
-    EXPECT_NEAR(profile["speed_km_h"].real(), 216.0,
-                profile["expanded_uncertainty_km_h"].real());
+    EXPECT_NEAR(profile["speed_km_h"].real(), 216.0, profile["expanded_uncertainty_km_h"].real());
     EXPECT_FALSE(profile["window"]["start_gps"].exists());
 }
 
@@ -48,8 +47,7 @@ TEST(Certify, AStepInsideTheBestWindowIsNotCertified) {
     EXPECT_NE(profile["outcome"].text(), "beaten");
     // The raw positions look like a record, and that window is refused because of the step.
     EXPECT_GT(profile["indicated"]["speed_km_h"].real(), profile["target_km_h"].real());
-    EXPECT_NE(profile["indicated"]["refusals"].list().at(0).text().find("step"),
-              std::string::npos);
+    EXPECT_NE(profile["indicated"]["refusals"].list().at(0).text().find("step"), std::string::npos);
 }
 
 /// What must not depend on where, when or under which locale a run was made.
@@ -75,8 +73,7 @@ TEST(Certify, TheSameCommandTwiceGivesTheSameBytes) {
 TEST(Certify, AGermanLocaleGivesTheSameBytes) {
     const TemporaryFolder folder;
     const std::string locale = (folder.path() / "de_DE.UTF-8").string();
-    if (run_process({"sh", "-c",
-                     fmt::format("localedef -i de_DE -f UTF-8 {} 2>/dev/null", locale)})
+    if (run_process({"sh", "-c", fmt::format("localedef -i de_DE -f UTF-8 {} 2>/dev/null", locale)})
             .exit_status > 1)
         GTEST_SKIP() << "localedef cannot make a German locale here";
     const Environment german{{"LC_ALL", "de_DE.UTF-8"}, {"LOCPATH", folder.path().string()}};
@@ -95,9 +92,9 @@ TEST(Certify, StagesByHandGiveTheSameBytesAsCertify) {
     const fs::path attempt = examples / "salt_lake" / "attempt.yaml";
     certify(attempt, folder.path() / "chain", {"--no-render"});
     for (const char* stage : {"import", "enu", "screen", "smooth", "window", "check"}) {
-        const ProcessResult result = run_process(
-            {fmt::format("{}/runcert-{}", RUNCERT_PROGRAMS, stage), "--attempt", attempt.string(),
-             "--run-dir", (folder.path() / "hand").string()});
+        const ProcessResult result =
+            run_process({fmt::format("{}/runcert-{}", RUNCERT_PROGRAMS, stage), "--attempt",
+                         attempt.string(), "--run-dir", (folder.path() / "hand").string()});
         ASSERT_EQ(result.exit_status, 0) << stage << result.errors;
     }
     run_process({RUNCERT_PROGRAMS "/runcert-report", "--attempt", attempt.string(), "--run-dir",
@@ -132,9 +129,9 @@ TEST(Certify, ThePdfHoldsVerdictSpeedUncertaintyAndAllHashes) {
 }
 
 TEST(Help, EveryProgramSaysWhatItDoes) {
-    for (const char* name : {"runcert", "runcert-import", "runcert-enu", "runcert-screen",
-                             "runcert-smooth", "runcert-window", "runcert-check",
-                             "runcert-report"}) {
+    for (const char* name :
+         {"runcert", "runcert-import", "runcert-enu", "runcert-screen", "runcert-smooth",
+          "runcert-window", "runcert-check", "runcert-report"}) {
         const ProcessResult result =
             run_process({fmt::format("{}/{}", RUNCERT_PROGRAMS, name), "--help"});
         EXPECT_EQ(result.exit_status, 0) << name;

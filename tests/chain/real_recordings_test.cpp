@@ -69,8 +69,7 @@ TEST(RealRecordings, Walk) {
     const auto data = recordings();
     if (!data) GTEST_SKIP() << "RUNCERT_DATA is not set";
     const TemporaryFolder folder;
-    const ProcessResult result =
-        certify_recording(*data / "ubx_walk" / "rover.pos", folder.path());
+    const ProcessResult result = certify_recording(*data / "ubx_walk" / "rover.pos", folder.path());
     EXPECT_EQ(result.exit_status, 1) << result.errors;
     const YamlValue profile =
         read_yaml(folder.path() / "run" / "6-verdict.yaml")["profiles"].list().at(0);

@@ -11,10 +11,10 @@ class Verify : public testing::Test {
   protected:
     static void SetUpTestSuite() {
         folder_ = new TemporaryFolder();
-        ASSERT_EQ(runcert({"keygen", "--out", (folder_->path() / "measurer").string(),
-                           "--no-password"})
-                      .exit_status,
-                  0);
+        ASSERT_EQ(
+            runcert({"keygen", "--out", (folder_->path() / "measurer").string(), "--no-password"})
+                .exit_status,
+            0);
         const ProcessResult result =
             certify(examples / "salt_lake" / "attempt.yaml", run(),
                     {"--no-render", "--key", (folder_->path() / "measurer.key").string()});
@@ -94,10 +94,10 @@ TEST_F(Verify, AChangedTrustedCommentOrAnotherKeyIsRefused) {
     EXPECT_EQ(verify().exit_status, 1);
     write_file_atomically(run() / "report.json.minisig", signature);
     runcert({"keygen", "--out", (folder_->path() / "other").string(), "--no-password"});
-    EXPECT_EQ(runcert({"verify", run().string(), "--pubkey",
-                       (folder_->path() / "other.pub").string()})
-                  .exit_status,
-              1);
+    EXPECT_EQ(
+        runcert({"verify", run().string(), "--pubkey", (folder_->path() / "other.pub").string()})
+            .exit_status,
+        1);
 }
 
 TEST_F(Verify, AnUnsignedRunIsNotVerified) {
@@ -115,15 +115,14 @@ TEST_F(Verify, ConsistentlyForgedFilesAreFoundByRecomputation) {
     certify(examples / "rejected" / "attempt.yaml", folder.path() / "run", {"--no-render"});
     const fs::path verdict = folder.path() / "run" / "6-verdict.yaml";
     const fs::path report = folder.path() / "run" / "report.json";
-    const std::string hash = nlohmann::json::parse(read_file(report))["subject"].back()["digest"]
-                                                                     ["sha256"];
+    const std::string hash =
+        nlohmann::json::parse(read_file(report))["subject"].back()["digest"]["sha256"];
     std::string text = read_file(verdict);
     const std::size_t at = text.find("outcome: not_beaten");
     ASSERT_NE(at, std::string::npos);
     text.replace(at, 19, "outcome: beaten");
     write_file_atomically(verdict, text);
-    const std::string new_hash =
-        run_process({"sha256sum", verdict.string()}).output.substr(0, 64);
+    const std::string new_hash = run_process({"sha256sum", verdict.string()}).output.substr(0, 64);
     std::string forged = read_file(report);
     for (std::size_t i = forged.find(hash); i != std::string::npos; i = forged.find(hash))
         forged.replace(i, 64, new_hash);

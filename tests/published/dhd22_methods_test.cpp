@@ -5,7 +5,9 @@
 namespace runcert::published {
 namespace {
 
-double rounded_to_mm(double value) { return std::round(value * 1000.0) / 1000.0; }
+double rounded_to_mm(double value) {
+    return std::round(value * 1000.0) / 1000.0;
+}
 
 /// Every row of a table of one method's speeds, to the printed millimetre per second, and its
 /// printed difference from the reference to the printed micrometre per second.
@@ -33,9 +35,13 @@ std::vector<double> errors(const std::vector<std::optional<double>>& speeds, boo
     return differences;
 }
 
-TEST(Dhd22, AllRowsOfTable4AreMethodV1) { expect_table("table_4_v1.csv", speed_v1(appendix_a())); }
+TEST(Dhd22, AllRowsOfTable4AreMethodV1) {
+    expect_table("table_4_v1.csv", speed_v1(appendix_a()));
+}
 
-TEST(Dhd22, AllRowsOfTable5AreMethodV2) { expect_table("table_5_v2.csv", speed_v2(appendix_a())); }
+TEST(Dhd22, AllRowsOfTable5AreMethodV2) {
+    expect_table("table_5_v2.csv", speed_v2(appendix_a()));
+}
 
 TEST(Dhd22, PrintedStatisticsOfV1FromRoundedValues) {
     const Statistics v1 = statistics_of(errors(speed_v1(appendix_a()), true));

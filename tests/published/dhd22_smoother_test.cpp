@@ -46,7 +46,7 @@ const Chain& appendix_a_smoothed() {
     return chain;
 }
 
-double root_mean_square_error(std::optional<double> TrajectoryEpoch::* speed) {
+double root_mean_square_error(std::optional<double> TrajectoryEpoch::*speed) {
     std::vector<double> errors;
     for (const TrajectoryEpoch& row : appendix_a_smoothed().trajectory.rows)
         if (row.*speed) errors.push_back(*(row.*speed) - true_speed_mps(row.time.seconds()));

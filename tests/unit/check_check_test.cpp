@@ -1,8 +1,9 @@
+#include "stages/check/check.h"
+
 #include <gtest/gtest.h>
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "stages/check/check.h"
 #include "stages/check/decision.h"
 
 namespace runcert {
@@ -10,7 +11,9 @@ namespace {
 
 constexpr double kmh = 1.0 / 3.6;
 
-Profile builtin(const char* name) { return read_profile(builtin_profile(name), name); }
+Profile builtin(const char* name) {
+    return read_profile(builtin_profile(name), name);
+}
 
 TEST(Target, NalsaIsOneMileAnHourAboveTheRecord) {
     EXPECT_NEAR(target_speed(builtin("nalsa"), 126.2 * 1609.344 / 3600.0),
@@ -131,8 +134,8 @@ TEST(Check, LocalPlaneCoordinatesAreForAPersonToAnswerFor) {
     Scene scene(60.0, 0.005);
     scene.judged.facts.georeferenced = false;
     EXPECT_EQ(status_of(scene.verdict(), "positions-on-the-earth"), "attest");
-    const Verdict verdict = check(
-        {.attempt = scene.attempt, .profiles = scene.profiles, .judged = scene.judged});
+    const Verdict verdict =
+        check({.attempt = scene.attempt, .profiles = scene.profiles, .judged = scene.judged});
     EXPECT_FALSE(verdict.georeferenced);
 }
 

@@ -80,9 +80,8 @@ TEST(DecimalNanoseconds, EveryCountRoundTrips) {
     for (int i = 0; i < 10'000; ++i) {
         const auto magnitude = random.next() >> (1 + random.next() % 60);
         const bool negative = random.next() % 2 == 0;
-        const std::string text =
-            fmt::format("{}{}.{:09}", negative ? "-" : "", magnitude / 1'000'000'000,
-                        magnitude % 1'000'000'000);
+        const std::string text = fmt::format("{}{}.{:09}", negative ? "-" : "",
+                                             magnitude / 1'000'000'000, magnitude % 1'000'000'000);
         const auto count = static_cast<std::int64_t>(magnitude);
         ASSERT_EQ(parse_decimal_nanoseconds(text), negative ? -count : count) << text;
     }

@@ -1,10 +1,11 @@
+#include "stages/enu/enu.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
 #include "core/failure.h"
-#include "stages/enu/enu.h"
 
 namespace runcert {
 namespace {
@@ -63,7 +64,8 @@ TEST(ToEnu, AwayFromTheOriginTheyTurnWithTheMeridian) {
     // 20 km east at latitude 60 the meridians have converged by dlon sin(lat).
     const double dlon_deg = 20000.0 / (6378137.0 * 0.5) * 180.0 / std::numbers::pi;
     const EnuTable table = to_enu(at(60.0, 10.0 + dlon_deg, 0.0), origin_at(60.0, 10.0, 0.0));
-    const double turn = dlon_deg * std::numbers::pi / 180.0 * std::sin(60.0 * std::numbers::pi / 180);
+    const double turn =
+        dlon_deg * std::numbers::pi / 180.0 * std::sin(60.0 * std::numbers::pi / 180);
     const double expected_east = 10.0 * std::cos(turn) - 20.0 * std::sin(turn);
     EXPECT_NEAR(*table.rows[0].recorded_velocity_east_mps, expected_east, 2e-4);
     // The determinant and the trace of a covariance do not turn.

@@ -26,8 +26,8 @@ std::vector<ArcEpoch<Axes>> sample_arc(std::size_t epochs) {
         factor(1, 0) = 0.006;
         measurement.covariance = factor * factor.transpose();
         for (int axis = 0; axis < Axes; ++axis)
-            measurement.position(axis) = 50.0 + 11.0 * time_s + axis * time_s * time_s +
-                                         0.01 * random.normal();
+            measurement.position(axis) =
+                50.0 + 11.0 * time_s + axis * time_s * time_s + 0.01 * random.normal();
         if (k != 4) arc[k].measurement = measurement;
         time_s += 0.08 + 0.04 * random.uniform();
     }
@@ -87,20 +87,24 @@ void expect_equal_to_dense() {
         const auto at = static_cast<Eigen::Index>(k) * n;
         const StateVector<Axes> difference = smoothed.states[k].mean - dense.states.segment(at, n);
         EXPECT_LT(difference.cwiseAbs().maxCoeff(), 1e-5) << k;
-        EXPECT_TRUE(smoothed.states[k].covariance.isApprox(dense.covariance.block(at, at, n, n),
-                                                           1e-5))
+        EXPECT_TRUE(
+            smoothed.states[k].covariance.isApprox(dense.covariance.block(at, at, n, n), 1e-5))
             << k;
     }
     // Joint covariance of two states, across the missing measurement.
     const auto s = 2;
     const auto e = 9;
-    EXPECT_TRUE(smoothed.cross_covariance(s, e).isApprox(
-        dense.covariance.block(s * n, e * n, n, n), 1e-5));
+    EXPECT_TRUE(
+        smoothed.cross_covariance(s, e).isApprox(dense.covariance.block(s * n, e * n, n, n), 1e-5));
     EXPECT_EQ(smoothed.measurements, 11);
 }
 
-TEST(Smoother, EqualsDenseLeastSquaresInThePlane) { expect_equal_to_dense<2>(); }
-TEST(Smoother, EqualsDenseLeastSquaresInSpace) { expect_equal_to_dense<3>(); }
+TEST(Smoother, EqualsDenseLeastSquaresInThePlane) {
+    expect_equal_to_dense<2>();
+}
+TEST(Smoother, EqualsDenseLeastSquaresInSpace) {
+    expect_equal_to_dense<3>();
+}
 
 TEST(Smoother, SumOfInnovationStatisticsIsTheMinimumOfLeastSquares) {
     auto arc = sample_arc<2>(12);
@@ -156,7 +160,8 @@ TEST(Smoother, DisplacementUncertaintyHoldsUnderTheModel) {
             truth.emplace_back(state.row(0).transpose());
             arc[k].time_s = dt_s * static_cast<double>(k);
             arc[k].measurement = PositionMeasurement<2>{
-                .position = truth.back() + 0.003 * Eigen::Vector2d(random.normal(), random.normal()),
+                .position =
+                    truth.back() + 0.003 * Eigen::Vector2d(random.normal(), random.normal()),
                 .covariance = 9e-6 * Eigen::Matrix2d::Identity()};
         }
         const SpeedEstimate speed = displacement_speed(smooth<2>(arc, model), 10, 40, 3.0);
@@ -179,8 +184,8 @@ TEST(HorizontalSpeed, UncertaintyByNumericDerivatives) {
         step(i) = 1e-6;
         gradient(i) = ((velocity + step).norm() - (velocity - step).norm()) / 2e-6;
     }
-    EXPECT_NEAR(speed.standard_uncertainty_mps,
-                std::sqrt(gradient.dot(covariance * gradient)), 1e-9);
+    EXPECT_NEAR(speed.standard_uncertainty_mps, std::sqrt(gradient.dot(covariance * gradient)),
+                1e-9);
     EXPECT_NEAR(horizontal_speed(Eigen::Vector2d::Zero(), Eigen::Vector2d(0.04, 0.09).asDiagonal())
                     .standard_uncertainty_mps,
                 0.3, 1e-12);

@@ -1,9 +1,10 @@
+#include "stages/screen/screen.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "core/random.h"
-#include "stages/screen/screen.h"
 
 namespace runcert {
 namespace {
@@ -69,8 +70,7 @@ TEST(Screen, EachEpochByItself) {
         {"single", [](EnuTable& t) { t.rows[50].fix = FixKind::single; }, Reason::other_fix},
         {"same time", [](EnuTable& t) { t.rows[50].time = t.rows[49].time; },
          Reason::duplicate_time},
-        {"backward", [](EnuTable& t) { t.rows[50].time = t.rows[40].time; },
-         Reason::backward_time},
+        {"backward", [](EnuTable& t) { t.rows[50].time = t.rows[40].time; }, Reason::backward_time},
         {"no accuracy", [](EnuTable& t) { t.rows[50].sigma_north_m.reset(); },
          Reason::accuracy_missing},
         {"no vertical accuracy", [](EnuTable& t) { t.rows[50].sigma_up_m.reset(); },
@@ -123,7 +123,8 @@ TEST(Screen, OneOutlierIsRejectedAndTheArcGoesOn) {
 
 TEST(Screen, AStepIsABreakAtItsFirstEpoch) {
     EnuTable table = clean_run(200);
-    for (std::size_t k = 100; k < 200; ++k) *table.rows[k].east_m += 0.5;
+    for (std::size_t k = 100; k < 200; ++k)
+        *table.rows[k].east_m += 0.5;
     const ScreenedTable screened = screen(table, config());
     EXPECT_EQ(summarise(screened.rows).arcs, 2);
     EXPECT_EQ(screened.rows[99].arc, 1);
@@ -160,7 +161,8 @@ TEST(Screen, ErrorsLargerThanStatedAreNotMistakenForOutliers) {
 TEST(Screen, FalseAlarmsAreAsRareAsStated) {
     std::int64_t rejected = 0;
     for (std::uint64_t seed = 1; seed <= 20; ++seed)
-        rejected += summarise(screen(clean_run(1000, seed), config()).rows).reasons[Reason::innovation];
+        rejected +=
+            summarise(screen(clean_run(1000, seed), config()).rows).reasons[Reason::innovation];
     EXPECT_LE(rejected, 1);  // 20,000 tests at a rate of 1e-6
 }
 

@@ -1,3 +1,5 @@
+#include "stages/window/window.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -5,7 +7,6 @@
 #include "core/failure.h"
 #include "core/random.h"
 #include "stages/window/search.h"
-#include "stages/window/window.h"
 
 namespace runcert {
 namespace {
@@ -136,13 +137,13 @@ TEST(WindowSearch, EqualsExhaustiveSearch) {
 }
 
 TEST(WindowSearch, EndsOfIrregularTimes) {
-    const std::vector<ElapsedTime> times{{0}, {999'500'000}, {1'400'000'000}, {2'400'000'001},
-                                         {9'000'000'000}};
+    const std::vector<ElapsedTime> times{
+        {0}, {999'500'000}, {1'400'000'000}, {2'400'000'001}, {9'000'000'000}};
     const auto ends = window_ends(times, 1.0, 0.001, 0.5);
-    EXPECT_EQ(ends[0], 1U);                  // short by less than the tolerance
-    EXPECT_EQ(ends[1], 3U);                  // 1.4005 s: the next epoch, within one interval
+    EXPECT_EQ(ends[0], 1U);  // short by less than the tolerance
+    EXPECT_EQ(ends[1], 3U);  // 1.4005 s: the next epoch, within one interval
     EXPECT_EQ(ends[2], 3U);
-    EXPECT_FALSE(ends[3].has_value());       // the next is far beyond
+    EXPECT_FALSE(ends[3].has_value());  // the next is far beyond
     EXPECT_FALSE(ends[4].has_value());
 }
 
@@ -154,7 +155,8 @@ TEST(WindowSearch, ATrajectoryOfOtherEpochsIsRefused) {
         row.arc = 1;
     }
     ScreenedTable screened = screened_of(sample.trajectory);
-    for (ScreenedEpoch& row : screened.rows) *row.east_m += 0.001;
+    for (ScreenedEpoch& row : screened.rows)
+        *row.east_m += 0.001;
     const Profile profile = read_profile(builtin_profile("nalsa"), "nalsa");
     EXPECT_THROW(find_windows(screened, sample.trajectory, {profile},
                               {.duration_tolerance_s = 0.001, .model = {.jerk_density = 50.0}}),
@@ -164,9 +166,11 @@ TEST(WindowSearch, ATrajectoryOfOtherEpochsIsRefused) {
 TEST(IndicatedWindow, IsFoundAcrossWhatScreeningRefused) {
     Sample sample = random_sample(5);
     ScreenedTable screened = screened_of(sample.trajectory);
-    for (std::size_t k = 200; k < 400; ++k) *screened.rows[k].east_m += 500.0;
+    for (std::size_t k = 200; k < 400; ++k)
+        *screened.rows[k].east_m += 500.0;
     screened.rows[200].break_before = ArcBreak::innovation;
-    const auto indicated = fastest_indicated(screened, 3.0, {.duration_tolerance_s = 0.001, .model = {}});
+    const auto indicated =
+        fastest_indicated(screened, 3.0, {.duration_tolerance_s = 0.001, .model = {}});
     ASSERT_TRUE(indicated.has_value());
     EXPECT_LT(indicated->span.first_epoch, 201);
     EXPECT_GE(indicated->span.last_epoch, 201);

@@ -48,15 +48,18 @@ std::string in_capitals(std::string word) {
     return word;
 }
 
+/// A speed of the verdict in km/h, rounded once, from the figure with the most digits.
+std::string in_km_h(const YamlValue& speed_mps) {
+    return format_fixed(speed_mps.real() * 3.6, 3);
+}
+
 /// Prints one profile's verdict, to be read in five seconds. Returns whether the record is beaten.
 bool print_verdict(const YamlValue& profile) {
     const std::string outcome = profile["outcome"].text();
     fmt::print("\n{}  {}\n", in_capitals(outcome), profile["profile"].text());
     if (profile["speed_km_h"].exists())
-        fmt::print("  speed    {} km/h +/- {} km/h (k = {:g})\n",
-                   format_fixed(profile["speed_km_h"].real(), 3),
-                   format_fixed(profile["expanded_uncertainty_km_h"].real(), 3),
-                   profile["coverage_factor"].real());
+        fmt::print("  speed    {} km/h +/- {} km/h (k = {:g})\n", in_km_h(profile["speed_m_s"]),
+                   in_km_h(profile["expanded_uncertainty_m_s"]), profile["coverage_factor"].real());
     if (const YamlValue window = profile["window"]; window.exists())
         fmt::print("  window   {} s from {} s{}\n", format_fixed(window["duration_s"].real(), 3),
                    format_fixed(window["start_time_s"].real(), 3),
@@ -66,8 +69,7 @@ bool print_verdict(const YamlValue& profile) {
         std::string refusals;
         for (const YamlValue& refusal : indicated["refusals"].list())
             refusals += (refusals.empty() ? "" : "; ") + refusal.text();
-        fmt::print("  refused  {} km/h at {} s: {}\n",
-                   format_fixed(indicated["speed_km_h"].real(), 3),
+        fmt::print("  refused  {} km/h at {} s: {}\n", in_km_h(indicated["speed_m_s"]),
                    format_fixed(indicated["start_time_s"].real(), 3), refusals);
     }
     std::string attest;
@@ -84,6 +86,10 @@ bool print_verdicts(const fs::path& run_dir, bool signed_report, bool rendered) 
     bool all_beaten = true;
     for (const YamlValue& profile : verdict["profiles"].list())
         all_beaten = print_verdict(profile) && all_beaten;
+    if (!verdict["georeferenced"].boolean())
+        fmt::print(
+            "\nnote     not georeferenced: local-plane coordinates, whose scale on the ground is "
+            "not stated\n");
     fmt::print("\nreport   {}{}\n", (run_dir / (rendered ? "report.html" : "report.json")).string(),
                signed_report ? " (signed)" : " (UNSIGNED: give --key to sign it)");
     return all_beaten;

@@ -27,8 +27,8 @@ struct Innovation {
 };
 
 /// A prior that says next to nothing: at a position, with standard deviations of 100 m, 300 m/s
-/// and 100 m/s^2. Against a measurement of 10 mm it moves a position by less than a nanometre for
-/// each metre it is off.
+/// and 100 m/s^2. Against one measurement of 10 mm it moves a position by 1e-8 of the distance
+/// between the two.
 template <int Axes>
 StateEstimate<Axes> vague_prior(const PositionVector<Axes>& position);
 

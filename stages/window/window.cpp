@@ -14,12 +14,10 @@
 namespace runcert {
 namespace {
 
-/// Sums along the rows of a trajectory, so that a window's means cost the same whatever its length.
-/// Each counts from the beginning of the row's arc.
+/// Sums along the rows of an arc, so that a window's means cost the same whatever its length.
 struct RunningSums {
     std::vector<double> path_m;  ///< path length up to the row
     std::vector<double> speed;   ///< sum of smoothed speeds up to and with the row
-    std::vector<int> unusable;   ///< unusable rows up to and with the row
 };
 
 Eigen::Vector2d position_of(const TrajectoryEpoch& row) {
@@ -47,15 +45,12 @@ RunningSums sums_over(const TrajectoryTable& trajectory, const std::vector<std::
     RunningSums sums;
     double path_m = 0.0;
     double speed = 0.0;
-    int unusable = 0;
     for (std::size_t k = 0; k < rows.size(); ++k) {
         const TrajectoryEpoch& row = trajectory.rows[rows[k]];
         if (k > 0) path_m += (position_of(row) - position_of(trajectory.rows[rows[k - 1]])).norm();
         speed += *row.speed_mps;
-        unusable += row.usable ? 0 : 1;
         sums.path_m.push_back(path_m);
         sums.speed.push_back(speed);
-        sums.unusable.push_back(unusable);
     }
     return sums;
 }
@@ -79,28 +74,53 @@ struct Candidate {
     SpeedDefinitions definitions;
 };
 
-/// The best window of an arc, and how many were compared.
-void search_arc(const TrajectoryTable& trajectory, const ArcRows& arc, const Profile& profile,
-                const WindowConfig& config, std::optional<Candidate>& best,
-                std::int64_t& candidates) {
-    const RunningSums sums = sums_over(trajectory, arc.rows);
-    std::vector<ElapsedTime> times;
-    for (const std::size_t row : arc.rows)
-        times.push_back(trajectory.rows[row].time);
-    const auto ends = window_ends(times, profile.duration_s, config.duration_tolerance_s,
-                                  trajectory.facts.nominal_interval_s);
-    for (std::size_t first = 0; first < arc.rows.size(); ++first) {
-        if (!ends[first] || !trajectory.rows[arc.rows[first]].usable ||
-            sums.unusable[*ends[first]] != sums.unusable[first])
-            continue;
-        ++candidates;
-        const EpochPair window{first, *ends[first]};
-        const SpeedDefinitions definitions = definitions_of(trajectory, arc, sums, window);
-        if (!best ||
-            definitions.by_name(profile.definition) > best->definitions.by_name(profile.definition))
-            best = Candidate{&arc, window, definitions};
+/// Looks for a profile's best certifiable window, arc by arc.
+class WindowSearch {
+  public:
+    WindowSearch(const TrajectoryTable& trajectory, const Profile& profile,
+                 const WindowConfig& config)
+        : trajectory_(trajectory), profile_(profile), config_(config) {
+        // Every row counts, also one that belongs to no arc, as a repeated time stamp.
+        for (const TrajectoryEpoch& row : trajectory.rows)
+            unusable_.push_back((unusable_.empty() ? 0 : unusable_.back()) + (row.usable ? 0 : 1));
     }
-}
+
+    void look_in(const ArcRows& arc) {
+        const RunningSums sums = sums_over(trajectory_, arc.rows);
+        std::vector<ElapsedTime> times;
+        for (const std::size_t row : arc.rows)
+            times.push_back(trajectory_.rows[row].time);
+        const auto ends = window_ends(times, profile_.duration_s, config_.duration_tolerance_s,
+                                      trajectory_.facts.nominal_interval_s);
+        for (std::size_t first = 0; first < arc.rows.size(); ++first)
+            if (ends[first] && all_usable(arc.rows[first], arc.rows[*ends[first]]))
+                consider({&arc,
+                          {first, *ends[first]},
+                          definitions_of(trajectory_, arc, sums, {first, *ends[first]})});
+    }
+
+    const std::optional<Candidate>& best() const { return best_; }
+    std::int64_t candidates() const { return candidates_; }
+
+  private:
+    bool all_usable(std::size_t first_row, std::size_t last_row) const {
+        return trajectory_.rows[first_row].usable && unusable_[last_row] == unusable_[first_row];
+    }
+    void consider(const Candidate& candidate) {
+        ++candidates_;
+        const auto speed = [&](const Candidate& one) {
+            return one.definitions.by_name(profile_.definition);
+        };
+        if (!best_ || speed(candidate) > speed(*best_)) best_ = candidate;
+    }
+
+    const TrajectoryTable& trajectory_;
+    const Profile& profile_;
+    const WindowConfig& config_;
+    std::vector<std::int64_t> unusable_;
+    std::optional<Candidate> best_;
+    std::int64_t candidates_ = 0;
+};
 
 /// Mean of a method's speeds over the window; nothing if one is missing.
 std::optional<double> mean_over(const TrajectoryTable& trajectory, const Candidate& candidate,
@@ -206,10 +226,12 @@ Windows find_windows(const ScreenedTable& screened, const TrajectoryTable& traje
                              .candidates = 0,
                              .best = std::nullopt,
                              .indicated = fastest_indicated(screened, profile.duration_s, config)};
-        std::optional<Candidate> best;
+        WindowSearch search(trajectory, profile, config);
         for (const ArcRows& arc : arcs)
-            search_arc(trajectory, arc, profile, config, best, entry.candidates);
-        if (best) entry.best = certified(screened, trajectory, *best, profile, config);
+            search.look_in(arc);
+        entry.candidates = search.candidates();
+        if (search.best())
+            entry.best = certified(screened, trajectory, *search.best(), profile, config);
         windows.profiles.push_back(std::move(entry));
     }
     return windows;

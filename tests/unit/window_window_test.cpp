@@ -39,6 +39,12 @@ Sample random_sample(std::uint64_t seed) {
         row.speed_mps = speed;
         row.arc = arc;
         row.usable = random.uniform() > 0.02;
+        if (random.uniform() < 0.01) {
+            // A repeated time stamp: an unusable epoch that belongs to no arc.
+            TrajectoryEpoch& repeated = sample.trajectory.rows.emplace_back();
+            repeated.epoch = ++epoch;
+            repeated.time.nanoseconds = time_ns;
+        }
     }
     return sample;
 }
@@ -49,9 +55,10 @@ double brute_force(const TrajectoryTable& t, double duration_s, const std::strin
     double best = -1.0;
     candidates = 0;
     for (std::size_t i = 0; i < t.rows.size(); ++i) {
+        if (!t.rows[i].arc) continue;
         for (std::size_t j = i + 1; j < t.rows.size(); ++j) {
             const double span = t.rows[j].time.seconds() - t.rows[i].time.seconds();
-            if (span < duration_s - 0.001 - 1e-9) continue;
+            if (!t.rows[j].arc || span < duration_s - 0.001 - 1e-9) continue;
             bool certifiable = span < duration_s + 0.1 - 1e-9;
             for (std::size_t k = i; k <= j; ++k)
                 certifiable = certifiable && t.rows[k].usable && t.rows[k].arc == t.rows[i].arc;
@@ -108,9 +115,12 @@ TEST(WindowSearch, EqualsExhaustiveSearch) {
         Sample sample = random_sample(seed);
         sample.trajectory.facts.vertical_measured = false;
         // An arc must begin with a measurement.
-        for (std::size_t i = 0; i < sample.trajectory.rows.size(); ++i)
-            if (i == 0 || sample.trajectory.rows[i].arc != sample.trajectory.rows[i - 1].arc)
-                sample.trajectory.rows[i].usable = true;
+        std::optional<std::int64_t> arc;
+        for (TrajectoryEpoch& row : sample.trajectory.rows)
+            if (row.arc && row.arc != arc) {
+                arc = row.arc;
+                row.usable = true;
+            }
         const ScreenedTable screened = screened_of(sample.trajectory);
         for (const std::string definition :
              {"displacement", "path_length", "mean_n_plus_1", "mean_n"}) {
@@ -150,13 +160,14 @@ TEST(WindowSearch, EndsOfIrregularTimes) {
 TEST(WindowSearch, ATrajectoryOfOtherEpochsIsRefused) {
     Sample sample = random_sample(3);
     sample.trajectory.facts.vertical_measured = false;
+    std::erase_if(sample.trajectory.rows, [](const TrajectoryEpoch& row) { return !row.arc; });
     for (TrajectoryEpoch& row : sample.trajectory.rows) {
         row.usable = true;
         row.arc = 1;
     }
     ScreenedTable screened = screened_of(sample.trajectory);
     for (ScreenedEpoch& row : screened.rows)
-        *row.east_m += 0.001;
+        *row.east_m += 0.001;  // every row has a position here
     const Profile profile = read_profile(builtin_profile("nalsa"), "nalsa");
     EXPECT_THROW(find_windows(screened, sample.trajectory, {profile},
                               {.duration_tolerance_s = 0.001, .model = {.jerk_density = 50.0}}),
@@ -166,8 +177,8 @@ TEST(WindowSearch, ATrajectoryOfOtherEpochsIsRefused) {
 TEST(IndicatedWindow, IsFoundAcrossWhatScreeningRefused) {
     Sample sample = random_sample(5);
     ScreenedTable screened = screened_of(sample.trajectory);
-    for (std::size_t k = 200; k < 400; ++k)
-        *screened.rows[k].east_m += 500.0;
+    for (std::size_t k = 200; k < screened.rows.size(); ++k)
+        if (screened.rows[k].east_m) *screened.rows[k].east_m += 500.0;
     screened.rows[200].break_before = ArcBreak::innovation;
     const auto indicated =
         fastest_indicated(screened, 3.0, {.duration_tolerance_s = 0.001, .model = {}});

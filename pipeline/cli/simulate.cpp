@@ -60,7 +60,7 @@ std::string attempt_text(const SimulationDocument& simulation) {
                              {"longitude_deg", spec.place->longitude.degrees()},
                              {"height_m", spec.place->height_m}};
     take({"record", "profiles", "parameters"});
-    const std::string text =
+    std::string text =
         "# Written by runcert simulate: the recording is simulated.\n" + to_yaml_text(attempt);
     try {
         (void)read_attempt(text, "attempt.yaml");

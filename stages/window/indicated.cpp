@@ -52,6 +52,7 @@ std::vector<std::string> refusals_of(const ScreenedTable& screened, std::size_t 
         if (i == first || !row.break_before) continue;
         (*row.break_before == ArcBreak::innovation ? steps : gaps) += 1;
     }
+    refusals.reserve(reasons.size() + 2);
     for (const auto& [reason, count] : reasons)
         refusals.push_back(describe(reason, count));
     if (steps > 0)
@@ -70,6 +71,7 @@ std::optional<IndicatedWindow> fastest_indicated(const ScreenedTable& screened, 
                                                  const WindowConfig& config) {
     const std::vector<std::size_t> rows = rows_in_time(screened);
     std::vector<ElapsedTime> times;
+    times.reserve(rows.size());
     for (const std::size_t row : rows)
         times.push_back(screened.rows[row].time);
     const auto ends = window_ends(times, duration_s, config.duration_tolerance_s,

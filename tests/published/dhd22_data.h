@@ -11,9 +11,9 @@
 
 namespace runcert::published {
 
-/// The numbers of a comma-separated file of the published figures, without its first line.
+/// The numbers of a comma-separated file of the source tree, without its first line.
 inline std::vector<std::vector<double>> read_numbers(const std::string& name) {
-    std::ifstream file(std::string(RUNCERT_PUBLISHED_DATA) + "/" + name);
+    std::ifstream file(std::string(RUNCERT_SOURCE_DIR) + "/" + name);
     std::vector<std::vector<double>> rows;
     std::string line;
     std::getline(file, line);
@@ -30,7 +30,7 @@ inline std::vector<std::vector<double>> read_numbers(const std::string& name) {
 /// Appendix A of [DHD22]: 451 epochs at 10 Hz, 10 mm white noise on each coordinate.
 inline std::vector<PlanePosition> appendix_a() {
     std::vector<PlanePosition> positions;
-    for (const auto& row : read_numbers("appendix_a_simulated_ppk.csv"))
+    for (const auto& row : read_numbers("examples/land_yacht/appendix_a_simulated_ppk.csv"))
         positions.push_back({.time_s = row[1], .position = {row[2], row[3]}, .sigma_m = 0.010});
     return positions;
 }

@@ -12,7 +12,7 @@ double rounded_to_mm(double value) {
 /// Every row of a table of one method's speeds, to the printed millimetre per second, and its
 /// printed difference from the reference to the printed micrometre per second.
 void expect_table(const std::string& name, const std::vector<std::optional<double>>& speeds) {
-    const auto rows = read_numbers(name);
+    const auto rows = read_numbers("tests/published/data/" + name);
     ASSERT_EQ(rows.size(), 41U);
     for (const auto& row : rows) {
         const auto epoch = static_cast<std::size_t>(row[0]);

@@ -100,7 +100,10 @@ int main(int argc, char** argv) {
             if (!render_only) write_report(run, write_report_json(gather(run)));
             if (!key.empty())
                 sign_report(run.run_dir(), load_secret_key(key), signing_role(run.attempt()));
-            if (no_render) return;
+            if (no_render) {
+                run.say("report.json");
+                return;
+            }
             render_report(run.run_dir(), read_file(run.run_dir() / "report.json"),
                           {.signers = signers_of(run.run_dir())});
             run.say("report.json, report.html, report.pdf");

@@ -25,7 +25,7 @@ std::size_t count(const Inspection& it, FixKind kind) {
 
 class RealPos : public testing::TestWithParam<Real> {};
 
-// Counts of shared/data/README.md, measured from the files apart from this code.
+// Counts that were measured from the files apart from this code.
 TEST_P(RealPos, Figures) {
     const Real& expected = GetParam();
     const auto bytes = recorded(expected.file);

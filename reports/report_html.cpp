@@ -17,7 +17,7 @@ using TemplateData = kainjow::mustache::data;
 namespace {
 
 /// Control characters have no place in a page; line ends and tabs do.
-std::string printable(std::string text) {
+std::string printable(const std::string& text) {
     std::string out;
     for (const char c : text) {
         const bool control = (c >= 0 && c < ' ' && c != '\n' && c != '\t') || c == '\x7f';
@@ -90,19 +90,19 @@ std::string report_html(const Json& report, const std::vector<Figure>& figures,
         entry.set("figure_title", printable(figure.title));
         entry.set("caption", printable(figure.caption));
         entry.set("svg", figure.svg);
-        drawn.push_back(std::move(entry));
+        drawn.push_back(entry);
     }
     TemplateData keys{TemplateData::type::list};
     for (const ReportSigner& signer : signers) {
         TemplateData entry{TemplateData::type::object};
         entry.set("key_id", printable(signer.key_id));
         entry.set("trusted_comment", printable(signer.trusted_comment));
-        keys.push_back(std::move(entry));
+        keys.push_back(entry);
     }
     data.set("signed", TemplateData(!signers.empty()));
-    data.set("signers", std::move(keys));
+    data.set("signers", keys);
     data.set("has_figures", TemplateData(!figures.empty()));
-    data.set("drawn", std::move(drawn));
+    data.set("drawn", drawn);
     data.set("has_attestations", TemplateData(!report["predicate"]["attestations"].empty()));
     data.set("two_receivers", TemplateData(report["predicate"]["receivers"].size() > 1));
     data.set("style", std::string(report_text("template/report.css")));

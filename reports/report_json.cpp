@@ -123,13 +123,13 @@ std::string report_text_of(const Json& report) {
 }
 
 Json parse_report(const std::string& text, const std::string& where) {
-    const Json report = Json::parse(text, nullptr, false);
+    Json report = Json::parse(text, nullptr, false);
     if (!report.is_object() || !report.contains("predicate") ||
         report.value("predicateType", Json()) != Json(predicate_type))
         throw Failure(where, "this is not a measurement report of this program's version",
                       "Give the report.json of a run folder, or use the version of the program "
                       "that made it");
-    check_predicate(report["predicate"], where);
+    check_predicate(report.at("predicate"), where);
     return report;
 }
 

@@ -164,8 +164,8 @@ std::string yaml_place(const std::string& where, const YAML::Node& node) {
     return place(where, node.Mark());
 }
 
-YamlValue::YamlValue(YAML::Node node, std::string where, std::string path)
-    : node_(std::move(node)), where_(std::move(where)), path_(std::move(path)) {}
+YamlValue::YamlValue(const YAML::Node& node, std::string where, std::string path)
+    : node_(node), where_(std::move(where)), path_(std::move(path)) {}
 
 YamlValue& YamlValue::operator=(const YamlValue& other) {
     // Assignment of a YAML::Node would write into the tree that both belong to.

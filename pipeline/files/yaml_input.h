@@ -24,7 +24,7 @@ std::string yaml_place(const std::string& where, const YAML::Node& node);
 /// or of another type: a quoted number is text, `yes` is no boolean.
 class YamlValue {
   public:
-    YamlValue(YAML::Node node, std::string where, std::string path = {});
+    YamlValue(const YAML::Node& node, std::string where, std::string path = {});
 
     YamlValue(const YamlValue&) = default;
     YamlValue& operator=(const YamlValue& other);

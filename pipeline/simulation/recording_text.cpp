@@ -30,7 +30,7 @@ std::string rtklib_time(GpsTime time) {
 }
 
 std::string rtklib_header(const RecordingStyle& style) {
-    const auto width = static_cast<std::size_t>(style.decimals_deg + 5);
+    const auto width = static_cast<std::size_t>(style.decimals_deg) + 5;
     return fmt::format(
         "% program   : runcert simulate (no receiver: this recording is simulated)\n"
         "% (lat/lon/height=WGS84/ellipsoidal,Q=1:fix,2:float,3:sbas,4:dgps,5:single,6:ppp,"

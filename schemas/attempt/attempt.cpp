@@ -35,7 +35,7 @@ bool is_id(std::string_view text) {
 }
 
 std::string read_id(const YamlValue& value) {
-    const std::string id = value.text();
+    std::string id = value.text();
     if (!is_id(id))
         value.fail(fmt::format("\"{}\" cannot be an id", escape_for_message(id)),
                    "Use 1 to 64 letters, digits, - and _, not beginning with -");
@@ -104,7 +104,7 @@ std::vector<Receiver> read_receivers(const YamlValue& list) {
 
 std::string read_date(const YamlValue& value) {
     if (!value.exists()) return {};
-    const std::string date = value.text();
+    std::string date = value.text();
     try {
         if (date.size() != 10 || date[4] != '-') throw Failure("", "", "");
         (void)parse_gps_iso(date + "T00:00:00");

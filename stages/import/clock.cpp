@@ -9,7 +9,7 @@
 namespace runcert {
 namespace {
 
-constexpr std::int64_t jst_offset_ns = 9 * 3600 * GpsTime::nanoseconds_per_second;
+constexpr std::int64_t jst_offset_ns = std::int64_t{9} * 3600 * GpsTime::nanoseconds_per_second;
 constexpr std::int64_t unix_seconds_of_gps_epoch = 315'964'800;
 
 /// The number of exactly `size` digits at `at`, which must be there.

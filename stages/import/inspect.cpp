@@ -55,7 +55,7 @@ std::vector<const Observation*> by_time(const std::vector<Observation>& rows, Us
 template <class Speed>
 std::optional<RawBest> fastest(const std::vector<const Observation*>& rows,
                                double nominal_interval_s, Speed speed) {
-    const auto longest_ns = window_ns + static_cast<std::int64_t>(nominal_interval_s * 1e9 + 0.5);
+    const auto longest_ns = window_ns + std::llround(nominal_interval_s * 1e9);
     std::optional<RawBest> best;
     std::size_t to = 0;
     for (std::size_t from = 0; from < rows.size(); ++from) {

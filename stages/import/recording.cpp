@@ -19,7 +19,7 @@ struct Beginning {
     std::string_view remedy;
 };
 
-using std::string_view_literals::operator""sv;
+using namespace std::string_view_literals;
 
 constexpr std::string_view unpack = "Unpack it, and name the recording inside it";
 constexpr std::string_view save_as_utf8 =

@@ -4,7 +4,6 @@
 #include <filesystem>
 
 #include "files/atomic_file.h"
-#include "files/sha256.h"
 #include "reports/report_html.h"
 #include "reports/report_run.h"
 #include "run/evidence.h"
@@ -15,61 +14,41 @@ using namespace runcert;
 
 namespace {
 
-/// Every file that the stages read or wrote becomes a subject, in the order in which the chain
-/// made them.
-class Gatherer {
-  public:
-    Gatherer(StageRun& run, ReportInputs& inputs) : run_(run), inputs_(inputs) {}
-
-    template <class Reader>
-    auto product(const std::string& role, const std::string& file, Reader reader) {
-        auto result = run_.read(role, file, reader);
-        subject(role, file, {});
-        return result;
-    }
-
-    void subject(const std::string& role, const std::string& file, const std::string& original) {
-        const FileDigest digest = digest_file(run_.run_dir() / file);
-        inputs_.subjects.push_back({.role = role,
-                                    .file = file,
-                                    .sha256 = digest.sha256,
-                                    .bytes = digest.bytes,
-                                    .original = original == file ? "" : original});
-    }
-
-  private:
-    StageRun& run_;
-    ReportInputs& inputs_;
-};
-
-ReceiverResults gather_receiver(Gatherer& files, const Attempt& attempt, const Receiver& receiver) {
+ReceiverResults gather_receiver(StageRun& run, const Receiver& receiver) {
     const auto name = [&](std::string_view stem, std::string_view extension) {
-        return product_file(attempt, receiver, stem, extension);
+        return product_file(run.attempt(), receiver, stem, extension);
     };
-    files.subject("recording", evidence_recording_file(receiver),
+    run.note_file("recording", evidence_recording_file(receiver),
                   std::filesystem::path(receiver.recording).filename().string());
     ReceiverResults results;
     results.observations =
-        files.product("observations", name("1-observations", "ecsv"), read_observations);
-    results.enu_header = files.product("enu", name("2-enu", "ecsv"), read_enu).header;
-    results.screened = files.product("screened", name("3-screened", "ecsv"), read_screened);
-    results.trajectory = files.product("trajectory", name("4-trajectory", "ecsv"), read_trajectory);
-    results.windows = files.product("windows", name("5-windows", "yaml"), read_windows);
+        run.read("observations", name("1-observations", "ecsv"), read_observations);
+    results.enu_header = run.read("enu", name("2-enu", "ecsv"), read_enu).header;
+    results.screened = run.read("screened", name("3-screened", "ecsv"), read_screened);
+    results.trajectory = run.read("trajectory", name("4-trajectory", "ecsv"), read_trajectory);
+    results.windows = run.read("windows", name("5-windows", "yaml"), read_windows);
     return results;
 }
 
+/// Reads the whole run. Every file noted on the way, in the order in which the chain made them,
+/// becomes a subject of the report.
 ReportInputs gather(StageRun& run) {
     ReportInputs inputs;
     inputs.attempt = run.attempt();
-    Gatherer files(run, inputs);
-    files.subject("attempt", std::string(evidence_attempt_file), {});
+    run.note_attempt();
     for (const std::string& claimed : run.attempt().profiles) {
         inputs.profiles.push_back(read_claimed_profile(run.run_dir(), claimed));
-        files.subject("profile", evidence_profile_file(claimed), {});
+        run.note_file("profile", evidence_profile_file(claimed));
     }
     for (const Receiver& receiver : run.attempt().receivers)
-        inputs.receivers.push_back(gather_receiver(files, run.attempt(), receiver));
-    inputs.verdict = files.product("verdict", "6-verdict.yaml", read_verdict);
+        inputs.receivers.push_back(gather_receiver(run, receiver));
+    inputs.verdict = run.read("verdict", "6-verdict.yaml", read_verdict);
+    for (const InputFile& file : run.inputs())
+        inputs.subjects.push_back({.role = file.role,
+                                   .file = file.file,
+                                   .sha256 = file.sha256,
+                                   .bytes = file.bytes,
+                                   .original = file.original});
     return inputs;
 }
 
@@ -96,7 +75,6 @@ int main(int argc, char** argv) {
     return stage_main(
         argc, argv, "report", "The measurement report: report.json, and from it HTML and PDF",
         [&](StageRun& run) {
-            run.note_attempt();
             if (!render_only) write_report(run, write_report_json(gather(run)));
             if (!key.empty())
                 sign_report(run.run_dir(), load_secret_key(key), signing_role(run.attempt()));

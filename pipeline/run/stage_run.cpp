@@ -9,6 +9,18 @@
 #include "run/evidence.h"
 
 namespace runcert {
+namespace {
+
+InputFile input_file(const std::string& role, const std::string& file, const FileDigest& digest,
+                     const std::string& original) {
+    return {.role = role,
+            .file = file,
+            .sha256 = digest.sha256,
+            .bytes = digest.bytes,
+            .original = original == file ? "" : original};
+}
+
+}  // namespace
 
 StageRun::StageRun(std::string stage, const std::filesystem::path& attempt_file,
                    std::filesystem::path run_dir)
@@ -33,12 +45,12 @@ void StageRun::note_attempt() {
 
 void StageRun::note_input(const std::string& role, const std::string& file, std::string_view bytes,
                           const std::string& original) {
-    const FileDigest digest = digest_of(bytes);
-    note({.role = role,
-          .file = file,
-          .sha256 = digest.sha256,
-          .bytes = digest.bytes,
-          .original = original == file ? "" : original});
+    note(input_file(role, file, digest_of(bytes), original));
+}
+
+void StageRun::note_file(const std::string& role, const std::string& file,
+                         const std::string& original) {
+    note(input_file(role, file, digest_file(run_dir_ / file), original));
 }
 
 std::string StageRun::read_text(const std::string& role, const std::string& file) {

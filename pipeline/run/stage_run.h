@@ -33,6 +33,12 @@ class StageRun {
     void note_input(const std::string& role, const std::string& file, std::string_view bytes,
                     const std::string& original = {});
 
+    /// Notes a file of the run folder, without keeping its bytes in memory.
+    void note_file(const std::string& role, const std::string& file,
+                   const std::string& original = {});
+    /// All that was noted, in the order of noting.
+    const std::vector<InputFile>& inputs() const { return inputs_; }
+
     /// The bytes of a file of the run folder, noted as an input.
     std::string read_text(const std::string& role, const std::string& file);
 

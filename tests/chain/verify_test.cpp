@@ -153,5 +153,19 @@ TEST_F(Verify, AStageRefusesAnInputThatIsNotTheOneItsHeaderNames) {
         << result.errors;
 }
 
+TEST_F(Verify, TheReportRefusesARecordingThatIsNotTheOneImported) {
+    const TemporaryFolder folder;
+    const fs::path out = folder.path() / "run";
+    certify(examples / "salt_lake" / "attempt.yaml", out, {"--no-render"});
+    const fs::path recording = out / "recording.primary.pos";
+    write_file_atomically(recording, read_file(recording) + "% added later\n");
+    const ProcessResult result =
+        run_process({RUNCERT_PROGRAMS "/runcert-report", "--attempt",
+                     (out / "attempt.yaml").string(), "--run-dir", out.string(), "--no-render"});
+    EXPECT_EQ(result.exit_status, 2);
+    EXPECT_NE(result.errors.find("recording.primary.pos"), std::string::npos) << result.errors;
+    EXPECT_NE(result.errors.find("is not the one that"), std::string::npos) << result.errors;
+}
+
 }  // namespace
 }  // namespace runcert::chain

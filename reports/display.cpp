@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/failure.h"
 #include "core/text.h"
 #include "files/yaml_output.h"
@@ -45,12 +48,31 @@ std::string uncertainty_text(double uncertainty) {
     return format_fixed(uncertainty, uncertainty_decimals(uncertainty));
 }
 
+std::string significant_text(double value, int digits) {
+    if (value == 0.0) return "0";
+    if (std::abs(value) < 1e-6) return scientific_text(value);
+    // The exponent after rounding: 9.96 with two digits is 10.
+    const std::string scientific = fmt::format("{:.{}e}", value, digits - 1);
+    const int exponent = std::stoi(scientific.substr(scientific.find('e') + 1));
+    return format_fixed(value, std::max(0, digits - 1 - exponent));
+}
+
+std::string coverage_text(double coverage_factor) {
+    return fmt::format("{}", rounded(coverage_factor, 2));
+}
+
 std::string speed_text(double speed_mps, std::optional<double> uncertainty_mps,
                        const SpeedUnit& unit) {
     int decimals = unit.decimals;
     if (uncertainty_mps)
         decimals = std::max(decimals, uncertainty_decimals(*uncertainty_mps * unit.per_mps));
     return format_fixed(speed_mps * unit.per_mps, decimals);
+}
+
+std::string speed_with_uncertainty_text(double speed_mps, double expanded_uncertainty_mps,
+                                        const SpeedUnit& unit) {
+    return fmt::format("{} ± {} {}", speed_text(speed_mps, expanded_uncertainty_mps, unit),
+                       uncertainty_text(expanded_uncertainty_mps * unit.per_mps), unit.name);
 }
 
 std::string seconds_text(ElapsedTime time) {

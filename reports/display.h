@@ -33,9 +33,20 @@ int uncertainty_decimals(double uncertainty);
 /// An uncertainty with two significant digits, "0.018".
 std::string uncertainty_text(double uncertainty);
 
+/// A figure with so many significant digits: "0.00058", "-72.0", "4100"; "0" for zero. Below 1e-6
+/// as scientific_text writes it.
+std::string significant_text(double value, int digits);
+
+/// A coverage factor with at most two decimals: "2", "2.07".
+std::string coverage_text(double coverage_factor);
+
 /// A speed with the decimals usual for its unit, or those of its uncertainty where these are more.
 std::string speed_text(double speed_mps, std::optional<double> uncertainty_mps,
                        const SpeedUnit& unit);
+
+/// "216.009 ± 0.018 km/h".
+std::string speed_with_uncertainty_text(double speed_mps, double expanded_uncertainty_mps,
+                                        const SpeedUnit& unit);
 
 /// "20.100 s": three decimals.
 std::string seconds_text(ElapsedTime time);

@@ -51,6 +51,39 @@ Json stage_json(const Header& header, const Attempt& attempt) {
     return json;
 }
 
+/// The method of files of revision 1.0.
+void describe_stated_noise(Json& words) {
+    words.push_back(
+        "Within each stretch position, velocity and acceleration are estimated from all usable "
+        "epochs at once, in two ways that must agree: batch least squares, and a Kalman filter "
+        "with Rauch-Tung-Striebel smoothing. Covariances are multiplied by the a posteriori "
+        "variance of unit weight where it exceeds one.");
+    words.push_back(
+        "Every window of the rule's length that lies within one stretch and holds usable epochs "
+        "only is compared; the fastest is the certified one. The standard uncertainty of its "
+        "speed is propagated from the joint covariance of the positions at both its ends.");
+}
+
+void describe_learnt_noise(Json& words) {
+    words.push_back(
+        "The noise is learnt from the recording where the attempt does not ask for the stated one: "
+        "the jerk density of the motion, the scale of the stated standard deviations, and the size "
+        "and correlation time of a slow position error are the most likely ones given all usable "
+        "epochs. Where the recording cannot tell them, the stated noise is used, its variances "
+        "multiplied by the a posteriori variance of unit weight where it exceeds one.");
+    words.push_back(
+        "Within each stretch position, velocity and acceleration are estimated from all usable "
+        "epochs at once, in two ways that must agree: batch least squares, and a Kalman filter "
+        "with Rauch-Tung-Striebel smoothing. A batch with a robust loss, over the epochs that the "
+        "innovation test rejected too, is the check on screening.");
+    words.push_back(
+        "Every window of the rule's length that lies within one stretch and holds usable epochs "
+        "only is compared; the fastest is the certified one. Its speed is estimated with a bound "
+        "on slow position errors in place of the fitted ones. Its standard uncertainty is that of "
+        "the budget, one row for each source, by the law of propagation of uncertainty; a Monte "
+        "Carlo propagation of the same distributions checks it.");
+}
+
 Json description(const ReportInputs& inputs) {
     Json words = Json::array();
     if (inputs.receivers.front().screened.facts.georeferenced)
@@ -65,15 +98,10 @@ Json description(const ReportInputs& inputs) {
         "time, and whether its position follows from those before it (innovation test of a "
         "Kalman filter with constant acceleration and white-noise jerk). Epochs are marked, never "
         "deleted. A gap in time, or several rejections in a row, ends a stretch.");
-    words.push_back(
-        "Within each stretch position, velocity and acceleration are estimated from all usable "
-        "epochs at once, in two ways that must agree: batch least squares, and a Kalman filter "
-        "with Rauch-Tung-Striebel smoothing. Covariances are multiplied by the a posteriori "
-        "variance of unit weight where it exceeds one.");
-    words.push_back(
-        "Every window of the rule's length that lies within one stretch and holds usable epochs "
-        "only is compared; the fastest is the certified one. The standard uncertainty of its "
-        "speed is propagated from the joint covariance of the positions at both its ends.");
+    if (inputs.receivers.front().trajectory.estimation.horizontal)
+        describe_learnt_noise(words);
+    else
+        describe_stated_noise(words);
     words.push_back(
         "The speeds of [DHD22] (Deakin, Holden & Daddo 2022, Precision of Derived Velocity from "
         "Kinematic GPS for Land Yachting Speed Record Attempt) are computed beside it for "

@@ -6,6 +6,7 @@
 #include "core/text.h"
 #include "files/yaml_output.h"
 #include "reports/display.h"
+#include "reports/json_noise.h"
 #include "reports/json_parts.h"
 
 namespace runcert {
@@ -106,12 +107,18 @@ Json screening_json(const ScreenedTable& table) {
 }
 
 Json estimation_json(const EstimationSummary& summary) {
-    return {{"arcs", summary.arcs},
-            {"degrees_of_freedom", summary.degrees_of_freedom},
-            {"variance_factor", rounded(summary.variance_factor, 4)},
-            {"variance_factor_applied", rounded(summary.variance_factor_applied, 4)},
-            {"largest_position_difference_m", summary.largest_position_difference_m},
-            {"largest_velocity_difference_m_s", summary.largest_velocity_difference_mps}};
+    Json json{{"arcs", summary.arcs},
+              {"degrees_of_freedom", summary.degrees_of_freedom},
+              {"variance_factor", rounded(summary.variance_factor, 4)},
+              {"variance_factor_applied", rounded(summary.variance_factor_applied, 4)},
+              {"largest_position_difference_m", summary.largest_position_difference_m},
+              {"largest_velocity_difference_m_s", summary.largest_velocity_difference_mps}};
+    if (!summary.horizontal) return json;  // of revision 1.0
+    json["batch_stretches"] = summary.batch_stretches;
+    json["robust_downweighted"] = summary.robust_downweighted;
+    json["horizontal"] = axes_json(*summary.horizontal);
+    if (summary.vertical) json["vertical"] = axes_json(*summary.vertical);
+    return json;
 }
 
 Json recording_facts(const ReceiverResults& results, const Json& recording) {
@@ -162,8 +169,16 @@ Json estimation_facts(const Json& estimation) {
     facts.push_back(fact("Degrees of freedom", estimation["degrees_of_freedom"].dump()));
     facts.push_back(fact("Variance of unit weight, a posteriori",
                          format_fixed(estimation["variance_factor"].get<double>(), 2)));
-    facts.push_back(fact("Factor applied to all covariances",
+    const bool learnt = estimation.contains("horizontal");
+    facts.push_back(fact(learnt ? "Factor on the stated covariances, horizontal"
+                                : "Factor applied to all covariances",
                          format_fixed(estimation["variance_factor_applied"].get<double>(), 2)));
+    if (learnt) {
+        facts.push_back(
+            fact("Stretches solved by batch least squares", estimation["batch_stretches"].dump()));
+        facts.push_back(fact("Epochs at less than half weight in the robust estimate",
+                             estimation["robust_downweighted"].dump()));
+    }
     facts.push_back(
         fact("Smoother and batch least squares, largest difference of position",
              scientific_text(estimation["largest_position_difference_m"].get<double>()) + " m"));
@@ -252,6 +267,8 @@ Json receiver_json(const ReceiverResults& results, const Receiver& receiver) {
     json["recording_facts"] = recording_facts(results, json);
     json["screening_facts"] = screening_facts(json["screening"]);
     json["estimation_facts"] = estimation_facts(json["estimation"]);
+    if (Json table = noise_table(results.trajectory.estimation); !table.is_null())
+        json["noise_table"] = std::move(table);
     return json;
 }
 

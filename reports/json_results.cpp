@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/statistics.h"
+#include "core/uncertainty.h"
 #include "reports/display.h"
 #include "reports/json_parts.h"
 #include "reports/json_window.h"
@@ -55,14 +57,14 @@ void set_results(Json& json, const ReportInputs& inputs, const ProfileVerdict& v
     set_speeds(json, "expanded_uncertainty", uncertainty);
     set_speeds(json, "lower_limit", lower);
     set_speeds(json, "target", verdict.target_mps);
-    json["speed_table"] =
-        speed_table({{"Speed", verdict.speed_mps},
-                     {fmt::format("Expanded uncertainty (k = {})", verdict.coverage_factor),
-                      uncertainty, SpeedRow::uncertainty},
-                     {"Speed less expanded uncertainty", lower},
-                     {"Speed to reach", verdict.target_mps},
-                     {"Standing record", record, SpeedRow::stated}},
-                    profile, uncertainty);
+    json["speed_table"] = speed_table(
+        {{"Speed", verdict.speed_mps},
+         {fmt::format("Expanded uncertainty (k = {})", coverage_text(verdict.coverage_factor)),
+          uncertainty, SpeedRow::uncertainty},
+         {"Speed less expanded uncertainty", lower},
+         {"Speed to reach", verdict.target_mps},
+         {"Standing record", record, SpeedRow::stated}},
+        profile, uncertainty);
     if (!verdict.speed_mps) return;
     const SpeedUnit& unit = rule_unit(profile);
     json["headline"] = {{"headline_speed", speed_text(*verdict.speed_mps, uncertainty, unit)},
@@ -91,13 +93,16 @@ Json by_receiver_json(const ReportInputs& inputs, const Profile& profile) {
         const ProfileWindows* windows = windows_of(results.windows, profile.id);
         if (windows != nullptr && windows->best) {
             const CertifiableWindow& best = *windows->best;
-            const double u = best.standard_uncertainty_mps * profile.coverage_factor;
+            const double u = best.standard_uncertainty_mps *
+                             equivalent_coverage_factor(profile.coverage_factor,
+                                                        best.effective_degrees_of_freedom);
             const SpeedUnit& unit = rule_unit(profile);
             set_speeds(entry, "speed", best.speed_mps);
             set_speeds(entry, "expanded_uncertainty", u);
-            entry["by_receiver_words"] = fmt::format(
-                "{} ± {} {}, {} after its first epoch", speed_text(best.speed_mps, u, unit),
-                uncertainty_text(u * unit.per_mps), unit.name, seconds_text(best.span.start));
+            entry["by_receiver_words"] =
+                fmt::format("{}, {} after its first epoch",
+                            speed_with_uncertainty_text(best.speed_mps, u, unit),
+                            seconds_text(best.span.start));
         } else {
             entry["by_receiver_words"] = "no certifiable window";
         }
@@ -139,7 +144,7 @@ Json profile_json(const ReportInputs& inputs, std::size_t index) {
     json["decision_rule"] = fmt::format(
         "The record counts as beaten where the speed less its expanded uncertainty (k = {}) "
         "reaches the speed to reach.",
-        verdict.coverage_factor);
+        coverage_text(verdict.coverage_factor));
     set_results(json, inputs, verdict, profile);
     if (verdict.window)
         json["window"] = window_json(

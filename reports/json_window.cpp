@@ -4,6 +4,7 @@
 
 #include "core/text.h"
 #include "files/yaml_output.h"
+#include "reports/json_uncertainty.h"
 
 namespace runcert {
 
@@ -68,7 +69,14 @@ void set_definitions(Json& json, const CertifiableWindow& best, const Profile& p
         rows.push_back(
             {definition_words(name) + (counts ? " – the rule's" : ""), all.by_name(name)});
     }
-    rows.push_back({"Standard uncertainty", best.standard_uncertainty_mps, SpeedRow::uncertainty});
+    // Since revision 1.1 the trajectory has the fitted noise and the certified speed another.
+    if (best.fitted)
+        json["definition_note"] =
+            "These figures are of the smoothed trajectory, whose noise is the one fitted. The "
+            "certified speed is estimated with the bound on slow position errors.";
+    else
+        rows.push_back(
+            {"Standard uncertainty", best.standard_uncertainty_mps, SpeedRow::uncertainty});
     json["definition_table"] = speed_table(rows, profile, u);
 }
 
@@ -138,6 +146,8 @@ Json window_json(const ProfileVerdict& verdict, const ProfileWindows* windows,
         facts.push_back(fact("Windows compared", Json(windows->candidates).dump()));
         set_definitions(json, best, profile);
         set_methods(json, best, profile);
+        if (Json uncertainty = uncertainty_json(verdict, *windows, profile); !uncertainty.is_null())
+            json["uncertainty"] = std::move(uncertainty);
     }
     json["window_time"] = time_facts(*verdict.window);
     json["window_facts"] = std::move(facts);

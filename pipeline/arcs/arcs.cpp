@@ -3,7 +3,7 @@
 namespace runcert {
 
 template <int Axes>
-std::vector<Arc<Axes>> arcs_of(const ScreenedTable& table) {
+std::vector<Arc<Axes>> arcs_of(const ScreenedTable& table, Measurements measurements) {
     std::vector<Arc<Axes>> arcs;
     for (std::size_t i = 0; i < table.rows.size(); ++i) {
         const ScreenedEpoch& row = table.rows[i];
@@ -14,7 +14,8 @@ std::vector<Arc<Axes>> arcs_of(const ScreenedTable& table) {
         }
         ArcEpoch<Axes> epoch;
         epoch.time_s = row.time.seconds();
-        if (row.usable)
+        if (row.usable ||
+            (measurements == Measurements::before_rejection && row.reason == Reason::innovation))
             epoch.measurement =
                 PositionMeasurement<Axes>{.position = measured_position<Axes>(row),
                                           .covariance = stated_covariance<Axes>(row)};
@@ -24,7 +25,8 @@ std::vector<Arc<Axes>> arcs_of(const ScreenedTable& table) {
     return arcs;
 }
 
-template std::vector<Arc<2>> arcs_of<2>(const ScreenedTable&);
-template std::vector<Arc<3>> arcs_of<3>(const ScreenedTable&);
+template std::vector<Arc<1>> arcs_of<1>(const ScreenedTable&, Measurements);
+template std::vector<Arc<2>> arcs_of<2>(const ScreenedTable&, Measurements);
+template std::vector<Arc<3>> arcs_of<3>(const ScreenedTable&, Measurements);
 
 }  // namespace runcert

@@ -15,9 +15,17 @@ struct Arc {
     std::vector<ArcEpoch<Axes>> epochs;  ///< one for each of these rows
 };
 
-/// The arcs of a screened table, in order. Rejected epochs inside an arc are kept, without their
+/// Which epochs of an arc come with their measurement.
+enum class Measurements {
+    usable,            ///< those that screening kept
+    before_rejection,  ///< and those that the innovation test rejected
+};
+
+/// The arcs of a screened table, in order, of the horizontal positions (Axes 2), the heights alone
+/// (1) or both together (3). Rejected epochs inside an arc are kept, without their
 /// measurement. The covariances are those stated, unscaled.
 template <int Axes>
-std::vector<Arc<Axes>> arcs_of(const ScreenedTable& table);
+std::vector<Arc<Axes>> arcs_of(const ScreenedTable& table,
+                               Measurements measurements = Measurements::usable);
 
 }  // namespace runcert

@@ -58,7 +58,7 @@ bool print_verdict(const YamlValue& profile) {
     const std::string outcome = profile["outcome"].text();
     fmt::print("\n{}  {}\n", in_capitals(outcome), profile["profile"].text());
     if (profile["speed_km_h"].exists())
-        fmt::print("  speed    {} km/h +/- {} km/h (k = {:g})\n", in_km_h(profile["speed_m_s"]),
+        fmt::print("  speed    {} km/h +/- {} km/h (k = {:.2f})\n", in_km_h(profile["speed_m_s"]),
                    in_km_h(profile["expanded_uncertainty_m_s"]), profile["coverage_factor"].real());
     if (const YamlValue window = profile["window"]; window.exists())
         fmt::print("  window   {} s from {} s{}\n", format_fixed(window["duration_s"].real(), 3),

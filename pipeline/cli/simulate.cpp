@@ -48,7 +48,7 @@ Json receiver_of(const SimulationSpec& spec) {
 /// own part is a Failure at that part.
 std::string attempt_text(const SimulationDocument& simulation) {
     const SimulationSpec& spec = simulation.spec;
-    Json attempt = {{"schema", "attempt/1.0"}};
+    Json attempt = {{"schema", "attempt/1.1"}};
     const auto take = [&](std::initializer_list<const char*> keys) {
         for (const char* key : keys)
             if (simulation.attempt.contains(key)) attempt[key] = simulation.attempt[key];

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
+#include <span>
+
 #include "estimation/motion_model.h"
 
 namespace runcert {
@@ -11,11 +15,18 @@ struct StateEstimate {
     StateMatrix<Axes> covariance = StateMatrix<Axes>::Identity();
 };
 
-/// A measured position (m) with the covariance (m^2) of its error.
+/// A measured position (m) with the stated covariance (m^2) of its error.
 template <int Axes>
 struct PositionMeasurement {
     PositionVector<Axes> position = PositionVector<Axes>::Zero();
     PositionMatrix<Axes> covariance = PositionMatrix<Axes>::Identity();
+};
+
+/// One epoch of an arc: a time, and the measured position where it takes part.
+template <int Axes>
+struct ArcEpoch {
+    double time_s = 0.0;
+    std::optional<PositionMeasurement<Axes>> measurement;
 };
 
 /// What a measurement says against a prediction.
@@ -26,24 +37,86 @@ struct Innovation {
     double statistic = 0.0;  ///< residual' covariance^-1 residual, chi-squared with Axes degrees
 };
 
-/// A prior that says next to nothing: at a position, with standard deviations of 100 m, 300 m/s
-/// and 100 m/s^2. Against one measurement of 10 mm it moves a position by 1e-8 of the distance
-/// between the two.
+/// The Kalman filter of one model. Transition and process noise are kept from one step to the next
+/// while the step in time, to the nanosecond, stays the same.
 template <int Axes>
-StateEstimate<Axes> vague_prior(const PositionVector<Axes>& position);
+class KalmanFilter {
+  public:
+    explicit KalmanFilter(const EstimationModel& model) : model_(model) {}
 
-/// The estimate carried on by `dt` seconds.
-template <int Axes>
-StateEstimate<Axes> predict(const StateEstimate<Axes>& estimate, const MotionModel& model,
-                            double dt_s);
+    const EstimationModel& model() const { return model_; }
 
-template <int Axes>
-Innovation<Axes> innovation(const StateEstimate<Axes>& predicted,
-                            const PositionMeasurement<Axes>& measurement);
+    /// A prior that says next to nothing of the motion: at a position, with standard deviations of
+    /// 100 m, 300 m/s and 100 m/s^2, and the error's own at the beginning of an arc. Against one
+    /// measurement of 10 mm it moves a position by 1e-8 of the distance between the two.
+    StateEstimate<Axes> prior(const PositionVector<Axes>& position) const;
 
-/// The estimate with the measurement taken in: two-sided Joseph form, symmetrised.
+    /// The estimate carried on by `dt` seconds.
+    StateEstimate<Axes> predict(const StateEstimate<Axes>& estimate, double dt_s);
+
+    /// The transition over `dt` seconds.
+    const StateMatrix<Axes>& transition_over(double dt_s);
+
+    /// A measured position less the predicted one: the measurement sees position and error.
+    static PositionVector<Axes> residual(const StateVector<Axes>& predicted,
+                                         const PositionVector<Axes>& measured) {
+        return measured - predicted.template head<Axes>() - predicted.template tail<Axes>();
+    }
+
+    Innovation<Axes> innovation(const StateEstimate<Axes>& predicted,
+                                const PositionMeasurement<Axes>& measurement) const;
+
+    /// What an innovation moves the state by: P H' S^-1.
+    using GainMatrix = Eigen::Matrix<double, state_size<Axes>, Axes>;
+    GainMatrix gain(const StateEstimate<Axes>& predicted, const Innovation<Axes>& seen) const;
+
+    /// The estimate with the measurement taken in: Joseph form, one side after the other,
+    /// symmetrised.
+    StateEstimate<Axes> update(const StateEstimate<Axes>& predicted,
+                               const PositionMeasurement<Axes>& measurement) const {
+        return update(predicted, measurement, innovation(predicted, measurement));
+    }
+    StateEstimate<Axes> update(const StateEstimate<Axes>& predicted,
+                               const PositionMeasurement<Axes>& measurement,
+                               const Innovation<Axes>& seen) const;
+
+  private:
+    void prepare(double dt_s);
+
+    EstimationModel model_;
+    std::int64_t step_ns_ = -1;
+    AxisStep step_;
+    StateMatrix<Axes> transition_;
+    StateMatrix<Axes> process_noise_;
+};
+
+/// How many of an arc's first measurements a vague prior makes worthless as a test of the model.
+inline constexpr int measurements_of_the_prior = 3;
+
+/// Failure at that time unless the covariance (m^2) of a measurement is positive definite.
 template <int Axes>
-StateEstimate<Axes> update(const StateEstimate<Axes>& predicted,
-                           const PositionMeasurement<Axes>& measurement);
+void require_positive_definite(const PositionMatrix<Axes>& covariance, double time_s);
+
+/// Runs the filter along an arc. `visit(k, predicted, innovation, filtered)` is called at each
+/// epoch; the innovation is null where the epoch has no measurement. The first epoch must have one.
+/// Failure, naming the time, where a measurement's covariance is not positive definite.
+template <int Axes, class Visit>
+void filter_along(KalmanFilter<Axes>& filter, std::span<const ArcEpoch<Axes>> arc, Visit&& visit) {
+    StateEstimate<Axes> estimate;
+    for (std::size_t k = 0; k < arc.size(); ++k) {
+        const StateEstimate<Axes> predicted =
+            k == 0 ? filter.prior(arc[0].measurement.value().position)
+                   : filter.predict(estimate, arc[k].time_s - arc[k - 1].time_s);
+        if (arc[k].measurement) {
+            require_positive_definite<Axes>(arc[k].measurement->covariance, arc[k].time_s);
+            const Innovation<Axes> seen = filter.innovation(predicted, *arc[k].measurement);
+            estimate = filter.update(predicted, *arc[k].measurement, seen);
+            visit(k, predicted, &seen, estimate);
+        } else {
+            estimate = predicted;
+            visit(k, predicted, static_cast<const Innovation<Axes>*>(nullptr), estimate);
+        }
+    }
+}
 
 }  // namespace runcert

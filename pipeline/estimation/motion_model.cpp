@@ -2,70 +2,135 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <algorithm>
+#include <boost/math/quadrature/gauss.hpp>
 #include <cmath>
 
 namespace runcert {
 namespace {
 
-/// Spreads a 3x3 matrix of one axis over the state of all axes.
+/// (1 - exp(-x)) / x.
+double decay_mean(double x) {
+    return x == 0.0 ? 1.0 : -std::expm1(-x) / x;
+}
+
+/// (x - 1 + exp(-x)) / x^2, by its series where the difference would lose digits.
+double decay_second_mean(double x) {
+    if (x > 1.0) return (1.0 - decay_mean(x)) / x;
+    double term = 0.5;
+    double sum = term;
+    for (int n = 3; std::abs(term) > 1e-18 * sum; ++n) {
+        term *= -x / n;
+        sum += term;
+    }
+    return sum;
+}
+
+/// What an acceleration of 1 at the beginning makes of position, velocity and acceleration after
+/// `s`, with decay rate `alpha`; any unit of time.
+Eigen::Vector3d acceleration_response(double alpha, double s) {
+    const double x = alpha * s;
+    return {s * s * decay_second_mean(x), s * decay_mean(x), std::exp(-x)};
+}
+
+/// Spreads a 3x3 matrix and the scalar of the error over the state of all axes.
 template <int Axes>
-StateMatrix<Axes> on_all_axes(const Eigen::Matrix3d& axis) {
+StateMatrix<Axes> on_all_axes(const Eigen::Matrix3d& motion, double error) {
     StateMatrix<Axes> all = StateMatrix<Axes>::Zero();
     for (int row = 0; row < 3; ++row)
         for (int column = 0; column < 3; ++column)
             all.template block<Axes, Axes>(row * Axes, column * Axes)
                 .diagonal()
-                .setConstant(axis(row, column));
+                .setConstant(motion(row, column));
+    all.template bottomRightCorner<Axes, Axes>().diagonal().setConstant(error);
     return all;
 }
 
 }  // namespace
 
-Eigen::Matrix3d axis_transition(double dt_s) {
-    Eigen::Matrix3d f;
-    f << 1.0, dt_s, dt_s * dt_s / 2.0,  //
-        0.0, 1.0, dt_s,                 //
-        0.0, 0.0, 1.0;
-    return f;
+GaussMarkovError GaussMarkovError::steady(double sigma_m, double tau_s) {
+    const double sigma = std::max(sigma_m, 1e-5);
+    return {.tau_s = tau_s,
+            .process_density = sigma * std::sqrt(2.0 / tau_s),
+            .initial_sigma_m = sigma};
 }
 
-Eigen::Matrix3d axis_process_noise(const MotionModel& model, double dt_s) {
-    const double q = model.jerk_density * model.jerk_density;
-    const double d1 = dt_s;
-    const double d2 = d1 * dt_s;
-    const double d3 = d2 * dt_s;
-    const double d4 = d3 * dt_s;
-    const double d5 = d4 * dt_s;
+GaussMarkovError GaussMarkovError::bounding(double sigma_m, double tau_min_s, double tau_max_s) {
+    const double sigma = std::max(sigma_m, 1e-5);
+    return {.tau_s = tau_max_s,
+            .process_density = sigma * std::sqrt(2.0 / tau_min_s),
+            .initial_sigma_m = sigma * std::sqrt(2.0 / (1.0 + tau_min_s / tau_max_s))};
+}
+
+AxisStep axis_step(const EstimationModel& model, double dt_s) {
+    // A step long against the acceleration's time is made of two: the quadrature is for smooth
+    // integrands.
+    if (dt_s > 2.0 * model.motion.acceleration_time_s) {
+        AxisStep step = axis_step(model, 0.5 * dt_s);
+        const Eigen::Matrix3d carried =
+            step.transition * step.process_noise * step.transition.transpose();
+        step.process_noise += 0.5 * (carried + carried.transpose());
+        step.transition = (step.transition * step.transition).eval();
+        step.error_noise *= 1.0 + step.error_transition * step.error_transition;
+        step.error_transition *= step.error_transition;
+        step.dt_s = dt_s;
+        return step;
+    }
+    // In units of the step: position 1, velocity 1/dt, acceleration 1/dt^2.
+    const double alpha = dt_s / model.motion.acceleration_time_s;
+    const Eigen::Vector3d response = acceleration_response(alpha, 1.0);
     Eigen::Matrix3d noise;
-    noise << d5 / 20.0, d4 / 8.0, d3 / 6.0,  //
-        d4 / 8.0, d3 / 3.0, d2 / 2.0,        //
-        d3 / 6.0, d2 / 2.0, d1;
-    return q * noise;
+    for (int row = 0; row < 3; ++row)
+        for (int column = row; column < 3; ++column)
+            noise(row, column) = noise(column, row) =
+                boost::math::quadrature::gauss<double, 15>::integrate(
+                    [&](double s) {
+                        const Eigen::Vector3d one = acceleration_response(alpha, s);
+                        return one(row) * one(column);
+                    },
+                    0.0, 1.0);
+    const double q = model.motion.jerk_density * model.motion.jerk_density;
+    const Eigen::Vector3d unit(dt_s * dt_s, dt_s, 1.0);
+    AxisStep step;
+    step.dt_s = dt_s;
+    step.transition << 1.0, dt_s, dt_s * dt_s * response(0),  //
+        0.0, 1.0, dt_s * response(1),                         //
+        0.0, 0.0, response(2);
+    step.process_noise = q * dt_s * noise.cwiseProduct(unit * unit.transpose());
+    const double x = dt_s / model.error.tau_s;
+    step.error_transition = std::exp(-x);
+    step.error_noise =
+        model.error.process_density * model.error.process_density * dt_s * decay_mean(2.0 * x);
+    return step;
 }
 
-Eigen::Matrix3d axis_process_whitener(const MotionModel& model, double dt_s) {
-    // Q = q D Q1 D with D = diag(dt^2.5, dt^1.5, dt^0.5) and Q1 the matrix of dt = 1.
-    // With the information matrix inverse(Q1) = L L', the whitening factor is L'.
-    const Eigen::Matrix3d information = axis_process_noise({.jerk_density = 1.0}, 1.0).inverse();
+Eigen::Matrix3d axis_process_whitener(const AxisStep& step) {
+    // With the diagonal scaled to one, so that short steps lose no digits. The information matrix
+    // of the scaled noise is L L': the whitening factor is L'.
+    const Eigen::Vector3d scale = step.process_noise.diagonal().cwiseSqrt();
+    const Eigen::Vector3d inverse_scale = scale.cwiseInverse();
+    const Eigen::Matrix3d scaled =
+        inverse_scale.asDiagonal() * step.process_noise * inverse_scale.asDiagonal();
+    const Eigen::Matrix3d information = scaled.inverse();
     const Eigen::Matrix3d factor = information.llt().matrixL().transpose();
-    const double root = std::sqrt(dt_s);
-    const Eigen::Vector3d scale(root * dt_s * dt_s, root * dt_s, root);
-    return factor * scale.cwiseInverse().asDiagonal() / model.jerk_density;
+    return factor * inverse_scale.asDiagonal();
 }
 
 template <int Axes>
-StateMatrix<Axes> transition(double dt_s) {
-    return on_all_axes<Axes>(axis_transition(dt_s));
+StateMatrix<Axes> transition(const AxisStep& step) {
+    return on_all_axes<Axes>(step.transition, step.error_transition);
 }
 
 template <int Axes>
-StateMatrix<Axes> process_noise(const MotionModel& model, double dt_s) {
-    return on_all_axes<Axes>(axis_process_noise(model, dt_s));
+StateMatrix<Axes> process_noise(const AxisStep& step) {
+    return on_all_axes<Axes>(step.process_noise, step.error_noise);
 }
 
-template StateMatrix<2> transition<2>(double);
-template StateMatrix<3> transition<3>(double);
-template StateMatrix<2> process_noise<2>(const MotionModel&, double);
-template StateMatrix<3> process_noise<3>(const MotionModel&, double);
+template StateMatrix<1> transition<1>(const AxisStep&);
+template StateMatrix<2> transition<2>(const AxisStep&);
+template StateMatrix<3> transition<3>(const AxisStep&);
+template StateMatrix<1> process_noise<1>(const AxisStep&);
+template StateMatrix<2> process_noise<2>(const AxisStep&);
+template StateMatrix<3> process_noise<3>(const AxisStep&);
 
 }  // namespace runcert

@@ -1,13 +1,15 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 
 namespace runcert {
 
-/// Positions, velocities and accelerations of `Axes` axes (2: east, north; 3: and up), in this
-/// order: all positions (m), then all velocities (m/s), then all accelerations (m/s^2).
+/// Positions, velocities, accelerations and correlated position errors of `Axes` axes (1: one
+/// alone; 2: east, north; 3: and up), in this order: all positions (m), all velocities (m/s), all
+/// accelerations (m/s^2), all errors (m).
 template <int Axes>
-inline constexpr int state_size = 3 * Axes;
+inline constexpr int state_size = 4 * Axes;
 template <int Axes>
 using StateVector = Eigen::Matrix<double, state_size<Axes>, 1>;
 template <int Axes>
@@ -17,29 +19,62 @@ using PositionVector = Eigen::Matrix<double, Axes, 1>;
 template <int Axes>
 using PositionMatrix = Eigen::Matrix<double, Axes, Axes>;
 
-/// Constant acceleration driven by white-noise jerk, each axis for itself: model (32) of [DHD22]
-/// in continuous time.
+/// How the craft moves, each axis for itself: white-noise jerk on an acceleration that persists
+/// (model (32) of [DHD22] in continuous time), or that dies away with a correlation time (Singer
+/// 1970, "Estimating optimal tracking filter performance for manned maneuvering targets").
 struct MotionModel {
-    double jerk_density = 1.0;  ///< root spectral density of the jerk, m s^-2.5
+    double jerk_density = 1.0;  ///< root spectral density of the driving noise, m s^-2.5
+    /// Correlation time of the acceleration, s; infinite where it persists.
+    double acceleration_time_s = std::numeric_limits<double>::infinity();
 };
 
-/// Transition over `dt` seconds of one axis' position, velocity, acceleration:
-/// [1 dt dt^2/2; 0 1 dt; 0 0 1].
-Eigen::Matrix3d axis_transition(double dt_s);
+/// A first-order Gauss-Markov error of the measured positions, the same for each axis and
+/// independent between them: db/dt = -b / tau + white noise.
+struct GaussMarkovError {
+    double tau_s = 1.0;            ///< correlation time, s
+    double process_density = 0.0;  ///< root spectral density of the driving noise, m s^-0.5
+    double initial_sigma_m = 0.0;  ///< standard deviation at the first epoch of an arc, m
 
-/// Exact covariance of the process noise over `dt` seconds, one axis:
-/// q [dt^5/20 dt^4/8 dt^3/6; dt^4/8 dt^3/3 dt^2/2; dt^3/6 dt^2/2 dt], q the squared density.
-Eigen::Matrix3d axis_process_noise(const MotionModel& model, double dt_s);
+    /// A steady error of standard deviation `sigma_m` ([YSM22]). A size of zero is taken as 10 um,
+    /// which keeps covariances regular and changes nothing.
+    static GaussMarkovError steady(double sigma_m, double tau_s);
 
-/// The upper-triangular W with W' W = inverse of axis_process_noise: it turns process noise into
-/// three independent unit variances. Computed from the constant matrix of dt = 1, so that short
-/// steps lose no digits.
-Eigen::Matrix3d axis_process_whitener(const MotionModel& model, double dt_s);
+    /// The process whose estimation-error covariance bounds that of every steady error of standard
+    /// deviation `sigma_m` with a correlation time between `tau_min_s` and `tau_max_s`: correlation
+    /// time tau_max, process noise larger by tau_max / tau_min, initial variance
+    /// 2 sigma^2 / (1 + tau_min / tau_max) (Langel, Garcia Crespo & Joerger 2021).
+    static GaussMarkovError bounding(double sigma_m, double tau_min_s, double tau_max_s);
+};
 
-/// The same for all axes together.
+/// What the estimate rests on: the motion, and the errors of the measured positions as white noise
+/// (the stated covariances times the square of a scale) and a Gauss-Markov error beside it.
+struct EstimationModel {
+    MotionModel motion;
+    double measurement_scale = 1.0;
+    GaussMarkovError error = GaussMarkovError::steady(0.0, 1.0);
+};
+
+/// One step of time for one axis.
+struct AxisStep {
+    double dt_s = 0.0;
+    Eigen::Matrix3d transition;     ///< of position, velocity, acceleration
+    Eigen::Matrix3d process_noise;  ///< its exact covariance
+    double error_transition = 0.0;  ///< of the Gauss-Markov error
+    double error_noise = 0.0;       ///< its variance, m^2
+};
+
+/// The step over `dt` seconds (> 0), exact for continuous time. The process noise is integrated by
+/// Gauss-Legendre quadrature in units of the step, so that short steps lose no digits.
+AxisStep axis_step(const EstimationModel& model, double dt_s);
+
+/// The upper-triangular W with W' W = inverse of the process noise of position, velocity and
+/// acceleration: it turns that noise into three independent unit variances.
+Eigen::Matrix3d axis_process_whitener(const AxisStep& step);
+
+/// The same step for all axes together.
 template <int Axes>
-StateMatrix<Axes> transition(double dt_s);
+StateMatrix<Axes> transition(const AxisStep& step);
 template <int Axes>
-StateMatrix<Axes> process_noise(const MotionModel& model, double dt_s);
+StateMatrix<Axes> process_noise(const AxisStep& step);
 
 }  // namespace runcert

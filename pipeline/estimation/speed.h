@@ -16,11 +16,26 @@ struct SpeedEstimate {
 /// where the direction is undefined, the uncertainty is that of the least certain direction.
 SpeedEstimate horizontal_speed(const Eigen::Vector2d& velocity, const Eigen::Matrix2d& covariance);
 
+/// Covariance (m^2) of the horizontal displacement between epochs s and e of an arc:
+/// P_s + P_e - C - C', from the joint covariance of both positions.
+template <int Axes>
+Eigen::Matrix2d displacement_covariance(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e);
+
 /// Horizontal displacement over time between epochs s and e of an arc, with the uncertainty
-/// u' [P_s + P_e - C - C'] u / T^2 from the joint covariance of both positions; u is the direction
-/// of the displacement, T (s) the time between.
+/// u' [P_s + P_e - C - C'] u / T^2; u is the direction of the displacement, T (s) the time between.
 template <int Axes>
 SpeedEstimate displacement_speed(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e,
                                  double duration_s);
+
+/// Length of the horizontal path through the smoothed positions from epoch s to e, over time, with
+/// its uncertainty from the joint covariance of all these positions.
+template <int Axes>
+SpeedEstimate path_speed(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e,
+                         double duration_s);
+
+/// Mean of the smoothed horizontal speeds of epochs s to e, both included, with its uncertainty
+/// from the joint covariance of all these velocities.
+template <int Axes>
+SpeedEstimate mean_speed(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e);
 
 }  // namespace runcert

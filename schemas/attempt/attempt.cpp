@@ -8,6 +8,7 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "schemas/common/enum_text.h"
+#include "schemas/common/revision.h"
 
 namespace runcert {
 
@@ -83,6 +84,11 @@ Receiver read_receiver(const YamlValue& entry) {
     if (const YamlValue arm = entry["lever_arm_m"]; arm.exists())
         receiver.lever_arm =
             Eigen::Vector3d(arm["forward"].real(), arm["right"].real(), arm["down"].real());
+    receiver.rotation_bound_deg = entry["rotation_bound_deg"].optional_real();
+    if (receiver.rotation_bound_deg && !receiver.lever_arm)
+        entry["rotation_bound_deg"].fail(
+            "the craft's rotation is bounded, but no lever arm is given for it to act on",
+            "Add lever_arm_m: {forward, right, down}, or remove rotation_bound_deg");
     receiver.place = entry.place();
     return receiver;
 }
@@ -134,6 +140,17 @@ void resolve_parameters(const YamlValue& document, Attempt& attempt) {
     }
 }
 
+/// The interval that the correlation time of a slow position error is looked for in.
+void require_error_times(const YamlValue& smooth, const nlohmann::ordered_json& resolved) {
+    const double shortest = resolved["error_time_min_s"].get<double>();
+    const double longest = resolved["error_time_max_s"].get<double>();
+    if (longest > shortest) return;
+    const bool stated = smooth["error_time_max_s"].exists();
+    smooth[stated ? "error_time_max_s" : "error_time_min_s"].fail(
+        fmt::format("the correlation time is looked for from {} s to {} s", shortest, longest),
+        "Give error_time_max_s above error_time_min_s");
+}
+
 std::vector<std::string> read_profiles(const YamlValue& list) {
     std::vector<std::string> profiles;
     std::set<std::string> names;
@@ -172,12 +189,13 @@ std::string profile_name(const std::string& claimed) {
 Attempt read_attempt(std::string_view text, const std::string& where) {
     const YamlValue document(parse_yaml(text, where), where);
     if (!document.is_map())
-        document.fail("this is not an attempt", "An attempt begins with \"schema: attempt/1.0\"");
-    if (!document["schema"].exists() || document["schema"].text() != "attempt/1.0")
+        document.fail("this is not an attempt", "An attempt begins with \"schema: attempt/1.1\"");
+    const std::optional<std::int64_t> revision = written_revision(document, attempt_schema());
+    if (!revision)
         (document["schema"].exists() ? document["schema"] : document)
-            .fail("the file does not say that it follows attempt/1.0",
-                  "An attempt begins with \"schema: attempt/1.0\"");
-    attempt_schema().validate(document);
+            .fail("the file does not say that it follows " + known_revisions(attempt_schema()),
+                  "An attempt begins with \"schema: attempt/1.1\"");
+    validate_revision(document, attempt_schema(), *revision);
 
     Attempt attempt;
     attempt.id = read_id(document["id"]);
@@ -200,6 +218,7 @@ Attempt read_attempt(std::string_view text, const std::string& where) {
                                 .source = record["source"].text()};
     attempt.profiles = read_profiles(document["profiles"]);
     resolve_parameters(document, attempt);
+    require_error_times(document["parameters"]["smooth"], attempt.parameters["smooth"]);
     return attempt;
 }
 

@@ -45,6 +45,8 @@ struct Receiver {
     std::optional<double> antenna_height_m;
     /// From the antenna to the craft's reference point (m): forward, right, down.
     std::optional<Eigen::Vector3d> lever_arm;
+    /// Largest change of the craft's attitude, about any axis, between the ends of a window.
+    std::optional<double> rotation_bound_deg = std::nullopt;
     std::string place;  ///< "file:line:column" of this receiver in the attempt, for messages
 };
 

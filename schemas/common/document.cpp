@@ -1,6 +1,7 @@
 #include "schemas/common/document.h"
 
 #include "files/yaml_output.h"
+#include "schemas/common/revision.h"
 
 namespace runcert {
 namespace {
@@ -21,17 +22,20 @@ void round_reals(nlohmann::ordered_json& value, const std::string& path,
 
 }  // namespace
 
+void round_to_table(nlohmann::ordered_json& document, const DocumentSchema& schema) {
+    round_reals(document, "", schema);
+}
+
 YamlValue read_document(std::string_view text, const std::string& where,
                         const DocumentSchema& schema) {
     YamlValue document(parse_yaml(text, where), where);
-    const bool newer = check_version(document, schema);
-    schema.validate(document, newer);
+    validate_revision(document, schema, check_version(document, schema));
     return document;
 }
 
 std::string write_document(nlohmann::ordered_json document, const DocumentSchema& schema) {
     document["schema"] = {{"name", schema.name()}, {"version", schema.version()}};
-    round_reals(document, "", schema);
+    round_to_table(document, schema);
     std::string text = to_yaml_text(document);
     (void)read_document(text, schema.name() + " as written", schema);
     return text;

@@ -9,12 +9,16 @@
 
 namespace runcert {
 
-/// Reads a YAML product: parses it, checks its version and every field against `schema`.
+/// Rounds every real number of a document to the decimals of the field table.
+void round_to_table(nlohmann::ordered_json& document, const DocumentSchema& schema);
+
+/// Reads a YAML product: parses it, checks its version and every field against `schema`, as that
+/// revision had it.
 YamlValue read_document(std::string_view text, const std::string& where,
                         const DocumentSchema& schema);
 
-/// Writes a YAML product: sets `schema` in it, rounds every real number to the decimals of the
-/// field table, checks the whole against the table (a deviation is a fault of the program).
+/// Writes a YAML product: sets `schema` in it, rounds to the field table, checks the whole against
+/// the table (a deviation is a fault of the program).
 std::string write_document(nlohmann::ordered_json document, const DocumentSchema& schema);
 
 /// Sets `json[key]` where there is a value.

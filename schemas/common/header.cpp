@@ -4,6 +4,7 @@
 
 #include "core/failure.h"
 #include "core/text.h"
+#include "schemas/common/revision.h"
 
 namespace runcert {
 
@@ -53,27 +54,7 @@ Header read_header(const YamlValue& document) {
     return header;
 }
 
-namespace {
-
-struct Version {
-    std::int64_t model = 0;
-    std::int64_t revision = 0;
-};
-
-/// "1.0", as two whole numbers without signs.
-std::optional<Version> parse_version(std::string_view text) {
-    const std::size_t point = text.find('.');
-    if (point == std::string_view::npos || text.find_first_of("+-") != std::string_view::npos)
-        return std::nullopt;
-    const auto model = parse_integer(text.substr(0, point));
-    const auto revision = parse_integer(text.substr(point + 1));
-    if (!model || !revision) return std::nullopt;
-    return Version{*model, *revision};
-}
-
-}  // namespace
-
-bool check_version(const YamlValue& document, const DocumentSchema& expected) {
+std::int64_t check_version(const YamlValue& document, const DocumentSchema& expected) {
     const std::string name = document["schema"]["name"].text();
     if (name != expected.name())
         throw Failure(document["schema"]["name"].place(),
@@ -81,15 +62,14 @@ bool check_version(const YamlValue& document, const DocumentSchema& expected) {
                                   escape_for_message(name), expected.name()),
                       "Give the file that the stage expects");
     const std::string version = document["schema"]["version"].text();
-    const auto found = parse_version(version);
-    const auto own = parse_version(expected.version()).value();
-    if (!found || found->model != own.model)
+    const auto found = parse_schema_version(version);
+    if (!found || found->model != version_of(expected).model)
         throw Failure(document["schema"]["version"].place(),
                       fmt::format("version \"{}\" of the schema {} is not known, this program "
                                   "reads {}",
                                   escape_for_message(version), name, expected.version()),
                       "Use the version of the program that made the file, or a newer one");
-    return found->revision > own.revision;
+    return found->revision;
 }
 
 std::optional<GpsTime> read_gps_time(const YamlValue& value) {

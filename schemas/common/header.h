@@ -41,8 +41,8 @@ nlohmann::ordered_json header_json(const Header& header);
 Header read_header(const YamlValue& document);
 
 /// Checks that a document follows the schema `expected` in a version this program reads: the same
-/// model. Returns whether its revision is newer. A different schema or model is a Failure.
-bool check_version(const YamlValue& document, const DocumentSchema& expected);
+/// model. Returns its revision. A different schema or model is a Failure.
+std::int64_t check_version(const YamlValue& document, const DocumentSchema& expected);
 
 /// A GPS time in ISO form, nothing where the value is missing. Failure with the value's place.
 std::optional<GpsTime> read_gps_time(const YamlValue& value);

@@ -11,6 +11,7 @@
 #include "core/failure.h"
 #include "files/ecsv.h"
 #include "files/yaml_output.h"
+#include "schemas/common/document.h"
 #include "schemas/common/header.h"
 
 namespace runcert {
@@ -29,16 +30,22 @@ class TableSchema {
 
     const DocumentSchema& meta() const { return meta_; }
     const std::vector<EcsvColumn>& columns() const { return columns_; }
+    /// The revision that each column was added in.
+    const std::vector<std::int64_t>& columns_since() const { return columns_since_; }
 
     /// Checks a table's header against this schema and returns, for each column of the schema, the
-    /// index of that column in the table. A column that is missing, unknown, or of another type
-    /// or unit is a Failure; unknown columns of a newer revision are passed over unless they are
-    /// marked as required.
-    std::vector<std::size_t> match(const EcsvReader& reader) const;
+    /// index of that column in the table; none for a column that the table's revision had not. A
+    /// column that is missing, unknown, or of another type or unit is a Failure; unknown columns
+    /// of a newer revision are passed over unless they are marked as required.
+    std::vector<std::optional<std::size_t>> match(const EcsvReader& reader) const;
 
   private:
+    std::optional<std::size_t> match_column(const EcsvReader& reader, const EcsvColumn& expected,
+                                            std::int64_t since, std::int64_t revision) const;
+
     DocumentSchema meta_;
     std::vector<EcsvColumn> columns_;
+    std::vector<std::int64_t> columns_since_;
 };
 
 namespace cell {
@@ -107,13 +114,20 @@ void read(const EcsvReader& in, std::size_t column, std::optional<T>& value) {
 template <class Row>
 struct ColumnBinding {
     std::string name;
+    bool may_be_empty;
     void (*write)(EcsvWriter&, const Row&);
     void (*read)(const EcsvReader&, std::size_t, Row&);
 };
 
+template <class T>
+inline constexpr bool is_optional = false;
+template <class T>
+inline constexpr bool is_optional<std::optional<T>> = true;
+
 template <class Row, auto Member>
 ColumnBinding<Row> column(std::string name) {
-    return {std::move(name), [](EcsvWriter& out, const Row& row) { cell::write(out, row.*Member); },
+    return {std::move(name), is_optional<std::remove_cvref_t<decltype(Row{}.*Member)>>,
+            [](EcsvWriter& out, const Row& row) { cell::write(out, row.*Member); },
             [](const EcsvReader& in, std::size_t index, Row& row) {
                 cell::read(in, index, row.*Member);
             }};
@@ -123,13 +137,15 @@ ColumnBinding<Row> column(std::string name) {
 template <class Row>
 class TableFormat {
   public:
-    /// The bindings must stand in the order of the schema's columns, and name each of them.
+    /// The bindings must stand in the order of the schema's columns, and name each of them. A
+    /// column that an earlier revision had not must be bound to an optional.
     TableFormat(std::string_view schema_text, const std::string& where,
                 std::vector<ColumnBinding<Row>> bindings)
         : schema_(TableSchema::parse(schema_text, where)), bindings_(std::move(bindings)) {
         bool equal = bindings_.size() == schema_.columns().size();
         for (std::size_t i = 0; equal && i < bindings_.size(); ++i)
-            equal = bindings_[i].name == schema_.columns()[i].name;
+            equal = bindings_[i].name == schema_.columns()[i].name &&
+                    (bindings_[i].may_be_empty || schema_.columns_since()[i] == 0);
         if (!equal)
             throw Failure(where, "the struct of the rows does not follow the field table",
                           "This is a fault of the program; please report it");
@@ -137,10 +153,11 @@ class TableFormat {
 
     const TableSchema& schema() const { return schema_; }
 
-    /// The table's text. `schema` in the meta is set here.
+    /// The table's text. `schema` in the meta is set here, and its numbers rounded.
     std::string write(nlohmann::ordered_json meta, std::span<const Row> rows) const {
         meta["schema"] = nlohmann::ordered_json::object(
             {{"name", schema_.meta().name()}, {"version", schema_.meta().version()}});
+        round_to_table(meta, schema_.meta());
         schema_.meta().validate(
             YamlValue(parse_yaml(to_yaml_text(meta), "header"), "header of the table"));
         EcsvWriter out(schema_.columns(), meta);
@@ -157,12 +174,12 @@ class TableFormat {
     };
     Contents read(std::string_view text, const std::string& where) const {
         EcsvReader reader(text, where);
-        const std::vector<std::size_t> index = schema_.match(reader);
+        const std::vector<std::optional<std::size_t>> index = schema_.match(reader);
         Contents contents{YamlValue(reader.meta(), where), {}};
         while (reader.next_row()) {
             Row& row = contents.rows.emplace_back();
             for (std::size_t i = 0; i < bindings_.size(); ++i)
-                bindings_[i].read(reader, index[i], row);
+                if (index[i]) bindings_[i].read(reader, *index[i], row);
         }
         return contents;
     }

@@ -19,9 +19,9 @@ nlohmann::ordered_json frame_meta_json(const Header& header, const RecordingFact
     nlohmann::ordered_json meta = header_json(header);
     meta.update(recording_facts_json(facts));
     if (origin)
-        meta["origin"] = {{"latitude_deg", rounded(origin->position.latitude.degrees(), 11)},
-                          {"longitude_deg", rounded(origin->position.longitude.degrees(), 11)},
-                          {"height_m", rounded(origin->position.height_m, 6)},
+        meta["origin"] = {{"latitude_deg", origin->position.latitude.degrees()},
+                          {"longitude_deg", origin->position.longitude.degrees()},
+                          {"height_m", origin->position.height_m},
                           {"source", origin->source}};
     return meta;
 }

@@ -1,6 +1,5 @@
 #include "schemas/observations/observations.h"
 
-#include "files/yaml_output.h"
 #include "schemas/common/enum_text.h"
 
 namespace runcert {
@@ -58,8 +57,12 @@ Eigen::Matrix<double, Axes, Axes> stated_covariance(const StatedAccuracy& accura
     correlation(0, 2) = correlation(2, 0) = accuracy.correlation_east_up.value_or(0.0);
     correlation(1, 2) = correlation(2, 1) = accuracy.correlation_north_up.value_or(0.0);
     const Eigen::Matrix3d covariance = sigma.asDiagonal() * correlation * sigma.asDiagonal();
-    return covariance.topLeftCorner<Axes, Axes>();
+    if constexpr (Axes == 1)
+        return covariance.bottomRightCorner<1, 1>();
+    else
+        return covariance.topLeftCorner<Axes, Axes>();
 }
+template Eigen::Matrix<double, 1, 1> stated_covariance<1>(const StatedAccuracy&);
 template Eigen::Matrix2d stated_covariance<2>(const StatedAccuracy&);
 template Eigen::Matrix3d stated_covariance<3>(const StatedAccuracy&);
 
@@ -72,7 +75,9 @@ nlohmann::ordered_json recording_facts_json(const RecordingFacts& facts) {
     }
     json["georeferenced"] = facts.georeferenced;
     json["vertical_measured"] = facts.vertical_measured;
-    json["nominal_interval_s"] = rounded(facts.nominal_interval_s, 9);
+    json["nominal_interval_s"] = facts.nominal_interval_s;
+    set_optional(json, "position_resolution_m", facts.position_resolution_m);
+    set_optional(json, "time_resolution_s", facts.time_resolution_s);
     return json;
 }
 
@@ -83,6 +88,8 @@ RecordingFacts read_recording_facts(const YamlValue& meta) {
     facts.georeferenced = meta["georeferenced"].boolean();
     facts.vertical_measured = meta["vertical_measured"].boolean();
     facts.nominal_interval_s = meta["nominal_interval_s"].real();
+    facts.position_resolution_m = meta["position_resolution_m"].optional_real();
+    facts.time_resolution_s = meta["time_resolution_s"].optional_real();
     return facts;
 }
 

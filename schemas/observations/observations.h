@@ -39,7 +39,7 @@ struct StatedAccuracy {
 };
 
 /// The covariance (m^2) that a stated accuracy stands for; what is not stated counts as zero.
-/// Axes: 2 (east, north) or 3 (and up).
+/// Axes: 1 (up alone), 2 (east, north) or 3 (all).
 template <int Axes>
 Eigen::Matrix<double, Axes, Axes> stated_covariance(const StatedAccuracy& accuracy);
 
@@ -83,6 +83,10 @@ struct RecordingFacts {
     bool georeferenced = true;
     bool vertical_measured = true;
     double nominal_interval_s = 0.0;  ///< median step between epochs
+    /// Smallest step that the recording's horizontal coordinates can show, m; empty where unknown.
+    std::optional<double> position_resolution_m = std::nullopt;
+    /// Smallest step that its time stamps can show, s.
+    std::optional<double> time_resolution_s = std::nullopt;
 };
 
 /// The members of a table's meta that hold RecordingFacts, and back.

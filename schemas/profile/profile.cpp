@@ -6,6 +6,7 @@
 
 #include "core/failure.h"
 #include "core/text.h"
+#include "schemas/common/revision.h"
 
 namespace runcert {
 
@@ -43,6 +44,40 @@ std::vector<Clause> read_clauses(const YamlValue& document, const Profile& profi
     return clauses;
 }
 
+/// The field's own value, or its default.
+YamlValue value_or_default(const YamlValue& document, std::string_view group,
+                           const std::string& key) {
+    const YamlValue value = document[key];
+    return value.exists() ? value
+                          : profile_schema().find(fmt::format("{}.{}", group, key))->default_value;
+}
+
+Profile::Uncertainty read_uncertainty(const YamlValue& map) {
+    const auto value = [&map](const char* key) {
+        return value_or_default(map, "uncertainty", key);
+    };
+    Profile::Uncertainty uncertainty{
+        .tau_min_s = value("correlation_time_min_s").real(),
+        .tau_max_s = value("correlation_time_max_s").real(),
+        .subtract_selection_bias = value("selection_bias").text() == "subtracted",
+        .error_floor_m = {}};
+    if (uncertainty.tau_max_s <= uncertainty.tau_min_s) {
+        const bool stated = map["correlation_time_max_s"].exists();
+        map[stated ? "correlation_time_max_s" : "correlation_time_min_s"].fail(
+            fmt::format("the correlation times go from {} s to {} s", uncertainty.tau_min_s,
+                        uncertainty.tau_max_s),
+            "Give correlation_time_max_s above correlation_time_min_s");
+    }
+    constexpr std::string_view floors = "uncertainty.error_floor_m";
+    for (const FieldRule& rule : profile_schema().fields()) {
+        if (!rule.path.starts_with(floors) || rule.path == floors) continue;
+        const std::string kind = rule.path.substr(floors.size() + 1);
+        uncertainty.error_floor_m[kind] =
+            value_or_default(map["error_floor_m"], floors, kind).real();
+    }
+    return uncertainty;
+}
+
 }  // namespace
 
 double metres_per_second(std::string_view unit) {
@@ -60,9 +95,11 @@ std::string_view builtin_profile(std::string_view name) {
 
 Profile read_profile(std::string_view text, const std::string& where) {
     const YamlValue document(parse_yaml(text, where), where);
-    if (!document["schema"].exists() || document["schema"].text() != "profile/1.0")
-        document.fail("this is not a profile", "A profile begins with \"schema: profile/1.0\"");
-    profile_schema().validate(document);
+    const std::optional<std::int64_t> revision = written_revision(document, profile_schema());
+    if (!revision)
+        document.fail("this is not a profile, or not one of " + known_revisions(profile_schema()),
+                      "A profile begins with \"schema: profile/1.1\"");
+    validate_revision(document, profile_schema(), *revision);
     Profile profile;
     profile.id = document["id"].text();
     profile.body = document["body"].text();
@@ -87,6 +124,7 @@ Profile read_profile(std::string_view text, const std::string& where) {
         profile.rounding = {.mode = rounding["mode"].text(),
                             .unit = rounding["unit"].text(),
                             .decimals = static_cast<int>(rounding["decimals"].integer())};
+    profile.uncertainty = read_uncertainty(document["uncertainty"]);
     profile.clauses = read_clauses(document, profile);
     return profile;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -36,6 +37,15 @@ struct Profile {
         int decimals = 0;
     };
     std::optional<Rounding> rounding;
+    /// How the uncertainty of the speed is made up.
+    struct Uncertainty {
+        double tau_min_s = 0.5;                ///< correlation time of a slow position error: from
+        double tau_max_s = 10.0;               ///< and to
+        bool subtract_selection_bias = false;  ///< else it is covered by the uncertainty
+        /// Smallest standard deviation of such an error (m), by kind of solution.
+        std::map<std::string, double> error_floor_m;
+    };
+    Uncertainty uncertainty = {};
     std::vector<Clause> clauses;
 };
 

@@ -76,7 +76,7 @@ std::string write_screened(const ScreenedTable& table) {
                        {"usable", summary.usable},
                        {"arcs", summary.arcs},
                        {"reasons", reasons},
-                       {"variance_factor", rounded(table.variance_factor, 4)}};
+                       {"variance_factor", table.variance_factor}};
     return format().write(std::move(meta), table.rows);
 }
 

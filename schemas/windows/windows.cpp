@@ -4,12 +4,109 @@
 
 #include "core/failure.h"
 #include "schemas/common/document.h"
+#include "schemas/common/members.h"
 
 namespace runcert {
 
 std::string_view windows_schema_text(std::string_view name);
 
 using Json = nlohmann::ordered_json;
+
+// The members of a window's maps, as `schemas/windows/v1.yaml` names them.
+
+template <>
+inline constexpr auto members<BudgetRow> =
+    std::tuple{Member{"symbol", &BudgetRow::symbol},
+               Member{"source", &BudgetRow::source},
+               Member{"estimate", &BudgetRow::estimate},
+               Member{"unit", &BudgetRow::unit},
+               Member{"standard_uncertainty", &BudgetRow::standard_uncertainty},
+               Member{"type", &BudgetRow::type},
+               Member{"distribution", &BudgetRow::distribution},
+               Member{"degrees_of_freedom", &BudgetRow::degrees_of_freedom},
+               Member{"sensitivity", &BudgetRow::sensitivity},
+               Member{"contribution_m_s", &BudgetRow::contribution_mps},
+               Member{"correlation", &BudgetRow::correlation},
+               Member{"note", &BudgetRow::note}};
+
+template <>
+inline constexpr auto members<FittedSpeed> =
+    std::tuple{Member{"speed_m_s", &FittedSpeed::speed_mps},
+               Member{"standard_uncertainty_m_s", &FittedSpeed::standard_uncertainty_mps},
+               Member{"models", &FittedSpeed::models}};
+
+template <>
+inline constexpr auto members<ErrorBound> =
+    std::tuple{Member{"tau_min_s", &ErrorBound::tau_min_s},
+               Member{"tau_max_s", &ErrorBound::tau_max_s},
+               Member{"sigma_m", &ErrorBound::sigma_m},
+               Member{"fitted_m", &ErrorBound::fitted_m},
+               Member{"stated_m", &ErrorBound::stated_m},
+               Member{"floor_m", &ErrorBound::floor_m},
+               Member{"floor_fix", &ErrorBound::floor_fix},
+               Member{"decided_by", &ErrorBound::decided_by},
+               Member{"standard_uncertainty_m_s", &ErrorBound::standard_uncertainty_mps}};
+
+template <>
+inline constexpr auto members<RobustSpeed> =
+    std::tuple{Member{"speed_m_s", &RobustSpeed::speed_mps},
+               Member{"difference_m_s", &RobustSpeed::difference_mps},
+               Member{"limit_m_s", &RobustSpeed::limit_mps}, Member{"agrees", &RobustSpeed::agrees},
+               Member{"downweighted", &RobustSpeed::downweighted}};
+
+template <>
+inline constexpr auto members<SelectionBias> =
+    std::tuple{Member{"candidates", &SelectionBias::candidates},
+               Member{"chosen_mean_m_s", &SelectionBias::chosen_mean_mps},
+               Member{"chosen_sd_m_s", &SelectionBias::chosen_sd_mps},
+               Member{"best_mean_m_s", &SelectionBias::best_mean_mps},
+               Member{"best_sd_m_s", &SelectionBias::best_sd_mps},
+               Member{"bias_m_s", &SelectionBias::bias_mps},
+               Member{"bias_uncertainty_m_s", &SelectionBias::bias_uncertainty_mps},
+               Member{"treatment", &SelectionBias::treatment},
+               Member{"samples", &SelectionBias::samples},
+               Member{"seed", &SelectionBias::seed}};
+
+template <>
+inline constexpr auto members<MonteCarloCheck> =
+    std::tuple{Member{"seed", &MonteCarloCheck::seed},
+               Member{"trials", &MonteCarloCheck::trials},
+               Member{"mean_m_s", &MonteCarloCheck::mean_mps},
+               Member{"standard_uncertainty_m_s", &MonteCarloCheck::standard_uncertainty_mps},
+               Member{"lower_m_s", &MonteCarloCheck::lower_mps},
+               Member{"upper_m_s", &MonteCarloCheck::upper_mps},
+               Member{"tolerance_m_s", &MonteCarloCheck::tolerance_mps},
+               Member{"converged", &MonteCarloCheck::converged}};
+
+template <>
+inline constexpr auto members<SpeedDefinitions> =
+    std::tuple{Member{"displacement_m_s", &SpeedDefinitions::displacement_mps},
+               Member{"path_length_m_s", &SpeedDefinitions::path_length_mps},
+               Member{"mean_n_plus_1_m_s", &SpeedDefinitions::mean_n_plus_1_mps},
+               Member{"mean_n_m_s", &SpeedDefinitions::mean_n_mps}};
+
+template <>
+inline constexpr auto members<MethodMeans> = std::tuple{
+    Member{"smoothed_m_s", &MethodMeans::smoothed_mps},
+    Member{"batch_m_s", &MethodMeans::batch_mps}, Member{"v1_m_s", &MethodMeans::v1_mps},
+    Member{"v2_m_s", &MethodMeans::v2_mps}, Member{"kalman_m_s", &MethodMeans::kalman_mps}};
+
+template <>
+inline constexpr auto members<CertifiableWindow> = std::tuple{
+    Member{"arc", &CertifiableWindow::arc},
+    Member{"speed_m_s", &CertifiableWindow::speed_mps},
+    Member{"standard_uncertainty_m_s", &CertifiableWindow::standard_uncertainty_mps},
+    Member{"effective_degrees_of_freedom", &CertifiableWindow::effective_degrees_of_freedom},
+    Member{"fitted", &CertifiableWindow::fitted},
+    Member{"bound", &CertifiableWindow::bound},
+    Member{"robust", &CertifiableWindow::robust},
+    Member{"selection", &CertifiableWindow::selection},
+    Member{"budget", &CertifiableWindow::budget},
+    Member{"monte_carlo", &CertifiableWindow::monte_carlo},
+    Member{"displacement_m", &CertifiableWindow::displacement_m},
+    Member{"position_r95_m", &CertifiableWindow::position_r95_m},
+    Member{"definitions", &CertifiableWindow::definitions},
+    Member{"methods", &CertifiableWindow::methods}};
 
 namespace {
 
@@ -21,43 +118,14 @@ const DocumentSchema& windows_schema() {
 
 Json best_json(const CertifiableWindow& best) {
     Json json = window_span_json(best.span);
-    json["arc"] = best.arc;
-    json["speed_m_s"] = best.speed_mps;
-    json["standard_uncertainty_m_s"] = best.standard_uncertainty_mps;
-    json["displacement_m"] = best.displacement_m;
-    json["position_r95_m"] = best.position_r95_m;
-    json["definitions"] = {{"displacement_m_s", best.definitions.displacement_mps},
-                           {"path_length_m_s", best.definitions.path_length_mps},
-                           {"mean_n_plus_1_m_s", best.definitions.mean_n_plus_1_mps},
-                           {"mean_n_m_s", best.definitions.mean_n_mps}};
-    Json methods = Json::object();
-    set_optional(methods, "smoothed_m_s", best.methods.smoothed_mps);
-    set_optional(methods, "batch_m_s", best.methods.batch_mps);
-    set_optional(methods, "v1_m_s", best.methods.v1_mps);
-    set_optional(methods, "v2_m_s", best.methods.v2_mps);
-    set_optional(methods, "kalman_m_s", best.methods.kalman_mps);
-    json["methods"] = std::move(methods);
+    json.update(members_json(best));
     return json;
 }
 
 CertifiableWindow read_best(const YamlValue& value) {
-    const YamlValue definitions = value["definitions"];
-    const YamlValue methods = value["methods"];
-    return {.span = read_window_span(value),
-            .arc = value["arc"].integer(),
-            .speed_mps = value["speed_m_s"].real(),
-            .standard_uncertainty_mps = value["standard_uncertainty_m_s"].real(),
-            .displacement_m = value["displacement_m"].real(),
-            .position_r95_m = value["position_r95_m"].real(),
-            .definitions = {.displacement_mps = definitions["displacement_m_s"].real(),
-                            .path_length_mps = definitions["path_length_m_s"].real(),
-                            .mean_n_plus_1_mps = definitions["mean_n_plus_1_m_s"].real(),
-                            .mean_n_mps = definitions["mean_n_m_s"].real()},
-            .methods = {.smoothed_mps = methods["smoothed_m_s"].optional_real(),
-                        .batch_mps = methods["batch_m_s"].optional_real(),
-                        .v1_mps = methods["v1_m_s"].optional_real(),
-                        .v2_mps = methods["v2_m_s"].optional_real(),
-                        .kalman_mps = methods["kalman_m_s"].optional_real()}};
+    CertifiableWindow best = read_members<CertifiableWindow>(value);
+    best.span = read_window_span(value);
+    return best;
 }
 
 Json indicated_json(const IndicatedWindow& indicated) {

@@ -26,11 +26,89 @@ struct MethodMeans {
     std::optional<double> smoothed_mps, batch_mps, v1_mps, v2_mps, kalman_mps;
 };
 
+/// One source of uncertainty.
+struct BudgetRow {
+    std::string symbol;
+    std::string source;  ///< what it is, in words
+    double estimate = 0.0;
+    std::string unit;  ///< of estimate and standard uncertainty
+    double standard_uncertainty = 0.0;
+    std::string type;                          ///< "A" or "B"
+    std::string distribution;                  ///< "normal", "rectangular"
+    std::optional<double> degrees_of_freedom;  ///< empty: infinite
+    double sensitivity = 1.0;                  ///< m/s for one unit of the quantity
+    double contribution_mps = 0.0;  ///< standard uncertainty of the speed from this source
+    std::string correlation;        ///< with which other rows, or why none
+    std::string note;               ///< where the figure comes from
+};
+
+/// The speed by the most likely noise models, their own uncertainty taken in.
+struct FittedSpeed {
+    double speed_mps = 0.0;
+    double standard_uncertainty_mps = 0.0;
+    std::int64_t models = 0;
+};
+
+/// The bound on a position error whose correlation time is known only to lie in an interval.
+struct ErrorBound {
+    double tau_min_s = 0.0;
+    double tau_max_s = 0.0;
+    double sigma_m = 0.0;    ///< size taken: the largest of the three
+    double fitted_m = 0.0;   ///< size of the fitted error at the shortest correlation time
+    double stated_m = 0.0;   ///< stated accuracy times its scale
+    double floor_m = 0.0;    ///< floor of the kind of solution
+    std::string floor_fix;   ///< that kind
+    std::string decided_by;  ///< "fitted", "stated", "floor"
+    double standard_uncertainty_mps = 0.0;  ///< of the speed, from the positions alone
+};
+
+/// The speed by the batch with a robust loss.
+struct RobustSpeed {
+    double speed_mps = 0.0;
+    double difference_mps = 0.0;  ///< against the screened solution with the same noise
+    double limit_mps = 0.0;       ///< expanded uncertainty it must keep to
+    bool agrees = false;
+    std::int64_t downweighted = 0;  ///< epochs of the window whose weight is below one half
+};
+
+/// What choosing the fastest of many windows does.
+struct SelectionBias {
+    std::int64_t candidates = 0;   ///< windows that could have been the best
+    double chosen_mean_mps = 0.0;  ///< true speed of the chosen window: mean, standard deviation
+    double chosen_sd_mps = 0.0;
+    double best_mean_mps = 0.0;  ///< true speed of the window that is truly best
+    double best_sd_mps = 0.0;
+    double bias_mps = 0.0;  ///< stated speed less chosen_mean
+    double bias_uncertainty_mps = 0.0;
+    std::string treatment;  ///< "covered", "subtracted"
+    std::int64_t samples = 0;
+    std::int64_t seed = 0;
+};
+
+/// Propagation of distributions [GUM-S1] through the same model as the budget.
+struct MonteCarloCheck {
+    std::int64_t seed = 0;
+    std::int64_t trials = 0;
+    double mean_mps = 0.0;
+    double standard_uncertainty_mps = 0.0;
+    double lower_mps = 0.0;  ///< ends of the 95 % interval, symmetric in probability
+    double upper_mps = 0.0;
+    double tolerance_mps = 0.0;  ///< numerical tolerance the figures have settled to
+    bool converged = false;
+};
+
 struct CertifiableWindow {
     WindowSpan span;
     std::int64_t arc = 0;
-    double speed_mps = 0.0;  ///< by the profile's definition
-    double standard_uncertainty_mps = 0.0;
+    double speed_mps = 0.0;                 ///< certified, by the profile's definition
+    double standard_uncertainty_mps = 0.0;  ///< combined, of the budget
+    std::optional<double> effective_degrees_of_freedom = std::nullopt;  ///< empty: infinite
+    std::optional<FittedSpeed> fitted = std::nullopt;  ///< these since revision 1.1
+    std::optional<ErrorBound> bound = std::nullopt;
+    std::optional<RobustSpeed> robust = std::nullopt;
+    std::optional<SelectionBias> selection = std::nullopt;
+    std::vector<BudgetRow> budget = {};
+    std::optional<MonteCarloCheck> monte_carlo = std::nullopt;
     double displacement_m = 0.0;
     double position_r95_m = 0.0;  ///< 95 % radius of the position at the worse end
     SpeedDefinitions definitions;

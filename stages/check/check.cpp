@@ -5,8 +5,10 @@
 #include <algorithm>
 
 #include "core/failure.h"
+#include "core/uncertainty.h"
 #include "stages/check/decision.h"
 #include "stages/check/requirements.h"
+#include "stages/check/statements.h"
 
 namespace runcert {
 namespace {
@@ -38,6 +40,13 @@ void set_outcome(const ClauseContext& context, ProfileVerdict& verdict) {
         verdict.outcome = "not_certifiable";
         verdict.reason =
             failed.empty() ? "There is no certifiable window." : "Not met: " + failed.front();
+    } else if (const auto& robust = context.windows.best->robust; robust && !robust->agrees) {
+        verdict.outcome = "not_certifiable";
+        verdict.reason = fmt::format(
+            "A robust estimate over the same epochs gives {:+.3f} km/h against the screened one, "
+            "more than their uncertainty of {:.3f} km/h: screening may have kept a wrong epoch or "
+            "rejected a right one.",
+            robust->difference_mps * 3.6, robust->limit_mps * 3.6);
     } else if (!record) {
         verdict.outcome = "not_proven";
         verdict.reason = "The attempt names no record to beat.";
@@ -59,12 +68,17 @@ void set_outcome(const ClauseContext& context, ProfileVerdict& verdict) {
 }
 
 ProfileVerdict judge(const CheckInput& input, const Profile& profile) {
-    ClauseContext context{
-        .input = input, .profile = profile, .windows = windows_of(input.judged.windows, profile)};
+    ClauseContext context{.input = input,
+                          .profile = profile,
+                          .windows = windows_of(input.judged.windows, profile),
+                          .coverage_factor = profile.coverage_factor};
     if (input.secondary) context.secondary = &windows_of(input.secondary->windows, profile);
     const auto& best = context.windows.best;
-    if (best)
-        context.expanded_uncertainty_mps = profile.coverage_factor * best->standard_uncertainty_mps;
+    if (best) {
+        context.coverage_factor =
+            equivalent_coverage_factor(profile.coverage_factor, best->effective_degrees_of_freedom);
+        context.expanded_uncertainty_mps = context.coverage_factor * best->standard_uncertainty_mps;
+    }
     if (const auto& record = input.attempt.record)
         context.target_mps = target_speed(profile, record->speed * metres_per_second(record->unit));
 
@@ -73,7 +87,7 @@ ProfileVerdict judge(const CheckInput& input, const Profile& profile) {
     verdict.body = profile.body;
     verdict.title = profile.title;
     verdict.definition = profile.definition;
-    verdict.coverage_factor = profile.coverage_factor;
+    verdict.coverage_factor = context.coverage_factor;
     verdict.expanded_uncertainty_mps = context.expanded_uncertainty_mps;
     verdict.target_mps = context.target_mps;
     if (best) {
@@ -89,38 +103,6 @@ ProfileVerdict judge(const CheckInput& input, const Profile& profile) {
                                           .speed_mps = indicated->speed_mps,
                                           .refusals = indicated->refusals};
     return verdict;
-}
-
-/// What must be read with every figure of the measurement.
-std::vector<std::string> statements_of(const CheckInput& input) {
-    const ReceiverEvidence& judged = input.judged;
-    std::vector<std::string> statements{
-        "The uncertainty covers errors of the positions that are independent from epoch to epoch, "
-        "of the size stated, multiplied by the variance factor. Errors that vary slowly over the "
-        "window, as carrier-phase positions have them, are not in it."};
-    if (judged.accuracy_source == "none")
-        statements.push_back(
-            "Neither the recording nor the attempt states an accuracy: nothing "
-            "can be certified without one.");
-    else
-        statements.push_back(fmt::format(
-            "Stated accuracies come from the {}; the variance factor of the adjustment is {:.2f}, "
-            "applied {:.2f}.",
-            judged.accuracy_source, judged.estimation.variance_factor,
-            judged.estimation.variance_factor_applied));
-    if (!judged.facts.georeferenced)
-        statements.push_back(
-            "Not georeferenced: the coordinates are those of a local plane, whose "
-            "place, orientation and scale on the Earth are not stated.");
-    if (!judged.facts.vertical_measured)
-        statements.push_back("Heights were not measured: the estimate is in the plane.");
-    if (!judged.facts.first_epoch)
-        statements.push_back("The recording's time is relative: the run has no date in it.");
-    else if (!utc_from_gps(*judged.facts.first_epoch).leap_seconds_known)
-        statements.push_back(
-            "UTC is given with the leap seconds known to the program, whose table "
-            "does not reach the date of the recording.");
-    return statements;
 }
 
 }  // namespace

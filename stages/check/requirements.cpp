@@ -45,8 +45,8 @@ Finding accuracy(const ClauseContext& context) {
     const bool met = u <= *context.profile.accuracy_limit_mps;
     const std::string& unit = context.profile.accuracy_unit;
     return {met ? "met" : "not_met",
-            fmt::format("{:g} times the standard uncertainty is {}, the limit {}",
-                        context.profile.coverage_factor, in_unit(u, unit, 3),
+            fmt::format("{:.3g} times the standard uncertainty is {}, the limit {}",
+                        context.coverage_factor, in_unit(u, unit, 3),
                         in_unit(*context.profile.accuracy_limit_mps, unit, 3))};
 }
 

@@ -10,6 +10,7 @@ struct ClauseContext {
     const Profile& profile;
     const ProfileWindows& windows;
     const ProfileWindows* secondary = nullptr;
+    double coverage_factor = 2.0;
     std::optional<double> expanded_uncertainty_mps = std::nullopt;
     std::optional<double> target_mps = std::nullopt;
 };

@@ -45,11 +45,7 @@ TimedRows read_rows(const Receiver& receiver, const Description& description,
         const std::vector<Cell> cells = split(*line, recording, layout.delimiter);
         if (cells.size() != layout.fields)
             refuse_count(*line, recording, cells.size(), layout, lines.at_end());
-        Row row = read_row(cells, layout, description, receiver);
-        row.observation.source_line = line->number;
-        row.observation.source_byte = line->byte;
-        timed.rows.push_back(row.observation);
-        timed.instants.push_back(row.instant);
+        timed.add(read_row(cells, layout, description, receiver), *line);
     }
     return timed;
 }
@@ -112,7 +108,7 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     observations.format = "csv";
     observations.frame = to_text(description.frame);
     observations.time_scale = time_scale_word(receiver, description);
-    set_times(observations, read_rows(receiver, description, recording), recording);
+    set_rows(observations, read_rows(receiver, description, recording), recording);
     note_description(observations, receiver, description);
     set_accuracy(observations, receiver);
     note_text(observations, recording);

@@ -154,6 +154,23 @@ StatedAccuracy read_accuracy(const Fields& fields, const Description& descriptio
                                                      fields.real(Column::north)));
 }
 
+void set_written_coordinates(WrittenCells& written, const Fields& fields, CoordinateFrame frame) {
+    const auto text = [&](Column column) { return fields.cell(column).text; };
+    switch (frame) {
+        case CoordinateFrame::geodetic:
+            written.unit = CoordinateUnit::degree;
+            written.coordinates = {text(Column::latitude), text(Column::longitude)};
+            break;
+        case CoordinateFrame::ecef:
+            written.coordinates = {text(Column::x), text(Column::y), text(Column::z)};
+            break;
+        case CoordinateFrame::utm:
+        case CoordinateFrame::local_plane:
+            written.coordinates = {text(Column::east), text(Column::north)};
+            break;
+    }
+}
+
 FixKind read_fix(const Fields& fields) {
     if (!fields.has(Column::fix)) return FixKind::unknown;
     const Cell& cell = fields.cell(Column::fix);
@@ -167,12 +184,13 @@ FixKind read_fix(const Fields& fields) {
 
 }  // namespace
 
-Row read_row(std::span<const Cell> cells, const Layout& layout, const Description& description,
-             const Receiver& receiver) {
+TimedRow read_row(std::span<const Cell> cells, const Layout& layout, const Description& description,
+                  const Receiver& receiver) {
     const Fields fields(cells, layout);
-    Row row;
+    TimedRow row;
     Observation& observation = row.observation;
     row.instant = read_instant(fields, description, receiver);
+    row.written.time = fields.cell(Column::time).text;
     observation.fix = read_fix(fields);
     if (fields.has(Column::satellites))
         observation.satellites =
@@ -191,6 +209,7 @@ Row read_row(std::span<const Cell> cells, const Layout& layout, const Descriptio
     } else {
         set_position(observation, read_place(fields, description, receiver));
     }
+    set_written_coordinates(row.written, fields, description.frame);
     static_cast<StatedAccuracy&>(observation) = read_accuracy(fields, description, receiver);
     return row;
 }

@@ -20,6 +20,14 @@ double median_step_s(const std::vector<GpsTime>& instants) {
     return steps.empty() ? 0.0 : median(std::move(steps));
 }
 
+/// Latitude of the first position on the Earth; the equator's where there is none.
+Angle first_latitude(const std::vector<Observation>& rows) {
+    const auto first = std::find_if(rows.begin(), rows.end(), [](const Observation& row) {
+        return row.latitude_deg.has_value();
+    });
+    return Angle::from_degrees(first == rows.end() ? 0.0 : *first->latitude_deg);
+}
+
 bool has_horizontal(const Observation& row) {
     return row.sigma_east_m && row.sigma_north_m;
 }
@@ -58,7 +66,15 @@ void note_missing_accuracy(Observations& observations) {
 
 }  // namespace
 
-void set_times(Observations& observations, TimedRows timed, const RecordingBytes& recording) {
+void TimedRows::add(const TimedRow& row, const SourceLine& line) {
+    rows.push_back(row.observation);
+    rows.back().source_line = line.number;
+    rows.back().source_byte = line.byte;
+    instants.push_back(row.instant);
+    written.see(row.written);
+}
+
+void set_rows(Observations& observations, TimedRows timed, const RecordingBytes& recording) {
     if (timed.rows.empty())
         throw Failure(place_in(recording, 1, 1), "the recording has no epochs",
                       "It holds a header at most; take the whole recording");
@@ -80,6 +96,8 @@ void set_times(Observations& observations, TimedRows timed, const RecordingBytes
     observations.facts.nominal_interval_s = median_step_s(timed.instants);
     note_leap_seconds(observations,
                       *std::max_element(timed.instants.begin(), timed.instants.end()));
+    observations.facts.time_resolution_s = timed.written.time_s();
+    observations.facts.position_resolution_m = timed.written.position_m(first_latitude(timed.rows));
     observations.rows = std::move(timed.rows);
 }
 

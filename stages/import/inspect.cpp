@@ -176,6 +176,8 @@ Inspection inspect(const Observations& observations) {
     inspection.time_scale = observations.time_scale;
     inspection.epochs = observations.rows.size();
     inspection.nominal_interval_s = observations.facts.nominal_interval_s;
+    inspection.position_resolution_m = observations.facts.position_resolution_m;
+    inspection.time_resolution_s = observations.facts.time_resolution_s;
     inspection.georeferenced = observations.facts.georeferenced;
     inspection.vertical_measured = observations.facts.vertical_measured;
     inspection.accuracy_source = observations.accuracy_source;

@@ -30,7 +30,8 @@ struct Inspection {
     std::size_t epochs = 0;
     std::size_t without_position = 0;
     double nominal_interval_s = 0.0;
-    std::vector<std::pair<FixKind, std::size_t>> fixes;  ///< most frequent first
+    std::optional<double> position_resolution_m, time_resolution_s;  ///< as in RecordingFacts
+    std::vector<std::pair<FixKind, std::size_t>> fixes;              ///< most frequent first
     std::size_t fix_changes = 0;
     std::size_t gaps = 0;  ///< steps longer than 1.5 nominal intervals
     double longest_gap_s = 0.0;

@@ -70,6 +70,16 @@ std::string gaps_text(const Inspection& it) {
            fmt::format("; {} repeated and {} backward times", it.repeated_times, it.backward_times);
 }
 
+/// A step with two digits that count, trailing zeros left out.
+std::string step_text(const std::optional<double>& step, std::string_view unit) {
+    if (!step) return "unclear steps";
+    const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(*step))), 0, 9);
+    std::string text = fixed(*step, decimals);
+    if (decimals > 0) text.erase(text.find_last_not_of('0') + 1);
+    if (text.ends_with('.')) text.pop_back();
+    return fmt::format("steps of {} {}", text, unit);
+}
+
 std::string accuracy_text(const Inspection& it) {
     if (!it.median_horizontal_m) return "none stated";
     return fmt::format("horizontal {} m (median), {} m (worst), stated by the {}",
@@ -153,6 +163,9 @@ std::string inspection_text(const Inspection& it, const std::string& file_name) 
     line("Epochs", epochs_text(it));
     line("Gaps", gaps_text(it));
     line("Solutions", fixes_text(it));
+    line("Written",
+         fmt::format("positions in {}, times in {}", step_text(it.position_resolution_m, "m"),
+                     step_text(it.time_resolution_s, "s")));
     line("Accuracy", accuracy_text(it));
     line("Velocity", it.with_velocity == 0
                          ? "not recorded"

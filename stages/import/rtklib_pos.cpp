@@ -60,7 +60,7 @@ class Reader {
         if (other_headers_ > 0)
             observations_.notes.push_back(fmt::format(
                 "The file holds {} solutions, one after the other.", other_headers_ + 1));
-        set_times(observations_, std::move(timed_), recording_);
+        set_rows(observations_, std::move(timed_), recording_);
         return std::move(observations_);
     }
 
@@ -117,11 +117,7 @@ class Reader {
             split_fields(line, line.text, recording_, layout_->separator);
         if (fields.size() != layout_->fields) refuse_count(start, fields.size());
         const bool baseline = layout_->coordinates == Coordinates::baseline;
-        Row row = read_row(fields, *layout_, baseline ? base_ : std::nullopt);
-        row.observation.source_line = line.number;
-        row.observation.source_byte = line.byte;
-        timed_.rows.push_back(row.observation);
-        timed_.instants.push_back(row.instant);
+        timed_.add(read_row(fields, *layout_, baseline ? base_ : std::nullopt), line);
     }
 
     [[noreturn]] void refuse_count(const Cell& start, std::size_t count) const {

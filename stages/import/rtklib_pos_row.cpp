@@ -98,6 +98,28 @@ Geodetic read_position(const Fields& fields, const Layout& layout,
     return read_baseline(fields, *base);
 }
 
+void set_written_coordinates(WrittenCells& written, const Fields& fields, Coordinates coordinates) {
+    const auto text = [&](Column column, std::size_t part = 0) {
+        return fields.cell(column, part).text;
+    };
+    switch (coordinates) {
+        case Coordinates::degrees:
+            written.unit = CoordinateUnit::degree;
+            written.coordinates = {text(Column::latitude), text(Column::longitude)};
+            break;
+        case Coordinates::degrees_minutes_seconds:
+            written.unit = CoordinateUnit::arc_second;
+            written.coordinates = {text(Column::latitude, 2), text(Column::longitude, 2)};
+            break;
+        case Coordinates::earth_centred:
+            written.coordinates = {text(Column::x), text(Column::y), text(Column::z)};
+            break;
+        case Coordinates::baseline:
+            written.coordinates = {text(Column::east), text(Column::north)};
+            break;
+    }
+}
+
 /// A covariance in the axes of `rotation`'s domain, turned by it; zero, for unknown, where one of
 /// the axes has no standard deviation, because then none of the turned ones is known.
 Eigen::Matrix3d turned(const Eigen::Matrix3d& covariance, const Eigen::Matrix3d& rotation) {
@@ -169,15 +191,17 @@ bool has_position(const Fields& fields, const Layout& layout, FixKind fix) {
 
 }  // namespace
 
-Row read_row(std::span<const Cell> cells, const Layout& layout,
-             const std::optional<LocalFrame>& base) {
+TimedRow read_row(std::span<const Cell> cells, const Layout& layout,
+                  const std::optional<LocalFrame>& base) {
     const Fields fields(cells, layout);
-    Row row;
+    TimedRow row;
     row.instant = read_instant(cells, layout.clock);
+    row.written.time = cells[1].text;
     read_quality(fields, row.observation);
     if (!has_position(fields, layout, row.observation.fix)) return row;
     const Geodetic place = read_position(fields, layout, base);
     set_position(row.observation, place);
+    set_written_coordinates(row.written, fields, layout.coordinates);
     static_cast<StatedAccuracy&>(row.observation) = accuracy_from_covariance(
         read_covariance(fields, Column::sigma_east, Column::sigma_x, place, base));
     read_velocity(fields, place, base, row.observation);

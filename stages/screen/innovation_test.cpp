@@ -19,32 +19,32 @@ PositionMeasurement<Axes> measurement_of(const ScreenedEpoch& row, double varian
 template <int Axes>
 class ArcFilter {
   public:
-    ArcFilter(const MotionModel& model, double variance_factor)
-        : model_(model), variance_factor_(variance_factor) {}
+    ArcFilter(const EstimationModel& model, double variance_factor)
+        : filter_(model), variance_factor_(variance_factor) {}
 
     void restart() { started_ = false; }
 
-    /// The innovation of an epoch; nothing for the first three of an arc, which a vague prior
-    /// cannot test.
+    /// The innovation of an epoch; nothing for the first of an arc, which a vague prior cannot
+    /// test.
     std::optional<double> statistic(const ScreenedEpoch& row) {
         const auto measurement = measurement_of<Axes>(row, variance_factor_);
-        predicted_ = started_ ? predict(estimate_, model_, row.time.seconds() - time_s_)
-                              : vague_prior<Axes>(measurement.position);
+        predicted_ = started_ ? filter_.predict(estimate_, row.time.seconds() - time_s_)
+                              : filter_.prior(measurement.position);
         if (!started_) taken_ = 0;
-        if (taken_ < 3) return std::nullopt;
-        return innovation(predicted_, measurement).statistic;
+        if (taken_ < measurements_of_the_prior) return std::nullopt;
+        return filter_.innovation(predicted_, measurement).statistic;
     }
 
     /// Takes in the epoch last asked about.
     void accept(const ScreenedEpoch& row) {
-        estimate_ = update(predicted_, measurement_of<Axes>(row, variance_factor_));
+        estimate_ = filter_.update(predicted_, measurement_of<Axes>(row, variance_factor_));
         time_s_ = row.time.seconds();
         started_ = true;
         ++taken_;
     }
 
   private:
-    MotionModel model_;
+    KalmanFilter<Axes> filter_;
     double variance_factor_;
     bool started_ = false;
     int taken_ = 0;

@@ -19,7 +19,7 @@ ScreenConfig screen_config(const Attempt& attempt) {
     config.false_alarm_rate = parameters.at("false_alarm_rate");
     config.restart_after = parameters.at("restart_after");
     config.min_arc_epochs = parameters.at("min_arc_epochs");
-    config.model.jerk_density = parameters.at("jerk_density");
+    config.model.motion.jerk_density = parameters.at("jerk_density");
     return config;
 }
 

@@ -17,7 +17,7 @@ struct ScreenConfig {
     double false_alarm_rate = 0.0;
     std::int64_t restart_after = 0;
     std::int64_t min_arc_epochs = 0;
-    MotionModel model;
+    EstimationModel model;
 };
 
 ScreenConfig screen_config(const Attempt& attempt);

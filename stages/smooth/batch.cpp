@@ -1,162 +1,177 @@
 #include "stages/smooth/batch.h"
 
-#include <ceres/ceres.h>
-#include <fmt/format.h>
-
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
+#include <algorithm>
+#include <cassert>
 
 #include "core/failure.h"
+#include "stages/smooth/robust_batch.h"
 
 namespace runcert {
 namespace {
 
-template <int Axes>
-using RowMajor = Eigen::Matrix<double, state_size<Axes>, state_size<Axes>, Eigen::RowMajor>;
+constexpr double function_tolerance = 1e-12;
 
-/// Memory of Ceres seen as a matrix.
-template <class Matrix>
-Eigen::Map<Matrix> view(double* memory) {
-    return Eigen::Map<Matrix>(memory);
+/// Epochs [first, last) of an arc, and those of them [take_from, take_to) whose states are taken.
+struct Stretch {
+    std::size_t first = 0;
+    std::size_t last = 0;
+    std::size_t take_from = 0;
+    std::size_t take_to = 0;
+
+    template <class T>
+    std::span<const T> of(std::span<const T> arc) const {
+        return arc.subspan(first, last - first);
+    }
+};
+
+/// Where a stretch begins after the one begun at `first`: at a measured epoch, the wanted one or
+/// further back; where that would be `first` itself, further on. The end of the arc where there is
+/// none.
+template <int Axes>
+std::size_t next_beginning(std::span<const ArcEpoch<Axes>> arc, std::size_t first,
+                           std::size_t wanted) {
+    for (std::size_t k = wanted; k > first; --k)
+        if (arc[k].measurement) return k;
+    while (wanted < arc.size() && !arc[wanted].measurement)
+        ++wanted;
+    return wanted;
 }
-template <class Matrix>
-Eigen::Map<const Matrix> view(const double* memory) {
-    return Eigen::Map<const Matrix>(memory);
+
+/// The stretches of an arc. One that would leave no measured epoch for the next to begin at (a gap
+/// as long as itself) is made longer.
+template <int Axes>
+std::vector<Stretch> cut(std::span<const ArcEpoch<Axes>> arc, const BatchOptions& options) {
+    assert(!arc.empty() && arc.front().measurement);
+    assert(options.overlap > 0 && 2 * options.overlap <= options.epochs_at_once);
+    std::vector<Stretch> stretches;
+    Stretch stretch{.last = options.epochs_at_once};
+    while (stretch.last < arc.size()) {
+        const std::size_t next =
+            next_beginning<Axes>(arc, stretch.first, stretch.last - options.overlap);
+        stretch.last = std::max(stretch.last, next + options.overlap);
+        if (stretch.last >= arc.size()) break;
+        stretch.take_to = next + (stretch.last - next) / 2;
+        stretches.push_back(stretch);
+        stretch = {
+            .first = next, .last = next + options.epochs_at_once, .take_from = stretch.take_to};
+    }
+    stretch.last = stretch.take_to = arc.size();
+    stretches.push_back(stretch);
+    return stretches;
 }
 
-/// Whitened difference between a state and its prior.
+/// Copies the states taken from a stretch's solution to those of the arc.
 template <int Axes>
-class PriorCost : public ceres::SizedCostFunction<state_size<Axes>, state_size<Axes>> {
-  public:
-    explicit PriorCost(const StateEstimate<Axes>& prior)
-        : mean_(prior.mean),
-          // The prior's covariance is diagonal.
-          whitener_(prior.covariance.diagonal().cwiseSqrt().cwiseInverse().asDiagonal()) {}
+void take(const Stretch& stretch, const std::vector<StateVector<Axes>>& solved,
+          std::vector<StateVector<Axes>>& states) {
+    for (std::size_t k = stretch.take_from; k < stretch.take_to; ++k)
+        states[k] = solved[k - stretch.first];
+}
 
-    bool Evaluate(double const* const* parameters, double* residuals,
-                  double** jacobians) const override {
-        const auto state = view<StateVector<Axes>>(parameters[0]);
-        view<StateVector<Axes>>(residuals) = whitener_ * (state - mean_);
-        if (jacobians && jacobians[0]) view<RowMajor<Axes>>(jacobians[0]) = whitener_;
-        return true;
-    }
-
-  private:
-    StateVector<Axes> mean_;
-    StateMatrix<Axes> whitener_;
-};
-
-/// Whitened difference between a measured position and a state's.
 template <int Axes>
-class MeasurementCost : public ceres::SizedCostFunction<Axes, state_size<Axes>> {
-  public:
-    explicit MeasurementCost(const PositionMeasurement<Axes>& measurement)
-        : position_(measurement.position) {
-        // P = L L': inverse(L) whitens.
-        const PositionMatrix<Axes> factor = measurement.covariance.llt().matrixL();
-        whitener_ = factor.inverse();
+std::vector<StateVector<Axes>> solve_stretch(std::span<const ArcEpoch<Axes>> stretch,
+                                             const EstimationModel& model) {
+    // At rest where the stretch begins: far enough from the solution for the agreement with the
+    // smoother to be a check.
+    StateVector<Axes> rest = StateVector<Axes>::Zero();
+    rest.template head<Axes>() = stretch.front().measurement->position;
+    std::vector<StateVector<Axes>> states(stretch.size(), rest);
+    {
+        BatchProblem<Axes> coarse(stretch, model, states);
+        coarse.solve(1, 0.0);
+        states = coarse.states();
     }
-
-    bool Evaluate(double const* const* parameters, double* residuals,
-                  double** jacobians) const override {
-        const auto state = view<PositionVector<Axes>>(parameters[0]);
-        view<PositionVector<Axes>>(residuals) = whitener_ * (state - position_);
-        if (jacobians && jacobians[0]) {
-            Eigen::Map<Eigen::Matrix<double, Axes, state_size<Axes>, Eigen::RowMajor>> jacobian(
-                jacobians[0]);
-            jacobian.setZero();
-            jacobian.template leftCols<Axes>() = whitener_;
-        }
-        return true;
-    }
-
-  private:
-    PositionVector<Axes> position_;
-    PositionMatrix<Axes> whitener_;
-};
-
-/// Whitened process noise between two states.
-template <int Axes>
-class ProcessCost
-    : public ceres::SizedCostFunction<state_size<Axes>, state_size<Axes>, state_size<Axes>> {
-  public:
-    ProcessCost(const MotionModel& model, double dt_s) : transition_(transition<Axes>(dt_s)) {
-        const Eigen::Matrix3d axis = axis_process_whitener(model, dt_s);
-        whitener_.setZero();
-        for (int row = 0; row < 3; ++row)
-            for (int column = 0; column < 3; ++column)
-                whitener_.template block<Axes, Axes>(row * Axes, column * Axes)
-                    .diagonal()
-                    .setConstant(axis(row, column));
-    }
-
-    bool Evaluate(double const* const* parameters, double* residuals,
-                  double** jacobians) const override {
-        const auto before = view<StateVector<Axes>>(parameters[0]);
-        const auto after = view<StateVector<Axes>>(parameters[1]);
-        view<StateVector<Axes>>(residuals) = whitener_ * (after - transition_ * before);
-        if (jacobians && jacobians[0])
-            view<RowMajor<Axes>>(jacobians[0]) = -whitener_ * transition_;
-        if (jacobians && jacobians[1]) view<RowMajor<Axes>>(jacobians[1]) = whitener_;
-        return true;
-    }
-
-  private:
-    StateMatrix<Axes> transition_;
-    StateMatrix<Axes> whitener_;
-};
-
-ceres::Solver::Options solver_options() {
-    ceres::Solver::Options options;
-    options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-    options.num_threads = 1;
-    options.logging_type = ceres::SILENT;
-    // A linear problem: no damping, and further steps only take up rounding.
-    options.initial_trust_region_radius = 1e32;
-    options.max_trust_region_radius = 1e32;
-    options.min_lm_diagonal = 1e-32;
-    options.max_num_iterations = 8;
-    options.function_tolerance = 0.0;
-    options.gradient_tolerance = 0.0;
-    options.parameter_tolerance = 1e-16;
-    return options;
+    BatchProblem<Axes> fine(stretch, model, states);
+    // One step whatever it gains, for the precision; then until nothing is left to gain, or nothing
+    // but rounding. Whether that was enough is for the comparison with the smoother to say.
+    fine.solve(1, 0.0);
+    const Convergence end = fine.solve(4, function_tolerance);
+    if (!end.usable)
+        throw Failure(fine.where(), "the batch least squares could not be solved: " + end.message,
+                      "Check the stated accuracies and the time steps of this stretch");
+    return fine.states();
 }
 
 }  // namespace
 
 template <int Axes>
-std::vector<StateVector<Axes>> solve_batch(std::span<const ArcEpoch<Axes>> arc,
-                                           const MotionModel& model) {
-    const StateEstimate<Axes> prior = vague_prior<Axes>(arc.front().measurement->position);
-    // Started from the measured positions at rest, far enough from the solution to be a check.
-    std::vector<StateVector<Axes>> states(arc.size(), prior.mean);
-    ceres::Problem problem;
-    problem.AddResidualBlock(new PriorCost<Axes>(prior), nullptr, states[0].data());
-    for (std::size_t k = 0; k < arc.size(); ++k) {
-        if (k > 0) {
-            states[k] = states[k - 1];
-            problem.AddResidualBlock(
-                new ProcessCost<Axes>(model, arc[k].time_s - arc[k - 1].time_s), nullptr,
-                states[k - 1].data(), states[k].data());
-        }
-        if (!arc[k].measurement) continue;
-        states[k].template head<Axes>() = arc[k].measurement->position;
-        problem.AddResidualBlock(new MeasurementCost<Axes>(*arc[k].measurement), nullptr,
-                                 states[k].data());
-    }
-    ceres::Solver::Summary summary;
-    ceres::Solve(solver_options(), &problem, &summary);
-    if (!summary.IsSolutionUsable())
-        throw Failure(
-            fmt::format("arc from {:.3f} s to {:.3f} s", arc.front().time_s, arc.back().time_s),
-            "the batch least squares did not converge: " + summary.message,
-            "Check the stated accuracies and the time steps of this stretch");
-    return states;
+BatchSolution<Axes> solve_batch(std::span<const ArcEpoch<Axes>> arc, const EstimationModel& model,
+                                const BatchOptions& options) {
+    const std::vector<Stretch> stretches = cut<Axes>(arc, options);
+    BatchSolution<Axes> solution;
+    solution.stretches = static_cast<std::int64_t>(stretches.size());
+    solution.states.resize(arc.size());
+    for (const Stretch& stretch : stretches)
+        take<Axes>(stretch, solve_stretch<Axes>(stretch.of(arc), model), solution.states);
+    return solution;
 }
 
-template std::vector<StateVector<2>> solve_batch<2>(std::span<const ArcEpoch<2>>,
-                                                    const MotionModel&);
-template std::vector<StateVector<3>> solve_batch<3>(std::span<const ArcEpoch<3>>,
-                                                    const MotionModel&);
+template <int Axes>
+RobustSolution<Axes> solve_robust(std::span<const ArcEpoch<Axes>> arc, const EstimationModel& model,
+                                  double scale, std::span<const StateVector<Axes>> start,
+                                  const BatchOptions& options) {
+    assert(start.size() == arc.size() && scale > 0.0);
+    const std::vector<Stretch> stretches = cut<Axes>(arc, options);
+    RobustSolution<Axes> solution;
+    solution.stretches = static_cast<std::int64_t>(stretches.size());
+    solution.states.resize(arc.size());
+    solution.weights.resize(arc.size());
+    for (const Stretch& stretch : stretches) {
+        BatchProblem<Axes> robust(stretch.of(arc), model, stretch.of(start), scale);
+        const Convergence end = robust.solve(robust_iterations_allowed, function_tolerance);
+        if (!end.converged)
+            throw Failure(robust.where(), "the robust solution did not converge: " + end.message,
+                          "Screen the outliers of this stretch, or give the loss a larger scale");
+        solution.iterations += end.iterations;
+        take<Axes>(stretch, robust.states(), solution.states);
+    }
+    for (std::size_t k = 0; k < arc.size(); ++k) {
+        if (!arc[k].measurement) continue;
+        const double square =
+            whitened_residual<Axes>(*arc[k].measurement, model, solution.states[k]).squaredNorm();
+        solution.weights[k] = 1.0 / (1.0 + square / (scale * scale));
+    }
+    return solution;
+}
+
+template <int Axes>
+TwoStateCovariance<Axes> batch_covariance(std::span<const ArcEpoch<Axes>> arc,
+                                          const EstimationModel& model, std::size_t s,
+                                          std::size_t e) {
+    assert(s < e && e < arc.size());
+    // Linear: the covariance is the same about any states.
+    const std::vector<StateVector<Axes>> anywhere(arc.size(), StateVector<Axes>::Zero());
+    BatchProblem<Axes> batch(arc, model, anywhere);
+    const auto covariance = batch.covariance(s, e);
+    if (!covariance)
+        throw Failure(batch.where(), "the batch least squares does not determine every state",
+                      "Check the stated accuracies and the time steps of this stretch");
+    return *covariance;
+}
+
+template BatchSolution<1> solve_batch<1>(std::span<const ArcEpoch<1>>, const EstimationModel&,
+                                         const BatchOptions&);
+template BatchSolution<2> solve_batch<2>(std::span<const ArcEpoch<2>>, const EstimationModel&,
+                                         const BatchOptions&);
+template BatchSolution<3> solve_batch<3>(std::span<const ArcEpoch<3>>, const EstimationModel&,
+                                         const BatchOptions&);
+template RobustSolution<1> solve_robust<1>(std::span<const ArcEpoch<1>>, const EstimationModel&,
+                                           double, std::span<const StateVector<1>>,
+                                           const BatchOptions&);
+template RobustSolution<2> solve_robust<2>(std::span<const ArcEpoch<2>>, const EstimationModel&,
+                                           double, std::span<const StateVector<2>>,
+                                           const BatchOptions&);
+template RobustSolution<3> solve_robust<3>(std::span<const ArcEpoch<3>>, const EstimationModel&,
+                                           double, std::span<const StateVector<3>>,
+                                           const BatchOptions&);
+template TwoStateCovariance<1> batch_covariance<1>(std::span<const ArcEpoch<1>>,
+                                                   const EstimationModel&, std::size_t,
+                                                   std::size_t);
+template TwoStateCovariance<2> batch_covariance<2>(std::span<const ArcEpoch<2>>,
+                                                   const EstimationModel&, std::size_t,
+                                                   std::size_t);
+template TwoStateCovariance<3> batch_covariance<3>(std::span<const ArcEpoch<3>>,
+                                                   const EstimationModel&, std::size_t,
+                                                   std::size_t);
 
 }  // namespace runcert

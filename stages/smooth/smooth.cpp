@@ -6,10 +6,13 @@
 #include <cmath>
 
 #include "arcs/arcs.h"
+#include "arcs/noise_models.h"
 #include "core/failure.h"
 #include "estimation/speed.h"
 #include "stages/smooth/batch.h"
 #include "stages/smooth/dhd22.h"
+#include "stages/smooth/health.h"
+#include "stages/smooth/noise.h"
 
 namespace runcert {
 namespace {
@@ -17,52 +20,48 @@ namespace {
 constexpr double agreement_position_m = 1e-6;
 constexpr double agreement_velocity_mps = 1e-5;
 
-/// The axes of a vector as cells: the third stays empty in the plane.
-template <int Axes, class Vector>
-void set_axes(const Vector& values, std::optional<double>& east, std::optional<double>& north,
-              std::optional<double>& up) {
-    east = values(0);
-    north = values(1);
-    if constexpr (Axes == 3) up = values(2);
-}
-
-template <int Axes>
-void set_state(const StateEstimate<Axes>& state, double variance_factor, TrajectoryEpoch& row) {
-    const StateVector<Axes>& mean = state.mean;
-    const StateVector<Axes> sigma =
-        (variance_factor * state.covariance.diagonal()).cwiseMax(0.0).cwiseSqrt();
-    set_axes<Axes>(mean.template head<Axes>(), row.east_m, row.north_m, row.up_m);
-    set_axes<Axes>(mean.template segment<Axes>(Axes), row.velocity_east_mps, row.velocity_north_mps,
-                   row.velocity_up_mps);
-    set_axes<Axes>(mean.template tail<Axes>(), row.acceleration_east_mps2,
-                   row.acceleration_north_mps2, row.acceleration_up_mps2);
-    set_axes<Axes>(sigma.template head<Axes>(), row.sigma_east_m, row.sigma_north_m,
-                   row.sigma_up_m);
-    set_axes<Axes>(sigma.template segment<Axes>(Axes), row.sigma_velocity_east_mps,
-                   row.sigma_velocity_north_mps, row.sigma_velocity_up_mps);
-    set_axes<Axes>(sigma.template tail<Axes>(), row.sigma_acceleration_east_mps2,
-                   row.sigma_acceleration_north_mps2, row.sigma_acceleration_up_mps2);
+void set_horizontal(const StateEstimate<2>& state, TrajectoryEpoch& row) {
+    const StateVector<2>& mean = state.mean;
+    const StateVector<2> sigma = state.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+    row.east_m = mean(0);
+    row.north_m = mean(1);
+    row.velocity_east_mps = mean(2);
+    row.velocity_north_mps = mean(3);
+    row.acceleration_east_mps2 = mean(4);
+    row.acceleration_north_mps2 = mean(5);
+    row.sigma_east_m = sigma(0);
+    row.sigma_north_m = sigma(1);
+    row.sigma_velocity_east_mps = sigma(2);
+    row.sigma_velocity_north_mps = sigma(3);
+    row.sigma_acceleration_east_mps2 = sigma(4);
+    row.sigma_acceleration_north_mps2 = sigma(5);
     const SpeedEstimate speed =
-        horizontal_speed(mean.template segment<2>(Axes),
-                         variance_factor * state.covariance.template block<2, 2>(Axes, Axes));
+        horizontal_speed(mean.segment<2>(2), state.covariance.block<2, 2>(2, 2));
     row.speed_mps = speed.speed_mps;
     row.sigma_speed_mps = speed.standard_uncertainty_mps;
 }
 
+void set_vertical(const StateEstimate<1>& state, TrajectoryEpoch& row) {
+    const StateVector<1> sigma = state.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+    row.up_m = state.mean(0);
+    row.velocity_up_mps = state.mean(1);
+    row.acceleration_up_mps2 = state.mean(2);
+    row.sigma_up_m = sigma(0);
+    row.sigma_velocity_up_mps = sigma(1);
+    row.sigma_acceleration_up_mps2 = sigma(2);
+}
+
 /// The methods of [DHD22] over the usable positions of an arc.
-template <int Axes>
-void set_paper_methods(const Arc<Axes>& arc, const SmoothConfig& config,
+void set_paper_methods(const Arc<2>& arc, const SmoothConfig& config,
                        std::vector<TrajectoryEpoch>& rows) {
     std::vector<PlanePosition> positions;
     std::vector<std::size_t> index;
     for (std::size_t k = 0; k < arc.epochs.size(); ++k) {
         const auto& measurement = arc.epochs[k].measurement;
         if (!measurement) continue;
-        const double horizontal_variance =
-            measurement->covariance.template topLeftCorner<2, 2>().trace() / 2.0;
         positions.push_back({.time_s = arc.epochs[k].time_s,
-                             .position = measurement->position.template head<2>(),
-                             .sigma_m = std::sqrt(horizontal_variance)});
+                             .position = measurement->position,
+                             .sigma_m = std::sqrt(measurement->covariance.trace() / 2.0)});
         index.push_back(arc.rows[k]);
     }
     const auto v1 = speed_v1(positions);
@@ -75,16 +74,16 @@ void set_paper_methods(const Arc<Axes>& arc, const SmoothConfig& config,
     }
 }
 
-/// Compares the batch solution with the smoothed one and fills its column.
+/// Compares the batch solution with the smoothed one.
 template <int Axes>
-void set_batch(const Arc<Axes>& arc, const SmoothedArc<Axes>& smoothed, const MotionModel& model,
-               TrajectoryTable& table) {
-    const auto batch = solve_batch<Axes>(arc.epochs, model);
-    for (std::size_t k = 0; k < batch.size(); ++k) {
-        const StateVector<Axes> difference = batch[k] - smoothed.states[k].mean;
+void compare_batch(const Arc<Axes>& arc, const SmoothedArc<Axes>& smoothed,
+                   const BatchSolution<Axes>& batch, TrajectoryTable& table) {
+    EstimationSummary& summary = table.estimation;
+    summary.batch_stretches += batch.stretches;
+    for (std::size_t k = 0; k < batch.states.size(); ++k) {
+        const StateVector<Axes> difference = batch.states[k] - smoothed.states[k].mean;
         const double position_m = difference.template head<Axes>().norm();
         const double velocity_mps = difference.template segment<Axes>(Axes).norm();
-        EstimationSummary& summary = table.estimation;
         summary.largest_position_difference_m =
             std::max(summary.largest_position_difference_m, position_m);
         summary.largest_velocity_difference_mps =
@@ -98,40 +97,107 @@ void set_batch(const Arc<Axes>& arc, const SmoothedArc<Axes>& smoothed, const Mo
                             position_m, velocity_mps, agreement_position_m, agreement_velocity_mps),
                 "The estimate cannot be trusted here; check stated accuracies and time steps, and "
                 "report it with the run folder");
-        table.rows[arc.rows[k]].speed_batch_mps = batch[k].template segment<2>(Axes).norm();
+    }
+}
+
+/// The batch with a robust loss over the epochs that the innovation test kept and rejected.
+void set_robust(const Arc<2>& arc, const SmoothedArc<2>& smoothed, const EstimationModel& model,
+                const SmoothConfig& config, TrajectoryTable& table) {
+    std::vector<StateVector<2>> start;
+    start.reserve(smoothed.states.size());
+    for (const StateEstimate<2>& state : smoothed.states)
+        start.push_back(state.mean);
+    const RobustSolution<2> robust = solve_robust<2>(arc.epochs, model, config.robust_scale, start);
+    for (std::size_t k = 0; k < robust.states.size(); ++k) {
+        TrajectoryEpoch& row = table.rows[arc.rows[k]];
+        row.robust_east_m = robust.states[k](0);
+        row.robust_north_m = robust.states[k](1);
+        row.robust_weight = robust.weights[k];
+        if (row.robust_weight && *row.robust_weight < 0.5) ++table.estimation.robust_downweighted;
     }
 }
 
 template <int Axes>
-void estimate(const ScreenedTable& screened, const SmoothConfig& config, TrajectoryTable& table) {
-    const auto arcs = arcs_of<Axes>(screened);
+struct AxesResult {
+    AxesEstimation estimation;
+    std::vector<Arc<Axes>> arcs;
     std::vector<SmoothedArc<Axes>> smoothed;
+};
+
+/// Learns the noise, smooths every arc with it and compares with the batch.
+template <int Axes>
+AxesResult<Axes> estimate(const ScreenedTable& screened, const SmoothConfig& config,
+                          TrajectoryTable& table) {
+    AxesResult<Axes> result;
+    result.arcs = arcs_of<Axes>(screened);
+    result.estimation.noise = learn_noise<Axes>(result.arcs, config);
+    const EstimationModel model = model_of(result.estimation.noise);
+    for (const Arc<Axes>& arc : result.arcs) {
+        result.smoothed.push_back(smooth<Axes>(arc.epochs, model));
+        const BatchSolution<Axes> batch = solve_batch<Axes>(arc.epochs, model);
+        compare_batch(arc, result.smoothed.back(), batch, table);
+        if constexpr (Axes == 2)
+            for (std::size_t k = 0; k < batch.states.size(); ++k)
+                table.rows[arc.rows[k]].speed_batch_mps =
+                    batch.states[k].template segment<2>(2).norm();
+    }
+    EstimationModel as_stated;
+    as_stated.motion.jerk_density = config.fit.initial_jerk_density;
+    result.estimation.health = filter_health(result.arcs, result.smoothed, model, as_stated);
+    return result;
+}
+
+void estimate_horizontal(const ScreenedTable& screened, const SmoothConfig& config,
+                         TrajectoryTable& table) {
+    const AxesResult<2> result = estimate<2>(screened, config, table);
+    const EstimationModel model = model_of(result.estimation.noise);
+    const auto robust_arcs = arcs_of<2>(screened, Measurements::before_rejection);
+    EstimationSummary& summary = table.estimation;
+    summary.arcs = static_cast<std::int64_t>(result.arcs.size());
     double innovation_sum = 0.0;
-    for (const Arc<Axes>& arc : arcs) {
-        smoothed.push_back(smooth<Axes>(arc.epochs, config.model));
-        innovation_sum += smoothed.back().innovation_sum;
+    for (std::size_t a = 0; a < result.arcs.size(); ++a) {
+        const Arc<2>& arc = result.arcs[a];
+        innovation_sum += result.smoothed[a].innovation_sum;
         // The vague prior leaves position, velocity and acceleration of each axis to the data.
-        table.estimation.degrees_of_freedom += Axes * smoothed.back().measurements - 3 * Axes;
-        set_batch(arc, smoothed.back(), config.model, table);
+        summary.degrees_of_freedom += 2 * result.smoothed[a].measurements - 6;
+        for (std::size_t k = 0; k < arc.rows.size(); ++k)
+            set_horizontal(result.smoothed[a].states[k], table.rows[arc.rows[k]]);
+        set_robust(robust_arcs[a], result.smoothed[a], model, config, table);
         set_paper_methods(arc, config, table.rows);
     }
-    EstimationSummary& summary = table.estimation;
-    summary.arcs = static_cast<std::int64_t>(arcs.size());
     if (summary.degrees_of_freedom > 0)
         summary.variance_factor = innovation_sum / static_cast<double>(summary.degrees_of_freedom);
-    summary.variance_factor_applied = std::max(1.0, summary.variance_factor);
-    for (std::size_t a = 0; a < arcs.size(); ++a)
-        for (std::size_t k = 0; k < arcs[a].rows.size(); ++k)
-            set_state(smoothed[a].states[k], summary.variance_factor_applied,
-                      table.rows[arcs[a].rows[k]]);
+    const double scale = result.estimation.noise.measurement_scale.value;
+    summary.variance_factor_applied = scale * scale;
+    summary.horizontal = result.estimation;
+}
+
+void estimate_vertical(const ScreenedTable& screened, const SmoothConfig& config,
+                       TrajectoryTable& table) {
+    const AxesResult<1> result = estimate<1>(screened, config, table);
+    for (std::size_t a = 0; a < result.arcs.size(); ++a)
+        for (std::size_t k = 0; k < result.arcs[a].rows.size(); ++k)
+            set_vertical(result.smoothed[a].states[k], table.rows[result.arcs[a].rows[k]]);
+    table.estimation.vertical = result.estimation;
 }
 
 }  // namespace
 
 SmoothConfig smooth_config(const Attempt& attempt) {
     const nlohmann::ordered_json& parameters = attempt.parameters.at("smooth");
-    return {.model = {.jerk_density = parameters.at("jerk_density")},
-            .dhd22_acceleration_sigma_mps2 = parameters.at("dhd22_acceleration_sigma")};
+    SmoothConfig config;
+    config.fit_noise = parameters.at("noise") == "fitted";
+    config.fit.initial_jerk_density = parameters.at("jerk_density");
+    config.fit.tau_min_s = parameters.at("error_time_min_s");
+    config.fit.tau_max_s = parameters.at("error_time_max_s");
+    using Motion = NoiseFitOptions::Motion;
+    const std::string motion = parameters.at("motion_model");
+    config.fit.motion = motion == "singer"                  ? Motion::singer
+                        : motion == "constant_acceleration" ? Motion::constant_acceleration
+                                                            : Motion::by_likelihood;
+    config.robust_scale = parameters.at("robust_scale");
+    config.dhd22_acceleration_sigma_mps2 = parameters.at("dhd22_acceleration_sigma");
+    return config;
 }
 
 TrajectoryTable smooth_trajectory(const ScreenedTable& screened, const SmoothConfig& config) {
@@ -146,10 +212,8 @@ TrajectoryTable smooth_trajectory(const ScreenedTable& screened, const SmoothCon
         epoch.arc = row.arc;
         epoch.usable = row.usable;
     }
-    if (screened.facts.vertical_measured)
-        estimate<3>(screened, config, table);
-    else
-        estimate<2>(screened, config, table);
+    estimate_horizontal(screened, config, table);
+    if (screened.facts.vertical_measured) estimate_vertical(screened, config, table);
     return table;
 }
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <map>
 
-#include "stages/window/search.h"
+#include "arcs/window_ends.h"
 #include "stages/window/window.h"
 
 namespace runcert {

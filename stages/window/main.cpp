@@ -22,16 +22,18 @@ int main(int argc, char** argv) {
                     one.read("screened", file("3-screened"), read_screened);
                 const TrajectoryTable trajectory =
                     one.read("trajectory", file("4-trajectory"), read_trajectory);
-                Windows windows = find_windows(screened, trajectory, profiles,
-                                               window_config(attempt, trajectory));
+                Windows windows =
+                    find_windows(screened, trajectory, profiles, window_config(attempt, receiver));
                 windows.header = one.header();
                 one.write(product_file(attempt, receiver, "5-windows", "yaml"),
                           write_windows(windows));
                 for (const ProfileWindows& entry : windows.profiles)
-                    run.say(entry.best
-                                ? fmt::format("{}: best of {} windows {:.3f} km/h", entry.profile,
-                                              entry.candidates, entry.best->speed_mps * 3.6)
-                                : fmt::format("{}: no certifiable window", entry.profile));
+                    run.say(entry.best ? fmt::format("{}: best of {} windows {:.3f} km/h, standard "
+                                                     "uncertainty {:.3f} km/h",
+                                                     entry.profile, entry.candidates,
+                                                     entry.best->speed_mps * 3.6,
+                                                     entry.best->standard_uncertainty_mps * 3.6)
+                                       : fmt::format("{}: no certifiable window", entry.profile));
             }
         });
 }

@@ -6,13 +6,22 @@
 #include <cmath>
 
 #include "arcs/arcs.h"
+#include "arcs/noise_models.h"
+#include "arcs/window_ends.h"
 #include "core/accuracy_measures.h"
 #include "core/failure.h"
 #include "estimation/speed.h"
-#include "stages/window/search.h"
+#include "stages/window/budget.h"
+#include "stages/window/position_noise.h"
+#include "stages/window/selection.h"
 
 namespace runcert {
 namespace {
+
+// Beyond a minute nothing measured changes the speed of a window.
+constexpr double stretch_margin_s = 60.0;
+// A window that many standard uncertainties slower than the best could not have been it.
+constexpr double selection_width = 4.0;
 
 /// Sums along the rows of an arc, so that a window's means cost the same whatever its length.
 struct RunningSums {
@@ -87,11 +96,7 @@ class WindowSearch {
 
     void look_in(const ArcRows& arc) {
         const RunningSums sums = sums_over(trajectory_, arc.rows);
-        std::vector<ElapsedTime> times;
-        for (const std::size_t row : arc.rows)
-            times.push_back(trajectory_.rows[row].time);
-        const auto ends = window_ends(times, profile_.duration_s, config_.duration_tolerance_s,
-                                      trajectory_.facts.nominal_interval_s);
+        const auto ends = ends_in(arc);
         for (std::size_t first = 0; first < arc.rows.size(); ++first)
             if (ends[first] && all_usable(arc.rows[first], arc.rows[*ends[first]]))
                 consider({&arc,
@@ -99,10 +104,33 @@ class WindowSearch {
                           definitions_of(trajectory_, arc, sums, {first, *ends[first]})});
     }
 
+    /// The windows of an arc whose displacement speed is at least a figure, in order.
+    std::vector<EpochPair> windows_from(const ArcRows& arc, double least_mps) const {
+        std::vector<EpochPair> windows;
+        const auto ends = ends_in(arc);
+        for (std::size_t first = 0; first < arc.rows.size(); ++first) {
+            if (!ends[first] || !all_usable(arc.rows[first], arc.rows[*ends[first]])) continue;
+            const TrajectoryEpoch& from = trajectory_.rows[arc.rows[first]];
+            const TrajectoryEpoch& to = trajectory_.rows[arc.rows[*ends[first]]];
+            const double speed_mps = (position_of(to) - position_of(from)).norm() /
+                                     (to.time.seconds() - from.time.seconds());
+            if (speed_mps >= least_mps) windows.push_back({first, *ends[first]});
+        }
+        return windows;
+    }
+
     const std::optional<Candidate>& best() const { return best_; }
     std::int64_t candidates() const { return candidates_; }
 
   private:
+    std::vector<std::optional<std::size_t>> ends_in(const ArcRows& arc) const {
+        std::vector<ElapsedTime> times;
+        times.reserve(arc.rows.size());
+        for (const std::size_t row : arc.rows)
+            times.push_back(trajectory_.rows[row].time);
+        return window_ends(times, profile_.duration_s, config_.duration_tolerance_s,
+                           trajectory_.facts.nominal_interval_s);
+    }
     bool all_usable(std::size_t first_row, std::size_t last_row) const {
         return trajectory_.rows[first_row].usable && unusable_[last_row] == unusable_[first_row];
     }
@@ -134,82 +162,172 @@ std::optional<double> mean_over(const TrajectoryTable& trajectory, const Candida
     return sum / static_cast<double>(candidate.window.last - candidate.window.first + 1);
 }
 
-/// What the covariances of a window's two ends say.
-struct EndsUncertainty {
-    double speed_mps = 0.0;       ///< standard uncertainty of the displacement speed
-    double position_r95_m = 0.0;  ///< 95 % radius of the position at the worse end
+/// What all profiles' windows are certified from.
+struct Evidence {
+    const ScreenedTable& screened;
+    const TrajectoryTable& trajectory;
+    const WindowConfig& config;
+    const NoiseSummary& noise;
+    EstimationModel model;              ///< of the trajectory
+    std::vector<WeightedModel> models;  ///< that the recording allows
+    std::vector<Arc<2>> arcs;
+    std::vector<ArcRows> rows;  ///< of each arc, in the trajectory
 };
 
-/// Smooths the candidate's arc anew for the joint covariance of the window's ends, and checks that
-/// the estimate is the trajectory's.
-template <int Axes>
-EndsUncertainty ends_uncertainty(const ScreenedTable& screened, const TrajectoryTable& trajectory,
-                                 const Candidate& candidate, const WindowConfig& config) {
-    const auto arcs = arcs_of<Axes>(screened);
-    for (const Arc<Axes>& arc : arcs) {
-        if (arc.number != candidate.arc->number) continue;
-        const SmoothedArc<Axes> smoothed = smooth<Axes>(arc.epochs, config.model);
-        const double variance_factor = trajectory.estimation.variance_factor_applied;
-        EndsUncertainty uncertainty;
-        for (const std::size_t k : {candidate.window.first, candidate.window.last}) {
-            const TrajectoryEpoch& row = trajectory.rows[candidate.arc->rows[k]];
-            const Eigen::Vector2d position = smoothed.states[k].mean.template head<2>();
-            const double difference_m = (position - position_of(row)).norm();
-            if (difference_m > 2e-6)  // both coordinates are written to a micrometre
-                throw Failure(
-                    fmt::format("epoch {}", row.epoch),
-                    fmt::format("the trajectory is {:.1e} m from the estimate of the same "
-                                "screened epochs",
-                                difference_m),
-                    "Run runcert-smooth again, with the same attempt");
-            const Eigen::Matrix2d covariance =
-                variance_factor * smoothed.states[k].covariance.template topLeftCorner<2, 2>();
-            uncertainty.position_r95_m = std::max(uncertainty.position_r95_m, r95(covariance));
-        }
-        const double duration_s =
-            arc.epochs[candidate.window.last].time_s - arc.epochs[candidate.window.first].time_s;
-        uncertainty.speed_mps =
-            std::sqrt(variance_factor) *
-            displacement_speed(smoothed, candidate.window.first, candidate.window.last, duration_s)
-                .standard_uncertainty_mps;
-        return uncertainty;
-    }
-    throw Failure(fmt::format("arc {}", candidate.arc->number),
-                  "the trajectory has an arc that the screened epochs do not have",
-                  "Run runcert-smooth again");
+/// The arcs of both tables, which must be the same.
+std::vector<Arc<2>> matching_arcs(const ScreenedTable& screened, const std::vector<ArcRows>& rows) {
+    std::vector<Arc<2>> arcs = arcs_of<2>(screened);
+    const bool equal = std::equal(arcs.begin(), arcs.end(), rows.begin(), rows.end(),
+                                  [](const Arc<2>& arc, const ArcRows& own) {
+                                      return arc.number == own.number && arc.rows == own.rows;
+                                  });
+    if (!equal)
+        throw Failure("4-trajectory of receiver " + screened.facts.receiver,
+                      "the trajectory does not have the arcs of the screened epochs",
+                      "Run runcert-smooth again");
+    return arcs;
 }
 
-CertifiableWindow certified(const ScreenedTable& screened, const TrajectoryTable& trajectory,
-                            const Candidate& candidate, const Profile& profile,
-                            const WindowConfig& config) {
-    const TrajectoryEpoch& first = trajectory.rows[candidate.arc->rows[candidate.window.first]];
-    const TrajectoryEpoch& last = trajectory.rows[candidate.arc->rows[candidate.window.last]];
+/// The candidate's arc smoothed anew with the trajectory's own model, and found to be it.
+SmoothedArc<2> checked_estimate(const Evidence& evidence, const Candidate& candidate,
+                                const Arc<2>& arc) {
+    SmoothedArc<2> smoothed = smooth<2>(arc.epochs, evidence.model);
+    for (const std::size_t k : {candidate.window.first, candidate.window.last}) {
+        const TrajectoryEpoch& row = evidence.trajectory.rows[arc.rows[k]];
+        const Eigen::Vector2d position = smoothed.states[k].mean.head<2>();
+        const double difference_m = (position - position_of(row)).norm();
+        if (difference_m > 2e-6)  // both coordinates are written to a micrometre
+            throw Failure(fmt::format("epoch {}", row.epoch),
+                          fmt::format("the trajectory is {:.1e} m from the estimate of the same "
+                                      "screened epochs",
+                                      difference_m),
+                          "Run runcert-smooth again, with the same attempt");
+    }
+    return smoothed;
+}
+
+/// The robust batch's speed against the screened solution's, whose noise model is the same.
+std::optional<RobustSpeed> robust_speed(const Evidence& evidence, const Arc<2>& arc,
+                                        EpochPair window, const SpeedEstimate& screened,
+                                        double duration_s) {
+    constexpr double coverage_factor = 2.0;
+    const TrajectoryEpoch& first = evidence.trajectory.rows[arc.rows[window.first]];
+    const TrajectoryEpoch& last = evidence.trajectory.rows[arc.rows[window.last]];
+    if (!first.robust_east_m || !last.robust_east_m) return std::nullopt;
+    RobustSpeed robust;
+    robust.speed_mps = std::hypot(*last.robust_east_m - *first.robust_east_m,
+                                  *last.robust_north_m - *first.robust_north_m) /
+                       duration_s;
+    robust.difference_mps = robust.speed_mps - screened.speed_mps;
+    robust.limit_mps = coverage_factor * screened.standard_uncertainty_mps;
+    robust.agrees = std::abs(robust.difference_mps) <= robust.limit_mps;
+    for (std::size_t k = window.first; k <= window.last; ++k) {
+        const auto& weight = evidence.trajectory.rows[arc.rows[k]].robust_weight;
+        if (weight && *weight < 0.5) ++robust.downweighted;
+    }
+    return robust;
+}
+
+/// The windows that could have been the best, those close to one another together.
+std::vector<WindowCluster> clusters_of(const Evidence& evidence, const WindowSearch& search,
+                                       double least_mps) {
+    std::vector<WindowCluster> clusters;
+    for (std::size_t a = 0; a < evidence.arcs.size(); ++a) {
+        const Arc<2>* arc = &evidence.arcs[a];
+        for (const EpochPair& window : search.windows_from(evidence.rows[a], least_mps)) {
+            const bool apart = clusters.empty() || clusters.back().arc != arc ||
+                               window.first > clusters.back().windows.back().last;
+            if (apart) clusters.push_back({arc, {}, std::nullopt});
+            WindowCluster& cluster = clusters.back();
+            if (evidence.rows.data() + a == search.best()->arc &&
+                window.first == search.best()->window.first)
+                cluster.chosen = cluster.windows.size();
+            cluster.windows.push_back(window);
+        }
+    }
+    return clusters;
+}
+
+CertifiableWindow certified(const Evidence& evidence, const WindowSearch& search,
+                            const Profile& profile) {
+    const TrajectoryTable& trajectory = evidence.trajectory;
+    const Candidate& candidate = *search.best();
+    const auto index = static_cast<std::size_t>(candidate.arc - evidence.rows.data());
+    const Arc<2>& arc = evidence.arcs[index];
+    const std::size_t first_row = arc.rows[candidate.window.first];
+    const std::size_t last_row = arc.rows[candidate.window.last];
+    const TrajectoryEpoch& first = trajectory.rows[first_row];
+    const TrajectoryEpoch& last = trajectory.rows[last_row];
+
     CertifiableWindow window;
     window.span = window_span(trajectory.facts, first.epoch, last.epoch, first.time, last.time);
-    window.arc = candidate.arc->number;
+    window.arc = arc.number;
     window.definitions = candidate.definitions;
-    window.speed_mps = candidate.definitions.by_name(profile.definition);
-    window.displacement_m = (position_of(last) - position_of(first)).norm();
-    const EndsUncertainty uncertainty =
-        trajectory.facts.vertical_measured
-            ? ends_uncertainty<3>(screened, trajectory, candidate, config)
-            : ends_uncertainty<2>(screened, trajectory, candidate, config);
-    window.standard_uncertainty_mps = uncertainty.speed_mps;
-    window.position_r95_m = uncertainty.position_r95_m;
     using Row = TrajectoryEpoch;
     window.methods = {.smoothed_mps = mean_over(trajectory, candidate, &Row::speed_mps),
                       .batch_mps = mean_over(trajectory, candidate, &Row::speed_batch_mps),
                       .v1_mps = mean_over(trajectory, candidate, &Row::speed_v1_mps),
                       .v2_mps = mean_over(trajectory, candidate, &Row::speed_v2_mps),
                       .kalman_mps = mean_over(trajectory, candidate, &Row::speed_kalman_mps)};
+
+    const SmoothedArc<2> smoothed = checked_estimate(evidence, candidate, arc);
+    const WindowStretch stretch = cut_stretch(arc, candidate.window, stretch_margin_s);
+    const SpeedEstimate displacement = displacement_speed(
+        smoothed, candidate.window.first, candidate.window.last, stretch.duration_s);
+    window.fitted = fitted_speed(stretch, evidence.models, profile.definition);
+    window.robust = robust_speed(evidence, arc, candidate.window, displacement, stretch.duration_s);
+
+    ErrorBound bound =
+        error_bound(evidence.screened, first_row, last_row, evidence.noise, profile.uncertainty);
+    const EstimationModel bounded = bounded_model(evidence.noise, bound);
+    const PositionNoise noise = position_noise(stretch, bounded, profile.definition);
+    bound.standard_uncertainty_mps = noise.speed.standard_uncertainty_mps;
+    window.bound = bound;
+    window.displacement_m = noise.displacement_m;
+    for (const std::size_t k : {candidate.window.first, candidate.window.last}) {
+        const Eigen::Matrix2d covariance =
+            smoothed.states[k].covariance.topLeftCorner<2, 2>() +
+            bound.sigma_m * bound.sigma_m * Eigen::Matrix2d::Identity();
+        window.position_r95_m = std::max(window.position_r95_m, r95(covariance));
+    }
+
+    const double least_mps = candidate.definitions.displacement_mps -
+                             selection_width * displacement.standard_uncertainty_mps;
+    SelectionBias selection = selection_bias(
+        clusters_of(evidence, search, least_mps), {evidence.model, bounded}, noise.speed.speed_mps,
+        evidence.config.selection_samples, evidence.config.seed);
+    selection.treatment = profile.uncertainty.subtract_selection_bias ? "subtracted" : "covered";
+    window.selection = selection;
+    window.speed_mps = noise.speed.speed_mps;
+    if (profile.uncertainty.subtract_selection_bias) window.speed_mps -= selection.bias_mps;
+
+    const BudgetInput input{.trajectory = trajectory,
+                            .config = evidence.config,
+                            .noise = noise,
+                            .bound = bound,
+                            .selection = selection,
+                            .first_row = first_row,
+                            .last_row = last_row,
+                            .duration_s = stretch.duration_s};
+    window.budget = budget_of(input);
+    const CombinedUncertainty combined = combine(window.budget);
+    window.standard_uncertainty_mps = combined.standard_uncertainty;
+    window.effective_degrees_of_freedom = combined.effective_degrees_of_freedom;
+    window.monte_carlo = monte_carlo(input, window.budget, window.speed_mps);
     return window;
 }
 
 }  // namespace
 
-WindowConfig window_config(const Attempt& attempt, const TrajectoryTable& trajectory) {
-    return {.duration_tolerance_s = attempt.parameters.at("window").at("duration_tolerance_s"),
-            .model = {.jerk_density = trajectory.header.parameters.at("jerk_density")}};
+WindowConfig window_config(const Attempt& attempt, const Receiver& receiver) {
+    const nlohmann::ordered_json& parameters = attempt.parameters.at("window");
+    return {.duration_tolerance_s = parameters.at("duration_tolerance_s"),
+            .seed = parameters.at("seed"),
+            .selection_samples = parameters.at("selection_samples"),
+            .monte_carlo_trials_max = parameters.at("monte_carlo_trials_max"),
+            .plane_scale_bound = parameters.at("plane_scale_bound"),
+            .lever_arm = receiver.lever_arm,
+            .rotation_bound_deg = receiver.rotation_bound_deg};
 }
 
 Windows find_windows(const ScreenedTable& screened, const TrajectoryTable& trajectory,
@@ -218,7 +336,21 @@ Windows find_windows(const ScreenedTable& screened, const TrajectoryTable& traje
     windows.receiver = trajectory.facts.receiver;
     windows.first_epoch = trajectory.facts.first_epoch;
     windows.georeferenced = trajectory.facts.georeferenced;
-    const std::vector<ArcRows> arcs = arcs_in(trajectory);
+    if (!trajectory.estimation.horizontal)
+        throw Failure("4-trajectory of receiver " + trajectory.facts.receiver,
+                      "the trajectory is of revision 1.0 and does not say what noise it was "
+                      "estimated with",
+                      "Run runcert-smooth again");
+    const NoiseSummary& noise = trajectory.estimation.horizontal->noise;
+    Evidence evidence{.screened = screened,
+                      .trajectory = trajectory,
+                      .config = config,
+                      .noise = noise,
+                      .model = model_of(noise),
+                      .models = posterior_of(noise),
+                      .arcs = {},
+                      .rows = arcs_in(trajectory)};
+    evidence.arcs = matching_arcs(screened, evidence.rows);
     for (const Profile& profile : profiles) {
         ProfileWindows entry{.profile = profile.id,
                              .duration_s = profile.duration_s,
@@ -227,11 +359,10 @@ Windows find_windows(const ScreenedTable& screened, const TrajectoryTable& traje
                              .best = std::nullopt,
                              .indicated = fastest_indicated(screened, profile.duration_s, config)};
         WindowSearch search(trajectory, profile, config);
-        for (const ArcRows& arc : arcs)
+        for (const ArcRows& arc : evidence.rows)
             search.look_in(arc);
         entry.candidates = search.candidates();
-        if (search.best())
-            entry.best = certified(screened, trajectory, *search.best(), profile, config);
+        if (search.best()) entry.best = certified(evidence, search, profile);
         windows.profiles.push_back(std::move(entry));
     }
     return windows;

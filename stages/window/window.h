@@ -1,8 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <vector>
 
-#include "estimation/motion_model.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/profile/profile.h"
 #include "schemas/screened/screened.h"
@@ -11,23 +11,29 @@
 
 namespace runcert {
 
-/// The figures of the window search; `parameters.window` in `schemas/attempt/v1.yaml`, and the
-/// motion model that the trajectory was estimated with.
+/// The figures of the window search; `parameters.window` in `schemas/attempt/v1.yaml`, and what
+/// the attempt says of the receiver.
 struct WindowConfig {
     double duration_tolerance_s = 0.0;
-    MotionModel model;
+    std::int64_t seed = 1;
+    std::int64_t selection_samples = 500;
+    std::int64_t monte_carlo_trials_max = 1'000'000;
+    double plane_scale_bound = 0.001;
+    std::optional<Eigen::Vector3d> lever_arm = std::nullopt;  ///< m
+    std::optional<double> rotation_bound_deg = std::nullopt;
 };
 
-WindowConfig window_config(const Attempt& attempt, const TrajectoryTable& trajectory);
+WindowConfig window_config(const Attempt& attempt, const Receiver& receiver);
 
-/// For each profile the best certifiable window of the smoothed trajectory, and the fastest one
-/// that the raw positions indicate.
+/// For each profile the best certifiable window of the smoothed trajectory, its certified speed
+/// with all sources of uncertainty, and the fastest window that the raw positions indicate.
 ///
 /// A certifiable window begins and ends at usable epochs of one arc, holds no unusable epoch, and
 /// is as long as the rule says (to the tolerance; where no epoch is exactly so far, the next one).
-/// Its speed is by the profile's definition, its uncertainty that of the displacement, from the
-/// joint covariance of both ends, computed anew from the screened epochs and multiplied by the
-/// trajectory's variance factor. Failure where that new estimate is not the trajectory's.
+/// Windows are compared on the trajectory. The speed of the best is then stated as estimated with
+/// the position error bounded by the profile's rule (`error_bound`), with the budget's combined
+/// uncertainty; the speed with the fitted noise, and that of the robust batch, stand beside it.
+/// Failure where the trajectory is not the estimate from these screened epochs.
 Windows find_windows(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                      const std::vector<Profile>& profiles, const WindowConfig& config);
 

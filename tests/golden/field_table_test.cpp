@@ -3,6 +3,7 @@
 #include <set>
 
 #include "golden_files.h"
+#include "schemas/common/revision.h"
 
 // The field tables themselves, and that the golden files have all that is in them.
 
@@ -12,27 +13,37 @@ namespace {
 using Names = std::set<std::string>;
 
 /// Real numbers that are no physical quantity, or whose unit stands in a field beside them.
-const Names without_unit{"correlation_east_north",
-                         "correlation_east_up",
-                         "correlation_north_up",  // a column each
-                         "ratio",
-                         "statistic",
-                         "threshold",
-                         "summary.variance_factor",
-                         "estimation.variance_factor",
-                         "estimation.variance_factor_applied",
-                         "profiles[].coverage_factor",
-                         "accuracy.coverage_factor",
-                         "accuracy.limit",
-                         "margin.value",
-                         "record.speed",
-                         "attempt.record.speed",  // unit beside it
-                         "parameters.screen.gap_factor",
-                         "parameters.screen.false_alarm_rate"};
+const Names without_unit{
+    "correlation_east_north", "correlation_east_up",
+    "correlation_north_up",  // a column each
+    "ratio", "statistic", "threshold", "summary.variance_factor", "estimation.variance_factor",
+    "estimation.variance_factor_applied", "profiles[].coverage_factor", "accuracy.coverage_factor",
+    "accuracy.limit", "margin.value", "record.speed",
+    "attempt.record.speed",  // unit beside it
+    "parameters.screen.gap_factor", "parameters.screen.false_alarm_rate",
+    "parameters.smooth.robust_scale", "parameters.window.plane_scale_bound", "robust_weight",
+    // of a fit of the noise, and of a filter
+    "relative_uncertainty", "noise.measurement_scale.value", "noise.singer_gain",
+    "noise.error_gain", "noise.white_scale", "posterior[].weight", "posterior[].measurement_scale",
+    "health.mean_statistic", "health.lower", "health.upper", "health.autocorrelation_stated",
+    "health.autocorrelation", "health.largest_condition", "health.largest_asymmetry",
+    // of a budget, where the unit stands beside
+    "best.effective_degrees_of_freedom", "budget[].degrees_of_freedom", "budget[].estimate",
+    "budget[].standard_uncertainty", "budget[].sensitivity"};
+
+/// Whether the path, or its end after a point, stands in that list.
+bool may_lack_unit(const std::string& path) {
+    return std::any_of(without_unit.begin(), without_unit.end(), [&](const std::string& name) {
+        return path == name || path.ends_with("." + name);
+    });
+}
+
+/// Schemas that revision 1.1 added nothing to.
+const Names of_revision_0{"common", "simulation", "verdict"};
 
 const Names known_types{"text", "integer", "real", "boolean", "map", "list", "any"};
-const Names known_keys{"type", "unit",     "required", "values",     "min",
-                       "max",  "decimals", "default",  "description"};
+const Names known_keys{"type", "unit",     "required", "values", "min",
+                       "max",  "decimals", "default",  "since",  "description"};
 
 std::vector<std::string> schema_names() {
     std::vector<std::string> names;
@@ -48,7 +59,7 @@ TEST(FieldTables, EveryFieldIsDescribedAndPhysicalQuantitiesHaveAUnit) {
         SCOPED_TRACE(name);
         const DocumentSchema schema = DocumentSchema::parse(golden::field_table(name), name);
         EXPECT_EQ(schema.name(), name == "common" ? "header" : name);
-        EXPECT_EQ(schema.version(), "1.0");
+        EXPECT_EQ(schema.version(), of_revision_0.contains(name) ? "1.0" : "1.1");
         Names paths;
         for (const FieldRule& rule : schema.fields()) {
             SCOPED_TRACE(rule.path);
@@ -59,7 +70,7 @@ TEST(FieldTables, EveryFieldIsDescribedAndPhysicalQuantitiesHaveAUnit) {
             for (const std::string& key : schema.source()["fields"][rule.path].keys())
                 EXPECT_TRUE(known_keys.contains(key)) << key;
             if (rule.types == std::vector<std::string>{"real"}) {
-                EXPECT_EQ(rule.unit.empty(), without_unit.contains(rule.path));
+                EXPECT_EQ(rule.unit.empty(), may_lack_unit(rule.path));
             } else {
                 EXPECT_TRUE(rule.unit.empty() || rule.unit == "Hz");
             }
@@ -91,16 +102,19 @@ TEST(FieldTables, EveryColumnIsDescribedAndPhysicalQuantitiesHaveAUnit) {
     }
 }
 
-TEST(FieldTables, GoldenTablesHaveExactlyTheColumnsOfTheirSchema) {
-    for (const auto& file : golden::files) {
-        if (!std::string(file.name).ends_with(".ecsv")) continue;
-        SCOPED_TRACE(file.name);
-        const std::string text = golden::text_of(file.name);
-        const EcsvReader table(text, file.name);
-        const TableSchema schema = TableSchema::parse(golden::field_table(file.schema), "v1");
-        ASSERT_EQ(table.columns().size(), schema.columns().size());
+TEST(FieldTables, GoldenTablesHaveExactlyTheColumnsOfTheirRevision) {
+    for (const golden::GoldenFile& file : golden::all_files()) {
+        if (!file.is_table) continue;
+        SCOPED_TRACE(file.path);
+        const std::string text = golden::text_of(file.path);
+        const EcsvReader table(text, file.path);
+        const TableSchema schema = TableSchema::parse(golden::field_table(file.kind.schema), "v1");
+        std::vector<EcsvColumn> expected;
+        for (std::size_t i = 0; i < schema.columns().size(); ++i)
+            if (schema.columns_since()[i] <= file.revision) expected.push_back(schema.columns()[i]);
+        ASSERT_EQ(table.columns().size(), expected.size());
         for (std::size_t i = 0; i < table.columns().size(); ++i) {
-            const EcsvColumn& own = schema.columns()[i];
+            const EcsvColumn& own = expected[i];
             EXPECT_EQ(table.columns()[i].name, own.name);
             EXPECT_EQ(table.columns()[i].type, own.type) << own.name;
             EXPECT_EQ(table.columns()[i].unit, own.unit) << own.name;
@@ -120,18 +134,21 @@ void collect(const YamlValue& value, const std::string& path, Names& paths) {
             collect(item, path + "[]", paths);
 }
 
-TEST(FieldTables, GoldenFilesHaveEveryFieldOfTheirSchema) {
-    for (const auto& file : golden::files) {
-        SCOPED_TRACE(file.name);
-        const std::string text = golden::text_of(file.name);
-        const bool is_table = std::string(file.name).ends_with(".ecsv");
+TEST(FieldTables, GoldenFilesHaveEveryFieldOfTheirRevisionAndNoLaterOne) {
+    for (const golden::GoldenFile& file : golden::all_files()) {
+        SCOPED_TRACE(file.path);
+        const std::string text = golden::text_of(file.path);
         Names found;
-        collect({is_table ? EcsvReader(text, "f").meta() : parse_yaml(text, "f"), "f"}, "", found);
-        const DocumentSchema schema = DocumentSchema::parse(golden::field_table(file.schema), "v1");
+        collect({file.is_table ? EcsvReader(text, "f").meta() : parse_yaml(text, "f"), "f"}, "",
+                found);
+        const DocumentSchema schema =
+            DocumentSchema::parse(golden::field_table(file.kind.schema), "v1");
         for (const FieldRule& rule : schema.fields()) {
             if (rule.path.ends_with(".*")) continue;
-            EXPECT_TRUE(found.contains(rule.path)) << rule.path;
+            const bool had = since_of(schema, rule.path) <= file.revision;
+            EXPECT_EQ(found.contains(rule.path), had) << rule.path;
         }
+        EXPECT_EQ(file.newest, file.revision == version_of(schema).revision);
     }
 }
 

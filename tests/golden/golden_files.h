@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
+#include <vector>
 
 #include "schemas/attempt/attempt.h"
 #include "schemas/enu/enu.h"
@@ -24,8 +26,9 @@ inline std::string slurp(const std::string& path) {
     return {std::istreambuf_iterator<char>(in), {}};
 }
 
-inline std::string text_of(const std::string& name) {
-    return slurp(std::string(RUNCERT_SOURCE_DIR) + "/tests/golden/v1.0/" + name);
+/// The text of a file, "v1.0/2-enu.ecsv".
+inline std::string text_of(const std::string& file) {
+    return slurp(std::string(RUNCERT_SOURCE_DIR) + "/tests/golden/" + file);
 }
 
 /// The normative field table of a schema.
@@ -33,14 +36,15 @@ inline std::string field_table(const std::string& schema) {
     return slurp(std::string(RUNCERT_SOURCE_DIR) + "/schemas/" + schema + "/v1.yaml");
 }
 
-struct GoldenFile {
+/// A product or an input, of which every folder has at most one file.
+struct GoldenKind {
     const char* name;
     const char* schema;
     /// Reads it, and gives the text that writing it again makes; empty for what people write.
     std::string (*again)(const std::string& text, const std::string& where);
 };
 
-inline constexpr GoldenFile files[] = {
+inline constexpr GoldenKind kinds[] = {
     {"1-observations.ecsv", "observations",
      [](const std::string& text, const std::string& where) {
          return write_observations(read_observations(text, where));
@@ -81,5 +85,30 @@ inline constexpr GoldenFile files[] = {
          return std::string();
      }},
 };
+
+struct GoldenFile {
+    std::string path;  ///< "v1.0/2-enu.ecsv"
+    GoldenKind kind;
+    std::int64_t revision;
+    bool newest;  ///< of its kind
+    bool is_table;
+};
+
+/// Every golden file, by kind, the newest revision last.
+inline std::vector<GoldenFile> all_files() {
+    std::vector<GoldenFile> files;
+    for (const GoldenKind& kind : kinds) {
+        const std::size_t before = files.size();
+        for (std::int64_t revision = 0; revision < 2; ++revision) {
+            const std::string path = "v1." + std::to_string(revision) + "/" + kind.name;
+            if (std::filesystem::exists(std::string(RUNCERT_SOURCE_DIR) + "/tests/golden/" + path))
+                files.push_back(
+                    {path, kind, revision, false, std::string(kind.name).ends_with(".ecsv")});
+        }
+        EXPECT_GT(files.size(), before) << kind.name;
+        files.back().newest = true;
+    }
+    return files;
+}
 
 }  // namespace runcert::golden

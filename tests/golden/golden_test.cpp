@@ -1,31 +1,102 @@
+#include <algorithm>
 #include <filesystem>
 #include <set>
 
 #include "golden_files.h"
 
-// Every published version is read for ever: what today's reader finds in the files of 1.0.
+// Every published revision is read for ever: what today's reader finds in the files of 1.0; those
+// of 1.1 have the same and what 1.1 added: golden_1_1_test.cpp.
 
 namespace runcert {
 namespace {
 
+namespace fs = std::filesystem;
+
 using golden::text_of;
 
-TEST(Golden, WritingWhatWasReadGivesTheSameBytes) {
-    std::set<std::string> names;
-    for (const auto& file : golden::files) {
-        SCOPED_TRACE(file.name);
-        const std::string text = text_of(file.name);
-        const std::string again = file.again(text, file.name);
-        EXPECT_TRUE(again.empty() || again == text) << again;
-        names.insert(file.name);
+TEST(Golden, WritingWhatWasReadFromTheNewestRevisionGivesTheSameBytes) {
+    for (const golden::GoldenFile& file : golden::all_files()) {
+        SCOPED_TRACE(file.path);
+        const std::string text = text_of(file.path);
+        const std::string again = file.kind.again(text, file.path);
+        if (again.empty()) continue;
+        EXPECT_TRUE(again == text || !file.newest) << again;
+        // What is written is of the newest revision, and stays as it is.
+        EXPECT_EQ(file.kind.again(again, file.path), again);
     }
-    const std::string folder = std::string(RUNCERT_SOURCE_DIR) + "/tests/golden/v1.0";
-    for (const auto& entry : std::filesystem::directory_iterator(folder))
-        EXPECT_TRUE(names.contains(entry.path().filename())) << entry.path() << " is not tested";
+}
+
+TEST(Golden, EveryFileIsTested) {
+    std::set<std::string> paths;
+    for (const golden::GoldenFile& file : golden::all_files())
+        paths.insert(file.path);
+    const fs::path folder = std::string(RUNCERT_SOURCE_DIR) + "/tests/golden";
+    std::size_t count = 0;
+    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+        if (entry.is_directory() || entry.path().parent_path() == folder) continue;
+        ++count;
+        EXPECT_TRUE(paths.contains(fs::relative(entry.path(), folder))) << entry.path();
+    }
+    EXPECT_EQ(count, paths.size());
+}
+
+/// Every member of `before` is in `after` with the same value; lists have the same length.
+void expect_kept(const nlohmann::ordered_json& before, const nlohmann::ordered_json& after,
+                 const std::string& path) {
+    if (path == "/schema/version") return;
+    SCOPED_TRACE(path);
+    if (before.is_array()) {
+        ASSERT_EQ(before.size(), after.size());
+        for (std::size_t i = 0; i < before.size(); ++i)
+            expect_kept(before[i], after[i], path + "/" + std::to_string(i));
+    } else if (before.is_object()) {
+        for (const auto& [key, value] : before.items()) {
+            ASSERT_TRUE(after.contains(key)) << key;
+            expect_kept(value, after[key], path + "/" + key);
+        }
+    } else {
+        EXPECT_EQ(before, after);
+    }
+}
+
+/// The cells of the columns of `before` are the same in `after`.
+void expect_cells_kept(EcsvReader before, EcsvReader after) {
+    const auto cell = [](const EcsvReader& table, std::size_t column) {
+        return table.is_missing(column) ? std::string() : table.text(column);
+    };
+    while (before.next_row()) {
+        ASSERT_TRUE(after.next_row());
+        for (std::size_t i = 0; i < before.columns().size(); ++i) {
+            const std::string& name = before.columns()[i].name;
+            const auto same = std::ranges::find(after.columns(), name, &EcsvColumn::name);
+            ASSERT_NE(same, after.columns().end()) << name;
+            const auto column = static_cast<std::size_t>(same - after.columns().begin());
+            EXPECT_EQ(cell(before, i), cell(after, column)) << name;
+        }
+    }
+    EXPECT_FALSE(after.next_row());
+}
+
+TEST(Golden, WritingWhatWasReadFromAnEarlierRevisionKeepsEveryFigure) {
+    int count = 0;
+    for (const golden::GoldenFile& file : golden::all_files()) {
+        const std::string text = text_of(file.path);
+        const std::string again = file.kind.again(text, file.path);
+        if (file.newest || again.empty()) continue;
+        SCOPED_TRACE(file.path);
+        ++count;
+        const auto json = [&](const std::string& of) {
+            return json_from_yaml(
+                {file.is_table ? EcsvReader(of, "f").meta() : parse_yaml(of, "f"), "f"});
+        };
+        expect_kept(json(text), json(again), "");
+        if (file.is_table) expect_cells_kept(EcsvReader(text, "f"), EcsvReader(again, "f"));
+    }
+    EXPECT_EQ(count, 5);
 }
 
 TEST(Golden, Observations) {
-    const Observations table = read_observations(text_of("1-observations.ecsv"), "f");
+    const Observations table = read_observations(text_of("v1.0/1-observations.ecsv"), "f");
     EXPECT_EQ(table.header.stage, "import");
     EXPECT_EQ(table.header.source_revision, "0123456789ab");
     ASSERT_EQ(table.header.inputs.size(), 2U);
@@ -59,7 +130,7 @@ TEST(Golden, Observations) {
 }
 
 TEST(Golden, Enu) {
-    const EnuTable table = read_enu(text_of("2-enu.ecsv"), "f");
+    const EnuTable table = read_enu(text_of("v1.0/2-enu.ecsv"), "f");
     ASSERT_TRUE(table.origin);
     EXPECT_EQ(table.origin->position.latitude.degrees(), 35.134709483);
     EXPECT_EQ(table.origin->position.height_m, 104.728);
@@ -70,7 +141,7 @@ TEST(Golden, Enu) {
 }
 
 TEST(Golden, Screened) {
-    const ScreenedTable table = read_screened(text_of("3-screened.ecsv"), "f");
+    const ScreenedTable table = read_screened(text_of("v1.0/3-screened.ecsv"), "f");
     EXPECT_EQ(table.variance_factor, 1.2345);
     EXPECT_EQ(table.header.parameters["false_alarm_rate"], 1e-6);
     EXPECT_EQ(table.rows.at(0).break_before, ArcBreak::start);
@@ -83,7 +154,7 @@ TEST(Golden, Screened) {
 }
 
 TEST(Golden, Trajectory) {
-    const TrajectoryTable table = read_trajectory(text_of("4-trajectory.ecsv"), "f");
+    const TrajectoryTable table = read_trajectory(text_of("v1.0/4-trajectory.ecsv"), "f");
     EXPECT_EQ(table.estimation.degrees_of_freedom, 15);
     EXPECT_EQ(table.estimation.variance_factor, 0.9876);
     EXPECT_EQ(table.estimation.largest_position_difference_m, 2.5e-11);
@@ -92,10 +163,15 @@ TEST(Golden, Trajectory) {
     EXPECT_FALSE(table.rows.at(3).speed_v1_mps);
     EXPECT_TRUE(table.rows.at(3).usable);
     EXPECT_FALSE(table.rows.at(4).speed_mps);
+    EXPECT_FALSE(table.rows.at(2).robust_east_m || table.rows.at(2).robust_weight);
+    EXPECT_EQ(table.rows.at(2).arc, 1);
+    EXPECT_EQ(table.estimation.batch_stretches, 0);
+    EXPECT_FALSE(table.estimation.horizontal || table.estimation.vertical);
+    EXPECT_FALSE(table.facts.position_resolution_m || table.facts.time_resolution_s);
 }
 
 TEST(Golden, Windows) {
-    const Windows windows = read_windows(text_of("5-windows.yaml"), "f");
+    const Windows windows = read_windows(text_of("v1.0/5-windows.yaml"), "f");
     ASSERT_EQ(windows.profiles.size(), 2U);
     const ProfileWindows& nalsa = windows.profiles[0];
     EXPECT_EQ(nalsa.candidates, 271);
@@ -108,10 +184,14 @@ TEST(Golden, Windows) {
     EXPECT_EQ(nalsa.best->methods.kalman_mps, 56.4);
     EXPECT_EQ(nalsa.indicated->refusals.at(1), "A gap of 0.3 s lies inside.");
     EXPECT_FALSE(windows.profiles[1].best || windows.profiles[1].indicated);
+    const CertifiableWindow& best = *nalsa.best;
+    EXPECT_FALSE(best.fitted || best.bound || best.robust || best.selection || best.monte_carlo);
+    EXPECT_FALSE(best.effective_degrees_of_freedom);
+    EXPECT_TRUE(best.budget.empty());
 }
 
 TEST(Golden, VerdictFile) {
-    const Verdict verdict = read_verdict(text_of("6-verdict.yaml"), "f");
+    const Verdict verdict = read_verdict(text_of("v1.0/6-verdict.yaml"), "f");
     EXPECT_EQ(verdict.attempt, "urban-car");
     EXPECT_EQ(verdict.record->speed, 202.9);
     EXPECT_DOUBLE_EQ(verdict.record->speed_mps, 202.9 / 3.6);
@@ -126,7 +206,7 @@ TEST(Golden, VerdictFile) {
 }
 
 TEST(Golden, AttemptFile) {
-    const Attempt attempt = read_attempt(text_of("attempt.yaml"), "f");
+    const Attempt attempt = read_attempt(text_of("v1.0/attempt.yaml"), "f");
     EXPECT_EQ(attempt.id, "urban-car_2");
     EXPECT_EQ(attempt.place, "\xe5\x90\x8d\xe5\x8f\xa4\xe5\xb1\x8b (Nagoya)");
     EXPECT_EQ(attempt.date, "2022-03-18");
@@ -139,18 +219,23 @@ TEST(Golden, AttemptFile) {
     EXPECT_EQ(attempt.profiles.at(1), "rules/my-rule.yaml");
     EXPECT_EQ(attempt.parameters.at("smooth").at("jerk_density"), 1.25);
     EXPECT_EQ(attempt.overrides.size(), 11U);
+    EXPECT_FALSE(attempt.receivers.at(0).rotation_bound_deg);
+    EXPECT_EQ(attempt.parameters.at("smooth").at("noise"), "fitted");
+    EXPECT_EQ(attempt.parameters.at("window").at("seed"), 1);
 }
 
 TEST(Golden, ProfileFile) {
-    const Profile profile = read_profile(text_of("profile.yaml"), "f");
+    const Profile profile = read_profile(text_of("v1.0/profile.yaml"), "f");
     EXPECT_EQ(profile.id, "my-rule");
     EXPECT_EQ(profile.margin, 0.1);
     EXPECT_EQ(profile.rounding->mode, "nearest");
     EXPECT_EQ(profile.clauses.size(), 6U);
+    EXPECT_EQ(profile.uncertainty.tau_max_s, 10.0);
+    EXPECT_EQ(profile.uncertainty.error_floor_m.at("fixed"), 0.02);
 }
 
 TEST(Golden, SimulationFile) {
-    const SimulationDocument simulation = read_simulation(text_of("simulation.yaml"), "f");
+    const SimulationDocument simulation = read_simulation(text_of("v1.0/simulation.yaml"), "f");
     EXPECT_EQ(simulation.spec.run.top_speed_mps, 60.0);
     EXPECT_EQ(simulation.spec.duration_ms, 45'000);
     EXPECT_EQ(simulation.spec.interval_ms, 100);

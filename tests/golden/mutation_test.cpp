@@ -72,13 +72,13 @@ std::string mutated(std::string text, RandomGenerator& random) {
 
 TEST(Mutation, EveryReaderReadsOrFails) {
     RandomGenerator random(20261121);
-    for (const auto& file : golden::files) {
-        const std::string text = golden::text_of(file.name);
+    for (const golden::GoldenFile& file : golden::all_files()) {
+        const std::string text = golden::text_of(file.path);
         int refused = 0;
         for (int i = 0; i < 600; ++i) {
             const std::string damaged = mutated(text, random);
             try {
-                (void)file.again(damaged, "damaged");
+                (void)file.kind.again(damaged, "damaged");
             } catch (const Failure& failure) {
                 ++refused;
                 // Never without a place, and a message that a terminal can show.
@@ -87,10 +87,10 @@ TEST(Mutation, EveryReaderReadsOrFails) {
                     EXPECT_FALSE(static_cast<unsigned char>(c) < ' ' || c == '\x7f')
                         << failure.problem();
             } catch (const std::exception& error) {
-                ADD_FAILURE() << file.name << " " << i << ": " << error.what() << "\n" << damaged;
+                ADD_FAILURE() << file.path << " " << i << ": " << error.what() << "\n" << damaged;
             }
         }
-        EXPECT_GT(refused, 200) << file.name;
+        EXPECT_GT(refused, 200) << file.path;
     }
 }
 

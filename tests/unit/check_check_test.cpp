@@ -4,6 +4,7 @@
 
 #include "core/failure.h"
 #include "core/text.h"
+#include "core/uncertainty.h"
 #include "stages/check/decision.h"
 
 namespace runcert {
@@ -42,6 +43,17 @@ TEST(Decision, AroundEveryBoundary) {
                                     {60.0, 5.0, 56.0, "not_proven"}})
         EXPECT_EQ(decide(one.speed, one.uncertainty, one.target), one.outcome)
             << one.speed << " " << one.uncertainty << " " << one.target;
+}
+
+TEST(CoverageFactor, IsStudentsForFewDegreesOfFreedom) {
+    EXPECT_EQ(equivalent_coverage_factor(2.0, std::nullopt), 2.0);
+    // [GUM] table G.2: for k = 2 (95.45 %) 4.53 with 2 degrees of freedom, 2.87 with 4, 2.28 with
+    // 10, 2.13 with 20, 2.05 with 50; for k = 3 (99.73 %) 3.96 with 10.
+    for (const auto& [degrees, factor] :
+         {std::pair{2.0, 4.53}, {4.0, 2.87}, {10.0, 2.28}, {20.0, 2.13}, {50.0, 2.05}})
+        EXPECT_NEAR(equivalent_coverage_factor(2.0, degrees), factor, 0.00501) << degrees;
+    EXPECT_NEAR(equivalent_coverage_factor(3.0, 10.0), 3.96, 0.00501);
+    EXPECT_NEAR(equivalent_coverage_factor(2.0, 1e9), 2.0, 1e-6);
 }
 
 /// An attempt under nalsa with a window of given speed and uncertainty.
@@ -98,6 +110,44 @@ TEST(Check, ARecordBeaten) {
     EXPECT_EQ(status_of(verdict, "secondary-method"), "attest");
     EXPECT_EQ(status_of(verdict, "own-start"), "attest");
     EXPECT_NEAR(*verdict.expanded_uncertainty_mps, 0.010, 1e-12);
+}
+
+TEST(Check, FewDegreesOfFreedomWidenTheExpandedUncertainty) {
+    Scene scene(60.0, 0.005);
+    scene.judged.windows.profiles[0].best->effective_degrees_of_freedom = 4.0;
+    const ProfileVerdict verdict = scene.verdict();
+    EXPECT_NEAR(verdict.coverage_factor, 2.87, 0.005);  // [GUM] table G.2
+    EXPECT_NEAR(*verdict.expanded_uncertainty_mps, verdict.coverage_factor * 0.005, 1e-15);
+    // 0.2222 m/s over 2.87 is 0.0774: within the limit for many degrees of freedom, not for four.
+    scene.judged.windows.profiles[0].best->standard_uncertainty_mps = 0.08;
+    EXPECT_EQ(status_of(scene.verdict(), "accuracy"), "not_met");
+    scene.judged.windows.profiles[0].best->effective_degrees_of_freedom.reset();
+    EXPECT_EQ(status_of(scene.verdict(), "accuracy"), "met");
+}
+
+TEST(Check, ARobustEstimateThatDisagreesIsNotCertifiable) {
+    Scene scene(60.0, 0.005);
+    RobustSpeed robust{.speed_mps = 60.1,
+                       .difference_mps = 0.1,
+                       .limit_mps = 0.012,
+                       .agrees = false,
+                       .downweighted = 3};
+    scene.judged.windows.profiles[0].best->robust = robust;
+    const ProfileVerdict verdict = scene.verdict();
+    EXPECT_EQ(verdict.outcome, "not_certifiable");
+    for (const char* part : {"robust", "+0.360 km/h", "0.043 km/h", "screening"})
+        EXPECT_NE(verdict.reason.find(part), std::string::npos) << verdict.reason;
+    robust.agrees = true;
+    scene.judged.windows.profiles[0].best->robust = robust;
+    EXPECT_EQ(scene.verdict().outcome, "beaten");
+}
+
+TEST(Check, TheStatementsStandInTheVerdict) {
+    const Scene scene(60.0, 0.005);
+    const Verdict verdict =
+        check({.attempt = scene.attempt, .profiles = scene.profiles, .judged = scene.judged});
+    ASSERT_GE(verdict.statements.size(), 2U);
+    EXPECT_NE(verdict.statements.front().find("budget"), std::string::npos);
 }
 
 TEST(Check, AnAccuracyBeyondTheLimitIsNotCertifiable) {

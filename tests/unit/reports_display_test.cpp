@@ -17,6 +17,18 @@ TEST(Display, AnUncertaintyHasTwoSignificantDigits) {
     EXPECT_EQ(uncertainty_text(0.000012), "0.000012");
 }
 
+TEST(Display, FiguresHaveTheirSignificantDigits) {
+    EXPECT_EQ(significant_text(0.0, 3), "0");
+    EXPECT_EQ(significant_text(0.00057735, 2), "0.00058");
+    EXPECT_EQ(significant_text(-72.0018, 3), "-72.0");
+    EXPECT_EQ(significant_text(9.96, 2), "10");
+    EXPECT_EQ(significant_text(0.0996, 2), "0.10");
+    EXPECT_EQ(significant_text(4123.4, 3), "4123");
+    EXPECT_EQ(significant_text(3.1e-9, 2), "3.1e-09");
+    EXPECT_EQ(coverage_text(2.000001), "2");
+    EXPECT_EQ(coverage_text(2.0689), "2.07");
+}
+
 TEST(Display, ASpeedHasAtLeastTheDecimalsOfItsUnitAndThoseOfItsUncertainty) {
     const SpeedUnit& km_h = speed_unit("km/h");
     EXPECT_EQ(speed_text(60.002417, std::nullopt, km_h), "216.01");

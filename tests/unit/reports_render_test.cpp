@@ -120,6 +120,9 @@ TEST_F(Pdf, HoldsVerdictSpeedAndEveryHash) {
     const std::string text = text_of_pdf({}, {.signers = {{"9F3C5B7A11D04E62", "comment"}}});
     EXPECT_NE(text.find("Record beaten"), std::string::npos);
     EXPECT_NE(text.find("216.009 ± 0.018 km/h"), std::string::npos);
+    EXPECT_NE(text.find("Uncertainty: rule “fisly”"), std::string::npos);
+    EXPECT_NE(text.find("216.009 ± 0.018 km/h (k = 2)"), std::string::npos);
+    EXPECT_NE(text.find("B, rectangular"), std::string::npos);
     EXPECT_EQ(text.find("UNSIGNED"), std::string::npos);
     for (const ReportSubject& subject : sample::make_run().inputs.subjects)
         EXPECT_NE(text.find(subject.sha256), std::string::npos) << subject.file;

@@ -210,6 +210,8 @@ TEST(Attempt, BadInputIsNamedWithItsPlace) {
         {"[nalsa]", "[nalsa]\nparameters.smooth: {jerk_density: 1}", "f:7:1", "unknown key"},
         {"schema: attempt/1.0\n", "", "f:1:1", "does not say that it follows attempt/1.0"},
         {"attempt/1.0", "attempt/2.0", "f:1:9", "does not say that it follows attempt/1.0"},
+        {"attempt/1.0", "attempt/1.2", "f:1:9", "follows attempt/1.0 or attempt/1.1"},
+        {"attempt/1.0", "attempt/1.01", "f:1:9", "does not say that it follows attempt/1.0"},
         {"attempt/1.0", "profile/1.0", "f:1:9", "does not say that it follows attempt/1.0"},
         {"attempt/1.0", "{name: attempt}", "f:1:9", "is a map, not text"},
         {"profiles: [nalsa]", "place: \"Nagoya\nprofiles: [nalsa]", "f:8:1", "not closed"},
@@ -263,10 +265,11 @@ TEST(Attempt, ParametersAreTheClassesDefaults) {
 }
 
 TEST(Attempt, EveryParameterHasADefaultOfItsTypeForEveryClass) {
+    const std::string newest = replaced(least, "attempt/1.0", "attempt/1.1");
     const DocumentSchema& schema = attempt_schema();
     for (const std::string& name : schema.find("craft.class")->values) {
         const Attempt attempt =
-            read_attempt(replaced(least, "class: board", "class: " + name), "f");
+            read_attempt(replaced(newest, "class: board", "class: " + name), "f");
         // As if the attempt had set them all: types, ranges and words hold for defaults too.
         nlohmann::ordered_json parameters;
         std::size_t count = 0;
@@ -277,7 +280,7 @@ TEST(Attempt, EveryParameterHasADefaultOfItsTypeForEveryClass) {
                 ++count;
             }
         const Attempt again = read_attempt(
-            replaced(least, "class: board", "class: " + name) + to_yaml_text(parameters), "f");
+            replaced(newest, "class: board", "class: " + name) + to_yaml_text(parameters), "f");
         EXPECT_EQ(again.parameters, attempt.parameters) << name;
         EXPECT_EQ(again.overrides.size(), count);
     }

@@ -32,14 +32,14 @@ parameters: {a: {b: [1, 2.5, "3", yes, true, null]}}
 value: 1.5
 )";
 
-TEST(CheckVersion, KnowsItsModelAndTellsNewerRevisions) {
+TEST(CheckVersion, KnowsItsModelAndTellsTheRevision) {
     const auto checked = [](const std::string& schema) {
         return check_version({parse_yaml("schema: " + schema + "\n", "f"), "f"}, product());
     };
-    EXPECT_FALSE(checked("{name: sample, version: \"1.2\"}"));
-    EXPECT_FALSE(checked("{name: sample, version: 1.0}"));
-    EXPECT_TRUE(checked("{name: sample, version: \"1.3\"}"));
-    EXPECT_TRUE(checked("{name: sample, version: \"1.10\"}"));
+    EXPECT_EQ(checked("{name: sample, version: \"1.2\"}"), 2);
+    EXPECT_EQ(checked("{name: sample, version: 1.0}"), 0);
+    EXPECT_EQ(checked("{name: sample, version: \"1.3\"}"), 3);
+    EXPECT_EQ(checked("{name: sample, version: \"1.10\"}"), 10);
     const struct {
         const char *schema, *where, *said;
     } cases[] = {

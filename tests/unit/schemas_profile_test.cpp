@@ -111,6 +111,7 @@ TEST(Profile, BadInputIsNamedWithItsPlace) {
          "  []\n", "p:10:3", "the rule requires nothing"},
         {"id: my-rule\n", "", "p:1:1", "\"id\" is missing"},
         {"profile/1.0", "profile/2.0", "p:1:1", "this is not a profile"},
+        {"profile/1.0", "profile/1.2", "p:1:1", "not one of profile/1.0 or profile/1.1"},
         {"schema: profile/1.0\n", "", "p:1:1", "this is not a profile"},
     };
     ASSERT_NO_THROW(read_profile(sample, "p"));
@@ -121,6 +122,75 @@ TEST(Profile, BadInputIsNamedWithItsPlace) {
     }
     for (const char* text : {"", "[]", "x", "null", "schema: [profile/1.0]\n"})
         EXPECT_FALSE(failure_of([&] { read_profile(text, "p"); }).where.empty()) << text;
+}
+
+/// The sample with an `uncertainty` of that text, of revision 1.1.
+std::string with_uncertainty(const std::string& text) {
+    return replaced(replaced(sample, "profile/1.0", "profile/1.1"), "clauses:\n",
+                    "uncertainty: " + text + "\nclauses:\n");
+}
+
+TEST(ProfileUncertainty, HasItsDefaults) {
+    for (const std::string& text :
+         {sample, replaced(sample, "profile/1.0", "profile/1.1"), with_uncertainty("{}"),
+          std::string(builtin_profile("nalsa"))}) {
+        const Profile::Uncertainty found = read_profile(text, "p").uncertainty;
+        EXPECT_EQ(found.tau_min_s, 0.5);
+        EXPECT_EQ(found.tau_max_s, 10.0);
+        EXPECT_FALSE(found.subtract_selection_bias);
+        EXPECT_EQ(found.error_floor_m, (std::map<std::string, double>{{"fixed", 0.02},
+                                                                      {"unknown", 0.02},
+                                                                      {"float", 0.2},
+                                                                      {"ppp", 0.1},
+                                                                      {"dgps", 0.5},
+                                                                      {"sbas", 0.5},
+                                                                      {"single", 0.5},
+                                                                      {"dead_reckoning", 0.5}}));
+    }
+}
+
+TEST(ProfileUncertainty, IsReadAndWhatIsLeftOutHasItsDefault) {
+    const Profile::Uncertainty found =
+        read_profile(with_uncertainty("{correlation_time_max_s: 4, selection_bias: subtracted, "
+                                      "error_floor_m: {fixed: 0, single: 2.5}}"),
+                     "p")
+            .uncertainty;
+    EXPECT_EQ(found.tau_min_s, 0.5);
+    EXPECT_EQ(found.tau_max_s, 4.0);
+    EXPECT_TRUE(found.subtract_selection_bias);
+    EXPECT_EQ(found.error_floor_m.at("fixed"), 0.0);
+    EXPECT_EQ(found.error_floor_m.at("single"), 2.5);
+    EXPECT_EQ(found.error_floor_m.at("float"), 0.2);
+}
+
+TEST(ProfileUncertainty, BadInputIsNamedWithItsPlace) {
+    const struct {
+        std::string text, where, said;
+    } cases[] = {
+        {"{correlation_time_min_s: 2, correlation_time_max_s: 2}", "p:9:66",
+         "from 2 s to 2 s. Give correlation_time_max_s above correlation_time_min_s"},
+        {"{correlation_time_max_s: 0.25}", "p:9:39", "from 0.5 s to 0.25 s"},
+        {"{correlation_time_min_s: 20}", "p:9:39", "from 20 s to 10 s"},
+        {"{correlation_time_min_s: 0}", "p:9:39", "0 is below 0.01 s"},
+        {"{correlation_time_max_s: 1001}", "p:9:39", "1001 is above 1000 s"},
+        {"{selection_bias: ignored}", "p:9:31", "\"ignored\" is not one of covered, subtracted"},
+        {"{error_floor_m: 0.02}", "p:9:30", "not a map"},
+        {"{error_floor_m: {fixd: 0.02}}", "p:9:31", "Did you mean \"fixed\""},
+        {"{error_floor_m: {fixed: -0.02}}", "p:9:38", "-0.02 is below 0 m"},
+        {"covered", "p:9:14", "not a map"},
+    };
+    for (const auto& c : cases) {
+        const auto said = failure_of([&] { read_profile(with_uncertainty(c.text), "p"); });
+        EXPECT_EQ(said.where, c.where) << c.text << "\n" << said.problem;
+        EXPECT_TRUE(said.contains(c.said)) << c.text << "\n" << said.problem << said.remedy;
+    }
+    const auto early = failure_of(
+        [&] { read_profile(replaced(with_uncertainty("{}"), "profile/1.1", "profile/1.0"), "p"); });
+    EXPECT_EQ(early.where, "p:9:14");
+    EXPECT_TRUE(
+        early.contains("uncertainty: the field needs revision 1.1 of the schema profile; "
+                       "the file follows profile/1.0. Let the file say profile/1.1"))
+        << early.problem;
 }
 
 TEST(MetresPerSecond, KnowsFourUnitsAndRefusesOtherUnits) {

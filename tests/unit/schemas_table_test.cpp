@@ -19,13 +19,13 @@ using test::failure_of;
 using test::replaced;
 
 std::string golden(const std::string& name) {
-    return test::slurp(std::string(RUNCERT_SOURCE_DIR) + "/tests/golden/v1.0/" + name);
+    return test::slurp(std::string(RUNCERT_SOURCE_DIR) + "/tests/golden/v1.1/" + name);
 }
 
-/// 2-enu.ecsv of revision 1.1, with one more column, described by `column`, and one more field.
+/// 2-enu.ecsv of revision 1.2, with one more column, described by `column`, and one more field.
 std::string newer_enu(const std::string& column) {
     std::string text = golden("2-enu.ecsv");
-    text = replaced(text, "name: enu\n#     version: \"1.0\"", "name: enu\n#     version: \"1.1\"");
+    text = replaced(text, "name: enu\n#     version: \"1.1\"", "name: enu\n#     version: \"1.2\"");
     text = replaced(text, "# delimiter",
                     "#   - {name: later, datatype: int64" + column + "}\n# delimiter");
     text = replaced(text, "#   receiver:", "#   added_later: 1\n#   receiver:");
@@ -48,7 +48,7 @@ TEST(TableVersion, ANewerRevisionIsReadUnlessItMustBeUnderstood) {
     const auto said = failure_of([] { read_enu(newer_enu(", meta: {required: true}"), "f"); });
     EXPECT_TRUE(said.contains("the column \"later\" is not known")) << said.problem;
     const std::string same_revision =
-        replaced(newer_enu(""), "version: \"1.1\"", "version: \"1.0\"");
+        replaced(newer_enu(""), "version: \"1.2\"", "version: \"1.1\"");
     EXPECT_TRUE(failure_of([&] {
                     read_enu(replaced(same_revision, "#   added_later: 1\n", ""), "f");
                 }).contains("the column \"later\" is not known"));
@@ -60,7 +60,7 @@ TEST(TableSchema, DeviationsFromTheFieldTable) {
     const struct {
         std::string from, to, said;
     } cases[] = {
-        {"name: enu\n#     version: \"1.0\"", "name: enu\n#     version: \"2.0\"",
+        {"name: enu\n#     version: \"1.1\"", "name: enu\n#     version: \"2.0\"",
          "version \"2.0\""},
         {"name: enu\n#     version", "name: screened\n#     version",
          "schema \"screened\", expected"},
@@ -117,6 +117,78 @@ TEST(TableSchema, WriterRefusesWhatIsNotFinite) {
     table = read_enu(golden("2-enu.ecsv"), "f");
     table.facts.nominal_interval_s = std::numeric_limits<double>::infinity();
     EXPECT_TRUE(failure_of([&] { write_enu(table); }).contains("not a finite number"));
+}
+
+/// 4-trajectory.ecsv of revision 1.1 without its column robust_weight.
+std::string without_robust_weight(std::string text) {
+    const std::size_t begin = text.find("#   - name: robust_weight");
+    text.erase(begin, text.find("#   - name: arc") - begin);
+    text = replaced(text, "robust_north,robust_weight,", "robust_north,");
+    for (const char* cells :
+         {"-0.000250,1.0000", "2.107750,0.9875", "4.215750,0.1250", "6.323750,"}) {
+        const std::string all = cells;
+        text = replaced(text, all + ",1,", all.substr(0, all.find(',')) + ",1,");
+    }
+    return replaced(text, ",,,False", ",,False");
+}
+
+TEST(TableRevision, AColumnOfThisRevisionMayBeMissingInAnEarlierOneOnly) {
+    const std::string text = without_robust_weight(golden("4-trajectory.ecsv"));
+    EXPECT_TRUE(failure_of([&] {
+                    read_trajectory(text, "f");
+                }).contains("the column \"robust_weight\" is missing"));
+    const std::string newer = replaced(text, "version: \"1.1\"", "version: \"1.2\"");
+    EXPECT_TRUE(failure_of([&] {
+                    read_trajectory(newer, "f");
+                }).contains("the column \"robust_weight\" is missing"));
+}
+
+TEST(TableRevision, AnEarlierFileHasNoLaterColumnAndNoLaterField) {
+    const std::string earlier =
+        replaced(golden("4-trajectory.ecsv"), "version: \"1.1\"", "version: \"1.0\"");
+    const auto field = failure_of([&] { read_trajectory(earlier, "f"); });
+    EXPECT_TRUE(
+        field.contains("position_resolution_m: the field needs revision 1.1 of the schema "
+                       "trajectory; the file follows trajectory/1.0"))
+        << field.problem;
+    const std::size_t facts = earlier.find("#   position_resolution_m");
+    const std::size_t added = earlier.find("#     batch_stretches");
+    std::string columns_only = earlier;
+    columns_only.erase(added, earlier.find("\nepoch,") + 1 - added);
+    columns_only.erase(facts, earlier.find("#   origin:") - facts);
+    const auto column = failure_of([&] { read_trajectory(columns_only, "f"); });
+    EXPECT_TRUE(
+        column.contains("the column \"robust_east\" needs revision 1.1 of the schema "
+                        "trajectory; the file follows trajectory/1.0"))
+        << column.problem;
+}
+
+TEST(TableRevision, ARequiredFieldOfThisRevisionIsRequiredInIt) {
+    const std::string text =
+        replaced(golden("4-trajectory.ecsv"), "#     batch_stretches: 2\n", "");
+    EXPECT_TRUE(failure_of([&] {
+                    read_trajectory(text, "f");
+                }).contains("the key \"batch_stretches\" is missing"));
+}
+
+struct OneColumn {
+    double always = 0.0;
+    std::optional<double> sometimes;
+};
+
+TEST(TableRevision, AColumnAddedLaterIsBoundToAnOptional) {
+    const std::string table =
+        "schema: sample\nversion: \"1.1\"\nfields: {}\ncolumns:\n"
+        "  - {name: a, type: real, decimals: 1, since: \"1.1\", description: a}\n";
+    EXPECT_NO_THROW(
+        TableFormat<OneColumn>(table, "f", {column<OneColumn, &OneColumn::sometimes>("a")}));
+    EXPECT_TRUE(failure_of([&] {
+                    TableFormat<OneColumn>(table, "f",
+                                           {column<OneColumn, &OneColumn::always>("a")});
+                }).contains("does not follow the field table"));
+    const std::string first = replaced(table, ", since: \"1.1\"", "");
+    EXPECT_NO_THROW(
+        TableFormat<OneColumn>(first, "f", {column<OneColumn, &OneColumn::always>("a")}));
 }
 
 // --- astropy -----------------------------------------------------------------------------------

@@ -4,9 +4,10 @@
 
 #include <cmath>
 
+#include "arcs/window_ends.h"
 #include "core/failure.h"
 #include "core/random.h"
-#include "stages/window/search.h"
+#include "window_test_support.h"
 
 namespace runcert {
 namespace {
@@ -17,9 +18,17 @@ struct Sample {
     TrajectoryTable trajectory;
 };
 
+/// A motion so free that the smoothed positions are the measured ones.
+NoiseSummary free_motion() {
+    EstimationModel model;
+    model.motion.jerk_density = 50.0;
+    return test::summary_of(model);
+}
+
 Sample random_sample(std::uint64_t seed) {
     RandomGenerator random(seed);
     Sample sample;
+    sample.trajectory.estimation.horizontal = AxesEstimation{.noise = free_motion(), .health = {}};
     sample.screened.facts.nominal_interval_s = sample.trajectory.facts.nominal_interval_s = 0.1;
     std::int64_t time_ns = 0;
     std::int64_t arc = 1;
@@ -125,21 +134,21 @@ TEST(WindowSearch, EqualsExhaustiveSearch) {
         for (const std::string definition :
              {"displacement", "path_length", "mean_n_plus_1", "mean_n"}) {
             for (const double duration_s : {1.0, 3.0}) {
-                Profile profile;
-                profile.id = "test";
-                profile.duration_s = duration_s;
-                profile.definition = definition;
                 std::int64_t candidates = 0;
                 const double expected =
                     brute_force(sample.trajectory, duration_s, definition, candidates);
                 const Windows windows =
-                    find_windows(screened, sample.trajectory, {profile},
-                                 {.duration_tolerance_s = 0.001, .model = {.jerk_density = 50.0}});
+                    find_windows(screened, sample.trajectory,
+                                 {test::rule_over(duration_s, definition)}, test::few_draws());
                 SCOPED_TRACE(definition);
                 EXPECT_EQ(windows.profiles[0].candidates, candidates);
                 ASSERT_EQ(windows.profiles[0].best.has_value(), candidates > 0);
-                if (candidates > 0) {
-                    EXPECT_NEAR(windows.profiles[0].best->speed_mps, expected, 1e-9);
+                if (candidates == 0) continue;
+                const CertifiableWindow& best = *windows.profiles[0].best;
+                EXPECT_NEAR(best.definitions.by_name(definition), expected, 1e-9);
+                // The certified speed of positions without error is that of the same window.
+                if (definition == "displacement" || definition == "path_length") {
+                    EXPECT_NEAR(best.speed_mps, expected, 1e-4);
                 }
             }
         }
@@ -169,9 +178,100 @@ TEST(WindowSearch, ATrajectoryOfOtherEpochsIsRefused) {
     for (ScreenedEpoch& row : screened.rows)
         *row.east_m += 0.001;  // every row has a position here
     const Profile profile = read_profile(builtin_profile("nalsa"), "nalsa");
-    EXPECT_THROW(find_windows(screened, sample.trajectory, {profile},
-                              {.duration_tolerance_s = 0.001, .model = {.jerk_density = 50.0}}),
-                 Failure);
+    EXPECT_THROW(find_windows(screened, sample.trajectory, {profile}, test::few_draws()), Failure);
+}
+
+/// What a Failure of the search says; empty where there is none.
+std::string refusal_of(const ScreenedTable& screened, const TrajectoryTable& trajectory) {
+    try {
+        find_windows(screened, trajectory, {test::rule_over(3.0)}, test::few_draws());
+    } catch (const Failure& failure) {
+        return failure.what();
+    }
+    return {};
+}
+
+TEST(WindowSearch, ATrajectoryOfAnotherModelIsRefused) {
+    const ScreenedTable screened = test::recorded({.from_s = 20.0, .to_s = 40.0});
+    EstimationModel model;
+    model.motion.jerk_density = 0.6;
+    TrajectoryTable trajectory = test::smoothed_with(screened, test::summary_of(model));
+    EXPECT_EQ(refusal_of(screened, trajectory), "");
+    model.motion.jerk_density = 0.7;  // than that which its header claims
+    trajectory.estimation.horizontal->noise = test::summary_of(model);
+    EXPECT_NE(refusal_of(screened, trajectory).find("Run runcert-smooth again"), std::string::npos);
+}
+
+TEST(WindowSearch, ATrajectoryOfOtherArcsIsRefused) {
+    ScreenedTable screened = test::recorded({.from_s = 20.0, .to_s = 40.0});
+    const TrajectoryTable trajectory = test::smoothed_with(screened, free_motion());
+    screened.rows.back().arc.reset();
+    EXPECT_NE(refusal_of(screened, trajectory).find("arcs"), std::string::npos);
+}
+
+TEST(WindowSearch, ATrajectoryThatDoesNotSayItsNoiseIsRefused) {
+    const ScreenedTable screened = test::recorded({.from_s = 20.0, .to_s = 40.0});
+    TrajectoryTable trajectory = test::smoothed_with(screened, free_motion());
+    trajectory.estimation.horizontal.reset();
+    EXPECT_NE(refusal_of(screened, trajectory).find("revision 1.0"), std::string::npos);
+}
+
+TEST(CertifiedWindow, HoldsEveryWayToItsSpeed) {
+    const ScreenedTable screened = test::recorded({.from_s = 20.0, .to_s = 40.0});
+    EstimationModel model;
+    model.motion.jerk_density = 0.6;
+    TrajectoryTable trajectory = test::smoothed_with(screened, test::summary_of(model));
+    const auto best_of = [&] {
+        return find_windows(screened, trajectory, {read_profile(builtin_profile("nalsa"), "nalsa")},
+                            test::few_draws())
+            .profiles.at(0)
+            .best.value();
+    };
+    const CertifiableWindow best = best_of();
+    EXPECT_NEAR(best.speed_mps, 60.0, 3.0 * best.standard_uncertainty_mps);
+    EXPECT_NEAR(best.displacement_m, 3.0 * best.speed_mps, 1e-9);
+    // nalsa's floor for fixed solutions decides against 10 mm stated.
+    EXPECT_EQ(best.bound->decided_by, "floor");
+    EXPECT_EQ(best.bound->sigma_m, 0.020);
+    EXPECT_GT(best.bound->standard_uncertainty_mps, best.fitted->standard_uncertainty_mps);
+    EXPECT_EQ(best.fitted->models, 1);
+    // No robust batch was kept beside this trajectory: nothing is claimed of it.
+    EXPECT_FALSE(best.robust.has_value());
+    // With one whose end is 0.1 m further the speeds differ by 0.0333 m/s and more than they may.
+    for (TrajectoryEpoch& row : trajectory.rows) {
+        row.robust_east_m = row.east_m;
+        row.robust_north_m = row.north_m;
+        row.robust_weight = 0.9;
+    }
+    EXPECT_TRUE(best_of().robust->agrees);
+    EXPECT_EQ(best_of().robust->downweighted, 0);
+    TrajectoryEpoch& last = trajectory.rows[static_cast<std::size_t>(best.span.last_epoch) - 1];
+    *last.robust_east_m += 0.1 / std::numbers::sqrt2;
+    *last.robust_north_m += 0.1 / std::numbers::sqrt2;
+    *last.robust_weight = 0.4;
+    const RobustSpeed robust = best_of().robust.value();
+    EXPECT_NEAR(robust.difference_mps, 0.1 / 3.0, 1e-6);
+    EXPECT_LT(robust.limit_mps, 0.1 / 3.0);
+    EXPECT_FALSE(robust.agrees);
+    EXPECT_EQ(robust.downweighted, 1);
+}
+
+TEST(CertifiedWindow, IsTheSameTwice) {
+    const ScreenedTable screened = test::recorded({.from_s = 25.0, .to_s = 40.0});
+    EstimationModel model;
+    model.motion.jerk_density = 0.6;
+    const TrajectoryTable trajectory = test::smoothed_with(screened, test::summary_of(model));
+    const auto best = [&] {
+        return find_windows(screened, trajectory, {test::rule_over(3.0)}, test::few_draws())
+            .profiles.at(0)
+            .best.value();
+    };
+    const CertifiableWindow a = best();
+    const CertifiableWindow b = best();
+    EXPECT_EQ(a.speed_mps, b.speed_mps);
+    EXPECT_EQ(a.standard_uncertainty_mps, b.standard_uncertainty_mps);
+    EXPECT_EQ(a.monte_carlo->upper_mps, b.monte_carlo->upper_mps);
+    EXPECT_EQ(a.selection->bias_mps, b.selection->bias_mps);
 }
 
 TEST(IndicatedWindow, IsFoundAcrossWhatScreeningRefused) {
@@ -180,8 +280,7 @@ TEST(IndicatedWindow, IsFoundAcrossWhatScreeningRefused) {
     for (std::size_t k = 200; k < screened.rows.size(); ++k)
         if (screened.rows[k].east_m) *screened.rows[k].east_m += 500.0;
     screened.rows[200].break_before = ArcBreak::innovation;
-    const auto indicated =
-        fastest_indicated(screened, 3.0, {.duration_tolerance_s = 0.001, .model = {}});
+    const auto indicated = fastest_indicated(screened, 3.0, test::few_draws());
     ASSERT_TRUE(indicated.has_value());
     EXPECT_LT(indicated->span.first_epoch, 201);
     EXPECT_GE(indicated->span.last_epoch, 201);

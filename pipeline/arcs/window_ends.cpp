@@ -1,4 +1,4 @@
-#include "stages/window/search.h"
+#include "arcs/window_ends.h"
 
 #include <cmath>
 

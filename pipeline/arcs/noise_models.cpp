@@ -1,0 +1,32 @@
+#include "arcs/noise_models.h"
+
+namespace runcert {
+
+EstimationModel model_of(const NoiseSummary& noise) {
+    EstimationModel model;
+    model.motion.jerk_density = noise.jerk_density.value;
+    if (noise.acceleration_time_s)
+        model.motion.acceleration_time_s = noise.acceleration_time_s->value;
+    model.measurement_scale = noise.measurement_scale.value;
+    if (noise.error_told)
+        model.error =
+            GaussMarkovError::steady(noise.error_sigma_m->value, noise.error_tau_s->value);
+    return model;
+}
+
+std::vector<WeightedModel> posterior_of(const NoiseSummary& noise) {
+    if (noise.posterior.empty()) return {{model_of(noise), 1.0}};
+    std::vector<WeightedModel> models;
+    for (const NoiseModelShare& share : noise.posterior) {
+        EstimationModel model;
+        model.motion.jerk_density = share.jerk_density;
+        if (share.acceleration_time_s)
+            model.motion.acceleration_time_s = *share.acceleration_time_s;
+        model.measurement_scale = share.measurement_scale;
+        model.error = GaussMarkovError::steady(share.error_sigma_m, share.error_tau_s);
+        models.push_back({model, share.weight});
+    }
+    return models;
+}
+
+}  // namespace runcert

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <span>
+
+namespace runcert {
+
+/// A quantity that a result depends on: one line of an uncertainty budget.
+struct InputQuantity {
+    double standard_uncertainty = 0.0;  ///< in the unit of the quantity, not negative
+    double sensitivity = 1.0;           ///< partial derivative of the result by the quantity
+    std::optional<double> degrees_of_freedom = std::nullopt;  ///< above 0; empty: infinite
+};
+
+/// Standard uncertainty of a result, in the unit of the result.
+struct CombinedUncertainty {
+    double standard_uncertainty = 0.0;
+    /// Empty: infinite, or undefined (below).
+    std::optional<double> effective_degrees_of_freedom = std::nullopt;
+    /// False where correlated inputs have finite degrees of freedom: the Welch-Satterthwaite
+    /// formula does not apply to them, and the coverage factor of infinitely many would be too
+    /// small.
+    bool degrees_of_freedom_defined = true;
+};
+
+/// The signed contribution c_i u(x_i) of one input to the uncertainty of the result, in the unit
+/// of the result ([GUM] 5.1.3).
+double contribution(const InputQuantity& input);
+
+/// Law of propagation of uncertainty for independent inputs, u_c^2 = sum (c_i u_i)^2 ([GUM] (10)),
+/// and effective degrees of freedom by Welch and Satterthwaite ([GUM] (G.2b)), not truncated. First
+/// order: terms of [GUM] 5.1.2, note, are left out. No inputs: zero. Failure (at "uncertainty
+/// budget") for an uncertainty that is negative or not finite, a sensitivity that is not finite, or
+/// degrees of freedom that are not finite and above 0.
+CombinedUncertainty combine(std::span<const InputQuantity> inputs);
+
+/// The same for correlated inputs, u_c^2 = sum_ij c_i c_j u_i u_j r_ij ([GUM] (16)).
+///
+/// `correlation` is n by n for n inputs. Failure, beside those of the independent form, where it
+/// is not a correlation matrix: wrong size, not symmetric, diagonal not 1, an eigenvalue below 0
+/// (all to 1e-12; a singular matrix is fine). Where it is the identity the answer is that of the
+/// independent form.
+CombinedUncertainty combine(std::span<const InputQuantity> inputs,
+                            const Eigen::MatrixXd& correlation);
+
+/// Coverage factor k of the two-sided interval y - k u to y + k u that holds Student's t
+/// distribution with probability `probability` ([GUM] G.3; table G.2), the normal one where
+/// `degrees_of_freedom` is empty. The degrees of freedom are taken as they are: [GUM] G.4.1 lets
+/// the caller truncate effective ones to an integer first, which gives a k no smaller. Failure
+/// unless 0 < probability < 1 and the degrees of freedom are finite and above 0.
+double coverage_factor(double probability, std::optional<double> degrees_of_freedom);
+
+/// The coverage factor for a standard uncertainty of so many degrees of freedom (empty: infinite)
+/// that holds the same probability as `factor` does for the normal distribution ([GUM] G.3).
+double equivalent_coverage_factor(double factor, std::optional<double> degrees_of_freedom);
+
+/// Standard uncertainty of a quantity known to lie within +- `half_width`, each value as likely
+/// as another: half_width / sqrt(3) ([GUM] (7)). Failure where half_width is negative or not
+/// finite.
+double rectangular_uncertainty(double half_width);
+
+/// The same where values near the middle are likelier, the density a triangle:
+/// half_width / sqrt(6) ([GUM] (9b)).
+double triangular_uncertainty(double half_width);
+
+/// Degrees of freedom of a standard uncertainty that is itself uncertain by the fraction
+/// `relative_uncertainty`: 1 / (2 relative_uncertainty^2) ([GUM] (G.3)); infinite, so empty, for 0.
+/// Failure where the fraction is negative or not finite.
+std::optional<double> degrees_of_freedom(double relative_uncertainty);
+
+}  // namespace runcert

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "estimation/kalman.h"
+
+namespace runcert {
+
+/// Sums of one forward filter over some arcs, the first measurements of each arc left out because
+/// a vague prior predicts them.
+struct InnovationSums {
+    double statistic = 0.0;        ///< of the innovation statistics
+    double log_determinant = 0.0;  ///< of the innovation covariances
+    std::int64_t values = 0;       ///< scalar innovations: epochs times axes
+
+    /// Logarithm of the likelihood of the innovations, without the constant -n/2 ln(2 pi).
+    double log_likelihood() const;
+    /// The same with all of the model's variances multiplied by the factor that makes it largest,
+    /// `statistic / values`.
+    double log_likelihood_at_best_scale() const;
+};
+
+template <int Axes>
+InnovationSums innovation_sums(std::span<const std::span<const ArcEpoch<Axes>>> arcs,
+                               const EstimationModel& model);
+
+}  // namespace runcert

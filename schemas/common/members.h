@@ -1,0 +1,128 @@
+#pragma once
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <type_traits>
+#include <vector>
+
+#include "files/yaml_input.h"
+
+// A struct of plain members as a map of a document, and back, by one list of names for both ways.
+
+namespace runcert {
+
+/// A member of a struct, and its name in a file.
+template <class Struct, class T>
+struct Member {
+    const char* name;
+    T Struct::*pointer;
+};
+template <class Struct, class T>
+Member(const char*, T Struct::*) -> Member<Struct, T>;
+
+/// The members of a struct that stand in a file: specialise with a std::tuple of Member.
+template <class Struct>
+inline constexpr auto members = nullptr;
+
+template <class Struct>
+nlohmann::ordered_json members_json(const Struct& value);
+template <class Struct>
+Struct read_members(const YamlValue& map);
+
+namespace member {
+
+template <class T>
+struct Unwrapped {
+    using type = T;
+    static constexpr bool optional = false, list = false;
+};
+template <class T>
+struct Unwrapped<std::optional<T>> {
+    using type = T;
+    static constexpr bool optional = true, list = false;
+};
+template <class T>
+struct Unwrapped<std::vector<T>> {
+    using type = T;
+    static constexpr bool optional = false, list = true;
+};
+
+template <class T>
+nlohmann::ordered_json json_of(const T& value) {
+    if constexpr (Unwrapped<T>::list) {
+        auto list = nlohmann::ordered_json::array();
+        for (const auto& item : value)
+            list.push_back(json_of(item));
+        return list;
+    } else if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, std::string>) {
+        return value;
+    } else {
+        return members_json(value);
+    }
+}
+
+/// Left out of a file: empty text, an empty optional, and one that is infinite.
+template <class T>
+void write(nlohmann::ordered_json& map, const char* name, const T& value) {
+    if constexpr (std::is_same_v<T, std::optional<double>>) {
+        if (value && !std::isinf(*value)) map[name] = *value;
+    } else if constexpr (Unwrapped<T>::optional) {
+        if (value) map[name] = json_of(*value);
+    } else if constexpr (std::is_same_v<T, std::string>) {
+        if (!value.empty()) map[name] = value;
+    } else {
+        map[name] = json_of(value);
+    }
+}
+
+template <class T>
+T read(const YamlValue& value) {
+    if constexpr (Unwrapped<T>::optional) {
+        return read<typename Unwrapped<T>::type>(value);
+    } else if constexpr (Unwrapped<T>::list) {
+        T list;
+        for (const YamlValue& item : value.list())
+            list.push_back(read<typename Unwrapped<T>::type>(item));
+        return list;
+    } else if constexpr (std::is_same_v<T, bool>) {
+        return value.boolean();
+    } else if constexpr (std::is_integral_v<T>) {
+        return value.integer();
+    } else if constexpr (std::is_floating_point_v<T>) {
+        return value.real();
+    } else if constexpr (std::is_same_v<T, std::string>) {
+        return value.text();
+    } else {
+        return read_members<T>(value);
+    }
+}
+
+}  // namespace member
+
+/// The struct as a map.
+template <class Struct>
+nlohmann::ordered_json members_json(const Struct& value) {
+    auto map = nlohmann::ordered_json::object();
+    std::apply(
+        [&](const auto&... each) { (member::write(map, each.name, value.*each.pointer), ...); },
+        members<Struct>);
+    return map;
+}
+
+/// The struct that a map holds. What is not there keeps the value that a new struct has: the field
+/// table says what may be left out.
+template <class Struct>
+Struct read_members(const YamlValue& map) {
+    Struct value;
+    const auto read_into = [&map]<class T>(const char* name, T& target) {
+        if (const YamlValue found = map[name]; found.exists()) target = member::read<T>(found);
+    };
+    std::apply([&](const auto&... each) { (read_into(each.name, value.*each.pointer), ...); },
+               members<Struct>);
+    return value;
+}
+
+}  // namespace runcert

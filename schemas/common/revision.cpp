@@ -1,0 +1,123 @@
+#include "schemas/common/revision.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/failure.h"
+#include "core/text.h"
+#include "files/yaml_output.h"
+#include "schemas/common/header.h"
+
+namespace runcert {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// The entry of a field in the text that it comes from: the schema's own, or the header's.
+YamlValue entry_of(const DocumentSchema& schema, const std::string& path) {
+    const YamlValue own = schema.source()["fields"][path];
+    return own.exists() ? own : header_schema().source()["fields"][path];
+}
+
+/// The field table as an earlier revision had it.
+DocumentSchema as_of(const DocumentSchema& schema, std::int64_t revision) {
+    Json table = {{"schema", schema.name()},
+                  {"version", fmt::format("{}.{}", version_of(schema).model, revision)},
+                  {"fields", Json::object()}};
+    for (const FieldRule& rule : schema.fields())
+        if (since_of(schema, rule.path) <= revision)
+            table["fields"][rule.path] = json_from_yaml(entry_of(schema, rule.path));
+    return DocumentSchema::parse(to_yaml_text(table), schema.source().where());
+}
+
+/// Refuses every key of a document that stands for a field of a later revision.
+void refuse_later_fields(const YamlValue& value, const std::string& path,
+                         const DocumentSchema& schema, std::int64_t revision) {
+    if (value.is_list())
+        for (const YamlValue& item : value.list())
+            refuse_later_fields(item, path + "[]", schema, revision);
+    if (!value.is_map()) return;
+    for (const std::string& key : value.keys()) {
+        // A key may be written "smooth.noise", which is no field.
+        if (key.find_first_of(".[") != std::string::npos) continue;
+        const std::string field = path.empty() ? key : path + "." + key;
+        const YamlValue member = value[key];
+        if (const std::int64_t since = since_of(schema, field);
+            schema.find(field) && since > revision) {
+            const std::int64_t model = version_of(schema).model;
+            member.fail(fmt::format("the field needs revision {0}.{1} of the schema {2}; the file "
+                                    "follows {2}/{0}.{3}",
+                                    model, since, schema.name(), revision),
+                        fmt::format("Let the file say {}/{}.{}, or remove the field", schema.name(),
+                                    model, since));
+        }
+        refuse_later_fields(member, field, schema, revision);
+    }
+}
+
+}  // namespace
+
+std::optional<SchemaVersion> parse_schema_version(std::string_view text) {
+    const std::size_t point = text.find('.');
+    if (point == std::string_view::npos || text.find_first_of("+-") != std::string_view::npos)
+        return std::nullopt;
+    const auto model = parse_integer(text.substr(0, point));
+    const auto revision = parse_integer(text.substr(point + 1));
+    if (!model || !revision) return std::nullopt;
+    return SchemaVersion{*model, *revision};
+}
+
+SchemaVersion version_of(const DocumentSchema& schema) {
+    return parse_schema_version(schema.version()).value();
+}
+
+std::int64_t read_since(const YamlValue& entry, const SchemaVersion& own) {
+    const YamlValue since = entry["since"];
+    if (!since.exists()) return 0;
+    const auto version = parse_schema_version(since.text());
+    if (!version || version->model != own.model || version->revision > own.revision)
+        since.fail("\"" + since.text() + "\" is no revision of this field table",
+                   "Give one up to the table's own version");
+    return version->revision;
+}
+
+std::int64_t since_of(const DocumentSchema& schema, const std::string& path) {
+    const SchemaVersion own = version_of(schema);
+    const YamlValue fields = schema.source()["fields"];
+    std::int64_t since = 0;
+    for (std::size_t end = path.find_first_of(".["); end != std::string::npos;
+         end = path.find_first_of(".[", end + 1))
+        since = std::max(since, read_since(fields[path.substr(0, end)], own));
+    return std::max(since, read_since(fields[path], own));
+}
+
+void validate_revision(const YamlValue& document, const DocumentSchema& schema,
+                       std::int64_t revision) {
+    const std::int64_t own = version_of(schema).revision;
+    if (revision >= own) return schema.validate(document, revision > own);
+    refuse_later_fields(document, "", schema, revision);
+    as_of(schema, revision).validate(document);
+}
+
+std::optional<std::int64_t> written_revision(const YamlValue& document,
+                                             const DocumentSchema& schema) {
+    const YamlValue written = document["schema"];
+    if (!written.exists()) return std::nullopt;
+    const std::string text = written.text();
+    const SchemaVersion own = version_of(schema);
+    for (std::int64_t revision = 0; revision <= own.revision; ++revision)
+        if (text == fmt::format("{}/{}.{}", schema.name(), own.model, revision)) return revision;
+    return std::nullopt;
+}
+
+std::string known_revisions(const DocumentSchema& schema) {
+    const SchemaVersion own = version_of(schema);
+    std::string text;
+    for (std::int64_t revision = 0; revision <= own.revision; ++revision)
+        text += fmt::format("{}{}/{}.{}", revision == 0 ? "" : " or ", schema.name(), own.model,
+                            revision);
+    return text;
+}
+
+}  // namespace runcert

@@ -1,0 +1,177 @@
+#include "stages/check/statements.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace runcert {
+namespace {
+
+using Statements = std::vector<std::string>;
+
+/// Names of the parameters that a fit left at a limit of its range.
+std::vector<std::string> at_bounds(const NoiseSummary& noise) {
+    std::vector<std::string> names;
+    const auto look = [&](const NoiseParameter& parameter, std::string name) {
+        if (parameter.at_bound) names.push_back(std::move(name));
+    };
+    look(noise.jerk_density, "jerk density");
+    look(noise.measurement_scale, "scale of the stated accuracies");
+    if (noise.acceleration_time_s)
+        look(*noise.acceleration_time_s, "correlation time of the acceleration");
+    if (noise.error_diffusion) look(*noise.error_diffusion, "size of the slow error");
+    if (noise.error_tau_s) look(*noise.error_tau_s, "correlation time of the slow error");
+    return names;
+}
+
+/// Why nothing was fitted, and what stands in its place.
+std::string not_fitted(const NoiseSummary& noise, const std::string& axes) {
+    const std::string instead = fmt::format(
+        "the stated accuracies times {:.2f} and a jerk density of {:.3g} m s^-2.5 were used",
+        noise.measurement_scale.value, noise.jerk_density.value);
+    if (noise.status == "too_few_epochs")
+        return fmt::format(
+            "The {} noise could not be learnt from the recording, which has {} usable epochs where "
+            "{} are needed: {}.",
+            axes, noise.epochs, noise.epochs_needed, instead);
+    if (noise.status == "constant_positions")
+        return fmt::format(
+            "The {} noise could not be learnt from the recording, whose positions are all the "
+            "same: {}.",
+            axes, instead);
+    return fmt::format("The {} noise was not learnt from the recording, as the attempt asks: {}.",
+                       axes, instead);
+}
+
+void add_fit(const NoiseSummary& noise, const std::string& axes, Statements& statements) {
+    if (noise.status != "fitted") {
+        statements.push_back(not_fitted(noise, axes));
+        return;
+    }
+    statements.push_back(fmt::format(
+        "The {} noise was learnt from {} epochs: {:.2f} times the stated accuracies (root mean "
+        "square {:.1f} mm), jerk density {:.3g} m s^-2.5{}.",
+        axes, noise.epochs, noise.measurement_scale.value, noise.stated_sigma_m * 1e3,
+        noise.jerk_density.value,
+        noise.acceleration_time_s
+            ? fmt::format(", acceleration that lasts {:.2g} s", noise.acceleration_time_s->value)
+            : std::string()));
+    if (!noise.error_told)
+        statements.push_back(fmt::format(
+            "A slowly varying error of the {} positions could not be told from their white noise "
+            "and the motion: its bound decides.",
+            axes));
+    else if (!noise.error_tau_s->relative_uncertainty)
+        statements.push_back(fmt::format(
+            "The {} positions have a slowly varying error that wanders by {:.1f} mm in the first "
+            "second; its size and its correlation time cannot be told apart from these data.",
+            axes, noise.error_diffusion->value * 1e3));
+    else
+        statements.push_back(fmt::format(
+            "The {} positions have a slowly varying error of {:.1f} mm with a correlation time of "
+            "{:.1f} s.",
+            axes, noise.error_sigma_m->value * 1e3, noise.error_tau_s->value));
+    if (const auto names = at_bounds(noise); !names.empty())
+        statements.push_back(fmt::format(
+            "In learning the {} noise the search ended at a limit of its range for: {}.", axes,
+            fmt::join(names, ", ")));
+    if (!noise.converged)
+        statements.push_back(fmt::format(
+            "In learning the {} noise the search was stopped before it converged.", axes));
+}
+
+void add_health(const FilterHealth& health, const std::string& axes, Statements& statements) {
+    if (!health.white)
+        statements.push_back(fmt::format(
+            "The {} innovations stay correlated (lag 1: {:+.2f}, with noise as stated {:+.2f}): "
+            "the "
+            "positions look as if the device had filtered them, which hides how they err.",
+            axes, health.autocorrelation, health.autocorrelation_stated));
+    if (!health.consistent)
+        statements.push_back(fmt::format(
+            "The size of the {} innovations changes along the recording more than the stated "
+            "accuracies say: {} of {} spans are outside their limits, where chance allows {}.",
+            axes, health.spans_outside, health.spans, health.spans_allowed));
+    if (health.repaired > 0)
+        statements.push_back(fmt::format(
+            "{} covariances of the {} estimate had stopped being positive definite by rounding and "
+            "were repaired.",
+            health.repaired, axes));
+}
+
+void add_accuracy(const ReceiverEvidence& judged, Statements& statements) {
+    if (judged.accuracy_source == "none") {
+        statements.push_back(
+            "Neither the recording nor the attempt states an accuracy: nothing can be certified "
+            "without one.");
+        return;
+    }
+    statements.push_back(
+        fmt::format("Stated accuracies come from the {}.", judged.accuracy_source));
+    const auto& horizontal = judged.estimation.horizontal;
+    if (horizontal && horizontal->noise.stated_all_equal && horizontal->noise.epochs > 1)
+        statements.push_back(fmt::format(
+            "They are equal at all epochs ({:.1f} mm): nothing tells better epochs from worse.",
+            horizontal->noise.stated_sigma_m * 1e3));
+}
+
+/// Where [GUM] and [GUM-S1] do not agree.
+void add_propagation(const ReceiverEvidence& judged, Statements& statements) {
+    for (const ProfileWindows& windows : judged.windows.profiles) {
+        if (!windows.best || !windows.best->monte_carlo) continue;
+        const MonteCarloCheck& check = *windows.best->monte_carlo;
+        const double difference_mps =
+            std::abs(check.standard_uncertainty_mps - windows.best->standard_uncertainty_mps);
+        if (!check.converged)
+            statements.push_back(fmt::format(
+                "The Monte Carlo check of the uncertainty under {} did not converge in {} trials.",
+                windows.profile, check.trials));
+        else if (difference_mps > check.tolerance_mps)
+            statements.push_back(fmt::format(
+                "Under {} the Monte Carlo check gives a standard uncertainty of {:.4f} m/s where "
+                "the law of propagation gives {:.4f} m/s.",
+                windows.profile, check.standard_uncertainty_mps,
+                windows.best->standard_uncertainty_mps));
+    }
+}
+
+void add_recording(const RecordingFacts& facts, Statements& statements) {
+    if (!facts.georeferenced)
+        statements.push_back(
+            "Not georeferenced: the coordinates are those of a local plane, whose place, "
+            "orientation and scale on the Earth are not stated.");
+    if (!facts.vertical_measured)
+        statements.push_back("Heights were not measured: the estimate is in the plane.");
+    if (!facts.first_epoch)
+        statements.push_back("The recording's time is relative: the run has no date in it.");
+    else if (!utc_from_gps(*facts.first_epoch).leap_seconds_known)
+        statements.push_back(
+            "UTC is given with the leap seconds known to the program, whose table does not reach "
+            "the date of the recording.");
+}
+
+}  // namespace
+
+std::vector<std::string> statements_of(const CheckInput& input) {
+    const ReceiverEvidence& judged = input.judged;
+    Statements statements{
+        "The uncertainty is the combination of the sources in the budget, one row each. Position "
+        "errors that vary slowly over the window are covered up to the size and for the "
+        "correlation times that the budget names; an error that screening should have found and "
+        "did not is not yet in it."};
+    add_accuracy(judged, statements);
+    const EstimationSummary& estimation = judged.estimation;
+    if (estimation.horizontal && estimation.arcs > 0) {
+        add_fit(estimation.horizontal->noise, "horizontal", statements);
+        add_health(estimation.horizontal->health, "horizontal", statements);
+    }
+    if (estimation.vertical && estimation.arcs > 0) {
+        add_fit(estimation.vertical->noise, "vertical", statements);
+        add_health(estimation.vertical->health, "vertical", statements);
+    }
+    add_propagation(judged, statements);
+    add_recording(judged.facts, statements);
+    return statements;
+}
+
+}  // namespace runcert

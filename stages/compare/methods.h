@@ -1,0 +1,53 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "estimation/noise_fit.h"
+#include "schemas/screened/screened.h"
+#include "schemas/trajectory/trajectory.h"
+
+namespace runcert {
+
+/// How a method's figures make the speed of a window.
+enum class WindowSpeed {
+    displacement,   ///< of its positions, over time
+    mean_n_plus_1,  ///< mean of its speeds, both ends included ([DHD22] (26))
+    mean_n          ///< mean of its speeds after the first, each that of the step before it
+};
+
+/// What one method says of every row of the trajectory. Both lists have a place for each row;
+/// empty where the method has no value.
+struct MethodTrack {
+    std::string name;
+    WindowSpeed window_speed = WindowSpeed::displacement;
+    std::vector<std::optional<Eigen::Vector2d>> positions;  ///< east, north, m
+    std::vector<std::optional<double>> speeds_mps;          ///< horizontal
+    std::string unavailable;  ///< why the method has no value at all; else empty
+};
+
+/// The methods, and what is to be said of them, a sentence a line.
+struct Methods {
+    std::vector<MethodTrack> tracks;
+    std::vector<std::string> notes;
+};
+
+/// What the comparison is made with; `parameters.smooth` and `parameters.window` of the attempt.
+struct CompareConfig {
+    NoiseFitOptions fit;  ///< its `motion` says what the trajectory was asked to use
+    double duration_tolerance_s = 0.0;
+};
+
+/// Every estimator on the same screened epochs: raw positions, v1, v2 and the filter of [DHD22],
+/// the fixed-lag smoother [YSM22] at lags of 0.5 s, 1 s, 2 s and a whole arc, the smoother with
+/// persistent and with Singer acceleration (each with noise fitted for it), the trajectory's
+/// smoother, its batch, its robust batch, and where the recording has velocities these and the
+/// filter of [EKF]. The trajectory's own model is that of the fixed lags.
+///
+/// Failure where the trajectory does not say what noise it was estimated with.
+Methods methods_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
+                   const CompareConfig& config);
+
+}  // namespace runcert

@@ -1,0 +1,141 @@
+#include "stages/smooth/health.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "core/statistics.h"
+
+namespace runcert {
+namespace {
+
+constexpr double level = 0.05;            // of the two-sided tests
+constexpr double white_within = 0.1;      // of the autocorrelation at lag 1
+constexpr std::size_t span_values = 100;  // scalar innovations in a span
+constexpr std::size_t condition_every = 16;
+
+/// Sums over the normalised innovations of some arcs.
+struct InnovationStatistics {
+    std::int64_t values = 0;
+    double squares = 0.0;
+    double lagged = 0.0;  ///< of products of neighbours, axis by axis
+    std::int64_t spans = 0;
+    std::int64_t spans_outside = 0;
+
+    double autocorrelation() const { return squares > 0.0 ? lagged / squares : 0.0; }
+};
+
+/// Closes spans of innovations and counts those whose sum of squares is outside its limits.
+class SpanTest {
+  public:
+    explicit SpanTest(std::size_t length)
+        : length_(length),
+          lower_(chi_squared_quantile(level / 2, static_cast<int>(length))),
+          upper_(chi_squared_quantile(1.0 - level / 2, static_cast<int>(length))) {}
+
+    void add(double square, InnovationStatistics& statistics) {
+        sum_ += square;
+        if (++count_ < length_) return;
+        ++statistics.spans;
+        if (sum_ < lower_ || sum_ > upper_) ++statistics.spans_outside;
+        sum_ = 0.0;
+        count_ = 0;
+    }
+
+  private:
+    std::size_t length_;
+    double lower_;
+    double upper_;
+    double sum_ = 0.0;
+    std::size_t count_ = 0;
+};
+
+template <int Axes>
+InnovationStatistics innovation_statistics(const std::vector<Arc<Axes>>& arcs,
+                                           const EstimationModel& model) {
+    InnovationStatistics statistics;
+    SpanTest spans(span_values);
+    KalmanFilter<Axes> filter(model);
+    for (const Arc<Axes>& arc : arcs) {
+        int measurements = 0;
+        PositionVector<Axes> before = PositionVector<Axes>::Zero();
+        filter_along<Axes>(filter, std::span<const ArcEpoch<Axes>>(arc.epochs),
+                           [&](std::size_t, const StateEstimate<Axes>&,
+                               const Innovation<Axes>* seen, const StateEstimate<Axes>&) {
+                               if (!seen || ++measurements <= measurements_of_the_prior) {
+                                   before.setZero();
+                                   return;
+                               }
+                               const PositionVector<Axes> normalised =
+                                   seen->covariance.llt().matrixL().solve(seen->residual);
+                               statistics.values += Axes;
+                               statistics.squares += normalised.squaredNorm();
+                               statistics.lagged += normalised.dot(before);
+                               for (int axis = 0; axis < Axes; ++axis)
+                                   spans.add(normalised(axis) * normalised(axis), statistics);
+                               before = normalised;
+                           });
+    }
+    return statistics;
+}
+
+/// The most spans outside that chance allows, at the level of the test: a binomial count, by its
+/// normal approximation with continuity correction.
+std::int64_t spans_allowed(std::int64_t spans) {
+    const auto n = static_cast<double>(spans);
+    return static_cast<std::int64_t>(std::floor(
+        n * level + 0.5 + normal_quantile(1.0 - level) * std::sqrt(n * level * (1.0 - level))));
+}
+
+template <int Axes>
+double scaled_condition(const StateMatrix<Axes>& covariance) {
+    const StateVector<Axes> inverse = covariance.diagonal().cwiseSqrt().cwiseInverse();
+    const Eigen::SelfAdjointEigenSolver<StateMatrix<Axes>> solver(
+        inverse.asDiagonal() * covariance * inverse.asDiagonal(), Eigen::EigenvaluesOnly);
+    const double smallest = solver.eigenvalues().minCoeff();
+    return smallest > 0.0 ? solver.eigenvalues().maxCoeff() / smallest : 1e18;
+}
+
+}  // namespace
+
+template <int Axes>
+FilterHealth filter_health(const std::vector<Arc<Axes>>& arcs,
+                           const std::vector<SmoothedArc<Axes>>& smoothed,
+                           const EstimationModel& model, const EstimationModel& as_stated) {
+    const InnovationStatistics used = innovation_statistics(arcs, model);
+    FilterHealth health;
+    health.innovations = used.values;
+    health.autocorrelation_stated = innovation_statistics(arcs, as_stated).autocorrelation();
+    health.autocorrelation = used.autocorrelation();
+    health.white = std::abs(health.autocorrelation) <= white_within;
+    if (used.values > 0) {
+        const auto n = static_cast<double>(used.values);
+        health.mean_statistic = used.squares / n;
+        health.lower = chi_squared_quantile(level / 2, static_cast<int>(used.values)) / n;
+        health.upper = chi_squared_quantile(1.0 - level / 2, static_cast<int>(used.values)) / n;
+    }
+    health.spans = used.spans;
+    health.spans_outside = used.spans_outside;
+    health.spans_allowed = spans_allowed(used.spans);
+    health.consistent = health.mean_statistic >= health.lower &&
+                        health.mean_statistic <= health.upper &&
+                        health.spans_outside <= health.spans_allowed;
+    for (const SmoothedArc<Axes>& arc : smoothed) {
+        health.repaired += arc.repaired;
+        health.largest_asymmetry = std::max(health.largest_asymmetry, arc.largest_asymmetry);
+        for (std::size_t k = 0; k < arc.states.size(); k += condition_every)
+            health.largest_condition = std::max(health.largest_condition,
+                                                scaled_condition<Axes>(arc.states[k].covariance));
+    }
+    return health;
+}
+
+template FilterHealth filter_health<1>(const std::vector<Arc<1>>&,
+                                       const std::vector<SmoothedArc<1>>&, const EstimationModel&,
+                                       const EstimationModel&);
+template FilterHealth filter_health<2>(const std::vector<Arc<2>>&,
+                                       const std::vector<SmoothedArc<2>>&, const EstimationModel&,
+                                       const EstimationModel&);
+
+}  // namespace runcert

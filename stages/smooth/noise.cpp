@@ -1,0 +1,130 @@
+#include "stages/smooth/noise.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "arcs/noise_models.h"
+#include "files/yaml_output.h"
+
+namespace runcert {
+namespace {
+
+constexpr int decimals = 6;
+
+double kept(double value) {
+    return rounded(value, decimals);
+}
+
+NoiseParameter parameter(const FittedParameter& fitted) {
+    NoiseParameter result{.value = kept(fitted.value),
+                          .relative_uncertainty = std::nullopt,
+                          .at_bound = fitted.at_bound};
+    if (std::isfinite(fitted.relative_uncertainty))
+        result.relative_uncertainty = kept(fitted.relative_uncertainty);
+    return result;
+}
+
+NoiseModelShare share(const WeightedModel& one) {
+    NoiseModelShare result{.weight = kept(one.weight),
+                           .jerk_density = kept(one.model.motion.jerk_density),
+                           .acceleration_time_s = std::nullopt,
+                           .measurement_scale = kept(one.model.measurement_scale),
+                           .error_sigma_m = kept(one.model.error.initial_sigma_m),
+                           .error_tau_s = kept(one.model.error.tau_s)};
+    if (std::isfinite(one.model.motion.acceleration_time_s))
+        result.acceleration_time_s = kept(one.model.motion.acceleration_time_s);
+    return result;
+}
+
+template <int Axes>
+void describe_stated(const std::vector<Arc<Axes>>& arcs, NoiseSummary& noise) {
+    double sum = 0.0;
+    const PositionMatrix<Axes>* first = nullptr;
+    noise.stated_all_equal = true;
+    for (const Arc<Axes>& arc : arcs)
+        for (const ArcEpoch<Axes>& epoch : arc.epochs) {
+            if (!epoch.measurement) continue;
+            const PositionMatrix<Axes>& stated = epoch.measurement->covariance;
+            if (!first) first = &stated;
+            noise.stated_all_equal = noise.stated_all_equal && stated == *first;
+            sum += stated.trace() / Axes;
+            ++noise.epochs;
+        }
+    if (noise.epochs > 0)
+        noise.stated_sigma_m = kept(std::sqrt(sum / static_cast<double>(noise.epochs)));
+}
+
+template <int Axes>
+std::vector<std::span<const ArcEpoch<Axes>>> spans_of(const std::vector<Arc<Axes>>& arcs) {
+    std::vector<std::span<const ArcEpoch<Axes>>> spans;
+    spans.reserve(arcs.size());
+    for (const Arc<Axes>& arc : arcs)
+        spans.emplace_back(arc.epochs);
+    return spans;
+}
+
+void take_over(const NoiseFit& fit, NoiseSummary& noise) {
+    noise.status = "fitted";
+    noise.jerk_density = parameter(fit.jerk_density);
+    noise.measurement_scale = parameter(fit.measurement_scale);
+    if (std::isfinite(fit.acceleration_time.value))
+        noise.acceleration_time_s = parameter(fit.acceleration_time);
+    noise.singer_gain = rounded(fit.singer_gain, 2);
+    noise.error_told = fit.error_told;
+    noise.error_gain = rounded(fit.error_gain, 2);
+    if (fit.error_told) {
+        noise.error_diffusion = parameter(fit.error_diffusion);
+        noise.error_tau_s = parameter(fit.error_tau);
+        noise.error_sigma_m = parameter(fit.error_sigma);
+    }
+    noise.white_scale = kept(fit.white_scale);
+    noise.evaluations = fit.evaluations;
+    noise.converged = fit.converged;
+    for (const WeightedModel& one : fit.posterior)
+        noise.posterior.push_back(share(one));
+}
+
+/// Noise as stated, times the a posteriori variance factor where that exceeds 1.
+template <int Axes>
+void scale_stated(const std::vector<Arc<Axes>>& arcs, NoiseSummary& noise) {
+    const auto spans = spans_of(arcs);
+    const InnovationSums sums = innovation_sums<Axes>(spans, model_of(noise));
+    if (sums.values == 0) return;
+    const double factor = std::sqrt(sums.statistic / static_cast<double>(sums.values));
+    noise.white_scale = kept(factor);
+    const double applied = kept(std::max(1.0, factor));
+    noise.measurement_scale.value = applied;
+    noise.jerk_density.value = kept(noise.jerk_density.value * applied);
+}
+
+}  // namespace
+
+template <int Axes>
+NoiseSummary learn_noise(const std::vector<Arc<Axes>>& arcs, const SmoothConfig& config) {
+    NoiseSummary noise;
+    noise.epochs_needed = config.fit.epochs_needed + measurements_of_the_prior * std::ssize(arcs);
+    noise.tau_min_s = config.fit.tau_min_s;
+    noise.tau_max_s = config.fit.tau_max_s;
+    noise.jerk_density.value = config.fit.initial_jerk_density;
+    noise.measurement_scale.value = 1.0;
+    describe_stated(arcs, noise);
+    if (config.fit_noise) {
+        const auto spans = spans_of(arcs);
+        const NoiseFit fit = fit_noise<Axes>(spans, config.fit);
+        if (fit.status == NoiseFit::Status::fitted) {
+            take_over(fit, noise);
+            return noise;
+        }
+        noise.status = fit.status == NoiseFit::Status::too_few_epochs ? "too_few_epochs"
+                                                                      : "constant_positions";
+    } else {
+        noise.status = "not_asked";
+    }
+    scale_stated(arcs, noise);
+    return noise;
+}
+
+template NoiseSummary learn_noise<1>(const std::vector<Arc<1>>&, const SmoothConfig&);
+template NoiseSummary learn_noise<2>(const std::vector<Arc<2>>&, const SmoothConfig&);
+
+}  // namespace runcert

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <ceres/problem.h>
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "stages/smooth/batch.h"
+
+namespace runcert {
+
+/// A measurement's difference from the position and error of a state, in standard deviations of its
+/// scaled stated covariance P = L L', by inverse(L).
+template <int Axes>
+PositionVector<Axes> whitened_residual(const PositionMeasurement<Axes>& measurement,
+                                       const EstimationModel& model,
+                                       const StateVector<Axes>& state);
+
+/// How Ceres ended.
+struct Convergence {
+    bool converged = false;
+    bool usable = false;  ///< a solution, though perhaps not yet to the tolerance
+    std::int64_t iterations = 0;
+    std::string message;
+};
+
+/// The least-squares problem of one stretch of an arc, in Ceres: whitened residuals of prior,
+/// measurements (with a Cauchy loss where a scale is given) and process noise. Not for use outside
+/// the batch: batch.h solves arcs.
+///
+/// The unknowns are the differences of the states from a reference, in units of the standard
+/// deviation of one step's process noise. In metres and seconds the Jacobian's columns would differ
+/// by many orders of magnitude, and a factorisation would take the small ones for rounding; about a
+/// near reference, rounding of large coordinates does not hide what the cost still changes by.
+template <int Axes>
+class BatchProblem {
+  public:
+    /// The stretch must outlive the problem; its first epoch must have a measurement.
+    /// `reference` has a state for each epoch.
+    BatchProblem(std::span<const ArcEpoch<Axes>> stretch, const EstimationModel& model,
+                 std::span<const StateVector<Axes>> reference,
+                 std::optional<double> cauchy_scale = std::nullopt);
+
+    /// Iterates from where the problem stands, until the cost changes by less than
+    /// `function_tolerance` of itself.
+    Convergence solve(int iterations, double function_tolerance);
+
+    /// The states where the problem stands.
+    std::vector<StateVector<Axes>> states() const;
+
+    /// Covariances of the states s < e; none where the problem does not determine every state.
+    std::optional<TwoStateCovariance<Axes>> covariance(std::size_t s, std::size_t e);
+
+    /// Which times the stretch covers, for a Failure.
+    std::string where() const;
+
+  private:
+    static constexpr int n = state_size<Axes>;
+    using State = StateVector<Axes>;
+    using RowMajor = Eigen::Matrix<double, n, n, Eigen::RowMajor>;
+
+    class ProcessCost;
+
+    /// One length of step: what makes whitened process noise of two states, and of two unknowns.
+    struct Step {
+        RowMajor before;
+        RowMajor after;
+        RowMajor before_unknown;
+        RowMajor after_unknown;
+    };
+
+    void add_prior();
+    void add_measurement(std::size_t k, ceres::LossFunction* loss);
+    void add_process(std::size_t k);
+    const Step& step_over(double dt_s);
+
+    std::span<const ArcEpoch<Axes>> stretch_;
+    EstimationModel model_;
+    std::vector<State> reference_;
+    State unit_;
+    std::vector<State> unknowns_;
+    std::map<std::int64_t, Step> steps_;  ///< by nanoseconds; the problem's costs refer to them
+    ceres::Problem problem_;
+};
+
+}  // namespace runcert

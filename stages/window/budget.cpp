@@ -1,0 +1,277 @@
+#include "stages/window/budget.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/geodesy.h"
+#include "core/monte_carlo.h"
+
+namespace runcert {
+namespace {
+
+constexpr double earth_radius_m = 6.371e6;
+constexpr double unknown_height_m = 100.0;
+const char* const joint = "with the other epochs; combined from their joint covariance";
+const char* const independent = "independent of the other rows";
+
+/// A row whose quantity is the speed itself.
+BudgetRow speed_row(std::string symbol, std::string source, std::string type,
+                    double contribution_mps, std::string correlation, std::string note) {
+    return {.symbol = std::move(symbol),
+            .source = std::move(source),
+            .estimate = 0.0,
+            .unit = "m / s",
+            .standard_uncertainty = contribution_mps,
+            .type = std::move(type),
+            .distribution = "normal",
+            .degrees_of_freedom = std::nullopt,
+            .sensitivity = 1.0,
+            .contribution_mps = contribution_mps,
+            .correlation = std::move(correlation),
+            .note = std::move(note)};
+}
+
+/// A row of a quantity known to lie within a half width.
+BudgetRow bounded_row(std::string symbol, std::string source, double half_width, std::string unit,
+                      double sensitivity, std::string note) {
+    const double uncertainty = rectangular_uncertainty(half_width);
+    return {.symbol = std::move(symbol),
+            .source = std::move(source),
+            .estimate = 0.0,
+            .unit = std::move(unit),
+            .standard_uncertainty = uncertainty,
+            .type = "B",
+            .distribution = "rectangular",
+            .degrees_of_freedom = std::nullopt,
+            .sensitivity = sensitivity,
+            .contribution_mps = uncertainty * std::abs(sensitivity),
+            .correlation = independent,
+            .note = std::move(note)};
+}
+
+/// At least one degree of freedom: fewer have no distribution to draw from.
+std::optional<double> degrees_of(const NoiseParameter& parameter) {
+    return parameter.relative_uncertainty
+               ? degrees_of_freedom(std::min(*parameter.relative_uncertainty, 0.7))
+               : std::nullopt;
+}
+
+void add_position_rows(const BudgetInput& input, std::vector<BudgetRow>& rows) {
+    const NoiseSummary& fit = input.trajectory.estimation.horizontal->noise;
+    const double scale = fit.measurement_scale.value;
+    const double stated_mps = input.noise.white_mps / std::max(1.0, scale);
+
+    BudgetRow white =
+        speed_row("w", "white noise of the positions, of the size stated", "A", stated_mps, joint,
+                  scale < 1.0 ? fmt::format("the data show {:.3f} times the stated size", scale)
+                              : std::string("joint covariance of the window's epochs"));
+    white.degrees_of_freedom = degrees_of(fit.measurement_scale);
+    rows.push_back(std::move(white));
+
+    BudgetRow optimism =
+        speed_row("s", "stated accuracy better than the data show", "A",
+                  std::sqrt(std::max(0.0, input.noise.white_mps * input.noise.white_mps -
+                                              stated_mps * stated_mps)),
+                  joint, fmt::format("scale of the stated standard deviations {:.3f}", scale));
+    optimism.degrees_of_freedom = degrees_of(fit.measurement_scale);
+    rows.push_back(std::move(optimism));
+
+    rows.push_back(speed_row(
+        "b", "slowly varying error of the positions", "B", input.noise.correlated_mps, joint,
+        fmt::format("standard deviation {:.4f} m ({}), any correlation time from {:g} s "
+                    "to {:g} s",
+                    input.bound.sigma_m, input.bound.decided_by, input.bound.tau_min_s,
+                    input.bound.tau_max_s)));
+
+    BudgetRow motion =
+        speed_row("j", "motion of the craft between the measurements", "A", input.noise.motion_mps,
+                  joint, fmt::format("jerk density {:.4f} m s^-2.5", fit.jerk_density.value));
+    motion.degrees_of_freedom = degrees_of(fit.jerk_density);
+    rows.push_back(std::move(motion));
+}
+
+/// The step of the time stamps: as the recording states it, else the largest power of ten of a
+/// second that divides them all.
+double time_resolution_s(const BudgetInput& input) {
+    const auto& facts = input.trajectory.facts;
+    if (facts.time_resolution_s) return *facts.time_resolution_s;
+    std::int64_t step_ns = 1'000'000'000;
+    for (std::size_t i = input.first_row; i <= input.last_row; ++i)
+        while (step_ns > 1 && input.trajectory.rows[i].time.nanoseconds % step_ns != 0)
+            step_ns /= 10;
+    return static_cast<double>(step_ns) * 1e-9;
+}
+
+/// Whether every stamp of the window is a whole number of nominal intervals from its beginning:
+/// then whatever was cut off by the resolution is the same at both ends.
+bool stamps_are_regular(const BudgetInput& input) {
+    const auto& rows = input.trajectory.rows;
+    const std::int64_t nominal_ns = std::llround(input.trajectory.facts.nominal_interval_s * 1e9);
+    if (nominal_ns <= 0) return false;
+    for (std::size_t i = input.first_row; i <= input.last_row; ++i)
+        if ((rows[i].time.nanoseconds - rows[input.first_row].time.nanoseconds) % nominal_ns != 0)
+            return false;
+    return true;
+}
+
+BudgetRow time_row(const BudgetInput& input) {
+    const double resolution_s = time_resolution_s(input);
+    const bool regular = stamps_are_regular(input);
+    // Both ends are off independently.
+    const double half_width_s = regular ? 0.0 : 0.5 * resolution_s * std::numbers::sqrt2;
+    BudgetRow row = bounded_row(
+        "t", "time stamps of the window's ends", half_width_s, "s",
+        -input.noise.speed.speed_mps / input.duration_s,
+        regular ? std::string("stamps are whole multiples of the interval: what rounding may have "
+                              "cut off is the same at both ends")
+                : fmt::format("stamps are irregular, with a resolution of {:g} s", resolution_s));
+    row.estimate = input.duration_s;
+    return row;
+}
+
+BudgetRow resolution_row(const BudgetInput& input) {
+    const auto& resolution_m = input.trajectory.facts.position_resolution_m;
+    return bounded_row(
+        "r", "resolution of the recorded coordinates",
+        0.5 * resolution_m.value_or(0.0) * std::numbers::sqrt2, "m", 1.0 / input.duration_s,
+        resolution_m
+            ? fmt::format("coordinates in steps of {:.2g} m", *resolution_m)
+            : std::string(
+                  "not known of this recording; it is part of the white noise that the data show"));
+}
+
+BudgetRow frame_row(const BudgetInput& input) {
+    const double speed_mps = input.noise.speed.speed_mps;
+    const bool georeferenced = input.trajectory.facts.georeferenced;
+    double half_width = input.config.plane_scale_bound;
+    std::string note =
+        "nobody has stated the plane's scale; bound by parameter window.plane_scale_bound";
+    if (georeferenced) {
+        const TrajectoryEpoch& first = input.trajectory.rows[input.first_row];
+        const TrajectoryEpoch& last = input.trajectory.rows[input.last_row];
+        const double distance_m = std::max(std::hypot(*first.east_m, *first.north_m),
+                                           std::hypot(*last.east_m, *last.north_m));
+        const bool measured = input.trajectory.facts.vertical_measured;
+        half_width = 0.5 * std::pow(distance_m / earth_radius_m, 2) +
+                     (measured ? 0.0 : unknown_height_m / earth_radius_m);
+        note =
+            fmt::format("{:.1f} km from the origin at most{}", distance_m / 1000.0,
+                        measured ? "" : ", height of the course not measured (100 m allowed for)");
+    }
+    BudgetRow row = bounded_row(
+        "m", georeferenced ? "local plane against the ground" : "scale of the local plane",
+        half_width, "1", speed_mps, std::move(note));
+    row.estimate = 1.0;
+    return row;
+}
+
+BudgetRow antenna_row(const BudgetInput& input) {
+    const auto& arm = input.config.lever_arm;
+    const auto& rotation = input.config.rotation_bound_deg;
+    double moved_m = 0.0;
+    std::string note = arm ? "no bound on the craft's rotation stated: the speed is the antenna's"
+                           : "no lever arm stated: the speed is the antenna's";
+    if (arm && rotation) {
+        moved_m = 2.0 * arm->norm() * std::sin(0.5 * *rotation * std::numbers::pi / 180.0);
+        note = fmt::format(
+            "lever arm {:.3f} m, rotation of at most {:g} degrees between the window's ends",
+            arm->norm(), *rotation);
+    }
+    return bounded_row("a", "antenna against the craft's reference point", moved_m, "m",
+                       1.0 / input.duration_s, std::move(note));
+}
+
+BudgetRow undetected_row() {
+    return bounded_row(
+        "d", "undetected step or outlier", 0.0, "m / s", 1.0,
+        "not quantified: screening does not yet state the largest error it could miss");
+}
+
+BudgetRow selection_row(const BudgetInput& input) {
+    const SelectionBias& selection = input.selection;
+    const bool subtracted = selection.treatment == "subtracted";
+    BudgetRow row = speed_row(
+        "f", "choice of the fastest of many windows", "A",
+        subtracted ? selection.bias_uncertainty_mps : std::max(0.0, selection.bias_mps),
+        independent,
+        fmt::format("bias {:.4f} m/s over {} windows, {}", selection.bias_mps, selection.candidates,
+                    subtracted ? "subtracted from the speed"
+                               : "not subtracted: it stands here as an uncertainty"));
+    row.estimate = subtracted ? selection.bias_mps : 0.0;
+    row.sensitivity = subtracted ? -1.0 : 1.0;
+    return row;
+}
+
+const BudgetRow& row_of(const std::vector<BudgetRow>& rows, std::string_view symbol) {
+    return *std::find_if(rows.begin(), rows.end(),
+                         [&](const BudgetRow& row) { return row.symbol == symbol; });
+}
+
+/// One deviation of a row's quantity, times its sensitivity.
+double draw_contribution(RandomGenerator& random, const BudgetRow& row) {
+    if (row.contribution_mps == 0.0) return 0.0;
+    const double unit = row.distribution == "rectangular"
+                            ? draw_rectangular(random, std::numbers::sqrt3)
+                            : draw_student_t(random, row.degrees_of_freedom);
+    return unit * row.standard_uncertainty * row.sensitivity;
+}
+
+}  // namespace
+
+std::vector<BudgetRow> budget_of(const BudgetInput& input) {
+    std::vector<BudgetRow> rows;
+    add_position_rows(input, rows);
+    rows.push_back(time_row(input));
+    rows.push_back(resolution_row(input));
+    rows.push_back(frame_row(input));
+    rows.push_back(antenna_row(input));
+    rows.push_back(undetected_row());
+    rows.push_back(selection_row(input));
+    return rows;
+}
+
+CombinedUncertainty combine(const std::vector<BudgetRow>& rows) {
+    std::vector<InputQuantity> inputs;
+    for (const BudgetRow& row : rows)
+        inputs.push_back({.standard_uncertainty = row.standard_uncertainty,
+                          .sensitivity = row.sensitivity,
+                          .degrees_of_freedom = row.degrees_of_freedom});
+    return combine(std::span<const InputQuantity>(inputs));
+}
+
+MonteCarloCheck monte_carlo(const BudgetInput& input, const std::vector<BudgetRow>& rows,
+                            double speed_mps) {
+    const Eigen::Matrix2d& covariance = input.noise.velocity_covariance;
+    // Across the direction of travel the positions alone disturb; their variance there is what the
+    // trace holds beyond that along it.
+    const double along = input.noise.speed.standard_uncertainty_mps;
+    const double across = std::sqrt(std::max(0.0, covariance.trace() - along * along));
+    const double duration_s = input.duration_s;
+    const BudgetRow& time = row_of(rows, "t");
+    const BudgetRow& scale = row_of(rows, "m");
+    const MonteCarloOptions options{.seed = static_cast<std::uint64_t>(input.config.seed),
+                                    .trials_max = input.config.monte_carlo_trials_max};
+    const MonteCarloResult result = propagate(options, [&](RandomGenerator& random) {
+        double along_mps = speed_mps;
+        for (const BudgetRow& row : rows)
+            if (&row != &time && &row != &scale) along_mps += draw_contribution(random, row);
+        const double across_mps = across * random.normal();
+        const double time_s =
+            duration_s + draw_contribution(random, time) / -speed_mps * duration_s;
+        const double factor = 1.0 + draw_contribution(random, scale) / speed_mps;
+        return std::hypot(along_mps, across_mps) * duration_s / time_s * factor;
+    });
+    return {.seed = input.config.seed,
+            .trials = result.trials,
+            .mean_mps = result.mean,
+            .standard_uncertainty_mps = result.standard_uncertainty,
+            .lower_mps = result.symmetric.lower,
+            .upper_mps = result.symmetric.upper,
+            .tolerance_mps = result.tolerance,
+            .converged = result.converged};
+}
+
+}  // namespace runcert

@@ -1,0 +1,37 @@
+#pragma once
+
+#include "core/uncertainty.h"
+#include "schemas/attempt/attempt.h"
+#include "schemas/trajectory/trajectory.h"
+#include "stages/window/position_noise.h"
+#include "stages/window/window.h"
+
+namespace runcert {
+
+/// What the budget of a window's speed is made from.
+struct BudgetInput {
+    const TrajectoryTable& trajectory;
+    const WindowConfig& config;
+    const PositionNoise& noise;
+    const ErrorBound& bound;
+    const SelectionBias& selection;
+    std::size_t first_row = 0;  ///< of the window, in the trajectory
+    std::size_t last_row = 0;
+    double duration_s = 0.0;
+};
+
+/// Every source of uncertainty of the certified speed, one row each; those that contribute nothing
+/// are there too, with the reason. The sources are independent of one another; what is correlated
+/// (the positions of the epochs) is combined before, from their joint covariance.
+std::vector<BudgetRow> budget_of(const BudgetInput& input);
+
+/// The rows combined by the law of propagation of uncertainty [GUM].
+CombinedUncertainty combine(const std::vector<BudgetRow>& rows);
+
+/// Distributions propagated through the measurement model [GUM-S1]: the speed is the length of the
+/// displacement, disturbed along and across its direction, over a time disturbed by its stamps,
+/// times a scale disturbed by frame and plane.
+MonteCarloCheck monte_carlo(const BudgetInput& input, const std::vector<BudgetRow>& rows,
+                            double speed_mps);
+
+}  // namespace runcert

@@ -1,0 +1,243 @@
+#include "stages/window/selection.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/random.h"
+#include "core/statistics.h"
+#include "estimation/likelihood.h"
+#include "estimation/linear_smoother.h"
+
+namespace runcert {
+namespace {
+
+using Positions = std::vector<Eigen::Vector2d>;
+
+constexpr double margin_s = 2.0;
+
+/// The measured epochs of a cluster, and a little more on both sides.
+struct Stretch {
+    std::vector<ArcEpoch<2>> epochs;
+    std::vector<EpochPair> windows;   // indices into the epochs
+    std::vector<double> durations_s;  // of each window
+};
+
+Stretch stretch_of(const WindowCluster& cluster) {
+    const auto& epochs = cluster.arc->epochs;
+    std::size_t last = 0;
+    for (const EpochPair& window : cluster.windows)
+        last = std::max(last, window.last);
+    std::size_t from = cluster.windows.front().first;
+    while (from > 0 &&
+           epochs[cluster.windows.front().first].time_s - epochs[from - 1].time_s <= margin_s)
+        --from;
+    std::size_t to = last;
+    while (to + 1 < epochs.size() && epochs[to + 1].time_s - epochs[last].time_s <= margin_s)
+        ++to;
+    Stretch stretch;
+    std::vector<std::size_t> index(to + 1, 0);
+    for (std::size_t k = from; k <= to; ++k) {
+        index[k] = stretch.epochs.size();
+        if (epochs[k].measurement) stretch.epochs.push_back(epochs[k]);
+    }
+    for (const EpochPair& window : cluster.windows) {
+        stretch.windows.push_back({index[window.first], index[window.last]});
+        stretch.durations_s.push_back(epochs[window.last].time_s - epochs[window.first].time_s);
+    }
+    return stretch;
+}
+
+/// The model with the jerk density that is most likely on this stretch alone.
+EstimationModel local_model(const Stretch& stretch, EstimationModel model) {
+    const std::span<const ArcEpoch<2>> arc(stretch.epochs);
+    const double fitted = model.motion.jerk_density;
+    double highest = 0.0;
+    double best = fitted;
+    bool first = true;
+    for (double logarithm = std::log(3e-4); logarithm <= std::log(10.0); logarithm += 0.5) {
+        model.motion.jerk_density = fitted * std::exp(logarithm);
+        const double likelihood = innovation_sums<2>({&arc, 1}, model).log_likelihood();
+        if (first || likelihood > highest) {
+            highest = likelihood;
+            best = model.motion.jerk_density;
+        }
+        first = false;
+    }
+    model.motion.jerk_density = best;
+    return model;
+}
+
+double window_speed(const Stretch& stretch, const Positions& positions, std::size_t w) {
+    const EpochPair& window = stretch.windows[w];
+    return (positions[window.last] - positions[window.first]).norm() / stretch.durations_s[w];
+}
+
+/// Draws errors, smooths and searches one cluster.
+class Cluster {
+  public:
+    Cluster(const WindowCluster& windows, const SelectionModels& models)
+        : stretch_(stretch_of(windows)),
+          chosen_(windows.chosen),
+          error_(models.searched.error),
+          searched_(stretch_.epochs, models.searched),
+          certified_(stretch_.epochs, models.certified),
+          local_(stretch_.epochs, local_model(stretch_, models.searched)) {
+        Positions measured;
+        const double scale = models.searched.measurement_scale;
+        for (const ArcEpoch<2>& epoch : stretch_.epochs) {
+            measured.push_back(epoch.measurement->position);
+            const Eigen::Matrix2d factor = epoch.measurement->covariance.llt().matrixL();
+            white_factors_.push_back(scale * factor);
+        }
+        motion_ = local_(measured);
+    }
+
+    const Positions& motion() const { return motion_; }
+    std::size_t windows() const { return stretch_.windows.size(); }
+
+    Positions draw_errors(RandomGenerator& random) const {
+        Positions errors(stretch_.epochs.size());
+        Eigen::Vector2d slow = error_.initial_sigma_m * normals(random);
+        for (std::size_t k = 0; k < errors.size(); ++k) {
+            if (k > 0) {
+                const double x =
+                    (stretch_.epochs[k].time_s - stretch_.epochs[k - 1].time_s) / error_.tau_s;
+                const double steady = error_.process_density * std::sqrt(0.5 * error_.tau_s);
+                slow = std::exp(-x) * slow +
+                       steady * std::sqrt(-std::expm1(-2.0 * x)) * normals(random);
+            }
+            errors[k] = slow + white_factors_[k] * normals(random);
+        }
+        return errors;
+    }
+
+    Positions estimate_motion(const Positions& measured) const { return local_(measured); }
+
+    /// The fastest window of a drawn recording, its speed in the search, and the error of the
+    /// speed stated for it.
+    struct Fastest {
+        double searched_mps = -1.0;
+        double error_mps = 0.0;
+        double chosen_error_mps = 0.0;  ///< of the window chosen in the recording, if it is here
+    };
+    Fastest search(const Positions& motion, const Positions& errors) const {
+        Positions measured(motion.size());
+        for (std::size_t k = 0; k < motion.size(); ++k)
+            measured[k] = motion[k] + errors[k];
+        const Positions searched = searched_(measured);
+        Fastest fastest;
+        std::size_t best = 0;
+        for (std::size_t w = 0; w < stretch_.windows.size(); ++w)
+            if (const double speed = window_speed(stretch_, searched, w);
+                speed > fastest.searched_mps) {
+                fastest.searched_mps = speed;
+                best = w;
+            }
+        const Positions certified = certified_(measured);
+        const auto error = [&](std::size_t w) {
+            return window_speed(stretch_, certified, w) - window_speed(stretch_, motion, w);
+        };
+        fastest.error_mps = error(best);
+        if (chosen_) fastest.chosen_error_mps = error(*chosen_);
+        return fastest;
+    }
+
+    /// The error of the speed stated for the chosen window when positions have none.
+    double chosen_error_without_noise(const Positions& motion) const {
+        if (!chosen_) return 0.0;
+        return window_speed(stretch_, certified_(motion), *chosen_) -
+               window_speed(stretch_, motion, *chosen_);
+    }
+
+    double fastest_true(const Positions& motion) const {
+        double fastest = 0.0;
+        for (std::size_t w = 0; w < stretch_.windows.size(); ++w)
+            fastest = std::max(fastest, window_speed(stretch_, motion, w));
+        return fastest;
+    }
+
+  private:
+    static Eigen::Vector2d normals(RandomGenerator& random) {
+        const double east = random.normal();
+        return {east, random.normal()};
+    }
+
+    Stretch stretch_;
+    std::optional<std::size_t> chosen_;
+    GaussMarkovError error_;
+    LinearSmoother<2> searched_;
+    LinearSmoother<2> certified_;
+    LinearSmoother<2> local_;
+    std::vector<Eigen::Matrix2d> white_factors_;
+    Positions motion_;
+};
+
+/// The fastest window over all clusters.
+struct Draw {
+    Cluster::Fastest fastest;
+    // Noise moves the chosen window's error about its value without noise: the difference is known
+    // to vanish in the mean, and taking it off makes the mean settle with fewer draws. Zero in all
+    // clusters but one.
+    double chosen_noise_mps = 0.0;
+
+    void take(const Cluster::Fastest& one, double chosen_error_without_noise_mps) {
+        chosen_noise_mps += one.chosen_error_mps - chosen_error_without_noise_mps;
+        if (one.searched_mps > fastest.searched_mps) fastest = one;
+    }
+    double settled_error_mps() const { return fastest.error_mps - chosen_noise_mps; }
+};
+
+Positions sum(const Positions& a, const Positions& b) {
+    Positions result(a.size());
+    for (std::size_t k = 0; k < a.size(); ++k)
+        result[k] = a[k] + b[k];
+    return result;
+}
+
+}  // namespace
+
+SelectionBias selection_bias(const std::vector<WindowCluster>& clusters,
+                             const SelectionModels& models, double stated_mps, std::int64_t samples,
+                             std::int64_t seed) {
+    std::vector<Cluster> parts;
+    SelectionBias result;
+    for (const WindowCluster& cluster : clusters) {
+        parts.emplace_back(cluster, models);
+        result.candidates += static_cast<std::int64_t>(parts.back().windows());
+    }
+    RandomGenerator random(static_cast<std::uint64_t>(seed));
+    std::vector<double> errors;
+    std::vector<double> calibrated;
+    std::vector<double> best_true;
+    for (std::int64_t sample = 0; sample < samples; ++sample) {
+        Draw once;
+        Draw again;
+        double fastest_true = 0.0;
+        for (const Cluster& part : parts) {
+            const Positions noise = part.draw_errors(random);
+            const Positions motion =
+                part.estimate_motion(sum(part.motion(), part.draw_errors(random)));
+            once.take(part.search(part.motion(), noise),
+                      part.chosen_error_without_noise(part.motion()));
+            again.take(part.search(motion, noise), part.chosen_error_without_noise(motion));
+            fastest_true = std::max(fastest_true, part.fastest_true(motion));
+        }
+        errors.push_back(once.fastest.error_mps);
+        calibrated.push_back(2.0 * once.settled_error_mps() - again.settled_error_mps());
+        best_true.push_back(fastest_true);
+    }
+    result.bias_mps = mean(calibrated);
+    result.bias_uncertainty_mps =
+        standard_deviation(calibrated) / std::sqrt(static_cast<double>(samples));
+    result.chosen_mean_mps = stated_mps - result.bias_mps;
+    result.chosen_sd_mps = standard_deviation(errors);
+    result.best_mean_mps = mean(best_true);
+    result.best_sd_mps = standard_deviation(best_true);
+    result.samples = samples;
+    result.seed = seed;
+    return result;
+}
+
+}  // namespace runcert

@@ -1,0 +1,172 @@
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <sstream>
+
+#include "arcs/arcs.h"
+#include "arcs/window_ends.h"
+#include "chain_support.h"
+#include "core/geodesy.h"
+#include "core/text.h"
+#include "estimation/speed.h"
+#include "stages/window/position_noise.h"
+#include "stages/window/speed_by_definition.h"
+
+// What the noise learnt from real recordings is worth. They lie in the folder RUNCERT_DATA.
+
+namespace runcert::chain {
+namespace {
+
+struct Tables {
+    ScreenedTable screened;
+    TrajectoryTable trajectory;
+    YamlValue verdict;
+};
+
+constexpr const char* base_station =
+    "origin: {latitude_deg: 35.134709483, longitude_deg: 136.977574275, height_m: 104.728}\n";
+
+Tables certified(const fs::path& recording, const std::string& more = {}) {
+    const TemporaryFolder folder;
+    write_file_atomically(
+        folder.path() / "attempt.yaml",
+        fmt::format("schema: attempt/1.0\nid: recorded\ncraft: {{name: car, class: car}}\n"
+                    "receivers: [{{id: primary, recording: \"{}\"}}]\nprofiles: [nalsa]\n{}",
+                    recording.string(), more));
+    const fs::path run = folder.path() / "run";
+    const ProcessResult result = certify(folder.path() / "attempt.yaml", run, {"--no-render"});
+    EXPECT_EQ(result.exit_status, 1) << result.errors;
+    return {read_screened(read_file(run / "3-screened.ecsv"), "3-screened.ecsv"),
+            read_trajectory(read_file(run / "4-trajectory.ecsv"), "4-trajectory.ecsv"),
+            read_yaml(run / "6-verdict.yaml")};
+}
+
+class CarrierPhase : public testing::TestWithParam<const char*> {};
+
+TEST_P(CarrierPhase, InnovationsAreWhitenedByTheFittedModel) {
+    const auto data = recordings();
+    if (!data) GTEST_SKIP() << "RUNCERT_DATA is not set";
+    const Tables tables = certified(*data / GetParam() / "rover.pos");
+    ASSERT_TRUE(tables.trajectory.estimation.horizontal.has_value());
+    const auto& [noise, health] = *tables.trajectory.estimation.horizontal;
+    fmt::print("{}: lag 1 {:+.3f} with noise as stated, {:+.3f} with the fitted model\n",
+               GetParam(), health.autocorrelation_stated, health.autocorrelation);
+    EXPECT_LE(std::abs(health.autocorrelation), 0.1);
+    EXPECT_TRUE(health.white);
+    EXPECT_EQ(noise.status, "fitted");
+    EXPECT_TRUE(noise.converged);
+    EXPECT_GE(noise.epochs, noise.epochs_needed);
+    EXPECT_GT(noise.jerk_density.value, 0.0);
+    EXPECT_GT(noise.measurement_scale.value, 0.0);
+    EXPECT_GT(noise.evaluations, 0);
+    EXPECT_FALSE(noise.posterior.empty());
+    fmt::print("    {} epochs, scale {:.3f} of {:.1f} mm, jerk density {:.2f} m s^-2.5",
+               noise.epochs, noise.measurement_scale.value, noise.stated_sigma_m * 1e3,
+               noise.jerk_density.value);
+    if (noise.error_told) {
+        EXPECT_GT(noise.error_diffusion.value().value, 0.0);
+        fmt::print(", slow error {:.1f} mm over {:.1f} s", noise.error_sigma_m.value().value * 1e3,
+                   noise.error_tau_s.value().value);
+    }
+    fmt::print("\n");
+    std::string statements;
+    for (const YamlValue& statement : tables.verdict["statements"].list())
+        statements += statement.text() + "\n";
+    EXPECT_NE(
+        statements.find(fmt::format("horizontal noise was learnt from {} epochs", noise.epochs)),
+        std::string::npos)
+        << statements;
+}
+
+INSTANTIATE_TEST_SUITE_P(RealRecordings, CarrierPhase,
+                         testing::Values("ppk_urban_car", "ppk_tokyo_ecef", "rtk_imu_drive",
+                                         "ubx_walk"));
+
+/// Positions of the reference by GPS time of week in milliseconds, in the run's local frame.
+std::map<std::int64_t, Eigen::Vector2d> reference_positions(const fs::path& file,
+                                                            const LocalFrame& frame) {
+    std::map<std::int64_t, Eigen::Vector2d> positions;
+    std::istringstream lines(read_file(file));
+    std::string line;
+    std::getline(lines, line);
+    while (std::getline(lines, line)) {
+        std::istringstream cells(line);
+        std::vector<double> values;
+        for (std::string cell; std::getline(cells, cell, ',');)
+            values.push_back(parse_double(trim(cell)).value());
+        positions[std::llround(values.at(0) * 1e3)] =
+            frame.enu_from_ecef({{values.at(5), values.at(6), values.at(7)}}).m.head<2>();
+    }
+    return positions;
+}
+
+/// The certifiable windows of an arc: usable at every row from the first to the last.
+std::vector<EpochPair> certifiable(const ScreenedTable& screened, const Arc<2>& arc) {
+    std::vector<ElapsedTime> times;
+    for (const std::size_t row : arc.rows)
+        times.push_back(screened.rows[row].time);
+    const auto ends = window_ends(times, 3.0, 0.001, screened.facts.nominal_interval_s);
+    std::vector<EpochPair> windows;
+    for (std::size_t first = 0; first < ends.size(); ++first) {
+        bool usable = ends[first].has_value();
+        for (std::size_t row = arc.rows[first]; usable && row <= arc.rows[*ends[first]]; ++row)
+            usable = screened.rows[row].usable;
+        if (usable) windows.push_back({first, *ends[first]});
+    }
+    return windows;
+}
+
+TEST(RealRecordings, TheReferenceIsInsideTheStatedIntervalsOfTheUrbanCar) {
+    const auto data = recordings();
+    if (!data) GTEST_SKIP() << "RUNCERT_DATA is not set";
+    const fs::path folder = *data / "ppk_urban_car";
+    const Tables tables = certified(folder / "rover.pos", base_station);
+    const ScreenedTable& screened = tables.screened;
+    const NoiseSummary& noise = tables.trajectory.estimation.horizontal.value().noise;
+    const Profile nalsa = read_profile(builtin_profile("nalsa"), "nalsa");
+    const LocalFrame frame({.latitude = Angle::from_degrees(35.134709483),
+                            .longitude = Angle::from_degrees(136.977574275),
+                            .height_m = 104.728});
+    const auto reference = reference_positions(folder / "reference.csv", frame);
+    const auto reference_at = [&](ElapsedTime time) {
+        const GpsTime at = screened.facts.first_epoch.value().plus_nanoseconds(time.nanoseconds);
+        return reference.at(std::llround(static_cast<double>(at.nanoseconds_of_week()) * 1e-6));
+    };
+    std::int64_t windows = 0;
+    std::int64_t inside = 0;
+    double half_widths = 0.0;
+    double squares = 0.0;
+    for (const Arc<2>& arc : arcs_of<2>(screened))
+        for (const EpochPair& window : certifiable(screened, arc)) {
+            const std::size_t first = arc.rows[window.first];
+            const std::size_t last = arc.rows[window.last];
+            const ErrorBound bound = error_bound(screened, first, last, noise, nalsa.uncertainty);
+            const WindowStretch stretch = cut_stretch(arc, window, 30.0);
+            const SpeedEstimate speed =
+                displacement_speed(smooth<2>(stretch.epochs, bounded_model(noise, bound)),
+                                   stretch.window.first, stretch.window.last, stretch.duration_s);
+            const double expanded = 2.0 * speed.standard_uncertainty_mps;
+            const double error = speed.speed_mps - (reference_at(screened.rows[last].time) -
+                                                    reference_at(screened.rows[first].time))
+                                                           .norm() /
+                                                       stretch.duration_s;
+            ++windows;
+            inside += std::abs(error) <= expanded ? 1 : 0;
+            half_widths += expanded;
+            squares += error * error;
+        }
+    const auto n = static_cast<double>(windows);
+    const double coverage = static_cast<double>(inside) / n;
+    fmt::print(
+        "{} windows, {:.1f} % of the reference's speeds inside, mean half width {:.3f} km/h, "
+        "RMS difference {:.3f} km/h\n",
+        windows, 100.0 * coverage, 3.6 * half_widths / n, 3.6 * std::sqrt(squares / n));
+    EXPECT_GT(windows, 1000);
+    EXPECT_GE(coverage, 0.95);
+    // An interval as wide as the rule allows would hold anything: it must stay well below.
+    EXPECT_LT(3.6 * half_widths / n, 0.4);
+}
+
+}  // namespace
+}  // namespace runcert::chain

@@ -1,0 +1,110 @@
+#include "coverage.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/statistics.h"
+#include "stages/smooth/noise.h"
+#include "stages/window/position_noise.h"
+
+namespace runcert {
+namespace {
+
+constexpr double window_start_s = 40.0;
+constexpr double window_length_s = 3.0;
+
+void count(Coverage& coverage, double error_mps, double standard_uncertainty_mps) {
+    static const double factor = normal_quantile(0.975);
+    const double half_width = factor * standard_uncertainty_mps;
+    ++coverage.runs;
+    if (std::abs(error_mps) <= half_width) ++coverage.held;
+    coverage.half_width_mps +=
+        (half_width - coverage.half_width_mps) / static_cast<double>(coverage.runs);
+    coverage.largest_half_width_mps = std::max(coverage.largest_half_width_mps, half_width);
+}
+
+void count_model(Coverage& coverage, const WindowStretch& stretch, const EstimationModel& model,
+                 double true_mps) {
+    const SpeedEstimate speed = speed_by_definition(
+        smooth<2>(stretch.epochs, model), stretch.window, stretch.duration_s, "displacement");
+    count(coverage, speed.speed_mps - true_mps, speed.standard_uncertainty_mps);
+}
+
+/// One recording of a cell.
+void study_one(CoverageCell& cell, const CoverageOptions& options, std::uint64_t seed, bool learn) {
+    const SimulatedRecording recording = simulate_recording(cell.run, seed);
+    const auto first = static_cast<std::size_t>(std::lround(window_start_s * cell.run.rate_hz));
+    const auto last =
+        first + static_cast<std::size_t>(std::lround(window_length_s * cell.run.rate_hz));
+    const double true_mps =
+        (recording.truth[last] - recording.truth[first]).norm() / window_length_s;
+    const std::vector<Arc<2>> arcs = arcs_of<2>(recording.screened);
+    const WindowStretch stretch = cut_stretch(arcs.front(), {first, last}, 60.0);
+
+    EstimationModel model;
+    model.motion.jerk_density = cell.run.jerk_density;
+    count_model(cell.white, stretch, model, true_mps);
+    model.error =
+        GaussMarkovError::steady(cell.run.noise.error_sigma_m, cell.run.noise.error_tau_s);
+    count_model(cell.known, stretch, model, true_mps);
+    if (!learn) return;
+
+    const NoiseSummary noise = learn_noise<2>(arcs, SmoothConfig{});
+    const FittedSpeed fitted = fitted_speed(stretch, posterior_of(noise), "displacement");
+    count(cell.fitted, fitted.speed_mps - true_mps, fitted.standard_uncertainty_mps);
+    Profile::Uncertainty rule;
+    rule.error_floor_m = {{"fixed", options.floor_m}};
+    const ErrorBound bound = error_bound(recording.screened, first, last, noise, rule);
+    count_model(cell.bound, stretch, bounded_model(noise, bound), true_mps);
+}
+
+}  // namespace
+
+std::vector<CoverageCell> coverage_cells(double rate_hz) {
+    std::vector<CoverageCell> cells;
+    const auto add = [&](const StudyNoise& noise) {
+        CoverageCell cell;
+        cell.run.rate_hz = rate_hz;
+        cell.run.noise = noise;
+        cells.push_back(cell);
+    };
+    for (const double white_m : {0.003, 0.010, 0.030})
+        add({.white_m = white_m});
+    for (const double tau_s : {0.5, 2.0, 10.0, 60.0})
+        add({.white_m = 0.003, .error_sigma_m = 0.008, .error_tau_s = tau_s});
+    return cells;
+}
+
+CoverageCell study_coverage(CoverageCell cell, const CoverageOptions& options) {
+    for (std::int64_t i = 0; i < options.runs_known; ++i)
+        study_one(cell, options, options.seed * 1'000'003 + static_cast<std::uint64_t>(i),
+                  i < options.runs);
+    return cell;
+}
+
+std::string coverage_table(const std::vector<CoverageCell>& cells) {
+    std::string text =
+        "Coverage of 95 % intervals of the 3 s speed; half widths in mm/s (mean, largest)\n"
+        " rate  white  slow error     stated white    true            fitted          certificate\n"
+        "   Hz     mm    mm   tau s    held   half      held   half     held   half     held   "
+        "half "
+        "largest\n";
+    const auto column = [](const Coverage& coverage) {
+        return fmt::format("  {:5.1f} % {:6.1f}", coverage.fraction() * 100.0,
+                           coverage.half_width_mps * 1e3);
+    };
+    for (const CoverageCell& cell : cells) {
+        const StudyNoise& noise = cell.run.noise;
+        const bool slow = noise.error_sigma_m > 0.0;
+        text += fmt::format("{:5g} {:6g} {:5} {:>7}{}{}{}{} {:7.1f}\n", cell.run.rate_hz,
+                            noise.white_m * 1e3, noise.error_sigma_m * 1e3,
+                            slow ? fmt::format("{:g}", noise.error_tau_s) : "-", column(cell.white),
+                            column(cell.known), column(cell.fitted), column(cell.bound),
+                            cell.bound.largest_half_width_mps * 1e3);
+    }
+    return text;
+}
+
+}  // namespace runcert

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "schemas/screened/screened.h"
+
+namespace runcert {
+
+/// The position errors of a study's recording.
+struct StudyNoise {
+    double white_m = 0.003;      ///< standard deviation of white noise, also what is stated
+    double error_sigma_m = 0.0;  ///< of a steady Gauss-Markov error beside it
+    double error_tau_s = 1.0;
+};
+
+/// What a study records: the run of [DHD22] towards north-east, and on it random motion of a known
+/// jerk density.
+struct StudyRun {
+    double rate_hz = 10.0;
+    double length_s = 60.0;
+    double jerk_density = 1.0;  ///< m s^-2.5; 0 for the run of the paper alone
+    StudyNoise noise;
+};
+
+/// A recording and its truth.
+struct SimulatedRecording {
+    ScreenedTable screened;              ///< all epochs usable, in one arc
+    std::vector<Eigen::Vector2d> truth;  ///< m, one for each row
+};
+
+SimulatedRecording simulate_recording(const StudyRun& run, std::uint64_t seed);
+
+}  // namespace runcert

@@ -1,0 +1,58 @@
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "coverage.h"
+#include "selection_study.h"
+
+namespace runcert {
+namespace {
+
+/// Prints the table of one rate and checks every cell of it.
+void expect_coverage(double rate_hz) {
+    const CoverageOptions options;
+    std::vector<CoverageCell> cells;
+    for (const CoverageCell& cell : coverage_cells(rate_hz))
+        cells.push_back(study_coverage(cell, options));
+    fmt::print("{}", coverage_table(cells));
+    for (const CoverageCell& cell : cells) {
+        const StudyNoise& noise = cell.run.noise;
+        const bool slow = noise.error_sigma_m > 0.0;
+        SCOPED_TRACE(fmt::format("{} Hz, {} mm white, {} mm slow, tau {} s", rate_hz,
+                                 noise.white_m * 1e3, noise.error_sigma_m * 1e3,
+                                 noise.error_tau_s));
+        EXPECT_GE(cell.known.fraction(), 0.93);
+        EXPECT_LE(cell.known.fraction(), 0.97);
+        EXPECT_GE(cell.fitted.fraction(), 0.90);
+        if (!slow || noise.error_tau_s <= 10.0) {
+            EXPECT_GE(cell.bound.fraction(), 0.95);
+        }
+        if (slow) {
+            EXPECT_LE(cell.bound.half_width_mps, 0.025);
+        }
+    }
+}
+
+TEST(Coverage, At10Hz) {
+    expect_coverage(10.0);
+}
+TEST(Coverage, At20Hz) {
+    expect_coverage(20.0);
+}
+
+/// Biased high as it stands; without bias once the reported one is taken off.
+void expect_unbiased(double noise_m) {
+    const SelectionStudy study = study_selection(noise_m, 500, 1);
+    fmt::print("{}", selection_line(study));
+    EXPECT_GT(study.mean_mps, 5.0 * study.standard_error_mps);
+    EXPECT_LE(std::abs(study.corrected_mean_mps), 2.0 * study.corrected_standard_error_mps);
+}
+
+TEST(Selection, BiasOf10MillimetreNoise) {
+    expect_unbiased(0.010);
+}
+TEST(Selection, BiasOf30MillimetreNoise) {
+    expect_unbiased(0.030);
+}
+
+}  // namespace
+}  // namespace runcert

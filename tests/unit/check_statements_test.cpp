@@ -1,0 +1,197 @@
+#include <gtest/gtest.h>
+
+#include "stages/check/statements.h"
+
+namespace runcert {
+namespace {
+
+/// A georeferenced recording with heights and a date whose horizontal noise was fitted and fared
+/// well.
+struct Scene {
+    Attempt attempt = read_attempt(
+        "schema: attempt/1.0\nid: t\ncraft: {name: t, class: land-yacht}\n"
+        "receivers: [{id: primary, recording: r}]\nprofiles: [nalsa]\n",
+        "attempt");
+    std::vector<Profile> profiles{read_profile(builtin_profile("nalsa"), "nalsa")};
+    ReceiverEvidence judged;
+
+    Scene() {
+        judged.receiver = "primary";
+        judged.accuracy_source = "recording";
+        judged.facts.first_epoch = GpsTime::from_week(2201, 463'000'000'000'000);
+        judged.estimation.arcs = 1;
+        judged.estimation.horizontal = AxesEstimation{};
+        NoiseSummary& fit = noise();
+        fit.status = "fitted";
+        fit.epochs = 451;
+        fit.epochs_needed = 30;
+        fit.stated_sigma_m = 0.010;
+        fit.jerk_density.value = 0.612;
+        fit.measurement_scale.value = 1.04;
+        fit.converged = true;
+        health().white = health().consistent = true;
+    }
+    NoiseSummary& noise() { return judged.estimation.horizontal->noise; }
+    FilterHealth& health() { return judged.estimation.horizontal->health; }
+    void tell_error(std::optional<double> tau_uncertainty) {
+        noise().error_told = true;
+        noise().error_diffusion = NoiseParameter{0.008, 0.1, false};
+        noise().error_tau_s = NoiseParameter{2.0, tau_uncertainty, false};
+        noise().error_sigma_m = NoiseParameter{0.0081, std::nullopt, false};
+    }
+    /// How many of the statements hold all of these words.
+    int count(const std::vector<std::string>& words) const {
+        int found = 0;
+        for (const std::string& statement :
+             statements_of({.attempt = attempt, .profiles = profiles, .judged = judged})) {
+            bool all = true;
+            for (const std::string& word : words)
+                all = all && statement.find(word) != std::string::npos;
+            found += all ? 1 : 0;
+        }
+        return found;
+    }
+};
+
+TEST(Statements, OfAGoodFitSayWhatWasLearntAndNothingIsAmiss) {
+    const Scene scene;
+    EXPECT_EQ(scene.count({"horizontal noise was learnt from 451 epochs", "1.04 times",
+                           "root mean square 10.0 mm", "jerk density 0.612 m s^-2.5"}),
+              1);
+    EXPECT_EQ(scene.count({"slowly varying error of the horizontal positions could not be told",
+                           "its bound decides"}),
+              1);
+    EXPECT_EQ(scene.count({"Stated accuracies come from the recording."}), 1);
+    for (const char* amiss : {"limit of its range", "before it converged", "stay correlated",
+                              "changes along the recording", "were repaired", "Not georeferenced",
+                              "Heights", "equal at all epochs", "vertical"})
+        EXPECT_EQ(scene.count({amiss}), 0) << amiss;
+    // Each statement is a sentence.
+    for (const std::string& statement : statements_of(
+             {.attempt = scene.attempt, .profiles = scene.profiles, .judged = scene.judged}))
+        EXPECT_EQ(statement.back(), '.') << statement;
+}
+
+TEST(Statements, WhyNothingWasFittedAndWhatStandsInItsPlace) {
+    Scene scene;
+    scene.noise().status = "too_few_epochs";
+    scene.noise().epochs = 20;
+    scene.noise().jerk_density.value = 0.6;
+    EXPECT_EQ(scene.count({"could not be learnt", "20 usable epochs where 30 are needed",
+                           "stated accuracies times 1.04", "0.6 m s^-2.5"}),
+              1);
+    scene.noise().status = "constant_positions";
+    EXPECT_EQ(scene.count({"could not be learnt", "positions are all the same"}), 1);
+    scene.noise().status = "not_asked";
+    EXPECT_EQ(scene.count({"was not learnt from the recording, as the attempt asks"}), 1);
+    EXPECT_EQ(scene.count({"could not be told"}), 0);
+}
+
+TEST(Statements, WhatIsKnownOfASlowError) {
+    Scene scene;
+    scene.tell_error(0.3);
+    EXPECT_EQ(scene.count({"slowly varying error of 8.1 mm", "correlation time of 2.0 s"}), 1);
+    EXPECT_EQ(scene.count({"its bound decides"}), 0);
+    scene.tell_error(std::nullopt);
+    EXPECT_EQ(scene.count({"wanders by 8.0 mm in the first second", "cannot be told apart"}), 1);
+}
+
+TEST(Statements, EveryParameterThatAFitLeftAtALimitIsNamed) {
+    Scene scene;
+    scene.noise().jerk_density.at_bound = true;
+    EXPECT_EQ(scene.count({"limit of its range for: jerk density."}), 1);
+    scene.tell_error(std::nullopt);
+    scene.noise().error_tau_s->at_bound = true;
+    scene.noise().error_diffusion->at_bound = true;
+    scene.noise().acceleration_time_s = NoiseParameter{1000.0, std::nullopt, true};
+    EXPECT_EQ(scene.count({"limit of its range for: jerk density, correlation time of the "
+                           "acceleration, size of the slow error, correlation time of the slow "
+                           "error."}),
+              1);
+    EXPECT_EQ(scene.count({"acceleration that lasts 1e+03 s"}), 1);
+}
+
+TEST(Statements, ASearchThatDidNotConverge) {
+    Scene scene;
+    scene.noise().converged = false;
+    EXPECT_EQ(scene.count({"horizontal", "stopped before it converged"}), 1);
+}
+
+TEST(Statements, HowTheFilterFared) {
+    Scene scene;
+    scene.health().white = false;
+    scene.health().autocorrelation = 0.43;
+    scene.health().autocorrelation_stated = 0.71;
+    EXPECT_EQ(scene.count({"horizontal innovations stay correlated", "lag 1: +0.43",
+                           "as stated +0.71", "device had filtered them"}),
+              1);
+    scene.health().consistent = false;
+    scene.health().spans = 40;
+    scene.health().spans_outside = 12;
+    scene.health().spans_allowed = 4;
+    EXPECT_EQ(scene.count({"size of the horizontal innovations changes", "12 of 40 spans",
+                           "chance allows 4"}),
+              1);
+    scene.health().repaired = 3;
+    EXPECT_EQ(scene.count({"3 covariances of the horizontal estimate", "were repaired"}), 1);
+}
+
+TEST(Statements, OfBothAxesEachForItself) {
+    Scene scene;
+    scene.judged.estimation.vertical = scene.judged.estimation.horizontal;
+    scene.judged.estimation.vertical->noise.status = "constant_positions";
+    scene.judged.estimation.vertical->health.white = false;
+    EXPECT_EQ(scene.count({"horizontal noise was learnt"}), 1);
+    EXPECT_EQ(scene.count({"vertical noise could not be learnt", "all the same"}), 1);
+    EXPECT_EQ(scene.count({"vertical innovations stay correlated"}), 1);
+    EXPECT_EQ(scene.count({"horizontal innovations"}), 0);
+}
+
+TEST(Statements, WithoutAnArcThereIsNoFitToSpeakOf) {
+    Scene scene;
+    scene.judged.estimation.arcs = 0;
+    scene.noise().status = "too_few_epochs";
+    EXPECT_EQ(scene.count({"noise"}), 0);
+}
+
+TEST(Statements, WhatIsStatedOfTheAccuracy) {
+    Scene scene;
+    scene.noise().stated_all_equal = true;
+    EXPECT_EQ(scene.count({"equal at all epochs (10.0 mm)"}), 1);
+    scene.judged.accuracy_source = "none";
+    EXPECT_EQ(scene.count({"nothing can be certified"}), 1);
+    EXPECT_EQ(scene.count({"equal at all epochs"}), 0);
+}
+
+TEST(Statements, WhatTheRecordingDoesNotSay) {
+    Scene scene;
+    scene.judged.facts.georeferenced = false;
+    scene.judged.facts.vertical_measured = false;
+    scene.judged.facts.first_epoch.reset();
+    EXPECT_EQ(scene.count({"Not georeferenced"}), 1);
+    EXPECT_EQ(scene.count({"Heights were not measured"}), 1);
+    EXPECT_EQ(scene.count({"time is relative"}), 1);
+}
+
+TEST(Statements, WhereMonteCarloDoesNotAgreeOrConverge) {
+    Scene scene;
+    ProfileWindows windows;
+    windows.profile = "nalsa";
+    windows.best = CertifiableWindow{};
+    windows.best->standard_uncertainty_mps = 0.010;
+    windows.best->monte_carlo = MonteCarloCheck{
+        .standard_uncertainty_mps = 0.0104, .tolerance_mps = 0.0005, .converged = true};
+    scene.judged.windows.profiles = {windows};
+    EXPECT_EQ(scene.count({"Monte Carlo"}), 0);
+    windows.best->monte_carlo->standard_uncertainty_mps = 0.0106;
+    scene.judged.windows.profiles = {windows};
+    EXPECT_EQ(scene.count({"Under nalsa the Monte Carlo check gives", "0.0106 m/s", "0.0100 m/s"}),
+              1);
+    windows.best->monte_carlo->converged = false;
+    windows.best->monte_carlo->trials = 1'000'000;
+    scene.judged.windows.profiles = {windows};
+    EXPECT_EQ(scene.count({"nalsa did not converge in 1000000 trials"}), 1);
+}
+
+}  // namespace
+}  // namespace runcert

@@ -1,0 +1,233 @@
+#include "stages/compare/compare.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <sstream>
+
+#include "core/failure.h"
+#include "core/random.h"
+#include "estimation/smoother.h"
+
+namespace runcert {
+namespace {
+
+constexpr std::size_t epochs = 120;
+
+/// A run along east whose speed has its maximum of 20 m/s at 6 s, and its time integral.
+double true_speed_mps(double t) {
+    return 20.0 - 0.25 * (t - 6.0) * (t - 6.0);
+}
+double true_east_m(double t) {
+    return 20.0 * t - std::pow(t - 6.0, 3) / 12.0;
+}
+
+struct Sample {
+    ScreenedTable screened;
+    TrajectoryTable trajectory;
+    Windows windows;
+    std::vector<std::optional<TruthEpoch>> truth;
+};
+
+/// 10 Hz, noise of 10 mm, the trajectory without error, the other methods off by known amounts.
+Sample sample() {
+    Sample one;
+    RandomGenerator random(3);
+    one.screened.facts.receiver = one.trajectory.facts.receiver = "primary";
+    one.screened.facts.nominal_interval_s = one.trajectory.facts.nominal_interval_s = 0.1;
+    for (std::size_t k = 0; k < epochs; ++k) {
+        const double t = 0.1 * static_cast<double>(k);
+        ScreenedEpoch& measured = one.screened.rows.emplace_back();
+        TrajectoryEpoch& row = one.trajectory.rows.emplace_back();
+        measured.epoch = row.epoch = static_cast<std::int64_t>(k) + 1;
+        measured.time.nanoseconds = row.time.nanoseconds =
+            100'000'000 * static_cast<std::int64_t>(k);
+        measured.arc = row.arc = 1;
+        measured.usable = row.usable = true;
+        measured.east_m = true_east_m(t) + 0.01 * random.normal();
+        measured.north_m = 0.01 * random.normal();
+        measured.sigma_east_m = measured.sigma_north_m = 0.01;
+        row.east_m = true_east_m(t);
+        row.north_m = 0.0;
+        row.speed_mps = true_speed_mps(t);
+        row.speed_batch_mps = true_speed_mps(t) + 0.5;
+        if (k > 0 && k + 1 < epochs) row.speed_v1_mps = true_speed_mps(t) - 0.25;
+        row.speed_kalman_mps = true_speed_mps(t - 1.0);
+        row.robust_east_m = 2.0 * true_east_m(t);
+        row.robust_north_m = 0.0;
+        one.truth.push_back(TruthEpoch{
+            .time = row.time, .position = {true_east_m(t), 0.0}, .speed_mps = true_speed_mps(t)});
+    }
+    AxesEstimation estimation;
+    estimation.noise.status = "fitted";
+    estimation.noise.jerk_density.value = 1.0;
+    estimation.noise.measurement_scale.value = 1.0;
+    one.trajectory.estimation.horizontal = estimation;
+    CertifiableWindow best;
+    best.span = {.first_epoch = 46,
+                 .last_epoch = 76,
+                 .start = {4'500'000'000},
+                 .duration = {3'000'000'000},
+                 .start_gps = std::nullopt};
+    best.speed_mps = 19.7;
+    one.windows.profiles.push_back({.profile = "test",
+                                    .duration_s = 3.0,
+                                    .definition = "displacement",
+                                    .candidates = 90,
+                                    .best = best,
+                                    .indicated = std::nullopt});
+    return one;
+}
+
+const CompareConfig config{.fit = {}, .duration_tolerance_s = 0.001};
+
+Comparison compared(const Sample& one, bool with_truth = true) {
+    return compare_methods(one.screened, one.trajectory, one.windows, config,
+                           with_truth ? &one.truth : nullptr);
+}
+
+const MethodResult& method(const Comparison& comparison, const std::string& name) {
+    for (const MethodResult& result : comparison.profiles.at(0).methods)
+        if (result.name.starts_with(name)) return result;
+    throw std::runtime_error("no method " + name);
+}
+
+// Mean speed of the run from 4.5 s to 7.5 s: 20 less the mean of (t - 6)^2 / 4.
+const double true_mean_mps = 20.0 - 0.25 * 1.5 * 1.5 / 3.0;
+
+TEST(Compare, EachMethodsFiguresAreItsOwn) {
+    const Comparison comparison = compared(sample());
+    const ProfileComparison& profile = comparison.profiles.at(0);
+    EXPECT_EQ(profile.candidates, 90);
+    EXPECT_NEAR(*profile.true_mps, true_mean_mps, 1e-12);
+
+    const MethodResult& smoother = method(comparison, "smoother of the trajectory");
+    EXPECT_EQ(smoother.best_start->nanoseconds, 4'500'000'000);
+    EXPECT_NEAR(*smoother.best_mps, true_mean_mps, 1e-12);
+    EXPECT_NEAR(*smoother.rms_error_mps, 0.0, 1e-12);
+    EXPECT_NEAR(*smoother.certified_error_mps, 0.0, 1e-12);
+
+    // Mean of the 31 speeds, (t - 6)^2 = 0.01 k^2 for k from -15 to 15.
+    const double sum_of_squares = 2.0 * 15.0 * 16.0 * 31.0 / 6.0;
+    const double mean_of_31 = 20.0 - 0.25 * 0.01 * sum_of_squares / 31.0;
+    const MethodResult& batch = method(comparison, "batch");
+    EXPECT_NEAR(*batch.best_mps, mean_of_31 + 0.5, 1e-12);
+    EXPECT_NEAR(*batch.rms_error_mps, 0.5, 1e-12);
+    EXPECT_NEAR(*batch.certified_error_mps, mean_of_31 + 0.5 - true_mean_mps, 1e-12);
+    EXPECT_EQ(batch.window_speed, "mean_n_plus_1");
+    EXPECT_NEAR(*method(comparison, "v1").rms_error_mps, 0.25, 1e-12);
+
+    // A filter that is 1 s late finds its best window 1 s late.
+    const MethodResult& late = method(comparison, "Kalman filter");
+    EXPECT_EQ(late.best_start->nanoseconds, 5'500'000'000);
+    EXPECT_NEAR(*late.best_mps, mean_of_31, 1e-12);
+    EXPECT_NEAR(*late.best_error_mps, mean_of_31 - (true_east_m(8.5) - true_east_m(5.5)) / 3.0,
+                1e-12);
+
+    // Positions alone have no speed of an epoch.
+    const MethodResult& robust = method(comparison, "robust batch");
+    EXPECT_NEAR(*robust.certified_mps, 2.0 * true_mean_mps, 1e-12);
+    EXPECT_FALSE(robust.rms_error_mps.has_value());
+
+    EXPECT_FALSE(method(comparison, "v2").best_mps.has_value());  // it has no value anywhere
+    const MethodResult& certified = method(comparison, "certified");
+    EXPECT_NEAR(*certified.certified_error_mps, 19.7 - true_mean_mps, 1e-12);
+}
+
+TEST(Compare, AFullFixedLagIsTheSmootherAndALongLagIsNearIt) {
+    Sample one = sample();
+    for (std::size_t k = 0; k < epochs; ++k)
+        one.screened.rows[k].sigma_east_m = one.screened.rows[k].sigma_north_m = 0.01;
+    const EstimationModel model{.motion = {.jerk_density = 1.0}};
+    std::vector<ArcEpoch<2>> arc;
+    for (const ScreenedEpoch& row : one.screened.rows)
+        arc.push_back({row.time.seconds(), PositionMeasurement<2>{measured_position<2>(row),
+                                                                  stated_covariance<2>(row)}});
+    const SmoothedArc<2> smoothed = smooth<2>(arc, model);
+    const double expected_mps =
+        (smoothed.states[75].mean.head<2>() - smoothed.states[45].mean.head<2>()).norm() / 3.0;
+    const Comparison comparison = compared(one);
+    EXPECT_NEAR(*method(comparison, "fixed lag, full").certified_mps, expected_mps, 1e-9);
+    EXPECT_NEAR(*method(comparison, "fixed lag 2 s (20 epochs)").certified_mps, expected_mps, 1e-3);
+    // The sooner it must answer, the worse it knows.
+    EXPECT_GT(*method(comparison, "fixed lag 0.5 s").rms_error_mps,
+              *method(comparison, "fixed lag, full").rms_error_mps);
+}
+
+TEST(Compare, AWindowThatNobodyCertifiesIsNoCandidate) {
+    Sample one = sample();
+    one.trajectory.rows[59].usable = false;
+    const Comparison comparison = compared(one, false);
+    EXPECT_EQ(comparison.profiles[0].candidates, 90 - 31);
+    // Of those left, the one that begins at 6.0 s is nearest to the maximum.
+    EXPECT_EQ(method(comparison, "smoother of").best_start->nanoseconds, 6'000'000'000);
+    EXPECT_FALSE(method(comparison, "smoother of").rms_error_mps.has_value());
+    EXPECT_FALSE(method(comparison, "smoother of").certified_error_mps.has_value());
+}
+
+TEST(Compare, TruthOfAnotherTimeIsRefused) {
+    Sample one = sample();
+    one.truth[45].reset();
+    EXPECT_THROW((void)compared(one), Failure);  // where the certified window begins
+    std::fill(one.truth.begin(), one.truth.end(), std::nullopt);
+    EXPECT_THROW((void)compared(one), Failure);
+    one.windows.profiles[0].best.reset();
+    EXPECT_THROW((void)compared(one), Failure);
+    one = sample();
+    one.truth[5].reset();  // elsewhere it is only counted
+    EXPECT_EQ(compared(one).epochs_with_truth, static_cast<std::int64_t>(epochs) - 1);
+}
+
+TEST(Compare, ATrajectoryWithoutItsNoiseModelIsRefused) {
+    Sample one = sample();
+    one.trajectory.estimation.horizontal.reset();
+    EXPECT_THROW((void)compared(one), Failure);
+}
+
+TEST(Compare, RecordedVelocitiesAndTheEnhancedFilterWhereThereAreSome) {
+    Sample one = sample();
+    EXPECT_FALSE(method(compared(one), "recorded velocity").best_mps.has_value());
+    for (std::size_t k = 0; k < epochs; ++k) {
+        one.screened.rows[k].recorded_velocity_east_mps =
+            true_speed_mps(0.1 * static_cast<double>(k));
+        one.screened.rows[k].recorded_velocity_north_mps = 0.0;
+    }
+    EXPECT_NEAR(*method(compared(one), "recorded velocity").rms_error_mps, 0.0, 1e-12);
+    EXPECT_FALSE(method(compared(one), "enhanced").best_mps.has_value());  // in a local plane
+    one.screened.origin = FrameOrigin{.position = {.latitude = Angle::from_degrees(35.0),
+                                                   .longitude = Angle::from_degrees(137.0),
+                                                   .height_m = 50.0},
+                                      .source = "attempt"};
+    const Comparison comparison = compared(one);
+    // The mean of the 30 backward differences is the displacement: 10 mm at its ends, filtered.
+    EXPECT_NEAR(*method(comparison, "enhanced").certified_error_mps, 0.0, 0.015);
+    EXPECT_LT(*method(comparison, "enhanced").rms_error_mps, 0.2);
+    bool said = false;
+    for (const std::string& note : comparison.notes)
+        said = said || note.find("0.1 m/s for the accuracy of 120 of 120") != std::string::npos;
+    EXPECT_TRUE(said);
+}
+
+TEST(CompareText, IsAnAlignedTableOfAHundredColumns) {
+    const Comparison comparison = compared(sample());
+    const std::string text = comparison_text(comparison, "run-1");
+    EXPECT_TRUE(text.starts_with("All estimators side by side: attempt run-1, receiver primary."));
+    EXPECT_NE(text.find("true speed in it 71.325 km/h"), std::string::npos) << text;
+    EXPECT_NE(text.find("those with truth"), std::string::npos);
+    std::istringstream lines(text);
+    int rows = 0;
+    for (std::string line; std::getline(lines, line);) {
+        EXPECT_LE(line.size(), 100U) << line;
+        if (!line.starts_with("batch ")) continue;
+        ++rows;
+        // Values end where their headings end.
+        EXPECT_EQ(line.substr(39, 30), "     4.500    73.080    73.080") << line;
+    }
+    EXPECT_EQ(rows, 1);
+    const std::string plain = comparison_text(compared(sample(), false), "run-1");
+    EXPECT_EQ(plain.find("RMS"), std::string::npos);
+    EXPECT_EQ(plain.find("true"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace runcert

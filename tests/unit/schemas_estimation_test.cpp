@@ -1,0 +1,286 @@
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <string>
+
+#include "files_test_support.h"
+#include "schemas/trajectory/trajectory.h"
+#include "schemas/windows/windows.h"
+
+// What revision 1.1 added to trajectory and windows, written and read again.
+
+namespace runcert {
+namespace {
+
+using test::failure_of;
+
+Header header(const std::string& stage) {
+    Header header;
+    header.stage = stage;
+    header.program_version = "1.1.0";
+    header.source_revision = "0";
+    return header;
+}
+
+NoiseSummary fitted_noise() {
+    NoiseSummary noise;
+    noise.status = "fitted";
+    noise.epochs = 451;
+    noise.epochs_needed = 60;
+    noise.stated_sigma_m = 0.0101;
+    noise.stated_all_equal = true;
+    noise.tau_min_s = 0.5;
+    noise.tau_max_s = 10.0;
+    noise.jerk_density = {0.6125, 0.25, false};
+    noise.measurement_scale = {1.0625, std::nullopt, true};
+    noise.acceleration_time_s = NoiseParameter{4.5, 0.5, true};
+    noise.singer_gain = -1.25;
+    noise.error_told = true;
+    noise.error_gain = 7.5;
+    noise.error_diffusion = NoiseParameter{0.0125, 0.125, false};
+    noise.error_tau_s = NoiseParameter{2.25, std::nullopt, false};
+    noise.error_sigma_m = NoiseParameter{0.008, 0.0625, true};
+    noise.white_scale = 2.5;
+    noise.evaluations = 321;
+    noise.converged = true;
+    noise.posterior = {{0.625, 0.5, 4.5, 1.25, 0.007, 2.0}, {0.375, 0.75, std::nullopt, 1.5, 0, 1}};
+    return noise;
+}
+
+void expect_equal(const std::optional<NoiseParameter>& a, const std::optional<NoiseParameter>& b) {
+    ASSERT_EQ(a.has_value(), b.has_value());
+    if (!a) return;
+    EXPECT_EQ(a->value, b->value);
+    EXPECT_EQ(a->relative_uncertainty, b->relative_uncertainty);
+    EXPECT_EQ(a->at_bound, b->at_bound);
+}
+
+void expect_equal(const NoiseSummary& a, const NoiseSummary& b) {
+    EXPECT_EQ(a.status, b.status);
+    EXPECT_EQ(a.epochs, b.epochs);
+    EXPECT_EQ(a.epochs_needed, b.epochs_needed);
+    EXPECT_EQ(a.stated_sigma_m, b.stated_sigma_m);
+    EXPECT_EQ(a.stated_all_equal, b.stated_all_equal);
+    EXPECT_EQ(a.tau_min_s, b.tau_min_s);
+    EXPECT_EQ(a.tau_max_s, b.tau_max_s);
+    expect_equal(a.jerk_density, b.jerk_density);
+    expect_equal(a.measurement_scale, b.measurement_scale);
+    expect_equal(a.acceleration_time_s, b.acceleration_time_s);
+    EXPECT_EQ(a.singer_gain, b.singer_gain);
+    EXPECT_EQ(a.error_told, b.error_told);
+    EXPECT_EQ(a.error_gain, b.error_gain);
+    expect_equal(a.error_diffusion, b.error_diffusion);
+    expect_equal(a.error_tau_s, b.error_tau_s);
+    expect_equal(a.error_sigma_m, b.error_sigma_m);
+    EXPECT_EQ(a.white_scale, b.white_scale);
+    EXPECT_EQ(a.evaluations, b.evaluations);
+    EXPECT_EQ(a.converged, b.converged);
+    ASSERT_EQ(a.posterior.size(), b.posterior.size());
+    for (std::size_t i = 0; i < a.posterior.size(); ++i) {
+        EXPECT_EQ(a.posterior[i].weight, b.posterior[i].weight);
+        EXPECT_EQ(a.posterior[i].jerk_density, b.posterior[i].jerk_density);
+        EXPECT_EQ(a.posterior[i].acceleration_time_s, b.posterior[i].acceleration_time_s);
+        EXPECT_EQ(a.posterior[i].measurement_scale, b.posterior[i].measurement_scale);
+        EXPECT_EQ(a.posterior[i].error_sigma_m, b.posterior[i].error_sigma_m);
+        EXPECT_EQ(a.posterior[i].error_tau_s, b.posterior[i].error_tau_s);
+    }
+}
+
+TrajectoryTable trajectory() {
+    TrajectoryTable table;
+    table.header = header("smooth");
+    table.facts.receiver = "primary";
+    table.facts.position_resolution_m = 0.001;
+    table.facts.time_resolution_s = 1e-9;
+    table.estimation.batch_stretches = 4;
+    table.estimation.robust_downweighted = 3;
+    table.estimation.horizontal =
+        AxesEstimation{fitted_noise(),
+                       {900, 1.0125, 0.9, 1.1, 9, 2, 3, true, 0.5, -0.0125, true, 153.5, 2e-16, 2}};
+    TrajectoryEpoch epoch;
+    epoch.epoch = 1;
+    epoch.robust_east_m = 1.000001;
+    epoch.robust_north_m = -2.5;
+    epoch.robust_weight = 0.0625;
+    table.rows = {epoch};
+    return table;
+}
+
+TEST(TrajectoryEstimation, RoundTrips) {
+    const TrajectoryTable table = trajectory();
+    const TrajectoryTable back = read_trajectory(write_trajectory(table), "f");
+    EXPECT_EQ(back.facts.position_resolution_m, 0.001);
+    EXPECT_EQ(back.facts.time_resolution_s, 1e-9);
+    EXPECT_EQ(back.estimation.batch_stretches, 4);
+    EXPECT_EQ(back.estimation.robust_downweighted, 3);
+    EXPECT_EQ(back.rows.at(0).robust_east_m, 1.000001);
+    EXPECT_EQ(back.rows.at(0).robust_north_m, -2.5);
+    EXPECT_EQ(back.rows.at(0).robust_weight, 0.0625);
+    EXPECT_FALSE(back.estimation.vertical);
+    ASSERT_TRUE(back.estimation.horizontal);
+    expect_equal(back.estimation.horizontal->noise, table.estimation.horizontal->noise);
+    const FilterHealth& a = back.estimation.horizontal->health;
+    const FilterHealth& b = table.estimation.horizontal->health;
+    EXPECT_EQ(a.innovations, b.innovations);
+    EXPECT_EQ(a.mean_statistic, b.mean_statistic);
+    EXPECT_EQ(a.lower, b.lower);
+    EXPECT_EQ(a.upper, b.upper);
+    EXPECT_EQ(a.spans, b.spans);
+    EXPECT_EQ(a.spans_outside, b.spans_outside);
+    EXPECT_EQ(a.spans_allowed, b.spans_allowed);
+    EXPECT_EQ(a.consistent, b.consistent);
+    EXPECT_EQ(a.autocorrelation_stated, b.autocorrelation_stated);
+    EXPECT_EQ(a.autocorrelation, b.autocorrelation);
+    EXPECT_EQ(a.white, b.white);
+    EXPECT_EQ(a.largest_condition, b.largest_condition);
+    EXPECT_EQ(a.largest_asymmetry, b.largest_asymmetry);
+    EXPECT_EQ(a.repaired, b.repaired);
+}
+
+TEST(TrajectoryEstimation, WhatTheDataDoNotTellIsAbsent) {
+    TrajectoryTable table = trajectory();
+    NoiseSummary& noise = table.estimation.horizontal->noise;
+    noise.status = "too_few_epochs";
+    noise.acceleration_time_s = noise.error_diffusion = noise.error_tau_s = noise.error_sigma_m =
+        std::nullopt;
+    noise.jerk_density.relative_uncertainty = std::numeric_limits<double>::infinity();
+    noise.posterior.clear();
+    const TrajectoryTable back = read_trajectory(write_trajectory(table), "f");
+    noise.jerk_density.relative_uncertainty.reset();
+    expect_equal(back.estimation.horizontal->noise, noise);
+    noise.status = "guessed";
+    EXPECT_TRUE(failure_of([&] { write_trajectory(table); }).contains("\"guessed\" is not one of"));
+}
+
+TEST(TrajectoryEstimation, IsRoundedToTheFieldTable) {
+    TrajectoryTable table = trajectory();
+    table.estimation.horizontal->noise.jerk_density.value = 0.61234567;
+    table.estimation.horizontal->noise.error_gain = 7.456;
+    table.estimation.horizontal->health.largest_condition = 1234.56;
+    const TrajectoryTable back = read_trajectory(write_trajectory(table), "f");
+    EXPECT_EQ(back.estimation.horizontal->noise.jerk_density.value, 0.612346);
+    EXPECT_EQ(back.estimation.horizontal->noise.error_gain, 7.46);
+    EXPECT_EQ(back.estimation.horizontal->health.largest_condition, 1234.6);
+}
+
+CertifiableWindow window() {
+    CertifiableWindow window;
+    window.span.duration.nanoseconds = 3'000'000'000;
+    window.speed_mps = 60.0025;
+    window.standard_uncertainty_mps = 0.0125;
+    window.effective_degrees_of_freedom = 12.75;
+    window.fitted = FittedSpeed{60.0035, 0.0025, 9};
+    window.bound = ErrorBound{0.25, 20.0, 0.02, 0.0075, 0.005, 0.0125, "float", "fitted", 0.0095};
+    window.robust = RobustSpeed{60.001, -0.0025, 0.0245, true, 2};
+    window.selection =
+        SelectionBias{17, 60.0, 0.0115, 60.0005, 0.011, 0.0025, 0.0005, "subtracted", 5000, 42};
+    window.budget = {{"d", "displacement", 180.0075, "m", 0.0375, "A", "normal", 12.75, 0.333333,
+                      0.0125, "with b", "fit"},
+                     {"b", "scale", 1.0, "", 0.00057735, "B", "rectangular", std::nullopt, 60.0,
+                      0.034641, "", ""}};
+    window.monte_carlo =
+        MonteCarloCheck{7, 200'000, 60.0024, 0.0126, 59.9775, 60.0275, 0.00005, true};
+    return window;
+}
+
+Windows windows(const CertifiableWindow& best) {
+    Windows windows;
+    windows.header = header("window");
+    windows.receiver = "primary";
+    windows.profiles = {{.profile = "nalsa",
+                         .duration_s = 3.0,
+                         .definition = "displacement",
+                         .candidates = 1,
+                         .best = best,
+                         .indicated = std::nullopt}};
+    return windows;
+}
+
+CertifiableWindow written_and_read(const CertifiableWindow& best) {
+    return read_windows(write_windows(windows(best)), "f").profiles.at(0).best.value();
+}
+
+TEST(WindowUncertainty, SpeedsRoundTrip) {
+    const CertifiableWindow back = written_and_read(window());
+    EXPECT_EQ(back.effective_degrees_of_freedom, 12.75);
+    EXPECT_EQ(back.fitted->speed_mps, 60.0035);
+    EXPECT_EQ(back.fitted->standard_uncertainty_mps, 0.0025);
+    EXPECT_EQ(back.fitted->models, 9);
+    EXPECT_EQ(back.bound->tau_min_s, 0.25);
+    EXPECT_EQ(back.bound->tau_max_s, 20.0);
+    EXPECT_EQ(back.bound->sigma_m, 0.02);
+    EXPECT_EQ(back.bound->fitted_m, 0.0075);
+    EXPECT_EQ(back.bound->stated_m, 0.005);
+    EXPECT_EQ(back.bound->floor_m, 0.0125);
+    EXPECT_EQ(back.bound->floor_fix, "float");
+    EXPECT_EQ(back.bound->decided_by, "fitted");
+    EXPECT_EQ(back.bound->standard_uncertainty_mps, 0.0095);
+    EXPECT_EQ(back.robust->speed_mps, 60.001);
+    EXPECT_EQ(back.robust->difference_mps, -0.0025);
+    EXPECT_EQ(back.robust->limit_mps, 0.0245);
+    EXPECT_TRUE(back.robust->agrees);
+    EXPECT_EQ(back.robust->downweighted, 2);
+}
+
+TEST(WindowUncertainty, SelectionAndMonteCarloRoundTrip) {
+    const CertifiableWindow back = written_and_read(window());
+    EXPECT_EQ(back.selection->candidates, 17);
+    EXPECT_EQ(back.selection->chosen_mean_mps, 60.0);
+    EXPECT_EQ(back.selection->chosen_sd_mps, 0.0115);
+    EXPECT_EQ(back.selection->best_mean_mps, 60.0005);
+    EXPECT_EQ(back.selection->best_sd_mps, 0.011);
+    EXPECT_EQ(back.selection->bias_mps, 0.0025);
+    EXPECT_EQ(back.selection->bias_uncertainty_mps, 0.0005);
+    EXPECT_EQ(back.selection->treatment, "subtracted");
+    EXPECT_EQ(back.selection->samples, 5000);
+    EXPECT_EQ(back.selection->seed, 42);
+    EXPECT_EQ(back.monte_carlo->seed, 7);
+    EXPECT_EQ(back.monte_carlo->trials, 200'000);
+    EXPECT_EQ(back.monte_carlo->mean_mps, 60.0024);
+    EXPECT_EQ(back.monte_carlo->standard_uncertainty_mps, 0.0126);
+    EXPECT_EQ(back.monte_carlo->lower_mps, 59.9775);
+    EXPECT_EQ(back.monte_carlo->upper_mps, 60.0275);
+    EXPECT_EQ(back.monte_carlo->tolerance_mps, 0.00005);
+    EXPECT_TRUE(back.monte_carlo->converged);
+}
+
+TEST(WindowUncertainty, TheBudgetRoundTrips) {
+    const CertifiableWindow before = window();
+    const CertifiableWindow back = written_and_read(before);
+    ASSERT_EQ(back.budget.size(), 2U);
+    for (std::size_t i = 0; i < 2; ++i) {
+        const BudgetRow& a = back.budget[i];
+        const BudgetRow& b = before.budget[i];
+        EXPECT_EQ(a.symbol, b.symbol);
+        EXPECT_EQ(a.source, b.source);
+        EXPECT_EQ(a.estimate, b.estimate);
+        EXPECT_EQ(a.unit, b.unit);
+        EXPECT_EQ(a.standard_uncertainty, b.standard_uncertainty);
+        EXPECT_EQ(a.type, b.type);
+        EXPECT_EQ(a.distribution, b.distribution);
+        EXPECT_EQ(a.degrees_of_freedom, b.degrees_of_freedom);
+        EXPECT_EQ(a.sensitivity, b.sensitivity);
+        EXPECT_EQ(a.contribution_mps, b.contribution_mps);
+        EXPECT_EQ(a.correlation, b.correlation);
+        EXPECT_EQ(a.note, b.note);
+    }
+}
+
+TEST(WindowUncertainty, WhatWasNotComputedIsAbsentButTheBudgetIsListed) {
+    CertifiableWindow bare;
+    bare.effective_degrees_of_freedom = std::numeric_limits<double>::infinity();
+    const std::string text = write_windows(windows(bare));
+    const CertifiableWindow back = read_windows(text, "f").profiles.at(0).best.value();
+    EXPECT_FALSE(back.effective_degrees_of_freedom || back.fitted || back.bound || back.robust ||
+                 back.selection || back.monte_carlo);
+    const std::string without = test::replaced(text, "      budget: []\n", "");
+    EXPECT_TRUE(
+        failure_of([&] { read_windows(without, "f"); }).contains("the key \"budget\" is missing"));
+    const std::string earlier = test::replaced(without, "version: \"1.1\"", "version: \"1.0\"");
+    EXPECT_TRUE(read_windows(earlier, "f").profiles.at(0).best->budget.empty());
+    bare.fitted = FittedSpeed{60.0, std::numeric_limits<double>::quiet_NaN(), 1};
+    EXPECT_TRUE(failure_of([&] { write_windows(windows(bare)); }).contains("finite"));
+}
+
+}  // namespace
+}  // namespace runcert

@@ -1,0 +1,272 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "arcs/noise_models.h"
+#include "core/random.h"
+#include "core/statistics.h"
+#include "stages/smooth/health.h"
+#include "stages/smooth/noise.h"
+#include "stages/smooth/smooth.h"
+
+namespace runcert {
+namespace {
+
+/// A craft that turns and changes its speed, measured at 10 Hz.
+struct Recording {
+    std::int64_t epochs = 600;
+    double stated_m = 0.010;
+    /// Standard deviation of the white noise at an epoch, in units of what is stated.
+    std::function<double(std::int64_t)> size = [](std::int64_t) { return 1.0; };
+    /// What the device makes a position from: shares of the latest measurements, newest first.
+    std::vector<double> filter = {1.0};
+    std::uint64_t seed = 1;
+};
+
+ScreenedTable record(const Recording& recording) {
+    RandomGenerator random(recording.seed);
+    ScreenedTable table;
+    table.facts.receiver = "primary";
+    table.facts.vertical_measured = false;
+    table.facts.nominal_interval_s = 0.1;
+    std::vector<Eigen::Vector2d> raw;
+    const auto taps = static_cast<std::int64_t>(recording.filter.size());
+    for (std::int64_t k = 1 - taps; k < recording.epochs; ++k) {
+        const double t = 0.1 * static_cast<double>(k);
+        const double sigma_m = recording.stated_m * recording.size(k);
+        raw.emplace_back(200.0 * std::sin(t / 10.0) + sigma_m * random.normal(),
+                         150.0 * std::cos(t / 14.0) + sigma_m * random.normal());
+        if (k < 0) continue;
+        Eigen::Vector2d position = Eigen::Vector2d::Zero();
+        for (std::size_t i = 0; i < recording.filter.size(); ++i)
+            position += recording.filter[i] * raw[raw.size() - 1 - i];
+        ScreenedEpoch& row = table.rows.emplace_back();
+        row.epoch = k + 1;
+        row.time = {k * 100'000'000};
+        row.east_m = position.x();
+        row.north_m = position.y();
+        row.sigma_east_m = row.sigma_north_m = recording.stated_m;
+        row.fix = FixKind::fixed;
+        row.usable = true;
+        row.arc = 1;
+    }
+    return table;
+}
+
+SmoothConfig config() {
+    SmoothConfig config;
+    config.fit.initial_jerk_density = 0.6;
+    return config;
+}
+
+SmoothConfig as_stated() {
+    SmoothConfig config = runcert::config();
+    config.fit_noise = false;
+    return config;
+}
+
+NoiseSummary learnt(const ScreenedTable& table, const SmoothConfig& with = config()) {
+    return learn_noise<2>(arcs_of<2>(table), with);
+}
+
+TEST(LearnNoise, FromTooFewEpochs) {
+    // 30, and the three at the beginning of an arc that its vague prior makes worthless.
+    const NoiseSummary noise = learnt(record({.epochs = 32}));
+    EXPECT_EQ(noise.status, "too_few_epochs");
+    EXPECT_EQ(noise.epochs, 32);
+    EXPECT_EQ(noise.epochs_needed, 33);
+    EXPECT_GE(noise.measurement_scale.value, 1.0);
+    EXPECT_NEAR(noise.jerk_density.value / noise.measurement_scale.value, 0.6, 1e-6);
+    EXPECT_EQ(learnt(record({.epochs = 33})).status, "fitted");
+}
+
+TEST(LearnNoise, OnlyMeasuredEpochsCount) {
+    ScreenedTable table = record({.epochs = 34});
+    table.rows[10].usable = table.rows[20].usable = false;
+    table.rows[10].reason = table.rows[20].reason = Reason::innovation;
+    EXPECT_EQ(learnt(table).status, "too_few_epochs");
+    EXPECT_EQ(learnt(table).epochs, 32);
+}
+
+TEST(LearnNoise, FromConstantPositions) {
+    ScreenedTable table = record({.epochs = 200});
+    for (ScreenedEpoch& row : table.rows) {
+        row.east_m = 12.345;
+        row.north_m = -6.789;
+    }
+    const NoiseSummary noise = learnt(table);
+    EXPECT_EQ(noise.status, "constant_positions");
+    EXPECT_EQ(noise.measurement_scale.value, 1.0);  // never below what is stated
+    EXPECT_EQ(noise.jerk_density.value, 0.6);
+    EXPECT_FALSE(noise.error_told);
+    *table.rows[100].east_m += 0.001;
+    EXPECT_EQ(learnt(table).status, "fitted");
+}
+
+TEST(LearnNoise, StatedAccuraciesThatAreAllEqual) {
+    ScreenedTable table = record({.epochs = 100});
+    EXPECT_TRUE(learnt(table).stated_all_equal);
+    EXPECT_NEAR(learnt(table).stated_sigma_m, 0.010, 1e-6);
+    table.rows[50].sigma_north_m = 0.012;
+    EXPECT_FALSE(learnt(table).stated_all_equal);
+    EXPECT_NEAR(learnt(table).stated_sigma_m,
+                std::sqrt((199 * 0.010 * 0.010 + 0.012 * 0.012) / 200.0), 1e-6);
+}
+
+TEST(LearnNoise, AsStatedWhereTheAttemptAsksForIt) {
+    const NoiseSummary noise = learnt(record({.epochs = 300}), as_stated());
+    EXPECT_EQ(noise.status, "not_asked");
+    EXPECT_EQ(noise.epochs, 300);
+    EXPECT_EQ(noise.evaluations, 0);
+    EXPECT_TRUE(noise.posterior.empty());
+}
+
+TEST(LearnNoise, StatedNoiseIsScaledByTheVarianceFactorAboveOneOnly) {
+    const auto scale_of = [](double size) {
+        return learnt(record({.epochs = 2000, .size = [=](std::int64_t) { return size; }}),
+                      as_stated());
+    };
+    // Part of an innovation is the motion's, so that 3 times the noise is seen as a little less.
+    EXPECT_NEAR(scale_of(3.0).measurement_scale.value, 2.7, 0.3);
+    EXPECT_EQ(scale_of(3.0).white_scale, scale_of(3.0).measurement_scale.value);
+    EXPECT_NEAR(scale_of(3.0).jerk_density.value, 0.6 * scale_of(3.0).measurement_scale.value,
+                1e-6);
+    EXPECT_EQ(scale_of(0.3).measurement_scale.value, 1.0);
+    EXPECT_NEAR(scale_of(0.3).white_scale, 0.3, 0.1);
+}
+
+TEST(LearnNoise, UnfittedCovariancesGrowWithTheVarianceFactor) {
+    const ScreenedTable table = record({.epochs = 400, .size = [](std::int64_t) { return 3.0; }});
+    const TrajectoryTable trajectory = smooth_trajectory(table, as_stated());
+    const double scale = trajectory.estimation.horizontal->noise.measurement_scale.value;
+    ASSERT_GT(scale, 2.5);
+    EXPECT_EQ(trajectory.estimation.variance_factor_applied, scale * scale);
+    // After the scaling the factor of unit weight is one.
+    EXPECT_NEAR(trajectory.estimation.variance_factor, 1.0, 0.02);
+    EstimationModel stated;
+    stated.motion.jerk_density = 0.6;
+    const SmoothedArc<2> unscaled = smooth<2>(arcs_of<2>(table).front().epochs, stated);
+    for (const std::size_t k : {std::size_t{0}, std::size_t{37}, std::size_t{200}}) {
+        const TrajectoryEpoch& row = trajectory.rows[k];
+        const StateVector<2> sigma = unscaled.states[k].covariance.diagonal().cwiseSqrt();
+        EXPECT_NEAR(*row.sigma_east_m, scale * sigma(0), 1e-4 * scale * sigma(0));
+        EXPECT_NEAR(*row.sigma_velocity_north_mps, scale * sigma(3), 1e-4 * scale * sigma(3));
+        EXPECT_NEAR(*row.east_m, unscaled.states[k].mean(0), 1e-6);
+    }
+}
+
+TEST(LearnNoise, AFitAtTheLimitOfItsRangeSaysSo) {
+    // Straight on without any change of speed: no jerk is too small for it.
+    ScreenedTable table = record({.epochs = 300});
+    RandomGenerator random(4);
+    for (ScreenedEpoch& row : table.rows) {
+        row.east_m = 20.0 * row.time.seconds() + 0.010 * random.normal();
+        row.north_m = 0.010 * random.normal();
+    }
+    const NoiseSummary noise = learnt(table);
+    EXPECT_EQ(noise.status, "fitted");
+    EXPECT_TRUE(noise.jerk_density.at_bound);
+    EXPECT_FALSE(noise.jerk_density.relative_uncertainty.has_value());
+    EXPECT_NEAR(noise.measurement_scale.value, 1.0, 0.1);
+    EXPECT_FALSE(noise.measurement_scale.at_bound);
+    EXPECT_FALSE(learnt(record({})).jerk_density.at_bound);
+}
+
+TEST(LearnNoise, WhatIsWrittenAndReadGivesTheSameModel) {
+    ScreenedTable table = record({.epochs = 300, .size = [](std::int64_t k) {
+                                      return 1.0 + 0.3 * std::sin(0.01 * static_cast<double>(k));
+                                  }});
+    // A slow error besides, so that every member of the model has something to say.
+    RandomGenerator random(9);
+    Eigen::Vector2d slow = Eigen::Vector2d::Zero();
+    for (ScreenedEpoch& row : table.rows) {
+        slow = 0.9 * slow + 0.015 * Eigen::Vector2d(random.normal(), random.normal());
+        *row.east_m += slow.x();
+        *row.north_m += slow.y();
+    }
+    for (const SmoothConfig& with : {config(), as_stated()}) {
+        TrajectoryTable trajectory = smooth_trajectory(table, with);
+        trajectory.header.stage = "smooth";
+        trajectory.header.program_version = "1.1.0";
+        trajectory.header.source_revision = "0";
+        const TrajectoryTable back = read_trajectory(write_trajectory(trajectory), "trajectory");
+        const NoiseSummary& written = trajectory.estimation.horizontal->noise;
+        const NoiseSummary& read = back.estimation.horizontal->noise;
+        if (with.fit_noise) {
+            EXPECT_TRUE(written.error_told);
+            EXPECT_GT(written.posterior.size(), 1U);
+        }
+        const auto expect_same = [](const EstimationModel& a, const EstimationModel& b) {
+            EXPECT_EQ(a.motion.jerk_density, b.motion.jerk_density);
+            EXPECT_EQ(a.motion.acceleration_time_s, b.motion.acceleration_time_s);
+            EXPECT_EQ(a.measurement_scale, b.measurement_scale);
+            EXPECT_EQ(a.error.tau_s, b.error.tau_s);
+            EXPECT_EQ(a.error.process_density, b.error.process_density);
+            EXPECT_EQ(a.error.initial_sigma_m, b.error.initial_sigma_m);
+        };
+        expect_same(model_of(written), model_of(read));
+        const auto models = posterior_of(written);
+        const auto again = posterior_of(read);
+        ASSERT_EQ(models.size(), again.size());
+        for (std::size_t i = 0; i < models.size(); ++i) {
+            expect_same(models[i].model, again[i].model);
+            EXPECT_EQ(models[i].weight, again[i].weight);
+        }
+        // And the same states to the last bit, from what was read.
+        const SmoothedArc<2> smoothed = smooth<2>(arcs_of<2>(table).front().epochs, model_of(read));
+        EXPECT_EQ(smoothed.states[123].mean(0), *trajectory.rows[123].east_m);
+    }
+}
+
+FilterHealth health_of(const Recording& recording) {
+    return smooth_trajectory(record(recording), config()).estimation.horizontal->health;
+}
+
+TEST(FilterHealth, OfWhiteNoiseIsWhiteAndConsistent) {
+    // One of twenty good recordings may be called inconsistent by its mean, and some by its spans.
+    int consistent = 0;
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+        const FilterHealth health = health_of({.seed = seed});
+        EXPECT_TRUE(health.white) << health.autocorrelation;
+        EXPECT_LT(health.lower, 1.0);
+        EXPECT_GT(health.upper, 1.0);
+        EXPECT_EQ(health.innovations, 2 * (600 - 3));
+        EXPECT_EQ(health.spans, 11);
+        EXPECT_EQ(health.repaired, 0);
+        EXPECT_LT(health.largest_asymmetry, 1e-6);
+        consistent += health.consistent ? 1 : 0;
+    }
+    EXPECT_GE(consistent, 8);
+}
+
+TEST(FilterHealth, PositionsThatTheDeviceAveragedAreWhitened) {
+    const FilterHealth health = health_of({.filter = std::vector<double>(5, 0.2)});
+    EXPECT_GT(health.autocorrelation_stated, 0.3);
+    EXPECT_TRUE(health.white) << health.autocorrelation;
+}
+
+TEST(FilterHealth, PositionsThatTheDeviceExtrapolatedAreNotWhite) {
+    // 1.8 times the latest less 0.8 times the one before: neighbouring errors of opposite sign,
+    // which no model of the kind can have.
+    const FilterHealth health = health_of({.filter = {1.8, -0.8}});
+    EXPECT_LT(health.autocorrelation, -0.2);
+    EXPECT_FALSE(health.white);
+}
+
+TEST(FilterHealth, AccuracyThatJumpsIsNotConsistent) {
+    const FilterHealth health = health_of(
+        {.epochs = 2000, .size = [](std::int64_t k) { return k % 600 < 300 ? 0.5 : 2.0; }});
+    EXPECT_FALSE(health.consistent);
+    EXPECT_GT(health.spans_outside, health.spans_allowed);
+    EXPECT_TRUE(health.white);
+}
+
+TEST(FilterHealth, ChanceAllowsOneSpanInTwentyAndABitMore) {
+    // Binomial with p = 0.05: of 39 spans at most 5 in 95 % of cases (exactly 0.952).
+    EXPECT_EQ(health_of({.epochs = 2000}).spans, 39);
+    EXPECT_NEAR(static_cast<double>(health_of({.epochs = 2000}).spans_allowed), 4.5, 0.6);
+}
+
+}  // namespace
+}  // namespace runcert

@@ -1,0 +1,171 @@
+#include <gtest/gtest.h>
+
+#include "estimation_test_support.h"
+#include "stages/window/position_noise.h"
+#include "window_test_support.h"
+
+namespace runcert {
+namespace {
+
+/// Ten usable epochs of a kind of solution, the stated standard deviation 8 mm east, 6 mm north.
+ScreenedTable table_of(FixKind fix) {
+    ScreenedTable table;
+    for (std::int64_t k = 0; k < 10; ++k) {
+        ScreenedEpoch& row = table.rows.emplace_back();
+        row.epoch = k + 1;
+        row.time = {k * 100'000'000};
+        row.east_m = row.north_m = 0.0;
+        row.sigma_east_m = 0.008;
+        row.sigma_north_m = 0.006;
+        row.fix = fix;
+        row.usable = true;
+        row.arc = 1;
+    }
+    return table;
+}
+
+const double stated_m = std::sqrt(0.5 * (0.008 * 0.008 + 0.006 * 0.006));
+
+Profile::Uncertainty rule() {
+    return {.tau_min_s = 0.5,
+            .tau_max_s = 10.0,
+            .subtract_selection_bias = false,
+            .error_floor_m = {{"fixed", 0.020}, {"float", 0.200}}};
+}
+
+NoiseSummary noise_with(double white_scale, std::optional<double> diffusion) {
+    NoiseSummary noise;
+    noise.white_scale = white_scale;
+    noise.error_told = diffusion.has_value();
+    if (diffusion) noise.error_diffusion = test::parameter_of(*diffusion);
+    return noise;
+}
+
+TEST(ErrorBound, TheFloorDecidesWhereItIsLargest) {
+    const ErrorBound bound =
+        error_bound(table_of(FixKind::fixed), 0, 9, noise_with(1.5, 0.02), rule());
+    EXPECT_EQ(bound.decided_by, "floor");
+    EXPECT_EQ(bound.floor_fix, "fixed");
+    EXPECT_EQ(bound.sigma_m, 0.020);
+    EXPECT_EQ(bound.floor_m, 0.020);
+    EXPECT_NEAR(bound.stated_m, 1.5 * stated_m, 1e-15);
+    EXPECT_NEAR(bound.fitted_m, 0.02 * std::sqrt(0.25), 1e-15);
+    EXPECT_EQ(bound.tau_min_s, 0.5);
+    EXPECT_EQ(bound.tau_max_s, 10.0);
+}
+
+TEST(ErrorBound, TheStatedAccuracyTimesItsScaleDecidesWhereThatIsLargest) {
+    const ErrorBound bound =
+        error_bound(table_of(FixKind::fixed), 0, 9, noise_with(4.0, 0.02), rule());
+    EXPECT_EQ(bound.decided_by, "stated");
+    EXPECT_NEAR(bound.sigma_m, 4.0 * stated_m, 1e-15);
+}
+
+TEST(ErrorBound, TheFittedErrorDecidesWhereThatIsLargest) {
+    // It wanders by 0.1 m s^-0.5; with tau 0.5 s that is 0.1 sqrt(0.25) = 50 mm.
+    const ErrorBound bound =
+        error_bound(table_of(FixKind::fixed), 0, 9, noise_with(4.0, 0.1), rule());
+    EXPECT_EQ(bound.decided_by, "fitted");
+    EXPECT_NEAR(bound.sigma_m, 0.050, 1e-15);
+    EXPECT_EQ(
+        error_bound(table_of(FixKind::fixed), 0, 9, noise_with(4.0, std::nullopt), rule()).fitted_m,
+        0.0);
+}
+
+TEST(ErrorBound, TheWorstKindOfSolutionInTheWindowSetsTheFloor) {
+    ScreenedTable table = table_of(FixKind::fixed);
+    table.rows[4].fix = FixKind::float_ambiguities;
+    const NoiseSummary noise = noise_with(1.0, std::nullopt);
+    EXPECT_EQ(error_bound(table, 0, 9, noise, rule()).floor_fix, "float");
+    EXPECT_EQ(error_bound(table, 0, 9, noise, rule()).sigma_m, 0.200);
+    EXPECT_EQ(error_bound(table, 5, 9, noise, rule()).floor_fix, "fixed");  // not in the window
+    table.rows[4].usable = false;
+    EXPECT_EQ(error_bound(table, 0, 9, noise, rule()).floor_fix, "fixed");
+}
+
+TEST(ErrorBound, OnlyUsableEpochsOfTheWindowCount) {
+    ScreenedTable table = table_of(FixKind::fixed);
+    table.rows[0].sigma_east_m = 5.0;  // outside the window
+    table.rows[4].sigma_east_m = 5.0;
+    table.rows[4].usable = false;
+    EXPECT_NEAR(error_bound(table, 1, 9, noise_with(1.0, std::nullopt), rule()).stated_m, stated_m,
+                1e-15);
+}
+
+TEST(ErrorBound, TheProfilesOwnFloorsAreThoseOfItsSchema) {
+    const Profile nalsa = read_profile(builtin_profile("nalsa"), "nalsa");
+    const NoiseSummary noise = noise_with(1.0, std::nullopt);
+    EXPECT_EQ(error_bound(table_of(FixKind::fixed), 0, 9, noise, nalsa.uncertainty).sigma_m, 0.020);
+    EXPECT_EQ(error_bound(table_of(FixKind::single), 0, 9, noise, nalsa.uncertainty).sigma_m, 0.5);
+    EXPECT_EQ(error_bound(table_of(FixKind::unknown), 0, 9, noise, nalsa.uncertainty).floor_fix,
+              "unknown");
+}
+
+TEST(BoundedModel, KeepsMotionAndWhiteNoiseAndBoundsTheError) {
+    NoiseSummary noise = noise_with(1.2, 0.01);
+    noise.jerk_density.value = 0.7;
+    noise.measurement_scale.value = 1.1;
+    noise.acceleration_time_s = test::parameter_of(3.0);
+    noise.error_sigma_m = test::parameter_of(0.01);
+    noise.error_tau_s = test::parameter_of(2.0);
+    ErrorBound bound;
+    bound.tau_min_s = 0.5;
+    bound.tau_max_s = 10.0;
+    bound.sigma_m = 0.02;
+    const EstimationModel model = bounded_model(noise, bound);
+    EXPECT_EQ(model.motion.jerk_density, 0.7);
+    EXPECT_EQ(model.motion.acceleration_time_s, 3.0);
+    EXPECT_EQ(model.measurement_scale, 1.1);
+    // Langel, Garcia Crespo & Joerger 2021: tau_max, process noise larger by tau_max / tau_min,
+    // initial variance 2 sigma^2 / (1 + tau_min / tau_max).
+    EXPECT_EQ(model.error.tau_s, 10.0);
+    EXPECT_NEAR(std::pow(model.error.process_density, 2), 2.0 * 0.02 * 0.02 / 10.0 * (10.0 / 0.5),
+                1e-15);
+    EXPECT_NEAR(std::pow(model.error.initial_sigma_m, 2), 2.0 * 0.02 * 0.02 / 1.05, 1e-15);
+}
+
+/// A stretch of random motion, and two models of its noise that give it different speeds.
+struct Scene {
+    EstimationModel white{.motion = {.jerk_density = 0.6}};
+    EstimationModel slow{.motion = {.jerk_density = 0.2},
+                         .measurement_scale = 0.7,
+                         .error = GaussMarkovError::steady(0.02, 3.0)};
+    WindowStretch stretch;
+
+    Scene() {
+        RandomGenerator random(8);
+        stretch.epochs = test::simulate_arc<2>(slow, 61, 0.1, 0.01, random).arc;
+        stretch.window = {15, 45};
+        stretch.duration_s = 3.0;
+    }
+    SpeedEstimate by(const EstimationModel& model) const {
+        return displacement_speed(smooth<2>(stretch.epochs, model), 15, 45, 3.0);
+    }
+};
+
+TEST(FittedSpeed, OfOneModelIsThatModelsOwn) {
+    const Scene scene;
+    const FittedSpeed fitted = fitted_speed(scene.stretch, {{scene.slow, 0.3}}, "displacement");
+    const SpeedEstimate alone = scene.by(scene.slow);
+    EXPECT_EQ(fitted.models, 1);
+    EXPECT_NEAR(fitted.speed_mps, alone.speed_mps, 1e-12);
+    EXPECT_NEAR(fitted.standard_uncertainty_mps, alone.standard_uncertainty_mps, 1e-12);
+}
+
+TEST(FittedSpeed, OfTwoModelsHoldsTheirDifference) {
+    const Scene scene;
+    const SpeedEstimate a = scene.by(scene.white);
+    const SpeedEstimate b = scene.by(scene.slow);
+    ASSERT_GT(std::abs(a.speed_mps - b.speed_mps), 1e-4);
+    const FittedSpeed fitted =
+        fitted_speed(scene.stretch, {{scene.white, 0.75}, {scene.slow, 0.25}}, "displacement");
+    EXPECT_EQ(fitted.models, 2);
+    EXPECT_NEAR(fitted.speed_mps, 0.75 * a.speed_mps + 0.25 * b.speed_mps, 1e-10);
+    const double variance = 0.75 * std::pow(a.standard_uncertainty_mps, 2) +
+                            0.25 * std::pow(b.standard_uncertainty_mps, 2) +
+                            0.75 * 0.25 * std::pow(a.speed_mps - b.speed_mps, 2);
+    EXPECT_NEAR(fitted.standard_uncertainty_mps, std::sqrt(variance), 1e-10);
+}
+
+}  // namespace
+}  // namespace runcert

@@ -1,0 +1,303 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "stages/window/budget.h"
+#include "window_test_support.h"
+
+namespace runcert {
+namespace {
+
+/// A window of 3 s at 10 Hz, 60 m/s towards east, from a trajectory fitted with jerk density 0.6
+/// and 1.25 times the stated accuracies, whose positions alone give 5 mm/s.
+struct Scene {
+    TrajectoryTable trajectory;
+    WindowConfig config;
+    PositionNoise noise;
+    ErrorBound bound;
+    SelectionBias selection;
+
+    Scene() {
+        EstimationModel model;
+        model.motion.jerk_density = 0.6;
+        model.measurement_scale = 1.25;
+        trajectory.estimation.horizontal =
+            AxesEstimation{.noise = test::summary_of(model), .health = {}};
+        fit().measurement_scale.relative_uncertainty = 0.05;
+        fit().jerk_density.relative_uncertainty = 0.25;
+        trajectory.facts.nominal_interval_s = 0.1;
+        trajectory.facts.georeferenced = true;
+        trajectory.facts.vertical_measured = true;
+        for (std::int64_t k = 0; k <= 30; ++k) {
+            TrajectoryEpoch& row = trajectory.rows.emplace_back();
+            row.epoch = k + 1;
+            row.time = {k * 100'000'000};
+            row.east_m = 6.0 * static_cast<double>(k);
+            row.north_m = 0.0;
+        }
+        set_speed(60.0);
+        noise.white_mps = 0.003;
+        noise.correlated_mps = 0.004;
+        noise.motion_mps = 0.0;
+        noise.speed.standard_uncertainty_mps = 0.005;
+        noise.velocity_covariance = Eigen::Matrix2d::Identity() * 0.005 * 0.005;
+        selection.treatment = "covered";
+    }
+    NoiseSummary& fit() { return trajectory.estimation.horizontal->noise; }
+    void set_speed(double speed_mps) {
+        noise.speed.speed_mps = speed_mps;
+        noise.displacement_m = 3.0 * speed_mps;
+    }
+    BudgetInput input() const {
+        return {.trajectory = trajectory,
+                .config = config,
+                .noise = noise,
+                .bound = bound,
+                .selection = selection,
+                .first_row = 0,
+                .last_row = 30,
+                .duration_s = 3.0};
+    }
+    std::vector<BudgetRow> rows() const { return budget_of(input()); }
+    BudgetRow row(const std::string& symbol) const {
+        for (const BudgetRow& one : rows())
+            if (one.symbol == symbol) return one;
+        ADD_FAILURE() << "no row " << symbol;
+        return {};
+    }
+    MonteCarloCheck check() const { return monte_carlo(input(), rows(), noise.speed.speed_mps); }
+};
+
+TEST(Budget, EverySourceHasItsRowAlsoWhereItGivesNothing) {
+    std::string symbols;
+    for (const BudgetRow& row : Scene().rows()) {
+        symbols += row.symbol;
+        EXPECT_FALSE(row.source.empty()) << row.symbol;
+        EXPECT_FALSE(row.note.empty()) << row.symbol;
+        EXPECT_FALSE(row.correlation.empty()) << row.symbol;
+        EXPECT_TRUE(row.type == "A" || row.type == "B") << row.symbol;
+        EXPECT_NEAR(row.contribution_mps, row.standard_uncertainty * std::abs(row.sensitivity),
+                    1e-15)
+            << row.symbol;
+    }
+    EXPECT_EQ(symbols, "wsbjtrmadf");
+    for (const char* symbol : {"j", "t", "r", "a", "d", "f"})
+        EXPECT_EQ(Scene().row(symbol).contribution_mps, 0.0) << symbol;
+}
+
+TEST(Budget, WhiteNoiseIsSplitIntoWhatIsStatedAndWhatTheDataShowBeyond) {
+    // White 3 mm/s with a scale of 1.25: stated 2.4, beyond sqrt(9 - 5.76) = 1.8 mm/s.
+    Scene scene;
+    EXPECT_NEAR(scene.row("w").contribution_mps, 0.0024, 1e-15);
+    EXPECT_NEAR(scene.row("s").contribution_mps, 0.0018, 1e-15);
+    // Degrees of freedom 1 / (2 relative^2) [GUM] (G.3): 200 for 5 %, 8 for 25 %.
+    EXPECT_NEAR(scene.row("w").degrees_of_freedom.value(), 200.0, 1e-9);
+    EXPECT_NEAR(scene.row("s").degrees_of_freedom.value(), 200.0, 1e-9);
+    EXPECT_NEAR(scene.row("j").degrees_of_freedom.value(), 8.0, 1e-9);
+    // Better than stated: nothing beyond, and no part of it given away.
+    scene.fit().measurement_scale.value = 0.8;
+    EXPECT_NEAR(scene.row("w").contribution_mps, 0.003, 1e-15);
+    EXPECT_EQ(scene.row("s").contribution_mps, 0.0);
+}
+
+TEST(Budget, SlowErrorAndMotionAreThoseOfTheirParts) {
+    Scene scene;
+    scene.noise.motion_mps = 0.001;
+    EXPECT_EQ(scene.row("b").contribution_mps, 0.004);
+    EXPECT_EQ(scene.row("b").type, "B");
+    EXPECT_FALSE(scene.row("b").degrees_of_freedom.has_value());
+    EXPECT_EQ(scene.row("j").contribution_mps, 0.001);
+}
+
+TEST(Budget, IrregularTimeStamps) {
+    // Each end is off by up to half of 1 ms, rectangular: 0.5 / sqrt(3) = 0.288675 ms. Both ends
+    // independently: times sqrt(2) = 0.408248 ms. At 62 m/s over 3 s: 0.408248e-3 * 62 / 3 =
+    // 0.0084371 m/s (31 mm at an end are 31 / sqrt(3) * sqrt(2) / 3 = 8.437 mm/s).
+    Scene scene;
+    scene.set_speed(62.0);
+    scene.trajectory.rows[12].time.nanoseconds += 1'000'000;
+    EXPECT_NEAR(scene.row("t").standard_uncertainty, 0.408248e-3, 1e-9);
+    EXPECT_NEAR(scene.row("t").sensitivity, -62.0 / 3.0, 1e-12);
+    EXPECT_NEAR(scene.row("t").contribution_mps, 0.0084371, 1e-7);
+    EXPECT_EQ(scene.row("t").estimate, 3.0);
+    // What the recording states of its resolution goes before what its stamps look like.
+    scene.trajectory.facts.time_resolution_s = 1e-5;
+    EXPECT_NEAR(scene.row("t").contribution_mps, 0.000084371, 1e-9);
+}
+
+TEST(Budget, RegularTimeStampsAreOffByTheSame) {
+    Scene scene;
+    scene.trajectory.facts.time_resolution_s = 0.001;
+    for (TrajectoryEpoch& row : scene.trajectory.rows)
+        row.time.nanoseconds += 347'000'000;
+    EXPECT_EQ(scene.row("t").contribution_mps, 0.0);
+    scene.trajectory.rows[30].time.nanoseconds += 1'000'000;  // one stamp alone
+    EXPECT_GT(scene.row("t").contribution_mps, 0.008);
+}
+
+TEST(Budget, ResolutionOfTheCoordinates) {
+    // Both ends rounded to 1 mm: 0.5 / sqrt(3) * sqrt(2) = 0.408248 mm, over 3 s 0.136083 mm/s.
+    Scene scene;
+    scene.trajectory.facts.position_resolution_m = 0.001;
+    EXPECT_NEAR(scene.row("r").contribution_mps, 0.136083e-3, 1e-9);
+    EXPECT_EQ(scene.row("r").unit, "m");
+}
+
+TEST(Budget, ScaleOfALocalPlane) {
+    // 0.001 rectangular is 0.00057735; times 60 m/s 0.034641 m/s.
+    Scene scene;
+    scene.trajectory.facts.georeferenced = false;
+    EXPECT_NEAR(scene.row("m").contribution_mps, 0.034641, 1e-6);
+    scene.config.plane_scale_bound = 0.0004;
+    EXPECT_NEAR(scene.row("m").contribution_mps, 0.0138564, 1e-6);
+}
+
+TEST(Budget, TangentPlaneTenKilometresFromItsOrigin) {
+    // A tangent plane at 10 km is short by 1 - cos(10 / 6371) = 1.23184e-6: rectangular and at
+    // 60 m/s 1.23184e-6 / sqrt(3) * 60 = 4.2672e-5 m/s.
+    Scene scene;
+    for (TrajectoryEpoch& row : scene.trajectory.rows) {
+        row.east_m = *row.east_m + 6000.0 - 180.0;  // the far end counts
+        row.north_m = 8000.0;
+    }
+    EXPECT_NEAR(scene.row("m").contribution_mps, 4.2672e-5, 1e-8);
+    // Without heights 100 m more: 100 / 6371000 = 1.56961e-5.
+    scene.trajectory.facts.vertical_measured = false;
+    EXPECT_NEAR(scene.row("m").contribution_mps, (1.23184e-6 + 1.56961e-5) / std::sqrt(3.0) * 60.0,
+                1e-8);
+}
+
+TEST(Budget, LeverArmAndRotation) {
+    // 1.2 m turned by 10 degrees: chord 2 * 1.2 * sin 5 deg = 0.209174 m, rectangular 0.120766 m,
+    // over 3 s 0.0402555 m/s.
+    Scene scene;
+    scene.config.lever_arm = Eigen::Vector3d(0.72, 0.0, -0.96);
+    EXPECT_EQ(scene.row("a").contribution_mps, 0.0);  // no rotation stated
+    scene.config.rotation_bound_deg = 10.0;
+    EXPECT_NEAR(scene.row("a").standard_uncertainty, 0.120766, 1e-6);
+    EXPECT_NEAR(scene.row("a").contribution_mps, 0.0402555, 1e-6);
+}
+
+TEST(Budget, SelectionCoveredOrSubtracted) {
+    Scene scene;
+    scene.selection.bias_mps = 0.003;
+    scene.selection.bias_uncertainty_mps = 0.0002;
+    EXPECT_EQ(scene.row("f").contribution_mps, 0.003);
+    scene.selection.treatment = "subtracted";
+    EXPECT_EQ(scene.row("f").contribution_mps, 0.0002);
+    scene.selection.treatment = "covered";
+    scene.selection.bias_mps = -0.0001;  // by chance of the draws
+    EXPECT_EQ(scene.row("f").contribution_mps, 0.0);
+}
+
+/// All sources at once.
+Scene full() {
+    Scene scene;
+    scene.noise.motion_mps = 0.002;
+    scene.trajectory.facts.georeferenced = false;
+    scene.config.plane_scale_bound = 0.0001;
+    scene.trajectory.facts.position_resolution_m = 0.01;
+    scene.trajectory.rows[12].time.nanoseconds += 1'000'000;
+    scene.config.lever_arm = Eigen::Vector3d(0.0, 0.0, -0.1);
+    scene.config.rotation_bound_deg = 5.0;
+    scene.selection.bias_mps = 0.003;
+    return scene;
+}
+
+TEST(Budget, CombinesByRootSumOfSquaresAndWelchSatterthwaite) {
+    double squares = 0.0;
+    double fourth = 0.0;  // of those with finite degrees of freedom, over these
+    int contributing = 0;
+    for (const BudgetRow& row : full().rows()) {
+        squares += row.contribution_mps * row.contribution_mps;
+        if (row.degrees_of_freedom)
+            fourth += std::pow(row.contribution_mps, 4) / *row.degrees_of_freedom;
+        contributing += row.contribution_mps > 0.0 ? 1 : 0;
+    }
+    EXPECT_EQ(contributing, 9);  // all but what screening could have missed
+    const CombinedUncertainty combined = combine(full().rows());
+    EXPECT_NEAR(combined.standard_uncertainty, std::sqrt(squares), 1e-15);
+    EXPECT_NEAR(combined.effective_degrees_of_freedom.value(), squares * squares / fourth,
+                1e-9 * squares * squares / fourth);
+}
+
+/// Half the width of the 95 % interval, in standard uncertainties by the law of propagation.
+double half_width(const Scene& scene) {
+    const MonteCarloCheck check = scene.check();
+    return 0.5 * (check.upper_mps - check.lower_mps) / combine(scene.rows()).standard_uncertainty;
+}
+
+TEST(MonteCarlo, AgreesWithTheLawOfPropagationWhereAllIsNormal) {
+    Scene scene;
+    scene.fit().measurement_scale.relative_uncertainty.reset();
+    scene.fit().jerk_density.relative_uncertainty.reset();
+    const MonteCarloCheck check = scene.check();
+    EXPECT_TRUE(check.converged);
+    EXPECT_GE(check.trials, 100'000);
+    const double u = combine(scene.rows()).standard_uncertainty;
+    EXPECT_NEAR(check.standard_uncertainty_mps, u, check.tolerance_mps);
+    EXPECT_NEAR(check.mean_mps, 60.0, check.tolerance_mps);
+    // The tolerance is two standard deviations of an end's own scatter.
+    EXPECT_NEAR(check.lower_mps, 60.0 - 1.96 * u, 2.0 * check.tolerance_mps);
+    EXPECT_NEAR(check.upper_mps, 60.0 + 1.96 * u, 2.0 * check.tolerance_mps);
+}
+
+TEST(MonteCarlo, AgreesInTheStandardUncertaintyWithAllSources) {
+    Scene scene = full();
+    scene.fit().jerk_density.relative_uncertainty = 0.05;
+    const MonteCarloCheck check = scene.check();
+    EXPECT_TRUE(check.converged);
+    // t distributions of 200 degrees of freedom are wider by sqrt(200 / 198), 0.5 %.
+    EXPECT_NEAR(check.standard_uncertainty_mps, combine(scene.rows()).standard_uncertainty,
+                check.tolerance_mps);
+}
+
+TEST(MonteCarlo, IsNarrowerWhereARectangularSourceDominates) {
+    Scene scene;
+    scene.trajectory.facts.georeferenced = false;  // 35 mm/s rectangular beside 5 mm/s normal
+    // 95 % of a rectangular distribution are within 0.95 sqrt(3) = 1.645 of its deviations.
+    EXPECT_GT(half_width(scene), 1.63);
+    EXPECT_LT(half_width(scene), 1.75);
+}
+
+TEST(MonteCarlo, IsWiderWhereFewDegreesOfFreedomDominate) {
+    Scene scene;
+    scene.noise.correlated_mps = 0.0;
+    scene.noise.motion_mps = 0.02;
+    scene.fit().jerk_density.relative_uncertainty = std::sqrt(0.1);  // 5 degrees of freedom
+    // Student's t of 5 degrees of freedom holds 95 % within 2.571.
+    EXPECT_NEAR(half_width(scene), 2.571, 0.06);
+}
+
+TEST(MonteCarlo, IsTheSameForASeed) {
+    Scene scene = full();
+    const MonteCarloCheck a = scene.check();
+    EXPECT_EQ(a.mean_mps, scene.check().mean_mps);
+    EXPECT_EQ(a.upper_mps, scene.check().upper_mps);
+    scene.config.seed = 2;
+    EXPECT_NE(a.mean_mps, scene.check().mean_mps);
+    EXPECT_EQ(scene.check().seed, 2);
+}
+
+TEST(MonteCarlo, ACraftAtRestHasAResult) {
+    // Time and scale have no part in a speed of nothing, which they were once divided by.
+    Scene scene;
+    scene.set_speed(0.0);
+    scene.trajectory.facts.georeferenced = false;
+    MonteCarloCheck check;
+    ASSERT_NO_THROW(check = scene.check());
+    // Rayleigh: the length of a vector of 5 mm/s an axis.
+    EXPECT_NEAR(check.mean_mps, 0.005 * std::sqrt(0.5 * std::numbers::pi), 1e-4);
+}
+
+TEST(MonteCarlo, AParameterThatTheDataHardlyTellIsStillPropagated) {
+    // A relative uncertainty of 1 of the jerk density: half a degree of freedom by [GUM] (G.3).
+    Scene scene;
+    scene.noise.motion_mps = 0.002;
+    scene.fit().jerk_density.relative_uncertainty = 1.0;
+    EXPECT_GE(scene.row("j").degrees_of_freedom.value(), 1.0);
+    EXPECT_NO_THROW(scene.check());
+}
+
+}  // namespace
+}  // namespace runcert

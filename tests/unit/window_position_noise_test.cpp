@@ -1,0 +1,201 @@
+#include <gtest/gtest.h>
+
+#include <array>
+
+#include "core/statistics.h"
+#include "estimation_test_support.h"
+#include "stages/window/position_noise.h"
+
+namespace runcert {
+namespace {
+
+/// Size, correlation time and jerk of the kind that a certificate meets: a bounded 20 mm error.
+EstimationModel bounding_model() {
+    return {.motion = {.jerk_density = 0.6},
+            .measurement_scale = 1.3,
+            .error = GaussMarkovError::bounding(0.02, 0.5, 10.0)};
+}
+
+/// A window of about 3 s in an arc with irregular steps, covariances that change and are
+/// correlated between the axes, and one epoch without a measurement.
+WindowStretch irregular_stretch() {
+    WindowStretch stretch;
+    stretch.epochs = test::sample_arc<2>(91, 40);
+    stretch.window = {30, 60};
+    stretch.duration_s = stretch.epochs[60].time_s - stretch.epochs[30].time_s;
+    return stretch;
+}
+
+Eigen::Vector2d displacement(const WindowStretch& stretch, const EstimationModel& model) {
+    const SmoothedArc<2> smoothed = smooth<2>(stretch.epochs, model);
+    return smoothed.states[stretch.window.last].mean.head<2>() -
+           smoothed.states[stretch.window.first].mean.head<2>();
+}
+
+/// What each measured coordinate weighs in the speed: the smoothed displacement, along its
+/// direction and over time, moves by it when the coordinate moves by 1 m.
+std::vector<Eigen::Vector2d> weights(const WindowStretch& stretch, const EstimationModel& model) {
+    const Eigen::Vector2d plain = displacement(stretch, model);
+    std::vector<Eigen::Vector2d> result(stretch.epochs.size(), Eigen::Vector2d::Zero());
+    for (std::size_t k = 0; k < stretch.epochs.size(); ++k) {
+        if (!stretch.epochs[k].measurement) continue;
+        for (int axis = 0; axis < 2; ++axis) {
+            WindowStretch moved = stretch;
+            moved.epochs[k].measurement->position(axis) += 1.0;
+            result[k](axis) =
+                plain.normalized().dot(displacement(moved, model) - plain) / stretch.duration_s;
+        }
+    }
+    return result;
+}
+
+/// Covariance (m^2) of a Gauss-Markov error at two times of an arc that begins at `start_s`.
+double error_covariance(const GaussMarkovError& error, double start_s, double a_s, double b_s) {
+    const double decay = std::exp(-2.0 * (std::min(a_s, b_s) - start_s) / error.tau_s);
+    const double steady = 0.5 * error.tau_s * error.process_density * error.process_density;
+    const double variance =
+        decay * error.initial_sigma_m * error.initial_sigma_m + (1.0 - decay) * steady;
+    return std::exp(-std::abs(a_s - b_s) / error.tau_s) * variance;
+}
+
+TEST(PositionNoise, PartsAddUpToTheWhole) {
+    for (const char* definition : {"displacement", "path_length", "mean_n_plus_1", "mean_n"}) {
+        const PositionNoise noise =
+            position_noise(irregular_stretch(), bounding_model(), definition);
+        const double u = noise.speed.standard_uncertainty_mps;
+        for (const double part : {noise.white_mps, noise.correlated_mps, noise.motion_mps})
+            EXPECT_GT(part, 0.01 * u) << definition;
+        EXPECT_NEAR(std::pow(noise.white_mps, 2) + std::pow(noise.correlated_mps, 2) +
+                        std::pow(noise.motion_mps, 2),
+                    u * u, 1e-6 * u * u)
+            << definition;
+    }
+}
+
+TEST(PositionNoise, WhiteAndCorrelatedPartsAreThoseOfTheSameWeights) {
+    const WindowStretch stretch = irregular_stretch();
+    const EstimationModel model = bounding_model();
+    const std::vector<Eigen::Vector2d> h = weights(stretch, model);
+    double white = 0.0;
+    double correlated = 0.0;
+    for (std::size_t k = 0; k < h.size(); ++k) {
+        if (!stretch.epochs[k].measurement) continue;
+        white += std::pow(model.measurement_scale, 2) *
+                 h[k].dot(stretch.epochs[k].measurement->covariance * h[k]);
+        for (std::size_t l = 0; l < h.size(); ++l)
+            correlated += h[k].dot(h[l]) * error_covariance(model.error, stretch.epochs[0].time_s,
+                                                            stretch.epochs[k].time_s,
+                                                            stretch.epochs[l].time_s);
+    }
+    const PositionNoise noise = position_noise(stretch, model, "displacement");
+    EXPECT_NEAR(noise.white_mps, std::sqrt(white), 1e-4 * std::sqrt(white));
+    EXPECT_NEAR(noise.correlated_mps, std::sqrt(correlated), 1e-4 * std::sqrt(correlated));
+}
+
+TEST(PositionNoise, TheRestIsTheMotions) {
+    // The variance is of first degree in the three noises together: what white noise and the slow
+    // error leave is its derivative by the logarithm of the motion's variance.
+    const WindowStretch stretch = irregular_stretch();
+    const auto variance = [&](double factor) {
+        EstimationModel model = bounding_model();
+        model.motion.jerk_density *= std::sqrt(factor);
+        const double u = displacement_speed(smooth<2>(stretch.epochs, model), stretch.window.first,
+                                            stretch.window.last, stretch.duration_s)
+                             .standard_uncertainty_mps;
+        return u * u;
+    };
+    const double motion = (variance(std::exp(0.01)) - variance(std::exp(-0.01))) / 0.02;
+    const PositionNoise noise = position_noise(stretch, bounding_model(), "displacement");
+    EXPECT_NEAR(noise.motion_mps, std::sqrt(motion), 1e-3 * std::sqrt(motion));
+}
+
+TEST(PositionNoise, WithoutASlowErrorThereIsNoPartOfIt) {
+    EstimationModel model = bounding_model();
+    model.error = GaussMarkovError::steady(0.0, 1.0);
+    const PositionNoise noise = position_noise(irregular_stretch(), model, "displacement");
+    EXPECT_LT(noise.correlated_mps, 1e-5);  // of the 10 um that stand for nothing
+    EXPECT_GT(noise.white_mps, 1e-3);
+}
+
+/// Speed of the true motion of a window, by definition.
+double true_speed(const test::SimulatedArc<2>& run, const WindowStretch& stretch,
+                  std::string_view definition) {
+    const auto& [first, last] = stretch.window;
+    if (definition == "displacement")
+        return (run.truth[last].head<2>() - run.truth[first].head<2>()).norm() / stretch.duration_s;
+    double path_m = 0.0;
+    double speeds = 0.0;
+    for (std::size_t k = first + 1; k <= last; ++k) {
+        path_m += (run.truth[k].head<2>() - run.truth[k - 1].head<2>()).norm();
+        speeds += run.truth[k].segment<2>(2).norm();
+    }
+    const auto steps = static_cast<double>(last - first);
+    if (definition == "path_length") return path_m / stretch.duration_s;
+    if (definition == "mean_n") return speeds / steps;
+    return (speeds + run.truth[first].segment<2>(2).norm()) / (steps + 1.0);
+}
+
+TEST(SpeedByDefinition, UncertaintyIsTheScatterOfDrawsFromTheModel) {
+    constexpr std::size_t draws = 2000;
+    EstimationModel model{.motion = {.jerk_density = 0.6},
+                          .measurement_scale = 1.3,
+                          .error = GaussMarkovError::steady(0.008, 2.0)};
+    const std::array definitions{"displacement", "path_length", "mean_n_plus_1", "mean_n"};
+    std::array<std::vector<double>, 4> errors;
+    std::array<double, 4> stated{};
+    RandomGenerator random(20261121);
+    for (std::size_t i = 0; i < draws; ++i) {
+        const auto run = test::simulate_arc<2>(model, 51, 0.1, 0.005, random);
+        const WindowStretch stretch{.epochs = run.arc, .window = {10, 40}, .duration_s = 3.0};
+        const SmoothedArc<2> smoothed = smooth<2>(run.arc, model);
+        for (std::size_t d = 0; d < definitions.size(); ++d) {
+            const SpeedEstimate speed =
+                speed_by_definition(smoothed, stretch.window, 3.0, definitions[d]);
+            errors[d].push_back(speed.speed_mps - true_speed(run, stretch, definitions[d]));
+            stated[d] += speed.standard_uncertainty_mps / static_cast<double>(draws);
+        }
+    }
+    for (std::size_t d = 0; d < definitions.size(); ++d) {
+        SCOPED_TRACE(definitions[d]);
+        // A standard deviation of 2,000 draws is itself uncertain by 1.6 %.
+        EXPECT_NEAR(standard_deviation(errors[d]), stated[d], 0.05 * stated[d]);
+        EXPECT_NEAR(mean(errors[d]), 0.0, 4.0 * stated[d] / std::sqrt(2000.0));
+    }
+}
+
+TEST(CutStretch, WhatLiesBeyondTheMarginChangesNothing) {
+    RandomGenerator random(5);
+    const EstimationModel model = bounding_model();
+    Arc<2> arc;
+    arc.epochs = test::simulate_arc<2>(model, 2001, 0.1, 0.005, random).arc;
+    const EpochPair window{1000, 1030};
+    const WindowStretch stretch = cut_stretch(arc, window, 60.0);
+    EXPECT_EQ(stretch.epochs.size(), 1231U);
+    EXPECT_EQ(stretch.window.first, 600U);
+    EXPECT_EQ(stretch.window.last, 630U);
+    const SpeedEstimate cut = speed_by_definition(smooth<2>(stretch.epochs, model), stretch.window,
+                                                  stretch.duration_s, "displacement");
+    const SpeedEstimate whole =
+        speed_by_definition(smooth<2>(arc.epochs, model), window, 3.0, "displacement");
+    EXPECT_NEAR(cut.speed_mps, whole.speed_mps, 1e-7);
+    EXPECT_NEAR(cut.standard_uncertainty_mps, whole.standard_uncertainty_mps,
+                1e-6 * whole.standard_uncertainty_mps);
+}
+
+TEST(CutStretch, BeginsWithAMeasuredEpochAndEndsWithTheArc) {
+    RandomGenerator random(6);
+    Arc<2> arc;
+    arc.epochs = test::simulate_arc<2>(bounding_model(), 100, 0.1, 0.005, random).arc;
+    for (const std::size_t k : {40U, 41U, 42U})
+        arc.epochs[k].measurement.reset();
+    const WindowStretch stretch = cut_stretch(arc, {50, 80}, 0.95);
+    ASSERT_TRUE(stretch.epochs.front().measurement);
+    EXPECT_EQ(stretch.epochs.front().time_s, arc.epochs[43].time_s);
+    EXPECT_EQ(stretch.epochs.back().time_s, arc.epochs[89].time_s);
+    EXPECT_EQ(stretch.epochs[stretch.window.first].time_s, arc.epochs[50].time_s);
+    EXPECT_EQ(stretch.epochs[stretch.window.last].time_s, arc.epochs[80].time_s);
+    EXPECT_EQ(cut_stretch(arc, {50, 80}, 60.0).epochs.size(), 100U);
+}
+
+}  // namespace
+}  // namespace runcert

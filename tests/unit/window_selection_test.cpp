@@ -1,0 +1,152 @@
+#include <gtest/gtest.h>
+
+#include "core/failure.h"
+#include "estimation/noise_fit.h"
+#include "stages/window/selection.h"
+#include "window_test_support.h"
+
+namespace runcert {
+namespace {
+
+EstimationModel searched() {
+    EstimationModel model;
+    model.motion.jerk_density = 0.6;
+    return model;
+}
+
+SelectionModels models() {
+    EstimationModel certified = searched();
+    certified.error = GaussMarkovError::bounding(0.02, 0.5, 10.0);
+    return {searched(), certified};
+}
+
+/// All windows of 3 s that begin in the first `begins` epochs from the fifth second on.
+WindowCluster windows_of(const Arc<2>& arc, std::size_t begins) {
+    WindowCluster cluster;
+    cluster.arc = &arc;
+    for (std::size_t k = 0; k < begins; ++k)
+        cluster.windows.push_back({50 + k, 80 + k});
+    return cluster;
+}
+
+/// One arc or two, each 15 s at top speed.
+std::vector<Arc<2>> at_top_speed(int count) {
+    ScreenedTable table = test::recorded({.from_s = 30.0, .to_s = 45.0, .seed = 1});
+    if (count == 2) test::append_arc(table, {.from_s = 30.0, .to_s = 45.0, .seed = 2});
+    return arcs_of<2>(table);
+}
+
+TEST(SelectionBias, OneWindowLeavesNoChoice) {
+    const auto arcs = at_top_speed(1);
+    WindowCluster cluster = windows_of(arcs[0], 1);
+    cluster.chosen = 0;
+    const SelectionBias bias = selection_bias({cluster}, models(), 60.0, 100, 1);
+    EXPECT_EQ(bias.candidates, 1);
+    // What is left is what smoothing itself does to a window at steady speed.
+    EXPECT_NEAR(bias.bias_mps, 0.0, 1e-6);
+    EXPECT_LT(bias.bias_uncertainty_mps, 1e-8);
+    EXPECT_EQ(bias.chosen_mean_mps, 60.0 - bias.bias_mps);
+    EXPECT_GT(bias.chosen_sd_mps, 0.0);
+}
+
+TEST(SelectionBias, GrowsWithTheWindowsToChooseFrom) {
+    const auto arcs = at_top_speed(2);
+    std::vector<WindowCluster> one{windows_of(arcs[0], 21)};
+    one.front().chosen = 10;
+    std::vector<WindowCluster> more{windows_of(arcs[0], 61)};
+    more.front().chosen = 30;
+    std::vector<WindowCluster> two{windows_of(arcs[0], 61), windows_of(arcs[1], 61)};
+    two.front().chosen = 30;
+    const SelectionBias of_21 = selection_bias(one, models(), 60.0, 500, 1);
+    const SelectionBias of_61 = selection_bias(more, models(), 60.0, 500, 1);
+    const SelectionBias of_122 = selection_bias(two, models(), 60.0, 500, 1);
+    EXPECT_EQ(of_122.candidates, 122);
+    // Beyond chance: three standard uncertainties of the difference.
+    const auto chance = [](const SelectionBias& a, const SelectionBias& b) {
+        return 3.0 * std::hypot(a.bias_uncertainty_mps, b.bias_uncertainty_mps);
+    };
+    EXPECT_GT(of_21.bias_mps, 3.0 * of_21.bias_uncertainty_mps);
+    EXPECT_GT(of_61.bias_mps, of_21.bias_mps + chance(of_61, of_21));
+    EXPECT_GT(of_122.bias_mps, of_61.bias_mps + chance(of_122, of_61));
+}
+
+TEST(SelectionBias, IsTheSameForASeed) {
+    const auto arcs = at_top_speed(1);
+    std::vector<WindowCluster> clusters{windows_of(arcs[0], 31)};
+    clusters.front().chosen = 4;
+    const SelectionBias a = selection_bias(clusters, models(), 60.0, 100, 7);
+    const SelectionBias b = selection_bias(clusters, models(), 60.0, 100, 7);
+    const SelectionBias other = selection_bias(clusters, models(), 60.0, 100, 8);
+    EXPECT_EQ(a.bias_mps, b.bias_mps);
+    EXPECT_EQ(a.bias_uncertainty_mps, b.bias_uncertainty_mps);
+    EXPECT_EQ(a.best_mean_mps, b.best_mean_mps);
+    EXPECT_EQ(a.chosen_sd_mps, b.chosen_sd_mps);
+    EXPECT_NE(a.bias_mps, other.bias_mps);
+    EXPECT_EQ(a.seed, 7);
+    EXPECT_EQ(a.samples, 100);
+    EXPECT_EQ(a.chosen_mean_mps, 60.0 - a.bias_mps);
+}
+
+/// The run of [DHD22] at 10 Hz with 10 mm noise, cut so that 10 s are at top speed, through the
+/// search with noise fitted to it.
+struct Searched {
+    ScreenedTable screened = test::recorded({.to_s = 40.0, .sigma_m = 0.010, .seed = 3});
+    TrajectoryTable trajectory;
+    WindowConfig config;
+
+    Searched() {
+        const auto arcs = arcs_of<2>(screened);
+        const std::vector<std::span<const ArcEpoch<2>>> spans{arcs.front().epochs};
+        NoiseFitOptions options;
+        options.initial_jerk_density = 0.6;
+        options.motion = NoiseFitOptions::Motion::constant_acceleration;
+        const NoiseFit fit = fit_noise<2>(spans, options);
+        trajectory = test::smoothed_with(screened, test::summary_of(fit.model));
+        config.duration_tolerance_s = 0.001;
+        config.monte_carlo_trials_max = 100'000;
+    }
+    CertifiableWindow best(bool subtract) const {
+        Profile profile = read_profile(builtin_profile("nalsa"), "nalsa");
+        profile.uncertainty.subtract_selection_bias = subtract;
+        return find_windows(screened, trajectory, {profile}, config).profiles.at(0).best.value();
+    }
+};
+
+const BudgetRow& row_f(const CertifiableWindow& window) {
+    for (const BudgetRow& row : window.budget)
+        if (row.symbol == "f") return row;
+    throw Failure("budget", "there is no row f", "");
+}
+
+TEST(SelectionBias, OfTheRunOfThePaperIsSomeMillimetresPerSecond) {
+    const CertifiableWindow covered = Searched().best(false);
+    const SelectionBias& bias = covered.selection.value();
+    RecordProperty("bias_mm_per_s", std::to_string(bias.bias_mps * 1e3));
+    EXPECT_GT(bias.bias_mps, 0.0015);
+    EXPECT_LT(bias.bias_mps, 0.005);
+    EXPECT_LT(bias.bias_uncertainty_mps, 0.0005);
+    EXPECT_GT(bias.candidates, 50);
+    EXPECT_EQ(bias.treatment, "covered");
+    // The truly best window is no faster than the run, and no slower than the chosen one.
+    EXPECT_NEAR(bias.best_mean_mps, 60.0, 0.02);
+    EXPECT_NEAR(bias.chosen_mean_mps, 60.0, 3.0 * covered.standard_uncertainty_mps);
+    EXPECT_EQ(row_f(covered).contribution_mps, bias.bias_mps);
+    EXPECT_EQ(row_f(covered).estimate, 0.0);
+}
+
+TEST(SelectionBias, SubtractedTheSpeedIsLowerByItAndItsOwnUncertaintyStays) {
+    const Searched run;
+    const CertifiableWindow covered = run.best(false);
+    const CertifiableWindow subtracted = run.best(true);
+    const SelectionBias& bias = subtracted.selection.value();
+    EXPECT_EQ(bias.treatment, "subtracted");
+    EXPECT_EQ(bias.bias_mps, covered.selection->bias_mps);
+    EXPECT_EQ(subtracted.speed_mps, covered.speed_mps - bias.bias_mps);
+    EXPECT_EQ(row_f(subtracted).contribution_mps, bias.bias_uncertainty_mps);
+    EXPECT_EQ(row_f(subtracted).estimate, bias.bias_mps);
+    EXPECT_EQ(row_f(subtracted).sensitivity, -1.0);
+    EXPECT_LT(subtracted.standard_uncertainty_mps, covered.standard_uncertainty_mps);
+}
+
+}  // namespace
+}  // namespace runcert

@@ -44,7 +44,7 @@ Json receiver_of(const SimulationSpec& spec) {
     return receiver;
 }
 
-/// The attempt that certifies the recording as it stands. What attempt/1.0 refuses of the spec's
+/// The attempt that certifies the recording as it stands. What attempt/1.1 refuses of the spec's
 /// own part is a Failure at that part.
 std::string attempt_text(const SimulationDocument& simulation) {
     const SimulationSpec& spec = simulation.spec;

@@ -63,7 +63,7 @@ class Fit {
         fit.acceleration_time.value = infinity;
         fit.epochs = count_epochs();
         fit.posterior = {{fit.model, 1.0}};
-        if (fit.epochs < options_.epochs_needed) {
+        if (count_tested() < options_.epochs_needed) {
             fit.status = NoiseFit::Status::too_few_epochs;
             return fit;
         }
@@ -109,13 +109,23 @@ class Fit {
 
     std::int64_t count_epochs() const {
         std::int64_t count = 0;
-        for (const auto arc : arcs_) {
-            const auto measured = std::count_if(
-                arc.begin(), arc.end(),
-                [](const ArcEpoch<Axes>& epoch) { return epoch.measurement.has_value(); });
-            count += std::max<std::int64_t>(0, measured - measurements_of_the_prior);
-        }
+        for (const auto arc : arcs_)
+            count += measured_in(arc);
         return count;
+    }
+
+    /// Those whose innovations can be tested.
+    std::int64_t count_tested() const {
+        std::int64_t count = 0;
+        for (const auto arc : arcs_)
+            count += std::max<std::int64_t>(0, measured_in(arc) - measurements_of_the_prior);
+        return count;
+    }
+
+    static std::int64_t measured_in(std::span<const ArcEpoch<Axes>> arc) {
+        return std::count_if(arc.begin(), arc.end(), [](const ArcEpoch<Axes>& epoch) {
+            return epoch.measurement.has_value();
+        });
     }
 
     bool positions_vary() const {

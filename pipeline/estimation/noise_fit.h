@@ -17,7 +17,7 @@ struct NoiseFitOptions {
     /// Whether acceleration persists or dies away (Singer); by likelihood, Singer needs a gain
     /// beyond chance (likelihood ratio, chi-squared with one degree of freedom, 5 %).
     Motion motion = Motion::by_likelihood;
-    std::int64_t epochs_needed = 30;
+    std::int64_t epochs_needed = 30;  ///< measured, beyond the first three of each arc
 };
 
 /// A parameter as fitted.
@@ -39,8 +39,7 @@ struct WeightedModel {
 struct NoiseFit {
     enum class Status { fitted, too_few_epochs, constant_positions };
     Status status = Status::fitted;
-    /// Measured positions that took part: all but the first three of each arc.
-    std::int64_t epochs = 0;
+    std::int64_t epochs = 0;  ///< measured positions
 
     FittedParameter jerk_density;       ///< m s^-2.5
     FittedParameter measurement_scale;  ///< factor on the stated standard deviations

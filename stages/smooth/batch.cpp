@@ -85,7 +85,7 @@ std::vector<StateVector<Axes>> solve_stretch(std::span<const ArcEpoch<Axes>> str
     // One step whatever it gains, for the precision; then until nothing is left to gain, or nothing
     // but rounding. Whether that was enough is for the comparison with the smoother to say.
     fine.solve(1, 0.0);
-    const Convergence end = fine.solve(4, function_tolerance);
+    const Convergence end = fine.solve(8, function_tolerance);
     if (!end.usable)
         throw Failure(fine.where(), "the batch least squares could not be solved: " + end.message,
                       "Check the stated accuracies and the time steps of this stretch");

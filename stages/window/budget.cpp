@@ -210,13 +210,13 @@ const BudgetRow& row_of(const std::vector<BudgetRow>& rows, std::string_view sym
                          [&](const BudgetRow& row) { return row.symbol == symbol; });
 }
 
-/// One deviation of a row's quantity, times its sensitivity.
-double draw_contribution(RandomGenerator& random, const BudgetRow& row) {
+/// One deviation of a row's quantity.
+double draw_deviation(RandomGenerator& random, const BudgetRow& row) {
     if (row.contribution_mps == 0.0) return 0.0;
     const double unit = row.distribution == "rectangular"
                             ? draw_rectangular(random, std::numbers::sqrt3)
                             : draw_student_t(random, row.degrees_of_freedom);
-    return unit * row.standard_uncertainty * row.sensitivity;
+    return unit * row.standard_uncertainty;
 }
 
 }  // namespace
@@ -257,11 +257,11 @@ MonteCarloCheck monte_carlo(const BudgetInput& input, const std::vector<BudgetRo
     const MonteCarloResult result = propagate(options, [&](RandomGenerator& random) {
         double along_mps = speed_mps;
         for (const BudgetRow& row : rows)
-            if (&row != &time && &row != &scale) along_mps += draw_contribution(random, row);
+            if (&row != &time && &row != &scale)
+                along_mps += draw_deviation(random, row) * row.sensitivity;
         const double across_mps = across * random.normal();
-        const double time_s =
-            duration_s + draw_contribution(random, time) / -speed_mps * duration_s;
-        const double factor = 1.0 + draw_contribution(random, scale) / speed_mps;
+        const double time_s = duration_s + draw_deviation(random, time);
+        const double factor = 1.0 + draw_deviation(random, scale);
         return std::hypot(along_mps, across_mps) * duration_s / time_s * factor;
     });
     return {.seed = input.config.seed,

@@ -15,9 +15,7 @@ namespace {
 
 using Positions = std::vector<Eigen::Vector2d>;
 
-constexpr double margin_s = 2.0;
-
-/// The measured epochs of a cluster, and a little more on both sides.
+/// The measured epochs of a cluster.
 struct Stretch {
     std::vector<ArcEpoch<2>> epochs;
     std::vector<EpochPair> windows;   // indices into the epochs
@@ -29,16 +27,10 @@ Stretch stretch_of(const WindowCluster& cluster) {
     std::size_t last = 0;
     for (const EpochPair& window : cluster.windows)
         last = std::max(last, window.last);
-    std::size_t from = cluster.windows.front().first;
-    while (from > 0 &&
-           epochs[cluster.windows.front().first].time_s - epochs[from - 1].time_s <= margin_s)
-        --from;
-    std::size_t to = last;
-    while (to + 1 < epochs.size() && epochs[to + 1].time_s - epochs[last].time_s <= margin_s)
-        ++to;
+    const std::size_t from = cluster.windows.front().first;
     Stretch stretch;
-    std::vector<std::size_t> index(to + 1, 0);
-    for (std::size_t k = from; k <= to; ++k) {
+    std::vector<std::size_t> index(last + 1, 0);
+    for (std::size_t k = from; k <= last; ++k) {
         index[k] = stretch.epochs.size();
         if (epochs[k].measurement) stretch.epochs.push_back(epochs[k]);
     }

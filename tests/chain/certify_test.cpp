@@ -131,7 +131,7 @@ TEST(Certify, ThePdfHoldsVerdictSpeedUncertaintyAndAllHashes) {
 TEST(Help, EveryProgramSaysWhatItDoes) {
     for (const char* name :
          {"runcert", "runcert-import", "runcert-enu", "runcert-screen", "runcert-smooth",
-          "runcert-window", "runcert-check", "runcert-report"}) {
+          "runcert-window", "runcert-check", "runcert-compare", "runcert-report"}) {
         const ProcessResult result =
             run_process({fmt::format("{}/{}", RUNCERT_PROGRAMS, name), "--help"});
         EXPECT_EQ(result.exit_status, 0) << name;
@@ -139,7 +139,7 @@ TEST(Help, EveryProgramSaysWhatItDoes) {
     }
     const ProcessResult help = runcert({"certify", "--help"});
     EXPECT_NE(help.output.find("receivers[].recording"), std::string::npos);
-    EXPECT_NE(help.output.find("schema: attempt/1.0"), std::string::npos);
+    EXPECT_NE(help.output.find("schema: attempt/1.1"), std::string::npos);
 }
 
 TEST(Help, UnknownArgumentsAreRefused) {

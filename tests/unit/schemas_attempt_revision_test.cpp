@@ -41,7 +41,7 @@ TEST(AttemptRevision, WhatIsNewHasItsDefault) {
     EXPECT_EQ(smooth.at("robust_scale"), 2.0);
     const auto window = attempt.parameters.at("window");
     EXPECT_EQ(window.at("seed"), 1);
-    EXPECT_EQ(window.at("selection_samples"), 2000);
+    EXPECT_EQ(window.at("selection_samples"), 500);
     EXPECT_EQ(window.at("monte_carlo_trials_max"), 1'000'000);
     EXPECT_EQ(window.at("plane_scale_bound"), 0.001);
 }

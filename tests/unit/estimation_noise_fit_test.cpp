@@ -253,17 +253,20 @@ void expect_as_given(const NoiseFit& fit, NoiseFit::Status status) {
 TEST(NoiseFit, NeedsEnoughEpochs) {
     NoiseFitOptions options;
     options.initial_jerk_density = 2.5;
-    const auto arc = arc_of<2>(white_model(1.0, 1.0), 31, 0.01, 2);
+    const auto arc = arc_of<2>(white_model(1.0, 1.0), 36, 0.01, 2);
     const std::span<const ArcEpoch<2>> whole(arc);
-    const std::span<const ArcEpoch<2>> few[] = {whole.first(29)};
+    // 30, and for each arc the three that its vague prior predicts.
+    const std::span<const ArcEpoch<2>> few[] = {whole.first(32)};
     expect_as_given(fit_noise<2>(few, options), NoiseFit::Status::too_few_epochs);
     expect_as_given(fit_noise<2>({}, options), NoiseFit::Status::too_few_epochs);
-    const std::span<const ArcEpoch<2>> enough[] = {whole.first(15), whole.subspan(15)};
+    const std::span<const ArcEpoch<2>> halves_too_few[] = {whole.first(18), whole.subspan(18, 17)};
+    expect_as_given(fit_noise<2>(halves_too_few, options), NoiseFit::Status::too_few_epochs);
+    const std::span<const ArcEpoch<2>> enough[] = {whole.first(18), whole.subspan(18)};
     EXPECT_EQ(fit_noise<2>(enough, options).status, NoiseFit::Status::fitted);
     // Epochs without a measurement do not count.
     auto holes = arc;
-    holes[7].measurement.reset();
-    holes[20].measurement.reset();
+    for (const std::size_t k : {7, 14, 20, 28})
+        holes[k].measurement.reset();
     expect_as_given(fit_of<2>(holes, options), NoiseFit::Status::too_few_epochs);
 }
 

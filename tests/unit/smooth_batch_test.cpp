@@ -151,7 +151,7 @@ TEST(Batch, AgreesWithTheSmootherAtIrregularSteps) {
     auto arc = simulate<2>({.error_sigma_m = 0.008});
     RandomGenerator random(5);
     for (auto& epoch : arc)
-        epoch.time_s += 0.08 * random.uniform();
+        epoch.time_s = std::round((epoch.time_s + 0.08 * random.uniform()) * 1e9) * 1e-9;
     for (const NamedModel& one : models()) {
         const auto smoothed = means<2>(smooth<2>(arc, one.model));
         const Eigen::Vector4d difference =

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "arcs/window_ends.h"
+#include "arcs/certifiable.h"
 #include "core/failure.h"
 #include "core/statistics.h"
 
@@ -17,35 +17,15 @@ using TruthRows = std::vector<std::optional<TruthEpoch>>;
 using RowPair = EpochPair;
 
 /// The windows that can be certified, in order.
-std::vector<RowPair> certifiable_windows(const TrajectoryTable& trajectory, double duration_s,
-                                         double duration_tolerance_s) {
-    // Rows of no arc count too: a repeated time stamp inside a window makes it uncertifiable.
-    std::vector<std::int64_t> unusable;
-    std::vector<std::vector<std::size_t>> arcs;
-    for (std::size_t i = 0; i < trajectory.rows.size(); ++i) {
-        const TrajectoryEpoch& row = trajectory.rows[i];
-        unusable.push_back((i == 0 ? 0 : unusable.back()) + (row.usable ? 0 : 1));
-        if (!row.arc) continue;
-        if (arcs.empty() || trajectory.rows[arcs.back().back()].arc != row.arc) arcs.emplace_back();
-        arcs.back().push_back(i);
-    }
-    std::vector<RowPair> windows;
-    for (const std::vector<std::size_t>& rows : arcs) {
-        std::vector<ElapsedTime> times;
-        times.reserve(rows.size());
-        for (const std::size_t row : rows)
-            times.push_back(trajectory.rows[row].time);
-        const auto ends = window_ends(times, duration_s, duration_tolerance_s,
-                                      trajectory.facts.nominal_interval_s);
-        for (std::size_t k = 0; k < rows.size(); ++k) {
-            if (!ends[k]) continue;
-            const RowPair window{rows[k], rows[*ends[k]]};
-            if (trajectory.rows[window.first].usable &&
-                unusable[window.first] == unusable[window.last])
-                windows.push_back(window);
-        }
-    }
-    return windows;
+std::vector<RowPair> candidate_rows(const TrajectoryTable& trajectory, double duration_s,
+                                    double duration_tolerance_s) {
+    const std::vector<ArcRows> arcs = arcs_in(trajectory);
+    const auto windows = certifiable_windows(trajectory, arcs, duration_s, duration_tolerance_s);
+    std::vector<RowPair> rows;
+    for (std::size_t a = 0; a < arcs.size(); ++a)
+        for (const EpochPair& window : windows[a])
+            rows.push_back({arcs[a].rows[window.first], arcs[a].rows[window.last]});
+    return rows;
 }
 
 /// Speeds of windows, of a method or of the truth.
@@ -268,7 +248,7 @@ Comparison compare_methods(const ScreenedTable& screened, const TrajectoryTable&
             {.trajectory = trajectory,
              .windows = entry,
              .candidates =
-                 certifiable_windows(trajectory, entry.duration_s, config.duration_tolerance_s),
+                 candidate_rows(trajectory, entry.duration_s, config.duration_tolerance_s),
              .certified = certified_rows(trajectory, entry),
              .truth = true_track ? &*true_track : nullptr},
             methods));

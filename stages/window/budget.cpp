@@ -197,7 +197,9 @@ BudgetRow selection_row(const BudgetInput& input) {
         "f", "choice of the fastest of many windows", "A",
         subtracted ? selection.bias_uncertainty_mps : std::max(0.0, selection.bias_mps),
         independent,
-        fmt::format("bias {:.4f} m/s over {} windows, {}", selection.bias_mps, selection.candidates,
+        fmt::format("bias {:.4f} m/s, {} could have been the fastest; {}", selection.bias_mps,
+                    selection.candidates == 1 ? std::string("no other window")
+                                              : fmt::format("{} windows", selection.candidates),
                     subtracted ? "subtracted from the speed"
                                : "not subtracted: it stands here as an uncertainty"));
     row.estimate = subtracted ? selection.bias_mps : 0.0;

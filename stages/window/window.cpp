@@ -7,10 +7,10 @@
 
 #include "arcs/arcs.h"
 #include "arcs/noise_models.h"
-#include "arcs/window_ends.h"
 #include "core/accuracy_measures.h"
 #include "core/failure.h"
 #include "estimation/speed.h"
+#include "stages/window/best_window.h"
 #include "stages/window/budget.h"
 #include "stages/window/position_noise.h"
 #include "stages/window/selection.h"
@@ -23,143 +23,20 @@ constexpr double stretch_margin_s = 60.0;
 // A window that many standard uncertainties slower than the best could not have been it.
 constexpr double selection_width = 4.0;
 
-/// Sums along the rows of an arc, so that a window's means cost the same whatever its length.
-struct RunningSums {
-    std::vector<double> path_m;  ///< path length up to the row
-    std::vector<double> speed;   ///< sum of smoothed speeds up to and with the row
-};
-
 Eigen::Vector2d position_of(const TrajectoryEpoch& row) {
     return {*row.east_m, *row.north_m};
 }
 
-/// The rows of one arc, as the trajectory has them.
-struct ArcRows {
-    std::int64_t number = 0;
-    std::vector<std::size_t> rows;
-};
-
-std::vector<ArcRows> arcs_in(const TrajectoryTable& trajectory) {
-    std::vector<ArcRows> arcs;
-    for (std::size_t i = 0; i < trajectory.rows.size(); ++i) {
-        const auto& arc = trajectory.rows[i].arc;
-        if (!arc) continue;
-        if (arcs.empty() || arcs.back().number != *arc) arcs.push_back({*arc, {}});
-        arcs.back().rows.push_back(i);
-    }
-    return arcs;
-}
-
-RunningSums sums_over(const TrajectoryTable& trajectory, const std::vector<std::size_t>& rows) {
-    RunningSums sums;
-    double path_m = 0.0;
-    double speed = 0.0;
-    for (std::size_t k = 0; k < rows.size(); ++k) {
-        const TrajectoryEpoch& row = trajectory.rows[rows[k]];
-        if (k > 0) path_m += (position_of(row) - position_of(trajectory.rows[rows[k - 1]])).norm();
-        speed += *row.speed_mps;
-        sums.path_m.push_back(path_m);
-        sums.speed.push_back(speed);
-    }
-    return sums;
-}
-
-SpeedDefinitions definitions_of(const TrajectoryTable& trajectory, const ArcRows& arc,
-                                const RunningSums& sums, EpochPair window) {
-    const TrajectoryEpoch& first = trajectory.rows[arc.rows[window.first]];
-    const TrajectoryEpoch& last = trajectory.rows[arc.rows[window.last]];
-    const double duration_s = last.time.seconds() - first.time.seconds();
-    const auto steps = static_cast<double>(window.last - window.first);
-    const double later_speeds = sums.speed[window.last] - sums.speed[window.first];
-    return {.displacement_mps = (position_of(last) - position_of(first)).norm() / duration_s,
-            .path_length_mps = (sums.path_m[window.last] - sums.path_m[window.first]) / duration_s,
-            .mean_n_plus_1_mps = (later_speeds + *first.speed_mps) / (steps + 1.0),
-            .mean_n_mps = later_speeds / steps};
-}
-
-struct Candidate {
-    const ArcRows* arc = nullptr;
-    EpochPair window;
-    SpeedDefinitions definitions;
-};
-
-/// Looks for a profile's best certifiable window, arc by arc.
-class WindowSearch {
-  public:
-    WindowSearch(const TrajectoryTable& trajectory, const Profile& profile,
-                 const WindowConfig& config)
-        : trajectory_(trajectory), profile_(profile), config_(config) {
-        // Every row counts, also one that belongs to no arc, as a repeated time stamp.
-        for (const TrajectoryEpoch& row : trajectory.rows)
-            unusable_.push_back((unusable_.empty() ? 0 : unusable_.back()) + (row.usable ? 0 : 1));
-    }
-
-    void look_in(const ArcRows& arc) {
-        const RunningSums sums = sums_over(trajectory_, arc.rows);
-        const auto ends = ends_in(arc);
-        for (std::size_t first = 0; first < arc.rows.size(); ++first)
-            if (ends[first] && all_usable(arc.rows[first], arc.rows[*ends[first]]))
-                consider({&arc,
-                          {first, *ends[first]},
-                          definitions_of(trajectory_, arc, sums, {first, *ends[first]})});
-    }
-
-    /// The windows of an arc whose displacement speed is at least a figure, in order.
-    std::vector<EpochPair> windows_from(const ArcRows& arc, double least_mps) const {
-        std::vector<EpochPair> windows;
-        const auto ends = ends_in(arc);
-        for (std::size_t first = 0; first < arc.rows.size(); ++first) {
-            if (!ends[first] || !all_usable(arc.rows[first], arc.rows[*ends[first]])) continue;
-            const TrajectoryEpoch& from = trajectory_.rows[arc.rows[first]];
-            const TrajectoryEpoch& to = trajectory_.rows[arc.rows[*ends[first]]];
-            const double speed_mps = (position_of(to) - position_of(from)).norm() /
-                                     (to.time.seconds() - from.time.seconds());
-            if (speed_mps >= least_mps) windows.push_back({first, *ends[first]});
-        }
-        return windows;
-    }
-
-    const std::optional<Candidate>& best() const { return best_; }
-    std::int64_t candidates() const { return candidates_; }
-
-  private:
-    std::vector<std::optional<std::size_t>> ends_in(const ArcRows& arc) const {
-        std::vector<ElapsedTime> times;
-        times.reserve(arc.rows.size());
-        for (const std::size_t row : arc.rows)
-            times.push_back(trajectory_.rows[row].time);
-        return window_ends(times, profile_.duration_s, config_.duration_tolerance_s,
-                           trajectory_.facts.nominal_interval_s);
-    }
-    bool all_usable(std::size_t first_row, std::size_t last_row) const {
-        return trajectory_.rows[first_row].usable && unusable_[last_row] == unusable_[first_row];
-    }
-    void consider(const Candidate& candidate) {
-        ++candidates_;
-        const auto speed = [&](const Candidate& one) {
-            return one.definitions.by_name(profile_.definition);
-        };
-        if (!best_ || speed(candidate) > speed(*best_)) best_ = candidate;
-    }
-
-    const TrajectoryTable& trajectory_;
-    const Profile& profile_;
-    const WindowConfig& config_;
-    std::vector<std::int64_t> unusable_;
-    std::optional<Candidate> best_;
-    std::int64_t candidates_ = 0;
-};
-
 /// Mean of a method's speeds over the window; nothing if one is missing.
-std::optional<double> mean_over(const TrajectoryTable& trajectory, const Candidate& candidate,
-                                std::optional<double> TrajectoryEpoch::*method) {
+std::optional<double> mean_over(const TrajectoryTable& trajectory, const ArcRows& arc,
+                                EpochPair window, std::optional<double> TrajectoryEpoch::*method) {
     double sum = 0.0;
-    for (std::size_t k = candidate.window.first; k <= candidate.window.last; ++k) {
-        const auto& value = trajectory.rows[candidate.arc->rows[k]].*method;
+    for (std::size_t k = window.first; k <= window.last; ++k) {
+        const auto& value = trajectory.rows[arc.rows[k]].*method;
         if (!value) return std::nullopt;
         sum += *value;
     }
-    return sum / static_cast<double>(candidate.window.last - candidate.window.first + 1);
+    return sum / static_cast<double>(window.last - window.first + 1);
 }
 
 /// What all profiles' windows are certified from.
@@ -189,10 +66,9 @@ std::vector<Arc<2>> matching_arcs(const ScreenedTable& screened, const std::vect
 }
 
 /// The candidate's arc smoothed anew with the trajectory's own model, and found to be it.
-SmoothedArc<2> checked_estimate(const Evidence& evidence, const Candidate& candidate,
-                                const Arc<2>& arc) {
+SmoothedArc<2> checked_estimate(const Evidence& evidence, EpochPair window, const Arc<2>& arc) {
     SmoothedArc<2> smoothed = smooth<2>(arc.epochs, evidence.model);
-    for (const std::size_t k : {candidate.window.first, candidate.window.last}) {
+    for (const std::size_t k : {window.first, window.last}) {
         const TrajectoryEpoch& row = evidence.trajectory.rows[arc.rows[k]];
         const Eigen::Vector2d position = smoothed.states[k].mean.head<2>();
         const double difference_m = (position - position_of(row)).norm();
@@ -229,18 +105,22 @@ std::optional<RobustSpeed> robust_speed(const Evidence& evidence, const Arc<2>& 
 }
 
 /// The windows that could have been the best, those close to one another together.
-std::vector<WindowCluster> clusters_of(const Evidence& evidence, const WindowSearch& search,
-                                       double least_mps) {
+std::vector<WindowCluster> clusters_of(const Evidence& evidence,
+                                       const std::vector<std::vector<EpochPair>>& windows,
+                                       const CandidateWindow& best, double least_mps) {
     std::vector<WindowCluster> clusters;
     for (std::size_t a = 0; a < evidence.arcs.size(); ++a) {
         const Arc<2>* arc = &evidence.arcs[a];
-        for (const EpochPair& window : search.windows_from(evidence.rows[a], least_mps)) {
+        for (const EpochPair& window : windows[a]) {
+            const auto row = [&](std::size_t k) -> const TrajectoryEpoch& {
+                return evidence.trajectory.rows[arc->rows[k]];
+            };
+            if (displacement_over_time(row(window.first), row(window.last)) < least_mps) continue;
             const bool apart = clusters.empty() || clusters.back().arc != arc ||
                                window.first > clusters.back().windows.back().last;
             if (apart) clusters.push_back({arc, {}, std::nullopt});
             WindowCluster& cluster = clusters.back();
-            if (evidence.rows.data() + a == search.best()->arc &&
-                window.first == search.best()->window.first)
+            if (a == best.arc && window.first == best.window.first)
                 cluster.chosen = cluster.windows.size();
             cluster.windows.push_back(window);
         }
@@ -248,12 +128,12 @@ std::vector<WindowCluster> clusters_of(const Evidence& evidence, const WindowSea
     return clusters;
 }
 
-CertifiableWindow certified(const Evidence& evidence, const WindowSearch& search,
-                            const Profile& profile) {
+CertifiableWindow certified(const Evidence& evidence,
+                            const std::vector<std::vector<EpochPair>>& windows,
+                            const CandidateWindow& candidate, const Profile& profile) {
     const TrajectoryTable& trajectory = evidence.trajectory;
-    const Candidate& candidate = *search.best();
-    const auto index = static_cast<std::size_t>(candidate.arc - evidence.rows.data());
-    const Arc<2>& arc = evidence.arcs[index];
+    const Arc<2>& arc = evidence.arcs[candidate.arc];
+    const ArcRows& rows = evidence.rows[candidate.arc];
     const std::size_t first_row = arc.rows[candidate.window.first];
     const std::size_t last_row = arc.rows[candidate.window.last];
     const TrajectoryEpoch& first = trajectory.rows[first_row];
@@ -264,13 +144,14 @@ CertifiableWindow certified(const Evidence& evidence, const WindowSearch& search
     window.arc = arc.number;
     window.definitions = candidate.definitions;
     using Row = TrajectoryEpoch;
-    window.methods = {.smoothed_mps = mean_over(trajectory, candidate, &Row::speed_mps),
-                      .batch_mps = mean_over(trajectory, candidate, &Row::speed_batch_mps),
-                      .v1_mps = mean_over(trajectory, candidate, &Row::speed_v1_mps),
-                      .v2_mps = mean_over(trajectory, candidate, &Row::speed_v2_mps),
-                      .kalman_mps = mean_over(trajectory, candidate, &Row::speed_kalman_mps)};
+    window.methods = {
+        .smoothed_mps = mean_over(trajectory, rows, candidate.window, &Row::speed_mps),
+        .batch_mps = mean_over(trajectory, rows, candidate.window, &Row::speed_batch_mps),
+        .v1_mps = mean_over(trajectory, rows, candidate.window, &Row::speed_v1_mps),
+        .v2_mps = mean_over(trajectory, rows, candidate.window, &Row::speed_v2_mps),
+        .kalman_mps = mean_over(trajectory, rows, candidate.window, &Row::speed_kalman_mps)};
 
-    const SmoothedArc<2> smoothed = checked_estimate(evidence, candidate, arc);
+    const SmoothedArc<2> smoothed = checked_estimate(evidence, candidate.window, arc);
     const WindowStretch stretch = cut_stretch(arc, candidate.window, stretch_margin_s);
     const SpeedEstimate displacement = displacement_speed(
         smoothed, candidate.window.first, candidate.window.last, stretch.duration_s);
@@ -294,8 +175,8 @@ CertifiableWindow certified(const Evidence& evidence, const WindowSearch& search
     const double least_mps = candidate.definitions.displacement_mps -
                              selection_width * displacement.standard_uncertainty_mps;
     SelectionBias selection = selection_bias(
-        clusters_of(evidence, search, least_mps), {evidence.model, bounded}, noise.speed.speed_mps,
-        evidence.config.selection_samples, evidence.config.seed);
+        clusters_of(evidence, windows, candidate, least_mps), {evidence.model, bounded},
+        noise.speed.speed_mps, evidence.config.selection_samples, evidence.config.seed);
     selection.treatment = profile.uncertainty.subtract_selection_bias ? "subtracted" : "covered";
     window.selection = selection;
     window.speed_mps = noise.speed.speed_mps;
@@ -358,11 +239,13 @@ Windows find_windows(const ScreenedTable& screened, const TrajectoryTable& traje
                              .candidates = 0,
                              .best = std::nullopt,
                              .indicated = fastest_indicated(screened, profile.duration_s, config)};
-        WindowSearch search(trajectory, profile, config);
-        for (const ArcRows& arc : evidence.rows)
-            search.look_in(arc);
-        entry.candidates = search.candidates();
-        if (search.best()) entry.best = certified(evidence, search, profile);
+        const auto candidates = certifiable_windows(trajectory, evidence.rows, profile.duration_s,
+                                                    config.duration_tolerance_s);
+        for (const auto& of_arc : candidates)
+            entry.candidates += static_cast<std::int64_t>(of_arc.size());
+        if (const auto best =
+                best_window(trajectory, evidence.rows, candidates, profile.definition))
+            entry.best = certified(evidence, candidates, *best, profile);
         windows.profiles.push_back(std::move(entry));
     }
     return windows;

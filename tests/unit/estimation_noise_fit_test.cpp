@@ -265,7 +265,7 @@ TEST(NoiseFit, NeedsEnoughEpochs) {
     EXPECT_EQ(fit_noise<2>(enough, options).status, NoiseFit::Status::fitted);
     // Epochs without a measurement do not count.
     auto holes = arc;
-    for (const std::size_t k : {7, 14, 20, 28})
+    for (const std::size_t k : {7U, 14U, 20U, 28U})
         holes[k].measurement.reset();
     expect_as_given(fit_of<2>(holes, options), NoiseFit::Status::too_few_epochs);
 }

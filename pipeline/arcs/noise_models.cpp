@@ -1,5 +1,7 @@
 #include "arcs/noise_models.h"
 
+#include "core/failure.h"
+
 namespace runcert {
 
 EstimationModel model_of(const NoiseSummary& noise) {
@@ -12,6 +14,15 @@ EstimationModel model_of(const NoiseSummary& noise) {
         model.error =
             GaussMarkovError::steady(noise.error_sigma_m->value, noise.error_tau_s->value);
     return model;
+}
+
+const NoiseSummary& horizontal_noise_of(const TrajectoryTable& trajectory) {
+    if (!trajectory.estimation.horizontal)
+        throw Failure("4-trajectory of receiver " + trajectory.facts.receiver,
+                      "the trajectory is of revision 1.0 and does not say what noise it was "
+                      "estimated with",
+                      "Certify the attempt again, or run runcert-smooth again");
+    return trajectory.estimation.horizontal->noise;
 }
 
 std::vector<WeightedModel> posterior_of(const NoiseSummary& noise) {

@@ -138,12 +138,7 @@ void note_fits(const FittedSmoother& constant, const FittedSmoother& singer,
 
 Methods methods_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                    const CompareConfig& config) {
-    if (!trajectory.estimation.horizontal)
-        throw Failure("4-trajectory of receiver " + trajectory.facts.receiver,
-                      "the trajectory is of revision 1.0 and does not say what noise it was "
-                      "estimated with",
-                      "Certify the attempt again");
-    const NoiseSummary& noise = trajectory.estimation.horizontal->noise;
+    const NoiseSummary& noise = horizontal_noise_of(trajectory);
     const std::vector<Arc<2>> arcs = arcs_of<2>(screened);
     using Row = TrajectoryEpoch;
     Methods methods;

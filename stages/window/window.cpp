@@ -217,12 +217,7 @@ Windows find_windows(const ScreenedTable& screened, const TrajectoryTable& traje
     windows.receiver = trajectory.facts.receiver;
     windows.first_epoch = trajectory.facts.first_epoch;
     windows.georeferenced = trajectory.facts.georeferenced;
-    if (!trajectory.estimation.horizontal)
-        throw Failure("4-trajectory of receiver " + trajectory.facts.receiver,
-                      "the trajectory is of revision 1.0 and does not say what noise it was "
-                      "estimated with",
-                      "Run runcert-smooth again");
-    const NoiseSummary& noise = trajectory.estimation.horizontal->noise;
+    const NoiseSummary& noise = horizontal_noise_of(trajectory);
     Evidence evidence{.screened = screened,
                       .trajectory = trajectory,
                       .config = config,

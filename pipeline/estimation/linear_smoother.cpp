@@ -40,8 +40,6 @@ std::vector<PositionVector<Axes>> LinearSmoother<Axes>::operator()(
     return positions;
 }
 
-template class LinearSmoother<1>;
 template class LinearSmoother<2>;
-template class LinearSmoother<3>;
 
 }  // namespace runcert

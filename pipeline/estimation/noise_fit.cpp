@@ -450,7 +450,5 @@ template NoiseFit fit_noise<1>(std::span<const std::span<const ArcEpoch<1>>>,
                                const NoiseFitOptions&);
 template NoiseFit fit_noise<2>(std::span<const std::span<const ArcEpoch<2>>>,
                                const NoiseFitOptions&);
-template NoiseFit fit_noise<3>(std::span<const std::span<const ArcEpoch<3>>>,
-                               const NoiseFitOptions&);
 
 }  // namespace runcert

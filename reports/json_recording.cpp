@@ -40,6 +40,18 @@ std::string reason_words(Reason reason) {
             return "position does not follow from those before it";
         case Reason::short_arc:
             return "in a stretch too short to be used";
+        case Reason::outlier:
+            return "position that those before and after it contradict";
+        case Reason::burst:
+            return "one of several wrong positions in a row";
+        case Reason::model:
+            return "in a stretch that no single error explains";
+        case Reason::velocity:
+            return "position that the recorded velocity contradicts";
+        case Reason::physical_limit:
+            return "motion that the craft cannot make";
+        case Reason::baseline:
+            return "position that the other receiver contradicts";
     }
     return {};
 }

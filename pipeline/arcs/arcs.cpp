@@ -1,6 +1,14 @@
 #include "arcs/arcs.h"
 
 namespace runcert {
+namespace {
+
+bool has_measurement(const ScreenedEpoch& row, Measurements measurements) {
+    return row.usable || (measurements == Measurements::before_rejection &&
+                          (row.reason == Reason::innovation || row.reason == Reason::outlier));
+}
+
+}  // namespace
 
 template <int Axes>
 std::vector<Arc<Axes>> arcs_of(const ScreenedTable& table, Measurements measurements) {
@@ -14,8 +22,8 @@ std::vector<Arc<Axes>> arcs_of(const ScreenedTable& table, Measurements measurem
         }
         ArcEpoch<Axes> epoch;
         epoch.time_s = row.time.seconds();
-        if (row.usable ||
-            (measurements == Measurements::before_rejection && row.reason == Reason::innovation))
+        epoch.step_before = row.break_before == ArcBreak::bridged;
+        if (has_measurement(row, measurements))
             epoch.measurement =
                 PositionMeasurement<Axes>{.position = measured_position<Axes>(row),
                                           .covariance = stated_covariance<Axes>(row)};

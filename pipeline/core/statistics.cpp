@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/distributions/non_central_chi_squared.hpp>
 #include <boost/math/special_functions/erf.hpp>
+#include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
@@ -47,6 +49,33 @@ double chi_squared_upper_quantile(double tail_probability, int degrees_of_freedo
              "Give a probability above 0");
     return boost::math::quantile(
         boost::math::complement(boost::math::chi_squared(degrees_of_freedom), tail_probability));
+}
+
+double log_chi_squared_upper_tail(double x, int degrees_of_freedom) {
+    require_degrees(degrees_of_freedom);
+    if (!(x >= 0.0)) fail(fmt::format("the value {} is not 0 or more", x), "Give a sum of squares");
+    const double a = 0.5 * degrees_of_freedom;
+    const double z = 0.5 * x;
+    constexpr double series_from = 600.0;
+    if (z < std::max(series_from, 10.0 * a)) return std::log(boost::math::gamma_q(a, z));
+    // Gamma(a, z) = z^(a-1) exp(-z) (1 + (a-1)/z + (a-1)(a-2)/z^2 + ...), Abramowitz & Stegun
+    // 6.5.32, whose terms fall by a factor of ten or more here.
+    double term = 1.0;
+    double sum = 1.0;
+    for (int n = 1; n < 20; ++n) {
+        term *= (a - n) / z;
+        sum += term;
+    }
+    return (a - 1.0) * std::log(z) - z - std::lgamma(a) + std::log(sum);
+}
+
+double noncentrality(double test_size, double power, int degrees_of_freedom) {
+    if (!(test_size > 0.0 && test_size < power && power < 1.0))
+        fail(fmt::format("a test of size {} cannot have the power {}", test_size, power),
+             "Give a size above 0 and a power between the size and 1");
+    const double critical = chi_squared_upper_quantile(test_size, degrees_of_freedom);
+    return boost::math::non_central_chi_squared::find_non_centrality(
+        boost::math::complement(static_cast<double>(degrees_of_freedom), critical, power));
 }
 
 double normal_quantile(double probability) {

@@ -13,6 +13,14 @@ double chi_squared_quantile(double probability, int degrees_of_freedom);
 /// tail. Failure unless 0 < tail_probability <= 1 and degrees_of_freedom >= 1.
 double chi_squared_upper_quantile(double tail_probability, int degrees_of_freedom);
 
+/// ln P(chi-squared > x), which keeps its digits where the probability itself is below the smallest
+/// number. Failure unless x >= 0 and degrees_of_freedom >= 1. Relative accuracy 1e-9.
+double log_chi_squared_upper_tail(double x, int degrees_of_freedom);
+
+/// The non-centrality at which a chi-squared test of size `test_size` rejects with probability
+/// `power`. Failure unless 0 < test_size < power < 1 and degrees_of_freedom >= 1.
+double noncentrality(double test_size, double power, int degrees_of_freedom);
+
 /// The x with P(z <= x) = probability, z standard normal. Failure unless 0 < probability < 1.
 double normal_quantile(double probability);
 

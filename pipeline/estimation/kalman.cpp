@@ -11,13 +11,12 @@ namespace runcert {
 
 template <int Axes>
 StateEstimate<Axes> KalmanFilter<Axes>::prior(const PositionVector<Axes>& position) const {
-    constexpr double sigma_position_m = 100.0;
     constexpr double sigma_velocity_mps = 300.0;
     constexpr double sigma_acceleration_mps2 = 100.0;
     StateEstimate<Axes> prior;
     prior.mean.template head<Axes>() = position;
     StateVector<Axes> sigma;
-    sigma << PositionVector<Axes>::Constant(sigma_position_m),
+    sigma << PositionVector<Axes>::Constant(vague_position_sigma_m),
         PositionVector<Axes>::Constant(sigma_velocity_mps),
         PositionVector<Axes>::Constant(sigma_acceleration_mps2),
         PositionVector<Axes>::Constant(model_.error.initial_sigma_m);
@@ -33,6 +32,12 @@ void KalmanFilter<Axes>::prepare(double dt_s) {
     step_ = axis_step(model_, static_cast<double>(step_ns) * 1e-9);
     transition_ = runcert::transition<Axes>(step_);
     process_noise_ = runcert::process_noise<Axes>(step_);
+}
+
+template <int Axes>
+const AxisStep& KalmanFilter<Axes>::step_over(double dt_s) {
+    prepare(dt_s);
+    return step_;
 }
 
 template <int Axes>
@@ -67,6 +72,17 @@ StateEstimate<Axes> KalmanFilter<Axes>::predict(const StateEstimate<Axes>& estim
     StateMatrix<Axes> covariance = predicted.covariance.transpose();
     apply_transition<Axes>(step_, covariance);
     predicted.covariance = 0.5 * (covariance + covariance.transpose()) + process_noise_;
+    return predicted;
+}
+
+template <int Axes>
+StateEstimate<Axes> KalmanFilter<Axes>::predict_to(const StateEstimate<Axes>& estimate,
+                                                   const ArcEpoch<Axes>& from,
+                                                   const ArcEpoch<Axes>& to) {
+    StateEstimate<Axes> predicted = predict(estimate, to.time_s - from.time_s);
+    if (to.step_before)
+        predicted.covariance.diagonal().template head<Axes>().array() +=
+            vague_position_sigma_m * vague_position_sigma_m;
     return predicted;
 }
 

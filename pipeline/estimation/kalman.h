@@ -27,7 +27,13 @@ template <int Axes>
 struct ArcEpoch {
     double time_s = 0.0;
     std::optional<PositionMeasurement<Axes>> measurement;
+    /// The measured positions are offset by an unknown constant from here on (a cycle slip), and
+    /// so are the estimated ones: the step is bridged. Says nothing at an arc's first epoch.
+    bool step_before = false;
 };
+
+/// Standard deviation of a position, or of an offset of positions, of which nothing is known.
+inline constexpr double vague_position_sigma_m = 100.0;
 
 /// What a measurement says against a prediction.
 template <int Axes>
@@ -35,6 +41,9 @@ struct Innovation {
     PositionVector<Axes> residual = PositionVector<Axes>::Zero();  ///< measured less predicted
     PositionMatrix<Axes> covariance = PositionMatrix<Axes>::Identity();
     double statistic = 0.0;  ///< residual' covariance^-1 residual, chi-squared with Axes degrees
+    /// Whether it says something of the model: not so where the measurement only tells the motion
+    /// at the arc's beginning, or the offset of a bridged step.
+    bool tests_model = true;
 };
 
 /// The Kalman filter of one model. Transition and process noise are kept from one step to the next
@@ -54,7 +63,13 @@ class KalmanFilter {
     /// The estimate carried on by `dt` seconds.
     StateEstimate<Axes> predict(const StateEstimate<Axes>& estimate, double dt_s);
 
-    /// The transition over `dt` seconds.
+    /// The estimate of `from` carried on to the arc's next epoch. Across a bridged step the
+    /// position becomes vague, as in the prior, in the frame of the offset positions.
+    StateEstimate<Axes> predict_to(const StateEstimate<Axes>& estimate, const ArcEpoch<Axes>& from,
+                                   const ArcEpoch<Axes>& to);
+
+    /// The step over `dt` seconds for one axis, and its transition for all.
+    const AxisStep& step_over(double dt_s);
     const StateMatrix<Axes>& transition_over(double dt_s);
 
     /// A measured position less the predicted one: the measurement sees position and error.
@@ -93,6 +108,29 @@ class KalmanFilter {
 /// How many of an arc's first measurements a vague prior makes worthless as a test of the model.
 inline constexpr int measurements_of_the_prior = 3;
 
+/// What an arc's measurements have yet to tell before they test the model: its first ones the
+/// motion, and the first after a bridged step its offset.
+class UnknownsToTell {
+  public:
+    /// Of steps without a measurement between them only the sum of the offsets can be told.
+    void add_step() {
+        if (!step_open_) ++unknowns_;
+        step_open_ = true;
+    }
+
+    /// Takes a measurement; whether it was needed to tell one of the unknowns.
+    bool told_by_measurement() {
+        step_open_ = false;
+        if (unknowns_ == 0) return false;
+        --unknowns_;
+        return true;
+    }
+
+  private:
+    int unknowns_ = measurements_of_the_prior;
+    bool step_open_ = false;
+};
+
 /// Failure at that time unless the covariance (m^2) of a measurement is positive definite.
 template <int Axes>
 void require_positive_definite(const PositionMatrix<Axes>& covariance, double time_s);
@@ -103,13 +141,16 @@ void require_positive_definite(const PositionMatrix<Axes>& covariance, double ti
 template <int Axes, class Visit>
 void filter_along(KalmanFilter<Axes>& filter, std::span<const ArcEpoch<Axes>> arc, Visit&& visit) {
     StateEstimate<Axes> estimate;
+    UnknownsToTell unknowns;
     for (std::size_t k = 0; k < arc.size(); ++k) {
         const StateEstimate<Axes> predicted =
             k == 0 ? filter.prior(arc[0].measurement.value().position)
-                   : filter.predict(estimate, arc[k].time_s - arc[k - 1].time_s);
+                   : filter.predict_to(estimate, arc[k - 1], arc[k]);
+        if (k > 0 && arc[k].step_before) unknowns.add_step();
         if (arc[k].measurement) {
             require_positive_definite<Axes>(arc[k].measurement->covariance, arc[k].time_s);
-            const Innovation<Axes> seen = filter.innovation(predicted, *arc[k].measurement);
+            Innovation<Axes> seen = filter.innovation(predicted, *arc[k].measurement);
+            seen.tests_model = !unknowns.told_by_measurement();
             estimate = filter.update(predicted, *arc[k].measurement, seen);
             visit(k, predicted, &seen, estimate);
         } else {

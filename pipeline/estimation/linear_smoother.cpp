@@ -1,13 +1,21 @@
 #include "estimation/linear_smoother.h"
 
 #include <cassert>
+#include <utility>
 
 namespace runcert {
 
 template <int Axes>
 LinearSmoother<Axes>::LinearSmoother(std::span<const ArcEpoch<Axes>> arc,
                                      const EstimationModel& model)
-    : filter_(model), smoother_gains_(smooth<Axes>(arc, model).gains) {
+    : LinearSmoother(arc, model, smooth<Axes>(arc, model)) {}
+
+template <int Axes>
+LinearSmoother<Axes>::LinearSmoother(std::span<const ArcEpoch<Axes>> arc,
+                                     const EstimationModel& model, SmoothedArc<Axes> smoothed)
+    : filter_(model),
+      smoother_gains_(std::move(smoothed.gains)),
+      bridged_(std::move(smoothed.bridged)) {
     transitions_.reserve(arc.size());
     filter_gains_.reserve(arc.size());
     for (std::size_t k = 0; k + 1 < arc.size(); ++k)
@@ -37,6 +45,14 @@ std::vector<PositionVector<Axes>> LinearSmoother<Axes>::operator()(
     std::vector<PositionVector<Axes>> positions(count);
     for (std::size_t k = 0; k < count; ++k)
         positions[k] = states[k].template head<Axes>();
+    for (const BridgedStep& step : bridged_) {
+        const std::size_t at = step.epoch;
+        const PositionVector<Axes> offset = states[at].template head<Axes>() -
+                                            states[at - 1].template head<Axes>() -
+                                            step.motion<Axes>(states[at - 1], states[at]);
+        for (std::size_t k = at; k < count; ++k)
+            positions[k] -= offset;
+    }
     return positions;
 }
 

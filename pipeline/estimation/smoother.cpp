@@ -44,6 +44,44 @@ Factor<Axes> factorise(const StateMatrix<Axes>& covariance, double time_s, std::
                   "Check the stated accuracies and the time steps around this epoch");
 }
 
+/// The motion over a step given velocity and acceleration at both ends: that of the model without
+/// noise, and the regression of the position's noise on the velocity's and the acceleration's.
+BridgedStep bridge(std::size_t epoch, const AxisStep& step) {
+    const Eigen::Matrix3d& f = step.transition;
+    const Eigen::Matrix3d& q = step.process_noise;
+    const Eigen::RowVector2d with_position = q.block<1, 2>(0, 1);
+    const Eigen::RowVector2d regression =
+        q.bottomRightCorner<2, 2>().llt().solve(with_position.transpose()).transpose();
+    return {.epoch = epoch,
+            .velocity_before_s = f(0, 1) - regression(0),
+            .acceleration_before_s2 = f(0, 2) - regression(0) * f(1, 2) - regression(1) * f(2, 2),
+            .velocity_after_s = regression(0),
+            .acceleration_after_s2 = regression(1),
+            .variance_m2 = q(0, 0) - regression.dot(with_position)};
+}
+
+/// Covariance of the sums of gradients[i]' state[s + i], one for each column of the gradients.
+template <int Axes, int Columns>
+Eigen::Matrix<double, Columns, Columns> joint_covariance(
+    const SmoothedArc<Axes>& arc, std::size_t s,
+    const std::vector<Eigen::Matrix<double, state_size<Axes>, Columns>>& gradients) {
+    assert(!gradients.empty() && s + gradients.size() <= arc.states.size());
+    using Gradient = Eigen::Matrix<double, state_size<Axes>, Columns>;
+    using Covariance = Eigen::Matrix<double, Columns, Columns>;
+    const auto of = [&](const Gradient& gradient, std::size_t k) -> Covariance {
+        return gradient.transpose() * (arc.states[k].covariance * gradient);
+    };
+    Covariance sum = Covariance::Zero();
+    Gradient carried = gradients[0];
+    for (std::size_t i = 0; i + 1 < gradients.size(); ++i) {
+        const std::size_t k = s + i;
+        const Gradient next = arc.gains[k].transpose() * carried;
+        sum += of(carried, k) - of(next, k + 1);
+        carried = gradients[i + 1] + next;
+    }
+    return sum + of(carried, s + gradients.size() - 1);
+}
+
 }  // namespace
 
 template <int Axes>
@@ -56,17 +94,22 @@ StateMatrix<Axes> SmoothedArc<Axes>::cross_covariance(std::size_t s, std::size_t
 
 template <int Axes>
 double SmoothedArc<Axes>::variance(std::size_t s, const Gradients<Axes>& gradients) const {
-    assert(!gradients.empty() && s + gradients.size() <= states.size());
-    double sum = 0.0;
-    StateVector<Axes> carried = gradients[0];
-    for (std::size_t i = 0; i + 1 < gradients.size(); ++i) {
-        const std::size_t k = s + i;
-        const StateVector<Axes> next = gains[k].transpose() * carried;
-        sum +=
-            carried.dot(states[k].covariance * carried) - next.dot(states[k + 1].covariance * next);
-        carried = gradients[i + 1] + next;
-    }
-    return sum + carried.dot(states[s + gradients.size() - 1].covariance * carried);
+    return joint_covariance<Axes, 1>(*this, s, gradients).value();
+}
+
+template <int Axes>
+Eigen::Matrix2d SmoothedArc<Axes>::covariance(std::size_t s,
+                                              const PlaneGradients<Axes>& gradients) const {
+    const Eigen::Matrix2d covariance = joint_covariance<Axes, 2>(*this, s, gradients);
+    return 0.5 * (covariance + covariance.transpose());
+}
+
+template <int Axes>
+std::span<const BridgedStep> SmoothedArc<Axes>::bridged_between(std::size_t s,
+                                                                std::size_t e) const {
+    const auto first = std::ranges::upper_bound(bridged, s, {}, &BridgedStep::epoch);
+    const auto last = std::ranges::upper_bound(bridged, e, {}, &BridgedStep::epoch);
+    return {first, last};
 }
 
 template <int Axes>
@@ -89,6 +132,7 @@ SmoothedArc<Axes> smooth(std::span<const ArcEpoch<Axes>> arc, const EstimationMo
     result.gains.resize(arc.size() - 1);
     for (std::size_t k = arc.size() - 1; k-- > 0;) {
         const double dt_s = arc[k + 1].time_s - arc[k].time_s;
+        if (arc[k + 1].step_before) result.bridged.push_back(bridge(k + 1, filter.step_over(dt_s)));
         const StateEstimate<Axes>& predicted = predictions[k + 1];
         const Factor<Axes> factor =
             factorise<Axes>(predicted.covariance, arc[k + 1].time_s, result.repaired);
@@ -109,6 +153,7 @@ SmoothedArc<Axes> smooth(std::span<const ArcEpoch<Axes>> arc, const EstimationMo
                           "Check the stated accuracies and the time steps around this epoch");
         result.gains[k] = gain;
     }
+    std::ranges::reverse(result.bridged);
     return result;
 }
 

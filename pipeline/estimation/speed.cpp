@@ -21,9 +21,55 @@ SpeedEstimate horizontal_speed(const Eigen::Vector2d& velocity, const Eigen::Mat
     return {speed, std::sqrt(std::max(variance, 0.0))};
 }
 
+namespace {
+
+/// Gradients of the displacement between epochs s and e: the states of both, and around each
+/// bridged step the motion in place of the difference of the positions.
+template <int Axes>
+PlaneGradients<Axes> displacement_gradients(const SmoothedArc<Axes>& arc, std::size_t s,
+                                            std::size_t e) {
+    PlaneGradients<Axes> gradients(e - s + 1, PlaneGradients<Axes>::value_type::Zero());
+    const auto add = [&](std::size_t k, int block, double factor) {
+        gradients[k - s].template middleRows<2>(block * Axes).diagonal().array() += factor;
+    };
+    add(s, 0, -1.0);
+    add(e, 0, 1.0);
+    for (const BridgedStep& step : arc.bridged_between(s, e)) {
+        add(step.epoch - 1, 0, 1.0);
+        add(step.epoch, 0, -1.0);
+        add(step.epoch - 1, 1, step.velocity_before_s);
+        add(step.epoch, 1, step.velocity_after_s);
+        add(step.epoch - 1, 2, step.acceleration_before_s2);
+        add(step.epoch, 2, step.acceleration_after_s2);
+    }
+    return gradients;
+}
+
+}  // namespace
+
+template <int Axes>
+Eigen::Vector2d displacement(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e) {
+    const auto position = [&](std::size_t k) { return arc.states[k].mean.template head<2>(); };
+    Eigen::Vector2d displacement = position(e) - position(s);
+    for (const BridgedStep& step : arc.bridged_between(s, e)) {
+        const std::size_t k = step.epoch;
+        displacement -= position(k) - position(k - 1);
+        displacement +=
+            step.motion<Axes>(arc.states[k - 1].mean, arc.states[k].mean).template head<2>();
+    }
+    return displacement;
+}
+
 template <int Axes>
 Eigen::Matrix2d displacement_covariance(const SmoothedArc<Axes>& arc, std::size_t s,
                                         std::size_t e) {
+    const std::span<const BridgedStep> bridged = arc.bridged_between(s, e);
+    if (!bridged.empty()) {
+        Eigen::Matrix2d covariance = arc.covariance(s, displacement_gradients(arc, s, e));
+        for (const BridgedStep& step : bridged)
+            covariance.diagonal().array() += step.variance_m2;
+        return covariance;
+    }
     const Eigen::Matrix2d cross = arc.cross_covariance(s, e).template topLeftCorner<2, 2>();
     return arc.states[s].covariance.template topLeftCorner<2, 2>() +
            arc.states[e].covariance.template topLeftCorner<2, 2>() - cross - cross.transpose();
@@ -32,9 +78,7 @@ Eigen::Matrix2d displacement_covariance(const SmoothedArc<Axes>& arc, std::size_
 template <int Axes>
 SpeedEstimate displacement_speed(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e,
                                  double duration_s) {
-    const Eigen::Vector2d displacement =
-        arc.states[e].mean.template head<2>() - arc.states[s].mean.template head<2>();
-    return horizontal_speed(displacement / duration_s,
+    return horizontal_speed(displacement(arc, s, e) / duration_s,
                             displacement_covariance(arc, s, e) / (duration_s * duration_s));
 }
 
@@ -43,16 +87,20 @@ SpeedEstimate path_speed(const SmoothedArc<Axes>& arc, std::size_t s, std::size_
                          double duration_s) {
     Gradients<Axes> gradients(e - s + 1, StateVector<Axes>::Zero());
     double length_m = 0.0;
+    double variance_of_bridges = 0.0;
     for (std::size_t k = s; k < e; ++k) {
-        const Eigen::Vector2d step =
-            arc.states[k + 1].mean.template head<2>() - arc.states[k].mean.template head<2>();
+        const Eigen::Vector2d step = displacement(arc, k, k + 1);
         if (step.norm() == 0.0) continue;
         length_m += step.norm();
         const Eigen::Vector2d direction = step.normalized() / duration_s;
-        gradients[k - s].template head<2>() -= direction;
-        gradients[k - s + 1].template head<2>() += direction;
+        const PlaneGradients<Axes> both = displacement_gradients(arc, k, k + 1);
+        gradients[k - s] += both[0] * direction;
+        gradients[k - s + 1] += both[1] * direction;
+        for (const BridgedStep& bridged : arc.bridged_between(k, k + 1))
+            variance_of_bridges += bridged.variance_m2 * direction.squaredNorm();
     }
-    return {length_m / duration_s, std::sqrt(std::max(arc.variance(s, gradients), 0.0))};
+    const double variance = arc.variance(s, gradients) + variance_of_bridges;
+    return {length_m / duration_s, std::sqrt(std::max(variance, 0.0))};
 }
 
 template <int Axes>
@@ -70,6 +118,8 @@ SpeedEstimate mean_speed(const SmoothedArc<Axes>& arc, std::size_t s, std::size_
 }
 
 #define RUNCERT_INSTANTIATE(AXES)                                                                 \
+    template Eigen::Vector2d displacement<AXES>(const SmoothedArc<AXES>&, std::size_t,            \
+                                                std::size_t);                                     \
     template Eigen::Matrix2d displacement_covariance<AXES>(const SmoothedArc<AXES>&, std::size_t, \
                                                            std::size_t);                          \
     template SpeedEstimate displacement_speed<AXES>(const SmoothedArc<AXES>&, std::size_t,        \

@@ -16,19 +16,28 @@ struct SpeedEstimate {
 /// where the direction is undefined, the uncertainty is that of the least certain direction.
 SpeedEstimate horizontal_speed(const Eigen::Vector2d& velocity, const Eigen::Matrix2d& covariance);
 
-/// Covariance (m^2) of the horizontal displacement between epochs s and e of an arc:
-/// P_s + P_e - C - C', from the joint covariance of both positions.
+/// Horizontal displacement (m) of the craft between epochs s and e (s < e) of an arc: the
+/// difference of the smoothed positions; across a bridged step, over whose ends alone that would
+/// hold the unknown offset, what velocity and acceleration at both ends say of the motion
+/// (`BridgedStep`).
+template <int Axes>
+Eigen::Vector2d displacement(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e);
+
+/// Covariance (m^2) of this displacement: P_s + P_e - C - C', from the joint covariance of both
+/// positions; across bridged steps, from that of all states between.
 template <int Axes>
 Eigen::Matrix2d displacement_covariance(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e);
 
 /// Horizontal displacement over time between epochs s and e of an arc, with the uncertainty
-/// u' [P_s + P_e - C - C'] u / T^2; u is the direction of the displacement, T (s) the time between.
+/// u' [P_s + P_e - C - C'] u / T^2, or as above across bridged steps; u is the direction of the
+/// displacement, T (s) the time between.
 template <int Axes>
 SpeedEstimate displacement_speed(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e,
                                  double duration_s);
 
 /// Length of the horizontal path through the smoothed positions from epoch s to e, over time, with
-/// its uncertainty from the joint covariance of all these positions.
+/// its uncertainty from the joint covariance of all these positions. Over a bridged step the path
+/// is the displacement.
 template <int Axes>
 SpeedEstimate path_speed(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e,
                          double duration_s);

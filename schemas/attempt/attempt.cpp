@@ -189,12 +189,12 @@ std::string profile_name(const std::string& claimed) {
 Attempt read_attempt(std::string_view text, const std::string& where) {
     const YamlValue document(parse_yaml(text, where), where);
     if (!document.is_map())
-        document.fail("this is not an attempt", "An attempt begins with \"schema: attempt/1.1\"");
+        document.fail("this is not an attempt", "An attempt begins with \"schema: attempt/1.2\"");
     const std::optional<std::int64_t> revision = written_revision(document, attempt_schema());
     if (!revision)
         (document["schema"].exists() ? document["schema"] : document)
             .fail("the file does not say that it follows " + known_revisions(attempt_schema()),
-                  "An attempt begins with \"schema: attempt/1.1\"");
+                  "An attempt begins with \"schema: attempt/1.2\"");
     validate_revision(document, attempt_schema(), *revision);
 
     Attempt attempt;

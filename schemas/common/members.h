@@ -8,9 +8,11 @@
 #include <type_traits>
 #include <vector>
 
+#include "core/text.h"
 #include "files/yaml_input.h"
 
 // A struct of plain members as a map of a document, and back, by one list of names for both ways.
+// An enumeration needs `to_text(Enum)` and `bool from_text(std::string_view, Enum&)`.
 
 namespace runcert {
 
@@ -59,6 +61,8 @@ nlohmann::ordered_json json_of(const T& value) {
         return list;
     } else if constexpr (std::is_arithmetic_v<T> || std::is_same_v<T, std::string>) {
         return value;
+    } else if constexpr (std::is_enum_v<T>) {
+        return std::string(to_text(value));
     } else {
         return members_json(value);
     }
@@ -95,6 +99,13 @@ T read(const YamlValue& value) {
         return value.real();
     } else if constexpr (std::is_same_v<T, std::string>) {
         return value.text();
+    } else if constexpr (std::is_enum_v<T>) {
+        T word{};
+        if (!from_text(value.text(), word))
+            value.fail("\"" + escape_for_message(value.text()) + "\" is not one of the known words",
+                       "The file is not as the program writes it; take the original, or run the "
+                       "stage again");
+        return word;
     } else {
         return read_members<T>(value);
     }

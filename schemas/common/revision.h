@@ -42,7 +42,7 @@ void validate_revision(const YamlValue& document, const DocumentSchema& schema,
 std::optional<std::int64_t> written_revision(const YamlValue& document,
                                              const DocumentSchema& schema);
 
-/// "attempt/1.0 or attempt/1.1": what `written_revision` knows, for messages.
+/// "attempt/1.0 or attempt/1.1 or attempt/1.2": what `written_revision` knows, for messages.
 std::string known_revisions(const DocumentSchema& schema);
 
 }  // namespace runcert

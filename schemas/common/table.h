@@ -133,6 +133,16 @@ ColumnBinding<Row> column(std::string name) {
             }};
 }
 
+/// The same for a member of a struct inside the row.
+template <class Row, auto Group, auto Member>
+ColumnBinding<Row> column(std::string name) {
+    return {std::move(name), is_optional<std::remove_cvref_t<decltype((Row{}.*Group).*Member)>>,
+            [](EcsvWriter& out, const Row& row) { cell::write(out, row.*Group.*Member); },
+            [](const EcsvReader& in, std::size_t index, Row& row) {
+                cell::read(in, index, row.*Group.*Member);
+            }};
+}
+
 /// A schema and the struct of its rows.
 template <class Row>
 class TableFormat {

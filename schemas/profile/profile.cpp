@@ -98,7 +98,7 @@ Profile read_profile(std::string_view text, const std::string& where) {
     const std::optional<std::int64_t> revision = written_revision(document, profile_schema());
     if (!revision)
         document.fail("this is not a profile, or not one of " + known_revisions(profile_schema()),
-                      "A profile begins with \"schema: profile/1.1\"");
+                      "A profile begins with \"schema: profile/1.2\"");
     validate_revision(document, profile_schema(), *revision);
     Profile profile;
     profile.id = document["id"].text();
@@ -106,6 +106,8 @@ Profile read_profile(std::string_view text, const std::string& where) {
     profile.title = document["title"].text();
     profile.duration_s = document["window"]["duration_s"].real();
     profile.definition = document["window"]["definition"].text();
+    profile.repaired_steps =
+        value_or_default(document["window"], "window", "repaired_steps").boolean();
     if (const YamlValue accuracy = document["accuracy"]; accuracy.exists()) {
         profile.accuracy_unit = accuracy["unit"].text();
         profile.accuracy_limit_mps =

@@ -25,7 +25,8 @@ struct Profile {
     std::string body;
     std::string title;
     double duration_s = 0.0;
-    std::string definition;  ///< "displacement", "path_length", "mean_n_plus_1", "mean_n"
+    std::string definition;       ///< "displacement", "path_length", "mean_n_plus_1", "mean_n"
+    bool repaired_steps = false;  ///< whether a window may hold a step that was bridged
     std::optional<double> accuracy_limit_mps;
     std::string accuracy_unit;     ///< unit the limit is written in
     double coverage_factor = 2.0;  ///< k of the expanded uncertainty

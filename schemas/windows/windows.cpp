@@ -79,6 +79,15 @@ inline constexpr auto members<MonteCarloCheck> =
                Member{"converged", &MonteCarloCheck::converged}};
 
 template <>
+inline constexpr auto members<UndetectedError> =
+    std::tuple{Member{"hypothesis", &UndetectedError::hypothesis},
+               Member{"epoch", &UndetectedError::epoch},
+               Member{"last_epoch", &UndetectedError::last_epoch},
+               Member{"size", &UndetectedError::size},
+               Member{"unit", &UndetectedError::unit},
+               Member{"speed_m_s", &UndetectedError::speed_mps}};
+
+template <>
 inline constexpr auto members<SpeedDefinitions> =
     std::tuple{Member{"displacement_m_s", &SpeedDefinitions::displacement_mps},
                Member{"path_length_m_s", &SpeedDefinitions::path_length_mps},
@@ -103,6 +112,9 @@ inline constexpr auto members<CertifiableWindow> = std::tuple{
     Member{"selection", &CertifiableWindow::selection},
     Member{"budget", &CertifiableWindow::budget},
     Member{"monte_carlo", &CertifiableWindow::monte_carlo},
+    Member{"repaired_steps", &CertifiableWindow::repaired_steps},
+    Member{"detection_power", &CertifiableWindow::detection_power},
+    Member{"reliability", &CertifiableWindow::reliability},
     Member{"displacement_m", &CertifiableWindow::displacement_m},
     Member{"position_r95_m", &CertifiableWindow::position_r95_m},
     Member{"definitions", &CertifiableWindow::definitions},

@@ -97,6 +97,17 @@ struct MonteCarloCheck {
     bool converged = false;
 };
 
+/// An error of the largest size that screening finds with less than its stated power, and what it
+/// does to the speed.
+struct UndetectedError {
+    std::string hypothesis;  ///< word of `Hypothesis`
+    std::int64_t epoch = 0;  ///< first that has the error
+    std::int64_t last_epoch = 0;
+    double size = 0.0;
+    std::string unit;        ///< of the size: "m", "m / s", "s"
+    double speed_mps = 0.0;  ///< by how much it changes the speed
+};
+
 struct CertifiableWindow {
     WindowSpan span;
     std::int64_t arc = 0;
@@ -109,6 +120,9 @@ struct CertifiableWindow {
     std::optional<SelectionBias> selection = std::nullopt;
     std::vector<BudgetRow> budget = {};
     std::optional<MonteCarloCheck> monte_carlo = std::nullopt;
+    std::int64_t repaired_steps = 0;  ///< steps inside that were bridged; these since revision 1.2
+    std::optional<double> detection_power = std::nullopt;
+    std::vector<UndetectedError> reliability = {};  ///< the worst of each hypothesis, largest first
     double displacement_m = 0.0;
     double position_r95_m = 0.0;  ///< 95 % radius of the position at the worse end
     SpeedDefinitions definitions;

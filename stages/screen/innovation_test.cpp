@@ -9,6 +9,12 @@
 namespace runcert {
 namespace {
 
+EstimationModel class_model(const ScreenConfig& config) {
+    EstimationModel model;
+    model.motion.jerk_density = config.jerk_density;
+    return model;
+}
+
 template <int Axes>
 PositionMeasurement<Axes> measurement_of(const ScreenedEpoch& row, double variance_factor) {
     return {.position = measured_position<Axes>(row),
@@ -55,7 +61,7 @@ class ArcFilter {
 
 template <int Axes>
 double variance_factor_of(const std::vector<ScreenedEpoch>& rows, const ScreenConfig& config) {
-    ArcFilter<Axes> filter(config.model, 1.0);
+    ArcFilter<Axes> filter(class_model(config), 1.0);
     std::vector<double> statistics;
     for (const ScreenedEpoch& row : rows) {
         if (!row.usable) continue;
@@ -80,8 +86,8 @@ void readmit(ScreenedEpoch& row) {
 template <int Axes>
 void test_rows(std::vector<ScreenedEpoch>& rows, double variance_factor,
                const ScreenConfig& config) {
-    const double threshold = chi_squared_upper_quantile(config.false_alarm_rate, Axes);
-    ArcFilter<Axes> filter(config.model, variance_factor);
+    const double threshold = chi_squared_upper_quantile(config.first_false_alarm_rate, Axes);
+    ArcFilter<Axes> filter(class_model(config), variance_factor);
     std::vector<std::size_t> rejected;  // in a row, without an accepted epoch between
     std::vector<bool> given_up(rows.size(), false);
     for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -104,7 +110,7 @@ void test_rows(std::vector<ScreenedEpoch>& rows, double variance_factor,
         }
         reject(row);
         rejected.push_back(i);
-        if (static_cast<std::int64_t>(rejected.size()) < config.restart_after) continue;
+        if (static_cast<std::int64_t>(rejected.size()) < config.first_restart_after) continue;
         const std::size_t first = rejected.front();
         for (const std::size_t index : rejected)
             readmit(rows[index]);

@@ -1,9 +1,103 @@
 #include "stages/screen/screen.h"
 
+#include "arcs/screening_noise.h"
+#include "stages/screen/decisions.h"
 #include "stages/screen/epoch_checks.h"
+#include "stages/screen/evidence.h"
 #include "stages/screen/innovation_test.h"
+#include "stages/screen/time_check.h"
+#include "stages/screen/velocity_check.h"
 
 namespace runcert {
+namespace {
+
+/// The rows as a first look leaves them, for the noise to be learnt from.
+ScreenedTable first_look(const ScreenedTable& screened, const ScreenConfig& config) {
+    ScreenedTable table = screened;
+    const bool vertical = table.facts.vertical_measured;
+    table.variance_factor = robust_variance_factor(table.rows, vertical, config);
+    test_innovations(table.rows, vertical, table.variance_factor, config);
+    drop_short_arcs(table.rows, config);
+    return table;
+}
+
+template <int Axes>
+ScreeningNoise learn_noise(const ScreenedTable& look, const ScreenConfig& config,
+                           ScreeningEvidence& evidence) {
+    ScreeningNoise noise = learn_screening_noise<Axes>(look, config);
+    evidence.models.push_back(noise.evidence);
+    const auto kinds = compare_fix_kinds<Axes>(look, noise);
+    evidence.fix_kinds.insert(evidence.fix_kinds.end(), kinds.begin(), kinds.end());
+    return noise;
+}
+
+ScreeningNoises learn_noises(const ScreenedTable& look, const ScreenConfig& config,
+                             ScreeningEvidence& evidence) {
+    ScreeningNoises noises;
+    noises.horizontal = learn_noise<2>(look, config, evidence);
+    if (look.facts.vertical_measured) noises.vertical = learn_noise<1>(look, config, evidence);
+    noises.horizontal_factors = kind_factors(evidence, TestedAxes::horizontal);
+    noises.vertical_factors = kind_factors(evidence, TestedAxes::vertical);
+    return noises;
+}
+
+template <int Axes>
+void adapt_arcs(ScreenedTable& screened, const std::vector<Arc<Axes>>& arcs,
+                const EstimationModel& model, const TestPlan& plan, bool bridge_steps,
+                ScreeningEvidence& evidence) {
+    constexpr TestedAxes axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal;
+    for (const Arc<Axes>& arc : arcs) {
+        const ArcDecisions decisions = adapt<Axes>(arc.epochs, model, plan);
+        evidence.passes = std::max(evidence.passes, decisions.passes);
+        mark_rows(screened.rows, arc.rows, decisions, axes, bridge_steps);
+    }
+}
+
+void test_positions(ScreenedTable& screened, const ScreeningNoises& noises, const TestPlan& plan,
+                    const ScreenConfig& config, ScreeningEvidence& evidence) {
+    // Both groups of axes are tested on what the epochs' own checks left.
+    const auto horizontal = scaled_arcs<2>(screened, noises.horizontal_factors);
+    const auto vertical =
+        noises.vertical ? scaled_arcs<1>(screened, noises.vertical_factors) : std::vector<Arc<1>>{};
+    adapt_arcs<2>(screened, horizontal, noises.horizontal.model, plan, config.bridge_steps,
+                  evidence);
+    if (noises.vertical)
+        adapt_arcs<1>(screened, vertical, noises.vertical->model, plan, config.bridge_steps,
+                      evidence);
+}
+
+/// The witnesses beside the positions: what they mark changes the motion, so that they are asked
+/// again.
+void ask_witnesses(ScreenedTable& screened, const ScreeningNoises& noises, const TestPlan& plan,
+                   const ScreenConfig& config, ScreeningEvidence& evidence) {
+    constexpr int rounds = 4;
+    std::int64_t velocities = 0;
+    std::int64_t limits = 0;
+    for (int round = 0; round < rounds; ++round) {
+        finish_arcs(screened.rows, config.burst_epochs_max, config.min_arc_epochs);
+        const Motion motion = examine_arcs(screened, noises, plan);
+        evidence.velocity =
+            check_velocities(screened.rows, motion,
+                             {.delay_max_s = config.velocity_delay_max_s,
+                              .nominal_interval_s = screened.facts.nominal_interval_s,
+                              .test_size = plan.size()});
+        const std::int64_t marked = evidence.velocity ? evidence.velocity->rejected : 0;
+        velocities += marked;
+        if (evidence.velocity) evidence.velocity->rejected = velocities;
+        if (marked > 0) continue;
+        PhysicalLimits allowed = config.limits;
+        allowed.test_size = plan.size();
+        evidence.limits = check_limits(screened.rows, motion, allowed);
+        limits += evidence.limits.rejected;
+        const bool done = evidence.limits.rejected == 0;
+        evidence.limits.rejected = limits;
+        if (done) return;
+    }
+    finish_arcs(screened.rows, config.burst_epochs_max, config.min_arc_epochs);
+    examine_arcs(screened, noises, plan);
+}
+
+}  // namespace
 
 ScreenConfig screen_config(const Attempt& attempt) {
     const nlohmann::ordered_json& parameters = attempt.parameters.at("screen");
@@ -16,10 +110,22 @@ ScreenConfig screen_config(const Attempt& attempt) {
     config.accuracy_min_m = parameters.at("accuracy_min_m");
     config.accuracy_max_m = parameters.at("accuracy_max_m");
     config.gap_factor = parameters.at("gap_factor");
-    config.false_alarm_rate = parameters.at("false_alarm_rate");
-    config.restart_after = parameters.at("restart_after");
+    config.session_gap_s = parameters.at("session_gap_s");
     config.min_arc_epochs = parameters.at("min_arc_epochs");
-    config.model.motion.jerk_density = parameters.at("jerk_density");
+    config.jerk_density = parameters.at("jerk_density");
+    config.fit_noise = parameters.at("noise") == "fitted";
+    config.tau_min_s = attempt.parameters.at("smooth").at("error_time_min_s");
+    config.tau_max_s = attempt.parameters.at("smooth").at("error_time_max_s");
+    config.first_false_alarm_rate = parameters.at("false_alarm_rate");
+    config.first_restart_after = parameters.at("restart_after");
+    config.family_false_alarm_rate = parameters.at("family_false_alarm_rate");
+    config.power = parameters.at("power");
+    config.burst_epochs_max = parameters.at("burst_epochs_max");
+    config.bridge_steps = parameters.at("steps") == "bridge";
+    config.velocity_delay_max_s = parameters.at("velocity_delay_max_s");
+    config.limits.acceleration_mps2 = parameters.at("acceleration_max_mps2");
+    config.limits.jerk_mps3 = parameters.at("jerk_max_mps3");
+    config.limits.vertical_rate_mps = parameters.at("vertical_rate_max_mps");
     return config;
 }
 
@@ -30,13 +136,29 @@ ScreenedTable screen(const EnuTable& table, const ScreenConfig& config) {
     screened.rows.reserve(table.rows.size());
     for (const EnuEpoch& row : table.rows)
         static_cast<EnuEpoch&>(screened.rows.emplace_back()) = row;
+    const double nominal_interval_s = table.facts.nominal_interval_s;
 
-    const bool vertical = table.facts.vertical_measured;
-    check_epochs(screened.rows, vertical, config);
-    number_arcs(screened.rows, table.facts.nominal_interval_s, config);
-    screened.variance_factor = robust_variance_factor(screened.rows, vertical, config);
-    test_innovations(screened.rows, vertical, screened.variance_factor, config);
-    drop_short_arcs(screened.rows, config);
+    check_epochs(screened.rows, table.facts.vertical_measured, config);
+    number_arcs(screened.rows, nominal_interval_s, config);
+    const TestPlan plan(config.family_false_alarm_rate,
+                        std::max<std::int64_t>(1, summarise(screened.rows).usable) *
+                            tests_of_an_epoch(config.burst_epochs_max),
+                        config.power, config.burst_epochs_max);
+    ScreeningEvidence evidence;
+    evidence.family_false_alarm_rate = config.family_false_alarm_rate;
+    evidence.tests = plan.tests();
+    evidence.test_size = plan.size();
+    evidence.power = plan.power();
+    evidence.time = examine_time(screened.rows, {.nominal_interval_s = nominal_interval_s,
+                                                 .gap_factor = config.gap_factor,
+                                                 .session_gap_s = config.session_gap_s});
+    finish_arcs(screened.rows, config.burst_epochs_max, config.min_arc_epochs);
+    const ScreenedTable look = first_look(screened, config);
+    screened.variance_factor = look.variance_factor;
+    const ScreeningNoises noises = learn_noises(look, config, evidence);
+    test_positions(screened, noises, plan, config, evidence);
+    ask_witnesses(screened, noises, plan, config, evidence);
+    screened.evidence = std::move(evidence);
     return screened;
 }
 

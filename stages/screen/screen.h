@@ -2,9 +2,9 @@
 
 #include <set>
 
-#include "estimation/motion_model.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/screened/screened.h"
+#include "stages/screen/physical_limits.h"
 
 namespace runcert {
 
@@ -14,21 +14,36 @@ struct ScreenConfig {
     double accuracy_min_m = 0.0;
     double accuracy_max_m = 0.0;
     double gap_factor = 0.0;
-    double false_alarm_rate = 0.0;
-    std::int64_t restart_after = 0;
+    double session_gap_s = 0.0;
     std::int64_t min_arc_epochs = 0;
-    EstimationModel model;
+
+    double jerk_density = 0.0;  ///< of the craft's class: what its hardest motion needs
+    bool fit_noise = true;
+    double tau_min_s = 0.0;  ///< correlation times that a slow error may have
+    double tau_max_s = 0.0;
+    double first_false_alarm_rate = 0.0;  ///< of the first look
+    std::int64_t first_restart_after = 0;
+
+    double family_false_alarm_rate = 0.0;
+    double power = 0.0;
+    std::int64_t burst_epochs_max = 0;
+    bool bridge_steps = false;
+    double velocity_delay_max_s = 0.0;
+    PhysicalLimits limits;
 };
 
 ScreenConfig screen_config(const Attempt& attempt);
 
 /// Marks the epochs that may not take part in the estimate, and cuts the rest into arcs.
 ///
-/// First each epoch by itself: position, kind of solution, time, stated accuracy; then gaps; then
-/// the chi-squared test of the innovations of a forward Kalman filter through each arc, the stated
-/// covariances multiplied by a robust variance factor of the recording. `restart_after` rejections
-/// in a row are a break: the arc ends before the first of them and a new one begins with it. No
-/// row is removed. The header is the caller's.
+/// First each epoch by itself: position, kind of solution, time, stated accuracy; then gaps. Then
+/// detection, identification and adaptation (Baarda 1968; Teunissen 2018), horizontally and
+/// vertically: the noise is learnt from what a first look leaves; every epoch is tested for an
+/// outlier, a burst, a step, a ramp and a shift of its stamps, every stretch for the model as a
+/// whole; the best supported hypothesis is adapted to, and the tests are repeated until none is
+/// left. All tests together raise a false alarm with the family-wise rate at most. Then the
+/// recorded velocities, and the limits of the craft's class. No row is removed. The header is the
+/// caller's.
 ScreenedTable screen(const EnuTable& table, const ScreenConfig& config);
 
 }  // namespace runcert

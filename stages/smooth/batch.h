@@ -44,6 +44,7 @@ struct BatchSolution {
 
 /// The smoother's problem as one batch least squares, solved by Ceres (sparse normal equations on
 /// one thread): the whitened residuals of prior, measurements and process noise of one arc. The
+/// offset of a bridged step is an unknown beside the states, with a weak prior of its own. The
 /// problem is linear; the solver iterates only to refine.
 ///
 /// Longer arcs are solved in overlapping stretches, each begun with the vague prior at a measured
@@ -86,7 +87,8 @@ struct TwoStateCovariance {
 
 /// Joint covariance of the states of epochs s < e by the QR factor of the whole batch problem
 /// (Ceres' covariance estimation): another way to the smoother's, for checks, not for every epoch.
-/// The arc is not cut. Throws Failure where the problem does not determine every state.
+/// The arc is not cut. Between two bridged steps, and after the last, there must be a measurement.
+/// Throws Failure where the problem does not determine every state.
 template <int Axes>
 TwoStateCovariance<Axes> batch_covariance(std::span<const ArcEpoch<Axes>> arc,
                                           const EstimationModel& model, std::size_t s,

@@ -103,6 +103,29 @@ class BatchProblem<Axes>::ProcessCost : public ceres::SizedCostFunction<n, n, n>
     State offset_;
 };
 
+/// The same less what the offset of a bridged step makes of the position.
+template <int Axes>
+class BatchProblem<Axes>::BridgedProcessCost : public ceres::SizedCostFunction<n, n, n, Axes> {
+  public:
+    using OffsetJacobian =
+        Eigen::Matrix<double, n, Axes, Axes == 1 ? Eigen::ColMajor : Eigen::RowMajor>;
+
+    BridgedProcessCost(const Step& step, const State& offset, const OffsetJacobian& jacobian)
+        : process_(step, offset), jacobian_(jacobian) {}
+
+    bool Evaluate(double const* const* parameters, double* residuals,
+                  double** jacobians) const override {
+        process_.Evaluate(parameters, residuals, jacobians);
+        view<State>(residuals) += jacobian_ * view<PositionVector<Axes>>(parameters[2]);
+        if (jacobians && jacobians[2]) view<OffsetJacobian>(jacobians[2]) = jacobian_;
+        return true;
+    }
+
+  private:
+    ProcessCost process_;
+    OffsetJacobian jacobian_;
+};
+
 template <int Axes>
 BatchProblem<Axes>::BatchProblem(std::span<const ArcEpoch<Axes>> stretch,
                                  const EstimationModel& model,
@@ -121,6 +144,7 @@ BatchProblem<Axes>::BatchProblem(std::span<const ArcEpoch<Axes>> stretch,
     // The problem owns losses and costs.
     ceres::LossFunction* loss = cauchy_scale ? new ceres::CauchyLoss(*cauchy_scale) : nullptr;
     add_prior();
+    add_offsets();
     for (std::size_t k = 0; k < stretch.size(); ++k) {
         if (k > 0) add_process(k);
         if (stretch[k].measurement) add_measurement(k, loss);
@@ -151,12 +175,47 @@ void BatchProblem<Axes>::add_measurement(std::size_t k, ceres::LossFunction* los
     problem_.AddResidualBlock(new Cost(jacobian, offset), loss, unknowns_[k].data());
 }
 
+/// The offsets that the stretch determines, with their prior. A step that no measurement follows
+/// has none: its expected size is zero, and it changes no state.
+template <int Axes>
+void BatchProblem<Axes>::add_offsets() {
+    using Cost = OneStateCost<Axes, Axes>;
+    std::vector<std::size_t> open;
+    for (std::size_t k = 1; k < stretch_.size(); ++k) {
+        if (stretch_[k].step_before) open.push_back(k);
+        if (!stretch_[k].measurement || open.empty()) continue;
+        const auto steps = static_cast<double>(open.size());
+        Offset& offset = offsets_.emplace_back();
+        for (const std::size_t at : open) {
+            offset_before_[at] = &offset;
+            const double dt_s = stretch_[at].time_s - stretch_[at - 1].time_s;
+            const State moved = transition<Axes>(axis_step(model_, dt_s)) * reference_[at - 1];
+            offset.reference += (reference_[at] - moved).template head<Axes>() / steps;
+        }
+        const double weight = std::sqrt(steps) / vague_position_sigma_m;
+        problem_.AddResidualBlock(
+            new Cost(weight * unit_.template head<Axes>().asDiagonal(), weight * offset.reference),
+            nullptr, offset.unknown.data());
+        open.clear();
+    }
+}
+
 template <int Axes>
 void BatchProblem<Axes>::add_process(std::size_t k) {
     const Step& step = step_over(stretch_[k].time_s - stretch_[k - 1].time_s);
-    const State offset = step.before * reference_[k - 1] + step.after * reference_[k];
-    problem_.AddResidualBlock(new ProcessCost(step, offset), nullptr, unknowns_[k - 1].data(),
-                              unknowns_[k].data());
+    const State noise = step.before * reference_[k - 1] + step.after * reference_[k];
+    double* const before = unknowns_[k - 1].data();
+    double* const after = unknowns_[k].data();
+    const auto bridged = offset_before_.find(k);
+    if (bridged == offset_before_.end()) {
+        problem_.AddResidualBlock(new ProcessCost(step, noise), nullptr, before, after);
+        return;
+    }
+    Offset& offset = *bridged->second;
+    const State known = noise - step.after.template leftCols<Axes>() * offset.reference;
+    problem_.AddResidualBlock(
+        new BridgedProcessCost(step, known, -step.after_unknown.template leftCols<Axes>()), nullptr,
+        before, after, offset.unknown.data());
 }
 
 template <int Axes>

@@ -3,6 +3,7 @@
 #include <ceres/problem.h>
 
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <optional>
 #include <span>
@@ -29,13 +30,14 @@ struct Convergence {
 };
 
 /// The least-squares problem of one stretch of an arc, in Ceres: whitened residuals of prior,
-/// measurements (with a Cauchy loss where a scale is given) and process noise. Not for use outside
-/// the batch: batch.h solves arcs.
+/// measurements (with a Cauchy loss where a scale is given) and process noise, and the offsets of
+/// bridged steps. Not for use outside the batch: batch.h solves arcs.
 ///
-/// The unknowns are the differences of the states from a reference, in units of the standard
-/// deviation of one step's process noise. In metres and seconds the Jacobian's columns would differ
-/// by many orders of magnitude, and a factorisation would take the small ones for rounding; about a
-/// near reference, rounding of large coordinates does not hide what the cost still changes by.
+/// The unknowns are the differences of states and offsets from a reference, in units of the
+/// standard deviation of one step's process noise. In metres and seconds the Jacobian's columns
+/// would differ by many orders of magnitude, and a factorisation would take the small ones for
+/// rounding; about a near reference, rounding of large coordinates does not hide what the cost
+/// still changes by.
 template <int Axes>
 class BatchProblem {
   public:
@@ -64,6 +66,14 @@ class BatchProblem {
     using RowMajor = Eigen::Matrix<double, n, n, Eigen::RowMajor>;
 
     class ProcessCost;
+    class BridgedProcessCost;
+
+    /// The offset of a bridged step. Of several without a measurement between them only the sum of
+    /// the offsets is determined, and least squares shares it equally: they have one.
+    struct Offset {
+        PositionVector<Axes> reference = PositionVector<Axes>::Zero();
+        PositionVector<Axes> unknown = PositionVector<Axes>::Zero();
+    };
 
     /// One length of step: what makes whitened process noise of two states, and of two unknowns.
     struct Step {
@@ -76,6 +86,7 @@ class BatchProblem {
     void add_prior();
     void add_measurement(std::size_t k, ceres::LossFunction* loss);
     void add_process(std::size_t k);
+    void add_offsets();
     const Step& step_over(double dt_s);
 
     std::span<const ArcEpoch<Axes>> stretch_;
@@ -83,6 +94,8 @@ class BatchProblem {
     std::vector<State> reference_;
     State unit_;
     std::vector<State> unknowns_;
+    std::deque<Offset> offsets_;
+    std::map<std::size_t, Offset*> offset_before_;  ///< by the epoch that follows the step
     std::map<std::int64_t, Step> steps_;  ///< by nanoseconds; the problem's costs refer to them
     ceres::Problem problem_;
 };

@@ -36,32 +36,67 @@ std::string describe(Reason reason, std::int64_t count) {
         {Reason::accuracy_missing, "without a stated accuracy"},
         {Reason::accuracy_absurd, "with an absurd stated accuracy"},
         {Reason::innovation, "rejected by the innovation test"},
-        {Reason::short_arc, "in a stretch too short to be used"}};
+        {Reason::short_arc, "in a stretch too short to be used"},
+        {Reason::outlier, "contradicted by those before and after"},
+        {Reason::burst, "in a run of wrong positions"},
+        {Reason::model, "in a stretch that no single error explains"},
+        {Reason::velocity, "contradicted by the recorded velocity"},
+        {Reason::physical_limit, "of a motion that the craft cannot make"},
+        {Reason::baseline, "contradicted by the other receiver"}};
     return fmt::format("{} {} {}", count, count == 1 ? "epoch" : "epochs", sentences.at(reason));
+}
+
+/// Breaks inside a window, by what they mean for it.
+struct Breaks {
+    std::int64_t gaps = 0;
+    std::int64_t steps = 0;    ///< positions, or their times, do not go on as they were
+    std::int64_t bridged = 0;  ///< such a step whose offset the estimate takes out
+};
+
+void add_break(ArcBreak arc_break, Breaks& breaks) {
+    switch (arc_break) {
+        case ArcBreak::start:
+        case ArcBreak::gap:
+            ++breaks.gaps;
+            break;
+        case ArcBreak::innovation:
+        case ArcBreak::step:
+        case ArcBreak::ramp:
+        case ArcBreak::time_shift:
+            ++breaks.steps;
+            break;
+        case ArcBreak::bridged:
+            ++breaks.bridged;
+            break;
+    }
 }
 
 std::vector<std::string> refusals_of(const ScreenedTable& screened, std::size_t first,
                                      std::size_t last) {
     std::map<Reason, std::int64_t> reasons;
     std::vector<std::string> refusals;
-    std::int64_t gaps = 0;
-    std::int64_t steps = 0;
+    Breaks breaks;
     for (std::size_t i = first; i <= last; ++i) {
         const ScreenedEpoch& row = screened.rows[i];
         if (!row.usable) ++reasons[row.reason];
-        if (i == first || !row.break_before) continue;
-        (*row.break_before == ArcBreak::innovation ? steps : gaps) += 1;
+        if (i != first && row.break_before) add_break(*row.break_before, breaks);
     }
-    refusals.reserve(reasons.size() + 2);
+    refusals.reserve(reasons.size() + 3);
     for (const auto& [reason, count] : reasons)
         refusals.push_back(describe(reason, count));
-    if (steps > 0)
+    if (breaks.steps > 0)
         refusals.push_back(
             fmt::format("{} {} that the motion cannot explain: positions before and "
                         "after do not belong together",
-                        steps, steps == 1 ? "step" : "steps"));
-    if (gaps > 0 && reasons.empty())
-        refusals.push_back(fmt::format("{} {} in time", gaps, gaps == 1 ? "gap" : "gaps"));
+                        breaks.steps, breaks.steps == 1 ? "step" : "steps"));
+    if (breaks.bridged > 0)
+        refusals.push_back(
+            fmt::format("{} repaired {}: the recorded positions before and after belong together "
+                        "only by an estimated offset",
+                        breaks.bridged, breaks.bridged == 1 ? "step" : "steps"));
+    if (breaks.gaps > 0 && reasons.empty())
+        refusals.push_back(
+            fmt::format("{} {} in time", breaks.gaps, breaks.gaps == 1 ? "gap" : "gaps"));
     return refusals;
 }
 

@@ -1,6 +1,7 @@
 #include "golden_files.h"
 
-// What revision 1.1 added, as today's reader finds it in the files of 1.1.
+// What revision 1.1 added, as today's reader finds it in the files of 1.1; and that what came later
+// is not told there.
 
 namespace runcert {
 namespace {
@@ -67,6 +68,19 @@ TEST(Golden11, Windows) {
     EXPECT_EQ(best.budget[1].standard_uncertainty, 0.00057735);
     EXPECT_EQ(best.monte_carlo->tolerance_mps, 6.25e-5);
     EXPECT_EQ(best.definitions.mean_n_mps, 56.385);
+    EXPECT_EQ(best.repaired_steps, 0);
+    EXPECT_TRUE(best.reliability.empty());
+    EXPECT_FALSE(best.detection_power);
+}
+
+TEST(Golden11, ScreenedSaysNothingOfTestsAndDecisions) {
+    const ScreenedTable table = read_screened(text_of("v1.1/3-screened.ecsv"), "f");
+    EXPECT_FALSE(table.evidence);
+    EXPECT_TRUE(summarise(table.rows).decisions.empty());
+    for (const ScreenedEpoch& row : table.rows)
+        EXPECT_FALSE(row.hypothesis || row.tested_axes || row.estimated.east_m ||
+                     row.detectable.outlier_m);
+    EXPECT_EQ(write_screened(table).find("screening:"), std::string::npos);
 }
 
 TEST(Golden11, AttemptFile) {
@@ -77,6 +91,7 @@ TEST(Golden11, AttemptFile) {
     EXPECT_EQ(attempt.parameters.at("smooth").at("error_time_max_s"), 20);
     EXPECT_EQ(attempt.parameters.at("window").at("plane_scale_bound"), 0.0004);
     EXPECT_EQ(attempt.overrides.size(), 20U);
+    EXPECT_EQ(attempt.parameters.at("screen").at("family_false_alarm_rate"), 0.001);
 }
 
 TEST(Golden11, ProfileFile) {

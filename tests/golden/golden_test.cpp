@@ -5,7 +5,7 @@
 #include "golden_files.h"
 
 // Every published revision is read for ever: what today's reader finds in the files of 1.0; those
-// of 1.1 have the same and what 1.1 added: golden_1_1_test.cpp.
+// of 1.1 have the same and what 1.1 added: golden_1_1_test.cpp; those of 1.2: golden_1_2_test.cpp.
 
 namespace runcert {
 namespace {
@@ -92,7 +92,7 @@ TEST(Golden, WritingWhatWasReadFromAnEarlierRevisionKeepsEveryFigure) {
         expect_kept(json(text), json(again), "");
         if (file.is_table) expect_cells_kept(EcsvReader(text, "f"), EcsvReader(again, "f"));
     }
-    EXPECT_EQ(count, 5);
+    EXPECT_EQ(count, 7);
 }
 
 TEST(Golden, Observations) {
@@ -151,6 +151,7 @@ TEST(Golden, Screened) {
     EXPECT_EQ(table.rows.at(2).reason, Reason::float_ambiguities);
     EXPECT_EQ(table.rows.at(4).reason, Reason::no_position);
     EXPECT_FALSE(table.rows.at(4).arc);
+    EXPECT_FALSE(table.evidence || table.rows.at(1).hypothesis || table.rows.at(1).tested_axes);
 }
 
 TEST(Golden, Trajectory) {
@@ -187,7 +188,9 @@ TEST(Golden, Windows) {
     const CertifiableWindow& best = *nalsa.best;
     EXPECT_FALSE(best.fitted || best.bound || best.robust || best.selection || best.monte_carlo);
     EXPECT_FALSE(best.effective_degrees_of_freedom);
-    EXPECT_TRUE(best.budget.empty());
+    EXPECT_TRUE(best.budget.empty() && best.reliability.empty());
+    EXPECT_EQ(best.repaired_steps, 0);
+    EXPECT_FALSE(best.detection_power);
 }
 
 TEST(Golden, VerdictFile) {
@@ -222,6 +225,7 @@ TEST(Golden, AttemptFile) {
     EXPECT_FALSE(attempt.receivers.at(0).rotation_bound_deg);
     EXPECT_EQ(attempt.parameters.at("smooth").at("noise"), "fitted");
     EXPECT_EQ(attempt.parameters.at("window").at("seed"), 1);
+    EXPECT_EQ(attempt.parameters.at("screen").at("steps"), "end_arc");
 }
 
 TEST(Golden, ProfileFile) {
@@ -232,6 +236,7 @@ TEST(Golden, ProfileFile) {
     EXPECT_EQ(profile.clauses.size(), 6U);
     EXPECT_EQ(profile.uncertainty.tau_max_s, 10.0);
     EXPECT_EQ(profile.uncertainty.error_floor_m.at("fixed"), 0.02);
+    EXPECT_FALSE(profile.repaired_steps);
 }
 
 TEST(Golden, SimulationFile) {

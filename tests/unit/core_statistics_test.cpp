@@ -91,5 +91,27 @@ TEST(Statistics, RefuseWhatHasNoAnswer) {
         EXPECT_THROW(normal_quantile(p), Failure);
 }
 
+TEST(Statistics, TheTailOfChiSquaredKeepsItsDigits) {
+    // scipy 1.10, scipy.stats.chi2.logsf; beyond its range the closed forms of 2 and 1 degrees of
+    // freedom.
+    EXPECT_NEAR(log_chi_squared_upper_tail(10.0, 1), -6.45961245415, 1e-10);
+    EXPECT_NEAR(log_chi_squared_upper_tail(1199.0, 3), -596.180336788, 1e-8);
+    EXPECT_NEAR(log_chi_squared_upper_tail(1201.0, 40), -518.250298318, 1e-8);
+    EXPECT_NEAR(log_chi_squared_upper_tail(5000.0, 2), -2500.0, 1e-9);
+    EXPECT_NEAR(log_chi_squared_upper_tail(1e6, 1), -500007.133548, 1e-5);
+    EXPECT_EQ(log_chi_squared_upper_tail(0.0, 2), 0.0);
+    EXPECT_THROW(log_chi_squared_upper_tail(-1.0, 2), Failure);
+}
+
+TEST(Statistics, BaardasNoncentrality) {
+    // 17.075 for a size of 0.001 and a power of 0.80 (Baarda 1968, "A testing procedure for use in
+    // geodetic networks").
+    EXPECT_NEAR(noncentrality(0.001, 0.80, 1), 17.075, 5e-4);
+    // scipy 1.10, scipy.stats.ncx2.
+    EXPECT_NEAR(noncentrality(1e-9, 0.8, 2), 51.92467616587213, 1e-8);
+    EXPECT_THROW(noncentrality(0.5, 0.4, 1), Failure);
+    EXPECT_THROW(noncentrality(0.0, 0.4, 1), Failure);
+}
+
 }  // namespace
 }  // namespace runcert

@@ -5,7 +5,7 @@
 #include "files_test_support.h"
 #include "schemas/attempt/attempt.h"
 
-// What revision 1.1 of an attempt added.
+// What revisions 1.1 and 1.2 of an attempt added.
 
 namespace runcert {
 namespace {
@@ -13,7 +13,7 @@ namespace {
 using test::failure_of;
 using test::replaced;
 
-/// The least that an attempt says, of both revisions.
+/// The least that an attempt says, of every revision.
 const std::string least = R"(schema: attempt/1.0
 id: a
 craft: {name: b, class: board}
@@ -22,13 +22,16 @@ receivers:
 profiles: [nalsa]
 )";
 const std::string least_1_1 = replaced(least, "attempt/1.0", "attempt/1.1");
+const std::string least_1_2 = replaced(least, "attempt/1.0", "attempt/1.2");
 
-TEST(AttemptRevision, BothAreReadAlikeWhereTheySayTheSame) {
+TEST(AttemptRevision, AllAreReadAlikeWhereTheySayTheSame) {
     const Attempt first = read_attempt(least, "f");
-    const Attempt second = read_attempt(least_1_1, "f");
-    EXPECT_EQ(first.parameters, second.parameters);
-    EXPECT_TRUE(second.overrides.empty());
-    EXPECT_FALSE(second.receivers.at(0).rotation_bound_deg);
+    for (const std::string& text : {least_1_1, least_1_2}) {
+        const Attempt later = read_attempt(text, "f");
+        EXPECT_EQ(first.parameters, later.parameters);
+        EXPECT_TRUE(later.overrides.empty());
+        EXPECT_FALSE(later.receivers.at(0).rotation_bound_deg);
+    }
 }
 
 TEST(AttemptRevision, WhatIsNewHasItsDefault) {
@@ -106,6 +109,73 @@ TEST(AttemptRevision, BadInputIsNamedWithItsPlace) {
         const auto said = failure_of([&] { read_attempt(replaced(least_1_1, c.from, c.to), "f"); });
         EXPECT_EQ(said.where, c.where) << c.to << "\n" << said.problem;
         EXPECT_TRUE(said.contains(c.said)) << c.to << "\n" << said.problem << ". " << said.remedy;
+    }
+}
+
+TEST(AttemptScreening, HasItsDefaults) {
+    const auto screen = read_attempt(least, "f").parameters.at("screen");
+    EXPECT_EQ(screen.at("family_false_alarm_rate"), 0.001);
+    EXPECT_EQ(screen.at("power"), 0.8);
+    EXPECT_EQ(screen.at("burst_epochs_max"), 20);
+    EXPECT_EQ(screen.at("noise"), "fitted");
+    EXPECT_EQ(screen.at("steps"), "end_arc");
+    EXPECT_EQ(screen.at("velocity_delay_max_s"), 1.0);
+    EXPECT_EQ(screen.at("session_gap_s"), 60);
+}
+
+TEST(AttemptScreening, ItsLimitsAreThoseOfTheCraftsClass) {
+    const struct {
+        std::string name;
+        double acceleration_mps2, jerk_mps3, vertical_rate_mps;
+    } classes[] = {{"land-yacht", 20, 200, 5}, {"ice-yacht", 20, 200, 5},
+                   {"sail-boat", 15, 150, 5},  {"board", 20, 300, 8},
+                   {"car", 25, 300, 10},       {"skydiver", 40, 400, 200},
+                   {"other", 50, 500, 300}};
+    for (const auto& each : classes) {
+        const auto screen =
+            read_attempt(replaced(least, "class: board", "class: " + each.name), "f")
+                .parameters.at("screen");
+        EXPECT_EQ(screen.at("acceleration_max_mps2"), each.acceleration_mps2) << each.name;
+        EXPECT_EQ(screen.at("jerk_max_mps3"), each.jerk_mps3) << each.name;
+        EXPECT_EQ(screen.at("vertical_rate_max_mps"), each.vertical_rate_mps) << each.name;
+    }
+}
+
+TEST(AttemptScreening, EachFieldNeedsItsRevisionAndKeepsToItsRange) {
+    const struct {
+        std::string field, good, bad, said;
+    } cases[] = {
+        {"family_false_alarm_rate", "1.0e-9", "1.0e-10", "is below 1e-09"},
+        {"family_false_alarm_rate", "0.1", "0.2", "0.2 is above 0.1"},
+        {"power", "0.5", "0.4", "0.4 is below 0.5"},
+        {"power", "0.999", "1", "1 is above 0.999"},
+        {"burst_epochs_max", "2", "1", "1 is below 2"},
+        {"burst_epochs_max", "100", "101", "101 is above 100"},
+        {"noise", "stated", "guessed", "\"guessed\" is not one of fitted, stated"},
+        {"steps", "bridge", "jump", "\"jump\" is not one of end_arc, bridge"},
+        {"acceleration_max_mps2", "30", "0", "is below 1 m s-2"},
+        {"jerk_max_mps3", "30", "-1", "is below 1 m s-3"},
+        {"vertical_rate_max_mps", "2", "0", "is below 0.1 m / s"},
+        {"velocity_delay_max_s", "0", "-0.1", "-0.1 is below 0 s"},
+        {"velocity_delay_max_s", "5", "5.1", "5.1 is above 5 s"},
+        {"session_gap_s", "1", "0.5", "0.5 is below 1 s"},
+    };
+    for (const auto& c : cases) {
+        const auto with = [&c](const std::string& text, const std::string& value) {
+            return replaced(text, "[nalsa]",
+                            "[nalsa]\nparameters: {screen: {" + c.field + ": " + value + "}}");
+        };
+        const Attempt attempt = read_attempt(with(least_1_2, c.good), "f");
+        EXPECT_EQ(attempt.overrides, std::vector<std::string>{"screen." + c.field});
+        const auto bad = failure_of([&] { read_attempt(with(least_1_2, c.bad), "f"); });
+        EXPECT_TRUE(bad.contains(c.said)) << c.field << "\n" << bad.problem;
+        EXPECT_EQ(bad.where, "f:7:" + std::to_string(25 + c.field.size()));
+        const auto early = failure_of([&] { read_attempt(with(least_1_1, c.good), "f"); });
+        EXPECT_TRUE(
+            early.contains("the field needs revision 1.2 of the schema attempt; the file "
+                           "follows attempt/1.1"))
+            << c.field << "\n"
+            << early.problem;
     }
 }
 

@@ -180,6 +180,11 @@ CertifiableWindow window() {
                       0.034641, "", ""}};
     window.monte_carlo =
         MonteCarloCheck{7, 200'000, 60.0024, 0.0126, 59.9775, 60.0275, 0.00005, true};
+    window.repaired_steps = 2;
+    window.detection_power = 0.8;
+    window.reliability = {{"step", 12, 31, 0.0625, "m", 0.0205},
+                          {"ramp", 14, 30, 0.75, "m / s", 0.0125},
+                          {"time_shift", 9, 31, 0.001250125, "s", 0.0075}};
     return window;
 }
 
@@ -266,17 +271,54 @@ TEST(WindowUncertainty, TheBudgetRoundTrips) {
     }
 }
 
+TEST(WindowReliability, RoundTrips) {
+    const CertifiableWindow before = window();
+    const CertifiableWindow back = written_and_read(before);
+    EXPECT_EQ(back.repaired_steps, 2);
+    EXPECT_EQ(back.detection_power, 0.8);
+    ASSERT_EQ(back.reliability.size(), 3U);
+    for (std::size_t i = 0; i < 3; ++i) {
+        const UndetectedError& a = back.reliability[i];
+        const UndetectedError& b = before.reliability[i];
+        EXPECT_EQ(a.hypothesis, b.hypothesis);
+        EXPECT_EQ(a.epoch, b.epoch);
+        EXPECT_EQ(a.last_epoch, b.last_epoch);
+        EXPECT_EQ(a.size, b.size);
+        EXPECT_EQ(a.unit, b.unit);
+        EXPECT_EQ(a.speed_mps, b.speed_mps);
+    }
+}
+
+TEST(WindowReliability, HasOnlyKnownWordsAndIsOfRevision2) {
+    CertifiableWindow wrong = window();
+    wrong.reliability[0].hypothesis = "slip";
+    EXPECT_TRUE(
+        failure_of([&] { write_windows(windows(wrong)); }).contains("\"slip\" is not one of"));
+    wrong = window();
+    wrong.reliability[0].unit = "km";
+    EXPECT_TRUE(
+        failure_of([&] { write_windows(windows(wrong)); }).contains("is not one of m, m / s"));
+    const std::string early =
+        test::replaced(write_windows(windows(window())), "version: \"1.2\"", "version: \"1.1\"");
+    EXPECT_TRUE(failure_of([&] {
+                    read_windows(early, "f");
+                }).contains("repaired_steps: the field needs revision 1.2"));
+}
+
 TEST(WindowUncertainty, WhatWasNotComputedIsAbsentButTheBudgetIsListed) {
     CertifiableWindow bare;
     bare.effective_degrees_of_freedom = std::numeric_limits<double>::infinity();
     const std::string text = write_windows(windows(bare));
     const CertifiableWindow back = read_windows(text, "f").profiles.at(0).best.value();
     EXPECT_FALSE(back.effective_degrees_of_freedom || back.fitted || back.bound || back.robust ||
-                 back.selection || back.monte_carlo);
+                 back.selection || back.monte_carlo || back.detection_power);
+    EXPECT_TRUE(back.reliability.empty());
     const std::string without = test::replaced(text, "      budget: []\n", "");
     EXPECT_TRUE(
         failure_of([&] { read_windows(without, "f"); }).contains("the key \"budget\" is missing"));
-    const std::string earlier = test::replaced(without, "version: \"1.1\"", "version: \"1.0\"");
+    const std::string earlier =
+        test::replaced(test::replaced(without, "version: \"1.2\"", "version: \"1.0\""),
+                       "      repaired_steps: 0\n      reliability: []\n", "");
     EXPECT_TRUE(read_windows(earlier, "f").profiles.at(0).best->budget.empty());
     bare.fitted = FittedSpeed{60.0, std::numeric_limits<double>::quiet_NaN(), 1};
     EXPECT_TRUE(failure_of([&] { write_windows(windows(bare)); }).contains("finite"));

@@ -111,7 +111,8 @@ TEST(Profile, BadInputIsNamedWithItsPlace) {
          "  []\n", "p:10:3", "the rule requires nothing"},
         {"id: my-rule\n", "", "p:1:1", "\"id\" is missing"},
         {"profile/1.0", "profile/2.0", "p:1:1", "this is not a profile"},
-        {"profile/1.0", "profile/1.2", "p:1:1", "not one of profile/1.0 or profile/1.1"},
+        {"profile/1.0", "profile/1.3", "p:1:1",
+         "not one of profile/1.0 or profile/1.1 or profile/1.2"},
         {"schema: profile/1.0\n", "", "p:1:1", "this is not a profile"},
     };
     ASSERT_NO_THROW(read_profile(sample, "p"));
@@ -190,6 +191,24 @@ TEST(ProfileUncertainty, BadInputIsNamedWithItsPlace) {
     EXPECT_TRUE(
         early.contains("uncertainty: the field needs revision 1.1 of the schema profile; "
                        "the file follows profile/1.0. Let the file say profile/1.1"))
+        << early.problem;
+}
+
+TEST(ProfileRepairedSteps, AreAllowedWhereItSaysSo) {
+    const auto with = [](const std::string& revision, const std::string& value) {
+        return replaced(replaced(sample, "profile/1.0", "profile/" + revision), "mean_n_plus_1}",
+                        "mean_n_plus_1, repaired_steps: " + value + "}");
+    };
+    EXPECT_TRUE(read_profile(with("1.2", "true"), "p").repaired_steps);
+    EXPECT_FALSE(read_profile(with("1.2", "false"), "p").repaired_steps);
+    for (const std::string& text : {sample, replaced(sample, "profile/1.0", "profile/1.2"),
+                                    std::string(builtin_profile("nalsa"))})
+        EXPECT_FALSE(read_profile(text, "p").repaired_steps);
+    const auto word = failure_of([&] { read_profile(with("1.2", "some"), "p"); });
+    EXPECT_EQ(word.where, "p:5:69");
+    EXPECT_TRUE(word.contains("window.repaired_steps")) << word.problem;
+    const auto early = failure_of([&] { read_profile(with("1.1", "true"), "p"); });
+    EXPECT_TRUE(early.contains("the field needs revision 1.2 of the schema profile"))
         << early.problem;
 }
 

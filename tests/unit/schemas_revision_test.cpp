@@ -101,6 +101,19 @@ TEST(WrittenRevision, KnowsEveryRevisionUpToItsOwn) {
     EXPECT_EQ(known_revisions(sample()), "sample/1.0 or sample/1.1 or sample/1.2");
 }
 
+enum class Colour { red, blue };
+std::string_view to_text(Colour colour) {
+    return colour == Colour::red ? "red" : "blue";
+}
+bool from_text(std::string_view text, Colour& colour) {
+    colour = text == "blue" ? Colour::blue : Colour::red;
+    return text == "red" || text == "blue";
+}
+struct Painted {
+    Colour colour = Colour::red;
+    std::optional<Colour> other;
+};
+
 struct Inner {
     double value = 0.0;
     std::optional<double> maybe;
@@ -115,6 +128,9 @@ struct Outer {
 
 }  // namespace
 
+template <>
+inline constexpr auto members<Painted> =
+    std::tuple{Member{"colour", &Painted::colour}, Member{"other", &Painted::other}};
 template <>
 inline constexpr auto members<Inner> =
     std::tuple{Member{"value_m", &Inner::value}, Member{"maybe", &Inner::maybe}};
@@ -145,6 +161,21 @@ TEST(Members, RoundTripAndLeaveOutWhatIsUntoldOrInfinite) {
         read_members<Outer>({parse_yaml("count: many\n", "f"), "f"});
     });
     EXPECT_EQ(wrong.where, "f:1:8");
+}
+
+TEST(Members, AnEnumerationStandsAsItsWord) {
+    EXPECT_EQ(members_json(Painted{Colour::blue, Colour::red}).dump(),
+              R"({"colour":"blue","other":"red"})");
+    EXPECT_EQ(members_json(Painted{}).dump(), R"({"colour":"red"})");
+    const auto read = [](const std::string& text) {
+        return read_members<Painted>({parse_yaml(text, "f"), "f"});
+    };
+    EXPECT_EQ(read("colour: blue\n").colour, Colour::blue);
+    EXPECT_FALSE(read("colour: blue\n").other);
+    EXPECT_EQ(read("other: blue\n").other, Colour::blue);
+    const auto wrong = failure_of([&] { read("colour: \"gre\\nen\"\n"); });
+    EXPECT_EQ(wrong.where, "f:1:9");
+    EXPECT_TRUE(wrong.contains("\"gre\\x0aen\" is not one of the known words")) << wrong.problem;
 }
 
 }  // namespace

@@ -1,0 +1,247 @@
+#include "stages/audit/words.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/text.h"
+
+namespace runcert {
+namespace {
+
+bool begins_character(char c) {
+    return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
+}
+
+std::size_t columns_of(std::string_view text) {
+    return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), begins_character));
+}
+
+/// The bytes of the first `columns` characters.
+std::size_t bytes_of(std::string_view text, std::size_t columns) {
+    std::size_t at = 0;
+    while (at < text.size()) {
+        if (begins_character(text[at]) && columns-- == 0) break;
+        ++at;
+    }
+    return at;
+}
+
+/// The part along one axis: "0.174 m east", "0.057 m south".
+std::string part(double value, std::string_view unit, std::string_view towards,
+                 std::string_view away, const std::string& uncertainty = {}) {
+    return fmt::format("{} {}{} {}", format_fixed(std::abs(value), 3), unit, uncertainty,
+                       value < 0.0 ? away : towards);
+}
+
+}  // namespace
+
+std::string wrapped(std::string_view text, std::size_t indent) {
+    std::string lines;
+    std::size_t used = 0;  // columns of the line
+    const auto begin_line = [&] {
+        lines += '\n';
+        lines.append(indent, ' ');
+        used = indent;
+    };
+    bool first_word = true;
+    while (!text.empty()) {
+        const std::size_t end = std::min(text.find_first_of(" \t\r\n"), text.size());
+        std::string_view word = text.substr(0, end);
+        text.remove_prefix(std::min(end + 1, text.size()));
+        if (word.empty()) continue;
+        if (!first_word) {
+            if (used + 1 + columns_of(word) > audit_columns)
+                begin_line();
+            else {
+                lines += ' ';
+                ++used;
+            }
+        }
+        first_word = false;
+        while (used + columns_of(word) > audit_columns) {
+            const std::size_t fits = bytes_of(word, audit_columns - used);
+            lines += word.substr(0, fits);
+            word.remove_prefix(fits);
+            begin_line();
+        }
+        lines += word;
+        used += columns_of(word);
+    }
+    return lines + "\n";
+}
+
+std::string counted(std::int64_t count) {
+    std::string digits = fmt::format("{}", count);
+    const std::ptrdiff_t sign = count < 0 ? 1 : 0;
+    for (auto at = std::ssize(digits) - 3; at > sign; at -= 3)
+        digits.insert(static_cast<std::size_t>(at), ",");
+    return digits;
+}
+
+std::string counted(std::int64_t count, std::string_view noun) {
+    return fmt::format("{} {}{}", counted(count), noun, count == 1 ? "" : "s");
+}
+
+std::string listed(const std::vector<std::string>& items) {
+    std::string text;
+    for (std::size_t i = 0; i < items.size(); ++i) {
+        if (i > 0) text += i + 1 == items.size() ? " and " : ", ";
+        text += items[i];
+    }
+    return text;
+}
+
+std::string once_in(double probability) {
+    const double times = 1.0 / probability;
+    if (!(times < 1e15)) return fmt::format("less than once in {} million", counted(1'000'000'000));
+    const double unit = times < 1e6 ? 1.0 : 1e6;
+    const double value = times / unit;
+    // Two digits that count.
+    const double step = std::pow(10.0, std::max(0.0, std::floor(std::log10(value)) - 1.0));
+    const auto whole = static_cast<std::int64_t>(std::llround(value / step) * std::llround(step));
+    return fmt::format("once in {}{}", counted(whole), unit > 1.0 ? " million" : "");
+}
+
+std::string sentence(std::string text) {
+    if (!text.empty() && text[0] >= 'a' && text[0] <= 'z')
+        text[0] = static_cast<char>(text[0] - 'a' + 'A');
+    return text;
+}
+
+std::string components(const EstimatedError& error) {
+    const auto plus_minus = [](double sigma_m) {
+        return fmt::format(" +- {} m", format_fixed(sigma_m, 3));
+    };
+    if (error.up_m)
+        return part(*error.up_m, "m", "up", "down",
+                    error.sigma_up_m ? plus_minus(*error.sigma_up_m) : "");
+    if (!error.east_m || !error.north_m) return {};
+    std::string east_uncertainty;
+    std::string north_uncertainty;
+    if (error.sigma_east_m && error.sigma_north_m) {
+        east_uncertainty = plus_minus(*error.sigma_east_m);
+        north_uncertainty = plus_minus(*error.sigma_north_m);
+    }
+    const bool equal = east_uncertainty == north_uncertainty;
+    std::string text =
+        part(*error.east_m, "m", "east", "west", equal ? "" : east_uncertainty) + ", " +
+        part(*error.north_m, "m", "north", "south", equal ? "" : north_uncertainty);
+    if (equal && !east_uncertainty.empty()) text += ", each" + east_uncertainty;
+    return text;
+}
+
+std::optional<double> size_of(const EstimatedError& error) {
+    if (error.up_m) return std::abs(*error.up_m);
+    if (error.east_m && error.north_m) return std::hypot(*error.east_m, *error.north_m);
+    return std::nullopt;
+}
+
+std::optional<double> rate_of(const EstimatedError& error) {
+    if (error.rate_up_mps) return std::abs(*error.rate_up_mps);
+    if (error.rate_east_mps && error.rate_north_mps)
+        return std::hypot(*error.rate_east_mps, *error.rate_north_mps);
+    return std::nullopt;
+}
+
+std::string rate_components(const EstimatedError& error) {
+    if (error.rate_up_mps) return part(*error.rate_up_mps, "m/s", "up", "down");
+    if (!error.rate_east_mps || !error.rate_north_mps) return {};
+    return part(*error.rate_east_mps, "m/s", "east", "west") + ", " +
+           part(*error.rate_north_mps, "m/s", "north", "south");
+}
+
+std::string_view words_of(FixKind fix) {
+    switch (fix) {
+        case FixKind::unknown:
+            return "unknown kind of solution";
+        case FixKind::none:
+            return "no solution";
+        case FixKind::single:
+            return "single";
+        case FixKind::dgps:
+            return "differential (DGPS)";
+        case FixKind::sbas:
+            return "differential (SBAS)";
+        case FixKind::ppp:
+            return "precise point positioning";
+        case FixKind::float_ambiguities:
+            return "carrier phase, ambiguities not fixed";
+        case FixKind::fixed:
+            return "carrier phase, ambiguities fixed";
+        case FixKind::dead_reckoning:
+            return "dead reckoning";
+    }
+    return "";
+}
+
+std::string_view words_of(Hypothesis hypothesis) {
+    switch (hypothesis) {
+        case Hypothesis::outlier:
+            return "wrong position";
+        case Hypothesis::burst:
+            return "several wrong positions";
+        case Hypothesis::step:
+            return "step";
+        case Hypothesis::ramp:
+            return "drift";
+        case Hypothesis::time_shift:
+            return "jump of the time stamps";
+        case Hypothesis::model:
+            return "no motion of the model";
+        case Hypothesis::velocity:
+            return "recorded velocity";
+        case Hypothesis::acceleration:
+            return "acceleration";
+        case Hypothesis::jerk:
+            return "jerk";
+        case Hypothesis::vertical_rate:
+            return "vertical rate";
+        case Hypothesis::baseline:
+            return "other receiver";
+    }
+    return "";
+}
+
+std::string_view words_of(Reason reason) {
+    switch (reason) {
+        case Reason::none:
+            return "no reason is given";
+        case Reason::no_position:
+            return "no position";
+        case Reason::no_fix:
+            return "no solution";
+        case Reason::float_ambiguities:
+            return "ambiguities not fixed";
+        case Reason::other_fix:
+            return "kind of solution not allowed";
+        case Reason::duplicate_time:
+            return "time repeated";
+        case Reason::backward_time:
+            return "time runs backwards";
+        case Reason::accuracy_missing:
+            return "accuracy not stated";
+        case Reason::accuracy_absurd:
+            return "stated accuracy not believable";
+        case Reason::innovation:
+            return "position does not follow from those before it";
+        case Reason::short_arc:
+            return "stretch too short";
+        case Reason::outlier:
+            return "wrong position";
+        case Reason::burst:
+            return "several wrong positions in a row";
+        case Reason::model:
+            return "stretch that does not fit";
+        case Reason::velocity:
+            return "contradicted by the recorded velocity";
+        case Reason::physical_limit:
+            return "motion that the craft cannot make";
+        case Reason::baseline:
+            return "contradicted by the other receiver";
+    }
+    return "";
+}
+
+}  // namespace runcert

@@ -1,0 +1,393 @@
+#include "stages/screen/baseline.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "arcs/arcs.h"
+#include "core/statistics.h"
+#include "stages/screen/adaptation.h"
+#include "stages/screen/decisions.h"
+#include "stages/screen/noise.h"
+
+namespace runcert {
+namespace {
+
+using Eigen::Matrix2d, Eigen::Matrix3d, Eigen::Vector2d, Eigen::Vector3d;
+
+/// An epoch that both receivers have.
+struct Pair {
+    std::array<std::size_t, 2> rows{};  ///< of the first and of the second table
+    ElapsedTime time;                   ///< of the first
+    Vector3d difference;                ///< second less first, m; up is 0 in the plane
+    Matrix3d covariance;
+    std::optional<Vector2d> track;       ///< direction of travel, where it tells the craft's own
+    double variance_of_direction = 0.0;  ///< rad^2
+};
+
+bool tells_direction(const EpochMotion& motion, double length_m) {
+    constexpr double slowest_mps = 1.0;
+    constexpr double largest_turn = 0.05;
+    const double speed_mps = motion.velocity.norm();
+    const double sigma_mps = std::sqrt(motion.velocity_covariance.trace());
+    if (!(speed_mps > slowest_mps && speed_mps > 10.0 * sigma_mps)) return false;
+    const Vector2d &v = motion.velocity, &a = motion.acceleration;
+    const double curvature = std::abs(v.x() * a.y() - v.y() * a.x()) / std::pow(speed_mps, 3);
+    return curvature * length_m <= largest_turn;
+}
+
+/// The positions of a table, in the frame of another.
+class PositionsInFrame {
+  public:
+    PositionsInFrame(const std::optional<FrameOrigin>& own,
+                     const std::optional<FrameOrigin>& wanted, bool in_space)
+        : in_space_(in_space) {
+        if (!own || !wanted) return;
+        const Geodetic &a = own->position, &b = wanted->position;
+        if (a.latitude == b.latitude && a.longitude == b.longitude && a.height_m == b.height_m)
+            return;
+        own_.emplace(a);
+        wanted_.emplace(b);
+    }
+
+    Vector3d of(const EnuEpoch& row) const {
+        const Vector3d own(row.east_m.value(), row.north_m.value(), in_space_ ? *row.up_m : 0.0);
+        Vector3d position =
+            own_ ? wanted_->enu_from_geodetic(own_->geodetic_from_enu(Enu{own})).m : own;
+        if (!in_space_) position.z() = 0.0;
+        return position;
+    }
+
+  private:
+    bool in_space_;
+    std::optional<LocalFrame> own_, wanted_;
+};
+
+Matrix3d covariance_of(const EnuEpoch& row, bool in_space) {
+    if (in_space) return stated_covariance<3>(row);
+    Matrix3d covariance = Matrix3d::Zero();
+    covariance.topLeftCorner<2, 2>() = stated_covariance<2>(row);
+    return covariance;
+}
+
+/// Pairs of usable rows within a microsecond of one another, in order of time.
+std::vector<Pair> pairs_of(const ScreenedTable& first, const ScreenedTable& second,
+                           const Motion& motion_of_first) {
+    constexpr std::int64_t tolerance_ns = 1000;
+    std::vector<Pair> pairs;
+    if (!first.facts.first_epoch || !second.facts.first_epoch) return pairs;
+    if (first.origin.has_value() != second.origin.has_value()) return pairs;
+    const bool in_space = first.facts.vertical_measured && second.facts.vertical_measured;
+    const PositionsInFrame of_first(first.origin, first.origin, in_space);
+    const PositionsInFrame of_second(second.origin, first.origin, in_space);
+    const std::int64_t later_ns =
+        second.facts.first_epoch->nanoseconds_since(*first.facts.first_epoch);
+    std::size_t j = 0;
+    for (std::size_t i = 0; i < first.rows.size(); ++i) {
+        const ScreenedEpoch& a = first.rows[i];
+        if (!a.usable) continue;
+        const auto behind_ns = [&] {  // of the second's row
+            return a.time.nanoseconds - second.rows[j].time.nanoseconds - later_ns;
+        };
+        while (j < second.rows.size() && (!second.rows[j].usable || behind_ns() > tolerance_ns))
+            ++j;
+        if (j == second.rows.size()) break;
+        if (behind_ns() < -tolerance_ns) continue;
+        const ScreenedEpoch& b = second.rows[j];
+        Pair pair{.rows = {i, j},
+                  .time = a.time,
+                  .difference = of_second.of(b) - of_first.of(a),
+                  .covariance = covariance_of(a, in_space) + covariance_of(b, in_space),
+                  .track = std::nullopt};
+        const auto& motion = motion_of_first[i];
+        if (motion && tells_direction(*motion, pair.difference.head<2>().norm())) {
+            pair.track = motion->velocity.normalized();
+            const Vector2d across(-pair.track->y(), pair.track->x());
+            pair.variance_of_direction =
+                across.dot(motion->velocity_covariance * across) / motion->velocity.squaredNorm();
+        }
+        pairs.push_back(pair);
+    }
+    return pairs;
+}
+
+std::vector<double> lengths_of(const std::vector<Pair>& pairs) {
+    std::vector<double> lengths;
+    for (const Pair& pair : pairs)
+        lengths.push_back(pair.difference.norm());
+    return lengths;
+}
+
+/// Turns east and north into along the track and across it to the right, and back.
+Matrix2d track_axes(const Vector2d& track) {
+    return (Matrix2d() << track.x(), track.y(), track.y(), -track.x()).finished();
+}
+
+/// What is tested of a pair, as the position of a row: along and across (2), or the length (1).
+template <int Axes>
+void fill_difference(const Pair& pair, ScreenedEpoch& row) {
+    if constexpr (Axes == 1) {
+        row.up_m = pair.difference.norm();
+        // Of antennas closer than their noise, the largest standard deviation.
+        const Vector3d direction = pair.difference.stableNormalized();
+        row.sigma_up_m = std::sqrt(*row.up_m > 0.0 ? direction.dot(pair.covariance * direction)
+                                                   : pair.covariance.diagonal().maxCoeff());
+    } else {
+        const Matrix2d axes = track_axes(*pair.track);
+        const Vector2d difference = axes * pair.difference.head<2>();
+        const Vector2d turned(-difference.y(), difference.x());
+        const Matrix2d covariance =
+            axes * pair.covariance.topLeftCorner<2, 2>() * axes.transpose() +
+            pair.variance_of_direction * turned * turned.transpose();
+        row.east_m = difference.x();
+        row.north_m = difference.y();
+        row.sigma_east_m = std::sqrt(covariance(0, 0));
+        row.sigma_north_m = std::sqrt(covariance(1, 1));
+        row.correlation_east_north =
+            covariance(0, 1) / std::sqrt(covariance(0, 0) * covariance(1, 1));
+    }
+}
+
+/// For each row, how many arcs and bridged steps have begun up to it.
+std::vector<std::int64_t> breaks_up_to(const std::vector<ScreenedEpoch>& rows) {
+    std::vector<std::int64_t> breaks;
+    for (const ScreenedEpoch& row : rows)
+        breaks.push_back((breaks.empty() ? 0 : breaks.back()) + (row.break_before ? 1 : 0));
+    return breaks;
+}
+
+/// The differences as a table of their own.
+struct Series {
+    ScreenedTable table;
+    std::vector<std::size_t> pairs;  ///< of each row
+};
+
+/// Pairs that are still usable in both, in arcs that end where one of either table does, or where
+/// more than `longest_hole` pairs have no direction.
+template <int Axes>
+Series series_of(const std::vector<Pair>& pairs,
+                 const std::array<const ScreenedTable*, 2>& receivers, const ScreenConfig& config) {
+    Series series;
+    series.table.facts.vertical_measured = Axes == 1;
+    const std::array breaks{breaks_up_to(receivers[0]->rows), breaks_up_to(receivers[1]->rows)};
+    std::int64_t arc = 0;
+    for (std::size_t p = 0; p < pairs.size(); ++p) {
+        const Pair& pair = pairs[p];
+        if (Axes == 2 && !pair.track) continue;
+        bool usable = true;
+        bool begins = series.pairs.empty() ||
+                      static_cast<std::int64_t>(p - series.pairs.back()) > config.burst_epochs_max;
+        for (const std::size_t r : {0U, 1U}) {
+            usable = usable && receivers[r]->rows[pair.rows[r]].usable;
+            begins =
+                begins || breaks[r][pair.rows[r]] != breaks[r][pairs[series.pairs.back()].rows[r]];
+        }
+        if (!usable) continue;
+        ScreenedEpoch& row = series.table.rows.emplace_back();
+        row.time = pair.time;
+        fill_difference<Axes>(pair, row);
+        row.usable = true;
+        if (begins) row.break_before = ++arc == 1 ? ArcBreak::start : ArcBreak::gap;
+        row.arc = arc;
+        series.pairs.push_back(p);
+    }
+    finish_arcs(series.table.rows, config.burst_epochs_max, config.min_arc_epochs);
+    return series;
+}
+
+/// Noise learnt from what a first adaptation, with noise as stated, leaves.
+template <int Axes>
+EstimationModel learn_model(const Series& series, double length_m, const TestPlan& plan,
+                            ScreenConfig config) {
+    constexpr TestedAxes axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal;
+    // How fast the craft may turn against its track, rad s^-2.5; and how fast antennas sway.
+    constexpr double angular_jerk_density = 0.1;
+    constexpr double least_jerk_density = 0.05;
+    config.jerk_density = std::max(least_jerk_density, angular_jerk_density * length_m);
+    const bool fit = config.fit_noise;
+    config.fit_noise = false;
+    const EstimationModel stated = learn_screening_noise<Axes>(series.table, config).model;
+    if (!fit) return stated;
+    ScreenedTable first_look = series.table;
+    for (const Arc<Axes>& arc : arcs_of<Axes>(series.table))
+        mark_rows(first_look.rows, arc.rows, adapt<Axes>(arc.epochs, stated, plan), axes, false);
+    finish_arcs(first_look.rows, config.burst_epochs_max, config.min_arc_epochs);
+    config.fit_noise = true;
+    const ScreeningNoise fitted = learn_screening_noise<Axes>(first_look, config);
+    return fitted.evidence.noise == "fitted" ? fitted.model : stated;
+}
+
+/// Estimates the errors anew, given all decisions, and each epoch's of a burst by itself.
+template <int Axes>
+void estimate_errors(const Arc<Axes>& arc, const EstimationModel& model, ArcDecisions& decisions) {
+    for (const TestedStretch<Axes>& stretch : stretches_of(arc.epochs, decisions)) {
+        const ArcDiagnosis<Axes> diagnosis(stretch.epochs, model);
+        for (std::size_t i = 0; i < stretch.epochs.size(); ++i) {
+            const std::size_t k = stretch.first + i;
+            if (auto& left_out = decisions.left_out[k])
+                left_out->estimated =
+                    estimated_error(diagnosis.left_out(i, arc.epochs[k].measurement.value()));
+            if (stretch.epochs[i].step_before && decisions.breaks[k])
+                decisions.breaks[k]->estimated = estimated_error(diagnosis.bridged_step(i));
+        }
+    }
+}
+
+/// An error along and across, or of the length, turned to east, north and up; of the second
+/// receiver for `sign` 1, of the first for -1.
+EstimatedError turned_back(const EstimatedError& error, const Pair& pair, double sign) {
+    EstimatedError turned;
+    if (error.up_m) {
+        const Vector3d direction = sign * pair.difference.stableNormalized();
+        turned.east_m = direction.x() * *error.up_m;
+        turned.north_m = direction.y() * *error.up_m;
+        if (pair.covariance(2, 2) > 0.0) turned.up_m = direction.z() * *error.up_m;
+    } else if (error.east_m) {
+        const Matrix2d axes = track_axes(*pair.track);
+        const Vector2d value = sign * (axes.transpose() * Vector2d(*error.east_m, *error.north_m));
+        const Vector2d sigma(error.sigma_east_m.value(), error.sigma_north_m.value());
+        Matrix2d covariance = sigma.cwiseAbs2().asDiagonal();
+        covariance(0, 1) = covariance(1, 0) =
+            error.correlation_east_north.value() * sigma.x() * sigma.y();
+        covariance = (axes.transpose() * covariance * axes).eval();
+        turned.east_m = value.x();
+        turned.north_m = value.y();
+        turned.sigma_east_m = std::sqrt(covariance(0, 0));
+        turned.sigma_north_m = std::sqrt(covariance(1, 1));
+        turned.correlation_east_north =
+            covariance(0, 1) / (*turned.sigma_east_m * *turned.sigma_north_m);
+    }
+    return turned;
+}
+
+/// Marks one receiver's rows.
+class Marker {
+  public:
+    Marker(ScreenedTable& table, const std::vector<Pair>& pairs, std::size_t receiver)
+        : rows_(table.rows), pairs_(pairs), receiver_(receiver) {}
+
+    bool any() const { return any_; }
+
+    /// The row of a compared pair.
+    void leave_out(std::size_t pair, const Decision& decision) {
+        leave_out_row(row_of(pair), decision, own_error(pair, decision));
+    }
+
+    /// Usable rows between two pairs.
+    void leave_out_between(std::size_t before, std::size_t after, const Decision& decision) {
+        for (std::size_t row = row_of(before) + 1; row < row_of(after); ++row)
+            leave_out_row(row, decision, {});
+    }
+
+    void break_before(std::size_t pair, const Decision& decision) {
+        ScreenedEpoch& row = rows_[row_of(pair)];
+        if (row.break_before && *row.break_before != ArcBreak::bridged) return;
+        any_ = true;
+        row.break_before =
+            decision.hypothesis == Hypothesis::ramp ? ArcBreak::ramp : ArcBreak::step;
+        if (row.usable) record(row, decision, own_error(pair, decision));
+    }
+
+  private:
+    std::size_t row_of(std::size_t pair) const { return pairs_[pair].rows[receiver_]; }
+
+    EstimatedError own_error(std::size_t pair, const Decision& decision) const {
+        return turned_back(decision.estimated, pairs_[pair], receiver_ == 1 ? 1.0 : -1.0);
+    }
+
+    static void record(ScreenedEpoch& row, const Decision& decision, const EstimatedError& error) {
+        row.hypothesis = Hypothesis::baseline;
+        row.tested_axes = TestedAxes::horizontal;
+        row.statistic = decision.statistic;
+        row.threshold = decision.threshold;
+        row.estimated = error;
+    }
+
+    void leave_out_row(std::size_t index, const Decision& decision, const EstimatedError& error) {
+        ScreenedEpoch& row = rows_[index];
+        if (!row.usable) return;
+        any_ = true;
+        row.usable = false;
+        row.reason = Reason::baseline;
+        record(row, decision, error);
+    }
+
+    std::vector<ScreenedEpoch>& rows_;
+    const std::vector<Pair>& pairs_;
+    std::size_t receiver_;
+    bool any_ = false;
+};
+
+/// Marks what was decided of an arc; `arc_pairs` are the pairs of its epochs.
+void mark_decisions(const ArcDecisions& decisions, const std::vector<std::size_t>& arc_pairs,
+                    Marker& marker) {
+    const std::size_t last = arc_pairs.size() - 1;
+    for (std::size_t k = 0; k <= last; ++k)
+        if (const auto& decision = decisions.left_out[k]) marker.leave_out(arc_pairs[k], *decision);
+    for (std::size_t k = 0; k <= last; ++k) {
+        const std::size_t pair = arc_pairs[k];
+        if (const auto& decision = decisions.left_out[k]) {
+            if (k > 0) marker.leave_out_between(pair - 1, pair, *decision);
+            if (k < last) marker.leave_out_between(pair, pair + 1, *decision);
+        }
+        if (const auto& decision = decisions.breaks[k]; decision && k > 0) {
+            marker.leave_out_between(arc_pairs[k - 1], pair, *decision);
+            marker.break_before(pair, *decision);
+        }
+    }
+}
+
+template <int Axes>
+void test_differences(const std::vector<Pair>& pairs, double length_m,
+                      const std::array<const ScreenedTable*, 2>& receivers,
+                      std::array<Marker, 2>& markers, const TestPlan& plan,
+                      const ScreenConfig& config) {
+    const Series series = series_of<Axes>(pairs, receivers, config);
+    const std::vector<Arc<Axes>> arcs = arcs_of<Axes>(series.table);
+    if (arcs.empty()) return;
+    const EstimationModel model = learn_model<Axes>(series, length_m, plan, config);
+    for (const Arc<Axes>& arc : arcs) {
+        ArcDecisions decisions = adapt<Axes>(arc.epochs, model, plan);
+        estimate_errors(arc, model, decisions);
+        std::vector<std::size_t> arc_pairs;
+        for (const std::size_t row : arc.rows)
+            arc_pairs.push_back(series.pairs[row]);
+        for (Marker& marker : markers)
+            mark_decisions(decisions, arc_pairs, marker);
+    }
+}
+
+BaselineEvidence evidence_of(const ScreenedTable& table, const std::string& other,
+                             const std::vector<Pair>& pairs) {
+    BaselineEvidence evidence{.receiver = other, .compared = std::ssize(pairs)};
+    if (!pairs.empty()) {
+        std::vector<double> lengths = lengths_of(pairs);
+        evidence.length_m = median(lengths);
+        for (double& length : lengths)
+            length = std::abs(length - evidence.length_m);
+        evidence.sd_m = median(std::move(lengths)) / normal_quantile(0.75);
+    }
+    evidence.rejected = std::ranges::count(table.rows, Reason::baseline, &ScreenedEpoch::reason);
+    return evidence;
+}
+
+}  // namespace
+
+bool compare_receivers(ScreenedTable& first, ScreenedTable& second, const Motion& motion_of_first,
+                       const TestPlan& plan, const ScreenConfig& config) {
+    const std::vector<Pair> pairs = pairs_of(first, second, motion_of_first);
+    std::array markers{Marker(first, pairs, 0), Marker(second, pairs, 1)};
+    if (!pairs.empty()) {
+        const double length_m = median(lengths_of(pairs));
+        const std::array<const ScreenedTable*, 2> receivers{&first, &second};
+        test_differences<2>(pairs, length_m, receivers, markers, plan, config);
+        test_differences<1>(pairs, length_m, receivers, markers, plan, config);
+    }
+    for (auto [table, other] : {std::pair{&first, &second}, {&second, &first}}) {
+        if (!table->evidence) table->evidence.emplace();
+        table->evidence->baseline = evidence_of(*table, other->facts.receiver, pairs);
+    }
+    return markers[0].any() || markers[1].any();
+}
+
+}  // namespace runcert

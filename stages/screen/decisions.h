@@ -1,0 +1,23 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "stages/screen/adaptation.h"
+
+namespace runcert {
+
+/// Writes what was decided of an arc into its rows (`arc_rows` are their indices). Rows already
+/// marked keep their mark. A step ends the arc, or is bridged. Of a ramp nobody can tell whether
+/// the positions before or after it drift: the stretches on both its sides, up to the next break,
+/// are left out.
+void mark_rows(std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> arc_rows,
+               const ArcDecisions& decisions, TestedAxes axes, bool bridge_steps);
+
+/// Numbers the arcs anew from 1 after rows have been marked: an arc begins and ends with a usable
+/// row, and ends where more than `longest_hole` rows of it are left out one after the other. Those
+/// of fewer than `min_arc_epochs` usable rows are taken out (reason short_arc).
+void finish_arcs(std::vector<ScreenedEpoch>& rows, std::int64_t longest_hole,
+                 std::int64_t min_arc_epochs);
+
+}  // namespace runcert

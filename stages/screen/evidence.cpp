@@ -1,0 +1,192 @@
+#include "stages/screen/evidence.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/statistics.h"
+#include "files/yaml_output.h"
+
+namespace runcert {
+namespace {
+
+// Larger than these, an error of an epoch is not said to be detectable.
+constexpr double largest_detectable_m = 1000.0;
+constexpr double largest_detectable_s = 100.0;
+
+/// The smallest error found with the power, in the direction in which it is hardest to find.
+template <int Size>
+std::optional<double> detectable(const ScoreTest<Size>& test, double variance_factor,
+                                 const TestPlan& plan, double largest) {
+    const auto covariance = test.covariance();
+    double variance = covariance(0, 0);
+    if constexpr (Size == 2)
+        variance = 0.5 * (covariance(0, 0) + covariance(1, 1)) +
+                   std::hypot(0.5 * (covariance(0, 0) - covariance(1, 1)), covariance(0, 1));
+    const double size = std::sqrt(variance_factor * plan.noncentrality(Size) * variance);
+    if (!(size <= largest)) return std::nullopt;
+    return size;
+}
+
+/// Keeps the better supported of two hypotheses.
+struct BestSupported {
+    double log_tail = 1.0;
+
+    template <int Size>
+    void consider(const ScoreTest<Size>& test, double variance_factor, Hypothesis hypothesis,
+                  TestedAxes axes, const TestPlan& plan, ScreenedEpoch& row) {
+        const double statistic = test.statistic() / variance_factor;
+        const double tail = log_chi_squared_upper_tail(std::max(statistic, 0.0), Size);
+        if (!(tail < log_tail)) return;
+        log_tail = tail;
+        row.hypothesis = hypothesis;
+        row.tested_axes = axes;
+        row.statistic = statistic;
+        row.threshold = plan.critical(Size);
+    }
+};
+
+template <int Axes>
+class ArcEvidence {
+  public:
+    ArcEvidence(const Arc<Axes>& arc, const EstimationModel& model, const TestPlan& plan)
+        : arc_(arc),
+          plan_(plan),
+          diagnosis_(arc.epochs, model),
+          factors_(local_variance_factors(diagnosis_)) {}
+
+    void fill(std::size_t k, const std::map<FixKind, double>& kinds, ScreenedEpoch& row,
+              BestSupported& best) const {
+        constexpr TestedAxes axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal;
+        const double factor = factors_[k];
+        if (Axes == 2) row.local_variance_factor = factor;
+        const bool bridged = row.break_before == ArcBreak::bridged;
+        const bool decided = !row.usable || (row.break_before && row.hypothesis);
+        const auto consider = [&](const auto& test, Hypothesis hypothesis,
+                                  std::optional<double> size) {
+            if (size && !decided) best.consider(test, factor, hypothesis, axes, plan_, row);
+            return size;
+        };
+        const ScoreTest<Axes> outlier = outlier_test(k, kinds, row);
+        auto& outlier_size = Axes == 1 ? row.detectable.outlier_up_m : row.detectable.outlier_m;
+        outlier_size = consider(outlier, Hypothesis::outlier,
+                                detectable(outlier, factor, plan_, largest_detectable_m));
+        if ((row.reason == Reason::outlier || row.reason == Reason::burst) &&
+            row.tested_axes == axes && outlier_size)
+            row.estimated = estimated_error(outlier);
+        if (bridged && row.tested_axes == axes)
+            row.estimated = estimated_error(diagnosis_.bridged_step(k));
+        if (k == 0 || bridged) return;
+        const auto step = diagnosis_.step(k);
+        auto& step_size = Axes == 1 ? row.detectable.step_up_m : row.detectable.step_m;
+        step_size =
+            consider(step, Hypothesis::step, detectable(step, factor, plan_, largest_detectable_m));
+        if constexpr (Axes == 2) {
+            const auto ramp = diagnosis_.ramp(k);
+            row.detectable.ramp_mps = consider(
+                ramp, Hypothesis::ramp, detectable(ramp, factor, plan_, largest_detectable_m));
+            if (const auto shift = diagnosis_.time_shift(k))
+                row.detectable.time_s =
+                    consider(*shift, Hypothesis::time_shift,
+                             detectable(*shift, factor, plan_, largest_detectable_s));
+        }
+    }
+
+    StateEstimate<Axes> smoothed(std::size_t k) const { return diagnosis_.smoothed(k); }
+
+  private:
+    ScoreTest<Axes> outlier_test(std::size_t k, const std::map<FixKind, double>& kinds,
+                                 const ScreenedEpoch& row) const {
+        if (arc_.epochs[k].measurement) return diagnosis_.outlier(k);
+        PositionMeasurement<Axes> measurement{.position = measured_position<Axes>(row),
+                                              .covariance = stated_covariance<Axes>(row)};
+        const auto kind = kinds.find(row.fix);
+        if (kind != kinds.end()) measurement.covariance *= kind->second;
+        return diagnosis_.left_out(k, measurement);
+    }
+
+    const Arc<Axes>& arc_;
+    const TestPlan& plan_;
+    ArcDiagnosis<Axes> diagnosis_;
+    std::vector<double> factors_;
+};
+
+}  // namespace
+
+template <int Axes>
+std::vector<FixKindEvidence> compare_fix_kinds(const ScreenedTable& first_look,
+                                               const ScreeningNoise& noise) {
+    constexpr std::size_t fewest = 100;
+    std::map<FixKind, std::vector<double>> statistics;
+    for (const Arc<Axes>& arc : arcs_of<Axes>(first_look)) {
+        KalmanFilter<Axes> filter(noise.fitted);
+        filter_along<Axes>(
+            filter, arc.epochs,
+            [&](std::size_t k, const auto&, const Innovation<Axes>* seen, const auto&) {
+                if (seen && seen->tests_model)
+                    statistics[first_look.rows[arc.rows[k]].fix].push_back(seen->statistic);
+            });
+    }
+    const double expected = chi_squared_quantile(0.5, Axes);
+    // Of the median of n such statistics: 1 / (2 f sqrt(n)), f the density there.
+    const double density = Axes == 2 ? 0.25 : 0.4720;
+    // Slow errors included: what the recording shows were white noise alone the model.
+    const double scale = noise.evidence.white_scale * noise.evidence.white_scale;
+    std::vector<FixKindEvidence> evidence;
+    for (const auto& [fix, values] : statistics) {
+        const bool enough = values.size() >= fewest;
+        constexpr int decimals = 4;
+        const double factor = rounded(scale * (enough ? median(values) / expected : 1.0), decimals);
+        const double sigma =
+            factor / (2.0 * density * expected * std::sqrt(static_cast<double>(values.size())));
+        evidence.push_back({.fix = fix,
+                            .axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal,
+                            .epochs = std::ssize(values),
+                            .variance_factor = factor,
+                            .judgement = !enough                      ? "too_few_epochs"
+                                         : factor > 1.0 + 3.0 * sigma ? "too_good"
+                                         : factor < 1.0 - 3.0 * sigma ? "too_bad"
+                                                                      : "as_stated"});
+    }
+    return evidence;
+}
+
+template std::vector<FixKindEvidence> compare_fix_kinds<1>(const ScreenedTable&,
+                                                           const ScreeningNoise&);
+template std::vector<FixKindEvidence> compare_fix_kinds<2>(const ScreenedTable&,
+                                                           const ScreeningNoise&);
+
+Motion examine_arcs(ScreenedTable& table, const ScreeningNoises& noises, const TestPlan& plan) {
+    Motion motion(table.rows.size());
+    const auto horizontal = scaled_arcs<2>(table, noises.horizontal_factors);
+    std::vector<Arc<1>> vertical;
+    if (noises.vertical) vertical = scaled_arcs<1>(table, noises.vertical_factors);
+    for (ScreenedEpoch& row : table.rows) {
+        row.detectable = {};
+        row.local_variance_factor.reset();
+    }
+    for (std::size_t a = 0; a < horizontal.size(); ++a) {
+        const Arc<2>& arc = horizontal[a];
+        const ArcEvidence<2> plane(arc, noises.horizontal.model, plan);
+        std::optional<ArcEvidence<1>> height;
+        if (noises.vertical) height.emplace(vertical[a], noises.vertical->model, plan);
+        for (std::size_t k = 0; k < arc.rows.size(); ++k) {
+            ScreenedEpoch& row = table.rows[arc.rows[k]];
+            BestSupported best;
+            plane.fill(k, noises.horizontal_factors, row, best);
+            const StateEstimate<2> state = plane.smoothed(k);
+            EpochMotion& at = motion[arc.rows[k]].emplace();
+            at.velocity = state.mean.segment<2>(2);
+            at.acceleration = state.mean.segment<2>(4);
+            at.velocity_covariance = state.covariance.block<2, 2>(2, 2);
+            at.acceleration_covariance = state.covariance.block<2, 2>(4, 4);
+            if (!height) continue;
+            height->fill(k, noises.vertical_factors, row, best);
+            const StateEstimate<1> up = height->smoothed(k);
+            at.vertical_rate_mps = up.mean(1);
+            at.sigma_vertical_rate_mps = std::sqrt(std::max(0.0, up.covariance(1, 1)));
+        }
+    }
+    return motion;
+}
+
+}  // namespace runcert

@@ -1,0 +1,122 @@
+#include "stages/screen/noise.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "arcs/arcs.h"
+#include "core/statistics.h"
+#include "estimation/noise_fit.h"
+#include "files/yaml_output.h"
+
+namespace runcert {
+namespace {
+
+constexpr std::size_t epochs_of_fit = 3000;
+constexpr std::size_t epochs_of_stretch = 300;
+
+/// The arcs, or where they are long, stretches evenly over them.
+template <int Axes>
+std::vector<std::span<const ArcEpoch<Axes>>> stretches_of(const std::vector<Arc<Axes>>& arcs) {
+    std::vector<std::span<const ArcEpoch<Axes>>> stretches;
+    std::size_t epochs = 0;
+    for (const Arc<Axes>& arc : arcs)
+        epochs += arc.epochs.size();
+    const std::size_t every =
+        epochs_of_stretch * std::max<std::size_t>(1, (epochs + epochs_of_fit - 1) / epochs_of_fit);
+    std::size_t to_next = 0;  // epochs to skip before the next stretch
+    for (const Arc<Axes>& arc : arcs) {
+        const std::span<const ArcEpoch<Axes>> all(arc.epochs);
+        if (epochs <= epochs_of_fit) {
+            stretches.push_back(all);
+            continue;
+        }
+        std::size_t k = to_next;
+        for (; k < all.size(); k += every) {
+            while (k < all.size() && !all[k].measurement)
+                ++k;
+            if (k < all.size())
+                stretches.push_back(all.subspan(k, std::min(epochs_of_stretch, all.size() - k)));
+        }
+        to_next = k - all.size();
+    }
+    return stretches;
+}
+
+/// The stated accuracies times the root of the median innovation statistic over its expected
+/// median, at least 1.
+template <int Axes>
+double robust_scale(const std::vector<std::span<const ArcEpoch<Axes>>>& stretches,
+                    const EstimationModel& model) {
+    std::vector<double> statistics;
+    KalmanFilter<Axes> filter(model);
+    for (const auto& stretch : stretches) {
+        filter_along<Axes>(
+            filter, stretch,
+            [&](std::size_t, const auto&, const Innovation<Axes>* seen, const auto&) {
+                if (seen && seen->tests_model) statistics.push_back(seen->statistic);
+            });
+    }
+    if (statistics.empty()) return 1.0;
+    return std::sqrt(std::max(1.0, median(statistics) / chi_squared_quantile(0.5, Axes)));
+}
+
+std::string words_of(NoiseFit::Status status) {
+    switch (status) {
+        case NoiseFit::Status::fitted:
+            return "fitted";
+        case NoiseFit::Status::too_few_epochs:
+            return "too_few_epochs";
+        case NoiseFit::Status::constant_positions:
+            return "constant_positions";
+    }
+    return {};
+}
+
+}  // namespace
+
+template <int Axes>
+ScreeningNoise learn_screening_noise(const ScreenedTable& first_look, const ScreenConfig& config) {
+    const std::vector<Arc<Axes>> arcs = arcs_of<Axes>(first_look);
+    const auto stretches = stretches_of<Axes>(arcs);
+    ScreeningNoise noise;
+    EstimationModel& model = noise.model;
+    model.motion.jerk_density = config.jerk_density;
+    noise.evidence.axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal;
+    noise.evidence.noise = "stated";
+    if (config.fit_noise) {
+        NoiseFitOptions options;
+        options.initial_jerk_density = config.jerk_density;
+        options.tau_min_s = config.tau_min_s;
+        options.tau_max_s = config.tau_max_s;
+        options.motion = NoiseFitOptions::Motion::constant_acceleration;
+        const NoiseFit fit = fit_noise<Axes>(stretches, options);
+        noise.evidence.noise = words_of(fit.status);
+        if (fit.status == NoiseFit::Status::fitted) {
+            model = fit.model;
+            noise.fitted = fit.model;
+            noise.evidence.white_scale = fit.white_scale;
+            model.motion.jerk_density = std::max(config.jerk_density, fit.jerk_density.value);
+        }
+    }
+    if (noise.evidence.noise != "fitted") {
+        model.measurement_scale = robust_scale<Axes>(stretches, model);
+        noise.fitted = model;
+        noise.evidence.white_scale = model.measurement_scale;
+    }
+    constexpr int decimals = 6;
+    model.motion.jerk_density = rounded(model.motion.jerk_density, decimals);
+    model.measurement_scale = rounded(model.measurement_scale, decimals);
+    model.error = GaussMarkovError::steady(rounded(model.error.initial_sigma_m, decimals),
+                                           rounded(model.error.tau_s, decimals));
+    noise.evidence.white_scale = rounded(noise.evidence.white_scale, decimals);
+    noise.evidence.jerk_density = model.motion.jerk_density;
+    noise.evidence.measurement_scale = model.measurement_scale;
+    noise.evidence.error_sigma_m = model.error.initial_sigma_m;
+    noise.evidence.error_tau_s = model.error.tau_s;
+    return noise;
+}
+
+template ScreeningNoise learn_screening_noise<1>(const ScreenedTable&, const ScreenConfig&);
+template ScreeningNoise learn_screening_noise<2>(const ScreenedTable&, const ScreenConfig&);
+
+}  // namespace runcert

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "estimation/motion_model.h"
+#include "stages/screen/screen.h"
+
+namespace runcert {
+
+/// The noise that the tests rest on, and what screening says of it.
+struct ScreeningNoise {
+    EstimationModel model;   ///< what the tests take it to be
+    EstimationModel fitted;  ///< what the recording shows
+    ScreeningModel evidence;
+};
+
+/// Learns it from the epochs that a first look at the rows leaves: a forward innovation test with
+/// the class's motion and the stated accuracies times a robust factor, whose only use is to keep
+/// gross errors out of the fit. The jerk density is the larger of the class's and the fitted one:
+/// what the craft can do must not be taken for an error because it did not do it for long. Fitted
+/// to at most 3,000 epochs, in stretches over the whole recording, so that it costs the same for a
+/// long one. Figures are rounded to the decimals of the file.
+template <int Axes>
+ScreeningNoise learn_screening_noise(const ScreenedTable& first_look, const ScreenConfig& config);
+
+}  // namespace runcert

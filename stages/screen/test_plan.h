@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace runcert {
+
+/// The size of every test of a recording and what follows from it.
+class TestPlan {
+  public:
+    /// `tests` are all that a recording will see: each has the size family_false_alarm_rate /
+    /// tests, so that all together raise a false alarm with at most the family-wise rate, however
+    /// they depend on one another (Bonferroni).
+    TestPlan(double family_false_alarm_rate, std::int64_t tests, double power,
+             std::int64_t burst_epochs_max);
+
+    std::int64_t tests() const { return tests_; }
+    double size() const { return size_; }
+    double power() const { return power_; }
+    std::size_t burst_epochs_max() const { return burst_epochs_max_; }
+
+    /// What a statistic of so many degrees of freedom is compared with.
+    double critical(int degrees_of_freedom) const;
+
+    /// The non-centrality that a test of `axes` unknowns finds with the power.
+    double noncentrality(int axes) const { return noncentrality_[static_cast<std::size_t>(axes)]; }
+
+  private:
+    std::int64_t tests_;
+    double size_;
+    double power_;
+    std::size_t burst_epochs_max_;
+    mutable std::vector<double> critical_;
+    std::vector<double> noncentrality_;
+};
+
+/// Lengths of the spans over which the innovations are tested together, epochs.
+inline constexpr std::size_t span_lengths[] = {5, 20, 100};
+
+/// How many tests one epoch sees: an outlier, bursts of every length, a step, a ramp and a shift
+/// of the stamps, the spans; each for both groups of axes; velocity, limits and baseline.
+std::int64_t tests_of_an_epoch(std::int64_t burst_epochs_max);
+
+}  // namespace runcert

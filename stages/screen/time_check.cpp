@@ -1,0 +1,242 @@
+#include "stages/screen/time_check.h"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <string>
+
+#include "core/statistics.h"
+
+namespace runcert {
+namespace {
+
+constexpr std::size_t faults_kept = 1000;
+constexpr double largest_clock_error = 2e-3;
+constexpr double coverage = 5.0;
+constexpr double stamp_rounding_s = 1e-3;
+constexpr double craft_acceleration_mps2 = 10.0;
+
+double seconds_between(const ScreenedEpoch& earlier, const ScreenedEpoch& later) {
+    // As integers the difference of stamps centuries apart would overflow.
+    return (static_cast<double>(later.time.nanoseconds) -
+            static_cast<double>(earlier.time.nanoseconds)) *
+           1e-9;
+}
+
+double step_before(const std::vector<ScreenedEpoch>& rows, std::size_t row) {
+    return seconds_between(rows[row - 1], rows[row]);
+}
+
+/// The steps of a clock that runs on without a fault.
+struct Rhythm {
+    double nominal_s = 0.0;
+    double longest_s = 0.0;  ///< a longer step is a gap
+    double mean_s = 0.0;
+    double sd_s = 0.0;
+    bool is_regular(double step_s) const { return step_s > 0.0 && step_s <= longest_s; }
+};
+
+double median_forward_step(const std::vector<ScreenedEpoch>& rows) {
+    std::vector<double> forward;
+    for (std::size_t row = 1; row < rows.size(); ++row)
+        if (const double step_s = step_before(rows, row); step_s > 0.0) forward.push_back(step_s);
+    return forward.empty() ? 0.0 : median(std::move(forward));
+}
+
+Rhythm find_rhythm(const std::vector<ScreenedEpoch>& rows, const TimeCheckOptions& options) {
+    Rhythm rhythm;
+    rhythm.nominal_s =
+        options.nominal_interval_s > 0.0 ? options.nominal_interval_s : median_forward_step(rows);
+    rhythm.longest_s = options.gap_factor * rhythm.nominal_s;
+    rhythm.mean_s = rhythm.nominal_s;
+    std::vector<double> regular;
+    std::int64_t total_ns = 0;
+    for (std::size_t row = 1; row < rows.size(); ++row) {
+        const double step_s = step_before(rows, row);
+        if (!rhythm.is_regular(step_s)) continue;
+        regular.push_back(step_s);
+        total_ns += rows[row].time.nanoseconds - rows[row - 1].time.nanoseconds;
+    }
+    if (regular.empty()) return rhythm;
+    rhythm.mean_s = static_cast<double>(total_ns) * 1e-9 / static_cast<double>(regular.size());
+    if (regular.size() > 1) rhythm.sd_s = standard_deviation(regular);
+    return rhythm;
+}
+
+/// The interval that the receiver was set to.
+double set_interval(const Rhythm& rhythm) {
+    const double mean_s = rhythm.mean_s;
+    const double offered_s = mean_s < 1.0 ? 1.0 / std::clamp(std::round(1.0 / mean_s), 1.0, 100.0)
+                                          : std::clamp(std::round(mean_s), 1.0, 10.0);
+    return std::abs(mean_s / offered_s - 1.0) <= largest_clock_error ? offered_s : rhythm.nominal_s;
+}
+
+/// A step that is not regular.
+struct Jump {
+    std::size_t row = 0;  ///< the later one
+    double step_s = 0.0;
+    double advance_s = 0.0;  ///< beyond the latest stamp before; the step where that is negative
+    bool for_good = true;    ///< of a step back: never caught up with
+};
+
+/// A stamp before a step back, not caught up with yet.
+struct Ahead {
+    std::size_t row = 0;
+    std::size_t jump = 0;
+};
+
+std::vector<Jump> find_jumps(const std::vector<ScreenedEpoch>& rows, double longest_s,
+                             double session_gap_s) {
+    std::vector<Jump> jumps;
+    std::vector<Ahead> ahead;  // the earliest stamp last
+    for (std::size_t row = 1; row < rows.size(); ++row) {
+        const double step_s = step_before(rows, row);
+        if (step_s < 0.0) ahead.push_back({row - 1, jumps.size()});
+        double advance_s = step_s;
+        std::size_t still_ahead = ahead.size();
+        while (still_ahead > 0 && rows[row].time >= rows[ahead[still_ahead - 1].row].time)
+            advance_s = seconds_between(rows[ahead[--still_ahead].row], rows[row]);
+        // A session that ends before its clock has caught up was set back for good.
+        if (advance_s <= session_gap_s)
+            for (std::size_t caught = still_ahead; caught < ahead.size(); ++caught)
+                jumps[ahead[caught].jump].for_good = false;
+        ahead.resize(still_ahead);
+        if (step_s <= 0.0 || advance_s > longest_s) jumps.push_back({row, step_s, advance_s});
+    }
+    return jumps;
+}
+
+bool is_located(const ScreenedEpoch& row) {
+    return row.fix != FixKind::none && row.east_m && row.north_m && row.sigma_east_m &&
+           row.sigma_north_m;
+}
+
+/// The positions on both sides of a step.
+struct Sides {
+    Eigen::Vector2d displacement = Eigen::Vector2d::Zero();  ///< m, over the step
+    Eigen::Vector2d before = Eigen::Vector2d::Zero();        ///< velocity, m/s
+    Eigen::Vector2d after = Eigen::Vector2d::Zero();
+    double sigma_m = 0.0;  ///< of displacement less mean velocity times interval, any direction
+    double sigma_velocity_mps = 0.0;  ///< of either velocity
+};
+
+std::optional<Sides> sides_of(const std::vector<ScreenedEpoch>& rows, std::size_t row,
+                              const Rhythm& rhythm) {
+    if (row < 3 || row + 2 >= rows.size()) return std::nullopt;
+    for (const std::size_t later : {row - 2, row - 1, row + 1, row + 2})
+        if (!rhythm.is_regular(step_before(rows, later))) return std::nullopt;
+    for (const std::size_t used : {row - 3, row - 1, row, row + 2})
+        if (!is_located(rows[used])) return std::nullopt;
+    const auto position = [&](std::size_t k) { return measured_position<2>(rows[k]); };
+    const auto variance = [&](std::size_t k) {
+        return std::pow(*rows[k].sigma_east_m, 2) + std::pow(*rows[k].sigma_north_m, 2);
+    };
+    const double two_steps_s = 2.0 * rhythm.mean_s;
+    Sides sides;
+    sides.displacement = position(row) - position(row - 1);
+    sides.before = (position(row - 1) - position(row - 3)) / two_steps_s;
+    sides.after = (position(row + 2) - position(row)) / two_steps_s;
+    // Each velocity takes part with half an interval, so each outer position with a quarter.
+    const double inner = variance(row - 1) + variance(row);
+    const double outer = variance(row - 3) + variance(row + 2);
+    sides.sigma_m = std::sqrt(1.25 * 1.25 * inner + 0.25 * 0.25 * outer);
+    sides.sigma_velocity_mps = std::sqrt(std::max(variance(row - 3) + variance(row - 1),
+                                                  variance(row) + variance(row + 2))) /
+                               two_steps_s;
+    return sides;
+}
+
+/// The least displacement (m) in `time_s` of a craft that has `speed_mps` at both ends and does not
+/// turn round.
+double least_displacement(double speed_mps, double time_s) {
+    const double a = craft_acceleration_mps2;
+    const bool can_stop = 2.0 * speed_mps <= a * time_s;
+    return can_stop ? speed_mps * speed_mps / a : speed_mps * time_s - a * time_s * time_s / 4.0;
+}
+
+/// Whether the craft moved over the step as in one interval, and certainly not as in the step.
+bool goes_on(const Sides& sides, double step_s, double interval_s) {
+    const double allowed_m =
+        coverage * sides.sigma_m + craft_acceleration_mps2 * interval_s * interval_s / 2.0;
+    const Eigen::Vector2d expected = (sides.before + sides.after) / 2.0 * interval_s;
+    const double sure_speed_mps =
+        std::min(sides.before.norm(), sides.after.norm()) - coverage * sides.sigma_velocity_mps;
+    if (sure_speed_mps <= 0.0) return false;
+    if (least_displacement(sure_speed_mps, std::abs(step_s)) <= expected.norm() + 2.0 * allowed_m)
+        return false;
+    const double change_mps = (sides.after - sides.before).norm();
+    if (change_mps > 3.0 * craft_acceleration_mps2 * interval_s +
+                         coverage * std::sqrt(2.0) * sides.sigma_velocity_mps)
+        return false;
+    return (sides.displacement - expected).norm() <= allowed_m;
+}
+
+/// By how many whole seconds the clock jumped, where it was the clock.
+std::optional<double> clock_shift(const std::vector<ScreenedEpoch>& rows, const Jump& jump,
+                                  const Rhythm& rhythm) {
+    const double size_s = jump.step_s - rhythm.mean_s;
+    const double whole_s = std::round(size_s);
+    const double tolerance_s =
+        std::min(std::max(coverage * rhythm.sd_s, stamp_rounding_s), rhythm.mean_s / 4.0);
+    if (whole_s == 0.0 || std::abs(size_s - whole_s) > tolerance_s) return std::nullopt;
+    const std::optional<Sides> sides = sides_of(rows, jump.row, rhythm);
+    if (!sides || !goes_on(*sides, jump.step_s, rhythm.mean_s)) return std::nullopt;
+    return whole_s;
+}
+
+/// Whether the step leads to a stamp that is alone out of time, or back from it.
+bool is_of_one_stamp(const std::vector<ScreenedEpoch>& rows, std::size_t row,
+                     const Rhythm& rhythm) {
+    const auto in_time = [&](std::size_t earlier, std::size_t later) {
+        const double time_s = seconds_between(rows[earlier], rows[later]);
+        return time_s > 0.0 && time_s <= rhythm.longest_s + rhythm.nominal_s;
+    };
+    return (row + 1 < rows.size() && in_time(row - 1, row + 1)) ||
+           (row >= 2 && in_time(row - 2, row));
+}
+
+bool begins_session(const std::vector<ScreenedEpoch>& rows, const Jump& jump, const Rhythm& rhythm,
+                    double session_gap_s) {
+    const bool far = jump.step_s > 0.0 ? jump.advance_s > session_gap_s
+                                       : jump.for_good && -jump.step_s > session_gap_s;
+    return far && !is_of_one_stamp(rows, jump.row, rhythm);
+}
+
+TimeFault fault_of(const std::vector<ScreenedEpoch>& rows, const Jump& jump, const Rhythm& rhythm,
+                   const TimeCheckOptions& options) {
+    const std::int64_t epoch = rows[jump.row].epoch;
+    if (jump.step_s == 0.0) return {epoch, "duplicate", 0.0};
+    if (const auto shift_s = clock_shift(rows, jump, rhythm))
+        return {epoch, "whole_second_shift", *shift_s};
+    const double size_s = jump.advance_s - rhythm.mean_s;
+    if (begins_session(rows, jump, rhythm, options.session_gap_s))
+        return {epoch, "session", size_s};
+    return {epoch, jump.step_s < 0.0 ? "backward" : "gap", size_s};
+}
+
+}  // namespace
+
+TimeEvidence examine_time(const std::vector<ScreenedEpoch>& rows, const TimeCheckOptions& options) {
+    TimeEvidence evidence;
+    const Rhythm rhythm = find_rhythm(rows, options);
+    if (rhythm.mean_s > 0.0) evidence.rate_deviation = rhythm.mean_s / set_interval(rhythm) - 1.0;
+    evidence.jitter_s = rhythm.sd_s;
+    for (const Jump& jump : find_jumps(rows, rhythm.longest_s, options.session_gap_s)) {
+        if (jump.step_s == 0.0)
+            ++evidence.duplicates;
+        else if (jump.step_s < 0.0)
+            ++evidence.backward;
+        else {
+            ++evidence.gaps;
+            evidence.longest_gap_s = std::max(evidence.longest_gap_s, jump.advance_s);
+        }
+        TimeFault fault = fault_of(rows, jump, rhythm, options);
+        if (fault.kind == "session") ++evidence.sessions;
+        if (evidence.faults.size() < faults_kept) evidence.faults.push_back(std::move(fault));
+    }
+    return evidence;
+}
+
+}  // namespace runcert

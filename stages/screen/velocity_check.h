@@ -1,0 +1,46 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "schemas/screened/screened.h"
+#include "stages/screen/motion.h"
+
+namespace runcert {
+
+struct VelocityCheckOptions {
+    /// The delay is looked for between minus and plus this; 0 takes the velocities as undelayed.
+    double delay_max_s = 1.0;
+    double nominal_interval_s = 0.0;  ///< between epochs
+    /// Bound on the probability that one good epoch is marked, for normal errors.
+    double test_size = 1e-9;
+};
+
+/// The recorded velocities as a witness of the positions: estimates by how much they lag, compares
+/// them with the smoothed motion and with the raw displacements, and marks the epochs whose
+/// positions they contradict (reason and hypothesis velocity, horizontal, chi-squared with two
+/// degrees of freedom). Only usable rows of an arc are compared and marked; arcs are never joined.
+///
+/// An epoch is marked in two cases.
+/// - Its displacements from the epoch before and to the one after both contradict the recorded
+///   velocities, in opposite directions: only a wrong position does that.
+/// - The smoothed velocity contradicts the recorded one there and at a neighbour of the arc, in
+///   one direction: positions that drift do that. A recorded velocity wrong for one epoch, as real
+///   receivers give now and then, does not, and is no evidence against a position. Within ten
+///   rows of an epoch marked for its displacements nothing is marked so, because the wrong
+///   position has bent the smoothed motion: smooth again without it, and check again.
+///
+/// `motion` has one element for each row, smoothed from the usable rows. `delay_s` of the answer is
+/// empty where the motion does not tell it: hardly any acceleration, an estimate at the limit of
+/// the range, or a standard uncertainty over half an interval. The motion is then compared
+/// undelayed, with what the recorded velocity changes by within delay_max added to the standard
+/// deviation.
+/// `compared` counts the comparisons with the smoothed motion, `scale_mps` is of their differences.
+/// Nothing is answered where fewer than 30 rows have a recorded velocity; `compared` is 0, and
+/// nothing marked, where they never change (a field that the receiver does not fill) or fewer than
+/// 30 can be compared.
+std::optional<VelocityEvidence> check_velocities(std::vector<ScreenedEpoch>& rows,
+                                                 const Motion& motion,
+                                                 const VelocityCheckOptions& options);
+
+}  // namespace runcert

@@ -1,0 +1,187 @@
+#include <gtest/gtest.h>
+
+#include "files_test_support.h"
+#include "schemas/common/revision.h"
+#include "schemas/screened/screened.h"
+
+// What revision 1.2 of the screened table added.
+
+namespace runcert {
+namespace {
+
+using test::failure_of;
+using test::replaced;
+
+ScreenedTable table_of(std::vector<ScreenedEpoch> rows) {
+    ScreenedTable table;
+    table.header.stage = "screen";
+    table.header.program_version = "1.2.0";
+    table.header.source_revision = "0123456789ab";
+    table.facts.receiver = "primary";
+    table.rows = std::move(rows);
+    return table;
+}
+
+ScreenedEpoch decided(Reason reason, std::optional<Hypothesis> hypothesis,
+                      std::optional<ArcBreak> arc_break = std::nullopt) {
+    ScreenedEpoch row;
+    row.usable = reason == Reason::none;
+    row.reason = reason;
+    row.hypothesis = hypothesis;
+    row.break_before = arc_break;
+    return row;
+}
+
+ScreeningEvidence evidence() {
+    ScreeningEvidence evidence;
+    evidence.family_false_alarm_rate = 0.001;
+    evidence.tests = 10'000'000;
+    evidence.test_size = 1e-10;
+    evidence.power = 0.8;
+    evidence.passes = 2;
+    evidence.models = {{.axes = TestedAxes::vertical, .noise = "fitted", .jerk_density = 0.5}};
+    evidence.fix_kinds = {{.fix = FixKind::single, .epochs = 7, .judgement = "too_bad"}};
+    return evidence;
+}
+
+TEST(ScreenedWords, EveryValueHasOneOfItsOwn) {
+    const auto check = [](auto last) {
+        using Enum = decltype(last);
+        std::set<std::string_view> words;
+        for (int i = 0; i <= static_cast<int>(last); ++i) {
+            const auto value = static_cast<Enum>(i);
+            const std::string_view word = to_text(value);
+            EXPECT_TRUE(!word.empty() && words.insert(word).second) << i;
+            Enum back{};
+            EXPECT_TRUE(from_text(word, back)) << word;
+            EXPECT_EQ(back, value) << word;
+        }
+        Enum none{};
+        EXPECT_FALSE(from_text("slip", none));
+    };
+    check(Reason::baseline);
+    check(ArcBreak::bridged);
+    check(Hypothesis::baseline);
+    check(TestedAxes::vertical);
+}
+
+TEST(ScreenedWords, AreThoseThatTheFieldTableDescribes) {
+    const std::string text =
+        test::slurp(std::string(RUNCERT_SOURCE_DIR) + "/schemas/screened/v1.yaml");
+    const TableSchema schema = TableSchema::parse(text, "v1.yaml");
+    const auto described = [&](const std::string& column, std::string_view word) {
+        const auto found = std::ranges::find(schema.columns(), column, &EcsvColumn::name);
+        return found->description.find(word) != std::string::npos;
+    };
+    for (int i = 0; i <= static_cast<int>(Reason::baseline); ++i)
+        EXPECT_TRUE(described("reason", to_text(static_cast<Reason>(i)))) << i;
+    for (int i = 0; i <= static_cast<int>(ArcBreak::bridged); ++i)
+        EXPECT_TRUE(described("break_before", to_text(static_cast<ArcBreak>(i)))) << i;
+    for (int i = 0; i <= static_cast<int>(Hypothesis::baseline); ++i)
+        EXPECT_TRUE(described("hypothesis", to_text(static_cast<Hypothesis>(i)))) << i;
+}
+
+TEST(Summarise, CountsDecisionsByHypothesis) {
+    const ScreeningSummary summary = summarise(
+        {decided(Reason::none, Hypothesis::outlier),  // the best supported, not accepted
+         decided(Reason::short_arc, Hypothesis::jerk), decided(Reason::innovation, std::nullopt),
+         decided(Reason::outlier, Hypothesis::outlier), decided(Reason::burst, Hypothesis::burst),
+         decided(Reason::burst, Hypothesis::burst), decided(Reason::model, Hypothesis::model),
+         decided(Reason::velocity, Hypothesis::velocity),
+         decided(Reason::physical_limit, Hypothesis::jerk),
+         decided(Reason::physical_limit, Hypothesis::vertical_rate),
+         decided(Reason::baseline, Hypothesis::baseline),
+         decided(Reason::none, Hypothesis::step, ArcBreak::step),
+         decided(Reason::none, Hypothesis::outlier, ArcBreak::bridged),
+         decided(Reason::outlier, Hypothesis::outlier, ArcBreak::ramp),
+         decided(Reason::none, std::nullopt, ArcBreak::time_shift),
+         decided(Reason::none, std::nullopt, ArcBreak::gap),
+         decided(Reason::none, std::nullopt, ArcBreak::innovation)});
+    EXPECT_EQ(summary.decisions, (std::map<Hypothesis, std::int64_t>{{Hypothesis::outlier, 2},
+                                                                     {Hypothesis::burst, 2},
+                                                                     {Hypothesis::step, 2},
+                                                                     {Hypothesis::ramp, 1},
+                                                                     {Hypothesis::time_shift, 1},
+                                                                     {Hypothesis::model, 1},
+                                                                     {Hypothesis::velocity, 1},
+                                                                     {Hypothesis::jerk, 1},
+                                                                     {Hypothesis::vertical_rate, 1},
+                                                                     {Hypothesis::baseline, 1}}));
+    EXPECT_EQ(summary.reasons.at(Reason::burst), 2);
+}
+
+TEST(ScreeningEvidence, RoundTripsWithoutWhatWasNotThere) {
+    ScreenedTable table = table_of({decided(Reason::outlier, Hypothesis::outlier)});
+    table.evidence = evidence();
+    const std::string text = write_screened(table);
+    EXPECT_NE(text.find("#     test_size: 1.0e-10\n"), std::string::npos) << text;
+    EXPECT_NE(text.find("#     decisions:\n#       outlier: 1\n"), std::string::npos) << text;
+    const ScreeningEvidence back = read_screened(text, "f").evidence.value();
+    EXPECT_EQ(back.test_size, 1e-10);
+    EXPECT_EQ(back.tests, 10'000'000);
+    EXPECT_EQ(back.models.at(0).axes, TestedAxes::vertical);
+    EXPECT_EQ(back.fix_kinds.at(0).fix, FixKind::single);
+    EXPECT_FALSE(back.velocity || back.baseline);
+    EXPECT_TRUE(back.time.faults.empty());
+    table.evidence->velocity = VelocityEvidence{};
+    const VelocityEvidence velocity = *read_screened(write_screened(table), "f").evidence->velocity;
+    EXPECT_FALSE(velocity.delay_s || velocity.sigma_delay_s);
+}
+
+TEST(ScreeningEvidence, IsLeftOutWhereThereIsNone) {
+    const std::string text = write_screened(table_of({decided(Reason::none, std::nullopt)}));
+    EXPECT_EQ(text.find("screening:"), std::string::npos);
+    EXPECT_FALSE(read_screened(text, "f").evidence);
+}
+
+TEST(ScreeningEvidence, UnknownWordsAndEarlierRevisionsAreRefused) {
+    ScreenedTable table = table_of({});
+    table.evidence = evidence();
+    const std::string text = write_screened(table);
+    const struct {
+        std::string from, to, said;
+    } cases[] = {
+        {"axes: vertical", "axes: both", "\"both\" is not one of horizontal, vertical"},
+        {"fix: single", "fix: double", "\"double\" is not one of fixed"},
+        {"judgement: too_bad", "judgement: odd", "\"odd\" is not one of as_stated"},
+        {"noise: fitted", "noise: guessed", "\"guessed\" is not one of fitted"},
+        {"power: 0.8", "power: 1.8", "1.8 is above 1"},
+        {"#     limits:\n", "#     limit:\n", "unknown key \"limit\""},
+        {"version: \"1.2\"", "version: \"1.1\"", "screening: the field needs revision 1.2"},
+    };
+    for (const auto& c : cases) {
+        const auto said = failure_of([&] { read_screened(replaced(text, c.from, c.to), "f"); });
+        EXPECT_TRUE(said.contains(c.said)) << c.to << "\n" << said.problem;
+    }
+    table.evidence->time.faults = {{.epoch = 1, .kind = "leap", .size_s = 1.0}};
+    EXPECT_TRUE(failure_of([&] { write_screened(table); }).contains("\"leap\" is not one of gap"));
+}
+
+TEST(ScreenedColumns, OfRevision2AreRefusedInAnEarlierTable) {
+    const std::string text = write_screened(table_of({}));
+    const auto said = failure_of([&] {
+        read_screened(replaced(text, "#     version: \"1.2\"", "#     version: \"1.1\""), "f");
+    });
+    EXPECT_TRUE(
+        said.contains("the column \"hypothesis\" needs revision 1.2 of the schema screened"))
+        << said.problem;
+}
+
+TEST(ScreenedColumns, OfTheTestsAreWrittenToTheirDecimals) {
+    ScreenedEpoch row = decided(Reason::none, Hypothesis::time_shift, ArcBreak::time_shift);
+    row.estimated.time_s = 0.0123456789;
+    row.estimated.correlation_east_north = 0.12345678;
+    row.detectable.time_s = 1.0 / 3.0;
+    row.detectable.step_up_m = 1.0 / 3.0;
+    row.local_variance_factor = 4.0 / 3.0;
+    const ScreenedEpoch back = read_screened(write_screened(table_of({row})), "f").rows.at(0);
+    EXPECT_EQ(back.estimated.time_s, 0.012345679);
+    EXPECT_EQ(back.estimated.correlation_east_north, 0.123457);
+    EXPECT_EQ(back.detectable.time_s, 0.333333333);
+    EXPECT_EQ(back.detectable.step_up_m, 0.333333);
+    EXPECT_EQ(back.local_variance_factor, 1.3333);
+    EXPECT_FALSE(back.estimated.east_m || back.detectable.outlier_m || back.tested_axes);
+}
+
+}  // namespace
+}  // namespace runcert

@@ -1,0 +1,491 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "core/random.h"
+#include "stages/screen/epoch_checks.h"
+#include "stages/screen/time_check.h"
+
+namespace runcert {
+namespace {
+
+using Rows = std::vector<ScreenedEpoch>;
+
+constexpr std::int64_t second_ns = 1'000'000'000;
+
+void number_epochs(Rows& rows) {
+    for (std::size_t k = 0; k < rows.size(); ++k)
+        rows[k].epoch = static_cast<std::int64_t>(k) + 1;
+}
+
+ScreenedEpoch epoch_at(std::int64_t time_ns, double east_m, double north_m,
+                       RandomGenerator& noise) {
+    ScreenedEpoch row;
+    row.time.nanoseconds = time_ns;
+    row.east_m = east_m + 0.01 * noise.normal();
+    row.north_m = north_m + 0.01 * noise.normal();
+    row.sigma_east_m = row.sigma_north_m = 0.01;
+    row.fix = FixKind::fixed;
+    return row;
+}
+
+/// Laps of 500 m radius at `speed_mps`, 10 mm noise, stamps in the nearest millisecond.
+Rows recording(std::size_t epochs, double speed_mps, double rate_hz = 10.0,
+               std::uint64_t seed = 1) {
+    RandomGenerator noise(seed);
+    Rows rows;
+    for (std::size_t k = 0; k < epochs; ++k) {
+        const double time_s = static_cast<double>(k) / rate_hz;
+        const double angle = speed_mps * time_s / 500.0;
+        rows.push_back(epoch_at(std::llround(time_s * 1e3) * 1'000'000, 500.0 * std::cos(angle),
+                                500.0 * std::sin(angle), noise));
+    }
+    number_epochs(rows);
+    return rows;
+}
+
+void set_clock(Rows& rows, std::size_t first, double by_s) {
+    for (std::size_t k = first; k < rows.size(); ++k)
+        rows[k].time.nanoseconds += std::llround(by_s * 1e9);
+}
+
+void lose(Rows& rows, std::size_t first, std::size_t count) {
+    const auto begin = rows.begin() + static_cast<std::ptrdiff_t>(first);
+    rows.erase(begin, begin + static_cast<std::ptrdiff_t>(count));
+}
+
+void repeat(Rows& rows, std::size_t row) {
+    const ScreenedEpoch copy = rows[row];
+    rows.insert(rows.begin() + static_cast<std::ptrdiff_t>(row), copy);
+}
+
+void swap_rows(Rows& rows, std::size_t row) {
+    std::swap(rows[row], rows[row + 1]);
+}
+
+/// The craft is elsewhere from here on.
+void carry(Rows& rows, std::size_t first, double by_m) {
+    for (std::size_t k = first; k < rows.size(); ++k)
+        *rows[k].north_m += by_m;
+}
+
+TimeEvidence examine(Rows rows, double nominal_s = 0.1) {
+    number_epochs(rows);
+    return examine_time(rows, {.nominal_interval_s = nominal_s});
+}
+
+void expect_faults(const TimeEvidence& evidence, const std::vector<TimeFault>& expected) {
+    std::int64_t sessions = 1;
+    ASSERT_EQ(evidence.faults.size(), expected.size());
+    for (std::size_t k = 0; k < expected.size(); ++k) {
+        SCOPED_TRACE(k);
+        EXPECT_EQ(evidence.faults[k].kind, expected[k].kind);
+        EXPECT_EQ(evidence.faults[k].epoch, expected[k].epoch);
+        EXPECT_NEAR(evidence.faults[k].size_s, expected[k].size_s, 1e-9);
+        sessions += expected[k].kind == "session" ? 1 : 0;
+    }
+    EXPECT_EQ(evidence.sessions, sessions);
+}
+
+TEST(TimeCheck, ACleanRecordingHasNoFault) {
+    for (const double speed_mps : {0.0, 0.5, 5.0, 60.0})
+        for (const double rate_hz : {1.0, 5.0, 10.0, 20.0, 100.0}) {
+            const TimeEvidence evidence =
+                examine(recording(2000, speed_mps, rate_hz), 1.0 / rate_hz);
+            expect_faults(evidence, {});
+            EXPECT_EQ(evidence.gaps + evidence.duplicates + evidence.backward, 0);
+            EXPECT_EQ(evidence.longest_gap_s, 0.0);
+            EXPECT_NEAR(evidence.rate_deviation, 0.0, 1e-15);
+            EXPECT_NEAR(evidence.jitter_s, 0.0, 1e-12);
+        }
+}
+
+TEST(TimeCheck, StampsOfThreeDecimalsAtThreeHertzAreNoFault) {
+    const Rows rows = recording(3001, 30.0, 3.0);
+    EXPECT_EQ(rows[1].time.nanoseconds, 333'000'000);
+    EXPECT_EQ(rows[2].time.nanoseconds, 667'000'000);
+    const TimeEvidence evidence = examine(rows, 0.333);
+    expect_faults(evidence, {});
+    EXPECT_NEAR(evidence.rate_deviation, 0.0, 1e-12);
+    // Of 0.333, 0.334, 0.333.
+    EXPECT_NEAR(evidence.jitter_s, std::sqrt(2.0) / 3.0 * 1e-3, 1e-7);
+}
+
+using Damage = std::function<void(Rows&)>;
+
+Damage clock_set(double by_s) {
+    return [by_s](Rows& rows) { set_clock(rows, 500, by_s); };
+}
+Damage new_session(double by_s) {
+    return [by_s](Rows& rows) { set_clock(rows, 500, by_s), carry(rows, 500, 80.0); };
+}
+Damage one_stamp(double by_s) {
+    return [by_s](Rows& rows) { rows[500].time.nanoseconds += std::llround(by_s * 1e9); };
+}
+Damage lost(std::size_t count) {
+    return [count](Rows& rows) { lose(rows, 500, count); };
+}
+void early_session_with_late_row(Rows& rows) {
+    new_session(-3600)(rows);
+    swap_rows(rows, 700);
+}
+void early_session_between_two(Rows& rows) {
+    new_session(-3600)(rows);
+    set_clock(rows, 700, 7200);
+    carry(rows, 700, 80.0);
+}
+void write_again(Rows& rows) {
+    const Rows copy(rows.begin() + 480, rows.begin() + 500);
+    rows.insert(rows.begin() + 500, copy.begin(), copy.end());
+}
+
+struct FaultCase {
+    const char* name;
+    double speed_mps;
+    Damage damage;
+    std::vector<TimeFault> faults;
+    std::vector<std::int64_t> counts;  ///< gaps, duplicates, backward
+};
+
+TEST(TimeCheck, EachFaultAlone) {
+    const char* shift = "whole_second_shift";
+    const FaultCase cases[] = {
+        {"rows lost", 30, lost(4), {{501, "gap", 0.4}}, {1, 0, 0}},
+        {"a whole second lost", 30, lost(10), {{501, "gap", 1}}, {1, 0, 0}},
+        {"row twice", 30, [](Rows& r) { repeat(r, 500); }, {{502, "duplicate", 0}}, {0, 1, 0}},
+        {"late row",
+         30,
+         [](Rows& r) { swap_rows(r, 500); },
+         {{501, "gap", 0.1}, {502, "backward", -0.2}},
+         {1, 0, 1}},
+        {"set back, caught up", 0, clock_set(-100), {{501, "backward", -100}}, {0, 0, 1}},
+        {"no whole second", 30, clock_set(-99.95), {{501, "backward", -99.95}}, {0, 0, 1}},
+        {"forward, parked", 0, clock_set(1), {{501, "gap", 1}}, {1, 0, 0}},
+        {"leap seconds, parked", 0, clock_set(18), {{501, "gap", 18}}, {1, 0, 0}},
+        {"one second forward", 30, clock_set(1), {{501, shift, 1}}, {1, 0, 0}},
+        {"one second back", 30, clock_set(-1), {{501, shift, -1}}, {0, 0, 1}},
+        {"leap seconds forward", 30, clock_set(18), {{501, shift, 18}}, {1, 0, 0}},
+        {"leap seconds back", 30, clock_set(-18), {{501, shift, -18}}, {0, 0, 1}},
+        {"another time zone", 30, clock_set(-3600), {{501, shift, -3600}}, {0, 0, 1}},
+        {"second session", 30, new_session(300), {{501, "session", 300}}, {1, 0, 0}},
+        {"early session", 30, new_session(-3600), {{501, "session", -3600}}, {0, 0, 1}},
+        {"early session with a late row",
+         30,
+         early_session_with_late_row,
+         {{501, "session", -3600}, {701, "gap", 0.1}, {702, "backward", -0.2}},
+         {1, 0, 2}},
+        {"early session between two",
+         30,
+         early_session_between_two,
+         {{501, "session", -3600}, {701, "session", 3620}},
+         {1, 0, 1}},
+        {"one stamp far ahead",
+         30,
+         one_stamp(5000),
+         {{501, "gap", 5000}, {502, "backward", -5000}},
+         {1, 0, 1}},
+        {"one stamp far back",
+         30,
+         one_stamp(-5000),
+         {{501, "backward", -5000}, {502, "gap", 0.1}},
+         {1, 0, 1}},
+        {"rows written again", 30, write_again, {{501, "backward", -2}}, {0, 0, 1}}};
+    for (const FaultCase& one : cases) {
+        SCOPED_TRACE(one.name);
+        Rows rows = recording(3000, one.speed_mps);
+        one.damage(rows);
+        const TimeEvidence evidence = examine(rows);
+        expect_faults(evidence, one.faults);
+        const std::vector<std::int64_t> counts{evidence.gaps, evidence.duplicates,
+                                               evidence.backward};
+        EXPECT_EQ(counts, one.counts);
+        EXPECT_NEAR(evidence.rate_deviation, 0.0, 1e-12);
+    }
+}
+
+TEST(TimeCheck, FaultsTogether) {
+    Rows rows = recording(6000, 30.0);
+    // From the last to the first, so that the numbers of the rows before stay.
+    set_clock(rows, 5000, -18.0);
+    set_clock(rows, 4500, 18.0);
+    set_clock(rows, 4000, -7200.0), carry(rows, 4000, 55.0);
+    repeat(rows, 3500), repeat(rows, 3500);
+    lose(rows, 3000, 7);
+    set_clock(rows, 2000, 600.0), carry(rows, 2000, 55.0);
+    swap_rows(rows, 1500);
+    set_clock(rows, 1000, -1.0);
+    const TimeEvidence evidence = examine(rows);
+    expect_faults(evidence, {{1001, "whole_second_shift", -1.0},
+                             {1501, "gap", 0.1},
+                             {1502, "backward", -0.2},
+                             {2001, "session", 600.0},
+                             {3001, "gap", 0.7},
+                             {3495, "duplicate", 0.0},
+                             {3496, "duplicate", 0.0},
+                             {3996, "session", -7200.0},
+                             {4496, "whole_second_shift", 18.0},
+                             {4996, "whole_second_shift", -18.0}});
+    EXPECT_EQ(evidence.gaps, 4);
+    EXPECT_EQ(evidence.duplicates, 2);
+    EXPECT_EQ(evidence.backward, 4);
+    EXPECT_NEAR(evidence.longest_gap_s, 600.1, 1e-9);
+    EXPECT_NEAR(evidence.rate_deviation, 0.0, 1e-12);
+}
+
+TEST(TimeCheck, MarksOfOtherTestsChangeNothing) {
+    Rows rows = recording(600, 30.0);
+    set_clock(rows, 500, -18.0);
+    for (ScreenedEpoch& row : rows)
+        row.reason = Reason::backward_time;
+    expect_faults(examine(rows), {{501, "whole_second_shift", -18.0}});
+}
+
+TEST(TimeCheck, AShiftIsToldOnlyWhereThePositionsCanTell) {
+    Rows rows = recording(600, 30.0);
+    set_clock(rows, 500, 18.0);
+    for (const std::size_t missing : {497U, 499U, 500U, 502U}) {
+        Rows without = rows;
+        without[missing].east_m.reset();
+        expect_faults(examine(without), {{501, "gap", 18.0}});
+    }
+    Rows inaccurate = rows;
+    for (ScreenedEpoch& row : inaccurate)
+        row.sigma_east_m = 10.0;
+    expect_faults(examine(inaccurate), {{501, "gap", 18.0}});
+    Rows at_the_end = rows;
+    at_the_end.resize(502);
+    expect_faults(examine(at_the_end), {{501, "gap", 18.0}});
+    at_the_end.push_back(rows[502]);
+    expect_faults(examine(at_the_end), {{501, "whole_second_shift", 18.0}});
+    Rows displaced = rows;
+    carry(displaced, 500, 0.5);
+    expect_faults(examine(displaced), {{501, "gap", 18.0}});
+    // A change of velocity by 8 m/s within three intervals, the displacement as its mean.
+    Rows turned = rows;
+    for (std::size_t k = 500; k < turned.size(); ++k)
+        *turned[k].north_m += 0.8 * (static_cast<double>(k) - 499.5);
+    expect_faults(examine(turned), {{501, "gap", 18.0}});
+}
+
+TEST(TimeCheck, StampsOfTwoDecimalsAtThreeHertzShowAShiftToo) {
+    for (std::size_t first = 500; first < 503; ++first) {
+        Rows rows = recording(1000, 30.0, 3.0);
+        for (ScreenedEpoch& row : rows)
+            row.time.nanoseconds = (row.time.nanoseconds + 5'000'000) / 10'000'000 * 10'000'000;
+        set_clock(rows, first, 18.0);
+        expect_faults(examine(rows, 0.33),
+                      {{static_cast<std::int64_t>(first) + 1, "whole_second_shift", 18.0}});
+    }
+}
+
+/// A craft on a line whose acceleration changes at random within 8 m/s^2, and that stops often.
+Rows stop_and_go(std::size_t epochs, double rate_hz, RandomGenerator& random) {
+    Rows rows;
+    double east_m = 0.0, speed_mps = 10.0, acceleration_mps2 = 0.0;
+    const int parts = static_cast<int>(100.0 / rate_hz);
+    for (std::size_t k = 0; k < epochs; ++k) {
+        const double time_s = static_cast<double>(k) / rate_hz;
+        rows.push_back(epoch_at(std::llround(time_s * 1e9), east_m, 0.0, random));
+        for (int part = 0; part < parts; ++part) {
+            if (random.uniform() < 0.01) acceleration_mps2 = 16.0 * random.uniform() - 8.0;
+            speed_mps = std::clamp(speed_mps + 0.01 * acceleration_mps2, 0.0, 40.0);
+            east_m += 0.01 * speed_mps;
+        }
+    }
+    return rows;
+}
+
+TEST(TimeCheck, LossesOfWholeSecondsAreNotTakenForShiftsOfTheClock) {
+    RandomGenerator random(7);
+    std::size_t gaps = 0;
+    for (const double rate_hz : {1.0, 5.0, 10.0})
+        for (int run = 0; run < 20; ++run) {
+            Rows rows = stop_and_go(3000, rate_hz, random);
+            for (std::size_t row = 2900; row > 100; row -= 50)
+                lose(rows, row,
+                     static_cast<std::size_t>(std::ceil(4.0 * random.uniform()) * rate_hz));
+            const TimeEvidence evidence = examine(rows, 1.0 / rate_hz);
+            for (const TimeFault& fault : evidence.faults)
+                EXPECT_EQ(fault.kind, "gap") << rate_hz << " " << fault.epoch;
+            gaps += evidence.faults.size();
+        }
+    EXPECT_EQ(gaps, 3U * 20U * 56U);
+}
+
+TEST(TimeCheck, ShiftsOfTheClockAreFoundWhereTheCraftIsFast) {
+    RandomGenerator random(8);
+    std::size_t fast = 0;
+    for (int run = 0; run < 200; ++run) {
+        Rows rows = stop_and_go(1000, 10.0, random);
+        const double before_mps = (*rows[499].east_m - *rows[497].east_m) / 0.2;
+        const double after_mps = (*rows[502].east_m - *rows[500].east_m) / 0.2;
+        if (std::min(before_mps, after_mps) < 4.0) continue;
+        ++fast;
+        const double size_s = std::ceil(random.uniform() * 18.0) * (run % 2 == 0 ? 1.0 : -1.0);
+        set_clock(rows, 500, size_s);
+        expect_faults(examine(rows), {{501, "whole_second_shift", size_s}});
+    }
+    EXPECT_GT(fast, 50U);
+}
+
+TEST(TimeCheck, ALoggersOwnClockShowsItsRate) {
+    for (const double deviation : {50e-6, -50e-6, 1e-3}) {
+        for (const double rate_hz : {0.5, 1.0, 3.0, 10.0, 25.0}) {
+            Rows rows = recording(12001, 10.0, rate_hz);
+            const double interval_ns = 1e9 / rate_hz * (1.0 + deviation);
+            for (std::size_t k = 0; k < rows.size(); ++k)
+                rows[k].time.nanoseconds =
+                    std::llround(static_cast<double>(k) * interval_ns / 1e6) * 1'000'000;
+            lose(rows, 6000, 5);
+            repeat(rows, 3000);
+            const TimeEvidence evidence = examine(rows, 1.0 / rate_hz);
+            // Each end of two stretches is within half a millisecond.
+            EXPECT_NEAR(evidence.rate_deviation, deviation, 2e-3 / (12000.0 / rate_hz));
+            EXPECT_EQ(evidence.faults.size(), 2U);
+        }
+    }
+}
+
+TEST(TimeCheck, AnIntervalThatNoReceiverOffersIsItsOwnNominal) {
+    Rows rows = recording(1000, 10.0);
+    for (std::size_t k = 0; k < rows.size(); ++k)
+        rows[k].time.nanoseconds = static_cast<std::int64_t>(k) * 120'006'000;
+    EXPECT_NEAR(examine(rows, 0.12).rate_deviation, 5e-5, 1e-12);
+}
+
+TEST(TimeCheck, JitterIsTheStandardDeviationOfTheIntervals) {
+    Rows rows = recording(20000, 0.0);
+    RandomGenerator random(3);
+    for (ScreenedEpoch& row : rows)
+        row.time.nanoseconds += std::llround(2e6 * random.normal());
+    const TimeEvidence evidence = examine(rows);
+    EXPECT_NEAR(evidence.jitter_s, 2e-3 * std::sqrt(2.0), 5e-5);
+    expect_faults(evidence, {});
+}
+
+TEST(TimeCheck, CountsAreOfAllFaultsAndTheListOfTheFirstThousand) {
+    Rows reversed = recording(1501, 0.0);
+    std::reverse(reversed.begin(), reversed.end());
+    const TimeEvidence evidence = examine(reversed);
+    EXPECT_EQ(evidence.backward, 1500);
+    ASSERT_EQ(evidence.faults.size(), 1000U);
+    EXPECT_EQ(evidence.faults.back().epoch, 1001);
+}
+
+TEST(TimeCheck, EveryFaultIsCountedOnceHoweverTheRowsAreMixed) {
+    RandomGenerator random(5);
+    for (int run = 0; run < 200; ++run) {
+        Rows rows = recording(300, 20.0);
+        for (int fault = 0; fault < 6; ++fault) {
+            const auto row = static_cast<std::size_t>(random.uniform() * 250.0) + 10;
+            switch (static_cast<int>(random.uniform() * 5.0)) {
+                case 0:
+                    lose(rows, row, 3);
+                    break;
+                case 1:
+                    repeat(rows, row);
+                    break;
+                case 2:
+                    swap_rows(rows, row);
+                    break;
+                case 3:
+                    set_clock(rows, row, 400.0 * random.uniform() - 200.0);
+                    break;
+                default:
+                    set_clock(rows, row, std::round(40.0 * random.uniform() - 20.0));
+                    break;
+            }
+        }
+        const TimeEvidence evidence = examine(rows);
+        EXPECT_EQ(static_cast<std::size_t>(evidence.gaps + evidence.duplicates + evidence.backward),
+                  evidence.faults.size());
+        EXPECT_TRUE(std::is_sorted(
+            evidence.faults.begin(), evidence.faults.end(),
+            [](const TimeFault& a, const TimeFault& b) { return a.epoch < b.epoch; }));
+    }
+}
+
+TEST(TimeCheck, TooFewRows) {
+    for (const std::size_t epochs : {0U, 1U, 2U}) {
+        const TimeEvidence evidence = examine(recording(epochs, 30.0), 0.0);
+        expect_faults(evidence, {});
+        EXPECT_EQ(evidence.rate_deviation, 0.0);
+        EXPECT_EQ(evidence.jitter_s, 0.0);
+    }
+    Rows frozen = recording(3, 30.0);
+    for (ScreenedEpoch& row : frozen)
+        row.time.nanoseconds = 0;
+    EXPECT_EQ(examine(frozen, 0.0).duplicates, 2);
+}
+
+TEST(TimeCheck, TheNominalIntervalIsFoundWhereItIsNotGiven) {
+    Rows rows = recording(1000, 30.0);
+    lose(rows, 500, 4);
+    expect_faults(examine(rows, 0.0), {{501, "gap", 0.4}});
+}
+
+// What check_epochs and number_arcs make of such recordings.
+
+ScreenConfig config() {
+    ScreenConfig config;
+    config.allowed_fixes = {FixKind::fixed};
+    config.accuracy_min_m = 1e-4;
+    config.accuracy_max_m = 10.0;
+    config.gap_factor = 1.5;
+    return config;
+}
+
+Rows checked(Rows rows) {
+    number_epochs(rows);
+    check_epochs(rows, false, config());
+    number_arcs(rows, 0.1, config());
+    return rows;
+}
+
+TEST(TimeCheckOfArcs, ASessionAfterALongGapBeginsAnArc) {
+    Rows rows = recording(1000, 0.0);
+    set_clock(rows, 500, 300.0);
+    rows = checked(rows);
+    EXPECT_EQ(summarise(rows).usable, 1000);
+    EXPECT_EQ(rows[499].arc, 1);
+    EXPECT_EQ(rows[500].arc, 2);
+    EXPECT_EQ(rows[500].break_before, ArcBreak::gap);
+    EXPECT_EQ(rows[999].arc, 2);
+}
+
+TEST(TimeCheckOfArcs, ASessionWithAnEarlierClockIsNeverUsedNorJoined) {
+    Rows rows = recording(1000, 0.0);
+    set_clock(rows, 500, -3600.0);
+    rows = checked(rows);
+    for (std::size_t k = 0; k < 1000; ++k) {
+        EXPECT_EQ(rows[k].usable, k < 500);
+        EXPECT_EQ(rows[k].arc.has_value(), k < 500);
+        EXPECT_EQ(rows[k].reason, k < 500 ? Reason::none : Reason::backward_time);
+    }
+}
+
+/// A clock set back by 20 s while the craft goes on: when the stamps have caught up, the craft is
+/// 20 s further than at the stamp before.
+TEST(TimeCheckOfArcs, DISABLED_AClockSetBackEndsTheArcAlsoWhereItCatchesUp) {
+    Rows rows = recording(1000, 30.0);
+    set_clock(rows, 500, -20.0);
+    rows = checked(rows);
+    EXPECT_EQ(rows[499].arc, 1);
+    EXPECT_EQ(rows[699].reason, Reason::duplicate_time);
+    EXPECT_TRUE(rows[700].usable);
+    EXPECT_EQ(rows[700].arc, 2);
+}
+
+/// One stamp an hour ahead: the rows after it are in time with those before.
+TEST(TimeCheckOfArcs, DISABLED_OneStampFarAheadDoesNotCostTheRest) {
+    Rows rows = recording(1000, 30.0);
+    rows[500].time.nanoseconds += 3600 * second_ns;
+    rows = checked(rows);
+    EXPECT_FALSE(rows[500].usable);
+    EXPECT_EQ(summarise(rows).usable, 999);
+}
+
+}  // namespace
+}  // namespace runcert

@@ -31,7 +31,7 @@ std::string reason_words(Reason reason) {
         case Reason::duplicate_time:
             return "time of an epoch before it";
         case Reason::backward_time:
-            return "time earlier than an epoch before it";
+            return "time out of order";
         case Reason::accuracy_missing:
             return "no stated accuracy";
         case Reason::accuracy_absurd:

@@ -16,12 +16,17 @@ std::vector<ArcRows> arcs_in(const TrajectoryTable& trajectory) {
 std::vector<std::vector<EpochPair>> certifiable_windows(const TrajectoryTable& trajectory,
                                                         const std::vector<ArcRows>& arcs,
                                                         double duration_s,
-                                                        double duration_tolerance_s) {
-    // Every row counts, also one that belongs to no arc, as a repeated time stamp.
-    std::vector<std::int64_t> unusable;
-    unusable.reserve(trajectory.rows.size());
-    for (const TrajectoryEpoch& row : trajectory.rows)
-        unusable.push_back((unusable.empty() ? 0 : unusable.back()) + (row.usable ? 0 : 1));
+                                                        double duration_tolerance_s,
+                                                        BridgedSteps bridged) {
+    // What may not lie after a window's first row and up to its last. Every row counts, also one
+    // that belongs to no arc, as a repeated time stamp.
+    std::vector<std::int64_t> obstacles;
+    obstacles.reserve(trajectory.rows.size());
+    for (const TrajectoryEpoch& row : trajectory.rows) {
+        const bool step = bridged == BridgedSteps::refused && row.begins_after_step();
+        obstacles.push_back((obstacles.empty() ? 0 : obstacles.back()) +
+                            (!row.usable || step ? 1 : 0));
+    }
 
     std::vector<std::vector<EpochPair>> windows;
     windows.reserve(arcs.size());
@@ -37,7 +42,7 @@ std::vector<std::vector<EpochPair>> certifiable_windows(const TrajectoryTable& t
             if (!ends[first]) continue;
             const std::size_t first_row = arc.rows[first];
             const std::size_t last_row = arc.rows[*ends[first]];
-            if (trajectory.rows[first_row].usable && unusable[last_row] == unusable[first_row])
+            if (trajectory.rows[first_row].usable && obstacles[last_row] == obstacles[first_row])
                 of_arc.push_back({first, *ends[first]});
         }
     }

@@ -16,12 +16,17 @@ struct ArcRows {
 
 std::vector<ArcRows> arcs_in(const TrajectoryTable& trajectory);
 
+/// Whether a window that can be certified may span a bridged step.
+enum class BridgedSteps { refused, allowed };
+
 /// The windows that can be certified, for each arc in order: they begin and end at usable epochs of
-/// one arc, hold no unusable epoch, and are as long as asked for (to the tolerance; where no epoch
-/// is exactly so far, the next one). The ends are indices into the arc's rows. Linear.
+/// one arc, hold no unusable epoch, span no bridged step unless that is allowed, and are as long as
+/// asked for (to the tolerance; where no epoch is exactly so far, the next one). The ends are
+/// indices into the arc's rows. Linear.
 std::vector<std::vector<EpochPair>> certifiable_windows(const TrajectoryTable& trajectory,
                                                         const std::vector<ArcRows>& arcs,
                                                         double duration_s,
-                                                        double duration_tolerance_s);
+                                                        double duration_tolerance_s,
+                                                        BridgedSteps bridged);
 
 }  // namespace runcert

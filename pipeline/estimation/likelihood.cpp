@@ -20,11 +20,10 @@ InnovationSums innovation_sums(std::span<const std::span<const ArcEpoch<Axes>>> 
     KalmanFilter<Axes> filter(model);
     InnovationSums sums;
     for (const std::span<const ArcEpoch<Axes>> arc : arcs) {
-        int measurements = 0;
         filter_along<Axes>(filter, arc,
                            [&](std::size_t, const StateEstimate<Axes>&,
                                const Innovation<Axes>* seen, const StateEstimate<Axes>&) {
-                               if (!seen || ++measurements <= measurements_of_the_prior) return;
+                               if (!seen || !seen->tests_model) return;
                                sums.statistic += seen->statistic;
                                sums.log_determinant += std::log(seen->covariance.determinant());
                                sums.values += Axes;

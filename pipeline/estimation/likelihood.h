@@ -8,8 +8,8 @@
 
 namespace runcert {
 
-/// Sums of one forward filter over some arcs, the first measurements of each arc left out because
-/// a vague prior predicts them.
+/// Sums of one forward filter over some arcs. The first measurements of each arc are left out, and
+/// the first after a bridged step, because a vague prior predicts them.
 struct InnovationSums {
     double statistic = 0.0;        ///< of the innovation statistics
     double log_determinant = 0.0;  ///< of the innovation covariances

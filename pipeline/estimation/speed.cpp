@@ -83,49 +83,78 @@ SpeedEstimate displacement_speed(const SmoothedArc<Axes>& arc, std::size_t s, st
 }
 
 template <int Axes>
+Gradients<Axes> displacement_speed_gradients(const SmoothedArc<Axes>& arc, std::size_t s,
+                                             std::size_t e, double duration_s) {
+    const Eigen::Vector2d moved = displacement(arc, s, e);
+    Gradients<Axes> gradients(e - s + 1, StateVector<Axes>::Zero());
+    if (moved.norm() == 0.0) return gradients;
+    const Eigen::Vector2d direction = moved.normalized() / duration_s;
+    const PlaneGradients<Axes> of_both = displacement_gradients(arc, s, e);
+    for (std::size_t i = 0; i < gradients.size(); ++i)
+        gradients[i] = of_both[i] * direction;
+    return gradients;
+}
+
+template <int Axes>
+Gradients<Axes> path_speed_gradients(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e,
+                                     double duration_s) {
+    Gradients<Axes> gradients(e - s + 1, StateVector<Axes>::Zero());
+    for (std::size_t k = s; k < e; ++k) {
+        const Gradients<Axes> of_step = displacement_speed_gradients(arc, k, k + 1, duration_s);
+        gradients[k - s] += of_step[0];
+        gradients[k - s + 1] += of_step[1];
+    }
+    return gradients;
+}
+
+template <int Axes>
+Gradients<Axes> mean_speed_gradients(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e) {
+    const auto count = static_cast<double>(e - s + 1);
+    Gradients<Axes> gradients(e - s + 1, StateVector<Axes>::Zero());
+    for (std::size_t k = s; k <= e; ++k) {
+        const Eigen::Vector2d velocity = arc.states[k].mean.template segment<2>(Axes);
+        if (velocity.norm() > 0.0)
+            gradients[k - s].template segment<2>(Axes) = velocity.normalized() / count;
+    }
+    return gradients;
+}
+
+template <int Axes>
 SpeedEstimate path_speed(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e,
                          double duration_s) {
-    Gradients<Axes> gradients(e - s + 1, StateVector<Axes>::Zero());
     double length_m = 0.0;
-    double variance_of_bridges = 0.0;
-    for (std::size_t k = s; k < e; ++k) {
-        const Eigen::Vector2d step = displacement(arc, k, k + 1);
-        if (step.norm() == 0.0) continue;
-        length_m += step.norm();
-        const Eigen::Vector2d direction = step.normalized() / duration_s;
-        const PlaneGradients<Axes> both = displacement_gradients(arc, k, k + 1);
-        gradients[k - s] += both[0] * direction;
-        gradients[k - s + 1] += both[1] * direction;
-        for (const BridgedStep& bridged : arc.bridged_between(k, k + 1))
-            variance_of_bridges += bridged.variance_m2 * direction.squaredNorm();
-    }
-    const double variance = arc.variance(s, gradients) + variance_of_bridges;
+    double variance = arc.variance(s, path_speed_gradients(arc, s, e, duration_s));
+    for (std::size_t k = s; k < e; ++k)
+        length_m += displacement(arc, k, k + 1).norm();
+    for (const BridgedStep& bridged : arc.bridged_between(s, e))
+        variance += bridged.variance_m2 / (duration_s * duration_s);
     return {length_m / duration_s, std::sqrt(std::max(variance, 0.0))};
 }
 
 template <int Axes>
 SpeedEstimate mean_speed(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e) {
-    const auto count = static_cast<double>(e - s + 1);
-    Gradients<Axes> gradients(e - s + 1, StateVector<Axes>::Zero());
     double sum_mps = 0.0;
-    for (std::size_t k = s; k <= e; ++k) {
-        const Eigen::Vector2d velocity = arc.states[k].mean.template segment<2>(Axes);
-        sum_mps += velocity.norm();
-        if (velocity.norm() > 0.0)
-            gradients[k - s].template segment<2>(Axes) = velocity.normalized() / count;
-    }
-    return {sum_mps / count, std::sqrt(std::max(arc.variance(s, gradients), 0.0))};
+    for (std::size_t k = s; k <= e; ++k)
+        sum_mps += arc.states[k].mean.template segment<2>(Axes).norm();
+    return {sum_mps / static_cast<double>(e - s + 1),
+            std::sqrt(std::max(arc.variance(s, mean_speed_gradients(arc, s, e)), 0.0))};
 }
 
-#define RUNCERT_INSTANTIATE(AXES)                                                                 \
-    template Eigen::Vector2d displacement<AXES>(const SmoothedArc<AXES>&, std::size_t,            \
-                                                std::size_t);                                     \
-    template Eigen::Matrix2d displacement_covariance<AXES>(const SmoothedArc<AXES>&, std::size_t, \
-                                                           std::size_t);                          \
-    template SpeedEstimate displacement_speed<AXES>(const SmoothedArc<AXES>&, std::size_t,        \
-                                                    std::size_t, double);                         \
-    template SpeedEstimate path_speed<AXES>(const SmoothedArc<AXES>&, std::size_t, std::size_t,   \
-                                            double);                                              \
+#define RUNCERT_INSTANTIATE(AXES)                                                                  \
+    template Eigen::Vector2d displacement<AXES>(const SmoothedArc<AXES>&, std::size_t,             \
+                                                std::size_t);                                      \
+    template Eigen::Matrix2d displacement_covariance<AXES>(const SmoothedArc<AXES>&, std::size_t,  \
+                                                           std::size_t);                           \
+    template SpeedEstimate displacement_speed<AXES>(const SmoothedArc<AXES>&, std::size_t,         \
+                                                    std::size_t, double);                          \
+    template SpeedEstimate path_speed<AXES>(const SmoothedArc<AXES>&, std::size_t, std::size_t,    \
+                                            double);                                               \
+    template Gradients<AXES> displacement_speed_gradients<AXES>(const SmoothedArc<AXES>&,          \
+                                                                std::size_t, std::size_t, double); \
+    template Gradients<AXES> path_speed_gradients<AXES>(const SmoothedArc<AXES>&, std::size_t,     \
+                                                        std::size_t, double);                      \
+    template Gradients<AXES> mean_speed_gradients<AXES>(const SmoothedArc<AXES>&, std::size_t,     \
+                                                        std::size_t);                              \
     template SpeedEstimate mean_speed<AXES>(const SmoothedArc<AXES>&, std::size_t, std::size_t);
 RUNCERT_INSTANTIATE(2)
 RUNCERT_INSTANTIATE(3)

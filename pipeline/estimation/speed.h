@@ -47,4 +47,15 @@ SpeedEstimate path_speed(const SmoothedArc<Axes>& arc, std::size_t s, std::size_
 template <int Axes>
 SpeedEstimate mean_speed(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e);
 
+/// Gradients of these three speeds by the smoothed states s to e: what `SmoothedArc::variance` and
+/// `sensitivities` take. Zero where the displacement, or a velocity, has no direction.
+template <int Axes>
+Gradients<Axes> displacement_speed_gradients(const SmoothedArc<Axes>& arc, std::size_t s,
+                                             std::size_t e, double duration_s);
+template <int Axes>
+Gradients<Axes> path_speed_gradients(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e,
+                                     double duration_s);
+template <int Axes>
+Gradients<Axes> mean_speed_gradients(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e);
+
 }  // namespace runcert

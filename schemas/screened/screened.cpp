@@ -75,6 +75,7 @@ inline constexpr auto members<ScreeningEvidence> =
                Member{"tests", &ScreeningEvidence::tests},
                Member{"test_size", &ScreeningEvidence::test_size},
                Member{"power", &ScreeningEvidence::power},
+               Member{"burst_epochs_max", &ScreeningEvidence::burst_epochs_max},
                Member{"passes", &ScreeningEvidence::passes},
                Member{"models", &ScreeningEvidence::models},
                Member{"fix_kinds", &ScreeningEvidence::fix_kinds},

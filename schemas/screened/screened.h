@@ -181,8 +181,9 @@ struct BaselineEvidence {
 struct ScreeningEvidence {
     double family_false_alarm_rate = 0.0;  ///< of all tests of the recording together
     std::int64_t tests = 0;
-    double test_size = 0.0;  ///< of one
-    double power = 0.0;      ///< at the detectable sizes
+    double test_size = 0.0;             ///< of one
+    double power = 0.0;                 ///< at the detectable sizes
+    std::int64_t burst_epochs_max = 0;  ///< longest run of wrong epochs tested as one error
     std::int64_t passes = 0;
     std::vector<ScreeningModel> models;
     std::vector<FixKindEvidence> fix_kinds;

@@ -118,6 +118,7 @@ const TableFormat<TrajectoryEpoch>& format() {
             column<Row, &Row::robust_weight>("robust_weight"),
             column<Row, &Row::arc>("arc"),
             column<Row, &Row::usable>("usable"),
+            column<Row, &Row::step_before>("step_before"),
         });
     return instance;
 }

@@ -34,6 +34,11 @@ struct TrajectoryEpoch {
     std::optional<double> robust_weight = std::nullopt;
     std::optional<std::int64_t> arc;
     bool usable = false;
+    /// Since revision 1.2: whether the positions are offset by an unknown constant from here on, a
+    /// bridged step.
+    std::optional<bool> step_before = std::nullopt;
+
+    bool begins_after_step() const { return step_before.value_or(false); }
 };
 
 /// A parameter of the noise as fitted. `relative_uncertainty` is the standard uncertainty of its

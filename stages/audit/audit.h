@@ -40,9 +40,9 @@ std::optional<DetectableSizes> detectable_sizes(const std::vector<ScreenedEpoch>
 /// What an audit is about, beside the table itself.
 struct AuditSubject {
     std::string attempt;
-    std::string recording;             ///< name of the file that was handed in
-    std::vector<std::string> checked;  ///< files of the run folder whose hashes agree
-    std::vector<std::string> absent;   ///< those that should be there and are not
+    std::string recording;               ///< name of the file that was handed in
+    std::vector<std::string> checked;    ///< files whose hash is the one that another file names
+    std::vector<std::string> unchecked;  ///< files that are not there, or that none there names
 };
 
 /// The audit of one receiver as plain text of at most 100 columns: what the tests rested on, every

@@ -13,12 +13,11 @@ bool holds_evidence(const ScreenedTable& table) {
 }
 
 std::string audit_text(const ScreenedTable& table, const AuditSubject& subject, bool all) {
-    std::string text =
+    const std::string title =
         wrapped(fmt::format("Audit of screening: attempt {}, receiver {}, recording {}",
                             subject.attempt, table.facts.receiver, subject.recording));
-    text += "\n" + basis_text(table, subject);
-    text += "\n" + decisions_text(table, subject, all);
-    return text + "\n" + smallest_text(table);
+    return fmt::format("{}\n{}\n{}\n{}", title, basis_text(table, subject),
+                       decisions_text(table, subject, all), smallest_text(table));
 }
 
 }  // namespace runcert

@@ -22,7 +22,7 @@ std::string recording_text(const ScreenedTable& table, const AuditSubject& subje
     std::vector<std::string> reasons;
     for (const auto& [reason, count] : summary.reasons)
         if (reason != Reason::none)
-            reasons.push_back(fmt::format("{} {}", counted(count), words_of(reason)));
+            reasons.push_back(fmt::format("{} ({})", counted(count), words_of(reason)));
     if (!reasons.empty()) text += " Left out: " + listed(reasons) + ".";
     if (table.facts.first_epoch)
         text += fmt::format(" The first epoch is at {}.", to_utc_iso(*table.facts.first_epoch));
@@ -30,15 +30,19 @@ std::string recording_text(const ScreenedTable& table, const AuditSubject& subje
 }
 
 std::string files_text(const ScreenedTable& table, const AuditSubject& subject) {
-    std::string text =
-        fmt::format("Files. Written by runcert {}, source {}, as {} {}.",
-                    table.header.program_version, table.header.source_revision,
-                    table.header.schema_name, table.header.schema_version);
+    std::string text = fmt::format("Files. Written by runcert {}, source {}, as {} {}.",
+                                   table.header.program_version, table.header.source_revision,
+                                   table.header.schema_name, table.header.schema_version);
     if (!subject.checked.empty())
-        text += fmt::format(" Each of {} is the one that the others were made from, by SHA-256.",
-                            listed(subject.checked));
-    if (!subject.absent.empty())
-        text += fmt::format(" Not in the folder, so not checked: {}.", listed(subject.absent));
+        text += fmt::format(
+            " The hashes (SHA-256) of {} are those that the files made from them "
+            "name.",
+            listed(subject.checked));
+    if (!subject.unchecked.empty())
+        text += fmt::format(
+            " Not checked, because the folder lacks the file or the one that names "
+            "its hash: {}.",
+            listed(subject.unchecked));
     return text;
 }
 
@@ -47,17 +51,18 @@ std::string noise_sentence(const ScreeningModel& model) {
         fmt::format("{} times the stated accuracies and a jerk density of {:.3g} m s^-2.5",
                     format_fixed(model.measurement_scale, 2), model.jerk_density);
     if (model.noise != "fitted") {
-        const std::string why =
-            model.noise == "too_few_epochs" ? "it has too few epochs"
-            : model.noise == "constant_positions"
-                ? "its positions do not change, or repeat themselves"
-                : "the attempt asks for the stated one";
-        return fmt::format(" The tests rested {} on {}: noise was not learnt from the recording, "
-                           "because {}.",
-                           adverb(model.axes), figures, why);
+        const std::string why = model.noise == "too_few_epochs" ? "it has too few epochs"
+                                : model.noise == "constant_positions"
+                                    ? "its positions do not change, or repeat themselves"
+                                    : "the attempt asks for the stated one";
+        return fmt::format(
+            " The tests rested {} on {}: noise was not learnt from the recording, "
+            "because {}.",
+            adverb(model.axes), figures, why);
     }
+    constexpr double least_m = 5e-5;  // what is not zero as written
     const std::string slow =
-        model.error_sigma_m > 0.0
+        model.error_sigma_m >= least_m
             ? fmt::format("a slow error of {} m that lasts {:.3g} s",
                           format_fixed(model.error_sigma_m, 4), model.error_tau_s)
             : std::string("no slow error");
@@ -100,18 +105,18 @@ std::string tests_text(const ScreeningEvidence& evidence) {
 }
 
 std::string kind_sentence(const FixKindEvidence& kind) {
-    const std::string what = fmt::format(" {}, {} ({}): ", sentence(std::string(words_of(kind.fix))),
-                                         adverb(kind.axes), counted(kind.epochs, "epoch"));
-    const std::string factor =
-        fmt::format("errors {} times as large as stated (variance factor {})",
-                    format_fixed(std::sqrt(kind.variance_factor), 2),
-                    format_fixed(kind.variance_factor, 3));
+    const std::string what =
+        fmt::format(" {}, {} ({}): ", sentence(std::string(words_of(kind.fix))), adverb(kind.axes),
+                    counted(kind.epochs, "epoch"));
+    const std::string factor = fmt::format(
+        "errors {} times as large as stated (variance factor {})",
+        format_fixed(std::sqrt(kind.variance_factor), 2), format_fixed(kind.variance_factor, 3));
     if (kind.judgement == "too_few_epochs")
         return what + "too few epochs to tell how large its errors are.";
     if (kind.judgement == "too_good")
-        return what + factor + ": the stated accuracy is too good.";
+        return what + factor + ": the stated accuracy is too good, the errors are larger.";
     if (kind.judgement == "too_bad")
-        return what + factor + ": the stated accuracy is worse than the errors are.";
+        return what + factor + ": the stated accuracy is too bad, the errors are smaller.";
     return what + factor + ": as stated.";
 }
 
@@ -120,8 +125,9 @@ std::string velocity_text(const VelocityEvidence& velocity) {
         fmt::format("Velocities. Recorded velocities were compared with the motion at {}",
                     counted(velocity.compared, "epoch"));
     if (velocity.compared == 0)
-        return text + ": too few could be compared, or they never change; nothing follows from "
-                      "them.";
+        return text +
+               ": too few could be compared, or they never change; nothing follows from "
+               "them.";
     text += fmt::format("; they differ by {} m/s (robust standard deviation of each component).",
                         format_fixed(velocity.scale_mps, 3));
     if (velocity.delay_s)
@@ -213,10 +219,12 @@ std::string old_tests_text(const ScreenedTable& table) {
 }  // namespace
 
 std::string basis_text(const ScreenedTable& table, const AuditSubject& subject) {
-    std::string text = wrapped(recording_text(table, subject)) + wrapped(files_text(table, subject));
+    std::string text =
+        wrapped(recording_text(table, subject)) + wrapped(files_text(table, subject));
     if (!table.evidence) return text + wrapped(old_tests_text(table));
     const ScreeningEvidence& evidence = *table.evidence;
-    text += wrapped(noise_text(table)) + wrapped(tests_text(evidence));
+    if (!evidence.models.empty()) text += wrapped(noise_text(table));
+    text += wrapped(tests_text(evidence));
     std::string kinds = "Solutions.";
     for (const FixKindEvidence& kind : evidence.fix_kinds)
         kinds += kind_sentence(kind);

@@ -4,7 +4,7 @@
 
 #include "stages/audit/audit.h"
 
-// The three parts of an audit; `audit_text` puts them together.
+// The parts of an audit; `audit_text` puts them together.
 
 namespace runcert {
 
@@ -13,6 +13,15 @@ std::string basis_text(const ScreenedTable& table, const AuditSubject& subject);
 
 /// Every decision with its rows in the recording.
 std::string decisions_text(const ScreenedTable& table, const AuditSubject& subject, bool all);
+
+/// Why the rows of an entry were left out, without the statistic.
+std::string left_out_text(const ScreenedTable& table, const AuditEntry& entry);
+
+/// What the break before a row is, and which arcs it parts, without the statistic.
+std::string break_text(const std::vector<ScreenedEpoch>& rows, std::size_t at);
+
+/// Whether the evidence of a row is that of the break before it.
+bool explains_break(const ScreenedEpoch& row);
 
 /// The smallest errors that could be found, and what they would do to a speed.
 std::string smallest_text(const ScreenedTable& table);

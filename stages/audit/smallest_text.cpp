@@ -46,8 +46,7 @@ std::string consequence(const DetectableSizes& step) {
                     "wrong by at most {}: it moves one end of the window against the other. The "
                     "worst, of {} m, makes it wrong by at most {}.",
                     format_fixed(step.median, 3), format_fixed(average_s, 0), change(step.median),
-                    format_fixed(step.worst, 3), change(step.worst)),
-        0);
+                    format_fixed(step.worst, 3), change(step.worst)));
 }
 
 }  // namespace
@@ -63,12 +62,13 @@ std::string smallest_text(const ScreenedTable& table) {
     for (const Quantity& quantity : quantities)
         if (const auto sizes = detectable_sizes(table.rows, quantity.size))
             lines += line_of(quantity, *sizes);
-    if (lines.empty()) return text + "No epoch used has one: no error of any size could be found.\n";
+    if (lines.empty())
+        return text + "No epoch used has one: no error of any size could be found.\n";
     text += wrapped(
         fmt::format("Found with a probability of {} %, in the direction in which they are hardest "
-                    "to find; at half of the epochs used the size is at most the first figure.",
-                    format_fixed(100.0 * table.evidence->power, 1)),
-        0);
+                    "to find. The first figure is the median over the epochs used at which a size "
+                    "could be found.",
+                    format_fixed(100.0 * table.evidence->power, 1)));
     text += lines;
     if (const auto step = detectable_sizes(table.rows, &DetectableError::step_m))
         text += consequence(*step);

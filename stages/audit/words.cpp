@@ -76,7 +76,7 @@ std::string counted(std::int64_t count) {
     std::string digits = fmt::format("{}", count);
     const std::ptrdiff_t sign = count < 0 ? 1 : 0;
     for (auto at = std::ssize(digits) - 3; at > sign; at -= 3)
-        digits.insert(static_cast<std::size_t>(at), ",");
+        digits.insert(static_cast<std::size_t>(at), 1, ',');
     return digits;
 }
 
@@ -91,6 +91,10 @@ std::string listed(const std::vector<std::string>& items) {
         text += items[i];
     }
     return text;
+}
+
+std::string one_or_range(const std::string& low, const std::string& high) {
+    return low == high ? low : low + " to " + high;
 }
 
 std::string once_in(double probability) {
@@ -125,9 +129,9 @@ std::string components(const EstimatedError& error) {
         north_uncertainty = plus_minus(*error.sigma_north_m);
     }
     const bool equal = east_uncertainty == north_uncertainty;
-    std::string text =
-        part(*error.east_m, "m", "east", "west", equal ? "" : east_uncertainty) + ", " +
-        part(*error.north_m, "m", "north", "south", equal ? "" : north_uncertainty);
+    std::string text = part(*error.east_m, "m", "east", "west", equal ? "" : east_uncertainty) +
+                       ", " +
+                       part(*error.north_m, "m", "north", "south", equal ? "" : north_uncertainty);
     if (equal && !east_uncertainty.empty()) text += ", each" + east_uncertainty;
     return text;
 }

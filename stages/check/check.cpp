@@ -47,6 +47,14 @@ void set_outcome(const ClauseContext& context, ProfileVerdict& verdict) {
             "more than their uncertainty of {:.3f} km/h: screening may have kept a wrong epoch or "
             "rejected a right one.",
             robust->difference_mps * 3.6, robust->limit_mps * 3.6);
+    } else if (context.agreement && context.agreement->contradicts()) {
+        verdict.outcome = "not_certifiable";
+        verdict.reason = fmt::format(
+            "Receiver \"{}\" gives {:+.3f} km/h over the same time, more than both uncertainties "
+            "allow (normalised error {:.2f}): one of the two receivers is wrong.",
+            context.input.secondary->receiver,
+            (context.agreement->other_mps - context.agreement->judged_mps) * 3.6,
+            context.agreement->normalised_error);
     } else if (!record) {
         verdict.outcome = "not_proven";
         verdict.reason = "The attempt names no record to beat.";
@@ -72,8 +80,12 @@ ProfileVerdict judge(const CheckInput& input, const Profile& profile) {
                           .profile = profile,
                           .windows = windows_of(input.judged.windows, profile),
                           .coverage_factor = profile.coverage_factor};
-    if (input.secondary) context.secondary = &windows_of(input.secondary->windows, profile);
     const auto& best = context.windows.best;
+    if (best && input.secondary) {
+        const auto& other = windows_of(input.secondary->windows, profile).best;
+        context.agreement =
+            compare_speeds(input.judged, *best, *input.secondary, other ? &*other : nullptr);
+    }
     if (best) {
         context.coverage_factor =
             equivalent_coverage_factor(profile.coverage_factor, best->effective_degrees_of_freedom);

@@ -14,7 +14,7 @@
 
 namespace runcert {
 
-/// What the earlier stages say of one receiver; the facts of its tables, not their rows.
+/// What the earlier stages say of one receiver.
 struct ReceiverEvidence {
     std::string receiver;
     RecordingFacts facts;
@@ -22,6 +22,9 @@ struct ReceiverEvidence {
     ScreeningSummary screening;
     EstimationSummary estimation;
     Windows windows;
+    std::optional<FrameOrigin> origin = std::nullopt;  ///< of the trajectory
+    std::vector<TrajectoryEpoch> trajectory = {};
+    std::vector<std::int64_t> bridged_epochs = {};  ///< whose positions jump by an unknown offset
 };
 
 struct CheckInput {
@@ -33,8 +36,9 @@ struct CheckInput {
 
 /// Every requirement of each profile, met, not met or for a person to attest, and the outcome.
 ///
-/// not_certifiable if a requirement that the data decide, other than the margin, is not met, or if
-/// there is no certifiable window; else by `decide` against the record, not_proven without one. The
+/// not_certifiable if a requirement that the data decide, other than the margin, is not met, if
+/// there is no certifiable window, or if a robust estimate or the second receiver contradicts its
+/// speed; else by `decide` against the record, not_proven without one. The
 /// header is the caller's.
 Verdict check(const CheckInput& input);
 

@@ -16,13 +16,19 @@ ReceiverEvidence gather(StageRun& run, const Receiver& receiver) {
         run.read("observations", file("1-observations", "ecsv"), read_observations);
     run.read("enu", file("2-enu", "ecsv"), read_enu);
     const auto screened = run.read("screened", file("3-screened", "ecsv"), read_screened);
-    const auto trajectory = run.read("trajectory", file("4-trajectory", "ecsv"), read_trajectory);
+    auto trajectory = run.read("trajectory", file("4-trajectory", "ecsv"), read_trajectory);
+    std::vector<std::int64_t> bridged;
+    for (const ScreenedEpoch& row : screened.rows)
+        if (row.break_before == ArcBreak::bridged) bridged.push_back(row.epoch);
     return {.receiver = receiver.id,
             .facts = observations.facts,
             .accuracy_source = observations.accuracy_source,
             .screening = summarise(screened.rows),
             .estimation = trajectory.estimation,
-            .windows = run.read("windows", file("5-windows", "yaml"), read_windows)};
+            .windows = run.read("windows", file("5-windows", "yaml"), read_windows),
+            .origin = trajectory.origin,
+            .trajectory = std::move(trajectory.rows),
+            .bridged_epochs = std::move(bridged)};
 }
 
 void say_verdict(StageRun& run, const Verdict& verdict) {

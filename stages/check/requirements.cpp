@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <functional>
 #include <map>
 
@@ -74,17 +73,18 @@ Finding georeferenced(const ClauseContext& context) {
 Finding secondary_method(const ClauseContext& context) {
     if (!context.input.secondary)
         return {"attest", "the attempt has one receiver; another method is not part of it"};
-    if (!context.windows.best || !context.secondary || !context.secondary->best)
-        return {"not_met", fmt::format("receiver \"{}\" has no certifiable window to compare",
-                                       context.input.secondary->receiver)};
-    const double error = normalised_error(*context.windows.best, *context.secondary->best);
-    return {
-        error <= 1.0 ? "met" : "not_met",
-        fmt::format("receiver \"{}\" gives {:.3f} km/h, {:+.3f} km/h against the primary one; "
-                    "normalised error {:.2f}, at most 1",
-                    context.input.secondary->receiver, context.secondary->best->speed_mps * 3.6,
-                    (context.secondary->best->speed_mps - context.windows.best->speed_mps) * 3.6,
-                    error)};
+    const std::string& receiver = context.input.secondary->receiver;
+    if (!context.agreement) return {"not_met", "there is no certifiable window to compare"};
+    const Agreement& agreement = *context.agreement;
+    if (!agreement.missing.empty())
+        return {"not_met", fmt::format("receiver \"{}\" {}", receiver, agreement.missing)};
+    return {agreement.agrees() ? "met" : "not_met",
+            fmt::format(
+                "receiver \"{}\" gives {:.3f} km/h over the same {:.3f} s, {:+.3f} km/h "
+                "against the primary one (displacement over time); normalised error "
+                "{:.2f}, at most 1",
+                receiver, agreement.other_mps * 3.6, context.windows.best->span.duration.seconds(),
+                (agreement.other_mps - agreement.judged_mps) * 3.6, agreement.normalised_error)};
 }
 
 Finding attest(const ClauseContext&) {
@@ -92,12 +92,6 @@ Finding attest(const ClauseContext&) {
 }
 
 }  // namespace
-
-double normalised_error(const CertifiableWindow& a, const CertifiableWindow& b) {
-    constexpr double coverage_factor = 2.0;
-    return std::abs(a.speed_mps - b.speed_mps) /
-           (coverage_factor * std::hypot(a.standard_uncertainty_mps, b.standard_uncertainty_mps));
-}
 
 Requirement decide_clause(const Clause& clause, const ClauseContext& context) {
     static const std::map<std::string, std::function<Finding(const ClauseContext&)>> computations{

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "stages/check/check.h"
+#include "stages/check/agreement.h"
 
 namespace runcert {
 
@@ -9,7 +9,7 @@ struct ClauseContext {
     const CheckInput& input;
     const Profile& profile;
     const ProfileWindows& windows;
-    const ProfileWindows* secondary = nullptr;
+    std::optional<Agreement> agreement = std::nullopt;  ///< where there is a second receiver
     double coverage_factor = 2.0;
     std::optional<double> expanded_uncertainty_mps = std::nullopt;
     std::optional<double> target_mps = std::nullopt;
@@ -17,9 +17,5 @@ struct ClauseContext {
 
 /// Decides one clause by the computation it names.
 Requirement decide_clause(const Clause& clause, const ClauseContext& context);
-
-/// Normalised error of two speeds: their difference over the root sum of squares of their expanded
-/// uncertainties (k = 2), all m/s. At most 1 means agreement (ISO/IEC 17043).
-double normalised_error(const CertifiableWindow& a, const CertifiableWindow& b);
 
 }  // namespace runcert

@@ -70,6 +70,11 @@ class StretchTests {
     }
     double factor(std::size_t k) const { return factors_[k]; }
 
+    double sigma_rate_of(const Candidate& candidate) const {
+        if (candidate.hypothesis != Hypothesis::ramp) return 0.0;
+        return std::sqrt(diagnosis_.ramp(candidate.first).covariance().trace());
+    }
+
     /// Every hypothesis whose test rejects the model.
     std::vector<Candidate> candidates() const {
         std::vector<Candidate> found;
@@ -95,30 +100,26 @@ class StretchTests {
 
     /// The set of neighbouring epochs, each with an error of its own, that is better supported
     /// than the candidate; the candidate itself if there is none. Grows from the candidate's epochs
-    /// to whichever side gains.
+    /// to whichever side gains more.
     Candidate best_set(const Candidate& candidate) const {
-        Candidate best = candidate;
-        std::size_t first = candidate.first;
-        std::size_t last = candidate.last;
-        Candidate grown = set_of(first, last);
-        if (candidate.hypothesis == Hypothesis::burst && grown.log_tail < best.log_tail)
-            best = grown;
-        // Two steps without a gain are looked over: an epoch between two wrong ones may be good.
-        for (int without_gain = 0;
-             without_gain < 3 && last - first + 1 < plan_.burst_epochs_max();) {
+        Candidate best = set_of(candidate.first, candidate.last);
+        Candidate grown = best;
+        // Some growth without a gain is looked over: an epoch between two wrong ones may be good.
+        constexpr int patience = 3;
+        for (int without_gain = 0; without_gain < patience;) {
+            if (grown.last - grown.first + 1 >= plan_.burst_epochs_max()) break;
             std::optional<Candidate> next;
-            if (first > 0) next = set_of(first - 1, last);
-            if (last + 1 < stretch_.epochs.size()) {
-                const Candidate right = set_of(first, last + 1);
+            if (grown.first > 0) next = set_of(grown.first - 1, grown.last);
+            if (grown.last + 1 < stretch_.epochs.size()) {
+                const Candidate right = set_of(grown.first, grown.last + 1);
                 if (!next || right.log_tail < next->log_tail) next = right;
             }
             if (!next) break;
-            first = next->first;
-            last = next->last;
-            without_gain = next->log_tail < best.log_tail ? 0 : without_gain + 1;
-            if (without_gain == 0) best = *next;
+            grown = *next;
+            without_gain = grown.log_tail < best.log_tail ? 0 : without_gain + 1;
+            if (without_gain == 0) best = grown;
         }
-        return best;
+        return best.log_tail < candidate.log_tail ? best : candidate;
     }
 
     /// The shortest span whose innovations are together too large, the worst of that length.
@@ -166,6 +167,7 @@ class StretchTests {
 
     Candidate set_of(std::size_t first, std::size_t last) const {
         const SetTest test = diagnosis_.own_errors(first, last);
+        if (test.degrees_of_freedom == 0) return {.first = first, .last = last};
         const double statistic = test.statistic / factors_[first];
         return {.log_tail = log_chi_squared_upper_tail(statistic, test.degrees_of_freedom),
                 .hypothesis = first == last ? Hypothesis::outlier : Hypothesis::burst,
@@ -242,11 +244,8 @@ class Adaptation {
         const StretchTests<Axes> tests(stretch, model_, plan_);
         const std::size_t reach = 2 * plan_.burst_epochs_max();
         const std::vector<Candidate> chosen = choose(tests.candidates(), reach);
-        for (const Candidate& candidate : chosen) {
-            const bool epochs_wrong = candidate.hypothesis == Hypothesis::outlier ||
-                                      candidate.hypothesis == Hypothesis::burst;
-            accept(stretch, tests, epochs_wrong ? tests.best_set(candidate) : candidate);
-        }
+        for (const Candidate& candidate : chosen)
+            accept(stretch, tests, tests.best_set(candidate));
         if (!chosen.empty()) return true;
         if (const auto span = tests.failing_span()) {
             accept(stretch, tests, *span);
@@ -262,7 +261,8 @@ class Adaptation {
                                 .last = stretch.first + candidate.last,
                                 .statistic = candidate.statistic,
                                 .threshold = plan_.critical(candidate.degrees_of_freedom),
-                                .estimated = tests.estimate_of(candidate)};
+                                .estimated = tests.estimate_of(candidate),
+                                .sigma_rate_mps = tests.sigma_rate_of(candidate)};
         const bool leaves_out = candidate.hypothesis == Hypothesis::outlier ||
                                 candidate.hypothesis == Hypothesis::burst ||
                                 candidate.hypothesis == Hypothesis::model;

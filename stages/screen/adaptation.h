@@ -18,6 +18,7 @@ struct Decision {
     double statistic = 0.0;
     double threshold = 0.0;
     EstimatedError estimated;
+    double sigma_rate_mps = 0.0;  ///< of a ramp's rate, in the direction in which it is largest
 };
 
 /// What was decided of an arc, epoch by epoch.

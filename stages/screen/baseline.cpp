@@ -9,111 +9,16 @@
 #include "stages/screen/adaptation.h"
 #include "stages/screen/decisions.h"
 #include "stages/screen/noise.h"
+#include "stages/screen/receiver_pairs.h"
 
 namespace runcert {
 namespace {
 
 using Eigen::Matrix2d, Eigen::Matrix3d, Eigen::Vector2d, Eigen::Vector3d;
 
-/// An epoch that both receivers have.
-struct Pair {
-    std::array<std::size_t, 2> rows{};  ///< of the first and of the second table
-    ElapsedTime time;                   ///< of the first
-    Vector3d difference;                ///< second less first, m; up is 0 in the plane
-    Matrix3d covariance;
-    std::optional<Vector2d> track;       ///< direction of travel, where it tells the craft's own
-    double variance_of_direction = 0.0;  ///< rad^2
-};
-
-bool tells_direction(const EpochMotion& motion, double length_m) {
-    constexpr double slowest_mps = 1.0;
-    constexpr double largest_turn = 0.05;
-    const double speed_mps = motion.velocity.norm();
-    const double sigma_mps = std::sqrt(motion.velocity_covariance.trace());
-    if (!(speed_mps > slowest_mps && speed_mps > 10.0 * sigma_mps)) return false;
-    const Vector2d &v = motion.velocity, &a = motion.acceleration;
-    const double curvature = std::abs(v.x() * a.y() - v.y() * a.x()) / std::pow(speed_mps, 3);
-    return curvature * length_m <= largest_turn;
-}
-
-/// The positions of a table, in the frame of another.
-class PositionsInFrame {
-  public:
-    PositionsInFrame(const std::optional<FrameOrigin>& own,
-                     const std::optional<FrameOrigin>& wanted, bool in_space)
-        : in_space_(in_space) {
-        if (!own || !wanted) return;
-        const Geodetic &a = own->position, &b = wanted->position;
-        if (a.latitude == b.latitude && a.longitude == b.longitude && a.height_m == b.height_m)
-            return;
-        own_.emplace(a);
-        wanted_.emplace(b);
-    }
-
-    Vector3d of(const EnuEpoch& row) const {
-        const Vector3d own(row.east_m.value(), row.north_m.value(), in_space_ ? *row.up_m : 0.0);
-        Vector3d position =
-            own_ ? wanted_->enu_from_geodetic(own_->geodetic_from_enu(Enu{own})).m : own;
-        if (!in_space_) position.z() = 0.0;
-        return position;
-    }
-
-  private:
-    bool in_space_;
-    std::optional<LocalFrame> own_, wanted_;
-};
-
-Matrix3d covariance_of(const EnuEpoch& row, bool in_space) {
-    if (in_space) return stated_covariance<3>(row);
-    Matrix3d covariance = Matrix3d::Zero();
-    covariance.topLeftCorner<2, 2>() = stated_covariance<2>(row);
-    return covariance;
-}
-
-/// Pairs of usable rows within a microsecond of one another, in order of time.
-std::vector<Pair> pairs_of(const ScreenedTable& first, const ScreenedTable& second,
-                           const Motion& motion_of_first) {
-    constexpr std::int64_t tolerance_ns = 1000;
-    std::vector<Pair> pairs;
-    if (!first.facts.first_epoch || !second.facts.first_epoch) return pairs;
-    if (first.origin.has_value() != second.origin.has_value()) return pairs;
-    const bool in_space = first.facts.vertical_measured && second.facts.vertical_measured;
-    const PositionsInFrame of_first(first.origin, first.origin, in_space);
-    const PositionsInFrame of_second(second.origin, first.origin, in_space);
-    const std::int64_t later_ns =
-        second.facts.first_epoch->nanoseconds_since(*first.facts.first_epoch);
-    std::size_t j = 0;
-    for (std::size_t i = 0; i < first.rows.size(); ++i) {
-        const ScreenedEpoch& a = first.rows[i];
-        if (!a.usable) continue;
-        const auto behind_ns = [&] {  // of the second's row
-            return a.time.nanoseconds - second.rows[j].time.nanoseconds - later_ns;
-        };
-        while (j < second.rows.size() && (!second.rows[j].usable || behind_ns() > tolerance_ns))
-            ++j;
-        if (j == second.rows.size()) break;
-        if (behind_ns() < -tolerance_ns) continue;
-        const ScreenedEpoch& b = second.rows[j];
-        Pair pair{.rows = {i, j},
-                  .time = a.time,
-                  .difference = of_second.of(b) - of_first.of(a),
-                  .covariance = covariance_of(a, in_space) + covariance_of(b, in_space),
-                  .track = std::nullopt};
-        const auto& motion = motion_of_first[i];
-        if (motion && tells_direction(*motion, pair.difference.head<2>().norm())) {
-            pair.track = motion->velocity.normalized();
-            const Vector2d across(-pair.track->y(), pair.track->x());
-            pair.variance_of_direction =
-                across.dot(motion->velocity_covariance * across) / motion->velocity.squaredNorm();
-        }
-        pairs.push_back(pair);
-    }
-    return pairs;
-}
-
-std::vector<double> lengths_of(const std::vector<Pair>& pairs) {
+std::vector<double> lengths_of(const std::vector<ReceiverPair>& pairs) {
     std::vector<double> lengths;
-    for (const Pair& pair : pairs)
+    for (const ReceiverPair& pair : pairs)
         lengths.push_back(pair.difference.norm());
     return lengths;
 }
@@ -125,7 +30,7 @@ Matrix2d track_axes(const Vector2d& track) {
 
 /// What is tested of a pair, as the position of a row: along and across (2), or the length (1).
 template <int Axes>
-void fill_difference(const Pair& pair, ScreenedEpoch& row) {
+void fill_difference(const ReceiverPair& pair, ScreenedEpoch& row) {
     if constexpr (Axes == 1) {
         row.up_m = pair.difference.norm();
         // Of antennas closer than their noise, the largest standard deviation.
@@ -165,14 +70,14 @@ struct Series {
 /// Pairs that are still usable in both, in arcs that end where one of either table does, or where
 /// more than `longest_hole` pairs have no direction.
 template <int Axes>
-Series series_of(const std::vector<Pair>& pairs,
+Series series_of(const std::vector<ReceiverPair>& pairs,
                  const std::array<const ScreenedTable*, 2>& receivers, const ScreenConfig& config) {
     Series series;
     series.table.facts.vertical_measured = Axes == 1;
     const std::array breaks{breaks_up_to(receivers[0]->rows), breaks_up_to(receivers[1]->rows)};
     std::int64_t arc = 0;
     for (std::size_t p = 0; p < pairs.size(); ++p) {
-        const Pair& pair = pairs[p];
+        const ReceiverPair& pair = pairs[p];
         if (Axes == 2 && !pair.track) continue;
         bool usable = true;
         bool begins = series.pairs.empty() ||
@@ -235,7 +140,7 @@ void estimate_errors(const Arc<Axes>& arc, const EstimationModel& model, ArcDeci
 
 /// An error along and across, or of the length, turned to east, north and up; of the second
 /// receiver for `sign` 1, of the first for -1.
-EstimatedError turned_back(const EstimatedError& error, const Pair& pair, double sign) {
+EstimatedError turned_back(const EstimatedError& error, const ReceiverPair& pair, double sign) {
     EstimatedError turned;
     if (error.up_m) {
         const Vector3d direction = sign * pair.difference.stableNormalized();
@@ -263,7 +168,7 @@ EstimatedError turned_back(const EstimatedError& error, const Pair& pair, double
 /// Marks one receiver's rows.
 class Marker {
   public:
-    Marker(ScreenedTable& table, const std::vector<Pair>& pairs, std::size_t receiver)
+    Marker(ScreenedTable& table, const std::vector<ReceiverPair>& pairs, std::size_t receiver)
         : rows_(table.rows), pairs_(pairs), receiver_(receiver) {}
 
     bool any() const { return any_; }
@@ -313,7 +218,7 @@ class Marker {
     }
 
     std::vector<ScreenedEpoch>& rows_;
-    const std::vector<Pair>& pairs_;
+    const std::vector<ReceiverPair>& pairs_;
     std::size_t receiver_;
     bool any_ = false;
 };
@@ -338,7 +243,7 @@ void mark_decisions(const ArcDecisions& decisions, const std::vector<std::size_t
 }
 
 template <int Axes>
-void test_differences(const std::vector<Pair>& pairs, double length_m,
+void test_differences(const std::vector<ReceiverPair>& pairs, double length_m,
                       const std::array<const ScreenedTable*, 2>& receivers,
                       std::array<Marker, 2>& markers, const TestPlan& plan,
                       const ScreenConfig& config) {
@@ -358,7 +263,7 @@ void test_differences(const std::vector<Pair>& pairs, double length_m,
 }
 
 BaselineEvidence evidence_of(const ScreenedTable& table, const std::string& other,
-                             const std::vector<Pair>& pairs) {
+                             const std::vector<ReceiverPair>& pairs) {
     BaselineEvidence evidence{.receiver = other, .compared = std::ssize(pairs)};
     if (!pairs.empty()) {
         std::vector<double> lengths = lengths_of(pairs);
@@ -375,7 +280,7 @@ BaselineEvidence evidence_of(const ScreenedTable& table, const std::string& othe
 
 bool compare_receivers(ScreenedTable& first, ScreenedTable& second, const Motion& motion_of_first,
                        const TestPlan& plan, const ScreenConfig& config) {
-    const std::vector<Pair> pairs = pairs_of(first, second, motion_of_first);
+    const std::vector<ReceiverPair> pairs = pairs_of(first, second, motion_of_first);
     std::array markers{Marker(first, pairs, 0), Marker(second, pairs, 1)};
     if (!pairs.empty()) {
         const double length_m = median(lengths_of(pairs));

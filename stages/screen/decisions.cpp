@@ -1,6 +1,6 @@
 #include "stages/screen/decisions.h"
 
-#include <map>
+#include <Eigen/Core>
 
 namespace runcert {
 namespace {
@@ -26,18 +26,57 @@ ArcBreak break_of(Hypothesis hypothesis, bool bridge_steps) {
     return bridge_steps ? ArcBreak::bridged : ArcBreak::step;
 }
 
+/// Ramps of an arc that belong together: they follow one another within a minute.
+struct Excursion {
+    std::vector<const Decision*> ramps;
+
+    /// Whether the rates add up to none: what drifted has come to an end.
+    bool ends() const {
+        Eigen::Vector3d rate = Eigen::Vector3d::Zero();
+        double variance = 0.0;
+        for (const Decision* ramp : ramps) {
+            const EstimatedError& by = ramp->estimated;
+            rate += Eigen::Vector3d(by.rate_east_mps.value_or(0.0), by.rate_north_mps.value_or(0.0),
+                                    by.rate_up_mps.value_or(0.0));
+            variance += ramp->sigma_rate_mps * ramp->sigma_rate_mps;
+        }
+        constexpr double coverage = 5.0;
+        return ramps.size() > 1 && rate.squaredNorm() < coverage * coverage * variance;
+    }
+};
+
+std::vector<Excursion> excursions_of(const std::vector<ScreenedEpoch>& rows,
+                                     std::span<const std::size_t> arc_rows,
+                                     const ArcDecisions& decisions) {
+    constexpr double longest_s = 60.0;
+    std::vector<Excursion> excursions;
+    double latest_s = 0.0;
+    for (std::size_t k = 0; k < arc_rows.size(); ++k) {
+        const auto& decision = decisions.breaks[k];
+        if (!decision || decision->hypothesis != Hypothesis::ramp) continue;
+        const double time_s = rows[arc_rows[k]].time.seconds();
+        if (excursions.empty() || time_s - latest_s > longest_s || excursions.back().ends())
+            excursions.emplace_back();
+        excursions.back().ramps.push_back(&*decision);
+        latest_s = time_s;
+    }
+    return excursions;
+}
+
 void leave_out_drifting(std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> arc_rows,
                         const ArcDecisions& decisions, TestedAxes axes) {
-    std::size_t begin = 0;
-    for (std::size_t end = 1; end <= arc_rows.size(); ++end) {
-        if (end < arc_rows.size() && !decisions.breaks[end]) continue;
-        for (const std::size_t edge : {begin, end}) {
-            if (edge >= arc_rows.size() || !decisions.breaks[edge]) continue;
-            if (decisions.breaks[edge]->hypothesis != Hypothesis::ramp) continue;
-            for (std::size_t k = begin; k < end; ++k)
-                leave_out(rows[arc_rows[k]], *decisions.breaks[edge], Reason::model, axes);
+    for (const Excursion& excursion : excursions_of(rows, arc_rows, decisions)) {
+        std::size_t first = excursion.ramps.front()->first;
+        std::size_t last = excursion.ramps.back()->first;
+        if (!excursion.ends()) {
+            while (first > 0 && !decisions.breaks[first - 1])
+                --first;
+            if (first > 0) --first;
+            while (++last < arc_rows.size() && !decisions.breaks[last]) {
+            }
         }
-        begin = end;
+        for (std::size_t k = first; k < last; ++k)
+            leave_out(rows[arc_rows[k]], *excursion.ramps.front(), Reason::model, axes);
     }
 }
 

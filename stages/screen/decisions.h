@@ -8,9 +8,10 @@
 namespace runcert {
 
 /// Writes what was decided of an arc into its rows (`arc_rows` are their indices). Rows already
-/// marked keep their mark. A step ends the arc, or is bridged. Of a ramp nobody can tell whether
-/// the positions before or after it drift: the stretches on both its sides, up to the next break,
-/// are left out.
+/// marked keep their mark. A step ends the arc, or is bridged. Positions that drift are left out:
+/// between a ramp and the one that ends it (their rates add up to none), or, where it does not end,
+/// on both sides of the ramp up to the next break, because nobody can tell whether the positions
+/// before or after it drift.
 void mark_rows(std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> arc_rows,
                const ArcDecisions& decisions, TestedAxes axes, bool bridge_steps);
 

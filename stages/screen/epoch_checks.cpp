@@ -50,17 +50,37 @@ std::optional<Finding> check_accuracy(const ScreenedEpoch& row, bool vertical,
     return std::nullopt;
 }
 
+/// What each row's time against the others' forbids. A row that is not later than one before it is
+/// out of order; but a single stamp ahead of those on both its sides is the one that is wrong.
+std::vector<std::optional<Finding>> check_times(const std::vector<ScreenedEpoch>& rows) {
+    std::vector<std::optional<Finding>> findings(rows.size());
+    std::optional<std::size_t> latest;
+    std::optional<std::size_t> before_latest;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        if (!latest || rows[i].time > rows[*latest].time) {
+            before_latest = latest;
+            latest = i;
+            continue;
+        }
+        const bool repeated = rows[i].time == rows[*latest].time;
+        const bool latest_is_ahead = !repeated && *latest + 1 == i && i + 1 < rows.size() &&
+                                     rows[i + 1].time <= rows[*latest].time &&
+                                     (!before_latest || rows[i].time > rows[*before_latest].time);
+        const double step_s = rows[i].time.seconds() - rows[*latest].time.seconds();
+        findings[latest_is_ahead ? *latest : i] =
+            Finding{repeated ? Reason::duplicate_time : Reason::backward_time, step_s, 0.0};
+        if (latest_is_ahead) latest = i;
+    }
+    return findings;
+}
+
 }  // namespace
 
 void check_epochs(std::vector<ScreenedEpoch>& rows, bool vertical, const ScreenConfig& config) {
-    std::optional<ElapsedTime> latest;
-    for (ScreenedEpoch& row : rows) {
-        std::optional<Finding> finding;
-        if (latest && row.time <= *latest)
-            finding = Finding{row.time == *latest ? Reason::duplicate_time : Reason::backward_time,
-                              row.time.seconds() - latest->seconds(), 0.0};
-        else
-            latest = row.time;
+    const auto times = check_times(rows);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        ScreenedEpoch& row = rows[i];
+        std::optional<Finding> finding = times[i];
         if (!finding) finding = check_fix(row, config);
         if (!finding && (!row.east_m || !row.north_m || (vertical && !row.up_m)))
             finding = Finding{Reason::no_position, {}, {}};
@@ -74,20 +94,27 @@ void check_epochs(std::vector<ScreenedEpoch>& rows, bool vertical, const ScreenC
 
 void number_arcs(std::vector<ScreenedEpoch>& rows, double nominal_interval_s,
                  const ScreenConfig& config) {
-    const double longest_step_s = config.gap_factor * nominal_interval_s;
+    const double longest_step_ns = config.gap_factor * nominal_interval_s * 1e9;
+    // A clock that was set back and catches up again does not say how long that took.
+    constexpr int longest_disorder = 1;
     const ScreenedEpoch* previous = nullptr;
+    int out_of_order = 0;
     std::int64_t arc = 0;
     for (ScreenedEpoch& row : rows) {
         row.arc.reset();
         row.break_before.reset();
+        if (row.reason == Reason::backward_time) ++out_of_order;
         if (!row.usable) continue;
         if (!previous)
             row.break_before = ArcBreak::start;
-        else if (row.time.seconds() - previous->time.seconds() > longest_step_s)
+        else if (static_cast<double>(row.time.nanoseconds - previous->time.nanoseconds) >
+                     longest_step_ns ||
+                 out_of_order > longest_disorder)
             row.break_before = ArcBreak::gap;
         if (row.break_before) ++arc;
         row.arc = arc;
         previous = &row;
+        out_of_order = 0;
     }
 }
 

@@ -9,17 +9,19 @@ int main(int argc, char** argv) {
     return stage_main(
         argc, argv, "screen", "Tests every epoch; marks, never deletes", [](StageRun& run) {
             const Attempt& attempt = run.attempt();
-            for (const Receiver& receiver : attempt.receivers) {
-                StageRun one = run;
-                const EnuTable table =
-                    one.read("enu", product_file(attempt, receiver, "2-enu", "ecsv"), read_enu);
-                ScreenedTable screened = screen(table, screen_config(attempt));
-                screened.header = one.header();
-                one.write(product_file(attempt, receiver, "3-screened", "ecsv"),
-                          write_screened(screened));
-                const ScreeningSummary summary = summarise(screened.rows);
+            std::vector<EnuTable> tables;
+            for (const Receiver& receiver : attempt.receivers)
+                tables.push_back(
+                    run.read("enu", product_file(attempt, receiver, "2-enu", "ecsv"), read_enu));
+            std::vector<ScreenedTable> screened = screen_receivers(tables, screen_config(attempt));
+            for (std::size_t i = 0; i < screened.size(); ++i) {
+                // Each table rests on what was read of all receivers.
+                screened[i].header = run.header();
+                run.write(product_file(attempt, attempt.receivers[i], "3-screened", "ecsv"),
+                          write_screened(screened[i]));
+                const ScreeningSummary summary = summarise(screened[i].rows);
                 run.say(fmt::format("{} of {} epochs usable, in {} {}", summary.usable,
-                                    screened.rows.size(), summary.arcs,
+                                    screened[i].rows.size(), summary.arcs,
                                     summary.arcs == 1 ? "arc" : "arcs"));
             }
         });

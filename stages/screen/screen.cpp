@@ -1,6 +1,9 @@
 #include "stages/screen/screen.h"
 
+#include <algorithm>
+
 #include "arcs/screening_noise.h"
+#include "stages/screen/baseline.h"
 #include "stages/screen/decisions.h"
 #include "stages/screen/epoch_checks.h"
 #include "stages/screen/evidence.h"
@@ -68,8 +71,8 @@ void test_positions(ScreenedTable& screened, const ScreeningNoises& noises, cons
 
 /// The witnesses beside the positions: what they mark changes the motion, so that they are asked
 /// again.
-void ask_witnesses(ScreenedTable& screened, const ScreeningNoises& noises, const TestPlan& plan,
-                   const ScreenConfig& config, ScreeningEvidence& evidence) {
+Motion ask_witnesses(ScreenedTable& screened, const ScreeningNoises& noises, const TestPlan& plan,
+                     const ScreenConfig& config, ScreeningEvidence& evidence) {
     constexpr int rounds = 4;
     std::int64_t velocities = 0;
     std::int64_t limits = 0;
@@ -91,10 +94,55 @@ void ask_witnesses(ScreenedTable& screened, const ScreeningNoises& noises, const
         limits += evidence.limits.rejected;
         const bool done = evidence.limits.rejected == 0;
         evidence.limits.rejected = limits;
-        if (done) return;
+        if (done) return motion;
     }
     finish_arcs(screened.rows, config.burst_epochs_max, config.min_arc_epochs);
-    examine_arcs(screened, noises, plan);
+    return examine_arcs(screened, noises, plan);
+}
+
+/// A receiver screened by itself, and what its arcs are examined anew with.
+struct ReceiverScreening {
+    ScreenedTable table;
+    ScreeningNoises noises;
+    TestPlan plan;
+    Motion motion;
+};
+
+ReceiverScreening screen_alone(const EnuTable& table, const ScreenConfig& config) {
+    ScreenedTable screened;
+    screened.facts = table.facts;
+    screened.origin = table.origin;
+    screened.rows.reserve(table.rows.size());
+    for (const EnuEpoch& row : table.rows)
+        static_cast<EnuEpoch&>(screened.rows.emplace_back()) = row;
+    const double nominal_interval_s = table.facts.nominal_interval_s;
+
+    check_epochs(screened.rows, table.facts.vertical_measured, config);
+    number_arcs(screened.rows, nominal_interval_s, config);
+    TestPlan plan(config.family_false_alarm_rate,
+                  std::max<std::int64_t>(1, summarise(screened.rows).usable) *
+                      tests_of_an_epoch(config.burst_epochs_max),
+                  config.power, config.burst_epochs_max);
+    ScreeningEvidence evidence;
+    evidence.family_false_alarm_rate = config.family_false_alarm_rate;
+    evidence.tests = plan.tests();
+    evidence.test_size = plan.size();
+    evidence.power = plan.power();
+    evidence.burst_epochs_max = config.burst_epochs_max;
+    evidence.time = examine_time(screened.rows, {.nominal_interval_s = nominal_interval_s,
+                                                 .gap_factor = config.gap_factor,
+                                                 .session_gap_s = config.session_gap_s});
+    finish_arcs(screened.rows, config.burst_epochs_max, config.min_arc_epochs);
+    const ScreenedTable look = first_look(screened, config);
+    screened.variance_factor = look.variance_factor;
+    ScreeningNoises noises = learn_noises(look, config, evidence);
+    test_positions(screened, noises, plan, config, evidence);
+    Motion motion = ask_witnesses(screened, noises, plan, config, evidence);
+    screened.evidence = std::move(evidence);
+    return {.table = std::move(screened),
+            .noises = std::move(noises),
+            .plan = std::move(plan),
+            .motion = std::move(motion)};
 }
 
 }  // namespace
@@ -130,35 +178,27 @@ ScreenConfig screen_config(const Attempt& attempt) {
 }
 
 ScreenedTable screen(const EnuTable& table, const ScreenConfig& config) {
-    ScreenedTable screened;
-    screened.facts = table.facts;
-    screened.origin = table.origin;
-    screened.rows.reserve(table.rows.size());
-    for (const EnuEpoch& row : table.rows)
-        static_cast<EnuEpoch&>(screened.rows.emplace_back()) = row;
-    const double nominal_interval_s = table.facts.nominal_interval_s;
+    return screen_alone(table, config).table;
+}
 
-    check_epochs(screened.rows, table.facts.vertical_measured, config);
-    number_arcs(screened.rows, nominal_interval_s, config);
-    const TestPlan plan(config.family_false_alarm_rate,
-                        std::max<std::int64_t>(1, summarise(screened.rows).usable) *
-                            tests_of_an_epoch(config.burst_epochs_max),
-                        config.power, config.burst_epochs_max);
-    ScreeningEvidence evidence;
-    evidence.family_false_alarm_rate = config.family_false_alarm_rate;
-    evidence.tests = plan.tests();
-    evidence.test_size = plan.size();
-    evidence.power = plan.power();
-    evidence.time = examine_time(screened.rows, {.nominal_interval_s = nominal_interval_s,
-                                                 .gap_factor = config.gap_factor,
-                                                 .session_gap_s = config.session_gap_s});
-    finish_arcs(screened.rows, config.burst_epochs_max, config.min_arc_epochs);
-    const ScreenedTable look = first_look(screened, config);
-    screened.variance_factor = look.variance_factor;
-    const ScreeningNoises noises = learn_noises(look, config, evidence);
-    test_positions(screened, noises, plan, config, evidence);
-    ask_witnesses(screened, noises, plan, config, evidence);
-    screened.evidence = std::move(evidence);
+std::vector<ScreenedTable> screen_receivers(std::span<const EnuTable> tables,
+                                            const ScreenConfig& config) {
+    std::vector<ReceiverScreening> receivers;
+    for (const EnuTable& table : tables)
+        receivers.push_back(screen_alone(table, config));
+    if (receivers.size() > 1) {
+        const auto strictest = std::ranges::min_element(
+            receivers, {}, [](const ReceiverScreening& one) { return one.plan.size(); });
+        if (compare_receivers(receivers[0].table, receivers[1].table, receivers[0].motion,
+                              strictest->plan, config))
+            for (ReceiverScreening& one : receivers) {
+                finish_arcs(one.table.rows, config.burst_epochs_max, config.min_arc_epochs);
+                examine_arcs(one.table, one.noises, one.plan);
+            }
+    }
+    std::vector<ScreenedTable> screened;
+    for (ReceiverScreening& one : receivers)
+        screened.push_back(std::move(one.table));
     return screened;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <set>
+#include <span>
 
 #include "schemas/attempt/attempt.h"
 #include "schemas/screened/screened.h"
@@ -45,5 +46,10 @@ ScreenConfig screen_config(const Attempt& attempt);
 /// recorded velocities, and the limits of the craft's class. No row is removed. The header is the
 /// caller's.
 ScreenedTable screen(const EnuTable& table, const ScreenConfig& config);
+
+/// The tables of all receivers of an attempt, in their order: each screened by itself, then the
+/// first two compared with one another (`compare_receivers`).
+std::vector<ScreenedTable> screen_receivers(std::span<const EnuTable> tables,
+                                            const ScreenConfig& config);
 
 }  // namespace runcert

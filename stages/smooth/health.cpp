@@ -58,12 +58,11 @@ InnovationStatistics innovation_statistics(const std::vector<Arc<Axes>>& arcs,
     SpanTest spans(span_values);
     KalmanFilter<Axes> filter(model);
     for (const Arc<Axes>& arc : arcs) {
-        int measurements = 0;
         PositionVector<Axes> before = PositionVector<Axes>::Zero();
         filter_along<Axes>(filter, std::span<const ArcEpoch<Axes>>(arc.epochs),
                            [&](std::size_t, const StateEstimate<Axes>&,
                                const Innovation<Axes>* seen, const StateEstimate<Axes>&) {
-                               if (!seen || ++measurements <= measurements_of_the_prior) {
+                               if (!seen || !seen->tests_model) {
                                    before.setZero();
                                    return;
                                }

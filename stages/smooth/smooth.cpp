@@ -51,27 +51,58 @@ void set_vertical(const StateEstimate<1>& state, TrajectoryEpoch& row) {
     row.sigma_acceleration_up_mps2 = sigma(2);
 }
 
-/// The methods of [DHD22] over the usable positions of an arc.
-void set_paper_methods(const Arc<2>& arc, const SmoothConfig& config,
-                       std::vector<TrajectoryEpoch>& rows) {
+/// Positions that may be differenced: no bridged step lies between them.
+struct PositionRun {
     std::vector<PlanePosition> positions;
-    std::vector<std::size_t> index;
+    std::vector<std::size_t> rows;  ///< of the table
+    bool after_step = false;
+};
+
+/// The usable positions of an arc.
+std::vector<PositionRun> position_runs(const Arc<2>& arc) {
+    std::vector<PositionRun> runs(1);
     for (std::size_t k = 0; k < arc.epochs.size(); ++k) {
+        if (k > 0 && arc.epochs[k].step_before) runs.push_back({{}, {}, true});
         const auto& measurement = arc.epochs[k].measurement;
         if (!measurement) continue;
-        positions.push_back({.time_s = arc.epochs[k].time_s,
-                             .position = measurement->position,
-                             .sigma_m = std::sqrt(measurement->covariance.trace() / 2.0)});
-        index.push_back(arc.rows[k]);
+        runs.back().positions.push_back(
+            {.time_s = arc.epochs[k].time_s,
+             .position = measurement->position,
+             .sigma_m = std::sqrt(measurement->covariance.trace() / 2.0)});
+        runs.back().rows.push_back(arc.rows[k]);
     }
-    const auto v1 = speed_v1(positions);
-    const auto v2 = speed_v2(positions);
-    const auto filtered = filter_dhd22(positions, config.dhd22_acceleration_sigma_mps2);
-    for (std::size_t k = 0; k < positions.size(); ++k) {
-        rows[index[k]].speed_v1_mps = v1[k];
-        rows[index[k]].speed_v2_mps = v2[k];
-        rows[index[k]].speed_kalman_mps = filtered[k].speed_mps();
+    return runs;
+}
+
+/// The methods of [DHD22], on either side of a bridged step by itself. The filter begins at rest:
+/// after a step the craft is not, and at the first position the filter has nothing to say yet.
+void set_paper_methods(const Arc<2>& arc, const SmoothConfig& config,
+                       std::vector<TrajectoryEpoch>& rows) {
+    for (const PositionRun& run : position_runs(arc)) {
+        const auto v1 = speed_v1(run.positions);
+        const auto v2 = speed_v2(run.positions);
+        const auto filtered = filter_dhd22(run.positions, config.dhd22_acceleration_sigma_mps2);
+        for (std::size_t k = 0; k < run.rows.size(); ++k) {
+            TrajectoryEpoch& row = rows[run.rows[k]];
+            row.speed_v1_mps = v1[k];
+            row.speed_v2_mps = v2[k];
+            if (k > 0 || !run.after_step) row.speed_kalman_mps = filtered[k].speed_mps();
+        }
     }
+}
+
+/// How many offsets of bridged steps the measurements of an arc tell: of steps without a
+/// measurement between them only the sum.
+std::int64_t offsets_told(const Arc<2>& arc) {
+    std::int64_t told = 0;
+    bool open = false;
+    for (std::size_t k = 1; k < arc.epochs.size(); ++k) {
+        open = open || arc.epochs[k].step_before;
+        if (!open || !arc.epochs[k].measurement) continue;
+        ++told;
+        open = false;
+    }
+    return told;
 }
 
 /// Compares the batch solution with the smoothed one.
@@ -158,8 +189,10 @@ void estimate_horizontal(const ScreenedTable& screened, const SmoothConfig& conf
     for (std::size_t a = 0; a < result.arcs.size(); ++a) {
         const Arc<2>& arc = result.arcs[a];
         innovation_sum += result.smoothed[a].innovation_sum;
-        // The vague prior leaves position, velocity and acceleration of each axis to the data.
-        summary.degrees_of_freedom += 2 * result.smoothed[a].measurements - 6;
+        // The vague prior leaves position, velocity and acceleration of each axis to the data, and
+        // so are the offsets of bridged steps.
+        summary.degrees_of_freedom +=
+            2 * result.smoothed[a].measurements - 6 - 2 * offsets_told(arc);
         for (std::size_t k = 0; k < arc.rows.size(); ++k)
             set_horizontal(result.smoothed[a].states[k], table.rows[arc.rows[k]]);
         set_robust(robust_arcs[a], result.smoothed[a], model, config, table);
@@ -211,6 +244,7 @@ TrajectoryTable smooth_trajectory(const ScreenedTable& screened, const SmoothCon
         epoch.time = row.time;
         epoch.arc = row.arc;
         epoch.usable = row.usable;
+        if (row.arc) epoch.step_before = row.break_before == ArcBreak::bridged;
     }
     estimate_horizontal(screened, config, table);
     if (screened.facts.vertical_measured) estimate_vertical(screened, config, table);

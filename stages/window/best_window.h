@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -24,7 +25,19 @@ std::optional<CandidateWindow> best_window(const TrajectoryTable& trajectory,
                                            const std::vector<std::vector<EpochPair>>& windows,
                                            std::string_view definition);
 
-/// Horizontal displacement over time (m/s) between two rows of the smoothed trajectory.
-double displacement_over_time(const TrajectoryEpoch& first, const TrajectoryEpoch& last);
+/// Smoothed horizontal positions (m) of an arc's rows. After bridged steps the offsets are taken
+/// off, so that differences are displacements: what the positions do over a step less the craft's
+/// motion over it, dt (v + v') / 2 - dt^2 (a' - a) / 12, the mean of persistent acceleration under
+/// velocity and acceleration at both ends. (Over one epoch an acceleration that dies away moves the
+/// craft no differently by anything that counts in a search.)
+std::vector<Eigen::Vector2d> positions_without_offsets(const TrajectoryTable& trajectory,
+                                                       const ArcRows& arc);
+
+/// Time (s) between two of an arc's rows.
+double duration_of(const TrajectoryTable& trajectory, const ArcRows& arc, EpochPair window);
+
+/// Horizontal displacement over time (m/s) in a window of an arc with these positions.
+double displacement_over_time(const std::vector<Eigen::Vector2d>& positions, EpochPair window,
+                              double duration_s);
 
 }  // namespace runcert

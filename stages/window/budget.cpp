@@ -8,6 +8,7 @@
 
 #include "core/geodesy.h"
 #include "core/monte_carlo.h"
+#include "stages/window/reliability.h"
 
 namespace runcert {
 namespace {
@@ -184,10 +185,13 @@ BudgetRow antenna_row(const BudgetInput& input) {
                        1.0 / input.duration_s, std::move(note));
 }
 
-BudgetRow undetected_row() {
+BudgetRow undetected_row(const BudgetInput& input) {
+    const UndetectedError* worst = undetected_in_budget(input.reliability);
     return bounded_row(
-        "d", "undetected step or outlier", 0.0, "m / s", 1.0,
-        "not quantified: screening does not yet state the largest error it could miss");
+        "d", "undetected step or outlier", worst ? worst->speed_mps : 0.0, "m / s", 1.0,
+        worst ? undetected_words(*worst, input.detection_power)
+              : std::string("not quantified: the screened epochs do not state the largest error "
+                            "that could have been missed"));
 }
 
 BudgetRow selection_row(const BudgetInput& input) {
@@ -230,7 +234,7 @@ std::vector<BudgetRow> budget_of(const BudgetInput& input) {
     rows.push_back(resolution_row(input));
     rows.push_back(frame_row(input));
     rows.push_back(antenna_row(input));
-    rows.push_back(undetected_row());
+    rows.push_back(undetected_row(input));
     rows.push_back(selection_row(input));
     return rows;
 }

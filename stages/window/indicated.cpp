@@ -32,7 +32,7 @@ std::string describe(Reason reason, std::int64_t count) {
         {Reason::float_ambiguities, "with float ambiguities, not fixed ones"},
         {Reason::other_fix, "of a kind of solution that is not allowed"},
         {Reason::duplicate_time, "with the time of the epoch before"},
-        {Reason::backward_time, "earlier than the epoch before"},
+        {Reason::backward_time, "with a time out of order"},
         {Reason::accuracy_missing, "without a stated accuracy"},
         {Reason::accuracy_absurd, "with an absurd stated accuracy"},
         {Reason::innovation, "rejected by the innovation test"},
@@ -72,7 +72,7 @@ void add_break(ArcBreak arc_break, Breaks& breaks) {
 }
 
 std::vector<std::string> refusals_of(const ScreenedTable& screened, std::size_t first,
-                                     std::size_t last) {
+                                     std::size_t last, BridgedSteps bridged) {
     std::map<Reason, std::int64_t> reasons;
     std::vector<std::string> refusals;
     Breaks breaks;
@@ -89,7 +89,7 @@ std::vector<std::string> refusals_of(const ScreenedTable& screened, std::size_t 
             fmt::format("{} {} that the motion cannot explain: positions before and "
                         "after do not belong together",
                         breaks.steps, breaks.steps == 1 ? "step" : "steps"));
-    if (breaks.bridged > 0)
+    if (breaks.bridged > 0 && bridged == BridgedSteps::refused)
         refusals.push_back(
             fmt::format("{} repaired {}: the recorded positions before and after belong together "
                         "only by an estimated offset",
@@ -103,7 +103,7 @@ std::vector<std::string> refusals_of(const ScreenedTable& screened, std::size_t 
 }  // namespace
 
 std::optional<IndicatedWindow> fastest_indicated(const ScreenedTable& screened, double duration_s,
-                                                 const WindowConfig& config) {
+                                                 const WindowConfig& config, BridgedSteps bridged) {
     const std::vector<std::size_t> rows = rows_in_time(screened);
     std::vector<ElapsedTime> times;
     times.reserve(rows.size());
@@ -130,7 +130,7 @@ std::optional<IndicatedWindow> fastest_indicated(const ScreenedTable& screened, 
                             screened.rows[best->last].epoch, screened.rows[best->first].time,
                             screened.rows[best->last].time),
         .speed_mps = best_speed_mps,
-        .refusals = refusals_of(screened, best->first, best->last)};
+        .refusals = refusals_of(screened, best->first, best->last, bridged)};
 }
 
 }  // namespace runcert

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 
+#include "core/accuracy_measures.h"
+
 namespace runcert {
 namespace {
 
@@ -58,6 +60,25 @@ ErrorBound error_bound(const ScreenedTable& screened, std::size_t first_row, std
     return bound;
 }
 
+double position_r95_m(const SmoothedArc<2>& smoothed, EpochPair window, const ErrorBound& bound) {
+    double radius_m = 0.0;
+    for (const std::size_t k : {window.first, window.last}) {
+        const Eigen::Matrix2d covariance =
+            smoothed.states[k].covariance.topLeftCorner<2, 2>() +
+            bound.sigma_m * bound.sigma_m * Eigen::Matrix2d::Identity();
+        radius_m = std::max(radius_m, r95(covariance));
+    }
+    for (const BridgedStep& step : smoothed.bridged_between(window.first, window.last)) {
+        const auto position = [&](std::size_t k) -> Eigen::Vector2d {
+            return smoothed.states[k].mean.head<2>();
+        };
+        const Eigen::Vector2d offset = position(step.epoch) - position(step.epoch - 1) -
+                                       displacement(smoothed, step.epoch - 1, step.epoch);
+        radius_m += offset.norm();
+    }
+    return radius_m;
+}
+
 EstimationModel bounded_model(const NoiseSummary& noise, const ErrorBound& bound) {
     EstimationModel model = model_of(noise);
     model.error = GaussMarkovError::bounding(bound.sigma_m, bound.tau_min_s, bound.tau_max_s);
@@ -69,9 +90,7 @@ PositionNoise position_noise(const WindowStretch& stretch, const EstimationModel
     const SmoothedArc<2> smoothed = smooth<2>(stretch.epochs, model);
     PositionNoise noise;
     noise.speed = speed_by_definition(smoothed, stretch.window, stretch.duration_s, definition);
-    noise.displacement_m = (smoothed.states[stretch.window.last].mean.head<2>() -
-                            smoothed.states[stretch.window.first].mean.head<2>())
-                               .norm();
+    noise.displacement_m = displacement(smoothed, stretch.window.first, stretch.window.last).norm();
     noise.velocity_covariance =
         displacement_covariance(smoothed, stretch.window.first, stretch.window.last) /
         (stretch.duration_s * stretch.duration_s);

@@ -19,6 +19,13 @@ namespace runcert {
 ErrorBound error_bound(const ScreenedTable& screened, std::size_t first_row, std::size_t last_row,
                        const NoiseSummary& noise, const Profile::Uncertainty& rule);
 
+/// Radius (m) of the circle that holds the true horizontal position with a probability of 95 %, at
+/// the worse of the window's ends ([NAV] R95): the smoothed position's covariance and the bounded
+/// slow error's. Nobody knows which side of a bridged step is the true one: at the worse end the
+/// position is off by the step's offset, whose length is therefore added in full. (How well the
+/// offset itself is known, some millimetres, does not count beside the bound.)
+double position_r95_m(const SmoothedArc<2>& smoothed, EpochPair window, const ErrorBound& bound);
+
 /// The noise model of the certificate: motion and white noise as fitted, the slow error bounded.
 EstimationModel bounded_model(const NoiseSummary& noise, const ErrorBound& bound);
 

@@ -15,7 +15,8 @@ namespace {
 
 using Positions = std::vector<Eigen::Vector2d>;
 
-/// The measured epochs of a cluster.
+/// The measured epochs of a cluster. A bridged step before one without a measurement stands before
+/// the next that has one.
 struct Stretch {
     std::vector<ArcEpoch<2>> epochs;
     std::vector<EpochPair> windows;   // indices into the epochs
@@ -30,9 +31,14 @@ Stretch stretch_of(const WindowCluster& cluster) {
     const std::size_t from = cluster.windows.front().first;
     Stretch stretch;
     std::vector<std::size_t> index(last + 1, 0);
+    bool step = false;
     for (std::size_t k = from; k <= last; ++k) {
         index[k] = stretch.epochs.size();
-        if (epochs[k].measurement) stretch.epochs.push_back(epochs[k]);
+        step = step || epochs[k].step_before;
+        if (!epochs[k].measurement) continue;
+        stretch.epochs.push_back(epochs[k]);
+        stretch.epochs.back().step_before = step;
+        step = false;
     }
     for (const EpochPair& window : cluster.windows) {
         stretch.windows.push_back({index[window.first], index[window.last]});
@@ -61,6 +67,7 @@ EstimationModel local_model(const Stretch& stretch, EstimationModel model) {
     return model;
 }
 
+/// Positions without offsets, as LinearSmoother makes them, also across bridged steps.
 double window_speed(const Stretch& stretch, const Positions& positions, std::size_t w) {
     const EpochPair& window = stretch.windows[w];
     return (positions[window.last] - positions[window.first]).norm() / stretch.durations_s[w];

@@ -19,6 +19,7 @@ WindowStretch cut_stretch(const Arc<2>& arc, EpochPair window, double margin_s) 
                           epochs.begin() + static_cast<std::ptrdiff_t>(last) + 1);
     stretch.window = {window.first - first, window.last - first};
     stretch.duration_s = epochs[window.last].time_s - epochs[window.first].time_s;
+    stretch.first = first;
     return stretch;
 }
 

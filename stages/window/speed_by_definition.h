@@ -14,6 +14,7 @@ struct WindowStretch {
     std::vector<ArcEpoch<2>> epochs;
     EpochPair window;  ///< indices into the epochs
     double duration_s = 0.0;
+    std::size_t first = 0;  ///< index of the arc's epoch that the stretch begins with
 };
 
 /// The window with up to `margin_s` of its arc before and after; it begins with a measured epoch.

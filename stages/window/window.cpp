@@ -7,12 +7,12 @@
 
 #include "arcs/arcs.h"
 #include "arcs/noise_models.h"
-#include "core/accuracy_measures.h"
 #include "core/failure.h"
 #include "estimation/speed.h"
 #include "stages/window/best_window.h"
 #include "stages/window/budget.h"
 #include "stages/window/position_noise.h"
+#include "stages/window/reliability.h"
 #include "stages/window/selection.h"
 
 namespace runcert {
@@ -51,13 +51,21 @@ struct Evidence {
     std::vector<ArcRows> rows;  ///< of each arc, in the trajectory
 };
 
-/// The arcs of both tables, which must be the same.
-std::vector<Arc<2>> matching_arcs(const ScreenedTable& screened, const std::vector<ArcRows>& rows) {
+/// The arcs of both tables, which must be the same, bridged steps included.
+std::vector<Arc<2>> matching_arcs(const ScreenedTable& screened, const TrajectoryTable& trajectory,
+                                  const std::vector<ArcRows>& rows) {
     std::vector<Arc<2>> arcs = arcs_of<2>(screened);
-    const bool equal = std::equal(arcs.begin(), arcs.end(), rows.begin(), rows.end(),
-                                  [](const Arc<2>& arc, const ArcRows& own) {
-                                      return arc.number == own.number && arc.rows == own.rows;
-                                  });
+    const auto same_steps = [&](const Arc<2>& arc) {
+        for (std::size_t k = 0; k < arc.rows.size(); ++k)
+            if (arc.epochs[k].step_before != trajectory.rows[arc.rows[k]].begins_after_step())
+                return false;
+        return true;
+    };
+    const bool equal =
+        std::equal(arcs.begin(), arcs.end(), rows.begin(), rows.end(),
+                   [&](const Arc<2>& arc, const ArcRows& own) {
+                       return arc.number == own.number && arc.rows == own.rows && same_steps(arc);
+                   });
     if (!equal)
         throw Failure("4-trajectory of receiver " + screened.facts.receiver,
                       "the trajectory does not have the arcs of the screened epochs",
@@ -82,18 +90,36 @@ SmoothedArc<2> checked_estimate(const Evidence& evidence, EpochPair window, cons
     return smoothed;
 }
 
+/// Displacement (m) of the robust batch. It keeps positions alone: the motion over a bridged step
+/// is that of the screened solution.
+std::optional<Eigen::Vector2d> robust_displacement(const Evidence& evidence, const Arc<2>& arc,
+                                                   const SmoothedArc<2>& smoothed,
+                                                   EpochPair window) {
+    const auto row = [&](std::size_t k) -> const TrajectoryEpoch& {
+        return evidence.trajectory.rows[arc.rows[k]];
+    };
+    if (!row(window.first).robust_east_m || !row(window.last).robust_east_m) return std::nullopt;
+    const auto difference = [&](std::size_t first, std::size_t last) {
+        return Eigen::Vector2d(
+            row(last).robust_east_m.value() - row(first).robust_east_m.value(),
+            row(last).robust_north_m.value() - row(first).robust_north_m.value());
+    };
+    Eigen::Vector2d displacement = difference(window.first, window.last);
+    for (const BridgedStep& step : smoothed.bridged_between(window.first, window.last))
+        displacement += runcert::displacement(smoothed, step.epoch - 1, step.epoch) -
+                        difference(step.epoch - 1, step.epoch);
+    return displacement;
+}
+
 /// The robust batch's speed against the screened solution's, whose noise model is the same.
 std::optional<RobustSpeed> robust_speed(const Evidence& evidence, const Arc<2>& arc,
-                                        EpochPair window, const SpeedEstimate& screened,
-                                        double duration_s) {
+                                        const SmoothedArc<2>& smoothed, EpochPair window,
+                                        const SpeedEstimate& screened, double duration_s) {
     constexpr double coverage_factor = 2.0;
-    const TrajectoryEpoch& first = evidence.trajectory.rows[arc.rows[window.first]];
-    const TrajectoryEpoch& last = evidence.trajectory.rows[arc.rows[window.last]];
-    if (!first.robust_east_m || !last.robust_east_m) return std::nullopt;
+    const auto displacement = robust_displacement(evidence, arc, smoothed, window);
+    if (!displacement) return std::nullopt;
     RobustSpeed robust;
-    robust.speed_mps = std::hypot(*last.robust_east_m - *first.robust_east_m,
-                                  *last.robust_north_m - *first.robust_north_m) /
-                       duration_s;
+    robust.speed_mps = std::hypot(displacement->x(), displacement->y()) / duration_s;
     robust.difference_mps = robust.speed_mps - screened.speed_mps;
     robust.limit_mps = coverage_factor * screened.standard_uncertainty_mps;
     robust.agrees = std::abs(robust.difference_mps) <= robust.limit_mps;
@@ -111,11 +137,11 @@ std::vector<WindowCluster> clusters_of(const Evidence& evidence,
     std::vector<WindowCluster> clusters;
     for (std::size_t a = 0; a < evidence.arcs.size(); ++a) {
         const Arc<2>* arc = &evidence.arcs[a];
+        const ArcRows& rows = evidence.rows[a];
+        const auto positions = positions_without_offsets(evidence.trajectory, rows);
         for (const EpochPair& window : windows[a]) {
-            const auto row = [&](std::size_t k) -> const TrajectoryEpoch& {
-                return evidence.trajectory.rows[arc->rows[k]];
-            };
-            if (displacement_over_time(row(window.first), row(window.last)) < least_mps) continue;
+            const double time_s = duration_of(evidence.trajectory, rows, window);
+            if (displacement_over_time(positions, window, time_s) < least_mps) continue;
             const bool apart = clusters.empty() || clusters.back().arc != arc ||
                                window.first > clusters.back().windows.back().last;
             if (apart) clusters.push_back({arc, {}, std::nullopt});
@@ -156,7 +182,10 @@ CertifiableWindow certified(const Evidence& evidence,
     const SpeedEstimate displacement = displacement_speed(
         smoothed, candidate.window.first, candidate.window.last, stretch.duration_s);
     window.fitted = fitted_speed(stretch, evidence.models, profile.definition);
-    window.robust = robust_speed(evidence, arc, candidate.window, displacement, stretch.duration_s);
+    window.robust =
+        robust_speed(evidence, arc, smoothed, candidate.window, displacement, stretch.duration_s);
+    window.repaired_steps =
+        std::ssize(smoothed.bridged_between(candidate.window.first, candidate.window.last));
 
     ErrorBound bound =
         error_bound(evidence.screened, first_row, last_row, evidence.noise, profile.uncertainty);
@@ -165,11 +194,11 @@ CertifiableWindow certified(const Evidence& evidence,
     bound.standard_uncertainty_mps = noise.speed.standard_uncertainty_mps;
     window.bound = bound;
     window.displacement_m = noise.displacement_m;
-    for (const std::size_t k : {candidate.window.first, candidate.window.last}) {
-        const Eigen::Matrix2d covariance =
-            smoothed.states[k].covariance.topLeftCorner<2, 2>() +
-            bound.sigma_m * bound.sigma_m * Eigen::Matrix2d::Identity();
-        window.position_r95_m = std::max(window.position_r95_m, r95(covariance));
+    window.position_r95_m = position_r95_m(smoothed, candidate.window, bound);
+    if (evidence.screened.evidence) {
+        window.detection_power = evidence.screened.evidence->power;
+        window.reliability =
+            undetected_errors(evidence.screened, arc, stretch, bounded, profile.definition);
     }
 
     const double least_mps = candidate.definitions.displacement_mps -
@@ -187,6 +216,8 @@ CertifiableWindow certified(const Evidence& evidence,
                             .noise = noise,
                             .bound = bound,
                             .selection = selection,
+                            .reliability = window.reliability,
+                            .detection_power = window.detection_power.value_or(0.0),
                             .first_row = first_row,
                             .last_row = last_row,
                             .duration_s = stretch.duration_s};
@@ -196,6 +227,10 @@ CertifiableWindow certified(const Evidence& evidence,
     window.effective_degrees_of_freedom = combined.effective_degrees_of_freedom;
     window.monte_carlo = monte_carlo(input, window.budget, window.speed_mps);
     return window;
+}
+
+BridgedSteps bridged_steps_under(const Profile& profile) {
+    return profile.repaired_steps ? BridgedSteps::allowed : BridgedSteps::refused;
 }
 
 }  // namespace
@@ -226,16 +261,18 @@ Windows find_windows(const ScreenedTable& screened, const TrajectoryTable& traje
                       .models = posterior_of(noise),
                       .arcs = {},
                       .rows = arcs_in(trajectory)};
-    evidence.arcs = matching_arcs(screened, evidence.rows);
+    evidence.arcs = matching_arcs(screened, trajectory, evidence.rows);
     for (const Profile& profile : profiles) {
         ProfileWindows entry{.profile = profile.id,
                              .duration_s = profile.duration_s,
                              .definition = profile.definition,
                              .candidates = 0,
                              .best = std::nullopt,
-                             .indicated = fastest_indicated(screened, profile.duration_s, config)};
-        const auto candidates = certifiable_windows(trajectory, evidence.rows, profile.duration_s,
-                                                    config.duration_tolerance_s);
+                             .indicated = fastest_indicated(screened, profile.duration_s, config,
+                                                            bridged_steps_under(profile))};
+        const auto candidates =
+            certifiable_windows(trajectory, evidence.rows, profile.duration_s,
+                                config.duration_tolerance_s, bridged_steps_under(profile));
         for (const auto& of_arc : candidates)
             entry.candidates += static_cast<std::int64_t>(of_arc.size());
         if (const auto best =

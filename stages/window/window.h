@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "arcs/certifiable.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/profile/profile.h"
 #include "schemas/screened/screened.h"
@@ -28,8 +29,9 @@ WindowConfig window_config(const Attempt& attempt, const Receiver& receiver);
 /// For each profile the best certifiable window of the smoothed trajectory, its certified speed
 /// with all sources of uncertainty, and the fastest window that the raw positions indicate.
 ///
-/// A certifiable window begins and ends at usable epochs of one arc, holds no unusable epoch, and
-/// is as long as the rule says (to the tolerance; where no epoch is exactly so far, the next one).
+/// A certifiable window begins and ends at usable epochs of one arc, holds no unusable epoch, spans
+/// no bridged step unless the profile allows repaired ones, and is as long as the rule says (to the
+/// tolerance; where no epoch is exactly so far, the next one).
 /// Windows are compared on the trajectory. The speed of the best is then stated as estimated with
 /// the position error bounded by the profile's rule (`error_bound`), with the budget's combined
 /// uncertainty; the speed with the fitted noise, and that of the robust batch, stand beside it.
@@ -37,9 +39,10 @@ WindowConfig window_config(const Attempt& attempt, const Receiver& receiver);
 Windows find_windows(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                      const std::vector<Profile>& profiles, const WindowConfig& config);
 
-/// The fastest window of the raw positions over `duration_s`, by displacement, certifiable or not,
-/// with a sentence for each reason why it cannot be certified.
+/// The fastest window of the raw positions over `duration_s`, by displacement (offsets of bridged
+/// steps included), certifiable or not, with a sentence for each reason why it cannot be certified.
+/// A bridged step is one where such steps are refused.
 std::optional<IndicatedWindow> fastest_indicated(const ScreenedTable& screened, double duration_s,
-                                                 const WindowConfig& config);
+                                                 const WindowConfig& config, BridgedSteps bridged);
 
 }  // namespace runcert

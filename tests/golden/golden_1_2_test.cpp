@@ -82,6 +82,7 @@ TEST(Golden12, WhatTheTestsRestedOn) {
     EXPECT_EQ(evidence.tests, 4'000'000);
     EXPECT_EQ(evidence.test_size, 2.5e-10);
     EXPECT_EQ(evidence.power, 0.8);
+    EXPECT_EQ(evidence.burst_epochs_max, 12);
     EXPECT_EQ(evidence.passes, 3);
     ASSERT_EQ(evidence.models.size(), 2U);
     EXPECT_EQ(evidence.models[0].axes, TestedAxes::horizontal);

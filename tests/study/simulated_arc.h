@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "schemas/screened/screened.h"
@@ -21,13 +22,20 @@ struct StudyRun {
     double rate_hz = 10.0;
     double length_s = 60.0;
     double jerk_density = 1.0;  ///< m s^-2.5; 0 for the run of the paper alone
+    /// Time constant, s, with which the random motion returns to the run (critically damped);
+    /// infinite where it does not: over a minute it then leaves what any craft can do.
+    double return_time_s = std::numeric_limits<double>::infinity();
+    /// Not the run once, but forth and back for ever: 45 s of it, the same as braking, and back.
+    bool shuttle = false;
     StudyNoise noise;
 };
 
 /// A recording and its truth.
 struct SimulatedRecording {
-    ScreenedTable screened;              ///< all epochs usable, in one arc
-    std::vector<Eigen::Vector2d> truth;  ///< m, one for each row
+    ScreenedTable screened;                     ///< all epochs usable, in one arc
+    std::vector<Eigen::Vector2d> truth;         ///< m, one for each row
+    std::vector<Eigen::Vector2d> velocity;      ///< m/s
+    std::vector<Eigen::Vector2d> acceleration;  ///< m/s^2
 };
 
 SimulatedRecording simulate_recording(const StudyRun& run, std::uint64_t seed);

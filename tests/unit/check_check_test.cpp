@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "core/failure.h"
 #include "core/text.h"
 #include "core/uncertainty.h"
@@ -189,14 +191,197 @@ TEST(Check, LocalPlaneCoordinatesAreForAPersonToAnswerFor) {
     EXPECT_FALSE(verdict.georeferenced);
 }
 
-TEST(Check, TwoReceiversMustAgree) {
-    Scene scene(60.0, 0.005);
-    scene.set_window(scene.secondary, 60.013, 0.005);  // E_n = 0.013 / 0.01414 = 0.92
-    EXPECT_EQ(status_of(scene.verdict(true), "secondary-method"), "met");
-    EXPECT_EQ(scene.verdict(true).outcome, "beaten");
-    scene.set_window(scene.secondary, 60.015, 0.005);  // 1.06
-    EXPECT_EQ(status_of(scene.verdict(true), "secondary-method"), "not_met");
-    EXPECT_EQ(scene.verdict(true).outcome, "not_certifiable");
+/// Where a craft on a circle is, and where an antenna on it.
+struct Course {
+    double speed_mps = 60.0;
+    double radius_m = 1e6;
+    double ahead_m = 0.0;
+    double right_m = 0.0;
+
+    TrajectoryEpoch at(double t) const {
+        const double rate = speed_mps / radius_m;
+        const double s = std::sin(rate * t), c = std::cos(rate * t);
+        // The antenna goes on a circle of its own, as fast as the craft turns.
+        const double across = radius_m - right_m;
+        TrajectoryEpoch row;
+        row.east_m = radius_m - across * c + ahead_m * s;
+        row.north_m = across * s + ahead_m * c;
+        row.velocity_east_mps = rate * (across * s + ahead_m * c);
+        row.velocity_north_mps = rate * (across * c - ahead_m * s);
+        row.acceleration_east_mps2 = rate * rate * (across * c - ahead_m * s);
+        row.acceleration_north_mps2 = rate * rate * (-across * s - ahead_m * c);
+        row.sigma_east_m = row.sigma_north_m = 0.005;
+        row.usable = true;
+        row.arc = 1;
+        return row;
+    }
+};
+
+/// The best window from 5 s to 8 s of the primary receiver's 10 s, and a secondary beside it.
+struct TwoReceivers : Scene {
+    Course first, second;
+
+    TwoReceivers() : Scene(60.0, 0.005) {
+        set_window(secondary, 75.0, 0.005);  // its own best window is another
+    }
+
+    /// `later_s` is when the second recording begins, `interval_ms` its interval.
+    void record(double later_s = 0.0, std::int64_t interval_ms = 100) {
+        const GpsTime start = GpsTime::from_week(2200, 100'000'000'000'000);
+        fill(judged, first, start, 0.0, 100);
+        fill(secondary, second, start, later_s, interval_ms);
+        CertifiableWindow& best = *judged.windows.profiles[0].best;
+        const TrajectoryEpoch &from = judged.trajectory[50], &to = judged.trajectory[80];
+        best.span.first_epoch = from.epoch;
+        best.span.last_epoch = to.epoch;
+        best.span.start = from.time;
+        best.definitions.displacement_mps =
+            std::hypot(*to.east_m - *from.east_m, *to.north_m - *from.north_m) / 3.0;
+        best.speed_mps = best.definitions.displacement_mps;
+    }
+    ProfileVerdict both() const { return verdict(true); }
+
+  private:
+    static void fill(ReceiverEvidence& receiver, const Course& course, GpsTime start,
+                     double later_s, std::int64_t interval_ms) {
+        receiver.facts.first_epoch =
+            start.plus_nanoseconds(static_cast<std::int64_t>(later_s * 1e9));
+        receiver.trajectory.clear();
+        for (std::int64_t ms = 0; ms <= 10'000; ms += interval_ms) {
+            TrajectoryEpoch row = course.at(later_s + 1e-3 * static_cast<double>(ms));
+            row.epoch = std::ssize(receiver.trajectory) + 1;
+            row.time = {ms * 1'000'000};
+            receiver.trajectory.push_back(row);
+        }
+    }
+};
+
+std::string evidence_of(const ProfileVerdict& verdict, const std::string& clause) {
+    for (const Requirement& requirement : verdict.requirements)
+        if (requirement.clause == clause) return requirement.evidence;
+    return "no such clause";
+}
+
+TEST(Agreement, OfTheSpeedsOverThePrimarysWindow) {
+    TwoReceivers scene;
+    scene.second.speed_mps = 60.013;  // E_n = 0.013 / 0.01414 = 0.92
+    scene.record();
+    EXPECT_EQ(status_of(scene.both(), "secondary-method"), "met");
+    EXPECT_NE(evidence_of(scene.both(), "secondary-method").find("error 0.92"), std::string::npos)
+        << evidence_of(scene.both(), "secondary-method");
+    EXPECT_EQ(scene.both().outcome, "beaten");
+    scene.second.speed_mps = 60.015;  // 1.06
+    scene.record();
+    EXPECT_EQ(status_of(scene.both(), "secondary-method"), "not_met");
+    EXPECT_EQ(scene.both().outcome, "not_certifiable");
+}
+
+TEST(Agreement, ContradictionIsNotCertifiableUnderARuleThatDoesNotAskForAnotherMethod) {
+    TwoReceivers scene;
+    scene.second.speed_mps = 60.03;
+    scene.record();
+    std::erase_if(scene.profiles[0].clauses,
+                  [](const Clause& clause) { return clause.decided_by == "secondary_method"; });
+    EXPECT_EQ(scene.both().outcome, "not_certifiable");
+    for (const char* part : {"\"secondary\"", "+0.108 km/h", "2.12", "one of the two"})
+        EXPECT_NE(scene.both().reason.find(part), std::string::npos) << scene.both().reason;
+    EXPECT_EQ(scene.verdict(false).outcome, "beaten");
+}
+
+TEST(Agreement, TimesAreMatchedWhateverTheRecordingsBeginWith) {
+    for (const double later_s : {-1.7, 0.0, 1.9, 4.93}) {
+        TwoReceivers scene;
+        scene.second.speed_mps = 60.010;
+        scene.second.radius_m = scene.first.radius_m = 500.0;
+        scene.record(later_s);
+        EXPECT_EQ(status_of(scene.both(), "secondary-method"), "met") << later_s;
+        EXPECT_NE(evidence_of(scene.both(), "secondary-method").find("+0.03"), std::string::npos)
+            << evidence_of(scene.both(), "secondary-method");
+    }
+}
+
+TEST(Agreement, BetweenEpochsPositionsAreInterpolated) {
+    for (const std::int64_t interval_ms : {70, 250, 1000}) {
+        TwoReceivers scene;
+        scene.second.radius_m = scene.first.radius_m = 300.0;
+        scene.record(0.031, interval_ms);
+        const ProfileVerdict verdict = scene.both();
+        EXPECT_NE(evidence_of(verdict, "secondary-method").find("normalised error 0.00"),
+                  std::string::npos)
+            << evidence_of(verdict, "secondary-method");
+    }
+}
+
+TEST(Agreement, AntennasOnTheOuterAndTheInnerSideOfATurn) {
+    // 0.6 rad over 3 s: the outer antenna is faster by 2 m * 0.2 rad/s, the estimate by far less.
+    TwoReceivers scene;
+    scene.first.radius_m = scene.second.radius_m = 300.0;
+    scene.second.right_m = -2.0;
+    scene.second.ahead_m = 1.0;
+    scene.record();
+    EXPECT_EQ(status_of(scene.both(), "secondary-method"), "met")
+        << evidence_of(scene.both(), "secondary-method");
+    EXPECT_NE(evidence_of(scene.both(), "secondary-method").find("normalised error 0.0"),
+              std::string::npos);
+    // Without a common frame the antennas' places are not known.
+    scene.secondary.origin = FrameOrigin{.position = {}, .source = "attempt"};
+    EXPECT_EQ(status_of(scene.both(), "secondary-method"), "not_met");
+}
+
+struct CoverageCase {
+    const char* name;
+    void (*damage)(TwoReceivers&);
+    const char* said;
+};
+
+TEST(Agreement, WithoutUsableDataOverThatTimeIsNotMet) {
+    const CoverageCase cases[] = {
+        {"unusable epoch", [](TwoReceivers& s) { s.secondary.trajectory[60].usable = false; },
+         "unusable"},
+        {"break",
+         [](TwoReceivers& s) {
+             for (std::size_t k = 70; k < 101; ++k)
+                 s.secondary.trajectory[k].arc = 2;
+         },
+         "break"},
+        {"bridged step", [](TwoReceivers& s) { s.secondary.bridged_epochs = {61}; }, "step"},
+        {"ends before", [](TwoReceivers& s) { s.secondary.trajectory.resize(80); }, "no estimate"},
+        {"begins after", [](TwoReceivers& s) { s.record(5.1); }, "no estimate"},
+        {"relative times", [](TwoReceivers& s) { s.secondary.facts.first_epoch.reset(); },
+         "start_gps"}};
+    for (const CoverageCase& one : cases) {
+        SCOPED_TRACE(one.name);
+        TwoReceivers scene;
+        scene.record();
+        ASSERT_EQ(status_of(scene.both(), "secondary-method"), "met");
+        one.damage(scene);
+        EXPECT_EQ(status_of(scene.both(), "secondary-method"), "not_met");
+        EXPECT_NE(evidence_of(scene.both(), "secondary-method").find(one.said), std::string::npos)
+            << evidence_of(scene.both(), "secondary-method");
+        EXPECT_EQ(scene.both().outcome, "not_certifiable");
+    }
+    // Outside of the window it does not matter.
+    TwoReceivers scene;
+    scene.record();
+    scene.secondary.trajectory[49].usable = scene.secondary.trajectory[81].usable = false;
+    scene.secondary.bridged_epochs = {51, 82};
+    EXPECT_EQ(status_of(scene.both(), "secondary-method"), "met");
+}
+
+TEST(Agreement, TheOthersUncertaintyIsTheLargerOfItsBudgetsAndItsEnds) {
+    TwoReceivers scene;
+    scene.second.speed_mps = 60.03;
+    scene.record();
+    EXPECT_EQ(status_of(scene.both(), "secondary-method"), "not_met");
+    // sqrt(2) 0.05 m / 3 s = 0.0236 m/s
+    for (TrajectoryEpoch& row : scene.secondary.trajectory)
+        row.sigma_east_m = row.sigma_north_m = 0.05;
+    EXPECT_EQ(status_of(scene.both(), "secondary-method"), "met");
+    scene.record();
+    scene.set_window(scene.secondary, 75.0, 0.02);
+    EXPECT_EQ(status_of(scene.both(), "secondary-method"), "met");
+    scene.secondary.windows.profiles[0].best.reset();
+    EXPECT_EQ(status_of(scene.both(), "secondary-method"), "not_met");
 }
 
 TEST(Check, WindowsOfAnotherRuleAreRefused) {

@@ -114,7 +114,10 @@ TEST(Screen, OneOutlierIsRejectedAndTheArcGoesOn) {
     EnuTable table = clean_run(200);
     *table.rows[100].north_m += 0.3;
     const ScreenedTable screened = screen(table, config());
-    EXPECT_EQ(screened.rows[100].reason, Reason::innovation);
+    EXPECT_EQ(screened.rows[100].reason, Reason::outlier);
+    EXPECT_EQ(screened.rows[100].hypothesis, Hypothesis::outlier);
+    EXPECT_NEAR(*screened.rows[100].estimated.north_m, 0.3,
+                4.0 * *screened.rows[100].estimated.sigma_north_m);
     EXPECT_GT(*screened.rows[100].statistic, *screened.rows[100].threshold);
     EXPECT_EQ(screened.rows[100].arc, 1);
     EXPECT_EQ(summarise(screened.rows).usable, 199);
@@ -124,14 +127,105 @@ TEST(Screen, OneOutlierIsRejectedAndTheArcGoesOn) {
 TEST(Screen, AStepIsABreakAtItsFirstEpoch) {
     EnuTable table = clean_run(200);
     for (std::size_t k = 100; k < 200; ++k)
-        *table.rows[k].east_m += 0.5;
+        *table.rows[k].north_m += 0.5;
     const ScreenedTable screened = screen(table, config());
+    EXPECT_NEAR(*screened.rows[100].estimated.north_m, 0.5,
+                4.0 * *screened.rows[100].estimated.sigma_north_m);
     EXPECT_EQ(summarise(screened.rows).arcs, 2);
     EXPECT_EQ(screened.rows[99].arc, 1);
     EXPECT_EQ(screened.rows[100].arc, 2);
-    EXPECT_EQ(screened.rows[100].break_before, ArcBreak::innovation);
+    EXPECT_EQ(screened.rows[100].break_before, ArcBreak::step);
     EXPECT_GT(*screened.rows[100].statistic, *screened.rows[100].threshold);
     EXPECT_EQ(summarise(screened.rows).usable, 200);
+}
+
+TEST(Screen, LateStampsAreAJumpAlongTheTrack) {
+    // Positions at 30 m/s that are 20 ms older than their stamps say.
+    EnuTable table = clean_run(200);
+    for (std::size_t k = 100; k < 200; ++k)
+        *table.rows[k].east_m -= 0.6;
+    const ScreenedTable screened = screen(table, config());
+    EXPECT_EQ(screened.rows[100].break_before, ArcBreak::time_shift);
+    EXPECT_NEAR(*screened.rows[100].estimated.time_s, 0.020, 0.002);
+    EXPECT_EQ(summarise(screened.rows).usable, 200);
+}
+
+TEST(Screen, ABurstIsLeftOutWhole) {
+    // Errors of their own in every direction, which a test of one epoch at a time would mask.
+    EnuTable table = clean_run(300);
+    for (std::size_t k = 150; k < 158; ++k) {
+        *table.rows[k].east_m += 0.4 * std::cos(2.4 * static_cast<double>(k));
+        *table.rows[k].north_m += 0.4 * std::sin(2.4 * static_cast<double>(k));
+    }
+    const ScreenedTable screened = screen(table, config());
+    for (std::size_t k = 0; k < 300; ++k)
+        EXPECT_EQ(screened.rows[k].usable, k < 150 || k >= 158) << k;
+    EXPECT_EQ(screened.rows[150].arc, 1);
+    EXPECT_EQ(summarise(screened.rows).arcs, 1);
+}
+
+TEST(Screen, ADriftIsLeftOutOnBothSidesOfItsBeginning) {
+    EnuTable table = clean_run(300);
+    for (std::size_t k = 150; k < 300; ++k)
+        *table.rows[k].north_m += 0.2 * static_cast<double>(k - 150);
+    const ScreenedTable screened = screen(table, config());
+    EXPECT_EQ(summarise(screened.rows).usable, 0);
+    EXPECT_EQ(screened.rows[10].reason, Reason::model);
+    EXPECT_EQ(screened.rows[200].hypothesis, Hypothesis::ramp);
+    EXPECT_NEAR(*screened.rows[200].estimated.rate_north_mps, 2.0, 0.2);
+}
+
+TEST(Screen, ABridgedStepKeepsOneArcWithItsOffset) {
+    EnuTable table = clean_run(200);
+    for (std::size_t k = 100; k < 200; ++k)
+        *table.rows[k].north_m += 0.5;
+    ScreenConfig bridging = config();
+    bridging.bridge_steps = true;
+    const ScreenedTable screened = screen(table, bridging);
+    EXPECT_EQ(summarise(screened.rows).arcs, 1);
+    EXPECT_EQ(screened.rows[100].break_before, ArcBreak::bridged);
+    EXPECT_NEAR(*screened.rows[100].estimated.north_m, 0.5,
+                4.0 * *screened.rows[100].estimated.sigma_north_m);
+    EXPECT_FALSE(screened.rows[100].detectable.step_m);
+}
+
+TEST(Screen, WrongHeightsAloneAreFound) {
+    EnuTable table = clean_run(200);
+    *table.rows[80].up_m += 1.0;
+    const ScreenedTable screened = screen(table, config());
+    EXPECT_EQ(screened.rows[80].reason, Reason::outlier);
+    EXPECT_EQ(screened.rows[80].tested_axes, TestedAxes::vertical);
+    EXPECT_NEAR(*screened.rows[80].estimated.up_m, 1.0, 0.1);
+    EXPECT_EQ(summarise(screened.rows).usable, 199);
+}
+
+TEST(Screen, AFaultThatShowsAsThreeTimesTheSpeedIsLeftOut) {
+    // The shape that [DHD22] tell of their vehicle trial: for two seconds a vehicle at 27 m/s shows
+    // speeds up to 75 m/s, as the positions run ahead and come back.
+    EnuTable table = clean_run(800);
+    for (std::size_t k = 0; k < table.rows.size(); ++k)
+        *table.rows[k].east_m *= 27.0 / 30.0;
+    for (std::size_t k = 400; k < 420; ++k)
+        *table.rows[k].east_m += 4.8 * static_cast<double>(k < 410 ? k - 399 : 419 - k);
+    const ScreenedTable screened = screen(table, config());
+    for (std::size_t k = 0; k < table.rows.size(); ++k)
+        EXPECT_EQ(screened.rows[k].usable, k < 400 || k >= 419) << k;
+}
+
+TEST(Screen, EveryEpochSaysWhatWouldHaveBeenFound) {
+    const ScreenedTable screened = screen(clean_run(300), config());
+    ASSERT_TRUE(screened.evidence);
+    for (std::size_t k = 10; k < 290; ++k) {
+        const DetectableError& size = screened.rows[k].detectable;
+        ASSERT_TRUE(size.outlier_m && size.step_m && size.ramp_mps && size.outlier_up_m);
+        // Above the noise, of 10 mm, and far below what would make a record.
+        EXPECT_GT(*size.outlier_m, 0.03);
+        EXPECT_LT(*size.outlier_m, 0.12);
+        EXPECT_GT(*size.step_m, *size.outlier_m);
+        EXPECT_LT(*size.step_m, 0.2);
+        ASSERT_TRUE(screened.rows[k].hypothesis);
+        EXPECT_LE(*screened.rows[k].statistic, *screened.rows[k].threshold);
+    }
 }
 
 TEST(Screen, ShortArcsAreNotUsed) {

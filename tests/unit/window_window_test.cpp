@@ -280,7 +280,8 @@ TEST(IndicatedWindow, IsFoundAcrossWhatScreeningRefused) {
     for (std::size_t k = 200; k < screened.rows.size(); ++k)
         if (screened.rows[k].east_m) *screened.rows[k].east_m += 500.0;
     screened.rows[200].break_before = ArcBreak::innovation;
-    const auto indicated = fastest_indicated(screened, 3.0, test::few_draws());
+    const auto indicated =
+        fastest_indicated(screened, 3.0, test::few_draws(), BridgedSteps::refused);
     ASSERT_TRUE(indicated.has_value());
     EXPECT_LT(indicated->span.first_epoch, 201);
     EXPECT_GE(indicated->span.last_epoch, 201);

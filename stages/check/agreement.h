@@ -1,0 +1,39 @@
+#pragma once
+
+#include <string>
+
+#include "stages/check/check.h"
+
+namespace runcert {
+
+/// What the second receiver says of the window that is judged: speeds by displacement over time.
+struct Agreement {
+    std::string missing;  ///< why it says nothing; empty where it does
+    double judged_mps = 0.0;
+    double other_mps = 0.0;
+    double other_standard_uncertainty_mps = 0.0;
+    /// Difference over the root sum of squares of both expanded uncertainties (k = 2); at most 1
+    /// means agreement (ISO/IEC 17043).
+    double normalised_error = 0.0;
+
+    bool agrees() const { return missing.empty() && normalised_error <= 1.0; }
+    bool contradicts() const { return missing.empty() && !agrees(); }
+};
+
+/// Compares the speed of the judged receiver's window with that of the other receiver's smoothed
+/// trajectory over the same GPS time, to the microsecond: between its epochs, by the mean of the
+/// motion model (the quintic through position, velocity and acceleration of both). It says nothing
+/// where times are relative, or it does not cover the window by one arc of usable epochs without a
+/// bridged step.
+///
+/// Antennas move differently in a turn: what the vector between them, turning with the track,
+/// accounts for is taken off the other's displacement, where both are in one frame and their
+/// distance is one that fits on a craft.
+///
+/// The judged speed has the window's combined uncertainty. The other's is that of its own best
+/// window of the profile (`other_window`, null where it has none), whose budget holds all sources;
+/// or what its positions at the two ends say, taken as independent, if that is larger.
+Agreement compare_speeds(const ReceiverEvidence& judged, const CertifiableWindow& window,
+                         const ReceiverEvidence& other, const CertifiableWindow* other_window);
+
+}  // namespace runcert

@@ -1,0 +1,178 @@
+#include "stages/window/reliability.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "arcs/screening_noise.h"
+#include "core/statistics.h"
+#include "estimation/diagnosis.h"
+#include "estimation/sensitivity.h"
+
+namespace runcert {
+namespace {
+
+using Plane = Eigen::Vector2d;
+
+Gradients<2> speed_gradients(const SmoothedArc<2>& smoothed, EpochPair window, double duration_s,
+                             std::string_view definition) {
+    if (definition == "path_length")
+        return path_speed_gradients(smoothed, window.first, window.last, duration_s);
+    if (definition == "mean_n_plus_1")
+        return mean_speed_gradients(smoothed, window.first, window.last);
+    if (definition == "mean_n")
+        return mean_speed_gradients(smoothed, window.first + 1, window.last);
+    return displacement_speed_gradients(smoothed, window.first, window.last, duration_s);
+}
+
+std::vector<Plane> speed_sensitivities(const WindowStretch& stretch, const EstimationModel& model,
+                                       std::string_view definition) {
+    const SmoothedArc<2> smoothed = smooth<2>(stretch.epochs, model);
+    const std::size_t s = stretch.window.first + (definition == "mean_n" ? 1 : 0);
+    return sensitivities<2>(
+        stretch.epochs, model, smoothed, s,
+        speed_gradients(smoothed, stretch.window, stretch.duration_s, definition));
+}
+
+/// The stretch's epochs with the covariances that screening tested with.
+std::vector<ArcEpoch<2>> tested_epochs(const ScreenedTable& screened, const Arc<2>& arc,
+                                       const WindowStretch& stretch) {
+    std::vector<ArcEpoch<2>> epochs = stretch.epochs;
+    const auto factors = kind_factors(*screened.evidence, TestedAxes::horizontal);
+    for (std::size_t i = 0; i < epochs.size(); ++i) {
+        const auto factor = factors.find(screened.rows[arc.rows[stretch.first + i]].fix);
+        if (factor != factors.end() && epochs[i].measurement)
+            epochs[i].measurement->covariance *= factor->second;
+    }
+    return epochs;
+}
+
+/// Keeps, for one hypothesis, the error that moves the speed most.
+class Worst {
+  public:
+    Worst(Hypothesis hypothesis, std::string unit)
+        : error_{.hypothesis = std::string(to_text(hypothesis)), .unit = std::move(unit)} {}
+
+    /// `effect` is what an error of one unit in each direction moves the speed by.
+    template <int Size>
+    void consider(const ScoreTest<Size>& test, double noncentrality,
+                  const Eigen::Matrix<double, Size, 1>& effect, std::size_t first,
+                  std::size_t last) {
+        // Below this the error moves the speed by less than 1 um/s for each metre.
+        constexpr double nothing = 1e-6;
+        if (effect.norm() < nothing) return;
+        const Eigen::Matrix<double, Size, 1> worst = test.covariance() * effect;
+        double speed_mps = std::sqrt(noncentrality * effect.dot(worst));
+        double size = speed_mps > 0.0 ? noncentrality * worst.norm() / speed_mps : 0.0;
+        constexpr double without_limit = 1e6;
+        if (!(speed_mps <= without_limit)) speed_mps = size = without_limit;
+        if (speed_mps <= error_.speed_mps) return;
+        error_.speed_mps = speed_mps;
+        error_.size = size;
+        first_ = first;
+        last_ = last;
+    }
+
+    UndetectedError result(const ScreenedTable& screened, const Arc<2>& arc,
+                           const WindowStretch& stretch) const {
+        UndetectedError error = error_;
+        error.epoch = screened.rows[arc.rows[stretch.first + first_]].epoch;
+        error.last_epoch = screened.rows[arc.rows[stretch.first + last_]].epoch;
+        return error;
+    }
+
+  private:
+    UndetectedError error_;
+    std::size_t first_ = 0;
+    std::size_t last_ = 0;
+};
+
+}  // namespace
+
+std::vector<UndetectedError> undetected_errors(const ScreenedTable& screened, const Arc<2>& arc,
+                                               const WindowStretch& stretch,
+                                               const EstimationModel& model,
+                                               std::string_view definition) {
+    if (!screened.evidence || screened.evidence->models.empty()) return {};
+    const std::vector<ArcEpoch<2>> epochs = tested_epochs(screened, arc, stretch);
+    const ArcDiagnosis<2> diagnosis(epochs, model_of(screened.evidence->models.front()));
+    const std::vector<Plane> weights = speed_sensitivities(stretch, model, definition);
+    const double of_one = noncentrality(screened.evidence->test_size, screened.evidence->power, 1);
+    const double of_two = noncentrality(screened.evidence->test_size, screened.evidence->power, 2);
+    const auto factor = [&](std::size_t k) {
+        return screened.rows[arc.rows[stretch.first + k]].local_variance_factor.value_or(1.0);
+    };
+
+    Worst outlier(Hypothesis::outlier, "m");
+    Worst burst(Hypothesis::burst, "m");
+    Worst step(Hypothesis::step, "m");
+    Worst ramp(Hypothesis::ramp, "m / s");
+    Worst time_shift(Hypothesis::time_shift, "s");
+    // What a constant error, and one that grows, of all measurements from an epoch on does.
+    std::vector<Plane> constant(epochs.size() + 1, Plane::Zero());
+    Plane growing = Plane::Zero();
+    double late = 0.0;
+    for (std::size_t k = epochs.size(); k-- > 0;) {
+        if (k + 1 < epochs.size())
+            growing += constant[k + 1] * (epochs[k + 1].time_s - epochs[k].time_s);
+        constant[k] = constant[k + 1] + weights[k];
+        if (epochs[k].measurement) {
+            outlier.consider(diagnosis.outlier(k), of_two * factor(k), weights[k], k, k);
+            late -= weights[k].dot(diagnosis.smoothed(k).mean.segment<2>(2));
+        }
+        if (k == 0) continue;
+        if (!epochs[k].step_before) {
+            step.consider(diagnosis.step(k), of_two * factor(k), constant[k], k, k);
+            if (const auto test = diagnosis.time_shift(k))
+                time_shift.consider(*test, of_one * factor(k), Eigen::Matrix<double, 1, 1>(late), k,
+                                    k);
+        }
+        ramp.consider(diagnosis.ramp(k), of_two * factor(k), growing, k, k);
+    }
+    const auto longest = static_cast<std::size_t>(screened.evidence->burst_epochs_max);
+    diagnosis.for_each_burst(longest, [&](std::size_t k, std::size_t length, const auto& test) {
+        burst.consider(test, of_two * factor(k), constant[k] - constant[k + length], k,
+                       k + length - 1);
+    });
+
+    std::vector<UndetectedError> errors;
+    for (const Worst* worst : {&outlier, &burst, &step, &ramp, &time_shift})
+        errors.push_back(worst->result(screened, arc, stretch));
+    std::stable_sort(errors.begin(), errors.end(),
+                     [](const UndetectedError& a, const UndetectedError& b) {
+                         return a.speed_mps > b.speed_mps;
+                     });
+    return errors;
+}
+
+std::string undetected_words(const UndetectedError& error, double power) {
+    const bool epochs = error.hypothesis == to_text(Hypothesis::outlier) ||
+                        error.hypothesis == to_text(Hypothesis::burst);
+    const std::string what = error.hypothesis == to_text(Hypothesis::time_shift)
+                                 ? std::string("shift of the time stamps")
+                             : error.hypothesis == to_text(Hypothesis::burst)
+                                 ? std::string("error of several epochs")
+                                 : error.hypothesis;
+    const std::string size = error.unit == "s"   ? fmt::format("{:.4f} s", error.size)
+                             : error.unit == "m" ? fmt::format("{:.3f} m", error.size)
+                                                 : fmt::format("{:.3f} m/s", error.size);
+    const std::string where =
+        error.epoch == error.last_epoch
+            ? fmt::format("{} epoch {}", epochs ? "at" : "before", error.epoch)
+            : fmt::format("at epochs {} to {}", error.epoch, error.last_epoch);
+    return fmt::format(
+        "an undetected {} of {} {} could have changed the speed by at most {:.4f} m/s; a larger "
+        "one "
+        "is found with a probability of more than {:g}",
+        what, size, where, error.speed_mps, power);
+}
+
+const UndetectedError* undetected_in_budget(const std::vector<UndetectedError>& reliability) {
+    const auto found = std::find_if(
+        reliability.begin(), reliability.end(),
+        [](const UndetectedError& error) { return error.hypothesis != to_text(Hypothesis::ramp); });
+    return found == reliability.end() ? nullptr : &*found;
+}
+
+}  // namespace runcert

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <string_view>
+
+#include "schemas/screened/screened.h"
+#include "schemas/windows/windows.h"
+#include "stages/window/speed_by_definition.h"
+
+namespace runcert {
+
+/// External reliability of a window's speed (Baarda 1968): for each hypothesis that screening
+/// tests, the error that its test finds with no more than the stated power and that changes the
+/// speed most, over all epochs of the stretch and all directions. Largest effect first.
+///
+/// An error e of the measurements moves the speed by g'e, g being the speed's sensitivity to each
+/// measurement under the estimate's own model; of all errors that the test finds with the power,
+/// the largest |g'e| is sqrt(lambda g' Q g), Q being the covariance of the error's estimate under
+/// the model of screening and lambda the non-centrality. Empty where the table does not hold the
+/// evidence of revision 1.2. An error that the stretch cannot show at all, but that moves the
+/// speed, is put at 1e6.
+///
+/// `arc` must be that of the stretch in the table; `model` is what the speed was estimated with.
+std::vector<UndetectedError> undetected_errors(const ScreenedTable& screened, const Arc<2>& arc,
+                                               const WindowStretch& stretch,
+                                               const EstimationModel& model,
+                                               std::string_view definition);
+
+/// The one of them that enters the uncertainty: the largest of an outlier, a burst, a step and a
+/// shift of the stamps. A ramp does not: an error that wanders is what the bound of the slow error
+/// is for, and beyond that bound the ramp's own entry says from which size it would be found.
+const UndetectedError* undetected_in_budget(const std::vector<UndetectedError>& reliability);
+
+/// "an undetected step of 0.103 m before epoch 812 could have changed the speed by at most 0.034
+/// m/s; a larger one is found with a probability of more than 0.8".
+std::string undetected_words(const UndetectedError& error, double power);
+
+}  // namespace runcert

@@ -1,0 +1,693 @@
+#include "stages/audit/audit.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <regex>
+#include <set>
+#include <sstream>
+
+#include "files/atomic_file.h"
+#include "stages/audit/words.h"
+
+namespace runcert {
+namespace {
+
+/// Rows of 10 Hz from line 18 on, all of them used, in one arc.
+std::vector<ScreenedEpoch> rows_of(std::size_t count) {
+    std::vector<ScreenedEpoch> rows(count);
+    for (std::size_t k = 0; k < count; ++k) {
+        rows[k].epoch = static_cast<std::int64_t>(k) + 1;
+        rows[k].time.nanoseconds = 100'000'000 * static_cast<std::int64_t>(k);
+        rows[k].source_line = static_cast<std::int64_t>(k) + 18;
+        rows[k].usable = true;
+        rows[k].arc = 1;
+        rows[k].fix = FixKind::fixed;
+    }
+    if (count > 0) rows[0].break_before = ArcBreak::start;
+    return rows;
+}
+
+/// A table of revision 1.2; 1 / 1.7e-9 is 588 million.
+ScreenedTable table_of(std::vector<ScreenedEpoch> rows) {
+    ScreenedTable table;
+    table.header.schema_name = "screened";
+    table.header.schema_version = "1.2";
+    table.facts.receiver = "primary";
+    table.facts.nominal_interval_s = 0.1;
+    table.rows = std::move(rows);
+    ScreeningEvidence& evidence = table.evidence.emplace();
+    evidence.family_false_alarm_rate = 0.001;
+    evidence.tests = 588'235;
+    evidence.test_size = 1.7e-9;
+    evidence.power = 0.8;
+    evidence.passes = 3;
+    evidence.limits = {.acceleration_max_mps2 = 20.0,
+                       .jerk_max_mps3 = 200.0,
+                       .vertical_rate_max_mps = 5.0,
+                       .acceleration_mps2 = 8.25,
+                       .jerk_mps3 = 40.5,
+                       .vertical_rate_mps = 0.5};
+    return table;
+}
+
+const AuditSubject subject{.attempt = "run",
+                           .recording = "rover.pos",
+                           .checked = {"2-enu.ecsv"},
+                           .unchecked = {"3-screened.ecsv"}};
+
+void leave_out(ScreenedEpoch& row, Reason reason, std::optional<Hypothesis> hypothesis = {},
+               std::optional<double> statistic = {}, std::optional<double> threshold = {}) {
+    row.usable = false;
+    row.reason = reason;
+    row.hypothesis = hypothesis;
+    if (hypothesis) row.tested_axes = TestedAxes::horizontal;
+    row.statistic = statistic;
+    row.threshold = threshold;
+}
+
+void break_at(ScreenedEpoch& row, ArcBreak arc_break, std::optional<Hypothesis> hypothesis = {},
+              const EstimatedError& estimated = {}) {
+    row.break_before = arc_break;
+    row.hypothesis = hypothesis;
+    if (hypothesis) {
+        row.tested_axes = TestedAxes::horizontal;
+        row.statistic = 133.25;
+        row.threshold = 37.0;
+    }
+    row.estimated = estimated;
+}
+
+/// The text with each entry on one line, however long.
+std::string unwrapped(const std::string& text) {
+    return std::regex_replace(text, std::regex("\n +"), " ");
+}
+
+/// The entries of the decisions, one a line.
+std::vector<std::string> entries_in(const std::string& text) {
+    std::istringstream lines(unwrapped(text));
+    std::vector<std::string> entries;
+    for (std::string line; std::getline(lines, line);)
+        if (line.starts_with("epoch") || line.starts_with("before epoch")) entries.push_back(line);
+    return entries;
+}
+
+std::vector<std::string> entries_of(std::vector<ScreenedEpoch> rows, bool all = false) {
+    return entries_in(audit_text(table_of(std::move(rows)), subject, all));
+}
+
+const std::string chance = "is exceeded by chance once in 590 million";
+
+/// The only entry of a recording of ten epochs besides its start, once `change` has been at it.
+template <class Change>
+std::string only_entry(Change change) {
+    auto rows = rows_of(10);
+    change(rows);
+    const auto entries = entries_of(std::move(rows));
+    EXPECT_EQ(entries.size(), 2U);
+    EXPECT_EQ(entries.at(0), "before epoch 1 (line 18), 0.000 s: arc 1 begins");
+    return entries.at(1);
+}
+
+// --- reasons ----------------------------------------------------------------------------------
+
+TEST(Audit, ReasonsOfARowAlone) {
+    const std::pair<Reason, std::string> cases[] = {
+        {Reason::no_position, "no position"},
+        {Reason::no_fix, "no solution"},
+        {Reason::float_ambiguities, "ambiguities not fixed"},
+        {Reason::accuracy_missing, "accuracy not stated"},
+        {Reason::duplicate_time, "its time is that of the epoch before it"}};
+    for (const auto& [reason, words] : cases)
+        EXPECT_EQ(only_entry([&](auto& rows) { leave_out(rows[4], reason); }),
+                  "epoch 5 (line 22), 0.400 s: left out: " + words);
+}
+
+TEST(Audit, KindsOfSolutionThatAreNotAllowedAreToldApart) {
+    auto rows = rows_of(10);
+    for (std::size_t k = 3; k < 7; ++k) {
+        leave_out(rows[k], Reason::other_fix);
+        rows[k].fix = k < 5 ? FixKind::single : FixKind::dgps;
+    }
+    const auto entries = entries_of(std::move(rows));
+    ASSERT_EQ(entries.size(), 3U);
+    EXPECT_EQ(entries[1],
+              "epochs 4 to 5 (lines 21 to 22), 0.300 s to 0.400 s: left out: kind of solution not "
+              "allowed: single");
+    EXPECT_EQ(entries[2],
+              "epochs 6 to 7 (lines 23 to 24), 0.500 s to 0.600 s: left out: kind of solution not "
+              "allowed: differential (DGPS)");
+}
+
+TEST(Audit, ReasonsWithAFigure) {
+    EXPECT_EQ(only_entry([](auto& rows) {
+                  leave_out(rows[4], Reason::backward_time, {}, -0.3, 0.0);
+                  leave_out(rows[5], Reason::backward_time, {}, -0.2, 0.0);
+              }),
+              "epochs 5 to 6 (lines 22 to 23), 0.400 s to 0.500 s: left out: time runs backwards: "
+              "0.200 s to 0.300 s earlier than the latest epoch before");
+    EXPECT_EQ(
+        only_entry([](auto& rows) { leave_out(rows[4], Reason::accuracy_absurd, {}, 12.5, 10.0); }),
+        "epoch 5 (line 22), 0.400 s: left out: the stated accuracy of 12.5000 m is not "
+        "believable: larger than 10.0000 m");
+    EXPECT_EQ(only_entry(
+                  [](auto& rows) { leave_out(rows[4], Reason::accuracy_absurd, {}, 0.0, 0.0001); }),
+              "epoch 5 (line 22), 0.400 s: left out: the stated accuracy of 0.0000 m is not "
+              "believable: smaller than 0.0001 m");
+    // The determinant of the correlations is written with six decimals, as its threshold is.
+    EXPECT_EQ(
+        only_entry([](auto& rows) { leave_out(rows[4], Reason::accuracy_absurd, {}, 0.0, 0.0); }),
+        "epoch 5 (line 22), 0.400 s: left out: the stated accuracies and correlations are not "
+        "those of any error");
+    EXPECT_EQ(only_entry([](auto& rows) { leave_out(rows[4], Reason::short_arc, {}, 3.0, 6.0); }),
+              "epoch 5 (line 22), 0.400 s: left out: in a stretch of only 3 usable "
+              "epochs, where 6 are needed");
+}
+
+TEST(Audit, AnOutlierSaysWhereItShouldHaveBeen) {
+    EXPECT_EQ(only_entry([](auto& rows) {
+                  leave_out(rows[4], Reason::outlier, Hypothesis::outlier, 133.25, 37.0);
+                  rows[4].estimated = {.east_m = 0.174,
+                                       .north_m = -0.057,
+                                       .up_m = {},
+                                       .sigma_east_m = 0.02,
+                                       .sigma_north_m = 0.0204,
+                                       .sigma_up_m = {},
+                                       .correlation_east_north = 0.0,
+                                       .rate_east_mps = {},
+                                       .rate_north_mps = {},
+                                       .rate_up_mps = {},
+                                       .time_s = {}};
+              }),
+              "epoch 5 (line 22), 0.400 s: left out: its position is 0.183 m from where the epochs "
+              "before and after it put it (0.174 m east, 0.057 m south, each +- 0.020 m); "
+              "statistic 133.2 where 37.0 " +
+                  chance);
+    EXPECT_EQ(only_entry([](auto& rows) {
+                  leave_out(rows[4], Reason::outlier, Hypothesis::outlier, 133.25, 37.0);
+                  rows[4].tested_axes = TestedAxes::vertical;
+                  rows[4].estimated.up_m = -0.45;
+                  rows[4].estimated.sigma_up_m = 0.05;
+              }),
+              "epoch 5 (line 22), 0.400 s: left out: its height is 0.450 m from where the epochs "
+              "before and after it put it (0.450 m +- 0.050 m down); statistic 133.2 where 37.0 " +
+                  chance);
+}
+
+TEST(Audit, ABurstIsOneEntryAndOutliersSideBySideAreTwo) {
+    EXPECT_EQ(only_entry([](auto& rows) {
+                  for (std::size_t k = 4; k < 7; ++k) {
+                      leave_out(rows[k], Reason::burst, Hypothesis::burst, 133.25, 37.0);
+                      rows[k].estimated.east_m = 0.3 + 0.1 * static_cast<double>(k - 4);
+                      rows[k].estimated.north_m = 0.4;
+                  }
+              }),
+              "epochs 5 to 7 (lines 22 to 24), 0.400 s to 0.600 s: left out: several wrong epochs "
+              "in a row: their positions are 0.500 m to 0.640 m from where the epochs before and "
+              "after them put them; statistic 133.2 where 37.0 " +
+                  chance);
+    auto rows = rows_of(10);
+    leave_out(rows[4], Reason::outlier, Hypothesis::outlier, 133.25, 37.0);
+    leave_out(rows[5], Reason::outlier, Hypothesis::outlier, 133.25, 37.0);
+    EXPECT_EQ(entries_of(rows).size(), 3U);
+    // Two bursts side by side were decided for one by one.
+    leave_out(rows[4], Reason::burst, Hypothesis::burst, 133.25, 37.0);
+    leave_out(rows[5], Reason::burst, Hypothesis::burst, 99.5, 37.0);
+    EXPECT_EQ(entries_of(rows).size(), 3U);
+}
+
+TEST(Audit, AStretchThatDoesNotFitAndADriftingOne) {
+    EXPECT_EQ(only_entry([](auto& rows) {
+                  for (std::size_t k = 4; k < 7; ++k)
+                      leave_out(rows[k], Reason::model, Hypothesis::model, 61.0, 55.75);
+              }),
+              "epochs 5 to 7 (lines 22 to 24), 0.400 s to 0.600 s: left out: the positions of this "
+              "stretch together do not fit, and no single error explains why; statistic 61.0 where "
+              "55.8 " +
+                  chance);
+    EXPECT_EQ(only_entry([](auto& rows) {
+                  leave_out(rows[4], Reason::model, Hypothesis::ramp, 61.0, 41.5);
+                  rows[4].estimated.rate_east_mps = 0.3;
+                  rows[4].estimated.rate_north_mps = -0.4;
+              }),
+              "epoch 5 (line 22), 0.400 s: left out: the positions drift by 0.500 m/s (0.300 m/s "
+              "east, 0.400 m/s south) against those on the other side of a break: nobody can tell "
+              "which of the two drift, so both stretches are left out; statistic 61.0 where 41.5 " +
+                  chance);
+}
+
+TEST(Audit, WitnessesBesideThePositions) {
+    EXPECT_EQ(only_entry([](auto& rows) {
+                  leave_out(rows[4], Reason::velocity, Hypothesis::velocity, 44.0, 41.5);
+                  leave_out(rows[5], Reason::velocity, Hypothesis::velocity, 84.0, 41.5);
+              }),
+              "epochs 5 to 6 (lines 22 to 23), 0.400 s to 0.500 s: left out: the recorded "
+              "velocities contradict their positions; statistic 44.0 to 84.0 where 41.5 " +
+                  chance);
+    EXPECT_EQ(only_entry([](auto& rows) {
+                  leave_out(rows[4], Reason::baseline, Hypothesis::baseline, 60.25, 39.25);
+              }),
+              "epoch 5 (line 22), 0.400 s: left out: contradicted by the other receiver; statistic "
+              "60.2 where 39.2 " +
+                  chance);
+    const std::tuple<Hypothesis, double, std::string> limits[] = {
+        {Hypothesis::acceleration, 31.25,
+         "an acceleration of 31.2 m/s^2, where its class can make 20.0 m/s^2 (compared with 21.0 "
+         "m/s^2, for"},
+        {Hypothesis::jerk, 312.5,
+         "a jerk of 312.5 m/s^3, where its class can make 200.0 m/s^3 (compared with 21.0 m/s^3, "
+         "for"},
+        {Hypothesis::vertical_rate, 7.5,
+         "a vertical rate of 7.5 m/s, where its class can make 5.0 m/s (compared with 21.0 m/s, "
+         "for"}};
+    for (const auto& [hypothesis, figure, words] : limits)
+        EXPECT_EQ(only_entry([&](auto& rows) {
+                      leave_out(rows[4], Reason::physical_limit, hypothesis, figure, 21.0);
+                  }),
+                  "epoch 5 (line 22), 0.400 s: left out: motion that the craft cannot make: " +
+                      words + " the uncertainty of the motion)");
+}
+
+// --- breaks -----------------------------------------------------------------------------------
+
+TEST(Audit, AGapTellsWhatIsMissing) {
+    const auto gap = [](auto& rows) {
+        break_at(rows[6], ArcBreak::gap);
+        for (std::size_t k = 6; k < 10; ++k)
+            rows[k].arc = 2;
+    };
+    EXPECT_EQ(only_entry([&](auto& rows) {
+                  gap(rows);
+                  for (std::size_t k = 6; k < 10; ++k)
+                      rows[k].time.nanoseconds += 2'000'000'000;
+              }),
+              "before epoch 7 (line 24), 2.600 s: a gap: the last epoch used before is 6, 2.100 s "
+              "earlier, with none recorded between; arc 1 ends, arc 2 begins");
+    auto rows = rows_of(10);
+    gap(rows);
+    leave_out(rows[4], Reason::no_fix);
+    leave_out(rows[5], Reason::no_fix);
+    EXPECT_EQ(entries_of(std::move(rows)).at(2),
+              "before epoch 7 (line 24), 0.600 s: a gap: the last epoch used before is 4, 0.300 s "
+              "earlier, with 2 epochs left out between; arc 1 ends, arc 2 begins");
+}
+
+TEST(Audit, BreaksOfTheTests) {
+    EstimatedError step;
+    step.east_m = 0.5;
+    step.north_m = 0.143;
+    step.sigma_east_m = 0.02;
+    step.sigma_north_m = 0.035;
+    const std::string of_step =
+        "a step of 0.520 m (0.500 m +- 0.020 m east, 0.143 m +- 0.035 m north) between epochs 6 "
+        "and 7: the positions before and after it do not belong together; ";
+    EstimatedError height;
+    height.up_m = -0.5;
+    height.sigma_up_m = 0.03125;
+    EstimatedError ramp;
+    ramp.rate_up_mps = -0.9375;
+    EstimatedError shift;
+    shift.time_s = 0.1;
+    const struct {
+        ArcBreak arc_break;
+        Hypothesis hypothesis;
+        EstimatedError estimated;
+        std::string words;
+    } cases[] = {
+        {ArcBreak::step, Hypothesis::step, step, of_step + "arc 1 ends, arc 2 begins"},
+        {ArcBreak::bridged, Hypothesis::step, step,
+         of_step + "it is bridged, with its offset as an unknown of the estimate"},
+        {ArcBreak::step, Hypothesis::step, height,
+         "a step in height of 0.500 m (0.500 m +- 0.031 m down) between epochs 6 and 7: the "
+         "positions before and after it do not belong together; arc 1 ends, arc 2 begins"},
+        {ArcBreak::ramp, Hypothesis::ramp, ramp,
+         "a drift of the positions by 0.938 m/s (0.938 m/s down) begins or ends between epochs 6 "
+         "and 7: nobody can tell whether those before or those after it drift; arc 1 ends, arc 2 "
+         "begins"},
+        {ArcBreak::time_shift, Hypothesis::time_shift, shift,
+         "the time stamps jump by 0.1000 s (they are late afterwards) between epochs 6 and 7, or "
+         "the positions by as much "
+         "along the track: at constant speed nobody can tell which; arc 1 ends, arc 2 begins"}};
+    for (const auto& each : cases)
+        EXPECT_EQ(only_entry([&](auto& rows) {
+                      break_at(rows[6], each.arc_break, each.hypothesis, each.estimated);
+                      for (std::size_t k = 6; k < 10; ++k)
+                          rows[k].arc = each.arc_break == ArcBreak::bridged ? 1 : 2;
+                  }),
+                  "before epoch 7 (line 24), 0.600 s: " + each.words +
+                      "; statistic 133.2 where 37.0 " + chance);
+}
+
+TEST(Audit, AJumpOfTheTimeStampsIsAlsoTheWayMadeInIt) {
+    EstimatedError shift;
+    shift.time_s = -0.0126;
+    const std::string entry = only_entry([&](auto& rows) {
+        for (std::size_t k = 0; k < 10; ++k) {
+            rows[k].east_m = 3.0 * static_cast<double>(k);  // 50 m/s, every 0.1 s
+            rows[k].north_m = -4.0 * static_cast<double>(k);
+            if (k >= 6) rows[k].arc = 2;
+        }
+        break_at(rows[6], ArcBreak::time_shift, Hypothesis::time_shift, shift);
+    });
+    EXPECT_NE(entry.find("jump by 0.0126 s (they are early afterwards) between epochs 6 and 7, or "
+                         "the positions by as much along the track, about 0.63 m: at constant"),
+              std::string::npos)
+        << entry;
+}
+
+// A break is handed on to the next epoch used where its own is left out later: what that epoch's
+// statistic supposes need not be the break.
+TEST(Audit, TheEvidenceOfAnotherHypothesisIsNotThatOfTheBreak) {
+    EXPECT_EQ(only_entry([](auto& rows) {
+                  break_at(rows[6], ArcBreak::step, Hypothesis::outlier);
+                  rows[6].statistic = 3.5;
+                  for (std::size_t k = 6; k < 10; ++k)
+                      rows[k].arc = 2;
+              }),
+              "before epoch 7 (line 24), 0.600 s: a step between epochs 6 and 7: the positions "
+              "before and after it do not belong together; arc 1 ends, arc 2 begins");
+}
+
+// --- the whole --------------------------------------------------------------------------------
+
+/// Rows and breaks that the entries of a text are about.
+struct Listed {
+    std::multiset<std::int64_t> left_out;
+    std::multiset<std::int64_t> used;
+    std::multiset<std::int64_t> breaks;
+};
+
+Listed listed_in(const std::string& text) {
+    Listed listed;
+    const std::regex entry(
+        R"((before epoch|epochs?) (\d+)(?: to (\d+))?(?: \(.*?\))?, .*? s: (left out|used)?.*)");
+    for (const std::string& line : entries_in(text)) {
+        std::smatch found;
+        if (!std::regex_match(line, found, entry)) {
+            ADD_FAILURE() << line;
+            continue;
+        }
+        const std::int64_t first = std::stoll(found[2]);
+        const std::int64_t last = found[3].matched ? std::stoll(found[3]) : first;
+        for (std::int64_t epoch = first; epoch <= last; ++epoch)
+            (found[1] == "before epoch" ? listed.breaks
+             : found[4] == "left out"   ? listed.left_out
+                                        : listed.used)
+                .insert(epoch);
+    }
+    return listed;
+}
+
+/// Every reason and every break, some of them several times in a row.
+ScreenedTable table_of_everything() {
+    auto rows = rows_of(200);
+    for (std::size_t k = 0; k < 17; ++k) {
+        const auto reason = static_cast<Reason>(k);
+        if (reason == Reason::none) continue;
+        for (std::size_t j = 0; j < 1 + k % 4; ++j)
+            leave_out(rows[20 + 8 * k + j], reason, Hypothesis::outlier,
+                      50.0 + static_cast<double>(j), 37.0);
+    }
+    for (std::size_t k = 0; k < 7; ++k)
+        rows[170 + 3 * k].break_before = static_cast<ArcBreak>(k);
+    rows[171].source_line.reset();
+    rows[171].source_byte = 4096;
+    // A row that is left out and begins an arc is not written today, but could be read.
+    leave_out(rows[173], Reason::no_fix);
+    leave_out(rows[172], Reason::no_fix);
+    return table_of(std::move(rows));
+}
+
+TEST(Audit, EveryRowLeftOutAndEveryBreakIsInExactlyOneEntry) {
+    const ScreenedTable table = table_of_everything();
+    Listed expected;
+    for (const ScreenedEpoch& row : table.rows) {
+        (row.usable ? expected.used : expected.left_out).insert(row.epoch);
+        if (row.break_before) expected.breaks.insert(row.epoch);
+    }
+    const std::string text = audit_text(table, subject, false);
+    const Listed brief = listed_in(text);
+    EXPECT_EQ(brief.left_out, expected.left_out);
+    EXPECT_EQ(brief.breaks, expected.breaks);
+    EXPECT_TRUE(brief.used.empty());
+    EXPECT_NE(text.find(fmt::format("\n{} epochs used (--all", expected.used.size())),
+              std::string::npos);
+    const std::string all = audit_text(table, subject, true);
+    const Listed full = listed_in(all);
+    EXPECT_EQ(full.left_out, expected.left_out);
+    EXPECT_EQ(full.breaks, expected.breaks);
+    EXPECT_EQ(full.used, expected.used);
+    EXPECT_NE(all.find("(byte 4096)"), std::string::npos);
+    for (const std::string& each : {text, all}) {
+        std::istringstream lines(each);
+        for (std::string line; std::getline(lines, line);)
+            EXPECT_LE(line.size(), 100U) << line;
+    }
+    EXPECT_EQ(text, audit_text(table_of_everything(), subject, false));
+}
+
+TEST(Audit, EntriesAreInTheOrderOfTheRows) {
+    const ScreenedTable table = table_of_everything();
+    std::size_t next = 0;
+    for (const AuditEntry& entry : audit_entries(table.rows)) {
+        EXPECT_EQ(entry.first, next);
+        if (entry.kind != AuditEntry::Kind::arc_break) next = entry.last + 1;
+    }
+    EXPECT_EQ(next, table.rows.size());
+}
+
+TEST(Audit, ALongRunIsOneEntryAndALongListIsNotCut) {
+    auto rows = rows_of(20'000);
+    for (std::size_t k = 5; k < 15'000; ++k)
+        leave_out(rows[k], Reason::float_ambiguities);
+    EXPECT_EQ(entries_of(rows).size(), 2U);
+    for (std::size_t k = 5; k < 15'000; k += 2)
+        rows[k].reason = Reason::no_fix;
+    EXPECT_EQ(entries_of(rows).size(), 1U + 14'995U);
+}
+
+TEST(Audit, AnEpochUsedSaysWhatItSupportsBestAndWhatWouldHaveBeenFound) {
+    auto rows = rows_of(3);
+    rows[1].hypothesis = Hypothesis::step;
+    rows[1].tested_axes = TestedAxes::vertical;
+    rows[1].statistic = 2.0625;
+    rows[1].threshold = 30.66485;
+    rows[1].detectable = {.outlier_m = 0.03125,
+                          .step_m = 0.05,
+                          .ramp_mps = 0.625,
+                          .time_s = 0.0011,
+                          .outlier_up_m = 0.1,
+                          .step_up_m = {}};
+    const auto entries = entries_of(std::move(rows), true);
+    ASSERT_EQ(entries.size(), 4U);
+    EXPECT_EQ(entries[1], "epoch 1 (line 18), 0.000 s: used");
+    EXPECT_EQ(entries[2],
+              "epoch 2 (line 19), 0.100 s: used; step (vertical) 2.1 of 30.7; finds position 0.031 "
+              "m, step 0.050 m, drift 0.625 m/s, time 0.0011 s, height 0.100 m");
+}
+
+// --- what the tests rested on -----------------------------------------------------------------
+
+void expect_in(const std::string& text, const std::vector<std::string>& phrases) {
+    for (const std::string& phrase : phrases)
+        EXPECT_NE(text.find(phrase), std::string::npos) << phrase << "\n" << text;
+}
+
+TEST(Audit, WhatTheTestsRestedOn) {
+    ScreenedTable table = table_of(rows_of(1587));
+    leave_out(table.rows[7], Reason::outlier);
+    table.rows[9].local_variance_factor = 3.25;
+    ScreeningEvidence& evidence = *table.evidence;
+    evidence.models = {{.axes = TestedAxes::horizontal,
+                        .noise = "fitted",
+                        .jerk_density = 0.625,
+                        .measurement_scale = 1.5,
+                        .error_sigma_m = 0.0125,
+                        .error_tau_s = 2.5},
+                       {.axes = TestedAxes::vertical,
+                        .noise = "too_few_epochs",
+                        .jerk_density = 0.6,
+                        .measurement_scale = 1.25,
+                        .error_sigma_m = 0.0,
+                        .error_tau_s = 1.0}};
+    const auto kind = [](FixKind fix, std::int64_t epochs, double factor, std::string judgement) {
+        return FixKindEvidence{.fix = fix,
+                               .axes = TestedAxes::horizontal,
+                               .epochs = epochs,
+                               .variance_factor = factor,
+                               .judgement = std::move(judgement)};
+    };
+    evidence.fix_kinds = {kind(FixKind::fixed, 1500, 2.25, "too_good"),
+                          kind(FixKind::dgps, 120, 0.25, "too_bad"),
+                          kind(FixKind::sbas, 110, 1.0, "as_stated"),
+                          kind(FixKind::single, 12, 1.0, "too_few_epochs")};
+    expect_in(unwrapped(audit_text(table, subject, false)),
+              {"rover.pos: 1,587 epochs, 1,586 used, in 1 arc (stretches without a break). Left "
+               "out: 1 (wrong position).",
+               "rested horizontally on noise learnt from the recording: 1.50 times the stated "
+               "accuracies and a jerk density of 0.625 m s^-2.5, a slow error of 0.0125 m that "
+               "lasts 2.5 s.",
+               "rested vertically on 1.25 times the stated accuracies and a jerk density of 0.6 m "
+               "s^-2.5: noise was not learnt from the recording, because it has too few epochs.",
+               "at most 3.25 (epoch 10)", "588,235 tests planned", "gone through 3 times",
+               "in a recording without a wrong epoch, and with that noise, the tests together mark "
+               "anything in at most 1 of 1,000 recordings",
+               "with a probability of 80.0 %",
+               "fixed, horizontally (1,500 epochs): errors 1.50 times as large as stated (variance "
+               "factor 2.250): the stated accuracy is too good, the errors are larger.",
+               "(DGPS), horizontally (120 epochs): errors 0.50 times as large as stated (variance "
+               "factor 0.250): the stated accuracy is too bad, the errors are smaller.",
+               "(SBAS), horizontally (110 epochs): errors 1.00 times as large as stated (variance "
+               "factor 1.000): as stated.",
+               "Single, horizontally (12 epochs): too few epochs to tell how large its errors are.",
+               "the largest acceleration is 8.2 m/s^2 (a craft of the class can make 20.0 m/s^2), "
+               "the largest jerk 40.5 m/s^3 (200.0 m/s^3), the largest vertical rate 0.5 m/s (5.0 "
+               "m/s); 0 epochs beyond them",
+               "Velocities. None", "Other receiver. None",
+               "The hashes (SHA-256) of 2-enu.ecsv are those", "names its hash: 3-screened.ecsv."});
+}
+
+TEST(Audit, TimeVelocitiesAndTheOtherReceiver) {
+    ScreenedTable table = table_of(rows_of(40));
+    ScreeningEvidence& evidence = *table.evidence;
+    evidence.velocity = VelocityEvidence{.compared = 1200,
+                                         .delay_s = 0.125,
+                                         .sigma_delay_s = 0.004,
+                                         .scale_mps = 0.05,
+                                         .rejected = 2};
+    evidence.baseline = BaselineEvidence{
+        .receiver = "secondary", .compared = 1100, .length_m = 1.5, .sd_m = 0.0125, .rejected = 1};
+    evidence.time = {.sessions = 2,
+                     .gaps = 3,
+                     .longest_gap_s = 75.5,
+                     .duplicates = 1,
+                     .backward = 1,
+                     .rate_deviation = -12e-6,
+                     .jitter_s = 0.00025,
+                     .faults = {{4, "gap", 2.5},
+                                {7, "duplicate", 0.0},
+                                {9, "backward", -0.5},
+                                {12, "session", 75.4},
+                                {99, "whole_second_shift", -18.0}}};
+    const std::string text = unwrapped(audit_text(table, subject, false));
+    expect_in(text,
+              {"1,200 epochs; they differ by 0.050 m/s",
+               "They are 0.125 s +- 0.004 s behind the positions.", "They contradict 2 epochs.",
+               "Compared with secondary at 1,100 epochs: the antennas are 1.500 m apart, with "
+               "a standard deviation of 0.013 m; 1 epoch contradicted.",
+               "2 sessions, 3 gaps, the longest 75.500 s, 1 repeated and 1 backward; mostly "
+               "0.100 s apart, the mean interval 12.0 millionths shorter than it should be, "
+               "scattering by 0.000250 s.",
+               "at epoch 4 (line 21): 2.500 s missing",
+               "at epoch 7 (line 24): the time of the epoch before",
+               "at epoch 9 (line 26): the clock goes back by 0.500 s",
+               "at epoch 12 (line 29): another session begins, 75.400 s later",
+               "at epoch 99: the clock jumps by 18.000 s while the positions go on"});
+    EXPECT_EQ(text.find("The table holds the first"), std::string::npos);
+    evidence.velocity = VelocityEvidence{
+        .compared = 50, .delay_s = {}, .sigma_delay_s = {}, .scale_mps = 0.05, .rejected = 0};
+    evidence.time.duplicates = 1200;
+    expect_in(unwrapped(audit_text(table, subject, false)),
+              {"The motion does not tell whether they are late.",
+               "The table holds the first 5 of 1,204 faults."});
+}
+
+TEST(Audit, SmallestErrorsAreMedianAndWorstOfTheEpochsUsed) {
+    ScreenedTable table = table_of(rows_of(6));
+    for (std::size_t k = 0; k < 5; ++k)
+        table.rows[k].detectable.step_m = 0.05 + 0.01 * static_cast<double>((3 * k) % 5);
+    leave_out(table.rows[4], Reason::no_fix);  // had 0.07
+    const auto sizes = detectable_sizes(table.rows, &DetectableError::step_m);
+    ASSERT_TRUE(sizes);
+    EXPECT_EQ(sizes->epochs, 4);
+    EXPECT_EQ(sizes->without, 1);
+    EXPECT_DOUBLE_EQ(sizes->median, 0.07);  // of 0.05, 0.06, 0.08, 0.09
+    EXPECT_DOUBLE_EQ(sizes->worst, 0.09);
+    EXPECT_EQ(sizes->worst_epoch, 4);
+    EXPECT_FALSE(detectable_sizes(table.rows, &DetectableError::outlier_m));
+    // 0.07 m in 3 s is 0.0233 m/s, which is 0.084 km/h.
+    expect_in(unwrapped(audit_text(table, subject, false)),
+              {"A step of the positions: 0.070 m, at worst 0.090 m (epoch 4); at 1 epoch no size "
+               "could be found.",
+               "A step of 0.070 m in the middle of a 3 s average, not found, makes its speed wrong "
+               "by at most 0.084 km/h",
+               "of 0.090 m, makes it wrong by at most 0.108 km/h"});
+}
+
+// --- tables of other revisions ----------------------------------------------------------------
+
+TEST(Audit, ATableWithoutEvidenceSaysSo) {
+    ScreenedTable table = table_of(rows_of(10));
+    table.evidence.reset();
+    table.header.schema_version = "1.1";
+    table.header.parameters["false_alarm_rate"] = 1e-6;
+    table.variance_factor = 1.25;
+    leave_out(table.rows[4], Reason::innovation, {}, 84.0, 27.625);
+    leave_out(table.rows[5], Reason::innovation, {}, 44.0, 27.625);
+    break_at(table.rows[6], ArcBreak::innovation);
+    table.rows[8].statistic = 2.0;
+    table.rows[8].threshold = 27.625;
+    const std::string text = audit_text(table, subject, true);
+    expect_in(
+        unwrapped(text),
+        {"follows revision 1.1 and does not hold the evidence of 1.2",
+         "took the errors' variance as 1.25 times the stated one",
+         "epochs 5 to 6 (lines 22 to 23), 0.400 s to 0.500 s: left out: their positions do "
+         "not follow from those before them; statistic 44.0 to 84.0 where 27.6 is exceeded "
+         "by chance once in 1 million",
+         "before epoch 7 (line 24), 0.600 s: a break between epochs 4 and 7: the positions "
+         "after it do not follow from those before; arc 1 ends, arc 1 begins",
+         "epoch 9 (line 26), 0.800 s: used; innovation 2.0 of 27.6\n", "it does not tell them"});
+    table.header.schema_version = "1.2";
+    const std::string untested = unwrapped(audit_text(table, subject, false));
+    expect_in(untested, {"No test was made", "where 27.6 is the threshold"});
+    EXPECT_EQ(untested.find("does not hold"), std::string::npos);
+}
+
+TEST(Audit, PublishedTablesOfEveryRevision) {
+    for (const std::string revision : {"1.0", "1.1", "1.2"}) {
+        const std::string file = "tests/golden/v" + revision + "/3-screened.ecsv";
+        const ScreenedTable table =
+            read_screened(read_file(std::string(RUNCERT_SOURCE_DIR "/") + file), file);
+        const std::string text = audit_text(table, subject, false);
+        const Listed listed = listed_in(text);
+        const ScreeningSummary summary = summarise(table.rows);
+        EXPECT_EQ(std::ssize(listed.left_out) + summary.usable, std::ssize(table.rows));
+        EXPECT_EQ(text.find("does not hold the evidence") == std::string::npos, revision == "1.2");
+    }
+}
+
+// --- words ------------------------------------------------------------------------------------
+
+TEST(AuditWords, Numbers) {
+    EXPECT_EQ(counted(0), "0");
+    EXPECT_EQ(counted(999), "999");
+    EXPECT_EQ(counted(1000), "1,000");
+    EXPECT_EQ(counted(-1234567), "-1,234,567");
+    EXPECT_EQ(counted(-123), "-123");
+    EXPECT_EQ(counted(1, "epoch"), "1 epoch");
+    EXPECT_EQ(once_in(0.01), "once in 100");
+    EXPECT_EQ(once_in(1.0 / 1234.0), "once in 1,200");
+    EXPECT_EQ(once_in(1e-6), "once in 1 million");
+    EXPECT_EQ(once_in(1.7e-9), "once in 590 million");
+    EXPECT_EQ(once_in(1.7e-10), "once in 5,900 million");
+    EXPECT_EQ(listed({"a", "b", "c"}), "a, b and c");
+}
+
+TEST(AuditWords, LinesAreBrokenAtBlanksAndNeverTooLong) {
+    EXPECT_EQ(wrapped("a b"), "a b\n");
+    EXPECT_EQ(wrapped(std::string(60, 'a') + " " + std::string(39, 'b')),
+              std::string(60, 'a') + " " + std::string(39, 'b') + "\n");
+    EXPECT_EQ(wrapped(std::string(60, 'a') + " " + std::string(40, 'b')),
+              std::string(60, 'a') + "\n    " + std::string(40, 'b') + "\n");
+    EXPECT_EQ(wrapped(std::string(150, 'a')),
+              std::string(100, 'a') + "\n    " + std::string(50, 'a') + "\n");
+    // Columns are characters, not bytes.
+    std::string name;
+    for (int i = 0; i < 100; ++i)
+        name += "\xC3\xA9";
+    EXPECT_EQ(wrapped(name), name + "\n");
+}
+
+}  // namespace
+}  // namespace runcert

@@ -36,6 +36,12 @@ std::string reason_words(Reason reason) {
             return "no stated accuracy";
         case Reason::accuracy_absurd:
             return "stated accuracy outside the allowed range";
+        case Reason::few_satellites:
+            return "too few satellites for a check of the position";
+        case Reason::low_ratio:
+            return "ambiguities hardly better than others (ratio)";
+        case Reason::old_corrections:
+            return "corrections too old";
         case Reason::innovation:
             return "position does not follow from those before it";
         case Reason::short_arc:

@@ -86,7 +86,7 @@ inline constexpr auto members<ScreeningEvidence> =
 
 namespace {
 
-constexpr EnumWords<Reason, 17> reason_words{{{Reason::none, "none"},
+constexpr EnumWords<Reason, 20> reason_words{{{Reason::none, "none"},
                                               {Reason::no_position, "no_position"},
                                               {Reason::no_fix, "no_fix"},
                                               {Reason::float_ambiguities, "float"},
@@ -102,7 +102,10 @@ constexpr EnumWords<Reason, 17> reason_words{{{Reason::none, "none"},
                                               {Reason::model, "model"},
                                               {Reason::velocity, "velocity"},
                                               {Reason::physical_limit, "physical_limit"},
-                                              {Reason::baseline, "baseline"}}};
+                                              {Reason::baseline, "baseline"},
+                                              {Reason::few_satellites, "few_satellites"},
+                                              {Reason::low_ratio, "low_ratio"},
+                                              {Reason::old_corrections, "old_corrections"}}};
 
 constexpr EnumWords<ArcBreak, 7> break_words{{{ArcBreak::start, "start"},
                                               {ArcBreak::gap, "gap"},

@@ -28,7 +28,10 @@ enum class Reason {
     model,           ///< in a stretch that no hypothesis explains
     velocity,        ///< contradicted by the recorded velocity
     physical_limit,  ///< motion that the craft cannot make
-    baseline         ///< contradicted by the other receiver
+    baseline,        ///< contradicted by the other receiver
+    few_satellites,  ///< so few that nothing checks the position
+    low_ratio,       ///< the runner-up set of ambiguities fits almost as well
+    old_corrections
 };
 std::string_view to_text(Reason reason);
 bool from_text(std::string_view text, Reason& reason);

@@ -228,6 +228,12 @@ std::string_view words_of(Reason reason) {
             return "accuracy not stated";
         case Reason::accuracy_absurd:
             return "stated accuracy not believable";
+        case Reason::few_satellites:
+            return "too few satellites: nothing checks the position";
+        case Reason::low_ratio:
+            return "ambiguities hardly better than others (ratio)";
+        case Reason::old_corrections:
+            return "corrections too old";
         case Reason::innovation:
             return "position does not follow from those before it";
         case Reason::short_arc:

@@ -16,11 +16,13 @@ using TruthRows = std::vector<std::optional<TruthEpoch>>;
 /// Rows of a window, first to last. Between them lie only rows of the same arc.
 using RowPair = EpochPair;
 
-/// The windows that can be certified, in order.
+/// The windows that can be certified, in order. Those across a bridged step are left out: the
+/// methods' positions jump there.
 std::vector<RowPair> candidate_rows(const TrajectoryTable& trajectory, double duration_s,
                                     double duration_tolerance_s) {
     const std::vector<ArcRows> arcs = arcs_in(trajectory);
-    const auto windows = certifiable_windows(trajectory, arcs, duration_s, duration_tolerance_s);
+    const auto windows = certifiable_windows(trajectory, arcs, duration_s, duration_tolerance_s,
+                                             BridgedSteps::refused);
     std::vector<RowPair> rows;
     for (std::size_t a = 0; a < arcs.size(); ++a)
         for (const EpochPair& window : windows[a])
@@ -133,7 +135,9 @@ MethodResult result_of(const Task& task, const MethodTrack& track) {
         result.best_start = task.trajectory.rows[best->first].time;
         result.best_error_mps = difference(result.best_mps, task.truth_in(*best));
     }
-    if (task.certified) {
+    const bool jumps = track.window_speed == WindowSpeed::displacement && task.windows.best &&
+                       task.windows.best->repaired_steps > 0;
+    if (task.certified && !jumps) {
         result.certified_mps = speed(*task.certified);
         result.certified_error_mps =
             difference(result.certified_mps, task.truth_in(*task.certified));
@@ -253,6 +257,9 @@ Comparison compare_methods(const ScreenedTable& screened, const TrajectoryTable&
              .truth = true_track ? &*true_track : nullptr},
             methods));
     comparison.notes = std::move(methods.notes);
+    if (std::ranges::any_of(trajectory.rows, &TrajectoryEpoch::begins_after_step))
+        comparison.notes.emplace_back(
+            "Steps of the positions were bridged: windows across them are not compared");
     for (const MethodTrack& track : methods.tracks)
         if (!track.unavailable.empty())
             comparison.notes.push_back(

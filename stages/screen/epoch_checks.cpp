@@ -50,6 +50,18 @@ std::optional<Finding> check_accuracy(const ScreenedEpoch& row, bool vertical,
     return std::nullopt;
 }
 
+/// What the solution says of itself beside its accuracy. A zero is a field that was not filled.
+std::optional<Finding> check_witnesses(const ScreenedEpoch& row, const ScreenConfig& config) {
+    if (row.satellites && *row.satellites > 0 && *row.satellites < config.satellites_min)
+        return Finding{Reason::few_satellites, static_cast<double>(*row.satellites),
+                       static_cast<double>(config.satellites_min)};
+    if (row.fix == FixKind::fixed && row.ratio && *row.ratio > 0.0 && *row.ratio < config.ratio_min)
+        return Finding{Reason::low_ratio, *row.ratio, config.ratio_min};
+    if (row.age_s && std::abs(*row.age_s) > config.correction_age_max_s)
+        return Finding{Reason::old_corrections, *row.age_s, config.correction_age_max_s};
+    return std::nullopt;
+}
+
 /// What each row's time against the others' forbids. A row that is not later than one before it is
 /// out of order; but a single stamp ahead of those on both its sides is the one that is wrong.
 std::vector<std::optional<Finding>> check_times(const std::vector<ScreenedEpoch>& rows) {
@@ -85,6 +97,7 @@ void check_epochs(std::vector<ScreenedEpoch>& rows, bool vertical, const ScreenC
         if (!finding && (!row.east_m || !row.north_m || (vertical && !row.up_m)))
             finding = Finding{Reason::no_position, {}, {}};
         if (!finding) finding = check_accuracy(row, vertical, config);
+        if (!finding) finding = check_witnesses(row, config);
         row.usable = !finding;
         row.reason = finding ? finding->reason : Reason::none;
         row.statistic = finding ? finding->statistic : std::nullopt;

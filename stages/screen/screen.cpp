@@ -157,6 +157,9 @@ ScreenConfig screen_config(const Attempt& attempt) {
     }
     config.accuracy_min_m = parameters.at("accuracy_min_m");
     config.accuracy_max_m = parameters.at("accuracy_max_m");
+    config.satellites_min = parameters.at("satellites_min");
+    config.ratio_min = parameters.at("ratio_min");
+    config.correction_age_max_s = parameters.at("correction_age_max_s");
     config.gap_factor = parameters.at("gap_factor");
     config.session_gap_s = parameters.at("session_gap_s");
     config.min_arc_epochs = parameters.at("min_arc_epochs");

@@ -14,6 +14,9 @@ struct ScreenConfig {
     std::set<FixKind> allowed_fixes;
     double accuracy_min_m = 0.0;
     double accuracy_max_m = 0.0;
+    std::int64_t satellites_min = 0;
+    double ratio_min = 0.0;
+    double correction_age_max_s = 0.0;
     double gap_factor = 0.0;
     double session_gap_s = 0.0;
     std::int64_t min_arc_epochs = 0;

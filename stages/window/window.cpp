@@ -104,11 +104,11 @@ std::optional<Eigen::Vector2d> robust_displacement(const Evidence& evidence, con
             row(last).robust_east_m.value() - row(first).robust_east_m.value(),
             row(last).robust_north_m.value() - row(first).robust_north_m.value());
     };
-    Eigen::Vector2d displacement = difference(window.first, window.last);
+    Eigen::Vector2d moved = difference(window.first, window.last);
     for (const BridgedStep& step : smoothed.bridged_between(window.first, window.last))
-        displacement += runcert::displacement(smoothed, step.epoch - 1, step.epoch) -
-                        difference(step.epoch - 1, step.epoch);
-    return displacement;
+        moved += displacement(smoothed, step.epoch - 1, step.epoch) -
+                 difference(step.epoch - 1, step.epoch);
+    return moved;
 }
 
 /// The robust batch's speed against the screened solution's, whose noise model is the same.

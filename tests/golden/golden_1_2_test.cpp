@@ -126,6 +126,18 @@ TEST(Golden12, WhatOtherChecksFound) {
     EXPECT_EQ(evidence.baseline->sd_m, 0.0125);
 }
 
+TEST(Golden12, Trajectory) {
+    const TrajectoryTable table = read_trajectory(text_of("v1.2/4-trajectory.ecsv"), "f");
+    ASSERT_EQ(table.rows.size(), 5U);
+    EXPECT_EQ(table.rows[0].step_before, false);
+    EXPECT_EQ(table.rows[3].step_before, true);
+    EXPECT_TRUE(table.rows[3].begins_after_step());
+    EXPECT_FALSE(table.rows[4].step_before);  // outside arcs
+    EXPECT_FALSE(table.rows[4].begins_after_step());
+    for (const TrajectoryEpoch& row : read_trajectory(text_of("v1.1/4-trajectory.ecsv"), "f").rows)
+        EXPECT_FALSE(row.step_before || row.begins_after_step());
+}
+
 TEST(Golden12, Windows) {
     const Windows windows = read_windows(text_of("v1.2/5-windows.yaml"), "f");
     const CertifiableWindow& best = windows.profiles.at(0).best.value();
@@ -153,6 +165,9 @@ TEST(Golden12, AttemptFile) {
     EXPECT_EQ(screen.at("jerk_max_mps3"), 125);
     EXPECT_EQ(screen.at("vertical_rate_max_mps"), 2.5);
     EXPECT_EQ(screen.at("velocity_delay_max_s"), 0.5);
+    EXPECT_EQ(screen.at("satellites_min"), 6);
+    EXPECT_EQ(screen.at("ratio_min"), 2.5);
+    EXPECT_EQ(screen.at("correction_age_max_s"), 12.5);
     EXPECT_EQ(screen.at("session_gap_s"), 120);
     EXPECT_EQ(attempt.overrides.size(), 30U);
 }

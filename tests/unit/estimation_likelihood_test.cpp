@@ -109,6 +109,31 @@ TEST(Likelihood, LeavesOutThreeMeasurementsOfEachArc) {
     EXPECT_EQ(sums_of(sample_arc<3>(6), singer_with_error).values, 6);
 }
 
+TEST(Likelihood, LeavesOutWhatOnlyTellsTheOffsetOfABridgedStep) {
+    auto arc = sample_arc<2>(40, 20);
+    const auto with_offset = [&](double offset_m) {
+        auto moved = arc;
+        for (std::size_t k = 20; k < moved.size(); ++k)
+            if (moved[k].measurement) moved[k].measurement->position.array() += offset_m;
+        return sums_of(moved, singer_with_error);
+    };
+    const std::int64_t whole = with_offset(0.0).values;
+    EXPECT_GT(with_offset(0.5).statistic, with_offset(0.0).statistic + 100.0);
+    arc[20].step_before = true;
+    const InnovationSums none = with_offset(0.0);
+    EXPECT_EQ(none.values, whole - 2);
+    // Whatever the offset, the rest is as likely.
+    for (const double offset_m : {0.5, -20.0}) {
+        EXPECT_NEAR(with_offset(offset_m).statistic, none.statistic, 1e-4);
+        EXPECT_NEAR(with_offset(offset_m).log_determinant, none.log_determinant, 1e-9);
+    }
+    // The epoch of the step has no measurement: with another step at the next it is but one.
+    arc[21].step_before = true;
+    EXPECT_EQ(with_offset(0.5).values, whole - 2);
+    arc[22].step_before = true;
+    EXPECT_EQ(with_offset(0.5).values, whole - 4);
+}
+
 TEST(Likelihood, OfTwoArcsIsTheProductOfBoth) {
     const auto one = sample_arc<2>(20);
     const auto other = sample_arc<2>(35, 11);

@@ -120,6 +120,9 @@ TEST(AttemptScreening, HasItsDefaults) {
     EXPECT_EQ(screen.at("noise"), "fitted");
     EXPECT_EQ(screen.at("steps"), "end_arc");
     EXPECT_EQ(screen.at("velocity_delay_max_s"), 1.0);
+    EXPECT_EQ(screen.at("satellites_min"), 5);
+    EXPECT_EQ(screen.at("ratio_min"), 1.5);
+    EXPECT_EQ(screen.at("correction_age_max_s"), 30);
     EXPECT_EQ(screen.at("session_gap_s"), 60);
 }
 

@@ -30,7 +30,7 @@ std::string recording_text(const ScreenedTable& table, const AuditSubject& subje
 }
 
 std::string files_text(const ScreenedTable& table, const AuditSubject& subject) {
-    std::string text = fmt::format("Files. Written by runcert {}, source {}, as {} {}.",
+    std::string text = fmt::format("Files. Written by runcert {}, source {}, schema {} {}.",
                                    table.header.program_version, table.header.source_revision,
                                    table.header.schema_name, table.header.schema_version);
     if (!subject.checked.empty())

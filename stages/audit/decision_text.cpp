@@ -124,10 +124,12 @@ std::string decisions_text(const ScreenedTable& table, const AuditSubject& subje
         if (!is_used || all) text += wrapped(entry_text(table, entry, chance));
     }
     if (!all) return text + counted(used, "epoch") + " used (--all lists each of them).\n";
-    return text + wrapped(counted(used, "epoch") +
-                          " used: after each the hypothesis that it supports best, with its "
-                          "statistic and the threshold that this stays below, and the smallest "
-                          "errors that would have been found there.");
+    return text + wrapped(fmt::format(
+                      "{} used: after each {}the statistic and the threshold that this stays "
+                      "below{}.",
+                      counted(used, "epoch"),
+                      table.evidence ? "the hypothesis that it supports best, " : "",
+                      table.evidence ? ", and the smallest errors that the tests find there" : ""));
 }
 
 }  // namespace runcert

@@ -20,6 +20,7 @@ struct ReceiverEvidence {
     RecordingFacts facts;
     std::string accuracy_source;
     ScreeningSummary screening;
+    std::optional<ScreeningEvidence> tests;  ///< absent for tables of revision 1.1 and before
     EstimationSummary estimation;
     Windows windows;
     std::optional<FrameOrigin> origin = std::nullopt;  ///< of the trajectory

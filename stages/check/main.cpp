@@ -24,6 +24,7 @@ ReceiverEvidence gather(StageRun& run, const Receiver& receiver) {
             .facts = observations.facts,
             .accuracy_source = observations.accuracy_source,
             .screening = summarise(screened.rows),
+            .tests = screened.evidence,
             .estimation = trajectory.estimation,
             .windows = run.read("windows", file("5-windows", "yaml"), read_windows),
             .origin = trajectory.origin,

@@ -150,6 +150,99 @@ void add_recording(const RecordingFacts& facts, Statements& statements) {
             "the date of the recording.");
 }
 
+std::string_view words_of(TestedAxes axes) {
+    return axes == TestedAxes::vertical ? "vertical" : "horizontal";
+}
+
+void add_kinds(const std::vector<FixKindEvidence>& kinds, Statements& statements) {
+    for (const FixKindEvidence& kind : kinds) {
+        if (kind.judgement != "too_good" && kind.judgement != "too_bad") continue;
+        statements.push_back(fmt::format(
+            "The {} accuracies stated for {} solutions are {}: the errors that the epochs show "
+            "against one another are {:.2f} times as large.",
+            words_of(kind.axes), to_text(kind.fix),
+            kind.judgement == "too_good" ? "too good" : "too bad",
+            std::sqrt(kind.variance_factor)));
+    }
+}
+
+void add_time(const TimeEvidence& time, Statements& statements) {
+    if (time.sessions > 1)
+        statements.push_back(
+            fmt::format("The recording holds {} sessions, which were not joined.", time.sessions));
+    for (const TimeFault& fault : time.faults)
+        if (fault.kind == "whole_second_shift")
+            statements.push_back(fmt::format(
+                "At epoch {} the clock jumped by {:+.0f} s while the craft went on: times before "
+                "and after it are not of one scale.",
+                fault.epoch, fault.size_s));
+    constexpr double drift_worth_saying = 1e-4;
+    if (std::abs(time.rate_deviation) > drift_worth_saying)
+        statements.push_back(fmt::format(
+            "The time stamps run {:+.1e} of their nominal rate: the clock that made them may not "
+            "be the satellites'.",
+            time.rate_deviation));
+}
+
+void add_velocity(const VelocityEvidence& velocity, Statements& statements) {
+    if (velocity.compared == 0) {
+        statements.push_back("The recorded velocities could not be compared with the positions.");
+        return;
+    }
+    const std::string delay =
+        velocity.delay_s
+            ? fmt::format("a delay of {:.3f} s behind the positions taken off", *velocity.delay_s)
+            : std::string("their delay behind the positions not told by the motion");
+    statements.push_back(fmt::format(
+        "The recorded velocities of {} epochs agree with the motion to {:.3f} m/s per axis, {}; "
+        "{} epochs contradicted them and were left out.",
+        velocity.compared, velocity.scale_mps, delay, velocity.rejected));
+}
+
+/// What the other receiver says of this one's positions.
+void add_baseline(const BaselineEvidence& baseline, Statements& statements) {
+    if (baseline.compared == 0) {
+        statements.push_back(fmt::format(
+            "The positions of receiver \"{}\" could not be compared with this one's: no epochs at "
+            "the same time.",
+            baseline.receiver));
+        return;
+    }
+    constexpr double scatter_worth_saying_m = 0.2;
+    statements.push_back(fmt::format(
+        "Receiver \"{}\" was {:.3f} m away, with a standard deviation of {:.3f} m over {} epochs{}",
+        baseline.receiver, baseline.length_m, baseline.sd_m, baseline.compared,
+        baseline.sd_m > scatter_worth_saying_m
+            ? ": more than receivers on one craft should show; their clocks or one of the two may "
+              "be off."
+            : "."));
+}
+
+void add_screening(const ReceiverEvidence& judged, Statements& statements) {
+    if (!judged.tests) {
+        statements.push_back(
+            "Screening is of an earlier revision, which does not state the errors that it could "
+            "have missed.");
+        return;
+    }
+    const ScreeningEvidence& tests = *judged.tests;
+    statements.push_back(fmt::format(
+        "Every epoch was tested for outliers, bursts, steps, drifts and shifts of its time stamp: "
+        "{} tests, which together mark anything in a recording without a wrong epoch with a "
+        "probability of at most {:g}.",
+        tests.tests, tests.family_false_alarm_rate));
+    for (const ScreeningModel& model : tests.models)
+        if (model.noise != "fitted")
+            statements.push_back(fmt::format(
+                "The {} tests rest on the stated accuracies times {:.2f}, not on noise learnt from "
+                "the recording.",
+                words_of(model.axes), model.measurement_scale));
+    add_kinds(tests.fix_kinds, statements);
+    add_time(tests.time, statements);
+    if (tests.velocity) add_velocity(*tests.velocity, statements);
+    if (tests.baseline) add_baseline(*tests.baseline, statements);
+}
+
 }  // namespace
 
 std::vector<std::string> statements_of(const CheckInput& input) {
@@ -157,9 +250,10 @@ std::vector<std::string> statements_of(const CheckInput& input) {
     Statements statements{
         "The uncertainty is the combination of the sources in the budget, one row each. Position "
         "errors that vary slowly over the window are covered up to the size and for the "
-        "correlation times that the budget names; an error that screening should have found and "
-        "did not is not yet in it."};
+        "correlation times that the budget names, and so is the outlier, step or shift of time "
+        "stamps that screening could have missed."};
     add_accuracy(judged, statements);
+    add_screening(judged, statements);
     const EstimationSummary& estimation = judged.estimation;
     if (estimation.horizontal && estimation.arcs > 0) {
         add_fit(estimation.horizontal->noise, "horizontal", statements);

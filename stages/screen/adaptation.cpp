@@ -102,16 +102,17 @@ class StretchTests {
     /// than the candidate; the candidate itself if there is none. Grows from the candidate's epochs
     /// to whichever side gains more.
     Candidate best_set(const Candidate& candidate) const {
-        Candidate best = set_of(candidate.first, candidate.last);
+        const double factor = factors_[candidate.first];
+        Candidate best = set_of(candidate.first, candidate.last, factor);
         Candidate grown = best;
         // Some growth without a gain is looked over: an epoch between two wrong ones may be good.
         constexpr int patience = 3;
         for (int without_gain = 0; without_gain < patience;) {
             if (grown.last - grown.first + 1 >= plan_.burst_epochs_max()) break;
             std::optional<Candidate> next;
-            if (grown.first > 0) next = set_of(grown.first - 1, grown.last);
+            if (grown.first > 0) next = set_of(grown.first - 1, grown.last, factor);
             if (grown.last + 1 < stretch_.epochs.size()) {
-                const Candidate right = set_of(grown.first, grown.last + 1);
+                const Candidate right = set_of(grown.first, grown.last + 1, factor);
                 if (!next || right.log_tail < next->log_tail) next = right;
             }
             if (!next) break;
@@ -165,10 +166,10 @@ class StretchTests {
                          .degrees_of_freedom = Size});
     }
 
-    Candidate set_of(std::size_t first, std::size_t last) const {
+    Candidate set_of(std::size_t first, std::size_t last, double variance_factor) const {
         const SetTest test = diagnosis_.own_errors(first, last);
         if (test.degrees_of_freedom == 0) return {.first = first, .last = last};
-        const double statistic = test.statistic / factors_[first];
+        const double statistic = test.statistic / variance_factor;
         return {.log_tail = log_chi_squared_upper_tail(statistic, test.degrees_of_freedom),
                 .hypothesis = first == last ? Hypothesis::outlier : Hypothesis::burst,
                 .first = first,

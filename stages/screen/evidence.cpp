@@ -60,7 +60,9 @@ class ArcEvidence {
         const double factor = factors_[k];
         if (Axes == 2) row.local_variance_factor = factor;
         const bool bridged = row.break_before == ArcBreak::bridged;
-        const bool decided = !row.usable || (row.break_before && row.hypothesis);
+        const bool decided =
+            !row.usable || (row.break_before && *row.break_before != ArcBreak::start &&
+                            *row.break_before != ArcBreak::gap);
         const auto consider = [&](const auto& test, Hypothesis hypothesis,
                                   std::optional<double> size) {
             if (size && !decided) best.consider(test, factor, hypothesis, axes, plan_, row);

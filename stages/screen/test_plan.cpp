@@ -26,9 +26,9 @@ double TestPlan::critical(int degrees_of_freedom) const {
 
 std::int64_t tests_of_an_epoch(std::int64_t burst_epochs_max) {
     const std::int64_t of_axes = 4 + (burst_epochs_max - 1) + std::ssize(span_lengths);
-    constexpr std::int64_t axes_groups = 2;
-    constexpr std::int64_t witnesses = 1 + 3 + 4;  // velocity, limits, baseline
-    return axes_groups * of_axes + witnesses;
+    constexpr std::int64_t series = 2 + 2;  // horizontal, vertical; baseline across and in length
+    constexpr std::int64_t witnesses = 2 + 3;  // velocities both ways; limits
+    return series * of_axes + witnesses;
 }
 
 }  // namespace runcert

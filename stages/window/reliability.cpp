@@ -132,7 +132,7 @@ std::vector<UndetectedError> undetected_errors(const ScreenedTable& screened, co
     }
     const auto longest = static_cast<std::size_t>(screened.evidence->burst_epochs_max);
     diagnosis.for_each_burst(longest, [&](std::size_t k, std::size_t length, const auto& test) {
-        burst.consider(test, of_two * factor(k), constant[k] - constant[k + length], k,
+        burst.consider(test, of_two * factor(k), Plane(constant[k] - constant[k + length]), k,
                        k + length - 1);
     });
 

@@ -143,12 +143,15 @@ TEST(Audit, AChangedDecisionIsRefused) {
     const fs::path run = folder.path() / "run";
     ASSERT_NE(certify(examples / "rejected" / "attempt.yaml", run, {"--no-render"}).exit_status, 2);
     std::string table = read_file(run / "3-screened.ecsv");
-    const std::size_t left_out = table.rfind(",False,");
-    ASSERT_NE(left_out, std::string::npos);
-    write_file_atomically(run / "3-screened.ecsv", table.replace(left_out, 7, ",True,"));
+    const std::size_t used = table.rfind(",True,none,");
+    ASSERT_NE(used, std::string::npos);
+    write_file_atomically(run / "3-screened.ecsv", table.replace(used, 11, ",False,no_fix,"));
     const ProcessResult result = runcert({"audit", run.string()});
     EXPECT_EQ(result.exit_status, 2);
-    EXPECT_NE(result.errors.find("3-screened.ecsv"), std::string::npos) << result.errors;
+    EXPECT_TRUE(result.output.empty()) << result.output;
+    EXPECT_NE(result.errors.find("not the one that 4-trajectory.ecsv was made from"),
+              std::string::npos)
+        << result.errors;
 }
 
 }  // namespace

@@ -56,18 +56,13 @@ class StudiedRecording {
         return error;
     }
 
-    /// Whether each error's own test rejects the model.
-    Share own_tests(const std::vector<SupposedError>& errors) const {
-        const std::vector<Arc<2>> arcs = arcs_of<2>(with_errors(recording_, errors));
+    /// Whether the error's own test rejects the model.
+    bool own_test(const SupposedError& error) const {
+        const std::vector<Arc<2>> arcs = arcs_of<2>(with_errors(recording_, {&error, 1}));
         const ArcDiagnosis<2> diagnosis(arcs.front().epochs, model_);
-        const std::vector<double> factors = local_variance_factors(diagnosis);
-        Share share;
-        for (const SupposedError& error : errors) {
-            const bool time = error.kind == Hypothesis::time_shift;
-            share.add(statistic(diagnosis, error) / factors[error.first] >
-                      plan_.critical(time ? 1 : 2));
-        }
-        return share;
+        const double factor = local_variance_factors(diagnosis)[error.first];
+        const int unknowns = error.kind == Hypothesis::time_shift ? 1 : 2;
+        return statistic(diagnosis, error) / factor > plan_.critical(unknowns);
     }
 
     ScreenedTable screen_with(const std::vector<SupposedError>& errors) const {
@@ -125,7 +120,8 @@ using PowerLines = std::array<PowerLine, kinds.size()>;
 
 void study_kind(const StudiedRecording& recording, std::vector<SupposedError> errors,
                 std::size_t only, double rate_hz, PowerLine& line) {
-    line.own_test += recording.own_tests(errors);
+    for (const SupposedError& error : errors)
+        line.own_test.add(recording.own_test(error));
     const SupposedError alone = errors[only % errors.size()];
     line.found_alone.add(judge(recording.screen_with({alone}), alone, rate_hz).found);
     if (line.kind == Hypothesis::ramp) errors = {alone};
@@ -242,11 +238,12 @@ std::string power_table(const StudyRun& cell, const std::vector<PowerLine>& line
         if (line.kind == Hypothesis::burst) name += fmt::format(" of {}", line.epochs);
         const bool epochs_alone =
             line.kind == Hypothesis::outlier || line.kind == Hypothesis::burst;
-        text += fmt::format("{:<12} {:6}   {:6.3f}   {:6.3f}  |      {:8.5f} {:>9} {:8.4f}  {:6}\n",
-                            name, line.own_test.of, line.own_test.fraction(), line.found.fraction(),
-                            line.found_twice.fraction(),
-                            epochs_alone ? "-" : fmt::format("{:.4f}", line.dated_twice.fraction()),
-                            line.named_twice.fraction(), line.left_out);
+        text += fmt::format(
+            "{:<12} {:6}    {:6.3f}  {:5.3f}  {:6.3f}  |      {:8.5f} {:>8} {:8.4f}  {:6}\n", name,
+            line.own_test.of, line.own_test.fraction(), line.found_alone.fraction(),
+            line.found.fraction(), line.found_twice.fraction(),
+            epochs_alone ? "-" : fmt::format("{:.4f}", line.dated_twice.fraction()),
+            line.named_twice.fraction(), line.left_out);
     }
     return text;
 }

@@ -1,0 +1,151 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "core/random.h"
+#include "stages/screen/screen.h"
+#include "stages/smooth/smooth.h"
+#include "stages/window/window.h"
+
+// Screening, smoothing and windows of a run whose positions step aside in its fastest seconds.
+
+namespace runcert {
+namespace {
+
+constexpr double step_m = 0.5;
+constexpr double step_at_s = 30.0;
+constexpr std::int64_t step_epoch = 301;
+
+Attempt attempt_with(const std::string& steps) {
+    return read_attempt(
+        "schema: attempt/1.2\nid: t\ncraft: {name: t, class: land-yacht}\n"
+        "receivers: [{id: primary, recording: r}]\nprofiles: [nalsa]\n"
+        "parameters: {screen: {steps: " +
+            steps + "}}\n",
+        "attempt");
+}
+
+/// 60 s that are fastest, 35 m/s, in their middle: 20 m/s and a bell of 15 m/s and 8 s.
+double distance_m(double time_s) {
+    const double x = (time_s - step_at_s) / 8.0;
+    return 20.0 * time_s + 15.0 * 8.0 * std::sqrt(std::numbers::pi) / 2.0 * std::erf(x);
+}
+
+Eigen::Vector2d direction() {
+    return {0.6, 0.8};
+}
+
+/// The run at 10 Hz with 10 mm of white noise; from the fastest moment on positions are 0.5 m
+/// ahead.
+EnuTable recording() {
+    RandomGenerator random(11);
+    EnuTable table;
+    table.facts.receiver = "primary";
+    table.facts.georeferenced = true;
+    table.facts.vertical_measured = false;
+    table.facts.nominal_interval_s = 0.1;
+    for (std::int64_t k = 0; k <= 600; ++k) {
+        const double time_s = 0.1 * static_cast<double>(k);
+        const double ahead_m = k + 1 >= step_epoch ? step_m : 0.0;
+        const Eigen::Vector2d position = (distance_m(time_s) + ahead_m) * direction();
+        EnuEpoch& row = table.rows.emplace_back();
+        row.epoch = k + 1;
+        row.time = {k * 100'000'000};
+        row.east_m = position.x() + 0.010 * random.normal();
+        row.north_m = position.y() + 0.010 * random.normal();
+        row.sigma_east_m = row.sigma_north_m = 0.010;
+        row.fix = FixKind::fixed;
+    }
+    return table;
+}
+
+struct CertifiedRun {
+    ScreenedTable screened;
+    TrajectoryTable trajectory;
+    ProfileWindows windows;
+};
+
+CertifiedRun certified(const std::string& steps, bool repaired_steps) {
+    const Attempt attempt = attempt_with(steps);
+    Profile profile = read_profile(builtin_profile("nalsa"), "nalsa");
+    profile.duration_s = 3.0;
+    profile.repaired_steps = repaired_steps;
+    CertifiedRun run;
+    run.screened = screen(recording(), screen_config(attempt));
+    // As the stages hand them on: by their files.
+    run.screened = read_screened(write_screened(run.screened), "3-screened");
+    run.trajectory = smooth_trajectory(run.screened, smooth_config(attempt));
+    run.trajectory = read_trajectory(write_trajectory(run.trajectory), "4-trajectory");
+    run.windows = find_windows(run.screened, run.trajectory, {profile},
+                               window_config(attempt, attempt.receivers.front()))
+                      .profiles.at(0);
+    return run;
+}
+
+bool holds_step(const WindowSpan& span) {
+    return span.first_epoch < step_epoch && span.last_epoch >= step_epoch;
+}
+
+double true_speed_mps(const WindowSpan& span) {
+    const double start_s = span.start.seconds();
+    const double duration_s = span.duration.seconds();
+    return (distance_m(start_s + duration_s) - distance_m(start_s)) / duration_s;
+}
+
+TEST(BridgedStep, CertifiesNoWindowAcrossItByDefault) {
+    const CertifiedRun run = certified("bridge", false);
+    const ScreeningSummary summary = summarise(run.screened.rows);
+    EXPECT_EQ(summary.arcs, 1);
+    for (std::size_t k = 1; k < run.screened.rows.size(); ++k) {
+        const bool step = run.screened.rows[k].epoch == step_epoch;
+        EXPECT_EQ(run.screened.rows[k].break_before == ArcBreak::bridged, step) << k;
+        EXPECT_EQ(run.trajectory.rows[k].begins_after_step(), step) << k;
+    }
+    const CertifiableWindow& best = run.windows.best.value();
+    EXPECT_FALSE(holds_step(best.span));
+    EXPECT_EQ(best.repaired_steps, 0);
+    EXPECT_NEAR(best.speed_mps, true_speed_mps(best.span), 2.0 * best.standard_uncertainty_mps);
+    // The fastest that the raw positions indicate does hold it, and is refused for it alone.
+    const IndicatedWindow& indicated = run.windows.indicated.value();
+    EXPECT_TRUE(holds_step(indicated.span));
+    EXPECT_GT(indicated.speed_mps, true_speed_mps(indicated.span) + 0.1);
+    ASSERT_EQ(indicated.refusals.size(), 1U);
+    EXPECT_NE(indicated.refusals[0].find("1 repaired step"), std::string::npos);
+}
+
+TEST(BridgedStep, UnderAProfileThatAllowsItTheFastestWindowIsCertified) {
+    const CertifiedRun run = certified("bridge", true);
+    const CertifiableWindow& best = run.windows.best.value();
+    EXPECT_TRUE(holds_step(best.span));
+    EXPECT_EQ(best.repaired_steps, 1);
+    EXPECT_NEAR(best.speed_mps, true_speed_mps(best.span), 2.0 * best.standard_uncertainty_mps);
+    // The step itself would be 0.17 m/s.
+    EXPECT_LT(2.0 * best.standard_uncertainty_mps, 0.5 * step_m / 3.0);
+    EXPECT_NEAR(best.definitions.displacement_mps, true_speed_mps(best.span), 0.02);
+    EXPECT_NEAR(best.definitions.path_length_mps, true_speed_mps(best.span), 0.02);
+    EXPECT_NEAR(best.definitions.mean_n_plus_1_mps, true_speed_mps(best.span), 0.05);
+    EXPECT_TRUE(best.robust.value().agrees);
+    EXPECT_NEAR(best.position_r95_m, step_m, 0.1);
+    EXPECT_FALSE(best.methods.v1_mps || best.methods.v2_mps || best.methods.kalman_mps);
+    EXPECT_TRUE(run.windows.indicated->refusals.empty());
+    RecordProperty("difference_mps", std::to_string(best.speed_mps - true_speed_mps(best.span)));
+    RecordProperty("uncertainty_mps", std::to_string(best.standard_uncertainty_mps));
+    const CertifiableWindow refused = certified("bridge", false).windows.best.value();
+    EXPECT_GT(best.speed_mps, refused.speed_mps + 0.1);
+}
+
+TEST(BridgedStep, EndsTheArcWhereTheAttemptSaysSo) {
+    const CertifiedRun run = certified("end_arc", true);
+    EXPECT_EQ(summarise(run.screened.rows).arcs, 2);
+    EXPECT_EQ(run.trajectory.estimation.arcs, 2);
+    for (const TrajectoryEpoch& row : run.trajectory.rows)
+        EXPECT_FALSE(row.begins_after_step());
+    const CertifiableWindow& best = run.windows.best.value();
+    EXPECT_FALSE(holds_step(best.span));
+    EXPECT_EQ(best.repaired_steps, 0);
+    EXPECT_NEAR(best.speed_mps, true_speed_mps(best.span), 2.0 * best.standard_uncertainty_mps);
+}
+
+}  // namespace
+}  // namespace runcert

@@ -1,0 +1,147 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "arcs/screening_noise.h"
+#include "core/statistics.h"
+#include "estimation/diagnosis.h"
+#include "stages/window/reliability.h"
+#include "window_test_support.h"
+
+namespace runcert {
+namespace {
+
+using test::recorded;
+
+/// A run of 40 s at 10 Hz, screened with white noise as stated.
+ScreenedTable screened_run() {
+    ScreenedTable table = recorded({});
+    ScreeningEvidence& evidence = table.evidence.emplace();
+    evidence.test_size = 1e-8;
+    evidence.power = 0.8;
+    evidence.burst_epochs_max = 5;
+    evidence.models.push_back({.axes = TestedAxes::horizontal,
+                               .noise = "fitted",
+                               .jerk_density = 0.6,
+                               .measurement_scale = 1.0,
+                               .white_scale = 1.0,
+                               .error_sigma_m = 0.0,
+                               .error_tau_s = 1.0});
+    return table;
+}
+
+EstimationModel estimate_model() {
+    EstimationModel model;
+    model.motion.jerk_density = 0.6;
+    model.error = GaussMarkovError::bounding(0.02, 0.5, 10.0);
+    return model;
+}
+
+double speed_of(const WindowStretch& stretch, std::string_view definition) {
+    return speed_by_definition(smooth<2>(stretch.epochs, estimate_model()), stretch.window,
+                               stretch.duration_s, definition)
+        .speed_mps;
+}
+
+const UndetectedError& entry(const std::vector<UndetectedError>& errors, std::string_view name) {
+    return *std::find_if(errors.begin(), errors.end(),
+                         [&](const UndetectedError& error) { return error.hypothesis == name; });
+}
+
+class Reliability : public testing::TestWithParam<const char*> {
+  public:
+    ScreenedTable screened = screened_run();
+    Arc<2> arc = arcs_of<2>(screened).front();
+    WindowStretch stretch = cut_stretch(arc, {320, 350}, 60.0);
+    std::vector<UndetectedError> errors =
+        undetected_errors(screened, arc, stretch, estimate_model(), GetParam());
+};
+
+TEST_P(Reliability, NoDirectionOfAnUndetectedStepDoesMore) {
+    // By brute force: at every epoch around the window a step in each of 36 directions, of the size
+    // that its test finds with the power, put into the recording.
+    const ArcDiagnosis<2> diagnosis(arc.epochs, model_of(screened.evidence->models.front()));
+    const double lambda = noncentrality(1e-8, 0.8, 2);
+    const double before = speed_of(stretch, GetParam());
+    double largest = 0.0;
+    std::int64_t epoch = 0;
+    for (std::size_t k = 300; k < 380; ++k) {
+        for (int i = 0; i < 36; ++i) {
+            const double angle = 0.0872665 * i;
+            const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
+            const double size =
+                std::sqrt(lambda / direction.dot(diagnosis.step(k).precision * direction));
+            WindowStretch moved = stretch;
+            for (std::size_t j = k; j < moved.epochs.size(); ++j)
+                moved.epochs[j].measurement->position += size * direction;
+            const double effect = std::abs(speed_of(moved, GetParam()) - before);
+            if (effect > largest) {
+                largest = effect;
+                epoch = static_cast<std::int64_t>(k) + 1;
+            }
+        }
+    }
+    const UndetectedError& step = entry(errors, "step");
+    EXPECT_NEAR(step.speed_mps, largest, 0.01 * largest);
+    EXPECT_EQ(step.epoch, epoch);
+    EXPECT_EQ(step.unit, "m");
+    // A step inside the window is all of it in the displacement, smoothed over its surroundings.
+    EXPECT_LT(step.speed_mps, 1.1 * step.size / 3.0);
+    EXPECT_GT(step.speed_mps, 0.5 * step.size / 3.0);
+}
+
+TEST_P(Reliability, AnOutlierOfThatSizeDoesThat) {
+    const UndetectedError& outlier = entry(errors, "outlier");
+    const std::size_t k = static_cast<std::size_t>(outlier.epoch) - 1;
+    const double before = speed_of(stretch, GetParam());
+    double largest = 0.0;
+    for (int i = 0; i < 360; ++i) {
+        const double angle = 0.0174533 * i;
+        WindowStretch moved = stretch;
+        moved.epochs[k].measurement->position +=
+            outlier.size * Eigen::Vector2d(std::cos(angle), std::sin(angle));
+        largest = std::max(largest, std::abs(speed_of(moved, GetParam()) - before));
+    }
+    EXPECT_NEAR(outlier.speed_mps, largest, 0.01 * largest);
+}
+
+TEST_P(Reliability, OneEntryForEachHypothesisLargestFirst) {
+    ASSERT_EQ(errors.size(), 5U);
+    for (std::size_t i = 1; i < errors.size(); ++i)
+        EXPECT_GE(errors[i - 1].speed_mps, errors[i].speed_mps);
+    EXPECT_EQ(errors.front().hypothesis, "ramp");  // at most as fast as it drifts
+    EXPECT_LT(errors.front().speed_mps, errors.front().size);
+    EXPECT_EQ(undetected_in_budget(errors), &errors[1]);
+    // At a constant speed late stamps are a step along the track, with one unknown for two.
+    const UndetectedError& late = entry(errors, "time_shift");
+    EXPECT_LT(late.speed_mps, entry(errors, "step").speed_mps);
+    EXPECT_GT(late.speed_mps, 0.9 * entry(errors, "step").speed_mps);
+    EXPECT_NEAR(late.size * 60.0, entry(errors, "step").size, 0.1 * entry(errors, "step").size);
+    EXPECT_GE(entry(errors, "burst").last_epoch, entry(errors, "burst").epoch + 1);
+}
+
+INSTANTIATE_TEST_SUITE_P(OfEachDefinition, Reliability,
+                         testing::Values("displacement", "path_length", "mean_n_plus_1", "mean_n"));
+
+TEST(ReliabilityOfAWindow, WithoutEvidenceNothingIsClaimed) {
+    ScreenedTable screened = recorded({});
+    const Arc<2> arc = arcs_of<2>(screened).front();
+    const auto errors = undetected_errors(screened, arc, cut_stretch(arc, {320, 350}, 60.0),
+                                          estimate_model(), "displacement");
+    EXPECT_TRUE(errors.empty());
+    EXPECT_EQ(undetected_in_budget(errors), nullptr);
+}
+
+TEST(ReliabilityOfAWindow, NoisierNeighboursHideMore) {
+    ScreenedTable screened = screened_run();
+    const Arc<2> arc = arcs_of<2>(screened).front();
+    const WindowStretch stretch = cut_stretch(arc, {320, 350}, 60.0);
+    const auto quiet = undetected_errors(screened, arc, stretch, estimate_model(), "displacement");
+    for (ScreenedEpoch& row : screened.rows)
+        row.local_variance_factor = 4.0;
+    const auto noisy = undetected_errors(screened, arc, stretch, estimate_model(), "displacement");
+    EXPECT_NEAR(noisy.front().speed_mps, 2.0 * quiet.front().speed_mps, 1e-12);
+}
+
+}  // namespace
+}  // namespace runcert

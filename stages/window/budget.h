@@ -15,11 +15,12 @@ struct BudgetInput {
     const PositionNoise& noise;
     const ErrorBound& bound;
     const SelectionBias& selection;
-    const std::vector<UndetectedError>& reliability;
-    double detection_power = 0.0;
+
     std::size_t first_row = 0;  ///< of the window, in the trajectory
     std::size_t last_row = 0;
     double duration_s = 0.0;
+    std::vector<UndetectedError> reliability = {};  ///< largest first
+    double detection_power = 0.0;
 };
 
 /// Every source of uncertainty of the certified speed, one row each; those that contribute nothing

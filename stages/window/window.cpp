@@ -216,11 +216,11 @@ CertifiableWindow certified(const Evidence& evidence,
                             .noise = noise,
                             .bound = bound,
                             .selection = selection,
-                            .reliability = window.reliability,
-                            .detection_power = window.detection_power.value_or(0.0),
                             .first_row = first_row,
                             .last_row = last_row,
-                            .duration_s = stretch.duration_s};
+                            .duration_s = stretch.duration_s,
+                            .reliability = window.reliability,
+                            .detection_power = window.detection_power.value_or(0.0)};
     window.budget = budget_of(input);
     const CombinedUncertainty combined = combine(window.budget);
     window.standard_uncertainty_mps = combined.standard_uncertainty;

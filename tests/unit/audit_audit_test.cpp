@@ -112,15 +112,17 @@ std::string only_entry(Change change) {
 // --- reasons ----------------------------------------------------------------------------------
 
 TEST(Audit, ReasonsOfARowAlone) {
-    const std::pair<Reason, std::string> cases[] = {
-        {Reason::no_position, "no position"},
-        {Reason::no_fix, "no solution"},
-        {Reason::float_ambiguities, "ambiguities not fixed"},
-        {Reason::accuracy_missing, "accuracy not stated"},
-        {Reason::duplicate_time, "its time is that of the epoch before it"}};
-    for (const auto& [reason, words] : cases)
-        EXPECT_EQ(only_entry([&](auto& rows) { leave_out(rows[4], reason); }),
-                  "epoch 5 (line 22), 0.400 s: left out: " + words);
+    const struct {
+        Reason reason;
+        std::string words;
+    } cases[] = {{Reason::no_position, "no position"},
+                 {Reason::no_fix, "no solution"},
+                 {Reason::float_ambiguities, "ambiguities not fixed"},
+                 {Reason::accuracy_missing, "accuracy not stated"},
+                 {Reason::duplicate_time, "its time is that of the epoch before it"}};
+    for (const auto& each : cases)
+        EXPECT_EQ(only_entry([&](auto& rows) { leave_out(rows[4], each.reason); }),
+                  "epoch 5 (line 22), 0.400 s: left out: " + each.words);
 }
 
 TEST(Audit, KindsOfSolutionThatAreNotAllowedAreToldApart) {
@@ -250,7 +252,11 @@ TEST(Audit, WitnessesBesideThePositions) {
               "epoch 5 (line 22), 0.400 s: left out: contradicted by the other receiver; statistic "
               "60.2 where 39.2 " +
                   chance);
-    const std::tuple<Hypothesis, double, std::string> limits[] = {
+    const struct {
+        Hypothesis hypothesis;
+        double figure;
+        std::string words;
+    } limits[] = {
         {Hypothesis::acceleration, 31.25,
          "an acceleration of 31.2 m/s^2, where its class can make 20.0 m/s^2 (compared with 21.0 "
          "m/s^2, for"},
@@ -260,12 +266,13 @@ TEST(Audit, WitnessesBesideThePositions) {
         {Hypothesis::vertical_rate, 7.5,
          "a vertical rate of 7.5 m/s, where its class can make 5.0 m/s (compared with 21.0 m/s, "
          "for"}};
-    for (const auto& [hypothesis, figure, words] : limits)
+    for (const auto& each : limits)
         EXPECT_EQ(only_entry([&](auto& rows) {
-                      leave_out(rows[4], Reason::physical_limit, hypothesis, figure, 21.0);
+                      leave_out(rows[4], Reason::physical_limit, each.hypothesis, each.figure,
+                                21.0);
                   }),
                   "epoch 5 (line 22), 0.400 s: left out: motion that the craft cannot make: " +
-                      words + " the uncertainty of the motion)");
+                      each.words + " the uncertainty of the motion)");
 }
 
 // --- breaks -----------------------------------------------------------------------------------

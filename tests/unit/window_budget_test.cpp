@@ -56,8 +56,11 @@ struct Scene {
                 .selection = selection,
                 .first_row = 0,
                 .last_row = 30,
-                .duration_s = 3.0};
+                .duration_s = 3.0,
+                .reliability = reliability,
+                .detection_power = 0.8};
     }
+    std::vector<UndetectedError> reliability;
     std::vector<BudgetRow> rows() const { return budget_of(input()); }
     BudgetRow row(const std::string& symbol) const {
         for (const BudgetRow& one : rows())
@@ -83,6 +86,26 @@ TEST(Budget, EverySourceHasItsRowAlsoWhereItGivesNothing) {
     EXPECT_EQ(symbols, "wsbjtrmadf");
     for (const char* symbol : {"j", "t", "r", "a", "d", "f"})
         EXPECT_EQ(Scene().row(symbol).contribution_mps, 0.0) << symbol;
+}
+
+TEST(Budget, WhatScreeningCouldHaveMissedIsABoundOfTheSpeed) {
+    // Rectangular over +-34.6 mm/s: 34.6 / sqrt(3) = 19.98 mm/s [GUM] 4.3.7. A ramp is the slow
+    // error's row already.
+    Scene scene;
+    scene.reliability = {{.hypothesis = "ramp", .unit = "m / s", .speed_mps = 0.4},
+                         {.hypothesis = "step",
+                          .epoch = 812,
+                          .last_epoch = 812,
+                          .size = 0.103,
+                          .unit = "m",
+                          .speed_mps = 0.0346},
+                         {.hypothesis = "outlier", .unit = "m", .speed_mps = 0.02}};
+    const BudgetRow row = scene.row("d");
+    EXPECT_NEAR(row.contribution_mps, 0.0346 / std::sqrt(3.0), 1e-15);
+    EXPECT_EQ(row.type, "B");
+    EXPECT_EQ(row.note,
+              "an undetected step of 0.103 m before epoch 812 could have changed the speed by at "
+              "most 0.0346 m/s; a larger one is found with a probability of more than 0.8");
 }
 
 TEST(Budget, WhiteNoiseIsSplitIntoWhatIsStatedAndWhatTheDataShowBeyond) {

@@ -107,8 +107,7 @@ std::string break_text(const Rows& rows, std::size_t at) {
             return step(row) + between + parted +
                    "it is bridged, with its offset as an unknown of the estimate";
         case ArcBreak::ramp:
-            return drift(row) + between +
-                   ": nobody can tell whether those before or those after it drift; " + arcs;
+            return drift(row) + between + parted + arcs;
         case ArcBreak::time_shift:
             return shift(row) + between + ", or the positions by as much along the track" +
                    way_of_shift(rows, at) + ": at constant speed nobody can tell which; " + arcs;

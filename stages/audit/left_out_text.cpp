@@ -15,11 +15,30 @@ std::optional<double> statistic_of(const ScreenedEpoch& row) {
     return row.statistic;
 }
 
-std::string backward(Rows rows) {
-    const std::string by = range_text(rows, 3, " s ", [](const ScreenedEpoch& row) {
-        return row.statistic ? std::optional(-*row.statistic) : std::nullopt;
-    });
-    return fmt::format("time runs backwards: {}earlier than the latest epoch before", by);
+std::optional<double> size_of_statistic(const ScreenedEpoch& row) {
+    return row.statistic ? std::optional(std::abs(*row.statistic)) : std::nullopt;
+}
+
+std::string out_of_order(Rows rows) {
+    const std::string by = range_text(rows, 3, " s", size_of_statistic);
+    return fmt::format("{}{}", words_of(rows.front().reason), by.empty() ? "" : ": by " + by);
+}
+
+/// What the solution says of itself, against what is needed.
+std::string witness(Rows rows) {
+    const ScreenedEpoch& row = rows.front();
+    if (!row.statistic || !row.threshold) return std::string(words_of(row.reason));
+    if (row.reason == Reason::few_satellites)
+        return fmt::format("only {} satellites, where {} are needed so that they check one another",
+                           range_text(rows, 0, "", statistic_of), format_fixed(*row.threshold, 0));
+    if (row.reason == Reason::low_ratio)
+        return fmt::format(
+            "a ratio of {}, where {} is needed: another set of ambiguities fits "
+            "almost as well",
+            range_text(rows, 2, "", statistic_of), format_fixed(*row.threshold, 2));
+    return fmt::format("corrections {} old, where at most {} s are allowed",
+                       range_text(rows, 2, " s", size_of_statistic),
+                       format_fixed(*row.threshold, 2));
 }
 
 std::string accuracy(Rows rows) {
@@ -61,12 +80,13 @@ std::string stretch(const ScreenedEpoch& row) {
         return "the positions of this stretch together do not fit, and no single error explains "
                "why";
     const auto rate = rate_of(row.estimated);
-    const std::string drift = rate ? fmt::format("by {} m/s ({}) ", format_fixed(*rate, 3),
-                                                 rate_components(row.estimated))
-                                   : std::string();
+    const std::string drift =
+        rate ? fmt::format(", by {} m/s ({}) where that begins", format_fixed(*rate, 3),
+                           rate_components(row.estimated))
+             : std::string();
     return fmt::format(
-        "the positions drift {}against those on the other side of a break: nobody "
-        "can tell which of the two drift, so both stretches are left out",
+        "the positions drift{}; where nobody can tell which ones drift, those on "
+        "both sides are left out",
         drift);
 }
 
@@ -115,9 +135,13 @@ std::string left_out_text(const ScreenedTable& table, const AuditEntry& entry) {
             return one ? "its time is that of the epoch before it"
                        : "their times are those of the epochs before them";
         case Reason::backward_time:
-            return backward(rows);
+            return out_of_order(rows);
         case Reason::accuracy_absurd:
             return accuracy(rows);
+        case Reason::few_satellites:
+        case Reason::low_ratio:
+        case Reason::old_corrections:
+            return witness(rows);
         case Reason::short_arc:
             return short_arc(row);
         case Reason::innovation:

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <set>
 
@@ -40,6 +41,7 @@ class Witnesses {
 
     /// A file that others name.
     void note(const std::string& role, const std::string& file) {
+        if (std::find(files_.begin(), files_.end(), file) != files_.end()) return;
         files_.push_back(file);
         if (!exists(file)) return;
         run_.note_file(role, file);
@@ -90,6 +92,8 @@ std::string audit_receiver(const StageRun& run, const Receiver& receiver, bool a
         throw Failure((run.run_dir() / product("3-screened")).string(),
                       "the run folder does not hold the decisions of screening",
                       "Name a folder that `runcert certify` wrote");
+    for (const InputFile& input : table->header.inputs)
+        witnesses.note(input.role, input.file);
     witnesses.read("observations", product("1-observations"), read_observations);
     witnesses.read("enu", product("2-enu"), read_enu);
     witnesses.read("trajectory", product("4-trajectory"), read_trajectory);

@@ -223,7 +223,7 @@ std::string_view words_of(Reason reason) {
         case Reason::duplicate_time:
             return "time repeated";
         case Reason::backward_time:
-            return "time runs backwards";
+            return "time out of order";
         case Reason::accuracy_missing:
             return "accuracy not stated";
         case Reason::accuracy_absurd:

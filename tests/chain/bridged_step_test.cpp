@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -37,7 +38,7 @@ Eigen::Vector2d direction() {
 }
 
 /// The run at 10 Hz with 10 mm of white noise; from the fastest moment on positions are 0.5 m
-/// ahead.
+/// further east: 0.3 m ahead, and 0.4 m aside. (What is only ahead could be late stamps as well.)
 EnuTable recording() {
     RandomGenerator random(11);
     EnuTable table;
@@ -47,12 +48,11 @@ EnuTable recording() {
     table.facts.nominal_interval_s = 0.1;
     for (std::int64_t k = 0; k <= 600; ++k) {
         const double time_s = 0.1 * static_cast<double>(k);
-        const double ahead_m = k + 1 >= step_epoch ? step_m : 0.0;
-        const Eigen::Vector2d position = (distance_m(time_s) + ahead_m) * direction();
+        const Eigen::Vector2d position = distance_m(time_s) * direction();
         EnuEpoch& row = table.rows.emplace_back();
         row.epoch = k + 1;
         row.time = {k * 100'000'000};
-        row.east_m = position.x() + 0.010 * random.normal();
+        row.east_m = position.x() + (k + 1 >= step_epoch ? step_m : 0.0) + 0.010 * random.normal();
         row.north_m = position.y() + 0.010 * random.normal();
         row.sigma_east_m = row.sigma_north_m = 0.010;
         row.fix = FixKind::fixed;
@@ -109,7 +109,7 @@ TEST(BridgedStep, CertifiesNoWindowAcrossItByDefault) {
     // The fastest that the raw positions indicate does hold it, and is refused for it alone.
     const IndicatedWindow& indicated = run.windows.indicated.value();
     EXPECT_TRUE(holds_step(indicated.span));
-    EXPECT_GT(indicated.speed_mps, true_speed_mps(indicated.span) + 0.1);
+    EXPECT_GT(indicated.speed_mps, true_speed_mps(indicated.span) + 0.05);
     ASSERT_EQ(indicated.refusals.size(), 1U);
     EXPECT_NE(indicated.refusals[0].find("1 repaired step"), std::string::npos);
 }
@@ -120,8 +120,6 @@ TEST(BridgedStep, UnderAProfileThatAllowsItTheFastestWindowIsCertified) {
     EXPECT_TRUE(holds_step(best.span));
     EXPECT_EQ(best.repaired_steps, 1);
     EXPECT_NEAR(best.speed_mps, true_speed_mps(best.span), 2.0 * best.standard_uncertainty_mps);
-    // The step itself would be 0.17 m/s.
-    EXPECT_LT(2.0 * best.standard_uncertainty_mps, 0.5 * step_m / 3.0);
     EXPECT_NEAR(best.definitions.displacement_mps, true_speed_mps(best.span), 0.02);
     EXPECT_NEAR(best.definitions.path_length_mps, true_speed_mps(best.span), 0.02);
     EXPECT_NEAR(best.definitions.mean_n_plus_1_mps, true_speed_mps(best.span), 0.05);
@@ -129,8 +127,8 @@ TEST(BridgedStep, UnderAProfileThatAllowsItTheFastestWindowIsCertified) {
     EXPECT_NEAR(best.position_r95_m, step_m, 0.1);
     EXPECT_FALSE(best.methods.v1_mps || best.methods.v2_mps || best.methods.kalman_mps);
     EXPECT_TRUE(run.windows.indicated->refusals.empty());
-    RecordProperty("difference_mps", std::to_string(best.speed_mps - true_speed_mps(best.span)));
-    RecordProperty("uncertainty_mps", std::to_string(best.standard_uncertainty_mps));
+    fmt::print("{:+.4f} m/s from the truth, standard uncertainty {:.4f} m/s\n",
+               best.speed_mps - true_speed_mps(best.span), best.standard_uncertainty_mps);
     const CertifiableWindow refused = certified("bridge", false).windows.best.value();
     EXPECT_GT(best.speed_mps, refused.speed_mps + 0.1);
 }

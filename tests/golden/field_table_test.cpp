@@ -23,7 +23,8 @@ const Names without_unit{
     "attempt.record.speed",  // unit beside it
     "parameters.screen.gap_factor", "parameters.screen.false_alarm_rate",
     "parameters.screen.family_false_alarm_rate", "parameters.screen.power",
-    "parameters.smooth.robust_scale", "parameters.window.plane_scale_bound", "robust_weight",
+    "parameters.screen.ratio_min", "parameters.smooth.robust_scale",
+    "parameters.window.plane_scale_bound", "robust_weight",
     // of a fit of the noise, and of a filter
     "relative_uncertainty", "noise.measurement_scale.value", "noise.singer_gain",
     "noise.error_gain", "noise.white_scale", "posterior[].weight", "posterior[].measurement_scale",
@@ -34,9 +35,9 @@ const Names without_unit{
     "budget[].standard_uncertainty", "budget[].sensitivity",
     // of screening, and of what it cannot find, where the unit stands beside
     "screening.family_false_alarm_rate", "screening.test_size", "screening.power",
-    "screening.models[].measurement_scale", "screening.models[].white_scale", "screening.fix_kinds[].variance_factor",
-    "screening.time.rate_deviation", "correlation_estimated", "local_variance_factor",
-    "best.detection_power", "reliability[].size"};
+    "screening.models[].measurement_scale", "screening.models[].white_scale",
+    "screening.fix_kinds[].variance_factor", "screening.time.rate_deviation",
+    "correlation_estimated", "local_variance_factor", "best.detection_power", "reliability[].size"};
 
 /// Whether the path, or its end after a point, stands in that list.
 bool may_lack_unit(const std::string& path) {
@@ -48,7 +49,7 @@ bool may_lack_unit(const std::string& path) {
 /// Each schema's newest revision; 1.1 where none is named.
 const std::map<std::string, std::string> newest_versions{
     {"common", "1.0"},  {"simulation", "1.0"}, {"verdict", "1.0"}, {"attempt", "1.2"},
-    {"profile", "1.2"}, {"screened", "1.2"},   {"windows", "1.2"}};
+    {"profile", "1.2"}, {"screened", "1.2"},   {"windows", "1.2"}, {"trajectory", "1.2"}};
 
 const Names known_types{"text", "integer", "real", "boolean", "map", "list", "any"};
 const Names known_keys{"type", "unit",     "required", "values", "min",

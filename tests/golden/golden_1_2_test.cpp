@@ -169,7 +169,7 @@ TEST(Golden12, AttemptFile) {
     EXPECT_EQ(screen.at("ratio_min"), 2.5);
     EXPECT_EQ(screen.at("correction_age_max_s"), 12.5);
     EXPECT_EQ(screen.at("session_gap_s"), 120);
-    EXPECT_EQ(attempt.overrides.size(), 30U);
+    EXPECT_EQ(attempt.overrides.size(), 33U);
 }
 
 TEST(Golden12, ProfileFile) {

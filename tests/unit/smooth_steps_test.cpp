@@ -52,10 +52,11 @@ void reject(ScreenedEpoch& row) {
 }
 
 TrajectoryTable smoothed(const ScreenedTable& table) {
-    SmoothConfig config;
-    config.fit_noise = false;
-    config.fit.initial_jerk_density = 0.6;
-    return smooth_trajectory(table, config);
+    const Attempt attempt = read_attempt(
+        "schema: attempt/1.0\nid: t\ncraft: {name: t, class: land-yacht}\n"
+        "receivers: [{id: primary, recording: r}]\nprofiles: [nalsa]\n",
+        "attempt");
+    return smooth_trajectory(table, smooth_config(attempt));
 }
 
 TEST(BridgedTrajectory, SaysWhereItsStepsAre) {
@@ -69,15 +70,17 @@ TEST(BridgedTrajectory, SaysWhereItsStepsAre) {
     EXPECT_FALSE(trajectory.rows[399].step_before);
 }
 
-TEST(BridgedTrajectory, IsAsLikelyAsOneWithoutTheStepAndAnUnbridgedOneIsNot) {
+TEST(BridgedTrajectory, HasTheNoiseOfOneWithoutTheStep) {
     ScreenedTable table = record();
-    const double factor = smoothed(table).estimation.variance_factor;
+    const NoiseSummary whole = smoothed(table).estimation.horizontal->noise;
     add_step(table, 150, 0.5);
-    const TrajectoryTable bridged = smoothed(table);
-    EXPECT_NEAR(bridged.estimation.variance_factor, factor, 0.02);
-    EXPECT_TRUE(bridged.estimation.horizontal->health.consistent);
+    const AxesEstimation bridged = smoothed(table).estimation.horizontal.value();
+    EXPECT_NEAR(bridged.noise.jerk_density.value / whole.jerk_density.value, 1.0, 0.05);
+    EXPECT_NEAR(bridged.noise.measurement_scale.value / whole.measurement_scale.value, 1.0, 0.02);
+    EXPECT_TRUE(bridged.health.consistent);
     table.rows[150].break_before.reset();
-    EXPECT_GT(smoothed(table).estimation.variance_factor, 2.0 * factor);
+    const AxesEstimation unbridged = smoothed(table).estimation.horizontal.value();
+    EXPECT_GT(unbridged.noise.jerk_density.value, 1.3 * whole.jerk_density.value);
 }
 
 TEST(BridgedTrajectory, EachOffsetThatIsToldCostsItsDegreesOfFreedom) {

@@ -38,6 +38,7 @@ ScreeningEvidence evidence() {
     evidence.tests = 10'000'000;
     evidence.test_size = 1e-10;
     evidence.power = 0.8;
+    evidence.burst_epochs_max = 20;
     evidence.passes = 2;
     evidence.models = {{.axes = TestedAxes::vertical, .noise = "fitted", .jerk_density = 0.5}};
     evidence.fix_kinds = {{.fix = FixKind::single, .epochs = 7, .judgement = "too_bad"}};

@@ -213,6 +213,52 @@ std::string_view to_text(Reason reason) {
 bool from_text(std::string_view text, Reason& reason) {
     return value_of(reason_words, text, reason);
 }
+std::string_view words_of(Reason reason) {
+    switch (reason) {
+        case Reason::none:
+            return "no reason is given";
+        case Reason::no_position:
+            return "no position";
+        case Reason::no_fix:
+            return "no solution";
+        case Reason::float_ambiguities:
+            return "ambiguities not fixed";
+        case Reason::other_fix:
+            return "kind of solution not allowed";
+        case Reason::duplicate_time:
+            return "time repeated";
+        case Reason::backward_time:
+            return "time out of order";
+        case Reason::accuracy_missing:
+            return "accuracy not stated";
+        case Reason::accuracy_absurd:
+            return "stated accuracy not believable";
+        case Reason::few_satellites:
+            return "too few satellites: nothing checks the position";
+        case Reason::low_ratio:
+            return "ambiguities hardly better than others (ratio)";
+        case Reason::old_corrections:
+            return "corrections too old";
+        case Reason::innovation:
+            return "position does not follow from those before it";
+        case Reason::short_arc:
+            return "stretch too short";
+        case Reason::outlier:
+            return "wrong position";
+        case Reason::burst:
+            return "several wrong positions in a row";
+        case Reason::model:
+            return "stretch that does not fit";
+        case Reason::velocity:
+            return "contradicted by the recorded velocity";
+        case Reason::physical_limit:
+            return "motion that the craft cannot make";
+        case Reason::baseline:
+            return "contradicted by the other receiver";
+    }
+    return "";
+}
+
 std::string_view to_text(ArcBreak arc_break) {
     return word_of(break_words, arc_break);
 }

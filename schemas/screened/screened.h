@@ -35,6 +35,8 @@ enum class Reason {
 };
 std::string_view to_text(Reason reason);
 bool from_text(std::string_view text, Reason& reason);
+/// For people: "ambiguities not fixed".
+std::string_view words_of(Reason reason);
 
 /// Why a new arc begins at an epoch.
 enum class ArcBreak {

@@ -64,7 +64,5 @@ std::string rate_components(const EstimatedError& error);
 
 std::string_view words_of(FixKind fix);
 std::string_view words_of(Hypothesis hypothesis);
-/// Why rows are left out, short: "ambiguities not fixed".
-std::string_view words_of(Reason reason);
 
 }  // namespace runcert

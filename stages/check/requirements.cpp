@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <functional>
 #include <map>
 
@@ -19,11 +20,42 @@ std::string in_unit(double speed_mps, const std::string& unit, int decimals) {
     return fmt::format("{:.{}f} {}", speed_mps / metres_per_second(unit), decimals, unit);
 }
 
+/// Why not one epoch may take part: "none of the 400 epochs is usable: 398 ambiguities not fixed, 2
+/// no solution".
+std::string nothing_usable(const ScreeningSummary& screening) {
+    std::int64_t epochs = 0;
+    std::vector<std::pair<std::int64_t, Reason>> reasons;
+    for (const auto& [reason, count] : screening.reasons) {
+        epochs += count;
+        if (reason != Reason::none) reasons.emplace_back(count, reason);
+    }
+    std::stable_sort(reasons.begin(), reasons.end(),
+                     [](const auto& a, const auto& b) { return a.first > b.first; });
+    std::vector<std::string> words;
+    for (const auto& [count, reason] : reasons)
+        words.push_back(fmt::format("{} {}", count, words_of(reason)));
+    return fmt::format("none of the {} epochs is usable: {}", epochs, fmt::join(words, ", "));
+}
+
+double longest_stretch_s(const std::vector<TrajectoryEpoch>& rows) {
+    double longest_s = 0.0;
+    const TrajectoryEpoch* first = nullptr;
+    for (const TrajectoryEpoch& row : rows) {
+        if (!row.arc || !row.usable) continue;
+        if (!first || first->arc != row.arc) first = &row;
+        longest_s = std::max(longest_s, row.time.seconds() - first->time.seconds());
+    }
+    return longest_s;
+}
+
 Finding window_complete(const ClauseContext& context) {
     if (!context.windows.best) {
+        const ReceiverEvidence& judged = context.input.judged;
+        if (judged.screening.usable == 0) return {"not_met", nothing_usable(judged.screening)};
         std::string evidence = fmt::format(
-            "no {:g} s of the recording are without a break and without an unusable epoch",
-            context.profile.duration_s);
+            "no {:g} s of the recording are without a break and without an unusable epoch, the "
+            "longest stretch without a break having {:.3g} s",
+            context.profile.duration_s, longest_stretch_s(judged.trajectory));
         if (const auto& indicated = context.windows.indicated)
             evidence +=
                 fmt::format("; the fastest {:g} s of the raw positions hold {}",

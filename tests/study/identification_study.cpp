@@ -20,8 +20,8 @@ std::vector<SupposedError> errors_of(const StudyRun& cell, const ErrorScenario& 
     const double from_s = scenario.kind == Hypothesis::time_shift ? first_shift_s : first_error_s;
     const double share_s = (last_error_s - from_s) / static_cast<double>(scenario.errors);
     for (std::int64_t i = 0; i < scenario.errors; ++i) {
-        // Not closer to one another than a fifth of their mean distance.
-        const double at = static_cast<double>(i) + 0.1 + 0.8 * random.uniform();
+        // Five are at least 2.7 s apart: two steps closer than the longest burst are a burst.
+        const double at = static_cast<double>(i) + 0.15 + 0.7 * random.uniform();
         const auto first =
             static_cast<std::size_t>(std::lround((from_s + share_s * at) * cell.rate_hz));
         errors.push_back(random_error(scenario, cell.noise, first, random));

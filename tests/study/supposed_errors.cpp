@@ -15,18 +15,6 @@ bool is_break(const ScreenedEpoch& row) {
            *row.break_before != ArcBreak::gap;
 }
 
-/// True position at a time before an epoch's, from the nearest epoch's motion.
-Eigen::Vector2d true_position(const SimulatedRecording& recording, std::size_t k, double late_s) {
-    const double dt_s = recording.screened.facts.nominal_interval_s;
-    const double steps = std::round(late_s / dt_s);
-    const auto last = static_cast<double>(recording.truth.size() - 1);
-    const auto near =
-        static_cast<std::size_t>(std::clamp(static_cast<double>(k) - steps, 0.0, last));
-    const double time_s = (static_cast<double>(k) - static_cast<double>(near)) * dt_s - late_s;
-    return recording.truth[near] + time_s * recording.velocity[near] +
-           0.5 * time_s * time_s * recording.acceleration[near];
-}
-
 Eigen::Vector2d error_at(std::size_t k, double time_s, double first_s, const SupposedError& error) {
     if (k < error.first) return Eigen::Vector2d::Zero();
     switch (error.kind) {
@@ -43,6 +31,18 @@ Eigen::Vector2d error_at(std::size_t k, double time_s, double first_s, const Sup
 }
 
 }  // namespace
+
+Eigen::Vector2d true_position(const SimulatedRecording& recording, std::size_t k, double late_s) {
+    // By the nearest epoch's motion.
+    const double dt_s = recording.screened.facts.nominal_interval_s;
+    const double steps = std::round(late_s / dt_s);
+    const auto last = static_cast<double>(recording.truth.size() - 1);
+    const auto near =
+        static_cast<std::size_t>(std::clamp(static_cast<double>(k) - steps, 0.0, last));
+    const double time_s = (static_cast<double>(k) - static_cast<double>(near)) * dt_s - late_s;
+    return recording.truth[near] + time_s * recording.velocity[near] +
+           0.5 * time_s * time_s * recording.acceleration[near];
+}
 
 ScreenedTable with_errors(const SimulatedRecording& recording,
                           std::span<const SupposedError> errors) {
@@ -106,11 +106,16 @@ std::int64_t wrongly_left_out(const ScreenedTable& screened,
     return count;
 }
 
+const Attempt& study_attempt() {
+    static const Attempt attempt = read_attempt(
+        "schema: attempt/1.0\nid: study\ncraft: {name: study, class: land-yacht}\n"
+        "receivers: [{id: primary, recording: none}]\nprofiles: [nalsa]\n",
+        "study");
+    return attempt;
+}
+
 ScreenConfig study_screen_config() {
-    return screen_config(
-        read_attempt("schema: attempt/1.0\nid: study\ncraft: {name: study, class: land-yacht}\n"
-                     "receivers: [{id: primary, recording: none}]\nprofiles: [nalsa]\n",
-                     "study"));
+    return screen_config(study_attempt());
 }
 
 }  // namespace runcert

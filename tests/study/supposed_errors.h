@@ -40,7 +40,11 @@ Judgement judge(const ScreenedTable& screened, const SupposedError& error, doubl
 /// How many epochs are not usable that no error made wrong.
 std::int64_t wrongly_left_out(const ScreenedTable& screened, std::span<const SupposedError> errors);
 
-/// The figures of the class land-yacht.
+/// True position of the craft so many seconds before an epoch.
+Eigen::Vector2d true_position(const SimulatedRecording& recording, std::size_t k, double late_s);
+
+/// An attempt in the class land-yacht, with that class's figures for every stage.
+const Attempt& study_attempt();
 ScreenConfig study_screen_config();
 
 }  // namespace runcert

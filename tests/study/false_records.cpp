@@ -1,0 +1,224 @@
+#include "false_records.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "core/uncertainty.h"
+#include "parallel.h"
+#include "stages/smooth/smooth.h"
+#include "stages/window/window.h"
+
+namespace runcert {
+namespace {
+
+constexpr double far_mps = 0.8 / 3.6;
+constexpr double first_error_s = 10.0;
+
+double log_uniform(double least, double most, RandomGenerator& random) {
+    return least * std::pow(most / least, random.uniform());
+}
+
+std::int64_t one_to(std::int64_t most, RandomGenerator& random) {
+    return 1 + static_cast<std::int64_t>(random.uniform() * static_cast<double>(most));
+}
+
+ErrorScenario random_scenario(double rate_hz, RandomGenerator& random) {
+    switch (one_to(5, random)) {
+        case 1:
+            return {.kind = Hypothesis::outlier,
+                    .size = log_uniform(3.0, 100.0, random),
+                    .errors = one_to(5, random)};
+        case 2:
+            return {.kind = Hypothesis::burst,
+                    .epochs = 1 + static_cast<std::size_t>(one_to(19, random)),
+                    .size = log_uniform(3.0, 100.0, random)};
+        case 3:
+            return {.kind = Hypothesis::step,
+                    .size = log_uniform(3.0, 300.0, random),
+                    .errors = one_to(5, random)};
+        case 4:
+            return {.kind = Hypothesis::ramp, .size = log_uniform(0.05, 5.0, random)};
+        default:
+            return {.kind = Hypothesis::time_shift,
+                    .size = random.uniform() < 0.5 ? 0.02 : 1.0 / rate_hz};
+    }
+}
+
+std::vector<SupposedError> random_errors(const StudyRun& run, RandomGenerator& random) {
+    const double last_s = run.length_s - 1.0;
+    const ErrorScenario scenario = random_scenario(run.rate_hz, random);
+    std::vector<SupposedError> errors;
+    for (std::int64_t i = 0; i < scenario.errors; ++i) {
+        const double at_s = first_error_s + (last_s - first_error_s) * random.uniform();
+        const auto first = static_cast<std::size_t>(std::lround(at_s * run.rate_hz));
+        errors.push_back(random_error(scenario, run.noise, first, random));
+        SupposedError& error = errors.back();
+        const auto rows = static_cast<std::size_t>(std::lround(run.length_s * run.rate_hz)) + 1;
+        error.epochs = std::min(error.epochs, rows - first);
+    }
+    return errors;
+}
+
+double late_at(const std::vector<SupposedError>& errors, std::size_t k) {
+    double late_s = 0.0;
+    for (const SupposedError& error : errors)
+        if (k >= error.first) late_s += error.late_s;
+    return late_s;
+}
+
+/// What the craft truly did from the first epoch of the window to its last, when these were truly
+/// measured.
+double true_speed(const SimulatedRecording& recording, const std::vector<SupposedError>& errors,
+                  const WindowSpan& span) {
+    const auto first = static_cast<std::size_t>(span.first_epoch) - 1;
+    const auto last = static_cast<std::size_t>(span.last_epoch) - 1;
+    const double first_late_s = late_at(errors, first);
+    const double last_late_s = late_at(errors, last);
+    return (true_position(recording, last, last_late_s) -
+            true_position(recording, first, first_late_s))
+               .norm() /
+           (span.duration.seconds() - last_late_s + first_late_s);
+}
+
+void judge_window(const CertifiableWindow& best, const Profile& profile, double true_mps,
+                  CertifiedRun& run) {
+    run.error_mps = best.speed_mps - true_mps;
+    run.expanded_mps =
+        equivalent_coverage_factor(profile.coverage_factor, best.effective_degrees_of_freedom) *
+        best.standard_uncertainty_mps;
+    run.first_epoch = best.span.first_epoch;
+    using Outcome = CertifiedRun::Outcome;
+    run.outcome = best.robust && !best.robust->agrees ? Outcome::robust_refused
+                  : run.expanded_mps > profile.accuracy_limit_mps.value()
+                      ? Outcome::accuracy_refused
+                      : Outcome::certified;
+}
+
+std::string kind_of(const CertifiedRun& run) {
+    return run.errors.empty() ? "none" : std::string(to_text(run.errors.front().kind));
+}
+
+struct KindCount {
+    std::int64_t runs = 0, no_window = 0, robust = 0, accuracy = 0;
+    std::int64_t certified = 0, missed = 0, far = 0;
+    double largest_mps = 0.0;
+
+    void add(const CertifiedRun& run) {
+        using Outcome = CertifiedRun::Outcome;
+        ++runs;
+        if (run.outcome == Outcome::no_window) ++no_window;
+        if (run.outcome == Outcome::robust_refused) ++robust;
+        if (run.outcome == Outcome::accuracy_refused) ++accuracy;
+        if (run.outcome != Outcome::certified) return;
+        ++certified;
+        if (run.missed()) ++missed;
+        if (run.missed() && std::abs(run.error_mps) > far_mps) ++far;
+        largest_mps = std::max(largest_mps, std::abs(run.error_mps));
+    }
+    std::string line(const std::string& name) const {
+        return fmt::format("{:<11} {:6} {:10} {:7} {:9} {:10} {:7} {:11}   {:8.3f}\n", name, runs,
+                           no_window, robust, accuracy, certified, missed, far, largest_mps * 3.6);
+    }
+};
+
+std::string size_of(const SupposedError& error) {
+    if (error.kind == Hypothesis::time_shift) return fmt::format("{:+.3f} s", error.late_s);
+    const bool ramp = error.kind == Hypothesis::ramp;
+    return fmt::format("{:.3f} {} at {:.0f} deg", error.size.norm(), ramp ? "m/s" : "m",
+                       std::atan2(error.size.x(), error.size.y()) * 180.0 / std::numbers::pi);
+}
+
+std::string run_line(const CertifiedRun& run) {
+    std::string text = fmt::format(
+        "  seed {}: {}, {:g} s, jerk {:g}; {:+.3f} km/h, stated +-{:.3f}; window from epoch {}\n",
+        run.seed, run.cell, run.length_s, run.jerk_density, run.error_mps * 3.6,
+        run.expanded_mps * 3.6, run.first_epoch);
+    for (const SupposedError& error : run.errors)
+        text += fmt::format("    {} of {} from epoch {}, {} epochs\n", to_text(error.kind),
+                            size_of(error), error.first + 1, error.epochs);
+    return text;
+}
+
+}  // namespace
+
+bool CertifiedRun::missed() const {
+    return outcome == Outcome::certified && std::abs(error_mps) > expanded_mps;
+}
+
+CertifiedRun certify_run(std::uint64_t seed) {
+    static const Profile profile = read_profile(builtin_profile("nalsa"), "nalsa");
+    RandomGenerator random(seed);
+    const std::vector<StudyRun> cells = screening_cells();
+    StudyRun cell = cells[static_cast<std::size_t>(one_to(std::ssize(cells), random)) - 1];
+    cell.length_s = 44.0 + static_cast<double>(one_to(16, random));
+    cell.jerk_density = random.uniform() < 0.5 ? 0.0 : 0.6;
+    const SimulatedRecording recording = simulate_recording(cell, random.next());
+    CertifiedRun run;
+    run.seed = seed;
+    run.cell = cell_name(cell);
+    run.length_s = cell.length_s;
+    run.jerk_density = cell.jerk_density;
+    if (random.uniform() > 1.0 / 6.0) run.errors = random_errors(cell, random);
+
+    const ScreenedTable screened =
+        screen(to_be_screened(with_errors(recording, run.errors)), study_screen_config());
+    if (summarise(screened.rows).usable == 0) return run;
+    const TrajectoryTable trajectory = smooth_trajectory(screened, smooth_config(study_attempt()));
+    const WindowConfig config = window_config(study_attempt(), study_attempt().receivers.front());
+    const Windows windows = find_windows(screened, trajectory, {profile}, config);
+    if (const auto& best = windows.profiles.front().best)
+        judge_window(*best, profile, true_speed(recording, run.errors, best->span), run);
+    return run;
+}
+
+FalseRecords study_false_records(std::int64_t runs, std::uint64_t seed, unsigned threads) {
+    return {results_of(runs, threads, [seed](std::int64_t i) {
+        return certify_run(seed * 4'000'037 + static_cast<std::uint64_t>(i));
+    })};
+}
+
+Share missed(const FalseRecords& study) {
+    Share share;
+    for (const CertifiedRun& run : study.runs)
+        share.add(run.missed());
+    return share;
+}
+
+Share far_off(const FalseRecords& study) {
+    Share share;
+    for (const CertifiedRun& run : study.runs)
+        share.add(run.missed() && std::abs(run.error_mps) > far_mps);
+    return share;
+}
+
+std::string false_records_table(const FalseRecords& study) {
+    constexpr std::size_t shown = 20;
+    std::map<std::string, KindCount> kinds;
+    KindCount all;
+    std::vector<const CertifiedRun*> worst;
+    for (const CertifiedRun& run : study.runs) {
+        kinds[kind_of(run)].add(run);
+        all.add(run);
+        if (run.missed()) worst.push_back(&run);
+    }
+    std::string text =
+        "                              refused by          of these the interval misses the truth\n"
+        "errors        runs  no window  robust  accuracy  certified     all  > 0.8 km/h   largest "
+        "km/h\n";
+    for (const auto& [kind, count] : kinds)
+        text += count.line(kind);
+    text += all.line("all");
+    std::stable_sort(worst.begin(), worst.end(), [](const auto* a, const auto* b) {
+        return std::abs(a->error_mps) - a->expanded_mps > std::abs(b->error_mps) - b->expanded_mps;
+    });
+    if (!worst.empty()) text += "Furthest off:\n";
+    for (std::size_t i = 0; i < std::min(shown, worst.size()); ++i)
+        text += run_line(*worst[i]);
+    return text;
+}
+
+}  // namespace runcert

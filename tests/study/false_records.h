@@ -1,0 +1,47 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "identification_study.h"
+
+namespace runcert {
+
+/// One recording through screening, smoothing and window search under the rule for 3 s.
+struct CertifiedRun {
+    std::uint64_t seed = 0;
+    std::string cell;
+    double length_s = 0.0;
+    double jerk_density = 0.0;
+    std::vector<SupposedError> errors;  ///< one kind only; none of a clean run
+
+    enum class Outcome { certified, no_window, accuracy_refused, robust_refused };
+    Outcome outcome = Outcome::no_window;
+    double error_mps = 0.0;     ///< certified speed less the true one of the same window
+    double expanded_mps = 0.0;  ///< expanded uncertainty, coverage factor 2
+    std::int64_t first_epoch = 0;
+
+    bool missed() const;
+};
+
+/// The run of a seed: 45 to 60 s of the run of [DHD22], without or with random motion, in one of
+/// the cells of screening; without an error, or with errors of one kind, random in number, size,
+/// direction and place. Sizes: outliers, bursts and (one to five) steps from 3 standard deviations
+/// to 100, of steps to 300; ramps from 0.05 to 5 m/s; stamps late or early by 20 ms or one sample.
+CertifiedRun certify_run(std::uint64_t seed);
+
+struct FalseRecords {
+    std::vector<CertifiedRun> runs;
+};
+
+FalseRecords study_false_records(std::int64_t runs, std::uint64_t seed, unsigned threads);
+
+/// Certified windows whose interval does not hold the true speed, and those of them whose error is
+/// above 0.8 km/h, of all runs.
+Share missed(const FalseRecords& study);
+Share far_off(const FalseRecords& study);
+
+/// By kind of error and altogether; then the runs that are furthest off.
+std::string false_records_table(const FalseRecords& study);
+
+}  // namespace runcert

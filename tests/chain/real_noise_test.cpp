@@ -2,45 +2,16 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <sstream>
 
-#include "arcs/arcs.h"
-#include "arcs/window_ends.h"
-#include "chain_support.h"
-#include "core/geodesy.h"
-#include "core/text.h"
 #include "estimation/speed.h"
+#include "real_support.h"
 #include "stages/window/position_noise.h"
 #include "stages/window/speed_by_definition.h"
 
-// What the noise learnt from real recordings is worth. They lie in the folder RUNCERT_DATA.
+// What the noise learnt from real recordings is worth.
 
 namespace runcert::chain {
 namespace {
-
-struct Tables {
-    ScreenedTable screened;
-    TrajectoryTable trajectory;
-    YamlValue verdict;
-};
-
-constexpr const char* base_station =
-    "origin: {latitude_deg: 35.134709483, longitude_deg: 136.977574275, height_m: 104.728}\n";
-
-Tables certified(const fs::path& recording, const std::string& more = {}) {
-    const TemporaryFolder folder;
-    write_file_atomically(
-        folder.path() / "attempt.yaml",
-        fmt::format("schema: attempt/1.0\nid: recorded\ncraft: {{name: car, class: car}}\n"
-                    "receivers: [{{id: primary, recording: \"{}\"}}]\nprofiles: [nalsa]\n{}",
-                    recording.string(), more));
-    const fs::path run = folder.path() / "run";
-    const ProcessResult result = certify(folder.path() / "attempt.yaml", run, {"--no-render"});
-    EXPECT_EQ(result.exit_status, 1) << result.errors;
-    return {read_screened(read_file(run / "3-screened.ecsv"), "3-screened.ecsv"),
-            read_trajectory(read_file(run / "4-trajectory.ecsv"), "4-trajectory.ecsv"),
-            read_yaml(run / "6-verdict.yaml")};
-}
 
 class CarrierPhase : public testing::TestWithParam<const char*> {};
 
@@ -83,40 +54,6 @@ INSTANTIATE_TEST_SUITE_P(RealRecordings, CarrierPhase,
                          testing::Values("ppk_urban_car", "ppk_tokyo_ecef", "rtk_imu_drive",
                                          "ubx_walk"));
 
-/// Positions of the reference by GPS time of week in milliseconds, in the run's local frame.
-std::map<std::int64_t, Eigen::Vector2d> reference_positions(const fs::path& file,
-                                                            const LocalFrame& frame) {
-    std::map<std::int64_t, Eigen::Vector2d> positions;
-    std::istringstream lines(read_file(file));
-    std::string line;
-    std::getline(lines, line);
-    while (std::getline(lines, line)) {
-        std::istringstream cells(line);
-        std::vector<double> values;
-        for (std::string cell; std::getline(cells, cell, ',');)
-            values.push_back(parse_double(trim(cell)).value());
-        positions[std::llround(values.at(0) * 1e3)] =
-            frame.enu_from_ecef({{values.at(5), values.at(6), values.at(7)}}).m.head<2>();
-    }
-    return positions;
-}
-
-/// The certifiable windows of an arc: usable at every row from the first to the last.
-std::vector<EpochPair> certifiable(const ScreenedTable& screened, const Arc<2>& arc) {
-    std::vector<ElapsedTime> times;
-    for (const std::size_t row : arc.rows)
-        times.push_back(screened.rows[row].time);
-    const auto ends = window_ends(times, 3.0, 0.001, screened.facts.nominal_interval_s);
-    std::vector<EpochPair> windows;
-    for (std::size_t first = 0; first < ends.size(); ++first) {
-        bool usable = ends[first].has_value();
-        for (std::size_t row = arc.rows[first]; usable && row <= arc.rows[*ends[first]]; ++row)
-            usable = screened.rows[row].usable;
-        if (usable) windows.push_back({first, *ends[first]});
-    }
-    return windows;
-}
-
 TEST(RealRecordings, TheReferenceIsInsideTheStatedIntervalsOfTheUrbanCar) {
     const auto data = recordings();
     if (!data) GTEST_SKIP() << "RUNCERT_DATA is not set";
@@ -125,13 +62,9 @@ TEST(RealRecordings, TheReferenceIsInsideTheStatedIntervalsOfTheUrbanCar) {
     const ScreenedTable& screened = tables.screened;
     const NoiseSummary& noise = tables.trajectory.estimation.horizontal.value().noise;
     const Profile nalsa = read_profile(builtin_profile("nalsa"), "nalsa");
-    const LocalFrame frame({.latitude = Angle::from_degrees(35.134709483),
-                            .longitude = Angle::from_degrees(136.977574275),
-                            .height_m = 104.728});
-    const auto reference = reference_positions(folder / "reference.csv", frame);
+    const auto reference = reference_positions(folder / "reference.csv", urban_frame());
     const auto reference_at = [&](ElapsedTime time) {
-        const GpsTime at = screened.facts.first_epoch.value().plus_nanoseconds(time.nanoseconds);
-        return reference.at(std::llround(static_cast<double>(at.nanoseconds_of_week()) * 1e-6));
+        return position_at(reference, screened.facts, time);
     };
     std::int64_t windows = 0;
     std::int64_t inside = 0;

@@ -44,11 +44,11 @@ Json receiver_of(const SimulationSpec& spec) {
     return receiver;
 }
 
-/// The attempt that certifies the recording as it stands. What attempt/1.1 refuses of the spec's
+/// The attempt that certifies the recording as it stands. What attempt/1.2 refuses of the spec's
 /// own part is a Failure at that part.
 std::string attempt_text(const SimulationDocument& simulation) {
     const SimulationSpec& spec = simulation.spec;
-    Json attempt = {{"schema", "attempt/1.1"}};
+    Json attempt = {{"schema", "attempt/1.2"}};
     const auto take = [&](std::initializer_list<const char*> keys) {
         for (const char* key : keys)
             if (simulation.attempt.contains(key)) attempt[key] = simulation.attempt[key];

@@ -11,35 +11,15 @@
 #include "estimation/smoother.h"
 #include "estimation/speed.h"
 #include "estimation_test_support.h"
+#include "smooth_test_support.h"
 #include "stages/smooth/batch.h"
 
 namespace runcert {
 namespace {
 
-constexpr double stated_sigma_m = 0.005;
-
-struct NamedModel {
-    std::string name;
-    EstimationModel model;
-};
-
-/// Persistent and Singer acceleration, each with no error, a steady one and a bounding one.
-std::vector<NamedModel> models() {
-    std::vector<NamedModel> all;
-    for (const double acceleration_time_s : {std::numeric_limits<double>::infinity(), 3.0})
-        for (const auto& [name, error] :
-             {std::pair("no error", GaussMarkovError::steady(0.0, 1.0)),
-              std::pair("steady", GaussMarkovError::steady(0.008, 2.0)),
-              std::pair("bounding", GaussMarkovError::bounding(0.02, 0.5, 10.0))}) {
-            EstimationModel model;
-            model.motion.jerk_density = 1.5;
-            model.motion.acceleration_time_s = acceleration_time_s;
-            model.measurement_scale = 1.3;
-            model.error = error;
-            all.push_back({fmt::format("{}, {} s", name, acceleration_time_s), model});
-        }
-    return all;
-}
+using test::models;
+using test::NamedModel;
+using test::stated_sigma_m;
 
 /// A run drawn from the model some kilometres from the origin, one measurement in twenty missing.
 template <int Axes>

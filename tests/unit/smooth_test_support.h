@@ -1,0 +1,39 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "estimation/motion_model.h"
+
+namespace runcert::test {
+
+inline constexpr double stated_sigma_m = 0.005;
+
+struct NamedModel {
+    std::string name;
+    EstimationModel model;
+};
+
+/// Persistent and Singer acceleration, each with no error, a steady one and a bounding one.
+inline std::vector<NamedModel> models() {
+    std::vector<NamedModel> all;
+    for (const double acceleration_time_s : {std::numeric_limits<double>::infinity(), 3.0})
+        for (const auto& [name, error] :
+             {std::pair("no error", GaussMarkovError::steady(0.0, 1.0)),
+              std::pair("steady", GaussMarkovError::steady(0.008, 2.0)),
+              std::pair("bounding", GaussMarkovError::bounding(0.02, 0.5, 10.0))}) {
+            EstimationModel model;
+            model.motion.jerk_density = 1.5;
+            model.motion.acceleration_time_s = acceleration_time_s;
+            model.measurement_scale = 1.3;
+            model.error = error;
+            all.push_back(
+                {fmt::format("{}, acceleration time {} s", name, acceleration_time_s), model});
+        }
+    return all;
+}
+
+}  // namespace runcert::test

@@ -68,6 +68,7 @@ class StretchTests {
                 return {};  // each epoch of a burst has its own, once it is left out
         }
     }
+
     double factor(std::size_t k) const { return factors_[k]; }
 
     double sigma_rate_of(const Candidate& candidate) const {
@@ -80,8 +81,8 @@ class StretchTests {
         std::vector<Candidate> found;
         const auto& epochs = stretch_.epochs;
         for (std::size_t k = 0; k < epochs.size(); ++k) {
-            if (epochs[k].measurement)
-                consider(diagnosis_.outlier(k), largest_sigma_m, Hypothesis::outlier, k, k, found);
+            if (!epochs[k].measurement) continue;
+            consider(diagnosis_.outlier(k), largest_sigma_m, Hypothesis::outlier, k, k, found);
             if (k == 0) continue;
             if (!epochs[k].step_before) {
                 consider(diagnosis_.step(k), largest_sigma_m, Hypothesis::step, k, k, found);
@@ -224,7 +225,8 @@ class Adaptation {
     }
 
     ArcDecisions run() {
-        for (bool changed = true; changed && decisions_.passes < passes_max;) {
+        bool changed = true;
+        while (changed && decisions_.passes < passes_max) {
             ++decisions_.passes;
             changed = false;
             for (const TestedStretch<Axes>& stretch : stretches_of(arc_, decisions_)) {
@@ -235,12 +237,28 @@ class Adaptation {
                 else
                     settled_.insert({stretch.first, end});
             }
-            if (changed) settled_.clear();
         }
+        if (changed) give_up();
         return std::move(decisions_);
     }
 
   private:
+    /// Stretches that no number of decisions has made fit are left out.
+    void give_up() {
+        for (const TestedStretch<Axes>& stretch : stretches_of(arc_, decisions_)) {
+            const std::size_t end = stretch.first + stretch.epochs.size();
+            if (settled_.contains({stretch.first, end})) continue;
+            const Decision decision{.hypothesis = Hypothesis::model,
+                                    .first = stretch.first,
+                                    .last = end - 1,
+                                    .statistic = static_cast<double>(decisions_.passes),
+                                    .threshold = static_cast<double>(passes_max),
+                                    .estimated = {}};
+            for (std::size_t k = stretch.first; k < end; ++k)
+                if (!decisions_.left_out[k]) decisions_.left_out[k] = decision;
+        }
+    }
+
     bool adapt_stretch(const TestedStretch<Axes>& stretch) {
         const StretchTests<Axes> tests(stretch, model_, plan_);
         const std::size_t reach = 2 * plan_.burst_epochs_max();
@@ -293,12 +311,16 @@ class Adaptation {
                 }
             }
             if (stretch.epochs[i].step_before) {
-                auto& step = decisions_.breaks[k];
+                // The step may have been found at an epoch before it that is left out now.
+                std::size_t at = k;
+                while (!decisions_.breaks[at])
+                    --at;
+                auto& step = decisions_.breaks[at];
                 const double statistic =
                     tests.diagnosis().bridged_step(i).statistic() / tests.factor(i);
                 if (statistic > plan_.critical(Axes))
                     step->statistic = statistic;
-                else if (reconsidered_.insert(arc_.size() + k).second) {
+                else if (reconsidered_.insert(arc_.size() + at).second) {
                     step.reset();
                     changed = true;
                 }

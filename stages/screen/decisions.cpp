@@ -93,12 +93,20 @@ void mark_rows(std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> ar
                                                                               : Reason::model;
             leave_out(row, *decision, reason, axes);
         }
-        if (const auto& decision = decisions.breaks[k]) {
-            // The beginning of the arc, or what the other axes found, is break enough.
-            if (row.break_before && *row.break_before != ArcBreak::bridged) continue;
-            row.break_before = break_of(decision->hypothesis, bridge_steps);
-            if (row.usable) record(row, *decision, axes);
-        }
+    }
+    for (std::size_t k = 0; k < arc_rows.size(); ++k) {
+        const auto& decision = decisions.breaks[k];
+        if (!decision) continue;
+        // Where that epoch is left out, the break shows at the next that is not.
+        std::size_t at = k;
+        while (at < arc_rows.size() && !rows[arc_rows[at]].usable)
+            ++at;
+        if (at == arc_rows.size()) continue;
+        ScreenedEpoch& row = rows[arc_rows[at]];
+        // The beginning of the arc, or what the other axes found, is break enough.
+        if (row.break_before && *row.break_before != ArcBreak::bridged) continue;
+        row.break_before = break_of(decision->hypothesis, bridge_steps);
+        record(row, *decision, axes);
     }
 }
 

@@ -192,6 +192,21 @@ TEST(Screen, ABridgedStepKeepsOneArcWithItsOffset) {
     EXPECT_FALSE(screened.rows[100].detectable.step_m);
 }
 
+TEST(Screen, AStepWhoseFirstEpochsAreWrongTooShowsAtTheNext) {
+    EnuTable table = clean_run(200);
+    for (std::size_t k = 100; k < 200; ++k)
+        *table.rows[k].north_m += 0.5;
+    *table.rows[100].east_m += 3.0;
+    *table.rows[101].north_m -= 2.0;
+    const ScreenedTable screened = screen(table, config());
+    EXPECT_EQ(summarise(screened.rows).arcs, 2);
+    EXPECT_FALSE(screened.rows[100].usable);
+    EXPECT_FALSE(screened.rows[101].usable);
+    EXPECT_EQ(screened.rows[102].break_before, ArcBreak::step);
+    EXPECT_EQ(screened.rows[102].hypothesis, Hypothesis::step);
+    EXPECT_EQ(summarise(screened.rows).usable, 198);
+}
+
 TEST(Screen, WrongHeightsAloneAreFound) {
     EnuTable table = clean_run(200);
     *table.rows[80].up_m += 1.0;

@@ -64,7 +64,45 @@ void describe_stated_noise(Json& words) {
         "speed is propagated from the joint covariance of the positions at both its ends.");
 }
 
-void describe_learnt_noise(Json& words) {
+/// The screening of files of revision 1.1 and before.
+void describe_innovation_test(Json& words) {
+    words.push_back(
+        "Every epoch is screened: the kind of its solution, its stated accuracy, the order of "
+        "time, and whether its position follows from those before it (innovation test of a "
+        "Kalman filter with constant acceleration and white-noise jerk). Epochs are marked, never "
+        "deleted. A gap in time, or several rejections in a row, ends a stretch.");
+}
+
+void describe_tests(Json& words, const ScreeningEvidence& evidence) {
+    words.push_back(
+        "Every epoch is screened. Epochs are marked, never deleted. First each by itself: the kind "
+        "of its solution, what the recording says of satellites, ambiguities and corrections, its "
+        "stated accuracy, the order of time. A gap in time ends a stretch.");
+    words.push_back(fmt::format(
+        "Then by detection, identification and adaptation (Baarda 1968; Teunissen 2018) in the "
+        "state-space model of the motion, horizontally and, where heights were measured, "
+        "vertically. The noise is learnt from what a first look leaves, a variance factor for each "
+        "kind of solution with it. Every epoch is tested for a wrong position, for up to {} wrong "
+        "positions in a row, for a step and a drift of the positions and for a jump of the time "
+        "stamps; every span of epochs for the model as a whole. Each test uses all measurements of "
+        "the stretch, before and after the supposed error: one pass of the Kalman filter forward "
+        "and one of scores backward (de Jong & Penzer 1998) give what a least-squares adjustment "
+        "with that error as an unknown would.",
+        evidence.burst_epochs_max));
+    words.push_back(
+        "The best supported error is adapted to: wrong positions are left out; a step, a drift or "
+        "a jump of the time stamps ends the stretch, or, a step where the attempt asks for it, is "
+        "bridged with its offset as an unknown of the estimate. The tests are repeated until they "
+        "find nothing more. Their thresholds are such that all of them together raise a false "
+        "alarm at most at the family-wise rate, if the noise is as learnt.");
+    words.push_back(
+        "Witnesses beside the positions follow: the recorded velocities, whose delay is estimated "
+        "first; the accelerations, jerks and vertical rates that a craft of the class can make; "
+        "and "
+        "the other receiver, where there is one.");
+}
+
+void describe_learnt_noise(Json& words, bool tested) {
     words.push_back(
         "The noise is learnt from the recording where the attempt does not ask for the stated one: "
         "the jerk density of the motion, the scale of the stated standard deviations, and the size "
@@ -74,14 +112,22 @@ void describe_learnt_noise(Json& words) {
     words.push_back(
         "Within each stretch position, velocity and acceleration are estimated from all usable "
         "epochs at once, in two ways that must agree: batch least squares, and a Kalman filter "
-        "with Rauch-Tung-Striebel smoothing. A batch with a robust loss, over the epochs that the "
-        "innovation test rejected too, is the check on screening.");
+        "with Rauch-Tung-Striebel smoothing. A batch with a robust loss, over the epochs that "
+        "the " +
+        std::string(tested ? "tests" : "innovation test") +
+        " rejected too, is the check on screening.");
     words.push_back(
         "Every window of the rule's length that lies within one stretch and holds usable epochs "
         "only is compared; the fastest is the certified one. Its speed is estimated with a bound "
         "on slow position errors in place of the fitted ones. Its standard uncertainty is that of "
         "the budget, one row for each source, by the law of propagation of uncertainty; a Monte "
         "Carlo propagation of the same distributions checks it.");
+    if (tested)
+        words.push_back(
+            "What screening could have missed is bounded by the external reliability of the speed "
+            "(Baarda 1968): for each kind of error, at every epoch and in every direction, the "
+            "size that its test finds with the stated power only, and what that does to the speed. "
+            "The largest that is not a drift is a row of the budget.");
 }
 
 Json description(const ReportInputs& inputs) {
@@ -93,13 +139,13 @@ Json description(const ReportInputs& inputs) {
             "them.");
     else
         words.push_back("Plane coordinates are taken from the recording as they are.");
-    words.push_back(
-        "Every epoch is screened: the kind of its solution, its stated accuracy, the order of "
-        "time, and whether its position follows from those before it (innovation test of a "
-        "Kalman filter with constant acceleration and white-noise jerk). Epochs are marked, never "
-        "deleted. A gap in time, or several rejections in a row, ends a stretch.");
+    const auto& evidence = inputs.receivers.front().screened.evidence;
+    if (evidence)
+        describe_tests(words, *evidence);
+    else
+        describe_innovation_test(words);
     if (inputs.receivers.front().trajectory.estimation.horizontal)
-        describe_learnt_noise(words);
+        describe_learnt_noise(words, evidence.has_value());
     else
         describe_stated_noise(words);
     words.push_back(

@@ -1,66 +1,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 
 #include "core/text.h"
 #include "files/yaml_output.h"
 #include "reports/display.h"
 #include "reports/json_noise.h"
 #include "reports/json_parts.h"
+#include "reports/json_screening.h"
 
 namespace runcert {
 
 using Json = nlohmann::ordered_json;
 
 namespace {
-
-/// Why epochs were not used, in words.
-std::string reason_words(Reason reason) {
-    switch (reason) {
-        case Reason::none:
-            return "used";
-        case Reason::no_position:
-            return "no position";
-        case Reason::no_fix:
-            return "no solution";
-        case Reason::float_ambiguities:
-            return "carrier-phase ambiguities not fixed";
-        case Reason::other_fix:
-            return "a kind of solution that is not allowed";
-        case Reason::duplicate_time:
-            return "time of an epoch before it";
-        case Reason::backward_time:
-            return "time out of order";
-        case Reason::accuracy_missing:
-            return "no stated accuracy";
-        case Reason::accuracy_absurd:
-            return "stated accuracy outside the allowed range";
-        case Reason::few_satellites:
-            return "too few satellites for a check of the position";
-        case Reason::low_ratio:
-            return "ambiguities hardly better than others (ratio)";
-        case Reason::old_corrections:
-            return "corrections too old";
-        case Reason::innovation:
-            return "position does not follow from those before it";
-        case Reason::short_arc:
-            return "in a stretch too short to be used";
-        case Reason::outlier:
-            return "position that those before and after it contradict";
-        case Reason::burst:
-            return "one of several wrong positions in a row";
-        case Reason::model:
-            return "in a stretch that no single error explains";
-        case Reason::velocity:
-            return "position that the recorded velocity contradicts";
-        case Reason::physical_limit:
-            return "motion that the craft cannot make";
-        case Reason::baseline:
-            return "position that the other receiver contradicts";
-    }
-    return {};
-}
 
 std::string accuracy_words(const std::string& source) {
     if (source == "recording") return "in the recording";
@@ -93,35 +46,11 @@ Json stated_json(const Receiver& receiver) {
     return json;
 }
 
-double longest_arc_s(const std::vector<ScreenedEpoch>& rows) {
-    std::map<std::int64_t, std::pair<ElapsedTime, ElapsedTime>> ends;
-    for (const ScreenedEpoch& row : rows)
-        if (row.arc) ends.try_emplace(*row.arc, row.time, row.time).first->second.second = row.time;
-    double longest = 0.0;
-    for (const auto& [arc, times] : ends)
-        longest = std::max(longest, times.second.seconds() - times.first.seconds());
-    return longest;
-}
-
 ElapsedTime last_time(const std::vector<ScreenedEpoch>& rows) {
     ElapsedTime last;
     for (const ScreenedEpoch& row : rows)
         last = std::max(last, row.time);
     return last;
-}
-
-Json screening_json(const ScreenedTable& table) {
-    const ScreeningSummary summary = summarise(table.rows);
-    Json json{{"epochs", table.rows.size()},
-              {"usable", summary.usable},
-              {"arcs", summary.arcs},
-              {"longest_arc_s", rounded(longest_arc_s(table.rows), 9)},
-              {"variance_factor", rounded(table.variance_factor, 4)},
-              {"reasons", Json::array()}};
-    for (const auto& [reason, count] : summary.reasons)
-        json["reasons"].push_back(
-            {{"reason", to_text(reason)}, {"words", reason_words(reason)}, {"count", count}});
-    return json;
 }
 
 Json estimation_json(const EstimationSummary& summary) {
@@ -167,18 +96,6 @@ Json recording_facts(const ReceiverResults& results, const Json& recording) {
             fact("Vertical accuracy stated", stated["accuracy_vertical_m"].dump() + " m"));
     if (stated.contains("antenna_height_m"))
         facts.push_back(fact("Antenna above the ground", stated["antenna_height_m"].dump() + " m"));
-    return facts;
-}
-
-Json screening_facts(const Json& screening) {
-    Json facts = Json::array();
-    facts.push_back(fact("Epochs used", fmt::format("{} of {}", screening["usable"].get<int>(),
-                                                    screening["epochs"].get<int>())));
-    facts.push_back(fact("Stretches without a break", screening["arcs"].dump()));
-    facts.push_back(
-        fact("Longest of them", format_fixed(screening["longest_arc_s"].get<double>(), 3) + " s"));
-    facts.push_back(fact("Variance factor of the innovations",
-                         format_fixed(screening["variance_factor"].get<double>(), 2)));
     return facts;
 }
 
@@ -283,7 +200,7 @@ Json receiver_json(const ReceiverResults& results, const Receiver& receiver) {
     json["screening"] = screening_json(results.screened);
     json["estimation"] = estimation_json(results.trajectory.estimation);
     json["recording_facts"] = recording_facts(results, json);
-    json["screening_facts"] = screening_facts(json["screening"]);
+    json["screening_facts"] = screening_facts(results.screened);
     json["estimation_facts"] = estimation_facts(json["estimation"]);
     if (Json table = noise_table(results.trajectory.estimation); !table.is_null())
         json["noise_table"] = std::move(table);

@@ -4,6 +4,7 @@
 
 #include "core/text.h"
 #include "files/yaml_output.h"
+#include "reports/json_reliability.h"
 #include "reports/json_uncertainty.h"
 
 namespace runcert {
@@ -148,6 +149,10 @@ Json window_json(const ProfileVerdict& verdict, const ProfileWindows* windows,
         set_methods(json, best, profile);
         if (Json uncertainty = uncertainty_json(verdict, *windows, profile); !uncertainty.is_null())
             json["uncertainty"] = std::move(uncertainty);
+        set_reliability(json, best, {rule_unit(profile), verdict.coverage_factor});
+        if (best.repaired_steps > 0)
+            facts.push_back(fact("Steps inside it, bridged with their offsets as unknowns",
+                                 Json(best.repaired_steps).dump()));
     }
     json["window_time"] = time_facts(*verdict.window);
     json["window_facts"] = std::move(facts);

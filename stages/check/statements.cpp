@@ -218,6 +218,27 @@ void add_baseline(const BaselineEvidence& baseline, Statements& statements) {
             : "."));
 }
 
+/// From positions alone a slow drift cannot be told from motion: what stands against it is said.
+void add_drift(const ReceiverEvidence& judged, Statements& statements) {
+    const bool velocities = judged.tests->velocity && judged.tests->velocity->compared > 0;
+    for (const ProfileWindows& windows : judged.windows.profiles) {
+        if (!windows.best) continue;
+        for (const UndetectedError& error : windows.best->reliability) {
+            if (error.hypothesis != to_text(Hypothesis::ramp)) continue;
+            statements.push_back(fmt::format(
+                "Under {}, a drift of the positions beside the window is sure to be found by the "
+                "positions alone only from {:.2f} m/s on; {}.",
+                windows.profile, error.size,
+                velocities ? fmt::format("the recorded velocities, which agree to {:.3f} m/s per "
+                                         "axis, stand against a slower one",
+                                         judged.tests->velocity->scale_mps)
+                           : std::string("the recording has no velocities to check a slower one: "
+                                         "that the solution does not drift beyond the slow error "
+                                         "of the budget is taken from its kind")));
+        }
+    }
+}
+
 void add_screening(const ReceiverEvidence& judged, Statements& statements) {
     if (!judged.tests) {
         statements.push_back(
@@ -241,6 +262,7 @@ void add_screening(const ReceiverEvidence& judged, Statements& statements) {
     add_time(tests.time, statements);
     if (tests.velocity) add_velocity(*tests.velocity, statements);
     if (tests.baseline) add_baseline(*tests.baseline, statements);
+    add_drift(judged, statements);
 }
 
 }  // namespace

@@ -94,12 +94,14 @@ std::vector<ErrorScenario> error_scenarios(double rate_hz) {
 }
 
 Identification study_identification(const StudyRun& cell, const ErrorScenario& scenario,
-                                    std::int64_t recordings, std::uint64_t seed, unsigned threads) {
+                                    const ScreeningStudyOptions& options) {
     Identification sum;
     sum.scenario = scenario;
-    sum.recordings = recordings;
-    for (const Identification& one : results_of(recordings, threads, [&](std::int64_t i) {
-             return identify(cell, scenario, seed * 3'000'017 + static_cast<std::uint64_t>(i));
+    sum.recordings = options.scenario_recordings;
+    for (const Identification& one :
+         results_of(options.scenario_recordings, options.threads, [&](std::int64_t i) {
+             return identify(cell, scenario,
+                             options.seed * 3'000'017 + static_cast<std::uint64_t>(i));
          })) {
         sum.found += one.found;
         sum.dated += one.dated;
@@ -119,11 +121,11 @@ std::string identification_table(const StudyRun& cell, const std::vector<Identif
         std::hypot(cell.noise.white_m, cell.noise.error_sigma_m) * 1e3);
     for (const Identification& line : lines) {
         const Hypothesis kind = line.scenario.kind;
-        const bool begins = kind != Hypothesis::outlier && kind != Hypothesis::burst;
+        const bool dated = kind == Hypothesis::step || kind == Hypothesis::time_shift;
         text += fmt::format("{:<18} {:>11}     {:6.3f}  {:>6}  {:6.3f} |  {:6} {:9}\n",
                             scenario_name(line.scenario), size_text(line.scenario),
                             line.found.fraction(),
-                            begins ? fmt::format("{:.3f}", line.dated.fraction()) : "-",
+                            dated ? fmt::format("{:.3f}", line.dated.fraction()) : "-",
                             line.named.fraction(), line.spoilt, line.left_out);
     }
     return text;

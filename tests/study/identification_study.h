@@ -34,7 +34,7 @@ struct Identification {
 
 /// Errors at random times and in random directions in recordings of a minute.
 Identification study_identification(const StudyRun& cell, const ErrorScenario& scenario,
-                                    std::int64_t recordings, std::uint64_t seed, unsigned threads);
+                                    const ScreeningStudyOptions& options);
 
 /// A heading and a line for each.
 std::string identification_table(const StudyRun& cell, const std::vector<Identification>& lines);

@@ -3,12 +3,42 @@
 #include <CLI/CLI.hpp>
 
 #include "coverage.h"
+#include "false_records.h"
+#include "identification_study.h"
 #include "selection_study.h"
 
 using namespace runcert;
 
+namespace {
+
+void print_coverage(const CoverageOptions& options) {
+    std::vector<CoverageCell> cells;
+    for (const double rate_hz : {10.0, 20.0})
+        for (const CoverageCell& cell : coverage_cells(rate_hz)) {
+            cells.push_back(study_coverage(cell, options));
+            fmt::print(stderr, "{} of 14 cells\n", cells.size());
+        }
+    fmt::print("{}", coverage_table(cells));
+}
+
+void print_screening(const ScreeningStudyOptions& options) {
+    for (const StudyRun& cell : screening_cells()) {
+        fmt::print("{}", power_table(cell, study_power(cell, options)));
+        const Share clean = study_clean(cell, options);
+        fmt::print("{}: {} of {} clean runs of {} epochs without a mark\n\n", cell_name(cell),
+                   clean.count, clean.of, options.clean_epochs);
+        std::vector<Identification> lines;
+        for (const ErrorScenario& scenario : error_scenarios(cell.rate_hz))
+            lines.push_back(study_identification(cell, scenario, options));
+        fmt::print("{}\n", identification_table(cell, lines));
+        std::fflush(stdout);
+    }
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
-    CLI::App app{"Seeded studies of what the stated uncertainty is worth"};
+    CLI::App app{"Seeded studies of what the stated uncertainty is worth, and of screening"};
     app.require_subcommand(1);
     CoverageOptions options;
     CLI::App* coverage =
@@ -18,24 +48,47 @@ int main(int argc, char** argv) {
     coverage->add_option("--runs-known", options.runs_known, "the same with those known")
         ->capture_default_str();
     coverage->add_option("--seed", options.seed)->capture_default_str();
+
     std::int64_t runs = 500;
     std::uint64_t seed = 1;
     CLI::App* selection =
         app.add_subcommand("selection", "The bias of choosing the fastest of many windows");
     selection->add_option("--runs", runs)->capture_default_str();
     selection->add_option("--seed", seed)->capture_default_str();
+
+    ScreeningStudyOptions study;
+    CLI::App* screening =
+        app.add_subcommand("screening", "Which errors of positions screening finds");
+    screening->add_option("--recordings", study.recordings, "a cell, for the power")
+        ->capture_default_str();
+    screening->add_option("--screened", study.screened, "of these, screened with the errors too")
+        ->capture_default_str();
+    screening
+        ->add_option("--scenario-recordings", study.scenario_recordings,
+                     "for each kind and size of error")
+        ->capture_default_str();
+    screening->add_option("--clean-runs", study.clean_runs, "a cell, without an error")
+        ->capture_default_str();
+    screening->add_option("--seed", study.seed)->capture_default_str();
+    screening->add_option("--threads", study.threads, "0: as many as there are")
+        ->capture_default_str();
+
+    FalseRecordOptions records;
+    CLI::App* false_records =
+        app.add_subcommand("false-records", "Certified windows that miss the true speed");
+    false_records->add_option("--runs", records.runs)->capture_default_str();
+    false_records->add_option("--velocity-noise", records.velocity_noise_mps,
+                              "m/s; the receiver records velocities too, with this noise");
+    false_records->add_option("--seed", records.seed)->capture_default_str();
+    false_records->add_option("--threads", records.threads, "0: as many as there are")
+        ->capture_default_str();
     CLI11_PARSE(app, argc, argv);
 
-    if (coverage->parsed()) {
-        std::vector<CoverageCell> cells;
-        for (const double rate_hz : {10.0, 20.0})
-            for (const CoverageCell& cell : coverage_cells(rate_hz)) {
-                cells.push_back(study_coverage(cell, options));
-                fmt::print(stderr, "{} of 14 cells\n", cells.size());
-            }
-        fmt::print("{}", coverage_table(cells));
-    }
+    if (coverage->parsed()) print_coverage(options);
     if (selection->parsed())
         for (const double noise_m : {0.010, 0.030})
             fmt::print("{}", selection_line(study_selection(noise_m, runs, seed)));
+    if (screening->parsed()) print_screening(study);
+    if (false_records->parsed())
+        fmt::print("{}", false_records_table(study_false_records(records)));
 }

@@ -118,10 +118,8 @@ class StudiedRecording {
 
 using PowerLines = std::array<PowerLine, kinds.size()>;
 
-void study_kind(const StudiedRecording& recording, std::vector<SupposedError> errors,
-                std::size_t only, double rate_hz, PowerLine& line) {
-    for (const SupposedError& error : errors)
-        line.own_test.add(recording.own_test(error));
+void study_screening(const StudiedRecording& recording, std::vector<SupposedError> errors,
+                     std::size_t only, double rate_hz, PowerLine& line) {
     const SupposedError alone = errors[only % errors.size()];
     line.found_alone.add(judge(recording.screen_with({alone}), alone, rate_hz).found);
     if (line.kind == Hypothesis::ramp) errors = {alone};
@@ -142,7 +140,8 @@ void study_kind(const StudiedRecording& recording, std::vector<SupposedError> er
     line.left_out += wrongly_left_out(twice, errors);
 }
 
-PowerLines study_recording(const StudyRun& cell, std::uint64_t seed, std::size_t number) {
+PowerLines study_recording(const StudyRun& cell, std::uint64_t seed, std::size_t number,
+                           bool screened) {
     const StudiedRecording recording(cell, seed);
     RandomGenerator random(seed ^ 0x5eed);
     PowerLines lines;
@@ -157,7 +156,10 @@ PowerLines study_recording(const StudyRun& cell, std::uint64_t seed, std::size_t
                 recording.smallest(kinds[i], recording.epoch_at(time_s), direction_rad);
             if (error) errors.push_back(*error);
         }
-        if (!errors.empty()) study_kind(recording, errors, number, cell.rate_hz, lines[i]);
+        for (const SupposedError& error : errors)
+            lines[i].own_test.add(recording.own_test(error));
+        if (screened && !errors.empty())
+            study_screening(recording, errors, number, cell.rate_hz, lines[i]);
     }
     return lines;
 }
@@ -200,7 +202,7 @@ std::vector<PowerLine> study_power(const StudyRun& cell, const ScreeningStudyOpt
     std::vector<PowerLine> sum(kinds.size());
     const auto recordings = results_of(options.recordings, options.threads, [&](std::int64_t i) {
         return study_recording(cell, options.seed * 1'000'003 + static_cast<std::uint64_t>(i),
-                               static_cast<std::size_t>(i));
+                               static_cast<std::size_t>(i), i < options.screened);
     });
     for (const PowerLines& lines : recordings)
         for (std::size_t i = 0; i < kinds.size(); ++i)
@@ -236,13 +238,12 @@ std::string power_table(const StudyRun& cell, const std::vector<PowerLine>& line
     for (const PowerLine& line : lines) {
         std::string name(to_text(line.kind));
         if (line.kind == Hypothesis::burst) name += fmt::format(" of {}", line.epochs);
-        const bool epochs_alone =
-            line.kind == Hypothesis::outlier || line.kind == Hypothesis::burst;
+        const bool dated = line.kind == Hypothesis::step || line.kind == Hypothesis::time_shift;
         text += fmt::format(
             "{:<12} {:6}    {:6.3f}  {:5.3f}  {:6.3f}  |      {:8.5f} {:>8} {:8.4f}  {:6}\n", name,
             line.own_test.of, line.own_test.fraction(), line.found_alone.fraction(),
             line.found.fraction(), line.found_twice.fraction(),
-            epochs_alone ? "-" : fmt::format("{:.4f}", line.dated_twice.fraction()),
+            dated ? fmt::format("{:.4f}", line.dated_twice.fraction()) : "-",
             line.named_twice.fraction(), line.left_out);
     }
     return text;

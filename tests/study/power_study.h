@@ -16,7 +16,9 @@ std::vector<StudyRun> screening_cells();
 std::string cell_name(const StudyRun& run);
 
 struct ScreeningStudyOptions {
-    std::int64_t recordings = 1000;  ///< for the power, with four places for errors each
+    std::int64_t recordings = 1000;          ///< for the power, with four places for errors each
+    std::int64_t screened = 400;             ///< of these, that are screened with the errors too
+    std::int64_t scenario_recordings = 100;  ///< for each line of the identification tables
     std::int64_t clean_runs = 300;
     std::int64_t clean_epochs = 10'000;
     std::uint64_t seed = 1;
@@ -48,7 +50,7 @@ struct PowerLine {
     Share found_alone;       ///< at the size: by the whole of screening, one a recording
     Share found;             ///< the same of four a recording, 12 s from one another
     Share found_twice;       ///< at twice the size
-    Share dated_twice;       ///< steps, ramps and shifts
+    Share dated_twice;       ///< steps and shifts
     Share named_twice;
     std::int64_t left_out = 0;  ///< good epochs left out at twice the size
 

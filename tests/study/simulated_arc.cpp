@@ -57,8 +57,8 @@ Eigen::Vector3d run_at(const StudyRun& run, double time_s) {
         return {state.distance_m, state.speed_mps, state.acceleration_mps2};
     };
     if (!run.shuttle) return forth(time_s);
-    // Backwards in time is braking. At the turns the speed of 0.01 m/s changes its sign: a fortieth
-    // of what a test finds there.
+    // Backwards in time is braking. At the turns the speed of 0.01 m/s changes its sign: a
+    // twentieth of what a test finds there.
     const auto forth_and_halt = [&](double at_s) -> Eigen::Vector3d {
         if (at_s <= leg_s) return forth(at_s);
         const Eigen::Vector3d mirrored = forth(2.0 * leg_s - at_s);

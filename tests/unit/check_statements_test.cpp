@@ -193,5 +193,74 @@ TEST(Statements, WhereMonteCarloDoesNotAgreeOrConverge) {
     EXPECT_EQ(scene.count({"nalsa did not converge in 1000000 trials"}), 1);
 }
 
+TEST(Statements, OfAnEarlierRevisionSayThatNothingWasStatedOfWhatWasMissed) {
+    EXPECT_EQ(Scene().count({"Screening is of an earlier revision"}), 1);
+}
+
+/// A scene with the evidence of revision 1.2.
+Scene tested_scene() {
+    Scene scene;
+    ScreeningEvidence& tests = scene.judged.tests.emplace();
+    tests.tests = 30'000;
+    tests.family_false_alarm_rate = 0.001;
+    tests.models = {{.axes = TestedAxes::horizontal, .noise = "fitted"}};
+    return scene;
+}
+
+TEST(Statements, OnTheTestsSayHowManyAndHowOftenTheyErr) {
+    const Scene scene = tested_scene();
+    EXPECT_EQ(scene.count({"30000 tests", "probability of at most 0.001"}), 1);
+    EXPECT_EQ(scene.count({"not on noise learnt"}), 0);
+    EXPECT_EQ(scene.count({"sessions"}), 0);
+}
+
+TEST(Statements, OnTheWitnessesSayWhatIsAmiss) {
+    Scene scene = tested_scene();
+    ScreeningEvidence& tests = *scene.judged.tests;
+    tests.models[0].noise = "too_few_epochs";
+    tests.models[0].measurement_scale = 1.7;
+    tests.fix_kinds = {{.fix = FixKind::fixed, .variance_factor = 4.0, .judgement = "too_good"},
+                       {.fix = FixKind::single, .variance_factor = 1.0, .judgement = "as_stated"}};
+    tests.time.sessions = 3;
+    tests.time.rate_deviation = 5e-4;
+    tests.time.faults = {{.epoch = 77, .kind = "whole_second_shift", .size_s = 18.0},
+                         {.epoch = 90, .kind = "gap", .size_s = 3.0}};
+    tests.velocity = VelocityEvidence{.compared = 500,
+                                      .delay_s = 0.123,
+                                      .sigma_delay_s = 0.002,
+                                      .scale_mps = 0.031,
+                                      .rejected = 4};
+    tests.baseline = BaselineEvidence{
+        .receiver = "mast", .compared = 400, .length_m = 2.0, .sd_m = 1.95, .rejected = 0};
+    EXPECT_EQ(scene.count({"rest on the stated accuracies times 1.70"}), 1);
+    EXPECT_EQ(scene.count({"for fixed solutions are too good", "2.00 times as large"}), 1);
+    EXPECT_EQ(scene.count({"single"}), 0);
+    EXPECT_EQ(scene.count({"3 sessions"}), 1);
+    EXPECT_EQ(scene.count({"+5.0e-04 of their nominal rate"}), 1);
+    EXPECT_EQ(scene.count({"epoch 77", "jumped by +18 s"}), 1);
+    EXPECT_EQ(scene.count({"jumped"}), 1);
+    EXPECT_EQ(scene.count({"delay of 0.123 s", "0.031 m/s", "4 epochs contradicted"}), 1);
+    EXPECT_EQ(scene.count({"\"mast\" was 2.000 m away", "may be off"}), 1);
+    tests.baseline->sd_m = 0.01;
+    EXPECT_EQ(scene.count({"\"mast\" was 2.000 m away", "may be off"}), 0);
+}
+
+TEST(Statements, OnDriftsSayWhatStandsAgainstASlowOne) {
+    Scene scene = tested_scene();
+    ProfileWindows windows;
+    windows.profile = "nalsa";
+    windows.best.emplace();
+    windows.best->reliability = {
+        {.hypothesis = "ramp", .size = 0.853, .unit = "m / s", .speed_mps = 0.8}};
+    scene.judged.windows.profiles = {windows};
+    EXPECT_EQ(scene.count({"only from 0.85 m/s on", "no velocities to check a slower one"}), 1);
+    scene.judged.tests->velocity = VelocityEvidence{.compared = 500,
+                                                    .delay_s = std::nullopt,
+                                                    .sigma_delay_s = std::nullopt,
+                                                    .scale_mps = 0.031,
+                                                    .rejected = 0};
+    EXPECT_EQ(scene.count({"only from 0.85 m/s on", "velocities, which agree to 0.031 m/s"}), 1);
+}
+
 }  // namespace
 }  // namespace runcert

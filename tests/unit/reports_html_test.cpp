@@ -69,7 +69,8 @@ INSTANTIATE_TEST_SUITE_P(Runs, EveryPage,
                                          sample::Options{.second_receiver = true},
                                          sample::Options{.vertical = false, .georeferenced = false},
                                          sample::Options{.gap_every_s = 7},
-                                         sample::Options{.earlier_revision = true}));
+                                         sample::Options{.earlier_revision = true},
+                                         sample::Options{.revision_1_1 = true}));
 
 TEST(ReportHtml, PutsTheVerdictFirst) {
     const std::string text = visible_text(page({}, a_signer));

@@ -11,6 +11,7 @@
 #include "files/program.h"
 #include "files/sha256.h"
 #include "reports/report_data.h"
+#include "reports_sample_evidence.h"
 
 // A made-up run: the logistic run of [DHD22], 451 epochs at 10 Hz, with what the stages would have
 // said of it.
@@ -26,6 +27,7 @@ struct Options {
     bool second_receiver = false;
     int gap_every_s = 0;            ///< 20 epochs are lost so often
     bool earlier_revision = false;  ///< files of revision 1.0: nothing of noise and budget
+    bool revision_1_1 = false;      ///< files of revision 1.1: nothing of evidence, reliability
     std::string craft = "Salt Runner";
     std::string place = "dry lake";
 };
@@ -105,8 +107,8 @@ inline std::vector<BudgetRow> budget() {
              0.0013, joint, "the data show 0.952 times the stated size"},
             {"b", "slowly varying error of the positions", 0.0, "m / s", 0.0017, "B", "normal",
              std::nullopt, 1.0, 0.0017, joint, "standard deviation 0.0100 m (stated)"},
-            {"j", "motion between the measurements", 0.0, "m / s", 0.001, "A", "normal", 149.15,
-             1.0, 0.001, joint, "jerk density 0.4300 m s^-2.5"},
+            {"j", "motion between the measurements", 0.0, "m / s", 0.000917, "A", "normal", 149.15,
+             1.0, 0.000917, joint, "jerk density 0.4300 m s^-2.5"},
             {"t", "time stamps of the window's ends", 3.0, "s", 0.00002, "B", "rectangular",
              std::nullopt, -20.000806, 0.0004, alone, "stamps are irregular"},
             {"r", "resolution of the recorded coordinates", 0.0, "m", 0.0, "B", "rectangular",
@@ -115,11 +117,15 @@ inline std::vector<BudgetRow> budget() {
              60.002417, 0.0, alone, "0.0 km from the origin at most"},
             {"a", "antenna against the craft's reference point", 0.0, "m", 0.0, "B", "rectangular",
              std::nullopt, 0.333333, 0.0, alone, "no lever arm stated: the speed is the antenna's"},
+            {"d", "undetected step or outlier", 0.0, "m / s", 0.0004, "B", "rectangular",
+             std::nullopt, 1.0, 0.0004, alone, "an undetected step of 0.035 m before epoch 396"},
             {"f", "choice of the fastest of many windows", 0.0, "m / s", 0.000876, "A", "normal",
              std::nullopt, 1.0, 0.000876, alone, "bias over 118 windows, not subtracted"}};
 }
 
 inline void fill_uncertainty(CertifiableWindow& best) {
+    best.detection_power = 0.8;
+    best.reliability = reliability();
     best.effective_degrees_of_freedom = 4008.14;
     best.fitted = FittedSpeed{60.002553, 0.001959, 11};
     best.bound = ErrorBound{.tau_min_s = 0.5,
@@ -151,6 +157,13 @@ inline void fill_uncertainty(CertifiableWindow& best) {
                                        .upper_mps = 60.007415,
                                        .tolerance_mps = 0.00005,
                                        .converged = true};
+}
+
+/// As a file of revision 1.1 has it.
+inline void remove_reliability(CertifiableWindow& best) {
+    best.detection_power.reset();
+    best.reliability.clear();
+    std::erase_if(best.budget, [](const BudgetRow& row) { return row.symbol == "d"; });
 }
 
 inline AxesEstimation axes(bool vertical) {
@@ -192,6 +205,11 @@ inline AxesEstimation axes(bool vertical) {
     return axes;
 }
 
+/// Files of revision 1.2.
+inline bool tested(const Options& options) {
+    return !options.earlier_revision && !options.revision_1_1;
+}
+
 inline void fill_tables(const Options& options, ScreenedTable& screened,
                         TrajectoryTable& trajectory) {
     RandomGenerator random(1);
@@ -215,8 +233,11 @@ inline void fill_tables(const Options& options, ScreenedTable& screened,
         if (options.vertical) epoch.up_m = 0.02 * random.normal();
         epoch.sigma_east_m = epoch.sigma_north_m = 0.01;
         epoch.usable = !bad;
-        epoch.reason = !bad ? Reason::none
-                            : (options.certified ? Reason::innovation : Reason::float_ambiguities);
+        epoch.reason =
+            !bad ? Reason::none
+                 : (!options.certified ? Reason::float_ambiguities
+                                       : (tested(options) ? Reason::burst : Reason::innovation));
+        if (epoch.reason == Reason::burst) epoch.hypothesis = Hypothesis::burst;
         epoch.statistic = bad ? 61.2 : 1.7;
         epoch.threshold = 27.6;
         const bool outside = !options.certified && t > 17.0;
@@ -252,6 +273,7 @@ inline void fill_tables(const Options& options, ScreenedTable& screened,
                              .largest_position_difference_m = 4.1e-9,
                              .largest_velocity_difference_mps = 2.2e-8};
     screened.variance_factor = 1.04;
+    if (tested(options)) screened.evidence = evidence(options.vertical);
     if (options.earlier_revision) return;
     trajectory.estimation.batch_stretches = arc;
     trajectory.estimation.robust_downweighted = 12;
@@ -307,6 +329,7 @@ inline ReceiverResults receiver(const Options& options, const std::string& id) {
                 .definitions = {60.002417, 60.002424, 60.002402, 60.002405},
                 .methods = {60.002402, 60.002402, 60.0068, std::nullopt, 59.9954}};
         if (options.certified && !options.earlier_revision) fill_uncertainty(*windows.best);
+        if (options.certified && options.revision_1_1) remove_reliability(*windows.best);
         windows.indicated = IndicatedWindow{
             span(options, 35.1, duration), 60.0871, {"The jump at epoch 353 is inside it."}};
         results.windows.profiles.push_back(windows);

@@ -1,0 +1,297 @@
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/failure.h"
+#include "reports/report_html.h"
+#include "reports/report_json.h"
+#include "reports_sample.h"
+
+namespace runcert {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+ScreenedTable& screened_of(sample::Run& run) {
+    return run.inputs.receivers[0].screened;
+}
+
+ScreeningEvidence& evidence_of(sample::Run& run) {
+    return *screened_of(run).evidence;
+}
+
+CertifiableWindow& best_of(sample::Run& run) {
+    return *run.inputs.receivers[0].windows.profiles[0].best;
+}
+
+Json receiver_of(const sample::Run& run) {
+    return report_json(run.inputs)["predicate"]["receivers"][0];
+}
+
+Json window_of(const sample::Run& run) {
+    return report_json(run.inputs)["predicate"]["profiles"][0]["window"];
+}
+
+std::string line(const sample::Run& run, const std::string& label) {
+    const Json receiver = receiver_of(run);
+    for (const Json& fact : receiver["screening_facts"])
+        if (fact["label"] == label) return fact["value"];
+    return "no such line";
+}
+
+std::string page_of(const sample::Run& run) {
+    return report_html(report_json(run.inputs), {}, {});
+}
+
+/// From the heading to the end of its section.
+std::string section(const std::string& html, const std::string& heading) {
+    const std::size_t begin = html.find(fmt::format("<h2>{}", heading));
+    if (begin == std::string::npos) return {};
+    return html.substr(begin, html.find("</section>", begin) - begin);
+}
+
+std::string words(const sample::Run& run) {
+    return window_of(run)["reliability_shown"]["reliability_words"];
+}
+
+std::string drift(const sample::Run& run) {
+    return window_of(run)["reliability_shown"]["drift_words"];
+}
+
+TEST(Screening, TheReportHoldsWhatTheTestsRestedOn) {
+    sample::Run run = sample::make_run();
+    const Json evidence = receiver_of(run)["screening"]["evidence"];
+    EXPECT_EQ(evidence["family_false_alarm_rate"], 0.001);
+    EXPECT_EQ(evidence["tests"], 30668);
+    EXPECT_NEAR(evidence["test_size"].get<double>(), 0.001 / 30668.0, 1e-18);
+    EXPECT_EQ(evidence["power"], 0.8);
+    EXPECT_EQ(evidence["models"].size(), 2U);
+    EXPECT_EQ(evidence["models"][1]["error_sigma_m"], 0.0271);
+    ASSERT_EQ(evidence["fix_kinds"].size(), 3U);
+    EXPECT_EQ(evidence["fix_kinds"][0]["variance_factor"], 1.69);
+    EXPECT_EQ(evidence["fix_kinds"][0]["judgement"], "too_good");
+    EXPECT_EQ(evidence["fix_kinds"][1]["fix"], "float");
+    EXPECT_EQ(evidence["velocity"]["delay_s"], 0.1024);
+    EXPECT_EQ(evidence["velocity"]["sigma_delay_s"], 0.0021);
+    EXPECT_EQ(evidence["time"]["jitter_s"], 2.1e-5);
+    EXPECT_EQ(evidence["limits"]["acceleration_max_m_s2"], 15.0);
+    EXPECT_EQ(evidence["limits"]["acceleration_m_s2"], 8.71);
+    EXPECT_FALSE(evidence.contains("baseline"));
+
+    evidence_of(run).velocity.reset();
+    evidence_of(run).baseline = BaselineEvidence{"secondary", 400, 1.512, 0.021, 3};
+    const Json other = receiver_of(run)["screening"]["evidence"];
+    EXPECT_FALSE(other.contains("velocity"));
+    EXPECT_EQ(other["baseline"]["length_m"], 1.512);
+    EXPECT_EQ(other["baseline"]["rejected"], 3);
+}
+
+TEST(Screening, DecisionsAreCountedByHypothesis) {
+    sample::Run run = sample::make_run();
+    std::int64_t bursts = 0;
+    for (ScreenedEpoch& row : screened_of(run).rows)
+        bursts += row.reason == Reason::burst ? 1 : 0;
+    ASSERT_GT(bursts, 1);
+    screened_of(run).rows[200].break_before = ArcBreak::step;
+    screened_of(run).rows[300].break_before = ArcBreak::bridged;
+    ScreenedEpoch& wrong = screened_of(run).rows[50];
+    wrong.usable = false;
+    wrong.reason = Reason::outlier;
+    wrong.hypothesis = Hypothesis::outlier;
+    const Json decisions = receiver_of(run)["screening"]["decisions"];
+    std::map<std::string, std::int64_t> counts;
+    for (const Json& entry : decisions)
+        counts[entry["hypothesis"]] = entry["count"].get<std::int64_t>();
+    EXPECT_EQ(counts, (std::map<std::string, std::int64_t>{
+                          {"outlier", 1}, {"burst", bursts}, {"step", 2}}));
+    EXPECT_EQ(line(run, "Decided by the tests"),
+              fmt::format("1 single wrong position; {} positions in runs of wrong ones; 2 steps of "
+                          "the positions",
+                          bursts));
+    for (ScreenedEpoch& row : screened_of(run).rows)
+        row.hypothesis.reset(), row.break_before.reset();
+    EXPECT_EQ(line(run, "Decided by the tests"), "nothing");
+}
+
+TEST(Screening, IsSaidInPlainWords) {
+    sample::Run run = sample::make_run();
+    EXPECT_EQ(line(run, "False alarms"),
+              "of 1000 recordings without a wrong position at most one would have anything marked, "
+              "by all 30668 tests together");
+    // 1.3 and 1.02 are the roots of 1.69 and 1.0404.
+    EXPECT_EQ(
+        line(run, "Solutions of the kind “fixed”"),
+        "horizontal: errors from epoch to epoch 1.3 times as large as stated (clearly larger); "
+        "vertical: errors from epoch to epoch 1.0 times as large as stated (as stated, within "
+        "chance)");
+    EXPECT_EQ(line(run, "Solutions of the kind “float”"),
+              "horizontal: too few epochs (31) to tell");
+    EXPECT_EQ(line(run, "Recorded velocities"),
+              "0.1024 ± 0.0021 s behind the positions, which is allowed for; compared at 437 "
+              "epochs, of which they contradict 0");
+    EXPECT_EQ(line(run, "Noise that the tests rest on"), "learnt from the recording");
+    EXPECT_EQ(line(run, "Order and spacing of the time stamps"), "no fault");
+    EXPECT_EQ(line(run, "Other receiver"), "no such line");
+
+    evidence_of(run).velocity->delay_s = -0.2;
+    EXPECT_NE(line(run, "Recorded velocities").find("0.2000 ± 0.0021 s ahead of the positions"),
+              std::string::npos);
+    evidence_of(run).velocity->delay_s.reset();
+    EXPECT_NE(line(run, "Recorded velocities").find("cannot be told"), std::string::npos);
+    evidence_of(run).velocity->compared = 0;
+    EXPECT_EQ(line(run, "Recorded velocities"), "could not be compared with the motion");
+    evidence_of(run).models[0].noise = "too_few_epochs";
+    EXPECT_EQ(line(run, "Noise that the tests rest on"),
+              "horizontal: 0.95 times the stated one (too few epochs to learn from); vertical: "
+              "learnt from the recording");
+    const std::string shown = section(page_of(run), "Recording and screening");
+    EXPECT_NE(shown.find("<code>runcert audit RUN_FOLDER</code>"), std::string::npos);
+    EXPECT_NE(shown.find("of 1000 recordings"), std::string::npos);
+}
+
+TEST(Screening, TheFirstFaultsOfTheTimeStampsAreListed) {
+    sample::Run run = sample::make_run();
+    TimeEvidence& time = evidence_of(run).time;
+    time.gaps = 30;
+    for (std::int64_t i = 0; i < 30; ++i)
+        time.faults.push_back({.epoch = 10 + i, .kind = "gap", .size_s = 0.4});
+    time.faults[1] = {.epoch = 11, .kind = "whole_second_shift", .size_s = -18.0};
+    const Json written = receiver_of(run)["screening"]["evidence"]["time"];
+    EXPECT_EQ(written["faults"].size(), 20U);
+    EXPECT_EQ(written["faults_found"], 30);
+    EXPECT_EQ(written["faults"][1]["size_s"], -18.0);
+    EXPECT_EQ(line(run, "Order and spacing of the time stamps"),
+              "30 faults: epoch 10: 0.400 s missing; epoch 11: the clock jumps by 18.000 s while "
+              "the positions go on; epoch 12: 0.400 s missing; and 27 more");
+    time = {.sessions = 1, .gaps = 0, .longest_gap_s = 0.0, .duplicates = 1, .faults = {}};
+    time.faults.push_back({.epoch = 7, .kind = "duplicate", .size_s = 0.0});
+    EXPECT_EQ(line(run, "Order and spacing of the time stamps"),
+              "1 fault: epoch 7: the time of the epoch before");
+}
+
+TEST(Screening, TheMethodIsThatOfTheFiles) {
+    const auto text = [](const sample::Options& options) {
+        const Json report = report_json(sample::make_run(options).inputs);
+        std::string all;
+        for (const Json& paragraph : report["predicate"]["method"]["description"])
+            all += paragraph.get<std::string>() + "\n";
+        return all;
+    };
+    for (const char* source : {"Baarda 1968", "Teunissen 2018", "de Jong & Penzer 1998"})
+        EXPECT_NE(text({}).find(source), std::string::npos) << source;
+    EXPECT_NE(text({}).find("up to 20 wrong positions in a row"), std::string::npos);
+    EXPECT_EQ(text({}).find("innovation test"), std::string::npos);
+    for (const sample::Options& earlier :
+         {sample::Options{.earlier_revision = true}, sample::Options{.revision_1_1 = true}}) {
+        EXPECT_NE(text(earlier).find("innovation test"), std::string::npos);
+        EXPECT_EQ(text(earlier).find("Baarda"), std::string::npos);
+    }
+}
+
+// 0.000693 m/s are 0.00249 km/h.
+TEST(Reliability, TheWorstUndetectedErrorIsSaidInOneSentence) {
+    const sample::Run run = sample::make_run();
+    const std::string page = section(page_of(run), "Uncertainty: rule “nalsa”");
+    const std::string sentence =
+        "An undetected step of 0.035 m (before epoch 396) could have changed the speed by at most "
+        "0.00249 km/h; larger ones are found with a probability of more than 0.8. Row d of the "
+        "budget is for it.";
+    EXPECT_EQ(words(run), sentence);
+    EXPECT_NE(page.find(sentence), std::string::npos);
+    // 0.004321 m/s are 0.0156 km/h.
+    EXPECT_EQ(drift(run),
+              "A drift of the positions is covered as a slow error, as far as the bound of row b "
+              "goes, and not added again. Beyond it the tests would find one, with that "
+              "probability, from a rate of 0.012 m/s (from epoch 375 on), which changes the speed "
+              "by 0.0156 km/h: one between the two is not in the uncertainty.");
+    EXPECT_NE(page.find(drift(run)), std::string::npos);
+}
+
+TEST(Reliability, EveryHypothesisStandsInReportAndPage) {
+    sample::Run run = sample::make_run();
+    const Json window = window_of(run);
+    const auto& errors = best_of(run).reliability;
+    EXPECT_EQ(window["detection_power"], 0.8);
+    EXPECT_EQ(window["repaired_steps"], 0);
+    ASSERT_EQ(window["reliability"].size(), errors.size());
+    const std::string page = section(page_of(run), "Uncertainty: rule “nalsa”");
+    for (std::size_t i = 0; i < errors.size(); ++i) {
+        const Json& entry = window["reliability"][i];
+        EXPECT_EQ(entry["hypothesis"], errors[i].hypothesis);
+        EXPECT_EQ(entry["epoch"], errors[i].epoch);
+        EXPECT_EQ(entry["last_epoch"], errors[i].last_epoch);
+        EXPECT_EQ(entry["size"], errors[i].size);
+        EXPECT_EQ(entry["unit"], errors[i].unit);
+        EXPECT_EQ(entry["speed_m_s"], errors[i].speed_mps);
+        EXPECT_NEAR(entry["speed_km_h"].get<double>(), errors[i].speed_mps * 3.6, 5e-5);
+        EXPECT_NE(
+            page.find(fmt::format(
+                "<td>{}</td><td>{}</td><td>{}</td><td>{}</td>",
+                entry["kind_text"].get<std::string>(), entry["where_text"].get<std::string>(),
+                entry["size_text"].get<std::string>(), entry["change_text"].get<std::string>())),
+            std::string::npos)
+            << errors[i].hypothesis;
+    }
+    EXPECT_EQ(window["reliability"][2]["where_text"], "at epochs 401 to 409");
+    EXPECT_EQ(window["reliability"][4]["size_text"], "–");
+}
+
+TEST(Reliability, WordsFollowTheErrorThatCounts) {
+    sample::Run run = sample::make_run();
+    auto& errors = best_of(run).reliability;
+    errors[1] = {"outlier", 812, 812, 0.1034, "m", 0.0341};
+    EXPECT_NE(words(run).find("An undetected error of one position by 0.10 m (at epoch 812) could "
+                              "have changed the speed by at most 0.123 km/h;"),
+              std::string::npos);
+    errors[1] = {"time_shift", 812, 812, 0.0021, "s", 0.0341};
+    EXPECT_NE(words(run).find("jump of the time stamps of 0.0021 s (before epoch 812)"),
+              std::string::npos);
+    errors[1] = {"step", 812, 812, 1e6, "m", 1e6};
+    EXPECT_NE(words(run).find("could not be detected whatever its size"), std::string::npos);
+    EXPECT_EQ(window_of(run)["reliability"][1]["change_text"], "no limit");
+    errors[0] = {"ramp", 812, 812, 1e6, "m / s", 1e6};
+    EXPECT_NE(drift(run).find("whatever its rate"), std::string::npos);
+    std::erase_if(best_of(run).budget, [](const BudgetRow& row) { return row.symbol == "d"; });
+    EXPECT_EQ(words(run).find("Row d"), std::string::npos);
+}
+
+TEST(Reliability, BridgedStepsAreSaid) {
+    sample::Run run = sample::make_run();
+    EXPECT_EQ(page_of(run).find("bridged with their offsets as unknowns</th>"), std::string::npos);
+    best_of(run).repaired_steps = 2;
+    EXPECT_EQ(window_of(run)["repaired_steps"], 2);
+    EXPECT_NE(page_of(run).find("bridged with their offsets as unknowns</th><td>2</td>"),
+              std::string::npos);
+}
+
+TEST(Reliability, FilesOfRevisionOneOneSayNothingOfIt) {
+    const sample::Run run = sample::make_run({.revision_1_1 = true});
+    const Json window = window_of(run);
+    for (const char* absent :
+         {"repaired_steps", "detection_power", "reliability", "reliability_shown"})
+        EXPECT_FALSE(window.contains(absent)) << absent;
+    const Json screening = receiver_of(run)["screening"];
+    EXPECT_FALSE(screening.contains("evidence"));
+    EXPECT_FALSE(screening.contains("decisions"));
+    EXPECT_EQ(line(run, "Variance factor of the innovations"), "1.04");
+    const std::string page = page_of(run);
+    EXPECT_EQ(page.find("Errors that screening could have missed"), std::string::npos);
+    EXPECT_EQ(page.find("runcert audit"), std::string::npos);
+    EXPECT_NE(page.find("class=\"budget\""), std::string::npos);
+}
+
+// A report that was signed before revision 1.2 is still read and drawn; one that claims to be of
+// that revision and holds more is not.
+TEST(Reliability, AReportOfRevisionOneOneIsRead) {
+    Json report = report_json(sample::make_run({.revision_1_1 = true}).inputs);
+    report["predicate"]["schema"]["version"] = "1.1";
+    const Json read = parse_report(report_text_of(report), "report.json");
+    EXPECT_NE(report_html(read, {}, {}).find("class=\"budget\""), std::string::npos);
+    report = report_json(sample::make_run().inputs);
+    report["predicate"]["schema"]["version"] = "1.1";
+    EXPECT_THROW(parse_report(report_text_of(report), "report.json"), Failure);
+}
+
+}  // namespace
+}  // namespace runcert

@@ -77,6 +77,7 @@ inline constexpr auto members<EstimationSummary> = std::tuple{
     Member{"largest_velocity_difference_mps", &EstimationSummary::largest_velocity_difference_mps},
     Member{"batch_stretches", &EstimationSummary::batch_stretches},
     Member{"robust_downweighted", &EstimationSummary::robust_downweighted},
+    Member{"robust_unsolved", &EstimationSummary::robust_unsolved},
     Member{"horizontal", &EstimationSummary::horizontal},
     Member{"vertical", &EstimationSummary::vertical}};
 

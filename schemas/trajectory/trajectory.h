@@ -117,6 +117,7 @@ struct EstimationSummary {
     double largest_velocity_difference_mps = 0.0;
     std::int64_t batch_stretches = 0;      ///< stretches the batch was solved in
     std::int64_t robust_downweighted = 0;  ///< epochs whose robust weight is below one half
+    std::int64_t robust_unsolved = 0;      ///< arcs whose robust batch did not converge
     std::optional<AxesEstimation> horizontal = std::nullopt;  ///< these since revision 1.1
     std::optional<AxesEstimation> vertical = std::nullopt;
 };

@@ -47,6 +47,11 @@ void set_outcome(const ClauseContext& context, ProfileVerdict& verdict) {
             "more than their uncertainty of {:.3f} km/h: screening may have kept a wrong epoch or "
             "rejected a right one.",
             robust->difference_mps * 3.6, robust->limit_mps * 3.6);
+    } else if (!robust && context.input.judged.estimation.robust_unsolved > 0) {
+        verdict.outcome = "not_certifiable";
+        verdict.reason =
+            "The robust estimate, which is the check on screening, did not converge over the "
+            "stretch of this window.";
     } else if (context.agreement && context.agreement->contradicts()) {
         verdict.outcome = "not_certifiable";
         verdict.reason = fmt::format(

@@ -38,7 +38,7 @@ struct CheckInput {
 /// Every requirement of each profile, met, not met or for a person to attest, and the outcome.
 ///
 /// not_certifiable if a requirement that the data decide, other than the margin, is not met, if
-/// there is no certifiable window, or if a robust estimate or the second receiver contradicts its
+/// there is no certifiable window, or if a robust estimate, or the lack of one, or the second receiver contradicts its
 /// speed; else by `decide` against the record, not_proven without one. The
 /// header is the caller's.
 Verdict check(const CheckInput& input);

@@ -119,10 +119,13 @@ RobustSolution<Axes> solve_robust(std::span<const ArcEpoch<Axes>> arc, const Est
     for (const Stretch& stretch : stretches) {
         BatchProblem<Axes> robust(stretch.of(arc), model, stretch.of(start), scale);
         const Convergence end = robust.solve(robust_iterations_allowed, function_tolerance);
-        if (!end.converged)
-            throw Failure(robust.where(), "the robust solution did not converge: " + end.message,
-                          "Screen the outliers of this stretch, or give the loss a larger scale");
         solution.iterations += end.iterations;
+        if (!end.converged) {
+            solution.states.clear();
+            solution.weights.clear();
+            solution.converged = false;
+            return solution;
+        }
         take<Axes>(stretch, robust.states(), solution.states);
     }
     for (std::size_t k = 0; k < arc.size(); ++k) {

@@ -64,6 +64,7 @@ struct RobustSolution {
     std::vector<std::optional<double>> weights;
     std::int64_t stretches = 1;
     std::int64_t iterations = 0;  ///< of all stretches together
+    bool converged = true;        ///< if not, states and weights are empty
 };
 
 /// The same problem with a Cauchy loss on each measurement's whitened residual r (all axes of an
@@ -71,7 +72,7 @@ struct RobustSolution {
 /// deviations. Not linear: iterated from `start` (one state for each epoch, such as the solution
 /// of the screened arc) until the cost changes by less than 1e-12 of itself.
 ///
-/// Throws Failure where that takes more than `robust_iterations_allowed`.
+/// Not converged where that takes more than `robust_iterations_allowed`.
 template <int Axes>
 RobustSolution<Axes> solve_robust(std::span<const ArcEpoch<Axes>> arc, const EstimationModel& model,
                                   double scale, std::span<const StateVector<Axes>> start,

@@ -139,6 +139,7 @@ void set_robust(const Arc<2>& arc, const SmoothedArc<2>& smoothed, const Estimat
     for (const StateEstimate<2>& state : smoothed.states)
         start.push_back(state.mean);
     const RobustSolution<2> robust = solve_robust<2>(arc.epochs, model, config.robust_scale, start);
+    if (!robust.converged) ++table.estimation.robust_unsolved;
     for (std::size_t k = 0; k < robust.states.size(); ++k) {
         TrajectoryEpoch& row = table.rows[arc.rows[k]];
         row.robust_east_m = robust.states[k](0);

@@ -106,7 +106,7 @@ TEST(BadNoise, StatedAccuraciesOfZeroAreNotCertifiable) {
     const Outcome outcome = certified(recording);
     EXPECT_EQ(outcome.exit_status, 1) << outcome.errors;
     EXPECT_EQ(outcome.profile()["outcome"].text(), "not_certifiable");
-    EXPECT_NE(outcome.profile()["reason"].text().find("stated accuracy"), std::string::npos)
+    EXPECT_NE(outcome.profile()["reason"].text().find("accuracy not stated"), std::string::npos)
         << outcome.profile()["reason"].text();
     EXPECT_FALSE(outcome.profile()["speed_km_h"].exists());
 }

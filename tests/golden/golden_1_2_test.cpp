@@ -129,6 +129,7 @@ TEST(Golden12, WhatOtherChecksFound) {
 TEST(Golden12, Trajectory) {
     const TrajectoryTable table = read_trajectory(text_of("v1.2/4-trajectory.ecsv"), "f");
     ASSERT_EQ(table.rows.size(), 5U);
+    EXPECT_EQ(table.estimation.robust_unsolved, 2);
     EXPECT_EQ(table.rows[0].step_before, false);
     EXPECT_EQ(table.rows[3].step_before, true);
     EXPECT_TRUE(table.rows[3].begins_after_step());

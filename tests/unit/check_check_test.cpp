@@ -142,6 +142,11 @@ TEST(Check, ARobustEstimateThatDisagreesIsNotCertifiable) {
     robust.agrees = true;
     scene.judged.windows.profiles[0].best->robust = robust;
     EXPECT_EQ(scene.verdict().outcome, "beaten");
+    scene.judged.windows.profiles[0].best->robust.reset();
+    scene.judged.estimation.robust_unsolved = 1;
+    const ProfileVerdict unsolved = scene.verdict();
+    EXPECT_EQ(unsolved.outcome, "not_certifiable");
+    EXPECT_NE(unsolved.reason.find("did not converge"), std::string::npos);
 }
 
 TEST(Check, TheStatementsStandInTheVerdict) {

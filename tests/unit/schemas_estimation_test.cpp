@@ -94,6 +94,7 @@ TrajectoryTable trajectory() {
     table.facts.time_resolution_s = 1e-9;
     table.estimation.batch_stretches = 4;
     table.estimation.robust_downweighted = 3;
+    table.estimation.robust_unsolved = 1;
     table.estimation.horizontal =
         AxesEstimation{fitted_noise(),
                        {900, 1.0125, 0.9, 1.1, 9, 2, 3, true, 0.5, -0.0125, true, 153.5, 2e-16, 2}};
@@ -113,6 +114,7 @@ TEST(TrajectoryEstimation, RoundTrips) {
     EXPECT_EQ(back.facts.time_resolution_s, 1e-9);
     EXPECT_EQ(back.estimation.batch_stretches, 4);
     EXPECT_EQ(back.estimation.robust_downweighted, 3);
+    EXPECT_EQ(back.estimation.robust_unsolved, 1);
     EXPECT_EQ(back.rows.at(0).robust_east_m, 1.000001);
     EXPECT_EQ(back.rows.at(0).robust_north_m, -2.5);
     EXPECT_EQ(back.rows.at(0).robust_weight, 0.0625);

@@ -137,7 +137,9 @@ TEST(TableRevision, AColumnOfThisRevisionMayBeMissingInAnEarlierOneOnly) {
     EXPECT_TRUE(failure_of([&] {
                     read_trajectory(text, "f");
                 }).contains("the column \"robust_weight\" is missing"));
-    const std::string newer = replaced(text, "version: \"1.1\"", "version: \"1.2\"");
+    const std::string newer =
+        replaced(replaced(text, "version: \"1.1\"", "version: \"1.2\""), "robust_downweighted: 1\n",
+                 "robust_downweighted: 1\n#     robust_unsolved: 0\n");
     EXPECT_TRUE(failure_of([&] {
                     read_trajectory(newer, "f");
                 }).contains("the column \"robust_weight\" is missing"));

@@ -3,9 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "estimation/diagnosis.h"
-#include "schemas/screened/screened.h"
-#include "stages/screen/test_plan.h"
+#include "stages/screen/stretch_tests.h"
 
 namespace runcert {
 
@@ -28,31 +26,10 @@ struct ArcDecisions {
     std::int64_t passes = 0;
 };
 
-/// A stretch of an arc that its breaks leave whole: what is tested together. Steps do not end it:
-/// the offset after each is an unknown.
-template <int Axes>
-struct TestedStretch {
-    std::size_t first = 0;               ///< epoch of the arc that `epochs` begins with
-    std::vector<ArcEpoch<Axes>> epochs;  ///< without the measurements left out
-};
-
 /// The stretches that decisions leave; they begin and end with a measurement.
 template <int Axes>
 std::vector<TestedStretch<Axes>> stretches_of(const std::vector<ArcEpoch<Axes>>& arc,
                                               const ArcDecisions& decisions);
-
-/// The estimate of an error, in the words of the evidence: m; m/s for a ramp; s for time stamps.
-template <int Axes>
-EstimatedError estimated_error(const ScoreTest<Axes>& test);
-template <int Axes>
-EstimatedError estimated_rate(const ScoreTest<Axes>& test);
-EstimatedError estimated_time(const ScoreTest<1>& test);
-
-/// For each epoch, by how much the innovations around it exceed the model: their median over 201
-/// epochs against the chi-squared median, at least 1. Robust: what is wrong with a few of them does
-/// not change it. Every statistic of the epoch is divided by it.
-template <int Axes>
-std::vector<double> local_variance_factors(const ArcDiagnosis<Axes>& diagnosis);
 
 /// Detection, identification, adaptation along an arc without a gap (every epoch measured): tests
 /// every hypothesis at every epoch, accepts the best supported ones (smallest tail probability;

@@ -1,0 +1,82 @@
+#include "stages/screen/stretch_tests.h"
+
+namespace runcert {
+
+template <int Axes>
+EstimatedError estimated_error(const ScoreTest<Axes>& test) {
+    const auto estimate = test.estimate();
+    const auto covariance = test.covariance();
+    EstimatedError error;
+    if constexpr (Axes == 1) {
+        error.up_m = estimate(0);
+        error.sigma_up_m = std::sqrt(covariance(0, 0));
+    } else {
+        error.east_m = estimate(0);
+        error.north_m = estimate(1);
+        error.sigma_east_m = std::sqrt(covariance(0, 0));
+        error.sigma_north_m = std::sqrt(covariance(1, 1));
+        error.correlation_east_north =
+            covariance(0, 1) / std::sqrt(covariance(0, 0) * covariance(1, 1));
+    }
+    return error;
+}
+
+template <int Axes>
+EstimatedError estimated_rate(const ScoreTest<Axes>& test) {
+    const auto estimate = test.estimate();
+    EstimatedError error;
+    if constexpr (Axes == 1) {
+        error.rate_up_mps = estimate(0);
+    } else {
+        error.rate_east_mps = estimate(0);
+        error.rate_north_mps = estimate(1);
+    }
+    return error;
+}
+
+EstimatedError estimated_time(const ScoreTest<1>& test) {
+    EstimatedError error;
+    error.time_s = test.estimate()(0);
+    return error;
+}
+
+template <int Axes>
+std::vector<double> local_variance_factors(const ArcDiagnosis<Axes>& diagnosis) {
+    constexpr std::size_t fewest = 30;
+    constexpr std::size_t local_epochs = 100;  // on each side
+    std::vector<double> statistics;
+    std::vector<std::size_t> before;  // statistics up to each epoch
+    for (std::size_t k = 0; k < diagnosis.size(); ++k) {
+        before.push_back(statistics.size());
+        if (const auto innovation = diagnosis.innovation(k)) statistics.push_back(*innovation);
+    }
+    std::vector<double> factors(diagnosis.size(), 1.0);
+    if (statistics.size() < fewest) return factors;
+    const double expected = chi_squared_quantile(0.5, Axes);
+    // Changes slowly: taken at every tenth epoch.
+    constexpr std::size_t every = 10;
+    double factor = 1.0;
+    for (std::size_t k = 0; k < diagnosis.size(); ++k) {
+        if (k % every == 0) {
+            const std::size_t middle = std::min(before[k], statistics.size() - 1);
+            const std::size_t first = middle < local_epochs ? 0 : middle - local_epochs;
+            const std::size_t last = std::min(statistics.size(), middle + local_epochs + 1);
+            std::vector<double> around(statistics.begin() + static_cast<std::ptrdiff_t>(first),
+                                       statistics.begin() + static_cast<std::ptrdiff_t>(last));
+            const auto half = around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2);
+            std::nth_element(around.begin(), half, around.end());
+            factor = std::max(1.0, *half / expected);
+        }
+        factors[k] = factor;
+    }
+    return factors;
+}
+
+#define RUNCERT_INSTANTIATE(AXES)                                    \
+    template EstimatedError estimated_error(const ScoreTest<AXES>&); \
+    template EstimatedError estimated_rate(const ScoreTest<AXES>&);  \
+    template std::vector<double> local_variance_factors(const ArcDiagnosis<AXES>&);
+RUNCERT_INSTANTIATE(1)
+RUNCERT_INSTANTIATE(2)
+
+}  // namespace runcert

@@ -1,0 +1,195 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "core/statistics.h"
+#include "estimation/diagnosis.h"
+#include "schemas/screened/screened.h"
+#include "stages/screen/test_plan.h"
+
+namespace runcert {
+
+/// A stretch of an arc that its breaks leave whole: what is tested together. Steps do not end it:
+/// the offset after each is an unknown.
+template <int Axes>
+struct TestedStretch {
+    std::size_t first = 0;               ///< epoch of the arc that `epochs` begins with
+    std::vector<ArcEpoch<Axes>> epochs;  ///< without the measurements left out
+};
+
+/// The estimate of an error, in the words of the evidence: m; m/s for a ramp; s for time stamps.
+template <int Axes>
+EstimatedError estimated_error(const ScoreTest<Axes>& test);
+template <int Axes>
+EstimatedError estimated_rate(const ScoreTest<Axes>& test);
+EstimatedError estimated_time(const ScoreTest<1>& test);
+
+/// For each epoch, by how much the innovations around it exceed the model: their median over 201
+/// epochs against the chi-squared median, at least 1. Robust: what is wrong with a few of them does
+/// not change it. Every statistic of the epoch is divided by it.
+template <int Axes>
+std::vector<double> local_variance_factors(const ArcDiagnosis<Axes>& diagnosis);
+
+/// A hypothesis of epochs `first` to `last` of a stretch, and how well it is supported.
+struct Candidate {
+    double log_tail = 0.0;
+    Hypothesis hypothesis = Hypothesis::outlier;
+    std::size_t first = 0;
+    std::size_t last = 0;
+    double statistic = 0.0;
+    int degrees_of_freedom = 1;
+};
+
+/// The tests of one stretch under the decisions so far.
+template <int Axes>
+class StretchTests {
+  public:
+    StretchTests(const TestedStretch<Axes>& stretch, const EstimationModel& model,
+                 const TestPlan& plan)
+        : stretch_(stretch),
+          plan_(plan),
+          diagnosis_(stretch.epochs, model),
+          factors_(local_variance_factors(diagnosis_)) {}
+
+    const ArcDiagnosis<Axes>& diagnosis() const { return diagnosis_; }
+
+    EstimatedError estimate_of(const Candidate& candidate) const {
+        switch (candidate.hypothesis) {
+            case Hypothesis::outlier:
+                return estimated_error(diagnosis_.outlier(candidate.first));
+            case Hypothesis::step:
+                return estimated_error(diagnosis_.step(candidate.first));
+            case Hypothesis::ramp:
+                return estimated_rate(diagnosis_.ramp(candidate.first));
+            case Hypothesis::time_shift:
+                return estimated_time(diagnosis_.time_shift(candidate.first).value());
+            default:
+                return {};  // each epoch of a burst has its own, once it is left out
+        }
+    }
+
+    double factor(std::size_t k) const { return factors_[k]; }
+
+    double sigma_rate_of(const Candidate& candidate) const {
+        if (candidate.hypothesis != Hypothesis::ramp) return 0.0;
+        return std::sqrt(diagnosis_.ramp(candidate.first).covariance().trace());
+    }
+
+    /// Every hypothesis whose test rejects the model.
+    std::vector<Candidate> candidates() const {
+        std::vector<Candidate> found;
+        const auto& epochs = stretch_.epochs;
+        for (std::size_t k = 0; k < epochs.size(); ++k) {
+            if (!epochs[k].measurement) continue;
+            consider(diagnosis_.outlier(k), largest_sigma_m, Hypothesis::outlier, k, k, found);
+            if (k == 0) continue;
+            if (!epochs[k].step_before) {
+                consider(diagnosis_.step(k), largest_sigma_m, Hypothesis::step, k, k, found);
+                if constexpr (Axes == 2)
+                    if (const auto test = diagnosis_.time_shift(k))
+                        consider(*test, largest_sigma_s, Hypothesis::time_shift, k, k, found);
+            }
+            consider(diagnosis_.ramp(k), largest_sigma_mps, Hypothesis::ramp, k, k, found);
+        }
+        diagnosis_.for_each_burst(plan_.burst_epochs_max(), [&](std::size_t k, std::size_t length,
+                                                                const ScoreTest<Axes>& test) {
+            consider(test, largest_sigma_m, Hypothesis::burst, k, k + length - 1, found);
+        });
+        return found;
+    }
+
+    /// The set of neighbouring epochs, each with an error of its own, that is better supported
+    /// than the candidate; the candidate itself if there is none. Grows from the candidate's epochs
+    /// to whichever side gains more.
+    Candidate best_set(const Candidate& candidate) const {
+        const double factor = factors_[candidate.first];
+        Candidate best = set_of(candidate.first, candidate.last, factor);
+        Candidate grown = best;
+        // Some growth without a gain is looked over: an epoch between two wrong ones may be good.
+        constexpr int patience = 3;
+        for (int without_gain = 0; without_gain < patience;) {
+            if (grown.last - grown.first + 1 >= plan_.burst_epochs_max()) break;
+            std::optional<Candidate> next;
+            if (grown.first > 0) next = set_of(grown.first - 1, grown.last, factor);
+            if (grown.last + 1 < stretch_.epochs.size()) {
+                const Candidate right = set_of(grown.first, grown.last + 1, factor);
+                if (!next || right.log_tail < next->log_tail) next = right;
+            }
+            if (!next) break;
+            grown = *next;
+            without_gain = grown.log_tail < best.log_tail ? 0 : without_gain + 1;
+            if (without_gain == 0) best = grown;
+        }
+        return best.log_tail < candidate.log_tail ? best : candidate;
+    }
+
+    /// The shortest span whose innovations are together too large, the worst of that length.
+    std::optional<Candidate> failing_span() const {
+        for (const std::size_t length : span_lengths) {
+            std::optional<Candidate> worst;
+            double sum = 0.0;
+            std::vector<std::pair<std::size_t, double>> window;  // epochs with an innovation
+            std::size_t begin = 0;
+            for (std::size_t k = 0; k < diagnosis_.size(); ++k) {
+                const auto innovation = diagnosis_.innovation(k);
+                if (!innovation) continue;
+                window.emplace_back(k, *innovation / factors_[k]);
+                sum += window.back().second;
+                if (window.size() - begin > length) sum -= window[begin++].second;
+                if (window.size() - begin < length) continue;
+                const int degrees = static_cast<int>(length) * Axes;
+                if (sum > plan_.critical(degrees) && (!worst || sum > worst->statistic))
+                    worst = Candidate{.log_tail = log_chi_squared_upper_tail(sum, degrees),
+                                      .hypothesis = Hypothesis::model,
+                                      .first = window[begin].first,
+                                      .last = k,
+                                      .statistic = sum,
+                                      .degrees_of_freedom = degrees};
+            }
+            if (worst) return worst;
+        }
+        return std::nullopt;
+    }
+
+  private:
+    // An error of which the data tell less than this has no test: the vague prior would decide it.
+    static constexpr double largest_sigma_m = 20.0;
+    static constexpr double largest_sigma_mps = 20.0;
+    static constexpr double largest_sigma_s = 1.0;
+
+    template <int Size>
+    void consider(const ScoreTest<Size>& test, double largest_sigma, Hypothesis hypothesis,
+                  std::size_t first, std::size_t last, std::vector<Candidate>& found) const {
+        const double statistic = test.statistic() / factors_[first];
+        if (!(statistic > plan_.critical(Size))) return;
+        if (!(test.covariance().trace() < Size * largest_sigma * largest_sigma)) return;
+        found.push_back({.log_tail = log_chi_squared_upper_tail(statistic, Size),
+                         .hypothesis = hypothesis,
+                         .first = first,
+                         .last = last,
+                         .statistic = statistic,
+                         .degrees_of_freedom = Size});
+    }
+
+    Candidate set_of(std::size_t first, std::size_t last, double variance_factor) const {
+        const SetTest test = diagnosis_.own_errors(first, last);
+        if (test.degrees_of_freedom == 0) return {.first = first, .last = last};
+        const double statistic = test.statistic / variance_factor;
+        return {.log_tail = log_chi_squared_upper_tail(statistic, test.degrees_of_freedom),
+                .hypothesis = first == last ? Hypothesis::outlier : Hypothesis::burst,
+                .first = first,
+                .last = last,
+                .statistic = statistic,
+                .degrees_of_freedom = test.degrees_of_freedom};
+    }
+
+    const TestedStretch<Axes>& stretch_;
+    const TestPlan& plan_;
+    ArcDiagnosis<Axes> diagnosis_;
+    std::vector<double> factors_;
+};
+
+}  // namespace runcert

@@ -7,6 +7,7 @@
 #include <map>
 #include <numbers>
 
+#include "core/failure.h"
 #include "core/uncertainty.h"
 #include "parallel.h"
 #include "stages/smooth/smooth.h"
@@ -96,8 +97,8 @@ void record_velocities(const SimulatedRecording& recording,
     }
 }
 
-void judge_window(const CertifiableWindow& best, const Profile& profile, double true_mps,
-                  CertifiedRun& run) {
+void judge_window(const CertifiableWindow& best, const EstimationSummary& estimation,
+                  const Profile& profile, double true_mps, CertifiedRun& run) {
     run.error_mps = best.speed_mps - true_mps;
     run.expanded_mps =
         equivalent_coverage_factor(profile.coverage_factor, best.effective_degrees_of_freedom) *
@@ -106,10 +107,22 @@ void judge_window(const CertifiableWindow& best, const Profile& profile, double 
         run.undetected_mps = std::max(run.undetected_mps, error.speed_mps);
     run.first_epoch = best.span.first_epoch;
     using Outcome = CertifiedRun::Outcome;
-    run.outcome = best.robust && !best.robust->agrees ? Outcome::robust_refused
+    const bool robust_agrees = best.robust ? best.robust->agrees : estimation.robust_unsolved == 0;
+    run.outcome = !robust_agrees ? Outcome::robust_refused
                   : run.expanded_mps > profile.accuracy_limit_mps.value()
                       ? Outcome::accuracy_refused
                       : Outcome::certified;
+}
+
+/// Smoothing and window search.
+void certify(const ScreenedTable& screened, const SimulatedRecording& recording,
+             const Profile& profile, CertifiedRun& run) {
+    const TrajectoryTable trajectory = smooth_trajectory(screened, smooth_config(study_attempt()));
+    const WindowConfig config = window_config(study_attempt(), study_attempt().receivers.front());
+    const Windows windows = find_windows(screened, trajectory, {profile}, config);
+    if (const auto& best = windows.profiles.front().best)
+        judge_window(*best, trajectory.estimation, profile,
+                     true_speed(recording, run.errors, best->span), run);
 }
 
 std::string kind_of(const CertifiedRun& run) {
@@ -117,7 +130,7 @@ std::string kind_of(const CertifiedRun& run) {
 }
 
 struct KindCount {
-    std::int64_t runs = 0, no_window = 0, robust = 0, accuracy = 0;
+    std::int64_t runs = 0, no_window = 0, robust = 0, accuracy = 0, failed = 0;
     std::int64_t certified = 0, missed = 0, far = 0, unstated = 0;
     double largest_mps = 0.0;
 
@@ -127,6 +140,7 @@ struct KindCount {
         if (run.outcome == Outcome::no_window) ++no_window;
         if (run.outcome == Outcome::robust_refused) ++robust;
         if (run.outcome == Outcome::accuracy_refused) ++accuracy;
+        if (run.outcome == Outcome::failed) ++failed;
         if (run.outcome != Outcome::certified) return;
         ++certified;
         if (run.missed()) ++missed;
@@ -135,9 +149,9 @@ struct KindCount {
         largest_mps = std::max(largest_mps, std::abs(run.error_mps));
     }
     std::string line(const std::string& name) const {
-        return fmt::format("{:<11} {:6} {:10} {:7} {:9} {:10} {:8} {:11} {:9} {:9.3f}\n", name,
-                           runs, no_window, robust, accuracy, certified, missed, far, unstated,
-                           largest_mps * 3.6);
+        return fmt::format("{:<11} {:6} {:10} {:7} {:9} {:7} {:10} {:8} {:11} {:9} {:9.3f}\n", name,
+                           runs, no_window, robust, accuracy, failed, certified, missed, far,
+                           unstated, largest_mps * 3.6);
     }
 };
 
@@ -195,11 +209,12 @@ CertifiedRun certify_run(std::uint64_t seed, std::optional<double> velocity_nois
         record_velocities(recording, run.errors, *velocity_noise_mps, random, measured);
     const ScreenedTable screened = screen(measured, study_screen_config());
     if (summarise(screened.rows).usable == 0) return run;
-    const TrajectoryTable trajectory = smooth_trajectory(screened, smooth_config(study_attempt()));
-    const WindowConfig config = window_config(study_attempt(), study_attempt().receivers.front());
-    const Windows windows = find_windows(screened, trajectory, {profile}, config);
-    if (const auto& best = windows.profiles.front().best)
-        judge_window(*best, profile, true_speed(recording, run.errors, best->span), run);
+    try {
+        certify(screened, recording, profile, run);
+    } catch (const Failure& failure) {
+        run.outcome = CertifiedRun::Outcome::failed;
+        run.failure = failure.what();
+    }
     return run;
 }
 
@@ -215,14 +230,18 @@ std::string false_records_table(const std::vector<CertifiedRun>& runs) {
     std::map<std::string, KindCount> kinds;
     KindCount all;
     std::vector<const CertifiedRun*> worst;
+    std::string failures;
     for (const CertifiedRun& run : runs) {
         kinds[kind_of(run)].add(run);
         all.add(run);
         if (run.missed()) worst.push_back(&run);
+        if (!run.failure.empty()) failures += fmt::format("  seed {}: {}\n", run.seed, run.failure);
     }
     std::string text =
-        "                              refused by          of these the interval misses the truth\n"
-        "errors        runs  no window  robust  accuracy  certified      all  > 0.8 km/h  unstated "
+        "                              refused by                  of these the interval misses "
+        "the truth\n"
+        "errors        runs  no window  robust  accuracy  failed  certified      all  > 0.8 km/h  "
+        "unstated "
         " "
         "largest error, km/h\n";
     for (const auto& [kind, count] : kinds)
@@ -231,6 +250,7 @@ std::string false_records_table(const std::vector<CertifiedRun>& runs) {
     std::stable_sort(worst.begin(), worst.end(), [](const auto* a, const auto* b) {
         return std::abs(a->error_mps) - a->expanded_mps > std::abs(b->error_mps) - b->expanded_mps;
     });
+    if (!failures.empty()) text += "Failed:\n" + failures;
     if (!worst.empty()) text += "Furthest off:\n";
     for (std::size_t i = 0; i < std::min(shown, worst.size()); ++i)
         text += run_line(*worst[i]);

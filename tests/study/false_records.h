@@ -16,8 +16,9 @@ struct CertifiedRun {
     double jerk_density = 0.0;
     std::vector<SupposedError> errors;  ///< one kind only; none of a clean run
 
-    enum class Outcome { certified, no_window, accuracy_refused, robust_refused };
+    enum class Outcome { certified, no_window, accuracy_refused, robust_refused, failed };
     Outcome outcome = Outcome::no_window;
+    std::string failure;          ///< what a stage said that could not do it
     double error_mps = 0.0;       ///< certified speed less the true one of the same window
     double expanded_mps = 0.0;    ///< expanded uncertainty, coverage factor 2
     double undetected_mps = 0.0;  ///< stated: what an error too small to be found does to the speed

@@ -12,6 +12,15 @@ if(RUNCERT_SANITIZE)
     -Wno-maybe-uninitialized)
   target_link_options(runcert_options INTERFACE -fsanitize=address,undefined)
 endif()
+if(RUNCERT_FUZZ)
+  if(NOT CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+    message(FATAL_ERROR "RUNCERT_FUZZ needs clang: cmake --preset fuzz")
+  endif()
+  target_compile_options(runcert_options INTERFACE
+    -fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_compile_definitions(runcert_options INTERFACE _GLIBCXX_ASSERTIONS)
+  target_link_options(runcert_options INTERFACE -fsanitize=address,undefined)
+endif()
 
 # runcert_module(NAME core SOURCES a.cpp DEPENDS core PUBLIC Eigen3::Eigen PRIVATE fmt::fmt)
 #

@@ -183,7 +183,7 @@ Json frame_json(const ReportInputs& inputs) {
 Json receiver_json(const ReceiverResults& results, const Receiver& receiver) {
     const Observations& observations = results.observations;
     Json json{{"receiver", receiver.id},
-              {"recording", receiver.recording.substr(receiver.recording.find_last_of('/') + 1)},
+              {"recording", recording_names(receiver)},
               {"format", observations.format},
               {"coordinates", observations.frame},
               {"time_scale", observations.time_scale},

@@ -18,8 +18,11 @@ ReceiverResults gather_receiver(StageRun& run, const Receiver& receiver) {
     const auto name = [&](std::string_view stem, std::string_view extension) {
         return product_file(run.attempt(), receiver, stem, extension);
     };
-    run.note_file("recording", evidence_recording_file(receiver),
-                  std::filesystem::path(receiver.recording).filename().string());
+    for (const EvidenceFile& file : evidence_files(receiver))
+        run.note_file(file.role, file.name,
+                      std::filesystem::path(file.original).filename().string());
+    for (const EvidenceFile& file : solution_files(receiver))
+        run.note_file(file.role, file.name);
     ReceiverResults results;
     results.observations =
         run.read("observations", name("1-observations", "ecsv"), read_observations);

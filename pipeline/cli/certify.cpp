@@ -105,7 +105,7 @@ void print_stage(const StageDone& stage) {
 
 int certify(const CertifyOptions& options) {
     const std::time_t started = std::time(nullptr);
-    const Attempt attempt = read_attempt(read_file(options.attempt), options.attempt);
+    const Attempt attempt = read_attempt(read_handwritten(options.attempt), options.attempt);
     std::optional<SecretKey> key;
     if (!options.key.empty()) key = load_secret_key(options.key);
     const fs::path run_dir =
@@ -157,8 +157,8 @@ void add_certify(CLI::App& app, Command& chosen) {
     command->add_flag("--no-render", options->no_render, "stop after report.json: no HTML, no PDF");
     command->footer(fmt::format(
         "Exit status: 0 every profile says beaten, 1 one does not, 2 it could not be done.\n\n"
-        "An attempt (schema attempt/1.2; examples/ has some that run as they are):\n\n"
-        "  schema: attempt/1.2\n"
+        "An attempt (schema attempt/1.3; examples/ has some that run as they are):\n\n"
+        "  schema: attempt/1.3\n"
         "  id: lake-run-1\n"
         "  craft: {{name: yacht, class: land-yacht}}\n"
         "  officials: [{{role: measurer}}]\n"

@@ -44,11 +44,11 @@ Json receiver_of(const SimulationSpec& spec) {
     return receiver;
 }
 
-/// The attempt that certifies the recording as it stands. What attempt/1.2 refuses of the spec's
+/// The attempt that certifies the recording as it stands. What attempt/1.3 refuses of the spec's
 /// own part is a Failure at that part.
 std::string attempt_text(const SimulationDocument& simulation) {
     const SimulationSpec& spec = simulation.spec;
-    Json attempt = {{"schema", "attempt/1.2"}};
+    Json attempt = {{"schema", "attempt/1.3"}};
     const auto take = [&](std::initializer_list<const char*> keys) {
         for (const char* key : keys)
             if (simulation.attempt.contains(key)) attempt[key] = simulation.attempt[key];
@@ -88,7 +88,7 @@ void write_new_files(const fs::path& folder, const std::vector<NewFile>& files) 
 }
 
 int simulate_to_folder(const std::string& spec_file, const fs::path& folder) {
-    const SimulationDocument simulation = read_simulation(read_file(spec_file), spec_file);
+    const SimulationDocument simulation = read_simulation(read_handwritten(spec_file), spec_file);
     const SimulationSpec& spec = simulation.spec;
     const std::vector<SimulatedEpoch> epochs = simulate(spec);
     write_new_files(folder, {{recording_name(spec), spec.place ? rtklib_pos_text(spec, epochs)

@@ -32,7 +32,7 @@ int verify(const VerifyOptions& options) {
                       "Give the folder of a certified run");
     std::optional<PublicKey> key;
     if (!options.public_key.empty())
-        key = parse_public_key(read_file(options.public_key), options.public_key);
+        key = parse_public_key(read_handwritten(options.public_key), options.public_key);
     bool passed = print_step(verify_files(run_dir));
     passed = print_step(verify_chain(run_dir)) && passed;
     passed = print_step(verify_signature(run_dir, key)) && passed;

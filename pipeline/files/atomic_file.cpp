@@ -1,6 +1,7 @@
 #include "files/atomic_file.h"
 
 #include <fcntl.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -153,6 +154,28 @@ int open_regular(const fs::path& path) {
 
 }  // namespace
 
+FileView::FileView(const fs::path& path) {
+    const Descriptor file(open_regular(path));
+    struct stat status {};
+    if (::fstat(file.number(), &status) != 0) fail(path, "cannot read this file", errno);
+    size_ = static_cast<std::size_t>(status.st_size);
+    void* mapped =
+        size_ == 0 ? MAP_FAILED : ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file.number(), 0);
+    if (mapped == MAP_FAILED)
+        text_ = read_file(path);
+    else
+        mapped_ = static_cast<const char*>(mapped);
+}
+
+FileView::FileView(FileView&& other) noexcept
+    : mapped_(std::exchange(other.mapped_, nullptr)),
+      size_(std::exchange(other.size_, 0)),
+      text_(std::move(other.text_)) {}
+
+FileView::~FileView() {
+    if (mapped_) ::munmap(const_cast<char*>(mapped_), size_);
+}
+
 void read_pieces(const fs::path& path, const std::function<void(std::string_view)>& take) {
     const Descriptor file(open_regular(path));
     std::vector<char> buffer(std::size_t{1} << 20);
@@ -168,6 +191,19 @@ void read_pieces(const fs::path& path, const std::function<void(std::string_view
 std::string read_file(const fs::path& path) {
     std::string bytes;
     read_pieces(path, [&bytes](std::string_view piece) { bytes.append(piece); });
+    return bytes;
+}
+
+std::string read_handwritten(const fs::path& path) {
+    std::string bytes;
+    read_pieces(path, [&](std::string_view piece) {
+        bytes.append(piece);
+        if (bytes.size() > longest_handwritten)
+            throw Failure(path.string(),
+                          "the file is longer than " + std::to_string(longest_handwritten) +
+                              " bytes, and so no text that was written by hand",
+                          "Check that it is the file you mean");
+    });
     return bytes;
 }
 

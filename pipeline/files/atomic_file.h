@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -15,6 +16,33 @@ enum class FileAccess { by_umask, owner_only };
 /// Failure where it is missing, unreadable, or not a regular file: a folder, a pipe or a device
 /// is refused at once, never waited for.
 std::string read_file(const std::filesystem::path& path);
+
+/// The longest text that people write by hand: attempts, profiles, keys. 1 MiB, in bytes.
+inline constexpr std::size_t longest_handwritten = std::size_t{1} << 20;
+
+/// The same of a text that people write by hand. Failure also where it is longer than any is: it
+/// is then another file, and is not read into memory.
+std::string read_handwritten(const std::filesystem::path& path);
+
+/// The contents of a file, for reading large ones without holding them in memory: mapped, or read
+/// where its file system cannot map. A file must not be shortened while it is read.
+class FileView {
+  public:
+    /// Failures as for read_file.
+    explicit FileView(const std::filesystem::path& path);
+    ~FileView();
+    FileView(FileView&& other) noexcept;
+    FileView& operator=(FileView&&) = delete;
+    FileView(const FileView&) = delete;
+    FileView& operator=(const FileView&) = delete;
+
+    std::string_view bytes() const { return mapped_ ? std::string_view(mapped_, size_) : text_; }
+
+  private:
+    const char* mapped_ = nullptr;
+    std::size_t size_ = 0;
+    std::string text_;
+};
 
 /// Gives the contents of a file to `take`, in order, in pieces of at most 1 MiB.
 /// Failures as for read_file; what `take` throws passes through.

@@ -3,55 +3,116 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <system_error>
 
 #include "core/failure.h"
+#include "core/text.h"
 #include "files/atomic_file.h"
 
 namespace runcert {
 
-std::string evidence_recording_file(const Receiver& receiver) {
-    std::string extension = std::filesystem::path(receiver.recording).extension().string();
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The extension of a file's name, with its point; ".dat" for one that is not plain.
+std::string plain_extension(const std::string& original) {
+    const std::string extension = fs::path(original).extension().string();
     const bool plain =
         extension.size() > 1 && extension.size() <= 9 &&
         std::all_of(extension.begin() + 1, extension.end(), [](char c) {
             return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
         });
-    return fmt::format("recording.{}{}", receiver.id, plain ? extension : ".dat");
+    return plain ? extension : ".dat";
+}
+
+/// The path of a file that the attempt names, which must be inside the attempt's folder.
+fs::path inside_folder(const std::string& named, const fs::path& attempt_file,
+                       const std::string& place) {
+    if (named.find('\0') != std::string::npos)  // where the system takes a path to end
+        throw Failure(
+            place, fmt::format("\"{}\" is not a path: it holds a NUL", escape_for_message(named)),
+            "Write the file's name as it is");
+    const fs::path folder = fs::weakly_canonical(fs::absolute(attempt_file).parent_path());
+    std::error_code error;
+    const fs::path path = fs::weakly_canonical(folder / named, error);
+    if (error)
+        throw Failure(place,
+                      fmt::format("\"{}\" is not a file that can be found: {}",
+                                  escape_for_message(named), error.message()),
+                      "Correct its name, which is relative to the attempt's folder");
+    const auto [end, rest] = std::mismatch(folder.begin(), folder.end(), path.begin(), path.end());
+    if (end == folder.end()) return attempt_file.parent_path() / named;
+    throw Failure(
+        place,
+        fmt::format("\"{}\" is outside of the attempt's folder{}", escape_for_message(named),
+                    fs::path(named).is_absolute() || named.find("..") != std::string::npos
+                        ? ""
+                        : ", by a symbolic link"),
+        "Copy the file into the attempt's folder, and name it relative to that");
+}
+
+}  // namespace
+
+std::vector<EvidenceFile> evidence_files(const Receiver& receiver) {
+    std::vector<EvidenceFile> files;
+    const auto add = [&](const std::string& role, const std::vector<std::string>& originals) {
+        for (std::size_t i = 0; i < originals.size(); ++i)
+            files.push_back(
+                {.role = role,
+                 .original = originals[i],
+                 .name = fmt::format("{}.{}{}{}", role, receiver.id,
+                                     originals.size() == 1 ? "" : fmt::format(".{}", i + 1),
+                                     plain_extension(originals[i]))});
+    };
+    add("recording", receiver.recordings);
+    if (!receiver.base.empty()) add("base", {receiver.base});
+    add("navigation", receiver.navigation);
+    return files;
+}
+
+std::vector<EvidenceFile> solution_files(const Receiver& receiver) {
+    if (receiver.base.empty()) return {};
+    return {{"configuration", {}, fmt::format("rtklib.{}.conf", receiver.id)},
+            {"forward", {}, fmt::format("forward.{}.pos", receiver.id)},
+            {"backward", {}, fmt::format("backward.{}.pos", receiver.id)}};
 }
 
 std::string evidence_profile_file(const std::string& claimed) {
     return fmt::format("profile.{}.yaml", profile_name(claimed));
 }
 
-std::string find_recording(const Receiver& receiver, const std::filesystem::path& attempt_file,
-                           const std::optional<std::filesystem::path>& evidence) {
-    const std::filesystem::path path = evidence ? *evidence / evidence_recording_file(receiver)
-                                                : attempt_file.parent_path() / receiver.recording;
-    if (!std::filesystem::exists(path))
-        throw Failure(receiver.place,
-                      fmt::format("the recording \"{}\" of receiver \"{}\" does not exist (looked "
-                                  "for {})",
-                                  receiver.recording, receiver.id, path.string()),
-                      "Correct `recording:`, which is relative to the attempt's folder");
-    return read_file(path);
+FileView open_evidence(const EvidenceFile& file, const Receiver& receiver,
+                       const std::filesystem::path& attempt_file,
+                       const std::optional<std::filesystem::path>& evidence) {
+    const fs::path path = evidence ? *evidence / file.name
+                                   : inside_folder(file.original, attempt_file, receiver.place);
+    if (!fs::exists(path))
+        throw Failure(
+            receiver.place,
+            fmt::format("the {} \"{}\" of receiver \"{}\" does not exist (looked "
+                        "for {})",
+                        file.role, escape_for_message(file.original), receiver.id, path.string()),
+            fmt::format("Correct `{}:`, which is relative to the attempt's folder", file.role));
+    return FileView(path);
 }
 
 std::string find_profile(const std::string& claimed, const std::filesystem::path& attempt_file,
                          const std::optional<std::filesystem::path>& evidence) {
-    if (evidence) return read_file(*evidence / evidence_profile_file(claimed));
+    if (evidence) return read_handwritten(*evidence / evidence_profile_file(claimed));
     if (const std::string_view text = builtin_profile(claimed); !text.empty())
         return std::string(text);
-    const std::filesystem::path path = attempt_file.parent_path() / claimed;
+    const fs::path path = inside_folder(claimed, attempt_file, attempt_file.string());
     if (!claimed.ends_with(".yaml") || !std::filesystem::exists(path))
         throw Failure(attempt_file.string(), fmt::format("there is no profile \"{}\"", claimed),
                       "Use nalsa or fisly, or give the path of a profile file (.yaml) relative to "
                       "the attempt's folder");
-    return read_file(path);
+    return read_handwritten(path);
 }
 
 Profile read_claimed_profile(const std::filesystem::path& run_dir, const std::string& claimed) {
     const std::filesystem::path path = run_dir / evidence_profile_file(claimed);
-    Profile profile = read_profile(read_file(path), path.string());
+    Profile profile = read_profile(read_handwritten(path), path.string());
     if (profile.id != profile_name(claimed))
         throw Failure(path.string(),
                       fmt::format("the profile's id is \"{}\", its file is named \"{}\"",

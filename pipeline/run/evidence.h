@@ -4,7 +4,9 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
+#include "files/atomic_file.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/profile/profile.h"
 
@@ -13,17 +15,34 @@ namespace runcert {
 /// The attempt's name in a run folder.
 inline constexpr std::string_view evidence_attempt_file = "attempt.yaml";
 
-/// A receiver's recording in a run folder: "recording.ID" and the recording's own extension.
-std::string evidence_recording_file(const Receiver& receiver);
+/// A file that a receiver's recording consists of.
+struct EvidenceFile {
+    std::string role;      ///< "recording", or of RINEX "base", "navigation"
+    std::string original;  ///< as the attempt names it
+    /// In a run folder: "ROLE.ID", the number where there are several of the role, and the
+    /// original's own extension ("recording.primary.pos", "recording.primary.2.nmea").
+    std::string name;
+};
+
+/// All of a receiver's files: its recordings in order, then base, then navigation.
+std::vector<EvidenceFile> evidence_files(const Receiver& receiver);
+
+/// What RTKLIB makes of a RINEX receiver's files, in the run folder too: its configuration, the
+/// forward and the backward solution, with the roles "configuration", "forward", "backward" and no
+/// originals. None for other receivers.
+std::vector<EvidenceFile> solution_files(const Receiver& receiver);
 
 /// A claimed profile in a run folder: "profile.NAME.yaml".
 std::string evidence_profile_file(const std::string& claimed);
 
 /// What the attempt names, found where it says or, with `evidence`, in a run folder made earlier.
 ///
-/// A missing file is a Failure that names the place in the attempt.
-std::string find_recording(const Receiver& receiver, const std::filesystem::path& attempt_file,
-                           const std::optional<std::filesystem::path>& evidence);
+/// A missing file is a Failure that names the place in the attempt; so is one outside of the
+/// attempt's folder, by its path or by a symbolic link: whoever sends an attempt must not learn
+/// what else is on the machine, nor have it published in a run folder.
+FileView open_evidence(const EvidenceFile& file, const Receiver& receiver,
+                       const std::filesystem::path& attempt_file,
+                       const std::optional<std::filesystem::path>& evidence);
 std::string find_profile(const std::string& claimed, const std::filesystem::path& attempt_file,
                          const std::optional<std::filesystem::path>& evidence);
 

@@ -56,7 +56,7 @@ std::string ask(const std::string& question) {
 }  // namespace
 
 SecretKey load_secret_key(const std::filesystem::path& path) {
-    const std::string text = read_file(path);
+    const std::string text = read_handwritten(path);
     if (!secret_key_is_encrypted(text)) return parse_secret_key(text, std::nullopt, path.string());
     return parse_secret_key(text, ask(fmt::format("password of {}", path.string())), path.string());
 }

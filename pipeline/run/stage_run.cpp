@@ -27,7 +27,7 @@ StageRun::StageRun(std::string stage, const std::filesystem::path& attempt_file,
     : stage_(std::move(stage)),
       attempt_path_(attempt_file),
       run_dir_(std::move(run_dir)),
-      attempt_text_(read_file(attempt_file)),
+      attempt_text_(read_handwritten(attempt_file)),
       attempt_(read_attempt(attempt_text_, attempt_file.string())) {
     make_directory(run_dir_);
 }

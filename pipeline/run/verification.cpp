@@ -127,7 +127,7 @@ VerificationStep verify_signature(const fs::path& run_dir, const std::optional<P
     }
     try {
         const SignatureCheck check = check_signature(read_file(run_dir / "report.json"),
-                                                     read_file(file), *key, file.string());
+                                                     read_handwritten(file), *key, file.string());
         step.passed = check.valid;
         step.finding = check.valid
                            ? fmt::format("report.json was signed by the key {}", key_id_text(*key))

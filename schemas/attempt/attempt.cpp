@@ -62,19 +62,62 @@ void read_frame(const YamlValue& entry, Receiver& receiver) {
     receiver.frame = value;
 }
 
+Geodetic read_geodetic(const YamlValue& map) {
+    return {.latitude = Angle::from_degrees(map["latitude_deg"].real()),
+            .longitude = Angle::from_degrees(map["longitude_deg"].real()),
+            .height_m = map["height_m"].real()};
+}
+
+/// The name of a file, or a list of such names.
+std::vector<std::string> read_files(const YamlValue& value, const std::string& remedy) {
+    std::vector<std::string> files;
+    const auto add = [&](const YamlValue& one) {
+        files.push_back(one.text());
+        if (files.back().empty()) one.fail("is empty", remedy);
+    };
+    if (value.is_list())
+        for (const YamlValue& one : value.list())
+            add(one);
+    else
+        add(value);
+    if (files.empty()) value.fail("names no file", remedy);
+    return files;
+}
+
+std::string read_date(const YamlValue& value) {
+    if (!value.exists()) return {};
+    std::string date = value.text();
+    try {
+        if (date.size() != 10 || date[4] != '-') throw Failure("", "", "");
+        (void)parse_gps_iso(date + "T00:00:00");
+    } catch (const Failure&) {
+        value.fail(fmt::format("\"{}\" is not a date", escape_for_message(date)),
+                   "Write it as YYYY-MM-DD");
+    }
+    return date;
+}
+
 Receiver read_receiver(const YamlValue& entry) {
     Receiver receiver;
     receiver.id = read_id(entry["id"]);
-    receiver.recording = entry["recording"].text();
-    if (receiver.recording.empty())
-        entry["recording"].fail("is empty", "Name the recording's file");
+    receiver.recordings = read_files(entry["recording"], "Name the recording's file");
     receiver.format = entry["format"].text_or(default_text("receivers[].format"));
+    receiver.gpsbabel_type = entry["gpsbabel_type"].text_or("");
+    receiver.base = entry["base"].text_or("");
+    if (entry["navigation"].exists())
+        receiver.navigation = read_files(entry["navigation"], "Name the navigation file");
+    if (entry["base_position"].exists())
+        receiver.base_position = read_geodetic(entry["base_position"]);
+    receiver.solution_pass =
+        entry["solution_pass"].text_or(default_text("receivers[].solution_pass"));
     read_frame(entry, receiver);
     for (const std::string& key : entry["columns"].keys())
         if (entry["columns"][key].exists()) receiver.columns[key] = entry["columns"][key].text();
     receiver.time_format = entry["time_format"].text_or(default_text("receivers[].time_format"));
     receiver.time_scale = entry["time_scale"].text_or(default_text("receivers[].time_scale"));
     receiver.delimiter = entry["delimiter"].text_or(default_text("receivers[].delimiter"));
+    receiver.utc_offset_h = entry["utc_offset_h"].optional_real();
+    receiver.start_date = read_date(entry["start_date"]);
     receiver.start_gps = read_gps_time(entry["start_gps"]);
     receiver.height_m = entry["height_m"].optional_real();
     if (const YamlValue accuracy = entry["accuracy"]; accuracy.exists())
@@ -106,19 +149,6 @@ std::vector<Receiver> read_receivers(const YamlValue& list) {
         list.fail(fmt::format("{} receivers are listed", receivers.size()),
                   "List one receiver, or a primary and a secondary one");
     return receivers;
-}
-
-std::string read_date(const YamlValue& value) {
-    if (!value.exists()) return {};
-    std::string date = value.text();
-    try {
-        if (date.size() != 10 || date[4] != '-') throw Failure("", "", "");
-        (void)parse_gps_iso(date + "T00:00:00");
-    } catch (const Failure&) {
-        value.fail(fmt::format("\"{}\" is not a date", escape_for_message(date)),
-                   "Write it as YYYY-MM-DD");
-    }
-    return date;
 }
 
 void resolve_parameters(const YamlValue& document, Attempt& attempt) {
@@ -180,6 +210,13 @@ const DocumentSchema& attempt_schema() {
     return schema;
 }
 
+std::string recording_names(const Receiver& receiver) {
+    std::string names;
+    for (const std::string& recording : receiver.recordings)
+        names += (names.empty() ? "" : ", ") + recording.substr(recording.find_last_of('/') + 1);
+    return names;
+}
+
 std::string profile_name(const std::string& claimed) {
     std::string name = claimed.substr(claimed.find_last_of('/') + 1);
     if (name.ends_with(".yaml")) name.resize(name.size() - 5);
@@ -189,12 +226,12 @@ std::string profile_name(const std::string& claimed) {
 Attempt read_attempt(std::string_view text, const std::string& where) {
     const YamlValue document(parse_yaml(text, where), where);
     if (!document.is_map())
-        document.fail("this is not an attempt", "An attempt begins with \"schema: attempt/1.2\"");
+        document.fail("this is not an attempt", "An attempt begins with \"schema: attempt/1.3\"");
     const std::optional<std::int64_t> revision = written_revision(document, attempt_schema());
     if (!revision)
         (document["schema"].exists() ? document["schema"] : document)
             .fail("the file does not say that it follows " + known_revisions(attempt_schema()),
-                  "An attempt begins with \"schema: attempt/1.2\"");
+                  "An attempt begins with \"schema: attempt/1.3\"");
     validate_revision(document, attempt_schema(), *revision);
 
     Attempt attempt;
@@ -209,9 +246,7 @@ Attempt read_attempt(std::string_view text, const std::string& where) {
                                      .key = official["key"].text_or("")});
     attempt.receivers = read_receivers(document["receivers"]);
     if (const YamlValue origin = document["origin"]; origin.exists())
-        attempt.origin = Geodetic{.latitude = Angle::from_degrees(origin["latitude_deg"].real()),
-                                  .longitude = Angle::from_degrees(origin["longitude_deg"].real()),
-                                  .height_m = origin["height_m"].real()};
+        attempt.origin = read_geodetic(origin);
     if (const YamlValue record = document["record"]; record.exists())
         attempt.record = Record{.speed = record["speed"].real(),
                                 .unit = record["unit"].text(),

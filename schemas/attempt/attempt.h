@@ -31,14 +31,22 @@ struct AttemptAccuracy {
 
 struct Receiver {
     std::string id;
-    std::string recording;                       ///< as written, relative to the attempt
-    std::string format;                          ///< "auto", "rtklib-pos", "csv"
+    /// As written, relative to the attempt; at least one, each following the one before in time.
+    std::vector<std::string> recordings;
+    std::string format;                          ///< "auto", "rtklib-pos", "csv", ...
+    std::string gpsbabel_type;                   ///< empty where not given
+    std::string base;                            ///< of RINEX; empty where not given
+    std::vector<std::string> navigation;         ///< of RINEX
+    std::optional<Geodetic> base_position;       ///< of RINEX
+    std::string solution_pass;                   ///< of RINEX: "forward", "backward"
     std::optional<CoordinateFrame> frame;        ///< of a CSV
     std::optional<UtmZone> utm_zone;             ///< where frame is utm
     std::map<std::string, std::string> columns;  ///< of a CSV: what -> header name or number
     std::string time_format;  ///< "seconds", "seconds_of_week", "unix", "iso", "time_of_day"
-    std::string time_scale;   ///< "gps", "utc"
+    std::string time_scale;   ///< "gps", "utc", "local"
     std::string delimiter;    ///< "comma", "tab", "semicolon", "auto"
+    std::optional<double> utc_offset_h;  ///< local time less UTC
+    std::string start_date;              ///< UTC date "2023-07-11"; empty where not given
     std::optional<GpsTime> start_gps;
     std::optional<double> height_m;
     std::optional<AttemptAccuracy> accuracy;
@@ -81,6 +89,9 @@ struct Attempt {
 Attempt read_attempt(std::string_view text, const std::string& where);
 
 const DocumentSchema& attempt_schema();
+
+/// The names of a receiver's recordings, without folders, "a.nmea, b.nmea".
+std::string recording_names(const Receiver& receiver);
 
 /// The name by which a profile claimed in an attempt is known in the run folder: "nalsa" of
 /// "nalsa", "my-rule" of "rules/my-rule.yaml".

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <concepts>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string>
@@ -9,6 +11,7 @@
 #include <vector>
 
 #include "core/failure.h"
+#include "core/optional_number.h"
 #include "files/ecsv.h"
 #include "files/yaml_output.h"
 #include "schemas/common/document.h"
@@ -53,7 +56,8 @@ namespace cell {
 inline void write(EcsvWriter& out, double value) {
     out.real(value);
 }
-inline void write(EcsvWriter& out, std::int64_t value) {
+template <std::signed_integral Integer>
+void write(EcsvWriter& out, Integer value) {
     out.integer(value);
 }
 inline void write(EcsvWriter& out, bool value) {
@@ -74,12 +78,29 @@ void write(EcsvWriter& out, const std::optional<T>& value) {
     else
         out.missing();
 }
+template <class T>
+void write(EcsvWriter& out, const OptionalNumber<T>& value) {
+    if (value)
+        write(out, *value);
+    else
+        out.missing();
+}
 
 inline void read(const EcsvReader& in, std::size_t column, double& value) {
     value = in.real(column);
 }
 inline void read(const EcsvReader& in, std::size_t column, std::int64_t& value) {
     value = in.integer(column);
+}
+template <std::signed_integral Integer>
+void read(const EcsvReader& in, std::size_t column, Integer& value) {
+    const std::int64_t whole = in.integer(column);
+    if (whole <= std::numeric_limits<Integer>::lowest() ||
+        whole > std::numeric_limits<Integer>::max())
+        in.fail(column, "the whole number is too large",
+                "The file is not as the program writes it; take the original, or run the stage "
+                "again");
+    value = static_cast<Integer>(whole);
 }
 inline void read(const EcsvReader& in, std::size_t column, bool& value) {
     value = in.boolean(column);
@@ -106,6 +127,12 @@ void read(const EcsvReader& in, std::size_t column, std::optional<T>& value) {
     read(in, column, present);
     value = present;
 }
+template <class T>
+void read(const EcsvReader& in, std::size_t column, OptionalNumber<T>& value) {
+    std::optional<T> present;
+    read(in, column, present);
+    value = present;
+}
 
 }  // namespace cell
 
@@ -123,6 +150,8 @@ template <class T>
 inline constexpr bool is_optional = false;
 template <class T>
 inline constexpr bool is_optional<std::optional<T>> = true;
+template <class T>
+inline constexpr bool is_optional<OptionalNumber<T>> = true;
 
 template <class Row, auto Member>
 ColumnBinding<Row> column(std::string name) {

@@ -8,6 +8,8 @@ std::string_view observations_schema_text(std::string_view name);
 
 namespace {
 
+static_assert(sizeof(Observation) <= 192, "recordings of millions of epochs are held whole");
+
 constexpr EnumWords<FixKind, 9> fix_words{{{FixKind::unknown, "unknown"},
                                            {FixKind::none, "none"},
                                            {FixKind::single, "single"},
@@ -36,6 +38,42 @@ const TableFormat<Observation>& format() {
                                 std::move(columns));
     }();
     return instance;
+}
+
+nlohmann::ordered_json records_json(const RecordCount& records) {
+    nlohmann::ordered_json json;
+    json["total"] = records.total;
+    json["bad"] = records.bad;
+    json["bad_records"] = nlohmann::ordered_json::array();
+    for (const BadRecord& bad : records.bad_records) {
+        nlohmann::ordered_json entry;
+        if (bad.file) entry["file"] = *bad.file;
+        if (bad.line) entry["line"] = *bad.line;
+        if (bad.column) entry["column"] = *bad.column;
+        entry["byte"] = bad.byte;
+        entry["epoch"] = bad.epoch;
+        entry["what"] = bad.what;
+        json["bad_records"].push_back(std::move(entry));
+    }
+    return json;
+}
+
+RecordCount read_records(const YamlValue& meta) {
+    RecordCount records;
+    if (!meta.exists()) return records;
+    records.total = meta["total"].integer();
+    records.bad = meta["bad"].integer();
+    for (const YamlValue& entry : meta["bad_records"].list()) {
+        BadRecord bad;
+        if (entry["file"].exists()) bad.file = static_cast<std::int32_t>(entry["file"].integer());
+        if (entry["line"].exists()) bad.line = entry["line"].integer();
+        if (entry["column"].exists()) bad.column = entry["column"].integer();
+        bad.byte = entry["byte"].integer();
+        bad.epoch = entry["epoch"].integer();
+        bad.what = entry["what"].text();
+        records.bad_records.push_back(std::move(bad));
+    }
+    return records;
 }
 
 }  // namespace
@@ -108,9 +146,12 @@ std::string write_observations(const Observations& observations) {
     nlohmann::ordered_json meta = header_json(observations.header);
     meta.update(recording_facts_json(observations.facts));
     meta["format"] = observations.format;
+    if (!observations.variant.empty()) meta["variant"] = observations.variant;
+    if (!observations.device.empty()) meta["device"] = observations.device;
     meta["frame"] = observations.frame;
     meta["time_scale"] = observations.time_scale;
     meta["accuracy_source"] = observations.accuracy_source;
+    meta["records"] = records_json(observations.records);
     meta["notes"] = observations.notes;
     return format().write(meta, observations.rows);
 }
@@ -121,9 +162,12 @@ Observations read_observations(std::string_view text, const std::string& where) 
     observations.header = read_header(contents.meta);
     observations.facts = read_recording_facts(contents.meta);
     observations.format = contents.meta["format"].text();
+    observations.variant = contents.meta["variant"].text_or("");
+    observations.device = contents.meta["device"].text_or("");
     observations.frame = contents.meta["frame"].text();
     observations.time_scale = contents.meta["time_scale"].text();
     observations.accuracy_source = contents.meta["accuracy_source"].text();
+    observations.records = read_records(contents.meta["records"]);
     for (const YamlValue& note : contents.meta["notes"].list())
         observations.notes.push_back(note.text());
     observations.rows = std::move(contents.rows);

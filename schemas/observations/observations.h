@@ -7,13 +7,14 @@
 #include <vector>
 
 #include "core/gps_time.h"
+#include "core/optional_number.h"
 #include "schemas/common/table.h"
 #include "schemas/common/window_span.h"
 
 namespace runcert {
 
 /// Kind of a position solution.
-enum class FixKind {
+enum class FixKind : std::uint8_t {
     unknown,  ///< the recording does not say
     none,
     single,
@@ -30,12 +31,12 @@ bool from_text(std::string_view text, FixKind& fix);
 /// Stated accuracy of a position: standard deviations (m) and correlations of its errors towards
 /// east, north, up. Empty is unknown.
 struct StatedAccuracy {
-    std::optional<double> sigma_east_m;
-    std::optional<double> sigma_north_m;
-    std::optional<double> sigma_up_m;
-    std::optional<double> correlation_east_north;
-    std::optional<double> correlation_east_up;
-    std::optional<double> correlation_north_up;
+    OptionalReal sigma_east_m;
+    OptionalReal sigma_north_m;
+    OptionalReal sigma_up_m;
+    OptionalReal correlation_east_north;
+    OptionalReal correlation_east_up;
+    OptionalReal correlation_north_up;
 };
 
 /// The covariance (m^2) that a stated accuracy stands for; what is not stated counts as zero.
@@ -45,22 +46,24 @@ Eigen::Matrix<double, Axes, Axes> stated_covariance(const StatedAccuracy& accura
 
 /// Velocity as the receiver recorded it, towards east, north, up (m/s). Empty is unknown.
 struct RecordedVelocity {
-    std::optional<double> recorded_velocity_east_mps;
-    std::optional<double> recorded_velocity_north_mps;
-    std::optional<double> recorded_velocity_up_mps;
-    std::optional<double> sigma_recorded_velocity_east_mps;
-    std::optional<double> sigma_recorded_velocity_north_mps;
-    std::optional<double> sigma_recorded_velocity_up_mps;
+    OptionalReal recorded_velocity_east_mps;
+    OptionalReal recorded_velocity_north_mps;
+    OptionalReal recorded_velocity_up_mps;
+    OptionalReal sigma_recorded_velocity_east_mps;
+    OptionalReal sigma_recorded_velocity_north_mps;
+    OptionalReal sigma_recorded_velocity_up_mps;
 };
 
-/// What the recording says about an epoch's quality, and where it says so.
+/// What the recording says about an epoch's quality, and where it says so. The order keeps it
+/// small: a recording may have millions of epochs.
 struct EpochQuality {
     FixKind fix = FixKind::unknown;
-    std::optional<std::int64_t> satellites;
-    std::optional<double> age_s;
-    std::optional<double> ratio;
-    std::optional<std::int64_t> source_line;
-    std::optional<std::int64_t> source_byte;
+    OptionalNumber<std::int8_t> source_file;  ///< of a recording in several: counted from 1
+    OptionalNumber<std::int16_t> satellites;
+    OptionalCount source_line;
+    OptionalReal age_s;
+    OptionalReal ratio;
+    OptionalInteger source_byte;
 };
 
 /// One epoch: either a WGS 84 position or a local-plane one, never both; neither where the
@@ -68,12 +71,12 @@ struct EpochQuality {
 struct Observation : StatedAccuracy, RecordedVelocity, EpochQuality {
     std::int64_t epoch = 0;
     ElapsedTime time;
-    std::optional<double> latitude_deg;
-    std::optional<double> longitude_deg;
-    std::optional<double> height_m;
-    std::optional<double> plane_east_m;
-    std::optional<double> plane_north_m;
-    std::optional<double> plane_up_m;
+    OptionalReal latitude_deg;
+    OptionalReal longitude_deg;
+    OptionalReal height_m;
+    OptionalReal plane_east_m;
+    OptionalReal plane_north_m;
+    OptionalReal plane_up_m;
 };
 
 /// What holds for the whole of a recording, and is carried through every table made from it.
@@ -97,14 +100,39 @@ RecordingFacts read_recording_facts(const YamlValue& meta);
 WindowSpan window_span(const RecordingFacts& facts, std::int64_t first_epoch,
                        std::int64_t last_epoch, ElapsedTime first, ElapsedTime last);
 
+/// A record (a line, sentence, frame, track point) of a recording that could not be read.
+struct BadRecord {
+    OptionalInteger line;                   ///< counted from 1; empty in binary formats
+    OptionalInteger column = std::nullopt;  ///< byte in the line, from 1, where one is to blame
+    std::int64_t byte = 0;                  ///< offset of its first byte, counted from 0
+    OptionalCount file =
+        std::nullopt;  ///< of a recording in several files: which one, counted from 1
+    /// Number of the epoch that it is part of, or else of the last epoch before it; 0 before the
+    /// first.
+    std::int64_t epoch = 0;
+    std::string what;  ///< what was found there, what was expected, and what to do
+};
+
+/// How much of a recording could be read.
+struct RecordCount {
+    std::int64_t total = 0;  ///< good and bad
+    std::int64_t bad = 0;
+    std::vector<BadRecord> bad_records;  ///< the first `listed_at_most` of them
+
+    static constexpr std::size_t listed_at_most = 1000;
+};
+
 /// 1-observations.ecsv, `schemas/observations/v1.yaml`.
 struct Observations {
     Header header;
     RecordingFacts facts;
-    std::string format;           ///< "rtklib-pos", "csv"
+    std::string format;           ///< "rtklib-pos", "nmea", ...: a word of the attempt's `format`
+    std::string variant = {};     ///< of the format, in words ("GPX 1.1"); empty where it has one
+    std::string device = {};      ///< what the recording says made it; empty where unknown
     std::string frame;            ///< "geodetic", "ecef", "utm", "local_plane"
     std::string time_scale;       ///< "gps", "utc", "relative"
     std::string accuracy_source;  ///< "recording", "attempt", "none"
+    RecordCount records = {};
     std::vector<std::string> notes;
     std::vector<Observation> rows;
 };
@@ -143,6 +171,7 @@ void bind_quality(std::vector<ColumnBinding<Row>>& columns) {
     columns.push_back(column<Row, &Row::ratio>("ratio"));
     columns.push_back(column<Row, &Row::source_line>("source_line"));
     columns.push_back(column<Row, &Row::source_byte>("source_byte"));
+    columns.push_back(column<Row, &Row::source_file>("source_file"));
 }
 
 }  // namespace runcert

@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double smallest_accuracy_m = 0.0001;  // that attempt/1.2 and a .pos can state
+constexpr double smallest_accuracy_m = 0.0001;  // that attempt/1.3 and a .pos can state
 
 double default_real(std::string_view field) {
     return simulation_schema().find(field)->default_value.real();

@@ -11,8 +11,11 @@ namespace {
 /// Where rows stand in the recording: " (lines 1548 to 1557)"; empty where it does not say.
 std::string place_of(const ScreenedEpoch& first, const ScreenedEpoch& last) {
     const bool lines = first.source_line && last.source_line;
-    const auto& from = lines ? first.source_line : first.source_byte;
-    const auto& to = lines ? last.source_line : last.source_byte;
+    const auto number = [lines](const ScreenedEpoch& row) -> std::optional<std::int64_t> {
+        if (lines) return *row.source_line;
+        return row.source_byte;
+    };
+    const auto from = number(first), to = number(last);
     if (!from || !to) return {};
     return fmt::format(" ({}{} {})", lines ? "line" : "byte", *from == *to ? "" : "s",
                        one_or_range(fmt::format("{}", *from), fmt::format("{}", *to)));

@@ -83,7 +83,10 @@ std::string audit_receiver(const StageRun& run, const Receiver& receiver, bool a
     };
     Witnesses witnesses(run);
     witnesses.note("attempt", std::string(evidence_attempt_file));
-    witnesses.note("recording", evidence_recording_file(receiver));
+    for (const EvidenceFile& file : evidence_files(receiver))
+        witnesses.note(file.role, file.name);
+    for (const EvidenceFile& file : solution_files(receiver))
+        witnesses.note(file.role, file.name);
     witnesses.note("observations", product("1-observations"));
     witnesses.note("enu", product("2-enu"));
     witnesses.note("screened", product("3-screened"));
@@ -99,7 +102,7 @@ std::string audit_receiver(const StageRun& run, const Receiver& receiver, bool a
     witnesses.read("trajectory", product("4-trajectory"), read_trajectory);
     return audit_text(*table,
                       {.attempt = run.attempt().id,
-                       .recording = std::filesystem::path(receiver.recording).filename().string(),
+                       .recording = recording_names(receiver),
                        .checked = witnesses.files(true),
                        .unchecked = witnesses.files(false)},
                       all);

@@ -33,6 +33,27 @@ std::vector<std::string> failed_clauses(const std::vector<Requirement>& requirem
     return failed;
 }
 
+/// Why the records that could not be read forbid a certificate; empty where they do not.
+std::string refused_for_records(const RecordCount& records, const WindowSpan& window) {
+    if (100 * records.bad > records.total)
+        return fmt::format(
+            "{} of {} records of the recording could not be read, more than 1 %: it is damaged, or "
+            "was changed.",
+            records.bad, records.total);
+    for (const BadRecord& bad : records.bad_records)
+        if (bad.epoch >= window.first_epoch && bad.epoch <= window.last_epoch)
+            return fmt::format(
+                "A record inside the window could not be read ({}{} {}, after epoch {}): {}.",
+                bad.file ? fmt::format("file {}, ", *bad.file) : "", bad.line ? "line" : "byte",
+                bad.line ? *bad.line : bad.byte, bad.epoch, bad.what);
+    if (records.bad > std::ssize(records.bad_records))
+        return fmt::format(
+            "{} records could not be read, more than are listed, so nobody can tell whether one is "
+            "inside the window.",
+            records.bad);
+    return {};
+}
+
 void set_outcome(const ClauseContext& context, ProfileVerdict& verdict) {
     const auto failed = failed_clauses(verdict.requirements, context.profile);
     const auto& record = context.input.attempt.record;
@@ -40,6 +61,11 @@ void set_outcome(const ClauseContext& context, ProfileVerdict& verdict) {
         verdict.outcome = "not_certifiable";
         verdict.reason =
             failed.empty() ? "There is no certifiable window." : "Not met: " + failed.front();
+    } else if (const std::string refused =
+                   refused_for_records(context.input.judged.records, context.windows.best->span);
+               !refused.empty()) {
+        verdict.outcome = "not_certifiable";
+        verdict.reason = refused;
     } else if (const auto& robust = context.windows.best->robust; robust && !robust->agrees) {
         verdict.outcome = "not_certifiable";
         verdict.reason = fmt::format(

@@ -19,6 +19,7 @@ struct ReceiverEvidence {
     std::string receiver;
     RecordingFacts facts;
     std::string accuracy_source;
+    RecordCount records = {};
     ScreeningSummary screening;
     std::optional<ScreeningEvidence> tests;  ///< absent for tables of revision 1.1 and before
     EstimationSummary estimation;
@@ -38,8 +39,9 @@ struct CheckInput {
 /// Every requirement of each profile, met, not met or for a person to attest, and the outcome.
 ///
 /// not_certifiable if a requirement that the data decide, other than the margin, is not met, if
-/// there is no certifiable window, or if a robust estimate, or the lack of one, or the second receiver contradicts its
-/// speed; else by `decide` against the record, not_proven without one. The
+/// there is no certifiable window, if more than 1 % of the recording's records, or one inside the
+/// window, could not be read, or if a robust estimate, or the lack of one, or the second receiver
+/// contradicts its speed; else by `decide` against the record, not_proven without one. The
 /// header is the caller's.
 Verdict check(const CheckInput& input);
 

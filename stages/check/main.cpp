@@ -23,6 +23,7 @@ ReceiverEvidence gather(StageRun& run, const Receiver& receiver) {
     return {.receiver = receiver.id,
             .facts = observations.facts,
             .accuracy_source = observations.accuracy_source,
+            .records = observations.records,
             .screening = summarise(screened.rows),
             .tests = screened.evidence,
             .estimation = trajectory.estimation,

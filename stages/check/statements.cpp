@@ -99,6 +99,17 @@ void add_health(const FilterHealth& health, const std::string& axes, Statements&
             health.repaired, axes));
 }
 
+void add_records(const RecordCount& records, Statements& statements) {
+    if (records.bad == 0) return;
+    statements.push_back(fmt::format(
+        "{} of {} records of the recording could not be read; none of them is used, and "
+        "1-observations lists {}.",
+        records.bad, records.total,
+        records.bad > std::ssize(records.bad_records)
+            ? fmt::format("the first {}", records.bad_records.size())
+            : std::string("them")));
+}
+
 void add_accuracy(const ReceiverEvidence& judged, Statements& statements) {
     if (judged.accuracy_source == "none") {
         statements.push_back(
@@ -274,6 +285,7 @@ std::vector<std::string> statements_of(const CheckInput& input) {
         "errors that vary slowly over the window are covered up to the size and for the "
         "correlation times that the budget names, and so is the outlier, step or shift of time "
         "stamps that screening could have missed."};
+    add_records(judged.records, statements);
     add_accuracy(judged, statements);
     add_screening(judged, statements);
     const EstimationSummary& estimation = judged.estimation;

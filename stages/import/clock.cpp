@@ -9,7 +9,6 @@
 namespace runcert {
 namespace {
 
-constexpr std::int64_t jst_offset_ns = std::int64_t{9} * 3600 * GpsTime::nanoseconds_per_second;
 constexpr std::int64_t unix_seconds_of_gps_epoch = 315'964'800;
 
 /// The number of exactly `size` digits at `at`, which must be there.
@@ -56,15 +55,10 @@ void read_time_of_day(const Cell& cell, CalendarTime& calendar) {
 }
 
 GpsTime instant(const CalendarTime& shown, Clock clock) {
-    switch (clock) {
-        case Clock::gps:
-            return GpsTime::from_calendar(shown);
-        case Clock::utc:
-            return gps_from_utc(shown);
-        case Clock::jst:
-            break;
-    }
-    return gps_from_utc(GpsTime::from_calendar(shown).plus_nanoseconds(-jst_offset_ns).calendar());
+    if (clock.is_gps) return GpsTime::from_calendar(shown);
+    if (clock == Clock::utc) return gps_from_utc(shown);
+    return gps_from_utc(
+        GpsTime::from_calendar(shown).plus_nanoseconds(-clock.ahead_of_utc_ns).calendar());
 }
 
 /// Runs a conversion; its failure is one at the cell.
@@ -112,8 +106,19 @@ GpsTime read_week_time(const Cell& week, const Cell& seconds_of_week, Clock cloc
     const std::int64_t nanoseconds = read_nanoseconds(seconds_of_week, "time of week");
     return at(seconds_of_week, [&] {
         const GpsTime shown = GpsTime::from_week(week_number, nanoseconds);
-        return clock == Clock::gps ? shown : instant(shown.calendar(), clock);
+        return clock.is_gps ? shown : instant(shown.calendar(), clock);
     });
+}
+
+GpsTime instant_of_utc(const CalendarTime& utc, const RecordingBytes& recording,
+                       const RecordPlace& place) {
+    try {
+        return gps_from_utc(utc);
+    } catch (const Failure& failure) {
+        throw Failure(place_in(recording, place),
+                      fmt::format("the record's time does not exist: {}", failure.problem()),
+                      "The record is damaged; take the recording as the receiver wrote it");
+    }
 }
 
 GpsTime read_unix(const Cell& cell) {

@@ -32,20 +32,22 @@ bool is_skipped(const SourceLine& line) {
 
 TimedRows read_rows(const Receiver& receiver, const Description& description,
                     const RecordingBytes& recording) {
-    LineReader lines(recording.bytes);
+    LineReader lines(recording);
     std::optional<SourceLine> line = lines.next();
     while (line && is_skipped(*line))
         line = lines.next();
-    TimedRows timed;
+    TimedRows timed(recording);
     if (!line) return timed;
     const Layout layout = read_layout(receiver, description, *line, recording);
     if (layout.has_header_line) line = lines.next();
     for (; line; line = lines.next()) {
         if (trim(line->text).empty()) continue;
-        const std::vector<Cell> cells = split(*line, recording, layout.delimiter);
-        if (cells.size() != layout.fields)
-            refuse_count(*line, recording, cells.size(), layout, lines.at_end());
-        timed.add(read_row(cells, layout, description, receiver), *line);
+        timed.add_record(*line, [&] {
+            const std::vector<Cell> cells = split(*line, recording, layout.delimiter);
+            if (cells.size() != layout.fields)
+                refuse_count(*line, recording, cells.size(), layout, lines.at_end());
+            return read_row(cells, layout, description, receiver);
+        });
     }
     return timed;
 }
@@ -53,7 +55,7 @@ TimedRows read_rows(const Receiver& receiver, const Description& description,
 std::string time_scale_word(const Receiver& receiver, const Description& description) {
     if (description.time_format == TimeFormat::seconds)
         return receiver.start_gps ? "gps" : "relative";
-    return description.utc || description.time_format == TimeFormat::unix ? "utc" : "gps";
+    return !description.clock.is_gps || description.time_format == TimeFormat::unix ? "utc" : "gps";
 }
 
 void note_description(Observations& observations, const Receiver& receiver,
@@ -66,6 +68,10 @@ void note_description(Observations& observations, const Receiver& receiver,
         observations.notes.push_back(
             "The recorded horizontal accuracy is a two-dimensional coordinate quality; each "
             "coordinate is given 1/sqrt(2) of it.");
+    if (receiver.time_scale == "local")
+        observations.notes.push_back(fmt::format(
+            "Times are recorded in local time; the attempt's {} h were taken off for UTC.",
+            *receiver.utc_offset_h));
     if (description.frame == CoordinateFrame::utm && receiver.columns.contains("sigma_east"))
         observations.notes.push_back(
             "The recorded accuracies are along the UTM grid, and were turned to true east and "
@@ -108,7 +114,7 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     observations.format = "csv";
     observations.frame = to_text(description.frame);
     observations.time_scale = time_scale_word(receiver, description);
-    set_rows(observations, read_rows(receiver, description, recording), recording);
+    set_rows(observations, read_rows(receiver, description, recording));
     note_description(observations, receiver, description);
     set_accuracy(observations, receiver);
     note_text(observations, recording);

@@ -148,7 +148,16 @@ void check_time(const Receiver& receiver, Description& description) {
     if (date) require_column(receiver, Column::date, setting);
     if (!week) refuse_useless(receiver, {}, week_columns, setting);
     if (!date) refuse_useless(receiver, {}, date_columns, setting);
-    description.utc = receiver.time_scale == "utc";
+    if (receiver.time_scale == "utc") description.clock = Clock::utc;
+    if (receiver.time_scale != "local") return;
+    if (description.time_format == TimeFormat::seconds ||
+        description.time_format == TimeFormat::unix)
+        fail(receiver, fmt::format("time_scale local is of no use with {}", setting),
+             "Take it out, or correct time_format");
+    if (!receiver.utc_offset_h)
+        fail(receiver, "times are local, and nobody says what they are ahead of UTC by",
+             "Write utc_offset_h: 9.5, say: local time less UTC in hours on that day");
+    description.clock = Clock::local(*receiver.utc_offset_h);
 }
 
 std::optional<char> read_delimiter(const Receiver& receiver) {

@@ -7,6 +7,7 @@
 
 #include "schemas/attempt/attempt.h"
 #include "stages/import/cell.h"
+#include "stages/import/clock.h"
 
 namespace runcert::csv {
 
@@ -47,7 +48,7 @@ enum class TimeFormat { seconds, seconds_of_week, unix, iso, time_of_day };
 struct Description {
     CoordinateFrame frame = CoordinateFrame::geodetic;
     TimeFormat time_format = TimeFormat::seconds;
-    bool utc = false;                         ///< the clock shows UTC
+    Clock clock = Clock::gps;
     std::optional<char> delimiter;            ///< empty: to be found
     std::optional<double> constant_height_m;  ///< where positions on the Earth have no heights
     bool has_up = false;                      ///< a height or third plane coordinate is recorded

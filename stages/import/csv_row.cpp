@@ -50,7 +50,7 @@ GpsTime read_seconds(const Cell& cell, const Receiver& receiver) {
 
 GpsTime read_instant(const Fields& fields, const Description& description,
                      const Receiver& receiver) {
-    const Clock clock = description.utc ? Clock::utc : Clock::gps;
+    const Clock clock = description.clock;
     const Cell& time = fields.cell(Column::time);
     if (time.text.empty())
         time.fail("the time is missing",
@@ -193,8 +193,7 @@ TimedRow read_row(std::span<const Cell> cells, const Layout& layout, const Descr
     row.written.time = fields.cell(Column::time).text;
     observation.fix = read_fix(fields);
     if (fields.has(Column::satellites))
-        observation.satellites =
-            read_whole(fields.cell(Column::satellites), "count of satellites", 0, 1000);
+        observation.satellites = read_satellites(fields.cell(Column::satellites));
     observation.recorded_velocity_east_mps = fields.optional_real(Column::velocity_east);
     observation.recorded_velocity_north_mps = fields.optional_real(Column::velocity_north);
     observation.recorded_velocity_up_mps = fields.optional_real(Column::velocity_up);

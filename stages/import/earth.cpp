@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "core/failure.h"
 #include "core/text.h"
 
 namespace runcert {
@@ -18,28 +19,56 @@ std::optional<double> finite(double value) {
     return value;
 }
 
+/// Why a position cannot be one of a craft, and which of its coordinates says so.
+struct Impossible {
+    int coordinate = 0;  ///< 0 latitude, 1 longitude, 2 height
+    std::string what;
+    std::string remedy;
+};
+
+std::optional<Impossible> find_impossible(const Geodetic& position) {
+    const double latitude_deg = position.latitude.degrees();
+    const double longitude_deg = position.longitude.degrees();
+    if (!(std::abs(latitude_deg) <= 90.0))
+        return Impossible{
+            0, fmt::format("a latitude of {} degrees is impossible", latitude_deg),
+            std::abs(longitude_deg) <= 90.0 && latitude_deg >= -180.0 && latitude_deg <= 360.0
+                ? "Are latitude and longitude swapped?"
+                : "Latitudes are within 90 degrees of the equator; check the columns"};
+    if (!(longitude_deg >= -180.0 && longitude_deg <= 360.0))
+        return Impossible{1, fmt::format("a longitude of {} degrees is impossible", longitude_deg),
+                          "Longitudes are -180 to 360 degrees, east positive; check the columns"};
+    if (!(std::abs(position.height_m) <= largest_height_m))
+        return Impossible{2, fmt::format("a height of {} m is impossible", position.height_m),
+                          "Heights are metres above the ellipsoid, within 100 km of it; check the "
+                          "columns and their units"};
+    return std::nullopt;
+}
+
+Geodetic with_signed_longitude(Geodetic position) {
+    const double longitude_deg = position.longitude.degrees();
+    if (longitude_deg > 180.0) position.longitude = Angle::from_degrees(longitude_deg - 360.0);
+    return position;
+}
+
 }  // namespace
 
 Geodetic checked_geodetic(const Geodetic& position, const Cell& latitude, const Cell& longitude,
                           const Cell& height) {
-    const double latitude_deg = position.latitude.degrees();
-    const double longitude_deg = position.longitude.degrees();
-    if (std::abs(latitude_deg) > 90.0)
-        latitude.fail(
-            fmt::format("a latitude of {} degrees is impossible", latitude_deg),
-            std::abs(longitude_deg) <= 90.0 && latitude_deg >= -180.0 && latitude_deg <= 360.0
-                ? "Are latitude and longitude swapped?"
-                : "Latitudes are within 90 degrees of the equator; check the columns");
-    if (longitude_deg < -180.0 || longitude_deg > 360.0)
-        longitude.fail(fmt::format("a longitude of {} degrees is impossible", longitude_deg),
-                       "Longitudes are -180 to 360 degrees, east positive; check the columns");
-    if (std::abs(position.height_m) > largest_height_m)
-        height.fail(fmt::format("a height of {} m is impossible", position.height_m),
-                    "Heights are metres above the ellipsoid, within 100 km of it; check the "
-                    "columns and their units");
-    Geodetic result = position;
-    if (longitude_deg > 180.0) result.longitude = Angle::from_degrees(longitude_deg - 360.0);
-    return result;
+    if (const auto why = find_impossible(position)) {
+        const Cell& cell =
+            why->coordinate == 0 ? latitude : (why->coordinate == 1 ? longitude : height);
+        cell.fail(why->what, why->remedy);
+    }
+    return with_signed_longitude(position);
+}
+
+Geodetic checked_geodetic(const Geodetic& position, const RecordingBytes& recording,
+                          const RecordPlace& place) {
+    if (const auto why = find_impossible(position))
+        throw Failure(place_in(recording, place), why->what,
+                      "The record is damaged; take the recording as the receiver wrote it");
+    return with_signed_longitude(position);
 }
 
 Geodetic checked_ecef(const Eigen::Vector3d& position_m, const Cell& first) {
@@ -56,6 +85,29 @@ void set_position(Observation& row, const Geodetic& position) {
     row.latitude_deg = position.latitude.degrees();
     row.longitude_deg = position.longitude.degrees();
     row.height_m = position.height_m;
+}
+
+void set_radial_accuracy(StatedAccuracy& row, double radial_m) {
+    if (!(radial_m > 0.0) || !std::isfinite(radial_m)) return;
+    row.sigma_east_m = row.sigma_north_m = radial_m / std::sqrt(2.0);
+}
+
+void set_velocity(RecordedVelocity& row, double east_mps, double north_mps) {
+    row.recorded_velocity_east_mps = east_mps;
+    row.recorded_velocity_north_mps = north_mps;
+}
+
+void set_velocity(RecordedVelocity& row, double speed_mps, Angle course) {
+    set_velocity(row, speed_mps * std::sin(course.radians()),
+                 speed_mps * std::cos(course.radians()));
+}
+
+void set_velocity_accuracy(RecordedVelocity& row, double speed_sigma_mps, int axes) {
+    if (!(speed_sigma_mps > 0.0) || !std::isfinite(speed_sigma_mps)) return;
+    const double each_mps = speed_sigma_mps / std::sqrt(static_cast<double>(axes));
+    if (row.recorded_velocity_east_mps) row.sigma_recorded_velocity_east_mps = each_mps;
+    if (row.recorded_velocity_north_mps) row.sigma_recorded_velocity_north_mps = each_mps;
+    if (row.recorded_velocity_up_mps && axes == 3) row.sigma_recorded_velocity_up_mps = each_mps;
 }
 
 StatedAccuracy accuracy_from_covariance(const Eigen::Matrix3d& covariance_m2) {

@@ -5,6 +5,7 @@
 #include "core/geodesy.h"
 #include "schemas/observations/observations.h"
 #include "stages/import/cell.h"
+#include "stages/import/recording.h"
 
 namespace runcert {
 
@@ -17,11 +18,30 @@ namespace runcert {
 Geodetic checked_geodetic(const Geodetic& position, const Cell& latitude, const Cell& longitude,
                           const Cell& height);
 
+/// The same for a record of a binary format.
+Geodetic checked_geodetic(const Geodetic& position, const RecordingBytes& recording,
+                          const RecordPlace& place);
+
 /// The position of Earth-centred coordinates (m).
 Geodetic checked_ecef(const Eigen::Vector3d& position_m, const Cell& first);
 
 /// Puts a WGS 84 position into a row.
 void set_position(Observation& row, const Geodetic& position);
+
+/// Puts a horizontal accuracy into a row: the radial one (m), root sum square of both coordinates',
+/// of which each is given 1/sqrt(2), because it does not say how it is shared. Not positive or not
+/// finite is unknown.
+void set_radial_accuracy(StatedAccuracy& row, double radial_m);
+
+/// Puts a recorded velocity (m/s) into a row.
+void set_velocity(RecordedVelocity& row, double east_mps, double north_mps);
+/// From speed over ground (m/s) and course, clockwise from true north.
+void set_velocity(RecordedVelocity& row, double speed_mps, Angle course);
+
+/// Puts the accuracy of a recorded velocity into a row: of its length in `axes` (2 or 3)
+/// dimensions, root sum square of the coordinates', of which each is given 1/sqrt(axes). Only
+/// velocities that are there are given one. Not positive or not finite is unknown.
+void set_velocity_accuracy(RecordedVelocity& row, double speed_sigma_mps, int axes);
 
 /// Standard deviations and correlations of a covariance (m^2, towards east, north, up). A
 /// variance that is not positive leaves its deviation and correlations empty. A correlation

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
+#include "core/failure.h"
 #include "core/gps_time.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/observations/observations.h"
@@ -19,20 +21,69 @@ struct TimedRow {
     WrittenCells written;
 };
 
-/// Rows in the order of the recording, the instant of each, and how finely they are written.
-struct TimedRows {
-    std::vector<Observation> rows;
-    std::vector<GpsTime> instants;
-    WrittenResolution written;
+/// Rows in the order of the recording, how finely they are written, and the records that could not
+/// be read.
+class TimedRows {
+  public:
+    /// The recording must outlive this.
+    explicit TimedRows(const RecordingBytes& recording) : recording_(recording) {}
+    /// Of a binary format, whose resolution is known.
+    TimedRows(const RecordingBytes& recording, const WrittenResolution& written)
+        : recording_(recording), written_(written) {}
 
-    /// Takes in the row that a line holds.
-    void add(const TimedRow& row, const SourceLine& line);
+    /// Takes in the row that a record holds, or that begins with it, and numbers it. Does not
+    /// count the record.
+    void add(const TimedRow& row, const RecordPlace& place);
+
+    /// Counts a record that could be read; most formats have one to a row, some several.
+    void count_good() { ++records_.total; }
+
+    /// Counts a record that could not be read, and lists it. `in_next_epoch`: it is part of the
+    /// epoch that will be added next. Failure, the first one's, where by far most of very many
+    /// could not be read.
+    void count_bad(const RecordPlace& place, const Failure& why, bool in_next_epoch = false);
+
+    /// Runs `read()`, which gives the TimedRow of the record at `place`, adds it and counts the
+    /// record; its Failure makes it a bad one.
+    template <class Read>
+    void add_record(const RecordPlace& place, Read read) {
+        try {
+            add(read(), place);
+        } catch (const Failure& failure) {
+            return count_bad(place, failure);
+        }
+        count_good();
+    }
+
+    std::size_t size() const { return rows_.size(); }
+    bool empty() const { return rows_.empty(); }
+    const RecordCount& records() const { return records_; }
+
+  private:
+    friend void set_rows(Observations& observations, TimedRows timed);
+
+    const RecordingBytes& recording_;
+    /// `time` counts from the GPS epoch until set_rows.
+    std::vector<Observation> rows_;
+    WrittenResolution written_;
+    RecordCount records_;
+    std::optional<Failure> first_bad_;
 };
 
-/// Numbers the rows, gives each its time since the first, and fills what follows from that:
-/// first epoch (unless `time_scale` is "relative"), nominal interval, resolution. Failure where
-/// there are no rows or one is more than 292 years from the first.
-void set_rows(Observations& observations, TimedRows timed, const RecordingBytes& recording);
+/// Gives each row its time since the first, and fills what follows from that: first epoch (unless
+/// `time_scale` is "relative"), nominal interval, resolution, and the records.
+///
+/// Failure where more than half of the records could not be read (the first one's, with their
+/// number), where there are no rows, and where one is more than 292 years from the first.
+void set_rows(Observations& observations, TimedRows timed);
+
+/// Median of the positive steps between rows (s); 0 where there is none.
+double median_step_s(const std::vector<Observation>& rows);
+
+/// Where a recording has no heights at all: says so (`vertical_measured`), and puts its positions
+/// at the attempt's height_m. Without one their heights stay empty, and they are no positions
+/// until the attempt states it.
+void set_heights(Observations& observations, const Receiver& receiver);
 
 /// Says where the accuracy comes from, and where the recording states none, takes the attempt's.
 void set_accuracy(Observations& observations, const Receiver& receiver);

@@ -20,4 +20,8 @@ FixKind read_rtklib_quality(const Cell& cell) {
               "0 none");
 }
 
+std::int16_t read_satellites(const Cell& cell) {
+    return static_cast<std::int16_t>(read_whole(cell, "count of satellites", 0, 1000));
+}
+
 }  // namespace runcert

@@ -9,4 +9,7 @@ namespace runcert {
 /// Failure at the cell for any other text.
 FixKind read_rtklib_quality(const Cell& cell);
 
+/// A count of satellites, 0 to 1000. Failure at the cell for anything else.
+std::int16_t read_satellites(const Cell& cell);
+
 }  // namespace runcert

@@ -2,19 +2,60 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 
 #include "core/failure.h"
 #include "core/text.h"
 #include "stages/import/cell.h"
 #include "stages/import/csv.h"
+#include "stages/import/flysight.h"
+#include "stages/import/gpx.h"
+#include "stages/import/igc.h"
+#include "stages/import/join.h"
+#include "stages/import/nmea.h"
+#include "stages/import/oao.h"
+#include "stages/import/rinex.h"
 #include "stages/import/rtklib_pos.h"
+#include "stages/import/sbn.h"
+#include "stages/import/sbp.h"
+#include "stages/import/ubx.h"
+#include "stages/import/vbo.h"
 
 namespace runcert {
 namespace {
 
-constexpr std::string_view formats_read =
-    "RTKLIB solutions (.pos), and tables (CSV) whose columns the attempt names";
+/// A format that is recognised by its content.
+struct Format {
+    std::string_view name;  ///< as the attempt's `format` has it
+    std::string_view what;  ///< in words
+    bool (*recognises)(std::string_view bytes);
+    Observations (*read)(const Receiver&, const RecordingBytes&);
+};
+
+/// In the order in which they are tried: those that no other could be taken for come first.
+constexpr std::array formats{
+    Format{"rtklib-pos", "RTKLIB solution, .pos", rtklib_pos::recognises, rtklib_pos::read},
+    Format{"oao", "Motion OAO", oao::recognises, oao::read},
+    Format{"sbp", "Locosys SBP", sbp::recognises, sbp::read},
+    Format{"sbn", "Locosys SBN", sbn::recognises, sbn::read},
+    Format{"ubx", "u-blox UBX", ubx::recognises, ubx::read},
+    Format{"vbo", "Racelogic VBO", vbo::recognises, vbo::read},
+    Format{"flysight", "FlySight", flysight::recognises, flysight::read},
+    Format{"gpx", "GPX", gpx::recognises, gpx::read},
+    Format{"igc", "IGC", igc::recognises, igc::read},
+    Format{"nmea", "NMEA 0183", nmea::recognises, nmea::read},
+};
+
+/// "RTKLIB solution (.pos) rtklib-pos, ...".
+std::string formats_read() {
+    std::string text;
+    for (const Format& format : formats)
+        text += fmt::format("{} ({}), ", format.what, format.name);
+    return text +
+           "RINEX with base and navigation files (rinex), tables whose columns the attempt "
+           "names (csv), and what gpsbabel reads (gpsbabel)";
+}
 
 /// A format that is known and not read, by how one of its first lines begins.
 struct OtherFormat {
@@ -22,19 +63,10 @@ struct OtherFormat {
     std::string_view name;
 };
 
-constexpr std::array<OtherFormat, 10> other_formats{{{"$G", "NMEA 0183"},
-                                                     {"$PFLA", "NMEA 0183"},
-                                                     {"$B", "NMEA 0183"},
-                                                     {"$FLYS", "FlySight 2"},
-                                                     {"[header]", "Racelogic VBO"},
-                                                     {"File created on", "Racelogic VBO"},
-                                                     {"<?xml", "XML (GPX, KML)"},
-                                                     {"<gpx", "GPX"},
-                                                     {"<html", "a web page"},
-                                                     {"%PDF", "PDF"}}};
+constexpr std::array<OtherFormat, 4> other_formats{
+    {{"<?xml", "XML"}, {"<html", "a web page"}, {"<!DOCTYPE html", "a web page"}, {"%PDF", "PDF"}}};
 
 std::string_view name_other_format(std::string_view bytes) {
-    if (bytes.substr(0, 81).find("RINEX VERSION") != std::string_view::npos) return "RINEX";
     LineReader lines(bytes);
     while (const auto line = lines.next()) {
         if (line->number > 5) break;
@@ -46,18 +78,24 @@ std::string_view name_other_format(std::string_view bytes) {
 
 [[noreturn]] void refuse_unknown(const RecordingBytes& recording) {
     const std::string where = place_in(recording, 1, 1);
-    if (csv::recognises(recording.bytes))
+    const std::string_view head = recording.bytes.substr(0, recognised_by);
+    if (rinex::recognises(head))
+        throw Failure(where, "the recording is RINEX, raw observations and not positions",
+                      "Give the base station's observations and the navigation file in the "
+                      "attempt: base: ..., navigation: ...");
+    require_text(recording);
+    if (csv::recognises(head))
         throw Failure(where, "the recording looks like a table, and the attempt names no columns",
                       "Write columns: {time: ..., latitude: ..., ...} and frame: in the receiver");
-    const std::string_view name = name_other_format(recording.bytes);
+    const std::string_view name = name_other_format(head);
     const std::string first =
-        escape_for_message(LineReader(recording.bytes).next().value_or(SourceLine{}).text);
+        escape_for_message(LineReader(head).next().value_or(SourceLine{}).text);
     throw Failure(
         where,
         name.empty()
             ? fmt::format("the format of the recording is not recognised; it begins \"{}\"", first)
             : fmt::format("the recording is {}, which is not read", name),
-        fmt::format("Formats that are read: {}", formats_read));
+        fmt::format("Formats that are read: {}", formats_read()));
 }
 
 /// What holds of every format's result.
@@ -68,25 +106,43 @@ void check(const Observations& observations) {
 }
 
 Observations read_by_format(const Receiver& receiver, const RecordingBytes& recording) {
-    if (receiver.format == "rtklib-pos") return rtklib_pos::read(receiver, recording);
-    if (receiver.format == "csv") return csv::read(receiver, recording);
-    if (!receiver.format.empty() && receiver.format != "auto")
-        throw Failure(
-            receiver.place.empty() ? "receiver " + receiver.id : receiver.place,
-            fmt::format("the format \"{}\" is not read", escape_for_message(receiver.format)),
-            fmt::format("Formats that are read: {}", formats_read));
-    require_text(recording);
-    if (!receiver.columns.empty()) return csv::read(receiver, recording);
-    if (rtklib_pos::recognises(recording.bytes)) return rtklib_pos::read(receiver, recording);
-    refuse_unknown(recording);
+    require_readable(recording);
+    const bool recognise = receiver.format.empty() || receiver.format == "auto";
+    if (receiver.format == "csv" || (recognise && !receiver.columns.empty()))
+        return csv::read(receiver, recording);
+    const std::string_view head = recording.bytes.substr(0, recognised_by);
+    for (const Format& format : formats)
+        if (recognise ? format.recognises(head) : receiver.format == format.name)
+            return format.read(receiver, recording);
+    if (recognise) refuse_unknown(recording);
+    throw Failure(receiver.place.empty() ? "receiver " + receiver.id : receiver.place,
+                  fmt::format("the format \"{}\" is not read", escape_for_message(receiver.format)),
+                  fmt::format("Formats that are read: {}", formats_read()));
 }
 
 }  // namespace
+
+bool is_read_by_itself(const Receiver& receiver, const RecordingBytes& recording) {
+    if (!receiver.format.empty() && receiver.format != "auto") return true;
+    const std::string_view head = recording.bytes.substr(0, recognised_by);
+    return !receiver.columns.empty() ||
+           std::any_of(formats.begin(), formats.end(),
+                       [&](const Format& format) { return format.recognises(head); });
+}
 
 Observations import_recording(const Receiver& receiver, const RecordingBytes& recording) {
     Observations observations = read_by_format(receiver, recording);
     check(observations);
     return observations;
+}
+
+Observations import_recordings(const Receiver& receiver,
+                               const std::vector<RecordingBytes>& recordings,
+                               const std::function<ReadRecording>& read_one) {
+    std::vector<Observations> parts;
+    for (const RecordingBytes& recording : recordings)
+        parts.push_back(read_one(receiver, recording));
+    return join(std::move(parts), recordings);
 }
 
 }  // namespace runcert

@@ -7,6 +7,7 @@
 
 #include "core/geodesy.h"
 #include "core/statistics.h"
+#include "stages/import/inspect_velocity.h"
 
 namespace runcert {
 namespace {
@@ -30,7 +31,7 @@ double horizontal_speed(const Observation& row) {
 Geodetic place_of(const Observation& row) {
     return {.latitude = Angle::from_degrees(*row.latitude_deg),
             .longitude = Angle::from_degrees(*row.longitude_deg),
-            .height_m = *row.height_m};
+            .height_m = row.height_m.value_or(0.0)};
 }
 
 /// The rows that `usable` holds for, in the order of time, the first of each time.
@@ -100,23 +101,58 @@ std::optional<RawBest> best_by_position(const Observations& observations) {
                    });
 }
 
-std::optional<RawBest> best_by_velocity(const Observations& observations) {
+std::optional<RawBest> best_vertical_by_position(const Observations& observations) {
+    const auto rows =
+        by_time(observations.rows, [](const Observation& row) { return row.height_m.has_value(); });
+    return fastest(rows, observations.facts.nominal_interval_s,
+                   [&](std::size_t from, std::size_t to, double duration_s) {
+                       return std::abs(*rows[to]->height_m - *rows[from]->height_m) / duration_s;
+                   });
+}
+
+/// The fastest mean of what `speed` takes from the rows that `there` holds for; its absolute value
+/// counts.
+template <class There, class Speed>
+std::optional<RawBest> best_mean(const Observations& observations, There there, Speed speed) {
     const auto rows = by_time(observations.rows, [](const Observation&) { return true; });
     // Sums up to each row of the speeds, and of the rows that have none.
     std::vector<double> sum(rows.size() + 1, 0.0);
     std::vector<std::size_t> missing(rows.size() + 1, 0);
     for (std::size_t i = 0; i < rows.size(); ++i) {
-        const bool there = has_velocity(*rows[i]);
-        sum[i + 1] = sum[i] + (there ? horizontal_speed(*rows[i]) : 0.0);
-        missing[i + 1] = missing[i] + (there ? 0 : 1);
+        sum[i + 1] = sum[i] + (there(*rows[i]) ? speed(*rows[i]) : 0.0);
+        missing[i + 1] = missing[i] + (there(*rows[i]) ? 0 : 1);
     }
     std::optional<RawBest> best = fastest(
         rows, observations.facts.nominal_interval_s, [&](std::size_t from, std::size_t to, double) {
             if (missing[to + 1] != missing[from]) return -1.0;
-            return (sum[to + 1] - sum[from]) / static_cast<double>(to + 1 - from);
+            return std::abs(sum[to + 1] - sum[from]) / static_cast<double>(to + 1 - from);
         });
     if (best && best->speed_mps < 0.0) best.reset();
     return best;
+}
+
+bool has_vertical_velocity(const Observation& row) {
+    return row.recorded_velocity_up_mps.has_value();
+}
+
+double vertical_speed(const Observation& row) {
+    return *row.recorded_velocity_up_mps;
+}
+
+/// The bests of a recording, and when they begin.
+void find_bests(const Observations& observations, Inspection& inspection) {
+    inspection.best_by_position = best_by_position(observations);
+    inspection.best_by_velocity = best_mean(observations, has_velocity, horizontal_speed);
+    inspection.best_vertical_by_position = best_vertical_by_position(observations);
+    inspection.best_vertical_by_velocity =
+        best_mean(observations, has_vertical_velocity, vertical_speed);
+    if (!observations.facts.first_epoch) return;
+    for (auto* best :
+         {&inspection.best_by_position, &inspection.best_by_velocity,
+          &inspection.best_vertical_by_position, &inspection.best_vertical_by_velocity})
+        if (*best)
+            (*best)->start_gps =
+                observations.facts.first_epoch->plus_nanoseconds((*best)->start.nanoseconds);
 }
 
 void count_steps(const Observations& observations, Inspection& inspection) {
@@ -134,25 +170,48 @@ void count_steps(const Observations& observations, Inspection& inspection) {
     }
 }
 
+struct MedianAndWorst {
+    std::optional<double> median, worst;
+};
+
+MedianAndWorst median_and_worst(std::vector<double> values) {
+    if (values.empty()) return {};
+    const double worst = *std::max_element(values.begin(), values.end());
+    return {median(std::move(values)), worst};
+}
+
 void count_rows(const Observations& observations, Inspection& inspection) {
     constexpr std::size_t kinds = static_cast<std::size_t>(FixKind::dead_reckoning) + 1;
     std::array<std::size_t, kinds> count{};
-    std::vector<double> horizontal_m;
+    std::vector<double> horizontal_m, velocity_mps;
     for (const Observation& row : observations.rows) {
         ++count[static_cast<std::size_t>(row.fix)];
         inspection.without_position += has_position(row) ? 0 : 1;
         inspection.with_velocity += has_velocity(row) ? 1 : 0;
         if (row.sigma_east_m && row.sigma_north_m)
             horizontal_m.push_back(std::hypot(*row.sigma_east_m, *row.sigma_north_m));
+        if (row.sigma_recorded_velocity_east_mps && row.sigma_recorded_velocity_north_mps)
+            velocity_mps.push_back(std::hypot(*row.sigma_recorded_velocity_east_mps,
+                                              *row.sigma_recorded_velocity_north_mps));
     }
     for (std::size_t kind = 0; kind < kinds; ++kind)
         if (count[kind] > 0) inspection.fixes.emplace_back(static_cast<FixKind>(kind), count[kind]);
     std::stable_sort(inspection.fixes.begin(), inspection.fixes.end(),
                      [](const auto& a, const auto& b) { return a.second > b.second; });
     inspection.with_accuracy = horizontal_m.size();
-    if (horizontal_m.empty()) return;
-    inspection.worst_horizontal_m = *std::max_element(horizontal_m.begin(), horizontal_m.end());
-    inspection.median_horizontal_m = median(std::move(horizontal_m));
+    const MedianAndWorst horizontal = median_and_worst(std::move(horizontal_m));
+    inspection.median_horizontal_m = horizontal.median;
+    inspection.worst_horizontal_m = horizontal.worst;
+    const MedianAndWorst velocity = median_and_worst(std::move(velocity_mps));
+    inspection.median_velocity_mps = velocity.median;
+    inspection.worst_velocity_mps = velocity.worst;
+}
+
+/// The nautical zone: 15 degrees of longitude an hour.
+std::optional<int> zone_of(const std::vector<Observation>& rows) {
+    for (const Observation& row : rows)
+        if (row.longitude_deg) return static_cast<int>(std::lround(*row.longitude_deg / 15.0));
+    return std::nullopt;
 }
 
 void measure_span(const Observations& observations, Inspection& inspection) {
@@ -172,6 +231,9 @@ void measure_span(const Observations& observations, Inspection& inspection) {
 Inspection inspect(const Observations& observations) {
     Inspection inspection;
     inspection.format = observations.format;
+    inspection.variant = observations.variant;
+    inspection.device = observations.device;
+    inspection.records = observations.records;
     inspection.frame = observations.frame;
     inspection.time_scale = observations.time_scale;
     inspection.epochs = observations.rows.size();
@@ -182,15 +244,12 @@ Inspection inspect(const Observations& observations) {
     inspection.vertical_measured = observations.facts.vertical_measured;
     inspection.accuracy_source = observations.accuracy_source;
     inspection.notes = observations.notes;
+    inspection.zone_h = zone_of(observations.rows);
     measure_span(observations, inspection);
     count_rows(observations, inspection);
     count_steps(observations, inspection);
-    inspection.best_by_position = best_by_position(observations);
-    inspection.best_by_velocity = best_by_velocity(observations);
-    for (auto* best : {&inspection.best_by_position, &inspection.best_by_velocity})
-        if (*best && observations.facts.first_epoch)
-            (*best)->start_gps =
-                observations.facts.first_epoch->plus_nanoseconds((*best)->start.nanoseconds);
+    inspection.velocity_delay_s = raw_velocity_delay_s(observations);
+    find_bests(observations, inspection);
     return inspection;
 }
 

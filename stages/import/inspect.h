@@ -13,7 +13,7 @@ namespace runcert {
 
 /// A fastest stretch, unscreened.
 struct RawBest {
-    double speed_mps = 0.0;  ///< horizontal
+    double speed_mps = 0.0;  ///< horizontal, or vertical
     ElapsedTime start;       ///< since the first epoch
     std::optional<GpsTime> start_gps = std::nullopt;
     double duration_s = 0.0;
@@ -24,10 +24,13 @@ struct RawBest {
 
 /// What a recording holds, before anything is judged.
 struct Inspection {
-    std::string format, frame, time_scale;
+    std::string format, variant, device, frame, time_scale;
     std::optional<GpsTime> first, last;  ///< earliest and latest epoch; empty on relative time
     double span_s = 0.0;
+    /// Local time less UTC of the nautical zone of the first position, h.
+    std::optional<int> zone_h;
     std::size_t epochs = 0;
+    RecordCount records;
     std::size_t without_position = 0;
     double nominal_interval_s = 0.0;
     std::optional<double> position_resolution_m, time_resolution_s;  ///< as in RecordingFacts
@@ -38,6 +41,9 @@ struct Inspection {
     std::size_t repeated_times = 0;  ///< steps of zero
     std::size_t backward_times = 0;
     std::size_t with_velocity = 0;
+    std::optional<double> velocity_delay_s;  ///< behind the positions
+    /// Stated, as median_horizontal_m.
+    std::optional<double> median_velocity_mps, worst_velocity_mps;
     bool georeferenced = true;
     bool vertical_measured = true;
     std::string accuracy_source;
@@ -45,6 +51,8 @@ struct Inspection {
     /// sqrt(sigma_east^2 + sigma_north^2)
     std::optional<double> median_horizontal_m, worst_horizontal_m;
     std::optional<RawBest> best_by_position, best_by_velocity;
+    /// Of heights alone, upwards or downwards.
+    std::optional<RawBest> best_vertical_by_position, best_vertical_by_velocity;
     std::vector<std::string> notes;
 };
 
@@ -53,7 +61,8 @@ struct Inspection {
 /// The best 3 s are over all windows whose ends are epochs at least 2.999 s and less than 3 s and
 /// one nominal interval apart, bad epochs included. By position: the straight line between the
 /// ends, projected on the horizontal of its first; by velocity: mean horizontal speed of the
-/// window's epochs, all of which must have one. Of several epochs with one time, the first counts.
+/// window's epochs, all of which must have one. The vertical ones by the difference of height, and
+/// by the mean of the vertical velocity. Of several epochs with one time, the first counts.
 Inspection inspect(const Observations& observations);
 
 /// The same for a person, about 20 lines, with what an official should look at.

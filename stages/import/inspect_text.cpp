@@ -13,6 +13,7 @@ constexpr double kmh_per_mps = 3.6;
 constexpr std::size_t most_notes = 4;
 /// Of the larger: a difference of the two bests beyond this is worth a sentence.
 constexpr double notable_difference = 0.05;
+constexpr double notable_delay_s = 0.03;
 
 std::string fixed(double value, int decimals) {
     return format_fixed(value, decimals);
@@ -42,11 +43,26 @@ std::string duration_text(double seconds) {
     return text + fixed(rest, 1) + " s";
 }
 
+/// "2026-08-01 14:03:05" in a zone so many hours ahead of UTC.
+std::string local_text(GpsTime time, int zone_h) {
+    constexpr std::int64_t hour_ns = 3600 * GpsTime::nanoseconds_per_second;
+    std::string text = to_utc_iso(time.plus_nanoseconds(zone_h * hour_ns), 0);
+    text.pop_back();
+    text[10] = ' ';
+    return text;
+}
+
 std::string span_text(const Inspection& it) {
     const std::string length = duration_text(it.span_s);
     if (!it.first || !it.last) return length + ", from an unknown start";
-    return fmt::format("{} to {} GPS time, {}\n            {} to {} UTC", to_iso(*it.first),
-                       to_iso(*it.last), length, to_utc_iso(*it.first), to_utc_iso(*it.last));
+    std::string text =
+        fmt::format("{} to {} UTC, {}\n            {} to {} GPS time", to_utc_iso(*it.first),
+                    to_utc_iso(*it.last), length, to_iso(*it.first), to_iso(*it.last));
+    if (it.zone_h)
+        text += fmt::format("\n            {} to {} local, if UTC{:+} as the longitude suggests",
+                            local_text(*it.first, *it.zone_h), local_text(*it.last, *it.zone_h),
+                            *it.zone_h);
+    return text;
 }
 
 std::string epochs_text(const Inspection& it) {
@@ -82,15 +98,37 @@ std::string step_text(const std::optional<double>& step, std::string_view unit) 
 
 std::string accuracy_text(const Inspection& it) {
     if (!it.median_horizontal_m) return "none stated";
-    return fmt::format("horizontal {} m (median), {} m (worst), stated by the {}",
-                       fixed(*it.median_horizontal_m, 4), fixed(*it.worst_horizontal_m, 4),
-                       it.accuracy_source);
+    std::string text = fmt::format("horizontal {} m (median), {} m (worst), stated by the {}",
+                                   fixed(*it.median_horizontal_m, 4),
+                                   fixed(*it.worst_horizontal_m, 4), it.accuracy_source);
+    if (it.with_accuracy < it.epochs) text += fmt::format(" in {} epochs", it.with_accuracy);
+    return text;
+}
+
+std::string velocity_text(const Inspection& it) {
+    if (it.with_velocity == 0) return "not recorded";
+    std::string text = fmt::format("in {} epochs", it.with_velocity);
+    text += it.velocity_delay_s
+                ? fmt::format(", {} s {} the positions", fixed(std::abs(*it.velocity_delay_s), 2),
+                              *it.velocity_delay_s < 0.0 ? "ahead of" : "behind")
+                : ", its delay behind the positions cannot be told";
+    if (it.median_velocity_mps)
+        text += fmt::format("\n            stated {} m/s (median), {} m/s (worst)",
+                            fixed(*it.median_velocity_mps, 3), fixed(*it.worst_velocity_mps, 3));
+    return text + (it.median_velocity_mps ? "" : "; no accuracy stated");
+}
+
+/// Whether the recording is of something that falls or climbs; heights alone, which err more than
+/// horizontal positions, do not show it.
+bool is_vertical(const Inspection& it) {
+    return it.best_vertical_by_velocity && it.best_by_velocity &&
+           it.best_vertical_by_velocity->speed_mps > it.best_by_velocity->speed_mps;
 }
 
 std::string best_text(const std::optional<RawBest>& best) {
     if (!best) return "no stretch of 3 s";
     std::string at = fixed(best->start.seconds(), 3) + " s after the first epoch";
-    if (best->start_gps) at += fmt::format(", {} GPS time", to_iso(*best->start_gps));
+    if (best->start_gps) at += fmt::format(", {} UTC", to_utc_iso(*best->start_gps));
     return fmt::format("{} km/h over {} s,\n            from {} (epochs {} to {})",
                        fixed(best->speed_mps * kmh_per_mps, 1), fixed(best->duration_s, 3), at,
                        best->first_epoch, best->last_epoch);
@@ -104,6 +142,12 @@ std::size_t count_of(const Inspection& it, FixKind kind) {
 
 std::string percent(std::size_t part, std::size_t whole) {
     return fixed(100.0 * static_cast<double>(part) / static_cast<double>(whole), 1) + " %";
+}
+
+void add_record_concerns(const Inspection& it, std::vector<std::string>& concerns) {
+    if (100 * it.records.bad > it.records.total)
+        concerns.push_back(
+            "More than 1 % of its records cannot be read: nothing in it can be certified.");
 }
 
 void add_quality_concerns(const Inspection& it, std::vector<std::string>& concerns) {
@@ -121,6 +165,8 @@ void add_quality_concerns(const Inspection& it, std::vector<std::string>& concer
             "No accuracy is stated: the attempt must give one (accuracy: {horizontal_m: ...}).");
     else if (*it.worst_horizontal_m > 10.0 || *it.median_horizontal_m < 0.001)
         concerns.push_back("The stated accuracy is not believable everywhere.");
+    if (it.velocity_delay_s && std::abs(*it.velocity_delay_s) > notable_delay_s)
+        concerns.push_back("The recorded velocity is late: it shows the speed of a moment before.");
 }
 
 void add_time_concerns(const Inspection& it, std::vector<std::string>& concerns) {
@@ -154,11 +200,14 @@ void add_speed_concerns(const Inspection& it, std::vector<std::string>& concerns
 }  // namespace
 
 std::string inspection_text(const Inspection& it, const std::string& file_name) {
-    std::string text = fmt::format("{}: {}, {}, {}\n", file_name, it.format, frame_text(it.frame),
-                                   time_scale_text(it.time_scale));
+    std::string text =
+        fmt::format("{}: {}, {}, {}\n", file_name,
+                    it.variant.empty() ? it.format : fmt::format("{} ({})", it.format, it.variant),
+                    frame_text(it.frame), time_scale_text(it.time_scale));
     const auto line = [&](std::string_view title, const std::string& value) {
         text += fmt::format("  {:<10}{}\n", title, value);
     };
+    if (!it.device.empty()) line("Made by", it.device);
     line("Time", span_text(it));
     line("Epochs", epochs_text(it));
     line("Gaps", gaps_text(it));
@@ -167,14 +216,17 @@ std::string inspection_text(const Inspection& it, const std::string& file_name) 
          fmt::format("positions in {}, times in {}", step_text(it.position_resolution_m, "m"),
                      step_text(it.time_resolution_s, "s")));
     line("Accuracy", accuracy_text(it));
-    line("Velocity", it.with_velocity == 0
-                         ? "not recorded"
-                         : fmt::format("recorded in {} epochs", it.with_velocity));
+    line("Velocity", velocity_text(it));
     line("Best 3 s", "unscreened, not for a certificate:");
     line("", "by position " + best_text(it.best_by_position));
     if (it.with_velocity > 0) line("", "by recorded velocity " + best_text(it.best_by_velocity));
+    if (is_vertical(it)) {
+        line("Vertical", "by height " + best_text(it.best_vertical_by_position));
+        line("", "by recorded velocity " + best_text(it.best_vertical_by_velocity));
+    }
 
     std::vector<std::string> concerns;
+    add_record_concerns(it, concerns);
     add_quality_concerns(it, concerns);
     add_time_concerns(it, concerns);
     add_speed_concerns(it, concerns);

@@ -6,12 +6,99 @@
 #include "files/atomic_file.h"
 #include "run/evidence.h"
 #include "run/stage_main.h"
+#include "stages/import/gpsbabel_convert.h"
 #include "stages/import/import.h"
 #include "stages/import/inspect.h"
+#include "stages/import/rinex.h"
+#include "stages/import/rinex_solve.h"
 
 using namespace runcert;
 
 namespace {
+
+/// A receiver's files, opened.
+struct OpenFiles {
+    std::vector<EvidenceFile> files;
+    std::vector<FileView> views;
+
+    std::vector<RecordingBytes> of(std::string_view role) const {
+        std::vector<RecordingBytes> chosen;
+        for (std::size_t i = 0; i < files.size(); ++i)
+            if (files[i].role == role)
+                chosen.push_back({.name = files[i].original, .bytes = views[i].bytes()});
+        return chosen;
+    }
+};
+
+OpenFiles open_files(const StageRun& run, const Receiver& receiver,
+                     const std::optional<std::filesystem::path>& evidence) {
+    OpenFiles open{.files = evidence_files(receiver), .views = {}};
+    for (const EvidenceFile& file : open.files)
+        open.views.push_back(open_evidence(file, receiver, run.attempt_path(), evidence));
+    return open;
+}
+
+/// Reads one recording, through gpsbabel where it is of a format that only gpsbabel knows.
+Observations read_recording(const Receiver& receiver, const RecordingBytes& recording) {
+    const bool asked = receiver.format == "gpsbabel";
+    const bool known_to_it = !is_read_by_itself(receiver, recording) &&
+                             gpsbabel::recognises(recording.bytes.substr(0, recognised_by));
+    if (!asked && !known_to_it) return import_recording(receiver, recording);
+    const std::string type = gpsbabel::type_of(receiver, recording);
+    return gpsbabel::read_converted(receiver, recording, type, gpsbabel::convert(type, recording));
+}
+
+/// Solves a RINEX recording, and keeps what the solution consists of.
+Observations import_rinex(StageRun& run, const Receiver& receiver, const OpenFiles& open) {
+    const auto base = open.of("base");
+    const auto rover = open.of("recording");
+    const auto navigation = open.of("navigation");
+    if (base.empty() || navigation.empty() || rover.size() != 1)
+        throw Failure(receiver.place,
+                      "a RINEX recording needs one file of the rover, and base: and navigation:",
+                      "Name the base station's observations and the navigation file; put several "
+                      "files of the rover together before");
+    const rinex::Solution solution = rinex::solve(receiver, rover[0], base[0], navigation);
+    const std::vector<EvidenceFile> names = solution_files(receiver);
+    const bool forward = receiver.solution_pass == "forward";
+    Observations observations =
+        rinex::read(receiver, solution, forward ? names[1].name : names[2].name);
+    const std::string* texts[] = {&solution.configuration, &solution.forward, &solution.backward};
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        run.note_input(names[i].role, names[i].name, *texts[i]);
+        run.write(names[i].name, *texts[i]);
+    }
+    return observations;
+}
+
+/// Reads a receiver's recording, through another program where it needs one.
+Observations read_receiver(StageRun& run, const Receiver& receiver, const OpenFiles& open) {
+    const std::vector<RecordingBytes> recordings = open.of("recording");
+    if (rinex::is_chosen(receiver, recordings.front())) return import_rinex(run, receiver, open);
+    if (!receiver.base.empty() || !receiver.navigation.empty())
+        throw Failure(receiver.place, "base and navigation are of use with RINEX alone",
+                      "Take them out, or name the rover's RINEX file as the recording");
+    return import_recordings(receiver, recordings, read_recording);
+}
+
+void import_receiver(StageRun& run, const Receiver& receiver,
+                     const std::optional<std::filesystem::path>& evidence) {
+    StageRun one = run;
+    const OpenFiles open = open_files(run, receiver, evidence);
+    one.note_attempt();
+    Observations observations = read_receiver(one, receiver, open);
+    for (std::size_t i = 0; i < open.files.size(); ++i) {
+        const EvidenceFile& file = open.files[i];
+        one.note_input(file.role, file.name, open.views[i].bytes(),
+                       std::filesystem::path(file.original).filename().string());
+        one.write(file.name, open.views[i].bytes());
+    }
+    observations.header = one.header();
+    one.write(product_file(run.attempt(), receiver, "1-observations", "ecsv"),
+              write_observations(observations));
+    run.say(fmt::format("{} epochs from {} ({})", observations.rows.size(),
+                        recording_names(receiver), observations.format));
+}
 
 /// Brings everything from outside into the run folder: after this stage nothing else is read.
 void import_attempt(StageRun& run, const std::optional<std::filesystem::path>& evidence) {
@@ -22,30 +109,18 @@ void import_attempt(StageRun& run, const std::optional<std::filesystem::path>& e
         run.write(evidence_profile_file(claimed), text);
     }
     run.write(std::string(evidence_attempt_file), run.attempt_text());
-    for (const Receiver& receiver : attempt.receivers) {
-        StageRun one = run;
-        const std::string bytes = find_recording(receiver, run.attempt_path(), evidence);
-        const std::string original = std::filesystem::path(receiver.recording).filename().string();
-        one.note_attempt();
-        one.note_input("recording", evidence_recording_file(receiver), bytes, original);
-        Observations observations =
-            import_recording(receiver, {.name = receiver.recording, .bytes = bytes});
-        one.write(evidence_recording_file(receiver), bytes);
-        observations.header = one.header();
-        one.write(product_file(attempt, receiver, "1-observations", "ecsv"),
-                  write_observations(observations));
-        run.say(fmt::format("{} epochs from {} ({})", observations.rows.size(), original,
-                            observations.format));
-    }
+    for (const Receiver& receiver : attempt.receivers)
+        import_receiver(run, receiver, evidence);
 }
 
 int inspect_file(const std::string& path) {
-    const std::string bytes = read_file(path);
+    const FileView file(path);
     Receiver receiver;
     receiver.id = "inspected";
-    receiver.recording = path;
+    receiver.recordings = {path};
     receiver.format = "auto";
-    const Observations observations = import_recording(receiver, {.name = path, .bytes = bytes});
+    const Observations observations =
+        read_recording(receiver, {.name = path, .bytes = file.bytes()});
     fmt::print("{}", inspection_text(inspect(observations), path));
     return 0;
 }

@@ -26,7 +26,7 @@ constexpr std::string_view save_as_utf8 =
     "Save as UTF-8, in the program that wrote it or an editor";
 
 // UTF-32 before UTF-16, whose mark its own begins with.
-constexpr std::array<Beginning, 9> beginnings{{
+constexpr std::array<Beginning, 8> beginnings{{
     {"\xff\xfe\0\0"sv, "the file is UTF-32 text", save_as_utf8},
     {"\0\0\xfe\xff"sv, "the file is UTF-32 text", save_as_utf8},
     {"\xff\xfe"sv, "the file is UTF-16 text", save_as_utf8},
@@ -35,8 +35,6 @@ constexpr std::array<Beginning, 9> beginnings{{
     {"\x1f\x8b"sv, "the file is a gzip archive", unpack},
     {"7z\xbc\xaf\x27\x1c"sv, "the file is a 7z archive", unpack},
     {"BZh"sv, "the file is a bzip2 archive", unpack},
-    {"\xb5\x62"sv, "the file is a u-blox UBX log, which is not read",
-     "Export the solution as RTKLIB .pos or CSV"},
 }};
 
 /// Whether every second byte of the beginning is NUL: UTF-16 without its mark.
@@ -69,14 +67,30 @@ void refuse_nul(const RecordingBytes& recording, std::size_t at) {
 
 }  // namespace
 
-LineReader::LineReader(std::string_view bytes)
-    : bytes_(bytes), has_byte_order_mark_(bytes.starts_with(byte_order_mark)) {
+std::string place_in(const RecordingBytes& recording, const RecordPlace& place) {
+    if (place.line) return fmt::format("{}:{}", recording.name, *place.line);
+    return fmt::format("{}:byte {}", recording.name, place.byte);
+}
+
+LineReader::LineReader(std::string_view bytes) : LineReader(RecordingBytes{{}, bytes}) {}
+
+LineReader::LineReader(const RecordingBytes& recording)
+    : recording_(recording),
+      bytes_(recording.bytes),
+      has_byte_order_mark_(bytes_.starts_with(byte_order_mark)) {
     if (has_byte_order_mark_) offset_ = byte_order_mark.size();
 }
 
 std::optional<SourceLine> LineReader::next() {
     if (at_end()) return std::nullopt;
-    const std::size_t end = bytes_.find('\n', offset_);
+    const std::string_view ahead = bytes_.substr(offset_, longest_line + 1);
+    const std::size_t length = ahead.find('\n');
+    if (length == std::string_view::npos && ahead.size() > longest_line)
+        throw Failure(fmt::format("{}:{}:1", recording_.name, line_ + 1),
+                      fmt::format("the line is longer than {} bytes, and so no line of a recording",
+                                  longest_line),
+                      "Take the recording as the receiver wrote it");
+    const std::size_t end = length == std::string_view::npos ? length : offset_ + length;
     SourceLine line{.text = bytes_.substr(offset_, end - offset_),
                     .number = ++line_,
                     .byte = static_cast<std::int64_t>(offset_),
@@ -86,7 +100,7 @@ std::optional<SourceLine> LineReader::next() {
     return line;
 }
 
-void require_text(const RecordingBytes& recording) {
+void require_readable(const RecordingBytes& recording) {
     const std::string_view bytes = recording.bytes;
     if (bytes.empty())
         fail(recording, "the recording is empty, 0 bytes", "Copy it again from the receiver");
@@ -95,12 +109,19 @@ void require_text(const RecordingBytes& recording) {
     if (looks_like_utf16(bytes)) fail(recording, "the file is UTF-16 text", save_as_utf8);
     if (bytes.size() > 262 && bytes.substr(257, 5) == "ustar")
         fail(recording, "the file is a tar archive, a folder packed into a file", unpack);
-    if (const std::size_t nul = bytes.find('\0'); nul != std::string_view::npos)
-        refuse_nul(recording, nul);
-    if (bytes.find_first_not_of(" \t\r\n", bytes.starts_with(byte_order_mark) ? 3 : 0) ==
-        std::string_view::npos)
+    const std::string_view start = bytes.substr(0, recognised_by);
+    if (start.size() == bytes.size() &&
+        start.find_first_not_of(" \t\r\n", bytes.starts_with(byte_order_mark) ? 3 : 0) ==
+            std::string_view::npos)
         fail(recording, "the recording holds nothing but blanks",
              "Copy it again from the receiver");
+}
+
+void require_text(const RecordingBytes& recording) {
+    require_readable(recording);
+    if (const std::size_t nul = recording.bytes.substr(0, recognised_by).find('\0');
+        nul != std::string_view::npos)
+        refuse_nul(recording, nul);
 }
 
 }  // namespace runcert

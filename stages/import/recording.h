@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include "core/optional_number.h"
+
 namespace runcert {
 
 /// A recording in memory. `bytes` belongs to the caller.
@@ -22,13 +24,34 @@ struct SourceLine {
     bool ended = true;        ///< false for a last line without a line end
 };
 
+/// How much of a recording `recognises` of a format is given to look at.
+inline constexpr std::size_t recognised_by = std::size_t{64} * 1024;
+
+/// Where a record of a recording begins.
+struct RecordPlace {
+    OptionalInteger line;   ///< counted from 1; empty in binary formats
+    std::int64_t byte = 0;  ///< offset in the file, counted from 0
+
+    RecordPlace(const SourceLine& source) : line(source.number), byte(source.byte) {}
+    explicit RecordPlace(std::size_t offset) : byte(static_cast<std::int64_t>(offset)) {}
+};
+
+/// "file:line" or "file:byte N" of a record.
+std::string place_in(const RecordingBytes& recording, const RecordPlace& place);
+
 /// Goes through a recording line by line. A UTF-8 byte order mark is passed over: it belongs to
 /// no line, but counts in the offsets.
 class LineReader {
   public:
+    /// No line of any format is longer, in bytes.
+    static constexpr std::size_t longest_line = std::size_t{1024} * 1024;
+
+    explicit LineReader(const RecordingBytes& recording);
+    /// Without a name for messages: for those who only look.
     explicit LineReader(std::string_view bytes);
 
-    /// The next line; nothing at the end.
+    /// The next line; nothing at the end. Failure for one that is longer than `longest_line`,
+    /// found without reading on.
     std::optional<SourceLine> next();
 
     /// Whether every line has been given.
@@ -37,14 +60,18 @@ class LineReader {
     bool has_byte_order_mark() const { return has_byte_order_mark_; }
 
   private:
+    RecordingBytes recording_;
     std::string_view bytes_;
     std::size_t offset_ = 0;
     std::int64_t line_ = 0;
     bool has_byte_order_mark_ = false;
 };
 
-/// Failure, in words of its own, for a recording that is empty, an archive, UTF-16 or -32 text or
-/// binary: the formats of text are not even tried on these.
+/// Failure, in words of its own, for a recording that is empty, an archive, or UTF-16 or -32 text:
+/// no format is even tried on these. It looks at the beginning alone.
+void require_readable(const RecordingBytes& recording);
+
+/// The same, and Failure where the beginning holds NUL bytes: no text.
 void require_text(const RecordingBytes& recording);
 
 }  // namespace runcert

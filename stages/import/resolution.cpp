@@ -49,7 +49,12 @@ std::optional<double> WrittenDecimals::step() const {
     return std::pow(10.0, -most_);
 }
 
+WrittenResolution::WrittenResolution(CoordinateUnit unit, double coordinate_step,
+                                     double time_step_s)
+    : known_coordinate_step_(coordinate_step), known_time_step_s_(time_step_s), unit_(unit) {}
+
 void WrittenResolution::see(const WrittenCells& cells) {
+    if (known_coordinate_step_) return;
     time_.see(cells.time);
     for (std::size_t i = 0; i < cells.coordinates.size(); ++i) {
         if (cells.coordinates[i].empty()) continue;
@@ -59,7 +64,7 @@ void WrittenResolution::see(const WrittenCells& cells) {
 }
 
 std::optional<double> WrittenResolution::time_s() const {
-    const std::optional<double> step_s = time_.step();
+    const std::optional<double> step_s = known_time_step_s_ ? known_time_step_s_ : time_.step();
     if (!step_s) return std::nullopt;
     return std::max(*step_s, least_step);
 }
@@ -70,6 +75,8 @@ double WrittenResolution::metres_per_unit(std::size_t coordinate, Angle latitude
             break;
         case CoordinateUnit::degree:
             return metres_per_degree(latitude).at(coordinate);
+        case CoordinateUnit::arc_minute:
+            return metres_per_degree(latitude).at(coordinate) / 60.0;
         case CoordinateUnit::arc_second:
             return metres_per_degree(latitude).at(coordinate) / 3600.0;
     }
@@ -77,6 +84,10 @@ double WrittenResolution::metres_per_unit(std::size_t coordinate, Angle latitude
 }
 
 std::optional<double> WrittenResolution::position_m(Angle latitude) const {
+    if (known_coordinate_step_) {
+        const double most_m = std::max(metres_per_unit(0, latitude), metres_per_unit(1, latitude));
+        return std::max(*known_coordinate_step_ * most_m, least_step);
+    }
     std::optional<double> coarsest_m;
     for (std::size_t i = 0; i < coordinates_.size(); ++i) {
         if (!coordinates_[i].any()) continue;

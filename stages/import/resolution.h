@@ -9,7 +9,7 @@
 namespace runcert {
 
 /// What a coordinate is written in, the unit of its decimals.
-enum class CoordinateUnit { metre, degree, arc_second };
+enum class CoordinateUnit { metre, degree, arc_minute, arc_second };
 
 /// Those pieces of a row's text whose decimals say how finely it states its time and place. They
 /// belong to the recording.
@@ -44,6 +44,10 @@ class WrittenDecimals {
 /// nanometre or a nanosecond count as one: such decimals come from arithmetic, not from a receiver.
 class WrittenResolution {
   public:
+    WrittenResolution() = default;
+    /// Of a binary format, whose steps are known: in units of the coordinates, and in seconds.
+    WrittenResolution(CoordinateUnit unit, double coordinate_step, double time_step_s);
+
     /// Takes in a row. All rows that have a position have it in the same unit.
     void see(const WrittenCells& cells);
 
@@ -58,6 +62,7 @@ class WrittenResolution {
   private:
     double metres_per_unit(std::size_t coordinate, Angle latitude) const;
 
+    std::optional<double> known_coordinate_step_, known_time_step_s_;
     CoordinateUnit unit_ = CoordinateUnit::metre;
     WrittenDecimals time_;
     std::array<WrittenDecimals, 3> coordinates_;

@@ -46,7 +46,7 @@ bool looks_like_row(std::string_view line) {
 class Reader {
   public:
     explicit Reader(const RecordingBytes& recording)
-        : recording_(recording), lines_(recording.bytes) {}
+        : recording_(recording), lines_(recording), timed_(recording) {}
 
     Observations read() {
         while (const auto line = lines_.next()) {
@@ -60,7 +60,7 @@ class Reader {
         if (other_headers_ > 0)
             observations_.notes.push_back(fmt::format(
                 "The file holds {} solutions, one after the other.", other_headers_ + 1));
-        set_rows(observations_, std::move(timed_), recording_);
+        set_rows(observations_, std::move(timed_));
         return std::move(observations_);
     }
 
@@ -113,11 +113,13 @@ class Reader {
     void read_row_line(const SourceLine& line) {
         const Cell start{line.text, &recording_, line.number, 1};
         if (!layout_) start.fail(missing_header, remedy_for_missing_header);
-        const std::vector<Cell> fields =
-            split_fields(line, line.text, recording_, layout_->separator);
-        if (fields.size() != layout_->fields) refuse_count(start, fields.size());
-        const bool baseline = layout_->coordinates == Coordinates::baseline;
-        timed_.add(read_row(fields, *layout_, baseline ? base_ : std::nullopt), line);
+        timed_.add_record(line, [&] {
+            const std::vector<Cell> fields =
+                split_fields(line, line.text, recording_, layout_->separator);
+            if (fields.size() != layout_->fields) refuse_count(start, fields.size());
+            const bool baseline = layout_->coordinates == Coordinates::baseline;
+            return read_row(fields, *layout_, baseline ? base_ : std::nullopt);
+        });
     }
 
     [[noreturn]] void refuse_count(const Cell& start, std::size_t count) const {

@@ -188,7 +188,8 @@ std::vector<Cell> split_fields(const SourceLine& line, std::string_view text,
         if (separator != '\0' && text[at] == separator)
             cell(at, at + 1).fail("a field is empty", "Correct the line, or take it out");
         std::size_t end = at;
-        while (end < text.size() && !is_blank(text[end]) && text[end] != separator)
+        while (end < text.size() && !is_blank(text[end]) &&
+               (separator == '\0' || text[end] != separator))
             ++end;
         cells.push_back(cell(at, end));
         at = skip_blanks(end);

@@ -171,8 +171,7 @@ void read_velocity(const Fields& fields, const Geodetic& place,
 void read_quality(const Fields& fields, EpochQuality& quality) {
     quality.fix = read_rtklib_quality(fields.cell(Column::quality));
     if (fields.has(Column::satellites))
-        quality.satellites =
-            read_whole(fields.cell(Column::satellites), "count of satellites", 0, 1000);
+        quality.satellites = read_satellites(fields.cell(Column::satellites));
     if (fields.has(Column::age)) quality.age_s = fields.real(Column::age, "age");
     if (fields.has(Column::ratio)) quality.ratio = fields.real(Column::ratio, "ratio");
 }

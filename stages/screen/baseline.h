@@ -1,6 +1,6 @@
 #pragma once
 
-#include "stages/screen/motion.h"
+#include "estimation/epoch_motion.h"
 #include "stages/screen/screen.h"
 #include "stages/screen/test_plan.h"
 

@@ -4,7 +4,7 @@
 
 #include "arcs/screening_noise.h"
 #include "stages/screen/adaptation.h"
-#include "stages/screen/motion.h"
+#include "estimation/epoch_motion.h"
 #include "stages/screen/noise.h"
 
 namespace runcert {

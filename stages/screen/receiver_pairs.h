@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "stages/screen/motion.h"
+#include "estimation/epoch_motion.h"
 #include "stages/screen/screen.h"
 
 namespace runcert {

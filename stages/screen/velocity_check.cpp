@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "core/statistics.h"
-#include "stages/screen/velocity_delay.h"
+#include "estimation/velocity_delay.h"
 
 namespace runcert {
 namespace {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "schemas/screened/screened.h"
-#include "stages/screen/motion.h"
+#include "estimation/epoch_motion.h"
 
 namespace runcert {
 

@@ -99,7 +99,7 @@ TEST(Audit, ARealRecording) {
         folder.path() / "attempt.yaml",
         fmt::format("schema: attempt/1.0\nid: recorded\ncraft: {{name: car, class: car}}\n"
                     "receivers: [{{id: primary, recording: \"{}\"}}]\nprofiles: [nalsa]\n",
-                    (*data / "ppk_urban_car" / "rover.pos").string()));
+                    bring(*data / "ppk_urban_car" / "rover.pos", folder.path())));
     const fs::path run = folder.path() / "run";
     ASSERT_NE(certify(folder.path() / "attempt.yaml", run, {"--no-render"}).exit_status, 2);
     const std::string text = expect_complete_audit(run);

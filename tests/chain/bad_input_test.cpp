@@ -89,30 +89,34 @@ std::vector<BadInput> bad_attempts() {
     };
 }
 
+const std::string row =
+    "2022/03/18 08:51:07.000  35.1000070  137.0  10.0 1 10 0.01 0.01 0.02 0 0 0 0 9\n";
+
 std::vector<BadInput> bad_recordings() {
-    const std::string row =
-        "2022/03/18 08:51:07.000  35.1000070  137.0  10.0 1 10 0.01 0.01 0.02 0 0 0 0 9\n";
-    const auto with = [&](const std::string& what, const std::string& by) {
-        return recording_with(7, replaced(row, what, by));
-    };
     return {
         {"empty recording", good_attempt, "", {"recording.pos", "empty"}},
         {"no header", good_attempt, row + row, {"recording.pos"}},
         {"header only", good_attempt, pos_header, {"recording.pos", "epochs"}},
-        {"cut off", good_attempt, recording_with(0, "").substr(0, 1300), {"recording.pos:"}},
-        {"wrong column count",
-         good_attempt,
-         with(" 0 0 0 0 9", " 0 0 0 0 9 9 9"),
-         {"recording.pos:7"}},
-        {"text for a number", good_attempt, with("10.0 1", "ten 1"), {"recording.pos:7:", "ten"}},
-        {"not a number", good_attempt, with("0.02", "nan"), {"recording.pos:7:", "nan"}},
-        {"latitude 95", good_attempt, with("35.1000070", "95.1000070"), {"recording.pos:7:", "95"}},
+        {"UTF-16", good_attempt, std::string("\xff\xfe%\0 \0", 6), {"recording.pos", "UTF-16"}},
+        {"binary", good_attempt, std::string("\x00\x01\x02\x03", 4), {"recording.pos"}},
+    };
+}
+
+/// One bad record of some twenty: what 1-observations must say of it.
+std::vector<BadInput> bad_records() {
+    const auto with = [&](const std::string& what, const std::string& by) {
+        return recording_with(7, replaced(row, what, by));
+    };
+    return {
+        {"cut off", good_attempt, recording_with(0, "").substr(0, 1300), {"line: 15", "cut off"}},
+        {"wrong column count", good_attempt, with(" 0 0 0 0 9", " 0 0 0 0 9 9 9"), {"line: 7"}},
+        {"text for a number", good_attempt, with("10.0 1", "ten 1"), {"line: 7", "ten"}},
+        {"not a number", good_attempt, with("0.02", "nan"), {"line: 7", "nan"}},
+        {"latitude 95", good_attempt, with("35.1000070", "95.1000070"), {"line: 7", "95"}},
         {"swapped",
          good_attempt,
          with("35.1000070  137.0", "137.0  35.1000070"),
-         {"recording.pos:7:", "swapped"}},
-        {"UTF-16", good_attempt, std::string("\xff\xfe%\0 \0", 6), {"recording.pos", "UTF-16"}},
-        {"binary", good_attempt, std::string("\x00\x01\x02\x03", 4), {"recording.pos"}},
+         {"line: 7", "swapped"}},
     };
 }
 
@@ -156,6 +160,26 @@ TEST(BadInput, Attempts) {
 TEST(BadInput, Recordings) {
     for (const BadInput& one : bad_recordings())
         expect_refused(one);
+}
+
+TEST(BadInput, ABadRecordInTwentyIsListedAndNothingIsCertified) {
+    for (const BadInput& one : bad_records()) {
+        SCOPED_TRACE(one.name);
+        const TemporaryFolder folder;
+        write_file_atomically(folder.path() / "attempt.yaml", one.attempt);
+        write_file_atomically(folder.path() / "recording.pos", one.recording);
+        const fs::path run = folder.path() / "run";
+        const ProcessResult result = certify(folder.path() / "attempt.yaml", run, {"--no-render"});
+        EXPECT_EQ(result.exit_status, 1) << result.errors;
+        const std::string table = read_file(run / "1-observations.ecsv");
+        EXPECT_NE(table.find("    bad: 1\n"), std::string::npos);
+        for (const std::string& said : one.said)
+            EXPECT_TRUE(table.find(said) != std::string::npos) << said;
+        const YamlValue profile = read_yaml(run / "6-verdict.yaml")["profiles"].list().at(0);
+        EXPECT_EQ(profile["outcome"].text(), "not_certifiable");
+        const std::string verdict = read_file(run / "6-verdict.yaml");
+        EXPECT_NE(verdict.find("records of the recording could not be read"), std::string::npos);
+    }
 }
 
 TEST(BadInput, NoAttemptAtAll) {

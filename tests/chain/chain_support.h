@@ -48,6 +48,13 @@ inline YamlValue read_yaml(const fs::path& file) {
     return {parse_yaml(read_file(file), file.string()), file.string()};
 }
 
+/// Puts a recording beside an attempt, which can name none outside of its folder, and returns its
+/// name.
+inline std::string bring(const fs::path& recording, const fs::path& folder) {
+    fs::copy_file(recording, folder / recording.filename(), fs::copy_options::overwrite_existing);
+    return recording.filename().string();
+}
+
 /// The folder of recordings named by RUNCERT_DATA, where it is set.
 inline std::optional<fs::path> recordings() {
     const char* folder = std::getenv("RUNCERT_DATA");

@@ -14,7 +14,7 @@ ProcessResult certify_recording(const fs::path& recording, const fs::path& folde
         "officials: [{{role: measurer}}]\n"
         "receivers: [{{id: primary, recording: \"{}\"}}]\n"
         "record: {{speed: 202.9, unit: km/h, source: published}}\nprofiles: [nalsa]\n{}",
-        recording.string(), more);
+        bring(recording, folder), more);
     write_file_atomically(folder / "attempt.yaml", attempt);
     return certify(folder / "attempt.yaml", folder / "run", {"--no-render"});
 }

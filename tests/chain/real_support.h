@@ -33,7 +33,7 @@ inline Tables certified(const fs::path& recording, const std::string& more = {})
         folder.path() / "attempt.yaml",
         fmt::format("schema: attempt/1.0\nid: recorded\ncraft: {{name: car, class: car}}\n"
                     "receivers: [{{id: primary, recording: \"{}\"}}]\nprofiles: [nalsa]\n{}",
-                    recording.string(), more));
+                    bring(recording, folder.path()), more));
     const fs::path run = folder.path() / "run";
     const ProcessResult result = certify(folder.path() / "attempt.yaml", run, {"--no-render"});
     EXPECT_EQ(result.exit_status, 1) << result.errors;

@@ -48,8 +48,9 @@ bool may_lack_unit(const std::string& path) {
 
 /// Each schema's newest revision; 1.1 where none is named.
 const std::map<std::string, std::string> newest_versions{
-    {"common", "1.0"},  {"simulation", "1.0"}, {"verdict", "1.0"}, {"attempt", "1.2"},
-    {"profile", "1.2"}, {"screened", "1.2"},   {"windows", "1.2"}, {"trajectory", "1.2"}};
+    {"common", "1.0"},       {"simulation", "1.0"}, {"verdict", "1.0"}, {"attempt", "1.3"},
+    {"profile", "1.2"},      {"screened", "1.3"},   {"windows", "1.2"}, {"trajectory", "1.2"},
+    {"observations", "1.2"}, {"enu", "1.2"}};
 
 const Names known_types{"text", "integer", "real", "boolean", "map", "list", "any"};
 const Names known_keys{"type", "unit",     "required", "values", "min",

@@ -19,7 +19,7 @@ std::vector<ScreenedEpoch> rows_of(std::size_t count) {
     for (std::size_t k = 0; k < count; ++k) {
         rows[k].epoch = static_cast<std::int64_t>(k) + 1;
         rows[k].time.nanoseconds = 100'000'000 * static_cast<std::int64_t>(k);
-        rows[k].source_line = static_cast<std::int64_t>(k) + 18;
+        rows[k].source_line = static_cast<std::int32_t>(k) + 18;
         rows[k].usable = true;
         rows[k].arc = 1;
         rows[k].fix = FixKind::fixed;

@@ -74,12 +74,15 @@ TEST(Csv, EveryTimeFormatGivesTheSameInstant) {
         {"iso", "utc", "2023/07/11 06:04:12.200000000Z", "", "utc"},
         {"time_of_day", "gps", "06:04:30.2", "2023-07-11", "gps"},
         {"time_of_day", "utc", "06:04:12.2", "2023/07/11", "utc"},
+        {"time_of_day", "local", "20:34:12.2", "2023/07/10", "utc"},
+        {"iso", "local", "2023-07-10T20:34:12.2", "", "utc"},
     };
     for (const TimeCase& one : cases) {
         SCOPED_TRACE(std::string(one.format) + " " + one.text);
         Receiver receiver = csv_receiver();
         receiver.time_format = one.format;
         receiver.time_scale = one.scale;
+        if (one.scale == std::string("local")) receiver.utc_offset_h = -9.5;
         if (one.format == std::string("seconds_of_week")) receiver.columns["week"] = "extra";
         if (one.format == std::string("time_of_day")) receiver.columns["date"] = "extra";
         const Observations read =
@@ -89,6 +92,17 @@ TEST(Csv, EveryTimeFormatGivesTheSameInstant) {
         EXPECT_EQ(to_iso(*read.facts.first_epoch, 9), "2023-07-11T06:04:30.200000000");
         EXPECT_EQ(read.time_scale, one.gps);
     }
+}
+
+TEST(Csv, LocalTimesNeedTheirOffsetFromUtc) {
+    Receiver receiver = csv_receiver();
+    receiver.time_format = "iso";
+    receiver.time_scale = "local";
+    EXPECT_NE(complaint_of(receiver, plain).find("Write utc_offset_h"), std::string::npos);
+    receiver.time_format = "unix";
+    receiver.utc_offset_h = 2.0;
+    EXPECT_NE(complaint_of(receiver, plain).find("of no use with time_format unix"),
+              std::string::npos);
 }
 
 TEST(Csv, RelativeTimeWithAStartIsGpsTime) {
@@ -263,7 +277,7 @@ TEST(CsvRefused, ByPlace) {
         {" \r\n\n", "f:1:1", "nothing but blanks"},
     };
     for (const auto& bad : cases) {
-        const std::string message = failure_of(csv_receiver(), bad.text);
+        const std::string message = complaint_of(csv_receiver(), bad.text);
         EXPECT_EQ(message.rfind(std::string(bad.where) + ": ", 0), 0u) << message;
         EXPECT_NE(message.find(bad.what), std::string::npos) << message;
     }
@@ -291,20 +305,20 @@ TEST(CsvRefused, ByTheAttempt) {
         {[](Receiver& r) { r.time_format = "time_of_day"; }, "\"date\", which time_format"},
         {[](Receiver& r) { r.columns["sigma_east"] = "h"; }, "only one is named"},
         {[](Receiver& r) { r.columns["speed"] = "h"; }, "no member \"speed\""},
-        {[](Receiver& r) { r.format = "nmea"; }, "the format \"nmea\" is not read"},
+        {[](Receiver& r) { r.format = "kml"; }, "the format \"kml\" is not read"},
         {[](Receiver& r) { r.delimiter = "pipe"; }, "delimiter \"pipe\""},
     };
     for (const Case& bad : cases) {
         Receiver receiver = csv_receiver();
         bad.change(receiver);
-        const std::string message = failure_of(receiver, plain);
+        const std::string message = complaint_of(receiver, plain);
         EXPECT_EQ(message.rfind("attempt.yaml:5:5: ", 0), 0u) << message;
         EXPECT_NE(message.find(bad.what), std::string::npos) << message;
     }
     Receiver iso = csv_receiver();
     iso.time_format = "iso";
     EXPECT_NE(
-        failure_of(iso, "time,lat,lon,h\n2023-07-11T06:04:12Z,1,2,3\n").find("time_scale: utc"),
+        complaint_of(iso, "time,lat,lon,h\n2023-07-11T06:04:12Z,1,2,3\n").find("time_scale: utc"),
         std::string::npos);
 }
 

@@ -215,7 +215,7 @@ class PosRefused : public testing::TestWithParam<Bad> {};
 TEST_P(PosRefused, SaysWhere) {
     const Bad& bad = GetParam();
     const std::string text = replaced(header + row + row, bad.from, bad.to);
-    const std::string message = failure_of(pos_receiver(), text);
+    const std::string message = complaint_of(pos_receiver(), text);
     EXPECT_EQ(message.rfind(std::string("f:") + bad.where + ": ", 0), 0u) << message;
     EXPECT_NE(message.find(bad.what), std::string::npos) << message;
 }
@@ -276,11 +276,11 @@ TEST(PosRefused, WholeFiles) {
     };
     for (const auto& bad : cases) {
         Receiver receiver = pos_receiver();
-        const std::string message = failure_of(receiver, bad.text);
+        const std::string message = complaint_of(receiver, bad.text);
         EXPECT_EQ(message.rfind(bad.where + ": ", 0), 0u) << message;
         EXPECT_NE(message.find(bad.what), std::string::npos) << message;
         receiver.format = "rtklib-pos";
-        EXPECT_EQ(failure_of(receiver, bad.text), message);
+        EXPECT_EQ(complaint_of(receiver, bad.text), message);
     }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -66,6 +67,17 @@ inline std::string failure_of(const Receiver& receiver, std::string_view text) {
         return failure.what();
     }
     return "read";
+}
+
+/// What is wrong with `text`: the failure of importing it, or else the first record that could not
+/// be read; "read" where there is neither.
+inline std::string complaint_of(const Receiver& receiver, std::string_view text) {
+    const std::string failure = failure_of(receiver, text);
+    if (failure != "read") return failure;
+    const Observations read = import_text(receiver, text);
+    if (read.records.bad == 0) return "read";
+    const BadRecord& bad = read.records.bad_records.front();
+    return fmt::format("f:{}:{}: {}", *bad.line, bad.column.value_or(0), bad.what);
 }
 
 inline std::string replaced(std::string text, std::string_view from, std::string_view to) {

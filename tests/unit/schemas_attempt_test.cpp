@@ -54,7 +54,7 @@ TEST(Attempt, TheExampleOfTheDesignIsRead) {
     ASSERT_EQ(attempt.receivers.size(), 1U);
     const Receiver& receiver = attempt.receivers[0];
     EXPECT_EQ(receiver.id, "primary");
-    EXPECT_EQ(receiver.recording, "rover.pos");
+    EXPECT_EQ(receiver.recordings, std::vector<std::string>{"rover.pos"});
     EXPECT_EQ(receiver.format, "auto");
     EXPECT_EQ(receiver.place, "attempt.yaml:7:5");
     EXPECT_FALSE(receiver.frame || receiver.accuracy || receiver.start_gps || receiver.lever_arm);
@@ -78,6 +78,33 @@ TEST(Attempt, WhatIsLeftOutHasItsDefault) {
     EXPECT_TRUE(receiver.columns.empty());
 }
 
+TEST(Attempt, ARecordingMayBeSeveralFilesOrRaw) {
+    const Attempt attempt = read_attempt(
+        replaced(replaced(least, "  - {id: primary, recording: r.csv}\n", R"(  - id: primary
+    recording: [a.obs, b.obs]
+    format: rinex
+    base: base.obs
+    navigation: [n.nav, g.nav]
+    base_position: {latitude_deg: 35, longitude_deg: 137, height_m: 100}
+    solution_pass: backward
+    utc_offset_h: -7.5
+    start_date: "2026-08-01"
+    gpsbabel_type: garmin_fit
+)"),
+                 "attempt/1.0", "attempt/1.3"),
+        "f");
+    const Receiver& receiver = attempt.receivers.at(0);
+    EXPECT_EQ(receiver.recordings, (std::vector<std::string>{"a.obs", "b.obs"}));
+    EXPECT_EQ(receiver.base, "base.obs");
+    EXPECT_EQ(receiver.navigation, (std::vector<std::string>{"n.nav", "g.nav"}));
+    EXPECT_EQ(receiver.base_position->height_m, 100.0);
+    EXPECT_EQ(receiver.solution_pass, "backward");
+    EXPECT_EQ(receiver.utc_offset_h, -7.5);
+    EXPECT_EQ(receiver.start_date, "2026-08-01");
+    EXPECT_EQ(receiver.gpsbabel_type, "garmin_fit");
+    EXPECT_EQ(recording_names(receiver), "a.obs, b.obs");
+}
+
 TEST(Attempt, EveryMemberOfAReceiverIsKept) {
     const Attempt attempt = read_attempt(replaced(least, "  - {id: primary, recording: r.csv}\n",
                                                   R"(  - id: primary
@@ -98,7 +125,7 @@ TEST(Attempt, EveryMemberOfAReceiverIsKept) {
                                          "f");
     ASSERT_EQ(attempt.receivers.size(), 2U);
     const Receiver& first = attempt.receivers[0];
-    EXPECT_EQ(first.recording, "day 1/r.csv");
+    EXPECT_EQ(first.recordings, std::vector<std::string>{"day 1/r.csv"});
     EXPECT_EQ(first.frame, CoordinateFrame::utm);
     EXPECT_EQ(first.utm_zone->zone, 55);
     EXPECT_FALSE(first.utm_zone->northern);
@@ -168,7 +195,7 @@ TEST(Attempt, BadInputIsNamedWithItsPlace) {
         {"r.csv}", "r.csv, frame: {utm: {zone: 61, hemisphere: south}}}", "f:5:57", "above 60"},
         {"r.csv}", "r.csv, frame: {utm: {zone: 5, hemisphere: s}}}", "f:5:72", "north, south"},
         {"r.csv}", "r.csv, frame: lambert}", "f:5:44", "\"lambert\" is not a frame"},
-        {"r.csv}", "r.csv, format: gpx}", "f:5:45", "\"gpx\" is not one of"},
+        {"r.csv}", "r.csv, format: kml}", "f:5:45", "\"kml\" is not one of"},
         {"r.csv}", "r.csv, columns: {east: e}}", "f:5:46", "\"time\" is missing"},
         {"r.csv}", "r.csv, columns: {time: t, estward: e}}", "f:5:56", "Did you mean \"east\""},
         {"r.csv}", "r.csv, start_gps: yesterday}", "f:5:48", "expected 4 digits of the year"},
@@ -210,8 +237,8 @@ TEST(Attempt, BadInputIsNamedWithItsPlace) {
         {"[nalsa]", "[nalsa]\nparameters.smooth: {jerk_density: 1}", "f:7:1", "unknown key"},
         {"schema: attempt/1.0\n", "", "f:1:1", "does not say that it follows attempt/1.0"},
         {"attempt/1.0", "attempt/2.0", "f:1:9", "does not say that it follows attempt/1.0"},
-        {"attempt/1.0", "attempt/1.3", "f:1:9",
-         "follows attempt/1.0 or attempt/1.1 or attempt/1.2"},
+        {"attempt/1.0", "attempt/1.4", "f:1:9",
+         "follows attempt/1.0 or attempt/1.1 or attempt/1.2 or attempt/1.3"},
         {"attempt/1.0", "attempt/1.01", "f:1:9", "does not say that it follows attempt/1.0"},
         {"attempt/1.0", "profile/1.0", "f:1:9", "does not say that it follows attempt/1.0"},
         {"attempt/1.0", "{name: attempt}", "f:1:9", "is a map, not text"},
@@ -266,7 +293,7 @@ TEST(Attempt, ParametersAreTheClassesDefaults) {
 }
 
 TEST(Attempt, EveryParameterHasADefaultOfItsTypeForEveryClass) {
-    const std::string newest = replaced(least, "attempt/1.0", "attempt/1.2");
+    const std::string newest = replaced(least, "attempt/1.0", "attempt/1.3");
     const DocumentSchema& schema = attempt_schema();
     for (const std::string& name : schema.find("craft.class")->values) {
         const Attempt attempt =

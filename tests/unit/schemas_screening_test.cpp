@@ -148,7 +148,7 @@ TEST(ScreeningEvidence, UnknownWordsAndEarlierRevisionsAreRefused) {
         {"noise: fitted", "noise: guessed", "\"guessed\" is not one of fitted"},
         {"power: 0.8", "power: 1.8", "1.8 is above 1"},
         {"#     limits:\n", "#     limit:\n", "unknown key \"limit\""},
-        {"version: \"1.2\"", "version: \"1.1\"", "screening: the field needs revision 1.2"},
+        {"version: \"1.3\"", "version: \"1.1\"", "screening: the field needs revision 1.2"},
     };
     for (const auto& c : cases) {
         const auto said = failure_of([&] { read_screened(replaced(text, c.from, c.to), "f"); });
@@ -161,10 +161,10 @@ TEST(ScreeningEvidence, UnknownWordsAndEarlierRevisionsAreRefused) {
 TEST(ScreenedColumns, OfRevision2AreRefusedInAnEarlierTable) {
     const std::string text = write_screened(table_of({}));
     const auto said = failure_of([&] {
-        read_screened(replaced(text, "#     version: \"1.2\"", "#     version: \"1.1\""), "f");
+        read_screened(replaced(text, "#     version: \"1.3\"", "#     version: \"1.1\""), "f");
     });
     EXPECT_TRUE(
-        said.contains("the column \"hypothesis\" needs revision 1.2 of the schema screened"))
+        said.contains("the column \"source_file\" needs revision 1.3 of the schema screened"))
         << said.problem;
 }
 

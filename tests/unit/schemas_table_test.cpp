@@ -19,17 +19,17 @@ using test::failure_of;
 using test::replaced;
 
 std::string golden(const std::string& name) {
-    return test::slurp(std::string(RUNCERT_SOURCE_DIR) + "/tests/golden/v1.1/" + name);
+    return test::slurp(std::string(RUNCERT_SOURCE_DIR) + "/tests/golden/v1.2/" + name);
 }
 
-/// 2-enu.ecsv of revision 1.2, with one more column, described by `column`, and one more field.
+/// 2-enu.ecsv of revision 1.3, with one more column, described by `column`, and one more field.
 std::string newer_enu(const std::string& column) {
     std::string text = golden("2-enu.ecsv");
-    text = replaced(text, "name: enu\n#     version: \"1.1\"", "name: enu\n#     version: \"1.2\"");
+    text = replaced(text, "name: enu\n#     version: \"1.2\"", "name: enu\n#     version: \"1.3\"");
     text = replaced(text, "# delimiter",
                     "#   - {name: later, datatype: int64" + column + "}\n# delimiter");
     text = replaced(text, "#   receiver:", "#   added_later: 1\n#   receiver:");
-    text = replaced(text, ",source_byte\n", ",source_byte,later\n");
+    text = replaced(text, ",source_file\n", ",source_file,later\n");
     std::string out;
     bool in_rows = false;
     for (std::size_t at = 0; at < text.size();) {
@@ -48,7 +48,7 @@ TEST(TableVersion, ANewerRevisionIsReadUnlessItMustBeUnderstood) {
     const auto said = failure_of([] { read_enu(newer_enu(", meta: {required: true}"), "f"); });
     EXPECT_TRUE(said.contains("the column \"later\" is not known")) << said.problem;
     const std::string same_revision =
-        replaced(newer_enu(""), "version: \"1.2\"", "version: \"1.1\"");
+        replaced(newer_enu(""), "version: \"1.3\"", "version: \"1.2\"");
     EXPECT_TRUE(failure_of([&] {
                     read_enu(replaced(same_revision, "#   added_later: 1\n", ""), "f");
                 }).contains("the column \"later\" is not known"));

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "estimation/epoch_motion.h"
+
+// The delay of recorded velocities behind the positions: the part of the velocity check that
+// learns.
+
+namespace runcert::velocities {
+
+inline constexpr std::size_t least_comparisons = 30;
+
+/// A velocity at a time of an arc, with its slope.
+struct Knot {
+    std::size_t row = 0;
+    std::int64_t arc = 0;
+    double time_s = 0.0;
+    Eigen::Vector2d velocity = Eigen::Vector2d::Zero();
+    Eigen::Vector2d acceleration = Eigen::Vector2d::Zero();
+    Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+};
+using Knots = std::vector<Knot>;
+
+/// The first of the two knots about `time_s` in the arc of knot `near`, where the search starts.
+/// Nothing outside the arc.
+std::optional<std::size_t> knot_before(const Knots& knots, std::size_t near, double time_s);
+
+/// Velocity and acceleration between knots by the cubic that has both at either end (Hermite);
+/// the covariance linearly between theirs. Nothing outside the arc.
+std::optional<Knot> motion_at(const Knots& knots, std::size_t near, double time_s);
+
+/// A usable row with a recorded velocity, and the knot of its smoothed motion.
+struct Comparison {
+    std::size_t knot = 0;
+    Eigen::Vector2d recorded = Eigen::Vector2d::Zero();
+};
+
+struct Delay {
+    std::optional<double> delay_s;  ///< empty if not told
+    double sigma_s = 0.0;
+};
+
+/// Standard deviation for each axis of two-dimensional vectors whose squared norm has the given
+/// quantile at `probability`, for normal errors.
+double scale_of(double squared_norm, double probability);
+
+/// The delay d of v_recorded(t) = v(t - d), looked for between minus and plus `limit_s`, by a Huber
+/// M-estimate, refined from a grid by reweighted least squares. Not told where hardly any epoch
+/// accelerates, where the criterion is least at the limit of the range, or where its standard
+/// uncertainty is over half an interval.
+Delay estimate_delay(const Knots& knots, const Motion& motion, const std::vector<Comparison>& all,
+                     double limit_s, double interval_s);
+
+}  // namespace runcert::velocities

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "stages/import/recording.h"
+#include "stages/import/resolution.h"
+
+namespace runcert::vbo {
+
+/// The columns that are read.
+enum class Column : std::uint8_t {
+    satellites,
+    time,
+    latitude,
+    longitude,
+    velocity,
+    heading,
+    height,
+    vertical_velocity,
+    solution_type
+};
+inline constexpr std::size_t column_count = 9;
+
+/// What stands before the data.
+struct Header {
+    std::string_view created;                ///< after "File created on"
+    std::vector<std::string_view> channels;  ///< the lines of [header]
+    std::vector<std::string_view> units;     ///< the lines of [channel units]
+    std::vector<std::string_view> columns;   ///< the words of [column names]
+    std::vector<std::string_view> comments;  ///< the first lines of [comments]
+    std::int64_t names_line = 1;             ///< of the first of `columns`, or of [header]
+};
+
+/// How a row of data is laid out.
+struct Layout {
+    /// For each field of a row, which column it is; column_count for one that is not read.
+    std::vector<std::uint8_t> column_of;
+    CoordinateUnit coordinates = CoordinateUnit::arc_minute;
+    std::optional<double> velocity_mps;           ///< of one unit; empty without such a column
+    std::optional<double> vertical_velocity_mps;  ///< the same; also empty for an unknown unit
+
+    bool has(Column column) const;
+};
+
+/// Reads up to and with the line [data]. Failure where there is none.
+Header read_header(LineReader& lines, const RecordingBytes& recording);
+
+/// The layout of rows whose first has so many fields. The columns are named by [column names], or
+/// by [header] where only that has as many; units of speed stand behind the names, or in
+/// [channel units]; a velocity without one is in km/h. Coordinates are minutes of arc unless their
+/// names say degrees. Failure where time, latitude or longitude is not named.
+Layout find_layout(const Header& header, std::size_t fields, const RecordingBytes& recording);
+
+/// The device that the comments name, with its serial number and firmware.
+std::string device_of(const Header& header);
+
+/// The next word of a line, which is taken off it; words are separated by blanks and tabs. Empty
+/// at the end.
+std::string_view take_word(std::string_view& line);
+
+/// Letters in lower case.
+std::string lower_case(std::string_view text);
+
+}  // namespace runcert::vbo

@@ -1,0 +1,187 @@
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+#include <malloc.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <new>
+
+#include "core/failure.h"
+#include "core/text.h"
+#include "files/atomic_file.h"
+#include "files/process.h"
+#include "stages/import/import.h"
+
+// How fast recordings are read (MB/s, 10^6 bytes), how much heap that takes for each epoch at its
+// peak, and how much longer gpsbabel takes to read the same file (`gpsbabel_times`), run in turns.
+// gpsbabel writes nothing, but its time holds the start of a program (some 20 ms). The bytes of the
+// recording itself, which programs map, are no heap.
+
+namespace {
+
+std::atomic<std::size_t> heap_bytes{0};
+std::atomic<std::size_t> heap_peak{0};
+
+}  // namespace
+
+void* operator new(std::size_t size) {
+    void* memory = std::malloc(size);
+    if (!memory) throw std::bad_alloc();
+    const std::size_t now = heap_bytes += malloc_usable_size(memory);
+    if (now > heap_peak) heap_peak = now;
+    return memory;
+}
+void operator delete(void* memory) noexcept {
+    heap_bytes -= memory ? malloc_usable_size(memory) : 0;
+    std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+    operator delete(memory);
+}
+
+namespace runcert {
+namespace {
+
+double seconds_of(const auto& run) {
+    const auto start = std::chrono::steady_clock::now();
+    run();
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// A craft on a slow curve, 20 Hz from noon: latitude, longitude (deg), height (m), time.
+struct Place {
+    double latitude_deg, longitude_deg, height_m;
+    int hour, minute, second, millisecond;
+};
+
+Place place_of(std::int64_t epoch) {
+    const double turn = static_cast<double>(epoch) * 1e-4;
+    const std::int64_t ms = epoch * 50;
+    return {-31.6 + 0.02 * std::sin(turn),      136.0 + 0.02 * std::cos(turn),
+            110.0 + std::sin(3.0 * turn),       static_cast<int>(ms / 3'600'000 % 24),
+            static_cast<int>(ms / 60'000 % 60), static_cast<int>(ms / 1000 % 60),
+            static_cast<int>(ms % 1000)};
+}
+
+std::string pos_text(std::int64_t epochs) {
+    std::string text =
+        "%  GPST                   latitude(deg) longitude(deg)  height(m)   Q  ns   sdn(m)   "
+        "sde(m)   sdu(m)  sdne(m)  sdeu(m)  sdun(m) age(s)  ratio\n";
+    for (std::int64_t i = 0; i < epochs; ++i) {
+        const Place at = place_of(i);
+        text += fmt::format(
+            "{:04} {:10.3f} {:14.9f} {:14.9f} {:10.4f}   1  14   0.0040   0.0030   0.0100  "
+            "0.0010  -0.0010   0.0020   0.50   25.1\n",
+            2300 + i / 12'096'000, static_cast<double>(i % 12'096'000) * 0.05, at.latitude_deg,
+            at.longitude_deg, at.height_m);
+    }
+    return text;
+}
+
+void add_sentence(std::string& text, const std::string& body) {
+    unsigned sum = 0;
+    for (const char c : body)
+        sum ^= static_cast<unsigned char>(c);
+    text += fmt::format("${}*{:02X}\r\n", body, sum);
+}
+
+std::string nmea_text(std::int64_t epochs) {
+    std::string text;
+    for (std::int64_t i = 0; i < epochs; ++i) {
+        const Place at = place_of(i % 1'728'000);  // a day
+        const double south = -at.latitude_deg;
+        const std::string time = fmt::format("{:02}{:02}{:02}.{:02}", at.hour, at.minute, at.second,
+                                             at.millisecond / 10);
+        const std::string place =
+            fmt::format("{:02.0f}{:010.7f},S,{:03.0f}{:010.7f},E", std::floor(south),
+                        60.0 * (south - std::floor(south)), std::floor(at.longitude_deg),
+                        60.0 * (at.longitude_deg - std::floor(at.longitude_deg)));
+        add_sentence(text, fmt::format("GNGGA,{},{},4,14,0.7,{:.3f},M,2.100,M,0.5,0001", time,
+                                       place, at.height_m));
+        add_sentence(text, fmt::format("GNRMC,{},A,{},48.512,271.33,140326,,,R", time, place));
+        add_sentence(text, "GNVTG,271.33,T,,M,48.512,N,89.844,K,D");
+        add_sentence(text, fmt::format("GNGST,{},4.2,0.012,0.009,33.1,0.010,0.011,0.021", time));
+    }
+    return text;
+}
+
+Receiver receiver() {
+    Receiver any;
+    any.id = "primary";
+    any.format = "auto";
+    return any;
+}
+
+/// One reading of a text into its rows.
+using Read = std::size_t (*)(const std::string& text);
+
+std::size_t read_recording(const std::string& text) {
+    return import_recording(receiver(), {.name = "recording", .bytes = text}).rows.size();
+}
+
+std::size_t read_table(const std::string& text) {
+    return read_observations(text, "table").rows.size();
+}
+
+void reading(benchmark::State& state, const std::string& text, Read read,
+             const char* gpsbabel_format) {
+    const TemporaryFolder folder;
+    const std::string file = folder.path() / "recording";
+    if (gpsbabel_format) write_file_atomically(file, text);
+    double ours_s = 0.0, gpsbabel_s = 0.0;
+    std::size_t epochs = 0;
+    for (auto _ : state) {
+        const std::size_t before = heap_bytes;
+        heap_peak = before;
+        ours_s += seconds_of([&] { epochs = read(text); });
+        state.counters["heap_bytes_per_epoch"] =
+            static_cast<double>(heap_peak - before) / static_cast<double>(epochs);
+        if (gpsbabel_format)
+            gpsbabel_s += seconds_of([&] {
+                const auto result =
+                    run_process({"gpsbabel", "-t", "-i", gpsbabel_format, "-f", file});
+                if (result.exit_status != 0) state.SkipWithError("gpsbabel could not read it");
+            });
+    }
+    state.counters["epochs"] = static_cast<double>(epochs);
+    state.counters["MB_per_s"] =
+        1e-6 * static_cast<double>(text.size()) * static_cast<double>(state.iterations()) / ours_s;
+    if (gpsbabel_format) state.counters["gpsbabel_times"] = gpsbabel_s / ours_s;
+}
+
+void pos(benchmark::State& state) {
+    reading(state, pos_text(state.range(0)), read_recording, nullptr);
+}
+void nmea(benchmark::State& state) {
+    reading(state, nmea_text(state.range(0)), read_recording, "nmea");
+}
+void ecsv(benchmark::State& state) {
+    const std::string text = pos_text(state.range(0));
+    reading(state, write_observations(import_recording(receiver(), {.name = "f", .bytes = text})),
+            read_table, nullptr);
+}
+
+/// A logger's real recording, as often as it takes to be long.
+void oao(benchmark::State& state) {
+    const char* data = std::getenv("RUNCERT_DATA");
+    if (!data) return state.SkipWithError("RUNCERT_DATA is not set");
+    const std::string once = read_file(std::string(data) + "/windsurf_loggers/head_left.oao");
+    std::string text;
+    for (std::int64_t i = 0; i < state.range(0); ++i)
+        text += once;
+    reading(state, text, read_recording, nullptr);
+}
+
+BENCHMARK(pos)->Arg(200'000)->Unit(benchmark::kMillisecond);
+BENCHMARK(pos)->Arg(10'000'000)->Iterations(1)->Unit(benchmark::kMillisecond);
+BENCHMARK(nmea)->Arg(200'000)->Unit(benchmark::kMillisecond);
+BENCHMARK(nmea)->Arg(10'000'000)->Iterations(1)->Unit(benchmark::kMillisecond);
+BENCHMARK(oao)->Arg(10)->Unit(benchmark::kMillisecond);
+BENCHMARK(ecsv)->Arg(200'000)->Unit(benchmark::kMillisecond);
+BENCHMARK(ecsv)->Arg(10'000'000)->Iterations(1)->Unit(benchmark::kMillisecond);
+
+}  // namespace
+}  // namespace runcert

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+namespace runcert::fuzz {
+
+/// What a target does with one input. Every target defines it. It may throw a Failure, the answer
+/// to bad input; anything else that leaves it is a fault of the program.
+void read_input(std::string_view bytes);
+
+/// One execution of the target. A Failure is passed over if it says where, what and what to do in
+/// text that a terminal can show; std::logic_error where it does not.
+void run_target(std::string_view bytes);
+
+/// An invariant of what was read; std::logic_error where it does not hold.
+inline void require(bool holds, const char* what) {
+    if (!holds) throw std::logic_error(std::string("does not hold: ") + what);
+}
+
+}  // namespace runcert::fuzz

@@ -1,0 +1,240 @@
+#!/usr/bin/env python3
+"""Writes invented recordings and documents of every kind, to begin fuzzing with: make_seeds.py FOLDER.
+
+Each target gets a folder of its name. Nothing here was recorded by anyone.
+"""
+import datetime
+import pathlib
+import struct
+import sys
+
+FOLDER = pathlib.Path(sys.argv[1])
+TESTS = pathlib.Path(__file__).resolve().parent.parent
+
+
+def save(target, name, content):
+    folder = FOLDER / target
+    folder.mkdir(parents=True, exist_ok=True)
+    data = content if isinstance(content, bytes) else content.encode("latin-1")
+    (folder / name).write_bytes(data)
+    if target in FORMATS:
+        (FOLDER / "auto").mkdir(parents=True, exist_ok=True)
+        (FOLDER / "auto" / f"{target}-{name}").write_bytes(data)
+
+
+FORMATS = ["rtklib-pos", "nmea", "ubx", "vbo", "flysight", "oao", "sbp", "sbn", "gpx", "igc"]
+
+
+def rtklib_pos():
+    for file in sorted((TESTS / "unit/data/import").glob("*.pos")):
+        save("rtklib-pos", file.stem, file.read_bytes())
+
+
+def sentence(body):
+    total = 0
+    for c in body.encode("latin-1"):
+        total ^= c
+    return f"${body}*{total:02X}\r\n"
+
+
+def nmea():
+    text = ""
+    for i in range(4):
+        t = f"23595{7 + i}.20" if i < 3 else "000000.20"
+        text += sentence(f"GNGGA,{t},4530.123456{i},N,00915.7654321,E,4,10,0.9,120.5,M,47.25,M,1.5,0001")
+        text += sentence(f"GNRMC,{t},A,4530.123456{i},N,00915.7654321,E,10.00,90.0,{11 + i // 3}0723,,,A")
+        text += sentence("GNVTG,90.0,T,,M,10.00,N,18.52,K,D")
+        text += sentence(f"GNGST,{t},1.5,0.03,0.02,45.0,0.025,0.026,0.04")
+        text += sentence("GNGSA,A,3,01,02,03,04,,,,,,,,,1.5,0.9,1.2,1")
+        text += sentence(f"GNZDA,{t},{11 + i // 3},07,2023,00,00")
+    save("nmea", "all", text)
+    save("nmea", "gga", "".join(sentence(f"GPGGA,1200{i:02},4530.1,S,00915.7,W,1,5,1.1,12.0,M,,M,,") for i in range(5)))
+    save("nmea", "no_checksum", "$GPGGA,120000,4530.1,N,00915.7,E,1,5,1.1,12.0,M,40.0,M,,\n" * 3)
+    save("nmea", "without_fix", sentence("GPRMC,120000.00,V,,,,,,,110723,,,N") + sentence("GPGGA,120000.00,,,,,0,00,99.9,,M,,M,,"))
+
+
+def ubx_frame(group, number, payload):
+    body = struct.pack("<BBH", group, number, len(payload)) + payload
+    a = b = 0
+    for c in body:
+        a = (a + c) & 255
+        b = (b + a) & 255
+    return b"\xb5\x62" + body + bytes([a, b])
+
+
+def ubx():
+    tow0 = ((2 * 24 + 6) * 60 + 4) * 60000 + 48000
+    log = b""
+    for i in range(4):
+        tow = tow0 + 200 * i
+        pvt = struct.pack("<IHBBBBBBIiBBBBiiiiIIiiiiiIIHHi", tow, 2023, 7, 11, 6, 4, 30, 0x37, 25,
+                          200000000 * i - 400, 3, 1, 0, 14, 92500000, 455000000 + i, 167750, 120000,
+                          1500, 2000, 3000, -4000, 500, 5000, 30688000, 300, 1000000, 120, 0, 0).ljust(92, b"\0")
+        log += ubx_frame(1, 7, pvt)
+        log += ubx_frame(1, 0x14, struct.pack("<BxxBIiiiibbbbII", 0, 0, tow, 92500001, 455000002, 167751, 120001, -37, 42, -9, 0, 141, 255))
+        log += ubx_frame(1, 0x36, struct.pack("<IBBB9x12f", tow, 0, 1, 1, 4, 1, -.5, 9, 2, 16, .04, .01, -.005, .09, .02, .16))
+        log += ubx_frame(1, 4, struct.pack("<IHHHHHHH", tow, 150, 120, 100, 90, 80, 70, 60))
+        if i == 1:
+            log += sentence("GNGGA,060430.20,0915.0,N,04530.0,E,1,14,0.9,120.0,M,47.0,M,,").encode()
+            log += b"\xd3\x00\x02\x01\x02abc"
+        log += ubx_frame(1, 0x61, struct.pack("<I", tow))
+    save("ubx", "all", log)
+    save("ubx", "cut", log[7:-9])
+    save("ubx", "damaged", log[:20] + b"?" + log[21:])
+
+
+def vbo():
+    head = ("File created on 31/07/2006 at 17:55:20\r\n\r\n[header]\r\nsatellites\r\ntime\r\nlatitude\r\nlongitude\r\n"
+            "velocity kmh\r\nheading\r\nheight\r\nvertical velocity m/s\r\n\r\n[channel units]\r\n\r\n[comments]\r\n"
+            "VBox II Version 4.5a\r\nSt\xe4be\r\n\r\n[column names]\r\nsats time lat long velocity heading height vert-vel\r\n\r\n[data]\r\n")
+    rows = "".join(f"137 16223{5 + i // 10}.{i % 10}0 +03119.0{9973 - i * 11} +00058.49277 072.000 150.00 +00152.58 -001.250\r\n" for i in range(4))
+    save("vbo", "full", head + rows)
+    save("vbo", "local", head.replace("17:55", "02:10") + "8 71500.1 -3119.09 -58.4 10 20 30 1\n8 71500.2 -3119.08 -58.4 10 20 30 1\n")
+    save("vbo", "few", "[header]\ntime\nlatitude\nlongitude\n[column names]\ntime lat long\n[data]\n235959.9 +3100.0 -0050.0\n000000.1 +3100.0 -0050.1\n")
+
+
+def flysight():
+    one = ("time,lat,lon,hMSL,velN,velE,velD,hAcc,vAcc,sAcc,heading,cAcc,gpsFix,numSV\r\n"
+           ",(deg),(deg),(m),(m/s),(m/s),(m/s),(m),(m),(m/s),(deg),(deg),,\r\n")
+    two = ("$FLYS,1\r\n$VAR,FIRMWARE_VER,v2024.01.02\r\n$VAR,DEVICE_ID,00112233\r\n"
+           "$COL,GNSS,time,lat,lon,hMSL,velN,velE,velD,hAcc,vAcc,sAcc,numSV\r\n"
+           "$UNIT,GNSS,,deg,deg,m,m/s,m/s,m/s,m,m,m/s,\r\n$DATA\r\n")
+    for i in range(4):
+        one += f"2023-05-17T10:11:12.{i * 20:02}Z,37.5{i}0123,-121.4567890,7.309,3.00,-4.00,12.50,2.000,3.500,0.30,0.0,180.0,3,10\r\n"
+        two += f"$GNSS,2023-05-17T10:11:12.{i * 200:03}Z,37.5{i}0123,-121.4567890,7.309,3.00,-4.00,12.50,2.000,3.500,0.30,10\r\n"
+        if i == 2:
+            two += "$IMU,12.5,0.1,0.2,0.3\r\n"
+    save("flysight", "one", one)
+    save("flysight", "two", two)
+
+
+def oao():
+    def sealed(frame, length):
+        frame = bytearray(frame.ljust(length, b"\0"))
+        a = b = 0
+        for i, c in enumerate(frame):
+            if i in (2, 3):
+                continue
+            a = (a + c) & 255
+            b = (b + a) & 255
+        frame[2:4] = bytes([a, b])
+        return bytes(frame)
+
+    log = sealed(struct.pack("<HHH10s", 0x0AD0, 0, 987, b"boom"), 512)
+    for i in range(5):
+        ms = 1634000000800 + 100 * i
+        log += sealed(struct.pack("<HHiiiIIQBBIIIIH", 0x0AD4 if ms % 1000 == 0 else 0x0AD5, 0, -331122334,
+                                  1512345678 + i, -1234, 17750, 15000000, ms, 3, 11, 85, 300, 400, 54699, 101), 52)
+    save("oao", "log", log)
+    save("oao", "damaged", log[:530] + b"?" + log[531:])
+    save("oao", "without_header", log[512:])
+
+
+def sbp():
+    text = b"GT-31,30003117,1,V1.4"
+    message = b"\xa0\xa2\x00" + bytes([len(text) + 1]) + b"\xfd" + text
+    log = (struct.pack("<H", len(message) + 2) + message).ljust(64, b"\xff")
+    for i in range(5):
+        packed = ((21 * 12 + 5) << 5 | 17) << 17 | (0 << 12 | 39 << 6 | 56 + i // 2)
+        log += struct.pack("<BBHIIiiiHHhBB", 5, 9, 56000 + i * 500, packed, 0x1ff, -451234567,
+                           1701234567 + 1290 * i, 1420, 2000, 9000, -7, 31 if i != 2 else 255, 55)
+    save("sbp", "log", log)
+    save("sbp", "cut", log[:-5])
+
+
+def sbn():
+    def frame(payload):
+        return b"\xa0\xa2" + struct.pack(">H", len(payload)) + payload + struct.pack(">H", sum(payload) & 0x7fff) + b"\xb0\xb3"
+
+    log = frame(b"\xfdROD,30003117,1,V1.4(B1)")
+    for i in range(4):
+        tow = 3600000 + 1000 * i
+        t = datetime.datetime(2012, 7, 15, 0, 59, 44) + datetime.timedelta(seconds=i)
+        payload = struct.pack(">BHHHIHBBBBHIiiiiBHHhhhIIIHHIIIBBB", 41, 0, 4, 1697, tow, t.year, t.month, t.day, t.hour,
+                              t.minute, t.second * 1000, 0x1ff, 543210000, -13579000 - 2300 * i, 6012, 1234, 21, 1500,
+                              27000, 0, 12, 0, 280, 450, 0, 0, 0, 0, 0, 0, 9, 6, 0)
+        payload = payload[:88].ljust(88, b"\0") + payload[-3:]
+        log += frame(payload + struct.pack(">IBB", 0, 40, 70))
+    save("sbn", "log", log)
+    save("sbn", "damaged", log[:60] + b"?" + log[61:])
+
+
+def gpx():
+    one = '<?xml version="1.0"?>\n<gpx version="1.1" creator="a &amp; b" xmlns="http://www.topografix.com/GPX/1/1"><trk><name>run</name><trkseg>'
+    for i in range(4):
+        one += (f'<trkpt lat="54.32{i}" lon="-1.3579"><ele>12.5</ele><time>2023-07-11T06:04:30.{i}Z</time><fix>dgps</fix><sat>9</sat>'
+                '<hdop>0.9</hdop><extensions><x:TrackPointExtension xmlns:x="u"><x:speed>10.5</x:speed><x:course>90</x:course>'
+                '</x:TrackPointExtension></extensions></trkpt>')
+    save("gpx", "one_one", one + "</trkseg></trk></gpx>")
+    save("gpx", "one_zero", '<gpx version="1.0"><!-- c --><trk><trkseg><trkpt lat="1" lon="2"><ele>1</ele>'
+         '<time>2023-07-11T06:04:30+02:00</time><course>1</course><speed>2</speed></trkpt><trkpt lat=\'1.0001\' lon="2">'
+         '<time>2023-07-11T06:04:31Z</time><![CDATA[x]]></trkpt></trkseg></trk></gpx>')
+    save("gpx", "entities", '<?xml version="1.0"?><!DOCTYPE gpx [<!ENTITY a "aaa"><!ENTITY b "&a;&a;">]><gpx><trk><trkseg>'
+         '<trkpt lat="1" lon="2"><time>&b;</time></trkpt></trkseg></trk></gpx>')
+
+
+def igc():
+    text = "AXXX001 logger\r\nHFDTE110723\r\nHFFXA035\r\nHFDTMGPSDATUM:WGS84\r\nHFALGALTGPS:ELL\r\nI053638FXA3940SIU4143VXA4446GSP4749TRT\r\n"
+    for i in range(4):
+        text += f"B23595{6 + i}4530123N00915765EA0012000125" + f"0050901010{i}0090" + "\r\n"
+    save("igc", "full", text + "LXXX comment\r\nGABCDEF0123456789\r\n")
+    save("igc", "plain", "AXXX\nHFDTEDATE:110723,01\nB1200004530123S00915765WV0012000000\nB1200014530124S00915765WA0012000130\n")
+    save("igc", "without_date", "AXXX\nB1200004530123S00915765WA0012000130\n")
+
+
+def csv():
+    save("csv", "geodetic", "gtime,lat,lon,h\n0.0,45.1,9.2,120.5\n0.1,45.10001,9.2,120.4\n0.2,45.10002,9.2,120.3\n")
+    save("csv", "all", "adate;time;lat;lon;h;sigma_east;sigma_north;sigma_up;velocity_east;velocity_north;velocity_up;fix;satellites\n"
+         + "".join(f"2023-07-11;23:59:59.{i};45.1;9.2;120.5;0.01;0.01;0.02;1.5;2.5;0.1;4;10\n" for i in range(3)))
+    save("csv", "iso", "itime,lat,lon\n2023-07-11T06:04:30.5Z,45.1,9.2\n2023-07-11T06:04:31.0Z,45.2,9.2\n")
+    save("csv", "unix", "xtime\tlat\tlon\th\tCQ2D\tCQ1D\n1689055470.25\t45.1\t9.2\t1\t0.02\t0.03\n1689055470.50\t45.1\t9.3\t1\t0.02\t0.03\n")
+    save("csv", "ecef", "e2270,194688.0,4430000.0,715000.0,4510000.0\n2270,194688.1,4430001.0,715000.0,4510000.0\n")
+    save("csv", "utm", "ut,e,n,u\n0,500000,6000000,10\n1,500010,6000000,10\n")
+    save("csv", "plane", 'pt,e,n\n0,0,0\n0.1,1.5,"2.5"\n# comment\n0.2,3,5\n')
+
+
+def shortened(text, rows=2, notes=True):
+    """A table's header and its first rows, without descriptions."""
+    lines = [line for line in text.splitlines() if not line.startswith("#     description:")]
+    head = [line for line in lines if line.startswith("#")]
+    return "\n".join(head + lines[len(head):len(head) + 1 + rows]) + "\n"
+
+
+def golden():
+    for folder in sorted((TESTS / "golden").glob("v1.*")):
+        for table, name in (("1-observations", "observations"), ("3-screened", "screened"), ("4-trajectory", "trajectory")):
+            file = folder / f"{table}.ecsv"
+            if file.exists():
+                save(name, folder.name, file.read_text().encode("utf-8"))
+                save(name, folder.name + "-short", shortened(file.read_text()).encode("utf-8"))
+        for name in ("attempt", "profile", "simulation", "5-windows", "6-verdict"):
+            file = folder / f"{name}.yaml"
+            if file.exists():
+                save("document", f"{folder.name}-{name}", file.read_bytes())
+
+
+def documents():
+    save("document", "attempt", "schema: attempt/1.0\nid: a\ncraft: {name: y, class: land-yacht}\nreceivers:\n"
+         "  - {id: primary, recording: r.pos}\nprofiles: [nalsa]\n")
+    save("document", "values", 'a: [1, -2.5e3, "text", true, null, ~]\nb:\n  - c: {d: e}\n  - "\\u00e9 \\n"\n# comment\nf: |\n  lines\n  more\n')
+
+
+def signatures():
+    # RFC 8032, section 7.1, test 1: the seed and the public key; ids and comments invented.
+    import base64
+    public = bytes.fromhex("d75a980182b10ab7d54bfed3c964073a0ee172f3daa62325af021a68f707511a")
+    seed = bytes.fromhex("9d61b19deffd5a60ba844af492ec2cc44449c5697b326919703bac031cae7f60")
+    b64 = lambda data: base64.b64encode(data).decode()
+    save("signature", "public", f"untrusted comment: minisign public key\n{b64(b'Ed' + bytes(8) + public)}\n")
+    save("signature", "public_line", b64(b"Ed" + bytes(8) + public))
+    save("signature", "signature", f"untrusted comment: signature\n{b64(b'ED' + bytes(8) + bytes(64))}\ntrusted comment: role\n{b64(bytes(64))}\n")
+    save("signature", "legacy", f"untrusted comment: signature\r\n{b64(b'Ed' + bytes(8) + bytes(64))}\r\ntrusted comment: t\r\n{b64(bytes(64))}\r\n")
+    import hashlib
+    checksum = hashlib.blake2b(b"Ed" + bytes(8) + seed + public, digest_size=32).digest()
+    for name, kdf in (("plain", bytes(2)), ("encrypted", b"Sc")):
+        save("signature", f"secret_{name}", "untrusted comment: minisign secret key\n"
+             + b64(b"Ed" + kdf + b"B2" + bytes(48) + bytes(8) + seed + public + checksum) + "\n")
+
+
+for make in (rtklib_pos, nmea, ubx, vbo, flysight, oao, sbp, sbn, gpx, igc, csv, golden, documents, signatures):
+    make()

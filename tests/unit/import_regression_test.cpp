@@ -1,0 +1,45 @@
+#include <fmt/format.h>
+
+#include "import_test_support.h"
+
+// Faults that fuzzing and hostile recordings have found, each by its name.
+
+namespace runcert {
+namespace {
+
+using namespace import_test;
+
+std::string failure_of_files(const std::vector<RecordingBytes>& files) {
+    try {
+        (void)import_recordings(pos_receiver(), files);
+    } catch (const Failure& failure) {
+        return failure.what();
+    }
+    return "read";
+}
+
+// Its epochs counted as two measurements each.
+TEST(ImportRegression, AFileGivenTwiceIsRefused) {
+    const std::string one = fixture("degrees.pos");
+    const std::string other = replaced(one, "made by hand", "made again");
+    EXPECT_EQ(failure_of_files({{"a.pos", one}, {"b.pos", other}}), "read");
+    const std::string refused =
+        failure_of_files({{"a.pos", one}, {"b.pos", other}, {"copy.pos", one}});
+    EXPECT_NE(refused.find("copy.pos:1:1: files 1 and 3 are the same"), std::string::npos)
+        << refused;
+}
+
+// Each pair of bytes began a header of 512 bytes whose checksum was formed: minutes for a GiB.
+TEST(ImportRegression, OaoOfNothingButBeginningsIsGivenUp) {
+    Receiver receiver = pos_receiver();
+    receiver.format = "oao";
+    std::string bytes;
+    for (std::size_t i = 0; i < std::size_t{16} << 20; ++i)
+        bytes += "\xd0\x0a";
+    const std::string refused = failure_of(receiver, bytes);
+    // The first search alone was counted.
+    EXPECT_NE(refused.find("41943"), std::string::npos) << refused;
+}
+
+}  // namespace
+}  // namespace runcert

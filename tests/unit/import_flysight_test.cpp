@@ -23,14 +23,14 @@ const std::string first_header =
     "time,lat,lon,hMSL,velN,velE,velD,hAcc,vAcc,sAcc,heading,cAcc,gpsFix,numSV\r\n"
     ",(deg),(deg),(m),(m/s),(m/s),(m/s),(m),(m),(m/s),(deg),(deg),,\r\n";
 const std::string first_row =
-    "2023-08-20T18:09:07.40Z,37.8350665,-121.6328584,7.309,3.00,-4.00,12.50,2.000,3.500,0.30,"
+    "2023-08-20T18:09:07.40Z,37.5000125,-121.2500375,7.309,3.00,-4.00,12.50,2.000,3.500,0.30,"
     "0.00000,180.00000,3,10\r\n";
 const std::string second_header =
     "$FLYS,1\r\n$VAR,FIRMWARE_VER,v2024.08.07\r\n$VAR,DEVICE_ID,004e003a\r\n"
     "$COL,GNSS,time,lat,lon,hMSL,velN,velE,velD,hAcc,vAcc,sAcc,numSV\r\n"
     "$UNIT,GNSS,,deg,deg,m,m/s,m/s,m/s,m,m,m/s,\r\n$DATA\r\n";
 const std::string second_row =
-    "$GNSS,2023-08-20T18:09:07.400Z,37.8350665,-121.6328584,7.309,3.00,-4.00,12.50,2.000,3.500,"
+    "$GNSS,2023-08-20T18:09:07.400Z,37.5000125,-121.2500375,7.309,3.00,-4.00,12.50,2.000,3.500,"
     "0.30,10\r\n";
 
 TEST(Flysight, BothVersionsSayTheSame) {
@@ -50,8 +50,8 @@ TEST(Flysight, BothVersionsSayTheSame) {
         EXPECT_NEAR(*read.facts.position_resolution_m, 0.0111, 1e-4);
         ASSERT_EQ(read.rows.size(), 1u);
         const Observation& row = read.rows[0];
-        EXPECT_DOUBLE_EQ(*row.latitude_deg, 37.8350665);
-        EXPECT_DOUBLE_EQ(*row.longitude_deg, -121.6328584);
+        EXPECT_DOUBLE_EQ(*row.latitude_deg, 37.5000125);
+        EXPECT_DOUBLE_EQ(*row.longitude_deg, -121.2500375);
         EXPECT_DOUBLE_EQ(*row.height_m, 7.309);
         EXPECT_DOUBLE_EQ(*row.recorded_velocity_east_mps, -4.0);
         EXPECT_DOUBLE_EQ(*row.recorded_velocity_north_mps, 3.0);
@@ -79,7 +79,7 @@ TEST(Flysight, WithoutAFixThereIsNoPosition) {
          {first_header + replaced(first_row, ",3,10", ",0,0"),
           first_header + replaced(first_row, ",3,10", ",5,4"),
           first_header + replaced(replaced(first_row, ",3,10", ",0,0"),
-                                  "37.8350665,-121.6328584,7.309,3.00,-4.00,12.50,2.000,", zeros),
+                                  "37.5000125,-121.2500375,7.309,3.00,-4.00,12.50,2.000,", zeros),
           second_header + replaced(second_row, ",10\r", ",0\r")}) {
         const Observations read = import_text(pos_receiver(), text);
         EXPECT_EQ(read.rows[0].fix, FixKind::none);
@@ -107,9 +107,9 @@ TEST(Flysight, BadLinesAreCountedAndListed) {
     const struct {
         std::string from, to, what;
     } cases[] = {
-        {"37.8350665", "37,8350665", "15 fields"},
-        {"37.8350665", "0x10", "lat \"0x10\" is not a number"},
-        {"37.8350665", "97.8", "latitude of 97.8 degrees"},
+        {"37.5000125", "37,5000125", "15 fields"},
+        {"37.5000125", "0x10", "lat \"0x10\" is not a number"},
+        {"37.5000125", "97.8", "latitude of 97.8 degrees"},
         {"7.309", "nan", "no number"},
         {"12.50", "", "velD is missing"},
         {"2.000,", "-2.000,", "hAcc -2.000 cannot be one"},

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <concepts>
 #include <cstdint>
 #include <functional>
@@ -215,6 +216,10 @@ class TableFormat {
         EcsvReader reader(text, where);
         const std::vector<std::optional<std::size_t>> index = schema_.match(reader);
         Contents contents{YamlValue(reader.meta(), where), {}};
+        // Room for all rows at once: growing would hold them twice. A row has a line, and at least
+        // as many bytes as columns.
+        const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+        contents.rows.reserve(std::min(lines, text.size() / reader.columns().size()));
         while (reader.next_row()) {
             Row& row = contents.rows.emplace_back();
             for (std::size_t i = 0; i < bindings_.size(); ++i)

@@ -76,9 +76,6 @@ void note_description(Observations& observations, const Receiver& receiver,
         observations.notes.push_back(
             "The recorded accuracies are along the UTM grid, and were turned to true east and "
             "north.");
-    if (receiver.start_gps && description.time_format != TimeFormat::seconds)
-        observations.notes.push_back(
-            "The attempt's start_gps is not used: the recording has times of its own.");
     if (receiver.height_m && !description.constant_height_m)
         observations.notes.push_back("The attempt's height_m is not used.");
 }
@@ -107,7 +104,6 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     const Description description = describe(receiver);
     require_text(recording);
     Observations observations;
-    observations.facts.receiver = receiver.id;
     observations.facts.georeferenced = description.frame != CoordinateFrame::local_plane;
     observations.facts.vertical_measured =
         description.has_up || description.frame == CoordinateFrame::ecef;
@@ -116,7 +112,7 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     observations.time_scale = time_scale_word(receiver, description);
     set_rows(observations, read_rows(receiver, description, recording));
     note_description(observations, receiver, description);
-    set_accuracy(observations, receiver);
+    apply_attempt(observations, receiver, description.time_format == TimeFormat::seconds);
     note_text(observations, recording);
     return observations;
 }

@@ -108,21 +108,72 @@ void require_one_age(const std::vector<Observation>& rows, const RecordingBytes&
     }
 }
 
+/// Puts the positions of a recording that has no heights at the attempt's.
+void set_heights(Observations& observations, const Receiver& receiver) {
+    std::vector<Observation>& rows = observations.rows;
+    const auto has = [&](auto what) { return std::any_of(rows.begin(), rows.end(), what); };
+    if (!has([](const Observation& row) { return row.latitude_deg.has_value(); }) ||
+        has([](const Observation& row) { return row.height_m.has_value(); }))
+        return;
+    observations.facts.vertical_measured = false;
+    if (!receiver.height_m) {
+        observations.notes.push_back(
+            "Heights are not recorded: write height_m in the receiver, the course's height above "
+            "the ellipsoid in metres; without it no position can be used.");
+        return;
+    }
+    observations.notes.push_back(
+        fmt::format("Heights are not recorded; every position is put at the attempt's {} m.",
+                    *receiver.height_m));
+    for (Observation& row : rows)
+        if (row.latitude_deg) row.height_m = *receiver.height_m;
+}
+
+/// Says where the accuracy comes from, and where the recording states none, takes the attempt's.
+void set_accuracy(Observations& observations, const Receiver& receiver) {
+    std::vector<Observation>& rows = observations.rows;
+    const bool horizontal = std::any_of(rows.begin(), rows.end(), has_horizontal);
+    const bool vertical = std::any_of(rows.begin(), rows.end(), has_vertical);
+    observations.accuracy_source = horizontal ? "recording" : "none";
+    if (!horizontal && receiver.accuracy) {
+        observations.accuracy_source = "attempt";
+        observations.notes.push_back(fmt::format(
+            "The recording states no accuracy; the attempt's is used: {} m for each horizontal "
+            "coordinate.",
+            receiver.accuracy->horizontal_m));
+        for (Observation& row : rows)
+            use_horizontal(row, receiver.accuracy->horizontal_m);
+    }
+    if (!vertical && observations.facts.vertical_measured && receiver.accuracy &&
+        receiver.accuracy->vertical_m) {
+        observations.notes.push_back(
+            fmt::format("The recording states no accuracy of height; the attempt's is used: {} m.",
+                        *receiver.accuracy->vertical_m));
+        for (Observation& row : rows)
+            if (has_position(row)) row.sigma_up_m = receiver.accuracy->vertical_m;
+    }
+    if (horizontal) note_missing_accuracy(observations);
+    if (horizontal && receiver.accuracy)
+        observations.notes.push_back(
+            "The recording states its own accuracy, which is used; the attempt's is not, where the "
+            "recording has one.");
+}
+
 }  // namespace
 
 void TimedRows::add(const TimedRow& row, const RecordPlace& place) {
+    if (place.line && *place.line > std::numeric_limits<std::int32_t>::max())
+        throw Failure(place_in(recording_, place), "the recording has too many lines to count",
+                      "Cut it into several files, and list them in the attempt");
     if (rows_.size() == rows_to_estimate && place.byte > 0) {
         const double bytes_each = static_cast<double>(place.byte) / rows_to_estimate;
-        rows_.reserve(static_cast<std::size_t>(1.05 * static_cast<double>(recording_.bytes.size()) /
+        rows_.reserve(static_cast<std::size_t>(1.02 * static_cast<double>(recording_.bytes.size()) /
                                                bytes_each));
     }
     rows_.push_back(row.observation);
     Observation& added = rows_.back();
     added.epoch = std::ssize(rows_);
     added.time.nanoseconds = row.instant.nanoseconds();
-    if (place.line && *place.line > std::numeric_limits<std::int32_t>::max())
-        throw Failure(place_in(recording_, place), "the recording has too many lines to count",
-                      "Cut it into several files, and list them in the attempt");
     if (place.line) added.source_line = static_cast<std::int32_t>(*place.line);
     added.source_byte = place.byte;
     written_.see(row.written);
@@ -168,25 +219,6 @@ void set_rows(Observations& observations, TimedRows timed) {
     observations.rows = std::move(rows);
 }
 
-void set_heights(Observations& observations, const Receiver& receiver) {
-    std::vector<Observation>& rows = observations.rows;
-    if (std::any_of(rows.begin(), rows.end(),
-                    [](const Observation& row) { return row.height_m.has_value(); }))
-        return;
-    observations.facts.vertical_measured = false;
-    if (!receiver.height_m) {
-        observations.notes.push_back(
-            "Heights are not recorded: write height_m in the receiver, the course's height above "
-            "the ellipsoid in metres; without it no position can be used.");
-        return;
-    }
-    observations.notes.push_back(
-        fmt::format("Heights are not recorded; every position is put at the attempt's {} m.",
-                    *receiver.height_m));
-    for (Observation& row : rows)
-        if (row.latitude_deg) row.height_m = *receiver.height_m;
-}
-
 double median_step_s(const std::vector<Observation>& rows) {
     // By how often each step occurs: there are few, and a copy of all would cost much memory.
     std::map<std::int64_t, std::size_t> count;
@@ -206,33 +238,13 @@ double median_step_s(const std::vector<Observation>& rows) {
     return steps == 0 ? 0.0 : 0.5 * step_s((steps - 1) / 2) + 0.5 * step_s(steps / 2);
 }
 
-void set_accuracy(Observations& observations, const Receiver& receiver) {
-    std::vector<Observation>& rows = observations.rows;
-    const bool horizontal = std::any_of(rows.begin(), rows.end(), has_horizontal);
-    const bool vertical = std::any_of(rows.begin(), rows.end(), has_vertical);
-    observations.accuracy_source = horizontal ? "recording" : "none";
-    if (!horizontal && receiver.accuracy) {
-        observations.accuracy_source = "attempt";
-        observations.notes.push_back(fmt::format(
-            "The recording states no accuracy; the attempt's is used: {} m for each horizontal "
-            "coordinate.",
-            receiver.accuracy->horizontal_m));
-        for (Observation& row : rows)
-            use_horizontal(row, receiver.accuracy->horizontal_m);
-    }
-    if (!vertical && observations.facts.vertical_measured && receiver.accuracy &&
-        receiver.accuracy->vertical_m) {
+void apply_attempt(Observations& observations, const Receiver& receiver, bool start_is_used) {
+    observations.facts.receiver = receiver.id;
+    set_heights(observations, receiver);
+    if (receiver.start_gps && !start_is_used)
         observations.notes.push_back(
-            fmt::format("The recording states no accuracy of height; the attempt's is used: {} m.",
-                        *receiver.accuracy->vertical_m));
-        for (Observation& row : rows)
-            if (has_position(row)) row.sigma_up_m = receiver.accuracy->vertical_m;
-    }
-    if (horizontal) note_missing_accuracy(observations);
-    if (horizontal && receiver.accuracy)
-        observations.notes.push_back(
-            "The recording states its own accuracy, which is used; the attempt's is not, where the "
-            "recording has one.");
+            "The attempt's start_gps is not used: the recording has times of its own.");
+    set_accuracy(observations, receiver);
 }
 
 void note_text(Observations& observations, const RecordingBytes& recording) {

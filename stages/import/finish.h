@@ -80,13 +80,15 @@ void set_rows(Observations& observations, TimedRows timed);
 /// Median of the positive steps between rows (s); 0 where there is none.
 double median_step_s(const std::vector<Observation>& rows);
 
-/// Where a recording has no heights at all: says so (`vertical_measured`), and puts its positions
-/// at the attempt's height_m. Without one their heights stay empty, and they are no positions
-/// until the attempt states it.
-void set_heights(Observations& observations, const Receiver& receiver);
+/// What the attempt says of a recording that has been read: the receiver's id; heights, where the
+/// recording has none at all (without height_m they stay empty, and its positions cannot be used
+/// until the attempt states it); accuracy, where the recording states none. Notes say what was
+/// used, and that start_gps was not, unless `start_is_used`.
+void apply_attempt(Observations& observations, const Receiver& receiver,
+                   bool start_is_used = false);
 
-/// Says where the accuracy comes from, and where the recording states none, takes the attempt's.
-void set_accuracy(Observations& observations, const Receiver& receiver);
+inline constexpr const char* note_heights_above_sea_level =
+    "Heights are recorded above mean sea level; they are not heights above the ellipsoid.";
 
 /// Notes on a recording's text as such: byte order mark, last line without an end.
 void note_text(Observations& observations, const RecordingBytes& recording);

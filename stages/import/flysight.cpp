@@ -196,14 +196,8 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
             "the recording is a FlySight's log of its own workings and holds no positions",
             remedy_for_no_positions);
     Observations observations = Reader(recording).read();
-    observations.facts.receiver = receiver.id;
-    observations.notes.push_back(
-        "Heights are recorded above mean sea level; they are not heights above the ellipsoid.");
-    if (receiver.start_gps)
-        observations.notes.push_back(
-            "The attempt's start_gps is not used: the recording has times of its own.");
-    set_heights(observations, receiver);
-    set_accuracy(observations, receiver);
+    observations.notes.emplace_back(note_heights_above_sea_level);
+    apply_attempt(observations, receiver);
     note_text(observations, recording);
     return observations;
 }

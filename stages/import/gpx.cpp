@@ -175,15 +175,10 @@ bool recognises(std::string_view bytes) {
 Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     require_text(recording);
     Observations observations = Reader(recording).read();
-    observations.facts.receiver = receiver.id;
     observations.format = "gpx";
     observations.frame = "geodetic";
     observations.time_scale = "utc";
-    set_heights(observations, receiver);
-    if (receiver.start_gps)
-        observations.notes.push_back(
-            "The attempt's start_gps is not used: the recording has times of its own.");
-    set_accuracy(observations, receiver);
+    apply_attempt(observations, receiver);
     return observations;
 }
 

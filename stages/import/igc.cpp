@@ -259,15 +259,10 @@ bool recognises(std::string_view bytes) {
 Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     require_text(recording);
     Observations observations = Reader(receiver, recording).read();
-    observations.facts.receiver = receiver.id;
     observations.format = "igc";
     observations.frame = "geodetic";
     observations.time_scale = "utc";
-    set_heights(observations, receiver);
-    if (receiver.start_gps)
-        observations.notes.push_back(
-            "The attempt's start_gps is not used: the recording has times of its own.");
-    set_accuracy(observations, receiver);
+    apply_attempt(observations, receiver);
     note_text(observations, recording);
     return observations;
 }

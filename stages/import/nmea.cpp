@@ -131,7 +131,6 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     Observations observations;
     observations.format = "nmea";
     observations.frame = "geodetic";
-    observations.facts.receiver = receiver.id;
     Dating dating(first_day_of(receiver, recording, observations));
     TimedRows timed(recording);
     EpochReader epochs(recording, &timed);
@@ -153,15 +152,11 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     observations.variant = variant_of(epochs.tally().sentences);
     observations.device = epochs.tally().device;
     set_rows(observations, std::move(timed));
-    set_heights(observations, receiver);
     note_sentences(observations, epochs.tally(), epochs.passed_over());
     note(observations, "Times that have no GGA, GNS or RMC sentence, and are no epochs",
          without_position);
     note_rows(observations, maker.tally());
-    if (receiver.start_gps)
-        observations.notes.push_back(
-            "The attempt's start_gps is not used: the recording has times of its own.");
-    set_accuracy(observations, receiver);
+    apply_attempt(observations, receiver);
     note_text(observations, recording);
     return observations;
 }

@@ -120,14 +120,8 @@ bool recognises(std::string_view bytes) {
 
 Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     Observations observations = Reader(recording).read();
-    observations.facts.receiver = receiver.id;
-    observations.notes.push_back(
-        "Heights are recorded above mean sea level; they are not heights above the ellipsoid.");
-    if (receiver.start_gps)
-        observations.notes.push_back(
-            "The attempt's start_gps is not used: the recording has times of its own.");
-    set_heights(observations, receiver);
-    set_accuracy(observations, receiver);
+    observations.notes.emplace_back(note_heights_above_sea_level);
+    apply_attempt(observations, receiver);
     return observations;
 }
 

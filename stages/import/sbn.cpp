@@ -117,15 +117,10 @@ bool recognises(std::string_view bytes) {
 
 Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     Observations observations = Reader(recording).read();
-    observations.facts.receiver = receiver.id;
     observations.format = "sbn";
     observations.frame = "geodetic";
     observations.time_scale = "gps";
-    set_heights(observations, receiver);
-    if (receiver.start_gps)
-        observations.notes.push_back(
-            "The attempt's start_gps is not used: the recording has times of its own.");
-    set_accuracy(observations, receiver);
+    apply_attempt(observations, receiver);
     return observations;
 }
 

@@ -78,7 +78,7 @@ void note_jumps(Observations& observations) {
                         jumps.count - jumps.first.size()));
 }
 
-void note_content(Observations& observations, const Receiver& receiver, const Filled& filled) {
+void note_content(Observations& observations, const Filled& filled) {
     const auto has_height = [](const Observation& row) { return row.height_m.has_value(); };
     if (std::any_of(observations.rows.begin(), observations.rows.end(), has_height))
         observations.notes.push_back(
@@ -87,9 +87,6 @@ void note_content(Observations& observations, const Receiver& receiver, const Fi
     if (!filled.sdop)
         observations.notes.push_back(
             "The recording states no accuracy of speed: its logger does not fill in SDOP.");
-    if (receiver.start_gps)
-        observations.notes.push_back(
-            "The attempt's start_gps is not used: the recording has times of its own.");
 }
 
 }  // namespace
@@ -105,17 +102,15 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
         written_records(bytes.substr(std::min(header_bytes, bytes.size())));
     const Filled filled = find_filled(records);
     Observations observations;
-    observations.facts.receiver = receiver.id;
     observations.format = "sbp";
     observations.variant = filled.sdop ? "SBP with SDOP" : "SBP without SDOP";
     observations.device = read_device(bytes.substr(0, header_bytes));
     observations.frame = "geodetic";
     observations.time_scale = "utc";
     set_rows(observations, read_rows(recording, filled, records));
-    set_heights(observations, receiver);
-    note_content(observations, receiver, filled);
+    note_content(observations, filled);
     note_jumps(observations);
-    set_accuracy(observations, receiver);
+    apply_attempt(observations, receiver);
     return observations;
 }
 

@@ -213,12 +213,7 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     Observations observations = Reader(recording).read();
     observations.format = "ubx";
     observations.frame = "geodetic";
-    observations.facts.receiver = receiver.id;
-    if (receiver.start_gps)
-        observations.notes.push_back(
-            "The attempt's start_gps is not used: the recording has times of its own.");
-    set_heights(observations, receiver);
-    set_accuracy(observations, receiver);
+    apply_attempt(observations, receiver);
     return observations;
 }
 

@@ -57,8 +57,7 @@ TimedRows read_rows(LineReader lines, const RecordingBytes& recording, const Lay
 
 void note_columns(Observations& observations, const Layout& layout) {
     if (layout.has(Column::height))
-        observations.notes.push_back(
-            "Heights are recorded above mean sea level; they are not heights above the ellipsoid.");
+        observations.notes.emplace_back(note_heights_above_sea_level);
     if (layout.velocity_mps && !layout.has(Column::heading))
         observations.notes.push_back(
             "Speeds are recorded without headings, and are not used: a velocity needs both.");
@@ -105,18 +104,13 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     observations.device = device_of(header);
     observations.frame = "geodetic";
     observations.time_scale = first_day.utc ? "utc" : "relative";
-    observations.facts.receiver = receiver.id;
     set_rows(observations, read_rows(lines, recording, layout,
                                      surveyed.longitudes == LongitudeSense::east_positive,
                                      DayClock(first_day.utc)));
     observations.notes.push_back(first_day.note);
     note_longitudes(observations, surveyed.longitudes);
     note_columns(observations, layout);
-    if (receiver.start_gps && !first_day.by_start_gps)
-        observations.notes.push_back(
-            "The attempt's start_gps is not used: the recording has times of its own.");
-    set_heights(observations, receiver);
-    set_accuracy(observations, receiver);
+    apply_attempt(observations, receiver, first_day.by_start_gps);
     note_text(observations, recording);
     return observations;
 }

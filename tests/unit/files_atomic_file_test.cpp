@@ -94,6 +94,7 @@ TEST_F(AtomicFile, ReadsBackEveryByte) {
     for (const std::string& contents : {bytes, std::string(), std::string("a\r\n\0b\n", 6)}) {
         write_file_atomically(file_, contents);
         EXPECT_EQ(read_file(file_), contents);
+        EXPECT_EQ(FileView(file_).bytes(), contents);
     }
     EXPECT_EQ(files_in_folder(), 1U);
 }
@@ -139,6 +140,17 @@ TEST_F(AtomicFile, RefusesWhatIsNotARegularFile) {
     expect_failure("/dev/null", "device", [] { read_file("/dev/null"); });
     ASSERT_EQ(mkfifo(file_.c_str(), 0600), 0);
     expect_failure(file_, "pipe", [&] { read_file(file_); });
+    expect_failure(file_, "pipe", [&] { FileView view(file_); });
+    expect_failure(folder_, "folder", [&] { FileView view(folder_); });
+}
+
+TEST_F(AtomicFile, AViewStaysWhereItIsMovedTo) {
+    write_file_atomically(file_, "contents");
+    FileView view(file_);
+    const FileView moved = std::move(view);
+    // The file's name may be given to another meanwhile: the view is of the old one.
+    write_file_atomically(file_, "other");
+    EXPECT_EQ(moved.bytes(), "contents");
 }
 
 TEST_F(AtomicFile, NeverReplacesAPipeOrADevice) {

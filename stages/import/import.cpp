@@ -139,6 +139,7 @@ Observations import_recording(const Receiver& receiver, const RecordingBytes& re
 Observations import_recordings(const Receiver& receiver,
                                const std::vector<RecordingBytes>& recordings,
                                const std::function<ReadRecording>& read_one) {
+    require_joinable(recordings);
     std::vector<Observations> parts;
     for (const RecordingBytes& recording : recordings)
         parts.push_back(read_one(receiver, recording));

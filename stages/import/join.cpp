@@ -103,19 +103,30 @@ void append(Observations& all, const Observations& part, std::int8_t file) {
 
 }  // namespace
 
-Observations join(std::vector<Observations> parts, const std::vector<RecordingBytes>& recordings) {
-    if (parts.size() == 1) return std::move(parts.front());
-    if (parts.size() > std::numeric_limits<std::int8_t>::max())
+void require_joinable(const std::vector<RecordingBytes>& recordings) {
+    if (recordings.size() > std::numeric_limits<std::int8_t>::max())
         throw Failure(recordings.front().name,
-                      fmt::format("the recording consists of {} files", parts.size()),
+                      fmt::format("the recording consists of {} files", recordings.size()),
                       "List at most 127; put files of one receiver together before");
     require_different(recordings);
+}
+
+Observations join(std::vector<Observations> parts, const std::vector<RecordingBytes>& recordings) {
+    if (parts.size() == 1) return std::move(parts.front());
     for (std::size_t i = 0; i < parts.size(); ++i)
         require_alike(parts.front(), parts[i], recordings[i]);
-    Observations all = parts.front();
-    all.rows.clear();
-    all.notes.clear();
-    all.records = {};
+    const Observations& first = parts.front();
+    Observations all{.header = {},
+                     .facts = first.facts,
+                     .format = first.format,
+                     .variant = first.variant,
+                     .device = first.device,
+                     .frame = first.frame,
+                     .time_scale = first.time_scale,
+                     .accuracy_source = first.accuracy_source,
+                     .records = {},
+                     .notes = {},
+                     .rows = {}};
     for (std::size_t i = 0; i < parts.size(); ++i) {
         const Observations& part = parts[i];
         if (i > 0)

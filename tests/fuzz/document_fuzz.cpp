@@ -29,23 +29,6 @@ void read_values(const YamlValue& value) {
             read_values(item);
 }
 
-/// Reads a product, and what writing it makes of it.
-template <class Read, class Write>
-void read_and_write(std::string_view bytes, Read read, Write write) {
-    const auto product = read(bytes, "document");
-    std::string text;
-    try {
-        text = write(product);
-    } catch (const Failure&) {
-        return;  // figures that are read, but no program of ours writes
-    }
-    try {
-        require(write(read(text, "document")) == text, "written, read and written again: equal");
-    } catch (const Failure& failure) {
-        throw std::logic_error(std::string("what was written is not read: ") + failure.what());
-    }
-}
-
 }  // namespace
 
 void read_input(std::string_view bytes) {

@@ -11,14 +11,6 @@ namespace {
 
 using namespace import_test;
 
-bool has(const std::string& text, std::string_view part) {
-    return text.find(part) != std::string::npos;
-}
-bool has_note(const Observations& observations, std::string_view part) {
-    return std::any_of(observations.notes.begin(), observations.notes.end(),
-                       [&](const std::string& note) { return has(note, part); });
-}
-
 const std::string first_header =
     "time,lat,lon,hMSL,velN,velE,velD,hAcc,vAcc,sAcc,heading,cAcc,gpsFix,numSV\r\n"
     ",(deg),(deg),(m),(m/s),(m/s),(m/s),(m),(m),(m/s),(deg),(deg),,\r\n";

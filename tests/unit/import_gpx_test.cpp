@@ -31,13 +31,6 @@ Observations import_points(const std::string& points) {
     return import_text(gpx_receiver(), begin + points + end);
 }
 
-std::string noted(const Observations& observations) {
-    std::string all;
-    for (const std::string& note : observations.notes)
-        all += note + "\n";
-    return all;
-}
-
 TEST(Gpx, IsRecognisedByItsRoot) {
     EXPECT_TRUE(gpx::recognises(begin));
     EXPECT_TRUE(gpx::recognises("\xef\xbb\xbf<gpx>"));

@@ -27,13 +27,6 @@ Observations import_lines(const std::string& lines) {
     return import_text(igc_receiver(), header + lines);
 }
 
-std::string noted(const Observations& observations) {
-    std::string all;
-    for (const std::string& note : observations.notes)
-        all += note + "\n";
-    return all;
-}
-
 TEST(Igc, IsRecognisedByItsRecords) {
     EXPECT_TRUE(igc::recognises(header));
     EXPECT_TRUE(igc::recognises("LXSB\n" + fix + "\n"));

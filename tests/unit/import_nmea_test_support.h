@@ -34,10 +34,4 @@ inline std::string utc_of(const Observations& read, std::size_t row, int decimal
                       decimals);
 }
 
-inline bool has_note(const Observations& read, std::string_view part) {
-    for (const std::string& note : read.notes)
-        if (note.find(part) != std::string::npos) return true;
-    return false;
-}
-
 }  // namespace runcert::nmea_test

@@ -10,14 +10,6 @@ namespace {
 
 using namespace import_test;
 
-bool has(const std::string& text, std::string_view part) {
-    return text.find(part) != std::string::npos;
-}
-bool has_note(const Observations& observations, std::string_view part) {
-    return std::any_of(observations.notes.begin(), observations.notes.end(),
-                       [&](const std::string& note) { return has(note, part); });
-}
-
 /// A frame being written: mode, room for the checksum, then fields in their order.
 class Frame {
   public:

@@ -89,13 +89,6 @@ std::string log_of(int count, Epoch epoch = {}) {
     return bytes;
 }
 
-std::string noted(const Observations& observations) {
-    std::string all;
-    for (const std::string& note : observations.notes)
-        all += note + "\n";
-    return all;
-}
-
 TEST(Sbn, IsRecognisedByItsFirstMessage) {
     EXPECT_TRUE(sbn::recognises(log_of(1)));
     EXPECT_FALSE(sbn::recognises("\x20" + log_of(1)));

@@ -81,13 +81,6 @@ std::string log_of(int count, int step_ms = 1000, Fix fix = {}) {
     return bytes;
 }
 
-std::string noted(const Observations& observations) {
-    std::string all;
-    for (const std::string& note : observations.notes)
-        all += note + "\n";
-    return all;
-}
-
 TEST(Sbp, IsRecognisedByItsHeader) {
     EXPECT_TRUE(sbp::recognises(log_of(1)));
     EXPECT_TRUE(sbp::recognises(header()));

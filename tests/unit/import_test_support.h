@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
@@ -78,6 +79,23 @@ inline std::string complaint_of(const Receiver& receiver, std::string_view text)
     if (read.records.bad == 0) return "read";
     const BadRecord& bad = read.records.bad_records.front();
     return fmt::format("f:{}:{}: {}", *bad.line, bad.column.value_or(0), bad.what);
+}
+
+inline bool has(const std::string& text, std::string_view part) {
+    return text.find(part) != std::string::npos;
+}
+
+inline bool has_note(const Observations& observations, std::string_view part) {
+    return std::any_of(observations.notes.begin(), observations.notes.end(),
+                       [&](const std::string& note) { return has(note, part); });
+}
+
+/// All of the notes, a line each.
+inline std::string noted(const Observations& observations) {
+    std::string all;
+    for (const std::string& note : observations.notes)
+        all += note + "\n";
+    return all;
 }
 
 inline std::string replaced(std::string text, std::string_view from, std::string_view to) {

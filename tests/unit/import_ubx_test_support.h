@@ -91,10 +91,4 @@ inline GpsTime instant(const Observations& read, std::size_t row) {
     return read.facts.first_epoch->plus_nanoseconds(read.rows.at(row).time.nanoseconds);
 }
 
-inline bool has_note(const Observations& read, std::string_view part) {
-    for (const std::string& note : read.notes)
-        if (note.find(part) != std::string::npos) return true;
-    return false;
-}
-
 }  // namespace runcert::ubx_test

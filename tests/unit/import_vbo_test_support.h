@@ -10,14 +10,6 @@ namespace runcert::vbo_test {
 
 using namespace import_test;
 
-inline bool has(const std::string& text, std::string_view part) {
-    return text.find(part) != std::string::npos;
-}
-inline bool has_note(const Observations& observations, std::string_view part) {
-    return std::any_of(observations.notes.begin(), observations.notes.end(),
-                       [&](const std::string& note) { return has(note, part); });
-}
-
 inline const std::string header =
     "File created on 31/07/2006 at 17:55:20\r\n\r\n"
     "[header]\r\nsatellites\r\ntime\r\nlatitude\r\nlongitude\r\nvelocity kmh\r\nheading\r\n"

@@ -45,10 +45,12 @@ endfunction()
 # runcert_embed(OUT_VAR NAMESPACE_FUNCTION file...)
 #
 # Generates a source that defines `std::string_view FUNCTION(std::string_view file_name)`: the
-# text of the file of that name, empty where there is none.
+# text of the file of that name, empty where there is none; and `std::vector<std::string_view>
+# FUNCTION_names()`: those that there are, in the order given.
 function(runcert_embed out_var function)
   set(source ${CMAKE_CURRENT_BINARY_DIR}/${function}.cpp)
-  set(code "#include <string_view>\nnamespace runcert {\nstd::string_view ${function}(std::string_view name);\nstd::string_view ${function}(std::string_view name) {\n")
+  set(names)
+  set(code "#include <string_view>\n#include <vector>\nnamespace runcert {\nstd::string_view ${function}(std::string_view name);\nstd::string_view ${function}(std::string_view name) {\n")
   foreach(file ${ARGN})
     get_filename_component(path ${file} ABSOLUTE)
     file(READ ${path} text)
@@ -58,9 +60,11 @@ function(runcert_embed out_var function)
       set(relative ${base})
     endif()
     set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${path})
+    list(APPEND names "\"${relative}\"")
     string(APPEND code "    if (name == \"${relative}\")\n        return R\"runcert(${text})runcert\";\n")
   endforeach()
-  string(APPEND code "    return {};\n}\n}  // namespace runcert\n")
+  list(JOIN names ", " names)
+  string(APPEND code "    return {};\n}\nstd::vector<std::string_view> ${function}_names();\nstd::vector<std::string_view> ${function}_names() {\n    return {${names}};\n}\n}  // namespace runcert\n")
   file(CONFIGURE OUTPUT ${source} CONTENT "${code}" @ONLY)
   set(${out_var} ${source} PARENT_SCOPE)
 endfunction()

@@ -44,23 +44,35 @@ std::string array(const std::string& name, const std::vector<std::string>& value
     return fmt::format("array {}[{}] = [{}]\n", name, values.size(), fmt::join(values, ", "));
 }
 
-/// The beginnings and ends of the windows `which` ("window", "indicated") of all profiles.
+/// The beginnings and ends of the windows `which` ("window", "indicated") of all profiles, and of
+/// those that make the figure together with them.
 std::string window_arrays(const Json& predicate, const char* which, const std::string& prefix) {
     std::vector<std::string> starts, ends;
+    const auto add = [&](const Json& window) {
+        const double start = window["start_time_s"].get<double>();
+        starts.push_back(fmt::format("{}", start));
+        ends.push_back(fmt::format("{}", start + window["duration_s"].get<double>()));
+    };
     for (const Json& profile : predicate["profiles"]) {
         if (!profile.contains(which)) continue;
-        const double start = profile[which]["start_time_s"].get<double>();
-        starts.push_back(fmt::format("{}", start));
-        ends.push_back(fmt::format("{}", start + profile[which]["duration_s"].get<double>()));
+        add(profile[which]);
+        if (profile[which].contains("further"))
+            for (const Json& further : profile[which]["further"])
+                add(further);
     }
     return fmt::format("{}s = {}\n", prefix, starts.size()) + array(prefix + "_start", starts) +
            array(prefix + "_end", ends);
 }
 
+/// Figures are of the horizontal speed.
+bool is_horizontal(const Json& profile) {
+    return !profile.contains("rule_dimension");
+}
+
 std::string target_arrays(const Json& predicate) {
     std::vector<std::string> targets, titles;
     for (const Json& profile : predicate["profiles"]) {
-        if (!profile.contains("target_km_h")) continue;
+        if (!profile.contains("target_km_h") || !is_horizontal(profile)) continue;
         targets.push_back(number(profile["target_km_h"]));
         titles.push_back(
             fmt::format("'speed to reach, {}'", plain_text(profile["profile"].get<std::string>())));
@@ -83,10 +95,12 @@ std::string window_settings(const Json& predicate, const Json& figure) {
     for (const Json& profile : predicate["profiles"]) {
         if (profile["profile"] != figure["figure_profile"]) continue;
         const double start = profile["window"]["start_time_s"].get<double>();
+        const auto level = [&](const char* name) {
+            return number(is_horizontal(profile) ? profile.value(name, Json()) : Json());
+        };
         return fmt::format("start = {}\nend = {}\nmean = {}\ntarget = {}\n", start,
                            start + profile["window"]["duration_s"].get<double>(),
-                           number(profile.value("speed_km_h", Json())),
-                           number(profile.value("target_km_h", Json())));
+                           level("speed_km_h"), level("target_km_h"));
     }
     throw Failure("report.json", "a figure is of a rule that the report does not hold",
                   "Run the attempt again");
@@ -181,8 +195,9 @@ void check_table(const std::filesystem::path& run_folder, const Json& predicate,
 
 }  // namespace
 
-std::vector<Figure> draw_figures(const std::filesystem::path& run_folder, const Json& predicate) {
-    std::vector<Figure> figures;
+std::vector<DrawnFigure> draw_figures(const std::filesystem::path& run_folder,
+                                      const Json& predicate) {
+    std::vector<DrawnFigure> figures;
     for (const Json& figure : predicate["figures"]) {
         if (figures.empty()) {
             check_table(run_folder, predicate, trajectory_file);

@@ -8,7 +8,7 @@
 namespace runcert {
 
 /// A drawn figure, ready to stand in a page: an <svg> element whose ids no other figure has.
-struct Figure {
+struct DrawnFigure {
     std::string title;
     std::string caption;
     std::string svg;
@@ -17,7 +17,7 @@ struct Figure {
 /// Draws the figures that a report lists, with gnuplot, straight from the tables of the judged
 /// receiver in the run folder. The same tables give the same bytes. Failure where gnuplot is
 /// missing or fails, and where a table is not the one that the report vouches for.
-std::vector<Figure> draw_figures(const std::filesystem::path& run_folder,
-                                 const nlohmann::ordered_json& predicate);
+std::vector<DrawnFigure> draw_figures(const std::filesystem::path& run_folder,
+                                      const nlohmann::ordered_json& predicate);
 
 }  // namespace runcert

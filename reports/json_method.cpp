@@ -177,7 +177,11 @@ Json window_figure(const Json& profile) {
             {"caption",
              "Smoothed speed with a band of twice its standard uncertainty, and the "
              "speeds by other methods. Shaded: the window. Black: the speed that "
-             "counts. Dashed: the speed to reach, where it is within the figure."},
+             "counts. Dashed: the speed to reach, where it is within the figure." +
+                 std::string(profile.contains("rule_dimension")
+                                 ? " The rule counts another than the horizontal speed, so that "
+                                   "neither is drawn."
+                                 : "")},
             {"every", 1},
             {"figure_profile", profile["profile"]}};
 }

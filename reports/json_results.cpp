@@ -5,7 +5,9 @@
 #include "core/statistics.h"
 #include "core/uncertainty.h"
 #include "reports/display.h"
+#include "reports/json_course.h"
 #include "reports/json_parts.h"
+#include "reports/json_rule.h"
 #include "reports/json_window.h"
 
 namespace runcert {
@@ -45,13 +47,42 @@ const ProfileWindows* windows_of(const Windows& windows, const std::string& prof
     return found == windows.profiles.end() ? nullptr : &*found;
 }
 
+/// The record that the verdict is about; that of the whole attempt in a file of revision 1.0.
+std::optional<double> record_mps(const ReportInputs& inputs, const ProfileVerdict& verdict) {
+    if (verdict.record) return verdict.record->speed_mps;
+    if (inputs.verdict.record && verdict.target_mps) return inputs.verdict.record->speed_mps;
+    return std::nullopt;
+}
+
+/// The speed as it is to be read.
+Json headline_json(const ProfileVerdict& verdict, const Profile& profile) {
+    if (const auto& shown = verdict.shown) {
+        Json json{{"headline_speed", shown->speed},
+                  {"headline_unit", shown->unit},
+                  {"headline_uncertainty", shown->expanded_uncertainty},
+                  {"headline_note", "Speed rounded down, uncertainty rounded up."}};
+        if (!shown->target.empty()) {
+            json["headline_target"] = shown->target;
+            json["headline_note"] =
+                "Speed rounded down, uncertainty and speed to reach rounded up.";
+        }
+        return json;
+    }
+    const SpeedUnit& unit = rule_unit(profile);
+    const auto& uncertainty = verdict.expanded_uncertainty_mps;
+    Json json{{"headline_speed", speed_text(*verdict.speed_mps, uncertainty, unit)},
+              {"headline_unit", unit.name}};
+    if (uncertainty) json["headline_uncertainty"] = uncertainty_text(*uncertainty * unit.per_mps);
+    return json;
+}
+
 void set_results(Json& json, const ReportInputs& inputs, const ProfileVerdict& verdict,
                  const Profile& profile) {
     const auto& uncertainty = verdict.expanded_uncertainty_mps;
-    std::optional<double> standard, lower, record;
+    std::optional<double> standard, lower, acceptance;
     if (uncertainty) standard = *uncertainty / verdict.coverage_factor;
     if (verdict.speed_mps && uncertainty) lower = *verdict.speed_mps - *uncertainty;
-    if (inputs.verdict.record) record = inputs.verdict.record->speed_mps;
+    if (verdict.decision) acceptance = verdict.decision->acceptance_limit_mps;
     set_speeds(json, "speed", verdict.speed_mps);
     set_speeds(json, "standard_uncertainty", standard);
     set_speeds(json, "expanded_uncertainty", uncertainty);
@@ -62,26 +93,26 @@ void set_results(Json& json, const ReportInputs& inputs, const ProfileVerdict& v
          {fmt::format("Expanded uncertainty (k = {})", coverage_text(verdict.coverage_factor)),
           uncertainty, SpeedRow::uncertainty},
          {"Speed less expanded uncertainty", lower},
+         {"Least speed that would be accepted", acceptance},
          {"Speed to reach", verdict.target_mps},
-         {"Standing record", record, SpeedRow::stated}},
+         {"Standing record", record_mps(inputs, verdict), SpeedRow::stated}},
         profile, uncertainty);
-    if (!verdict.speed_mps) return;
-    const SpeedUnit& unit = rule_unit(profile);
-    json["headline"] = {{"headline_speed", speed_text(*verdict.speed_mps, uncertainty, unit)},
-                        {"headline_unit", unit.name}};
-    if (uncertainty)
-        json["headline"]["headline_uncertainty"] = uncertainty_text(*uncertainty * unit.per_mps);
+    if (verdict.speed_mps) json["headline"] = headline_json(verdict, profile);
 }
 
 Json requirement_json(const Requirement& requirement) {
-    return {{"clause", requirement.clause},
-            {"status", requirement.status},
-            {"status_words", status_words(requirement.status)},
-            {"clause_text", requirement.text},
-            {"evidence", requirement.evidence},
-            {"source", requirement.source},
-            {"certainty", requirement.certainty},
-            {"certainty_words", certainty_words(requirement.certainty)}};
+    Json json{{"clause", requirement.clause},
+              {"status", requirement.status},
+              {"status_words", status_words(requirement.status)},
+              {"clause_text", requirement.text},
+              {"evidence", requirement.evidence},
+              {"source", requirement.source},
+              {"certainty", requirement.certainty},
+              {"certainty_words", certainty_words(requirement.certainty)}};
+    if (!requirement.decided_by.empty()) json["decided_by"] = requirement.decided_by;
+    if (!requirement.figures.empty())
+        json["requirement_figures"] = quantities_json(requirement.figures);
+    return json;
 }
 
 /// The same rule by each receiver, where there are two.
@@ -91,18 +122,17 @@ Json by_receiver_json(const ReportInputs& inputs, const Profile& profile) {
     for (const ReceiverResults& results : inputs.receivers) {
         Json entry{{"receiver", results.windows.receiver}};
         const ProfileWindows* windows = windows_of(results.windows, profile.id);
-        if (windows != nullptr && windows->best) {
-            const CertifiableWindow& best = *windows->best;
-            const double u = best.standard_uncertainty_mps *
+        if (const auto figure = windows == nullptr ? std::nullopt : windows->figure()) {
+            const double u = figure->standard_uncertainty_mps *
                              equivalent_coverage_factor(profile.coverage_factor,
-                                                        best.effective_degrees_of_freedom);
+                                                        figure->effective_degrees_of_freedom);
             const SpeedUnit& unit = rule_unit(profile);
-            set_speeds(entry, "speed", best.speed_mps);
+            set_speeds(entry, "speed", figure->speed_mps);
             set_speeds(entry, "expanded_uncertainty", u);
             entry["by_receiver_words"] =
                 fmt::format("{}, {} after its first epoch",
-                            speed_with_uncertainty_text(best.speed_mps, u, unit),
-                            seconds_text(best.span.start));
+                            speed_with_uncertainty_text(figure->speed_mps, u, unit),
+                            seconds_text(windows->best->span.start));
         } else {
             entry["by_receiver_words"] = "no certifiable window";
         }
@@ -134,21 +164,20 @@ Json profile_json(const ReportInputs& inputs, std::size_t index) {
               {"outcome_mark", words.mark},
               {"tone", words.tone},
               {"reason", verdict.reason},
-              {"rule_duration_s", profile.duration_s},
               {"definition", verdict.definition},
               {"coverage_factor", verdict.coverage_factor}};
     if (const std::string words_left = qualification(verdict); !words_left.empty())
         json["qualification"] = words_left;
-    json["rule_words"] = fmt::format("Speed over {} s, by the definition: {}.", profile.duration_s,
-                                     definition_words(verdict.definition));
-    json["decision_rule"] = fmt::format(
-        "The record counts as beaten where the speed less its expanded uncertainty (k = {}) "
-        "reaches the speed to reach.",
-        coverage_text(verdict.coverage_factor));
+    json["rule_words"] = rule_words(profile);
+    set_rule(json, profile);
+    set_decision(json, verdict, profile);
+    set_reservations(json, verdict);
     set_results(json, inputs, verdict, profile);
-    if (verdict.window)
-        json["window"] = window_json(
-            verdict, windows_of(inputs.receivers.front().windows, verdict.profile), profile);
+    const ProfileWindows* windows = windows_of(inputs.receivers.front().windows, verdict.profile);
+    if (windows != nullptr && !windows->missing.empty())
+        json["missing_words"] = fmt::format("What is missing: {}.", windows->missing);
+    if (verdict.window) json["window"] = window_json(verdict, windows, profile);
+    set_course(json, verdict, profile);
     if (verdict.indicated) json["indicated"] = indicated_json(*verdict.indicated, profile);
     json["by_receiver"] = by_receiver_json(inputs, profile);
     json["requirements"] = Json::array();

@@ -5,7 +5,7 @@
 #include "core/text.h"
 #include "files/yaml_output.h"
 #include "reports/json_budget.h"
-#include "reports/json_window.h"
+#include "reports/json_rule.h"
 
 namespace runcert {
 
@@ -128,6 +128,25 @@ Json selection_json(const SelectionBias& selection, std::int64_t compared,
     return json;
 }
 
+/// What the budget is of, where that is not the whole of the certified speed.
+std::string budget_subject(const ProfileVerdict& verdict, const ProfileWindows& windows,
+                           const UncertaintyScale& scale) {
+    const CertifiableWindow& best = *windows.best;
+    if (windows.further.empty() && !verdict.current_subtracted_mps) return {};
+    return fmt::format(
+        "What follows is of the fastest window alone, of {}{}{}.",
+        speed_with_uncertainty_text(
+            best.speed_mps, scale.coverage_factor * best.standard_uncertainty_mps, scale.unit),
+        windows.further.empty()
+            ? ""
+            : fmt::format("; the certified speed is the mean of {} windows, with the mean of their "
+                          "uncertainties, as if their errors were the same",
+                          windows.further.size() + 1),
+        verdict.current_subtracted_mps
+            ? "; the current's component is subtracted from it, and adds its own uncertainty"
+            : "");
+}
+
 /// Lines beneath the certified speed.
 Json comparison_facts(const Json& uncertainty) {
     Json facts = Json::array();
@@ -148,11 +167,15 @@ Json uncertainty_json(const ProfileVerdict& verdict, const ProfileWindows& windo
     if (!windows.best || says_nothing(*windows.best)) return nullptr;
     const CertifiableWindow& best = *windows.best;
     const UncertaintyScale scale{rule_unit(profile), verdict.coverage_factor};
-    const double expanded_mps = scale.coverage_factor * best.standard_uncertainty_mps;
+    const double speed_mps = verdict.speed_mps.value_or(best.speed_mps);
+    const double expanded_mps = verdict.expanded_uncertainty_mps.value_or(
+        scale.coverage_factor * best.standard_uncertainty_mps);
     Json json{{"certified_words",
                fmt::format("{} (k = {})",
-                           speed_with_uncertainty_text(best.speed_mps, expanded_mps, scale.unit),
+                           speed_with_uncertainty_text(speed_mps, expanded_mps, scale.unit),
                            coverage_text(scale.coverage_factor))}};
+    if (const std::string words = budget_subject(verdict, windows, scale); !words.empty())
+        json["budget_subject"] = words;
     if (best.effective_degrees_of_freedom)
         json["effective_degrees_of_freedom"] = rounded(*best.effective_degrees_of_freedom, 2);
     if (best.fitted) json["fitted"] = fitted_json(*best.fitted, scale);

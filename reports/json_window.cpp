@@ -5,6 +5,7 @@
 #include "core/text.h"
 #include "files/yaml_output.h"
 #include "reports/json_reliability.h"
+#include "reports/json_rule.h"
 #include "reports/json_uncertainty.h"
 
 namespace runcert {
@@ -13,22 +14,18 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
+std::string lower_case_first(std::string text) {
+    if (!text.empty() && text[0] >= 'A' && text[0] <= 'Z')
+        text[0] = static_cast<char>(text[0] - 'A' + 'a');
+    return text;
+}
+
 /// km/h, m/s, kn, mph, the rule's own in front.
 std::vector<const SpeedUnit*> units_in_order(const Profile& profile) {
     std::vector<const SpeedUnit*> units{&rule_unit(profile)};
     for (const SpeedUnit& unit : speed_units())
         if (&unit != units.front()) units.push_back(&unit);
     return units;
-}
-
-Json span_json(const WindowSpan& span) {
-    Json json = window_span_json(span);
-    if (span.start_gps) {
-        const GpsTime end = span.start_gps->plus_nanoseconds(span.duration.nanoseconds);
-        json["end_gps"] = to_iso(end, 3);
-        json["end_utc"] = to_utc_iso(end, 3);
-    }
-    return json;
 }
 
 /// When a window was, on the clock.
@@ -57,28 +54,72 @@ Json place_facts(const WindowSpan& span) {
     return facts;
 }
 
+/// The rule's speed where it is none of the four definitions; empty where it is one.
+std::string other_definition(const Profile& profile) {
+    if (profile.window_kind == "course") return "Over the course";
+    if (profile.speed_source == "velocity")
+        return "Recorded velocities, " + lower_case_first(definition_words(profile.definition));
+    return {};
+}
+
+std::string definition_note(const CertifiableWindow& best, const Profile& profile) {
+    if (profile.window_kind == "course")
+        return "None of the four definitions is the rule's: its speed is over the course, the "
+               "surveyed length over the time between the lines. They are of the smoothed "
+               "trajectory.";
+    if (profile.speed_source == "velocity")
+        return "None of the four definitions is the rule's: its speed is of the velocities that "
+               "the recording states. They are of the smoothed trajectory.";
+    // Since revision 1.1 the trajectory has the fitted noise and the certified speed another.
+    if (best.fitted)
+        return "These figures are of the smoothed trajectory, whose noise is the one fitted. The "
+               "certified speed is estimated with the bound on slow position errors.";
+    return {};
+}
+
 void set_definitions(Json& json, const CertifiableWindow& best, const Profile& profile) {
     const SpeedDefinitions& all = best.definitions;
     const double u = best.standard_uncertainty_mps * profile.coverage_factor;
     std::vector<SpeedRow> rows;
     json["definitions"] = Json::array();
+    const std::string other = other_definition(profile);
+    if (!other.empty()) rows.push_back({other + " – the rule's", best.speed_mps});
     for (const std::string_view name : {"displacement", "path_length", "mean_n_plus_1", "mean_n"}) {
-        const bool counts = name == profile.definition;
+        const bool counts = other.empty() && name == profile.definition;
         Json entry{{"definition", name}, {"counts", counts}};
         set_speeds(entry, "speed", all.by_name(name));
         json["definitions"].push_back(std::move(entry));
         rows.push_back(
             {definition_words(name) + (counts ? " – the rule's" : ""), all.by_name(name)});
     }
-    // Since revision 1.1 the trajectory has the fitted noise and the certified speed another.
-    if (best.fitted)
-        json["definition_note"] =
-            "These figures are of the smoothed trajectory, whose noise is the one fitted. The "
-            "certified speed is estimated with the bound on slow position errors.";
-    else
+    const std::string note = definition_note(best, profile);
+    if (!note.empty()) json["definition_note"] = note;
+    if (!best.fitted)
         rows.push_back(
             {"Standard uncertainty", best.standard_uncertainty_mps, SpeedRow::uncertainty});
     json["definition_table"] = speed_table(rows, profile, u);
+}
+
+std::string window_label(const WindowSpan& span) {
+    return fmt::format("{} from {}", seconds_text(span.duration), seconds_text(span.start));
+}
+
+/// The windows that make the figure together with the best one.
+void set_further(Json& json, const ProfileWindows& windows, const Profile& profile) {
+    if (windows.further.empty()) return;
+    const double u = windows.best->standard_uncertainty_mps * profile.coverage_factor;
+    std::vector<SpeedRow> rows{{window_label(windows.best->span), windows.best->speed_mps}};
+    for (const FurtherWindow& further : windows.further) {
+        Json entry = span_json(further.span);
+        entry["arc"] = further.arc;
+        set_speeds(entry, "speed", further.speed_mps);
+        set_speeds(entry, "standard_uncertainty", further.standard_uncertainty_mps);
+        json["further"].push_back(std::move(entry));
+        rows.push_back({window_label(further.span), further.speed_mps});
+    }
+    if (const auto figure = windows.figure())
+        rows.push_back({fmt::format("Mean of the {}", rows.size()), figure->speed_mps});
+    json["further_table"] = speed_table(rows, profile, u);
 }
 
 void set_methods(Json& json, const CertifiableWindow& best, const Profile& profile) {
@@ -103,8 +144,14 @@ void set_methods(Json& json, const CertifiableWindow& best, const Profile& profi
 
 }  // namespace
 
-const SpeedUnit& rule_unit(const Profile& profile) {
-    return speed_unit(profile.rounding ? profile.rounding->unit : profile.accuracy_unit);
+Json span_json(const WindowSpan& span) {
+    Json json = window_span_json(span);
+    if (span.start_gps) {
+        const GpsTime end = span.start_gps->plus_nanoseconds(span.duration.nanoseconds);
+        json["end_gps"] = to_iso(end, 3);
+        json["end_utc"] = to_utc_iso(end, 3);
+    }
+    return json;
 }
 
 Json speed_table(const std::vector<SpeedRow>& rows, const Profile& profile,
@@ -145,7 +192,13 @@ Json window_json(const ProfileVerdict& verdict, const ProfileWindows* windows,
         facts.push_back(
             fact("Position at its ends, 95 % radius", format_fixed(best.position_r95_m, 3) + " m"));
         facts.push_back(fact("Windows compared", Json(windows->candidates).dump()));
+        if (best.length_m) {
+            json["length_m"] = rounded(*best.length_m, 6);
+            facts.push_back(
+                fact("Length that the speed is of", format_fixed(*best.length_m, 3) + " m"));
+        }
         set_definitions(json, best, profile);
+        set_further(json, *windows, profile);
         set_methods(json, best, profile);
         if (Json uncertainty = uncertainty_json(verdict, *windows, profile); !uncertainty.is_null())
             json["uncertainty"] = std::move(uncertainty);
@@ -171,13 +224,6 @@ Json indicated_json(const RefusedWindow& indicated, const Profile& profile) {
         facts.push_back(place);
     json["indicated_facts"] = std::move(facts);
     return json;
-}
-
-std::string definition_words(std::string_view definition) {
-    if (definition == "displacement") return "Displacement over time";
-    if (definition == "path_length") return "Path length over time";
-    if (definition == "mean_n_plus_1") return "Mean of the speeds, both ends included";
-    return "Mean of the speeds after the first";
 }
 
 }  // namespace runcert

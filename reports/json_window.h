@@ -11,11 +11,8 @@
 
 namespace runcert {
 
-/// The unit in which the rule is written: the one it rounds in, or limits accuracy in.
-const SpeedUnit& rule_unit(const Profile& profile);
-
-/// A rule's definition of speed in words.
-std::string definition_words(std::string_view definition);
+/// A span with its end on the clock, where it has one.
+nlohmann::ordered_json span_json(const WindowSpan& span);
 
 /// One speed, to be shown in every unit.
 struct SpeedRow {

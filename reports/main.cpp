@@ -40,9 +40,12 @@ ReportInputs gather(StageRun& run) {
     inputs.attempt = run.attempt();
     run.note_attempt();
     for (const std::string& claimed : run.attempt().profiles) {
-        inputs.profiles.push_back(read_claimed_profile(run.run_dir(), claimed));
+        inputs.profiles.push_back(read_claimed_profile(run.run_dir(), claimed, run.attempt()));
         run.note_file("profile", evidence_profile_file(claimed));
     }
+    for (const EvidenceFile& file : flow_files(run.attempt()))
+        run.note_file(file.role, file.name,
+                      std::filesystem::path(file.original).filename().string());
     for (const Receiver& receiver : run.attempt().receivers)
         inputs.receivers.push_back(gather_receiver(run, receiver));
     inputs.verdict = run.read("verdict", "6-verdict.yaml", read_verdict);

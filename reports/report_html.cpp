@@ -48,11 +48,14 @@ std::string escaped(const std::string& text) {
     return out;
 }
 
+/// With `has_NAME` beside each list.
 TemplateData template_data(const Json& value) {
     if (value.is_object()) {
         TemplateData data{TemplateData::type::object};
-        for (const auto& [key, member] : value.items())
+        for (const auto& [key, member] : value.items()) {
             data.set(key, template_data(member));
+            if (member.is_array()) data.set("has_" + key, TemplateData(!member.empty()));
+        }
         return data;
     }
     if (value.is_array()) {
@@ -81,11 +84,11 @@ ReportSigner read_signer(std::string_view signature_file_text, const std::string
             .trusted_comment = std::string(lines[2].substr(mark.size()))};
 }
 
-std::string report_html(const Json& report, const std::vector<Figure>& figures,
+std::string report_html(const Json& report, const std::vector<DrawnFigure>& figures,
                         const std::vector<ReportSigner>& signers) {
     TemplateData data = template_data(report["predicate"]);
     TemplateData drawn{TemplateData::type::list};
-    for (const Figure& figure : figures) {
+    for (const DrawnFigure& figure : figures) {
         TemplateData entry{TemplateData::type::object};
         entry.set("figure_title", printable(figure.title));
         entry.set("caption", printable(figure.caption));
@@ -103,7 +106,6 @@ std::string report_html(const Json& report, const std::vector<Figure>& figures,
     data.set("signers", keys);
     data.set("has_figures", TemplateData(!figures.empty()));
     data.set("drawn", drawn);
-    data.set("has_attestations", TemplateData(!report["predicate"]["attestations"].empty()));
     data.set("two_receivers", TemplateData(report["predicate"]["receivers"].size() > 1));
     data.set("style", std::string(report_text("template/report.css")));
     kainjow::mustache::mustache page(std::string(report_text("template/report.html")));

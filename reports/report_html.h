@@ -22,7 +22,8 @@ ReportSigner read_signer(std::string_view signature_file_text, const std::string
 /// The report as one self-contained page, style and figures inside, for screen and A4 paper. It
 /// shows texts and figures of the report alone, escaped; nothing is computed here. Without signers
 /// the page says UNSIGNED all over.
-std::string report_html(const nlohmann::ordered_json& report, const std::vector<Figure>& figures,
+std::string report_html(const nlohmann::ordered_json& report,
+                        const std::vector<DrawnFigure>& figures,
                         const std::vector<ReportSigner>& signers);
 
 }  // namespace runcert

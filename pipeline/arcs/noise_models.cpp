@@ -16,14 +16,24 @@ EstimationModel model_of(const NoiseSummary& noise) {
     return model;
 }
 
-const NoiseSummary& horizontal_noise_of(const TrajectoryTable& trajectory) {
-    if (!trajectory.estimation.horizontal)
+template <int Axes>
+const NoiseSummary& noise_of(const TrajectoryTable& trajectory) {
+    const auto& estimation = trajectory.estimation;
+    const auto& axes = Axes == 1 ? estimation.vertical : estimation.horizontal;
+    if (!axes)
         throw Failure("4-trajectory of receiver " + trajectory.facts.receiver,
-                      "the trajectory is of revision 1.0 and does not say what noise it was "
-                      "estimated with",
-                      "Certify the attempt again, or run runcert-smooth again");
-    return trajectory.estimation.horizontal->noise;
+                      estimation.horizontal
+                          ? "the trajectory has no heights"
+                          : "the trajectory is of revision 1.0 and does not say what noise it was "
+                            "estimated with",
+                      estimation.horizontal
+                          ? "Use a recording with heights, or a profile of horizontal speed"
+                          : "Certify the attempt again, or run runcert-smooth again");
+    return axes->noise;
 }
+
+template const NoiseSummary& noise_of<1>(const TrajectoryTable&);
+template const NoiseSummary& noise_of<2>(const TrajectoryTable&);
 
 std::vector<WeightedModel> posterior_of(const NoiseSummary& noise) {
     if (noise.posterior.empty()) return {{model_of(noise), 1.0}};

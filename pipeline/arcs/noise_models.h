@@ -10,9 +10,10 @@ namespace runcert {
 /// The noise model that a trajectory was estimated with.
 EstimationModel model_of(const NoiseSummary& noise);
 
-/// The horizontal noise that a trajectory says it was estimated with. Failure for one of revision
-/// 1.0, which does not say.
-const NoiseSummary& horizontal_noise_of(const TrajectoryTable& trajectory);
+/// The horizontal (Axes 2) or vertical (1) noise that a trajectory says it was estimated with.
+/// Failure for one of revision 1.0, which does not say, and without heights for the vertical one.
+template <int Axes>
+const NoiseSummary& noise_of(const TrajectoryTable& trajectory);
 
 /// The models that the recording allows, with their shares; that of the trajectory alone where
 /// nothing was fitted.

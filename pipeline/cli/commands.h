@@ -18,6 +18,7 @@ void add_inspect(CLI::App& app, Command& chosen);
 void add_simulate(CLI::App& app, Command& chosen);
 void add_keygen(CLI::App& app, Command& chosen);
 void add_audit(CLI::App& app, Command& chosen);
+void add_explain(CLI::App& app, Command& chosen);
 void add_compare(CLI::App& app, Command& chosen);
 
 }  // namespace runcert

@@ -21,6 +21,7 @@ int main(int argc, char** argv) {
         add_verify(app, chosen);
         add_inspect(app, chosen);
         add_audit(app, chosen);
+        add_explain(app, chosen);
         add_compare(app, chosen);
         add_simulate(app, chosen);
         add_keygen(app, chosen);

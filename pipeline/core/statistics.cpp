@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/non_central_chi_squared.hpp>
+#include <boost/math/distributions/students_t.hpp>
 #include <boost/math/special_functions/erf.hpp>
 #include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
@@ -24,6 +25,14 @@ namespace {
 void require_degrees(int degrees_of_freedom) {
     if (degrees_of_freedom < 1)
         fail(fmt::format("{} degrees of freedom", degrees_of_freedom), "Give 1 or more");
+}
+
+bool is_normal(const std::optional<double>& degrees_of_freedom) {
+    if (!degrees_of_freedom) return true;
+    if (!(*degrees_of_freedom > 0.0))
+        fail(fmt::format("{} degrees of freedom", *degrees_of_freedom),
+             "Give a number above 0, or none for infinitely many");
+    return std::isinf(*degrees_of_freedom);
 }
 
 void require_count(std::size_t count, std::size_t least) {
@@ -87,6 +96,21 @@ double normal_quantile(double probability) {
 
 double normal_cdf(double x) {
     return 0.5 * std::erfc(-x / std::numbers::sqrt2);
+}
+
+double student_t_cdf(double x, std::optional<double> degrees_of_freedom) {
+    const bool normal = is_normal(degrees_of_freedom);
+    if (std::isnan(x)) fail("the value is not a number", "Leave out missing values");
+    if (normal || std::isinf(x)) return normal_cdf(x);
+    return boost::math::cdf(boost::math::students_t(*degrees_of_freedom), x);
+}
+
+double student_t_quantile(double probability, std::optional<double> degrees_of_freedom) {
+    if (is_normal(degrees_of_freedom)) return normal_quantile(probability);
+    if (!(probability > 0.0 && probability < 1.0))
+        fail(fmt::format("the probability {} is not in (0, 1)", probability),
+             "Give a probability between 0 and 1");
+    return boost::math::quantile(boost::math::students_t(*degrees_of_freedom), probability);
 }
 
 double mean(std::span<const double> values) {

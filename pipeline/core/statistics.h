@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -26,6 +27,15 @@ double normal_quantile(double probability);
 
 /// P(z <= x), z standard normal; relative accuracy kept in the lower tail.
 double normal_cdf(double x);
+
+/// P(t <= x), t by Student's distribution with so many degrees of freedom (any number above 0, also
+/// infinite; empty: infinite, the normal distribution). x may be infinite. Failure for an x that is
+/// no number or degrees not above 0. Relative accuracy 1e-11, kept in the lower tail.
+double student_t_cdf(double x, std::optional<double> degrees_of_freedom);
+
+/// The x with P(t <= x) = probability. Failure unless 0 < probability < 1 and the degrees of
+/// freedom are above 0.
+double student_t_quantile(double probability, std::optional<double> degrees_of_freedom);
 
 /// Arithmetic mean, summed in order. Failure where there are no values.
 double mean(std::span<const double> values);

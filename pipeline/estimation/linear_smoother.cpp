@@ -56,6 +56,7 @@ std::vector<PositionVector<Axes>> LinearSmoother<Axes>::operator()(
     return positions;
 }
 
+template class LinearSmoother<1>;
 template class LinearSmoother<2>;
 
 }  // namespace runcert

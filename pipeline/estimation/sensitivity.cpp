@@ -40,6 +40,10 @@ std::vector<PositionVector<Axes>> sensitivities(std::span<const ArcEpoch<Axes>> 
     return result;
 }
 
+template std::vector<PositionVector<1>> sensitivities<1>(std::span<const ArcEpoch<1>>,
+                                                         const EstimationModel&,
+                                                         const SmoothedArc<1>&, std::size_t,
+                                                         const Gradients<1>&);
 template std::vector<PositionVector<2>> sensitivities<2>(std::span<const ArcEpoch<2>>,
                                                          const EstimationModel&,
                                                          const SmoothedArc<2>&, std::size_t,

@@ -98,9 +98,10 @@ double SmoothedArc<Axes>::variance(std::size_t s, const Gradients<Axes>& gradien
 }
 
 template <int Axes>
-Eigen::Matrix2d SmoothedArc<Axes>::covariance(std::size_t s,
-                                              const PlaneGradients<Axes>& gradients) const {
-    const Eigen::Matrix2d covariance = joint_covariance<Axes, 2>(*this, s, gradients);
+CountedMatrix<Axes> SmoothedArc<Axes>::covariance(std::size_t s,
+                                                  const CountedGradients<Axes>& gradients) const {
+    const CountedMatrix<Axes> covariance =
+        joint_covariance<Axes, counted_axes<Axes>>(*this, s, gradients);
     return 0.5 * (covariance + covariance.transpose());
 }
 

@@ -21,16 +21,21 @@ SpeedEstimate horizontal_speed(const Eigen::Vector2d& velocity, const Eigen::Mat
     return {speed, std::sqrt(std::max(variance, 0.0))};
 }
 
+SpeedEstimate vertical_speed(double velocity_mps, double variance) {
+    return {std::abs(velocity_mps), std::sqrt(std::max(variance, 0.0))};
+}
+
 namespace {
 
 /// Gradients of the displacement between epochs s and e: the states of both, and around each
 /// bridged step the motion in place of the difference of the positions.
 template <int Axes>
-PlaneGradients<Axes> displacement_gradients(const SmoothedArc<Axes>& arc, std::size_t s,
-                                            std::size_t e) {
-    PlaneGradients<Axes> gradients(e - s + 1, PlaneGradients<Axes>::value_type::Zero());
+CountedGradients<Axes> displacement_gradients(const SmoothedArc<Axes>& arc, std::size_t s,
+                                              std::size_t e) {
+    CountedGradients<Axes> gradients(e - s + 1, CountedGradients<Axes>::value_type::Zero());
     const auto add = [&](std::size_t k, int block, double factor) {
-        gradients[k - s].template middleRows<2>(block * Axes).diagonal().array() += factor;
+        gradients[k - s].template middleRows<counted_axes<Axes>>(block * Axes).diagonal().array() +=
+            factor;
     };
     add(s, 0, -1.0);
     add(e, 0, 1.0);
@@ -48,48 +53,59 @@ PlaneGradients<Axes> displacement_gradients(const SmoothedArc<Axes>& arc, std::s
 }  // namespace
 
 template <int Axes>
-Eigen::Vector2d displacement(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e) {
-    const auto position = [&](std::size_t k) { return arc.states[k].mean.template head<2>(); };
-    Eigen::Vector2d displacement = position(e) - position(s);
+CountedVector<Axes> displacement(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e) {
+    constexpr int counted = counted_axes<Axes>;
+    const auto position = [&](std::size_t k) {
+        return arc.states[k].mean.template head<counted>();
+    };
+    CountedVector<Axes> displacement = position(e) - position(s);
     for (const BridgedStep& step : arc.bridged_between(s, e)) {
         const std::size_t k = step.epoch;
         displacement -= position(k) - position(k - 1);
         displacement +=
-            step.motion<Axes>(arc.states[k - 1].mean, arc.states[k].mean).template head<2>();
+            step.motion<Axes>(arc.states[k - 1].mean, arc.states[k].mean).template head<counted>();
     }
     return displacement;
 }
 
 template <int Axes>
-Eigen::Matrix2d displacement_covariance(const SmoothedArc<Axes>& arc, std::size_t s,
-                                        std::size_t e) {
+CountedMatrix<Axes> displacement_covariance(const SmoothedArc<Axes>& arc, std::size_t s,
+                                            std::size_t e) {
+    constexpr int counted = counted_axes<Axes>;
     const std::span<const BridgedStep> bridged = arc.bridged_between(s, e);
     if (!bridged.empty()) {
-        Eigen::Matrix2d covariance = arc.covariance(s, displacement_gradients(arc, s, e));
+        CountedMatrix<Axes> covariance = arc.covariance(s, displacement_gradients(arc, s, e));
         for (const BridgedStep& step : bridged)
             covariance.diagonal().array() += step.variance_m2;
         return covariance;
     }
-    const Eigen::Matrix2d cross = arc.cross_covariance(s, e).template topLeftCorner<2, 2>();
-    return arc.states[s].covariance.template topLeftCorner<2, 2>() +
-           arc.states[e].covariance.template topLeftCorner<2, 2>() - cross - cross.transpose();
+    const CountedMatrix<Axes> cross =
+        arc.cross_covariance(s, e).template topLeftCorner<counted, counted>();
+    return arc.states[s].covariance.template topLeftCorner<counted, counted>() +
+           arc.states[e].covariance.template topLeftCorner<counted, counted>() - cross -
+           cross.transpose();
 }
 
 template <int Axes>
 SpeedEstimate displacement_speed(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e,
                                  double duration_s) {
-    return horizontal_speed(displacement(arc, s, e) / duration_s,
-                            displacement_covariance(arc, s, e) / (duration_s * duration_s));
+    const CountedVector<Axes> velocity = displacement(arc, s, e) / duration_s;
+    const CountedMatrix<Axes> covariance =
+        displacement_covariance(arc, s, e) / (duration_s * duration_s);
+    if constexpr (Axes == 1)
+        return vertical_speed(velocity.value(), covariance.value());
+    else
+        return horizontal_speed(velocity, covariance);
 }
 
 template <int Axes>
 Gradients<Axes> displacement_speed_gradients(const SmoothedArc<Axes>& arc, std::size_t s,
                                              std::size_t e, double duration_s) {
-    const Eigen::Vector2d moved = displacement(arc, s, e);
+    const CountedVector<Axes> moved = displacement(arc, s, e);
     Gradients<Axes> gradients(e - s + 1, StateVector<Axes>::Zero());
     if (moved.norm() == 0.0) return gradients;
-    const Eigen::Vector2d direction = moved.normalized() / duration_s;
-    const PlaneGradients<Axes> of_both = displacement_gradients(arc, s, e);
+    const CountedVector<Axes> direction = moved.normalized() / duration_s;
+    const CountedGradients<Axes> of_both = displacement_gradients(arc, s, e);
     for (std::size_t i = 0; i < gradients.size(); ++i)
         gradients[i] = of_both[i] * direction;
     return gradients;
@@ -112,9 +128,11 @@ Gradients<Axes> mean_speed_gradients(const SmoothedArc<Axes>& arc, std::size_t s
     const auto count = static_cast<double>(e - s + 1);
     Gradients<Axes> gradients(e - s + 1, StateVector<Axes>::Zero());
     for (std::size_t k = s; k <= e; ++k) {
-        const Eigen::Vector2d velocity = arc.states[k].mean.template segment<2>(Axes);
+        const CountedVector<Axes> velocity =
+            arc.states[k].mean.template segment<counted_axes<Axes>>(Axes);
         if (velocity.norm() > 0.0)
-            gradients[k - s].template segment<2>(Axes) = velocity.normalized() / count;
+            gradients[k - s].template segment<counted_axes<Axes>>(Axes) =
+                velocity.normalized() / count;
     }
     return gradients;
 }
@@ -135,16 +153,16 @@ template <int Axes>
 SpeedEstimate mean_speed(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e) {
     double sum_mps = 0.0;
     for (std::size_t k = s; k <= e; ++k)
-        sum_mps += arc.states[k].mean.template segment<2>(Axes).norm();
+        sum_mps += arc.states[k].mean.template segment<counted_axes<Axes>>(Axes).norm();
     return {sum_mps / static_cast<double>(e - s + 1),
             std::sqrt(std::max(arc.variance(s, mean_speed_gradients(arc, s, e)), 0.0))};
 }
 
 #define RUNCERT_INSTANTIATE(AXES)                                                                  \
-    template Eigen::Vector2d displacement<AXES>(const SmoothedArc<AXES>&, std::size_t,             \
-                                                std::size_t);                                      \
-    template Eigen::Matrix2d displacement_covariance<AXES>(const SmoothedArc<AXES>&, std::size_t,  \
-                                                           std::size_t);                           \
+    template CountedVector<AXES> displacement<AXES>(const SmoothedArc<AXES>&, std::size_t,         \
+                                                    std::size_t);                                  \
+    template CountedMatrix<AXES> displacement_covariance<AXES>(const SmoothedArc<AXES>&,           \
+                                                               std::size_t, std::size_t);          \
     template SpeedEstimate displacement_speed<AXES>(const SmoothedArc<AXES>&, std::size_t,         \
                                                     std::size_t, double);                          \
     template SpeedEstimate path_speed<AXES>(const SmoothedArc<AXES>&, std::size_t, std::size_t,    \
@@ -156,6 +174,7 @@ SpeedEstimate mean_speed(const SmoothedArc<Axes>& arc, std::size_t s, std::size_
     template Gradients<AXES> mean_speed_gradients<AXES>(const SmoothedArc<AXES>&, std::size_t,     \
                                                         std::size_t);                              \
     template SpeedEstimate mean_speed<AXES>(const SmoothedArc<AXES>&, std::size_t, std::size_t);
+RUNCERT_INSTANTIATE(1)
 RUNCERT_INSTANTIATE(2)
 RUNCERT_INSTANTIATE(3)
 

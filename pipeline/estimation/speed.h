@@ -16,17 +16,23 @@ struct SpeedEstimate {
 /// where the direction is undefined, the uncertainty is that of the least certain direction.
 SpeedEstimate horizontal_speed(const Eigen::Vector2d& velocity, const Eigen::Matrix2d& covariance);
 
+// Speeds are horizontal; of heights alone (Axes 1) they are vertical, without sign.
+
+/// The vertical counterpart: speed of a vertical velocity (m/s) of this variance.
+SpeedEstimate vertical_speed(double velocity_mps, double variance);
+
 /// Horizontal displacement (m) of the craft between epochs s and e (s < e) of an arc: the
 /// difference of the smoothed positions; across a bridged step, over whose ends alone that would
 /// hold the unknown offset, what velocity and acceleration at both ends say of the motion
 /// (`BridgedStep`).
 template <int Axes>
-Eigen::Vector2d displacement(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e);
+CountedVector<Axes> displacement(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e);
 
 /// Covariance (m^2) of this displacement: P_s + P_e - C - C', from the joint covariance of both
 /// positions; across bridged steps, from that of all states between.
 template <int Axes>
-Eigen::Matrix2d displacement_covariance(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e);
+CountedMatrix<Axes> displacement_covariance(const SmoothedArc<Axes>& arc, std::size_t s,
+                                            std::size_t e);
 
 /// Horizontal displacement over time between epochs s and e of an arc, with the uncertainty
 /// u' [P_s + P_e - C - C'] u / T^2, or as above across bridged steps; u is the direction of the

@@ -1,6 +1,7 @@
 #include "run/evidence.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <system_error>
@@ -105,12 +106,52 @@ std::string find_profile(const std::string& claimed, const std::filesystem::path
     const fs::path path = inside_folder(claimed, attempt_file, attempt_file.string());
     if (!claimed.ends_with(".yaml") || !std::filesystem::exists(path))
         throw Failure(attempt_file.string(), fmt::format("there is no profile \"{}\"", claimed),
-                      "Use nalsa or fisly, or give the path of a profile file (.yaml) relative to "
-                      "the attempt's folder");
+                      fmt::format("Use one of {}; or give the path of a profile file (.yaml) "
+                                  "relative to the attempt's folder",
+                                  fmt::join(builtin_profiles(), ", ")));
     return read_handwritten(path);
 }
 
-Profile read_claimed_profile(const std::filesystem::path& run_dir, const std::string& claimed) {
+std::vector<EvidenceFile> flow_files(const Attempt& attempt) {
+    std::vector<EvidenceFile> files;
+    const auto add = [&](const char* role, const std::optional<FlowFile>& flow) {
+        if (flow)
+            files.push_back(
+                {.role = role, .original = flow->file, .name = fmt::format("{}.csv", role)});
+    };
+    add("wind", attempt.wind);
+    add("current", attempt.current);
+    return files;
+}
+
+std::string find_flow(const EvidenceFile& file, const Attempt& attempt,
+                      const std::filesystem::path& attempt_file,
+                      const std::optional<std::filesystem::path>& evidence) {
+    const std::string& place = (file.role == "wind" ? attempt.wind : attempt.current)->place;
+    const fs::path path =
+        evidence ? *evidence / file.name : inside_folder(file.original, attempt_file, place);
+    if (!fs::exists(path))
+        throw Failure(place,
+                      fmt::format("the file \"{}\" does not exist (looked for {})",
+                                  escape_for_message(file.original), path.string()),
+                      "Correct its name, which is relative to the attempt's folder");
+    return read_file(path);
+}
+
+Profile with_replaced_figures(Profile profile, const Attempt& attempt) {
+    for (const ReplacedFigure& figure : attempt.rules)
+        if (figure.profile == profile.id)
+            override_figure(profile, {.profile = figure.profile,
+                                      .figure = figure.figure,
+                                      .used = figure.value,
+                                      .unit = {},
+                                      .reason = figure.reason,
+                                      .place = figure.place});
+    return profile;
+}
+
+Profile read_claimed_profile(const std::filesystem::path& run_dir, const std::string& claimed,
+                             const Attempt& attempt) {
     const std::filesystem::path path = run_dir / evidence_profile_file(claimed);
     Profile profile = read_profile(read_handwritten(path), path.string());
     if (profile.id != profile_name(claimed))
@@ -118,7 +159,7 @@ Profile read_claimed_profile(const std::filesystem::path& run_dir, const std::st
                       fmt::format("the profile's id is \"{}\", its file is named \"{}\"",
                                   profile.id, profile_name(claimed)),
                       "Give the file the name of the id");
-    return profile;
+    return with_replaced_figures(std::move(profile), attempt);
 }
 
 }  // namespace runcert

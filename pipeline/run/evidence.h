@@ -46,7 +46,22 @@ FileView open_evidence(const EvidenceFile& file, const Receiver& receiver,
 std::string find_profile(const std::string& claimed, const std::filesystem::path& attempt_file,
                          const std::optional<std::filesystem::path>& evidence);
 
-/// A claimed profile as the run folder holds it. Failure where its id is not its file's name.
-Profile read_claimed_profile(const std::filesystem::path& run_dir, const std::string& claimed);
+/// The series of wind and current that the attempt names, with the roles "wind" and "current" and
+/// the names "wind.csv" and "current.csv" in a run folder.
+std::vector<EvidenceFile> flow_files(const Attempt& attempt);
+
+/// The text of one of them, found and refused as above.
+std::string find_flow(const EvidenceFile& file, const Attempt& attempt,
+                      const std::filesystem::path& attempt_file,
+                      const std::optional<std::filesystem::path>& evidence);
+
+/// The profile with the figures that the attempt puts in place of its own. Failure at their place
+/// in the attempt as `override_figure`.
+Profile with_replaced_figures(Profile profile, const Attempt& attempt);
+
+/// A claimed profile as the run folder holds it, with these figures. Failure where its id is not
+/// its file's name.
+Profile read_claimed_profile(const std::filesystem::path& run_dir, const std::string& claimed,
+                             const Attempt& attempt);
 
 }  // namespace runcert

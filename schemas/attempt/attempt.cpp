@@ -7,6 +7,7 @@
 
 #include "core/failure.h"
 #include "core/text.h"
+#include "schemas/attempt/rule_input.h"
 #include "schemas/common/enum_text.h"
 #include "schemas/common/revision.h"
 
@@ -181,18 +182,29 @@ void require_error_times(const YamlValue& smooth, const nlohmann::ordered_json& 
         "Give error_time_max_s above error_time_min_s");
 }
 
+/// What a name claims: itself, or the profiles of one body that are claimed together.
+std::vector<std::string> claimed_by(const std::string& name) {
+    if (name != "gps-speed-sailing") return {name};
+    std::vector<std::string> all;
+    for (const char* const rule :
+         {"2s", "10s", "5x10s", "500m", "nautical-mile", "1h", "alpha-500"})
+        all.push_back(name + "-" + rule);
+    return all;
+}
+
 std::vector<std::string> read_profiles(const YamlValue& list) {
     std::vector<std::string> profiles;
     std::set<std::string> names;
     for (const YamlValue& entry : list.list()) {
-        profiles.push_back(entry.text());
-        if (!is_id(profile_name(profiles.back())))
-            entry.fail(
-                fmt::format("\"{}\" cannot be a profile", escape_for_message(profiles.back())),
-                "Give the name of a profile, or a file whose name has letters, digits, - "
-                "and _ and ends in .yaml");
-        if (!names.insert(profile_name(profiles.back())).second)
-            entry.fail("the profile is claimed twice", "Name each profile once");
+        if (!is_id(profile_name(entry.text())))
+            entry.fail(fmt::format("\"{}\" cannot be a profile", escape_for_message(entry.text())),
+                       "Give the name of a profile, or a file whose name has letters, digits, - "
+                       "and _ and ends in .yaml");
+        for (std::string& claimed : claimed_by(entry.text())) {
+            if (!names.insert(profile_name(claimed)).second)
+                entry.fail("the profile is claimed twice", "Name each profile once");
+            profiles.push_back(std::move(claimed));
+        }
     }
     if (profiles.empty()) list.fail("no profile is named", "Name at least one, e.g. nalsa");
     return profiles;
@@ -226,12 +238,12 @@ std::string profile_name(const std::string& claimed) {
 Attempt read_attempt(std::string_view text, const std::string& where) {
     const YamlValue document(parse_yaml(text, where), where);
     if (!document.is_map())
-        document.fail("this is not an attempt", "An attempt begins with \"schema: attempt/1.3\"");
+        document.fail("this is not an attempt", "An attempt begins with \"schema: attempt/1.4\"");
     const std::optional<std::int64_t> revision = written_revision(document, attempt_schema());
     if (!revision)
         (document["schema"].exists() ? document["schema"] : document)
             .fail("the file does not say that it follows " + known_revisions(attempt_schema()),
-                  "An attempt begins with \"schema: attempt/1.3\"");
+                  "An attempt begins with \"schema: attempt/1.4\"");
     validate_revision(document, attempt_schema(), *revision);
 
     Attempt attempt;
@@ -247,11 +259,8 @@ Attempt read_attempt(std::string_view text, const std::string& where) {
     attempt.receivers = read_receivers(document["receivers"]);
     if (const YamlValue origin = document["origin"]; origin.exists())
         attempt.origin = read_geodetic(origin);
-    if (const YamlValue record = document["record"]; record.exists())
-        attempt.record = Record{.speed = record["speed"].real(),
-                                .unit = record["unit"].text(),
-                                .source = record["source"].text()};
     attempt.profiles = read_profiles(document["profiles"]);
+    read_rule_input(document, attempt);
     resolve_parameters(document, attempt);
     require_error_times(document["parameters"]["smooth"], attempt.parameters["smooth"]);
     return attempt;

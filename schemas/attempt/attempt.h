@@ -63,6 +63,58 @@ struct Record {
     double speed = 0.0;
     std::string unit;  ///< "km/h", "m/s", "kn", "mph"
     std::string source;
+    double expanded_uncertainty = 0.0;  ///< k = 2, in that unit; zero where none is given
+};
+
+/// A figure of a profile that the attempt replaces.
+struct ReplacedFigure {
+    std::string profile;
+    std::string figure;
+    double value = 0.0;  ///< in the profile's unit
+    std::string reason;  ///< empty where not given
+    std::string place;   ///< "file:line:column", for messages
+};
+
+/// A point on the ground: on the Earth, or in the recording's own plane.
+struct CoursePoint {
+    std::optional<Geodetic> geodetic;        ///< its height is not known, and zero
+    std::optional<Eigen::Vector2d> plane_m;  ///< east, north
+};
+
+/// A surveyed line across the course, its ends seen along the course.
+struct CourseLine {
+    CoursePoint left, right;
+};
+
+struct Course {
+    CourseLine start, finish;
+    double length_m = 0.0;
+    double length_expanded_uncertainty_m = 0.0;  ///< k = 2
+    std::string place;                           ///< "file:line:column", for messages
+};
+
+/// A series of wind or current.
+struct FlowFile {
+    std::string file;
+    std::string source;
+    double expanded_uncertainty_mps = 0.0;  ///< of a current, k = 2
+    std::string place;                      ///< "file:line:column", for messages
+};
+
+/// What a second method says of the window: one of the two is given.
+struct SecondaryMethod {
+    std::string method;
+    std::string source;
+    struct Speed {
+        double speed_mps = 0.0;
+        double expanded_uncertainty_mps = 0.0;  ///< k = 2
+    };
+    struct LineTimes {
+        GpsTime start, finish;
+        double expanded_uncertainty_s = 0.0;  ///< of each, k = 2
+    };
+    std::optional<Speed> speed;
+    std::optional<LineTimes> times;
 };
 
 /// An attempt, `schemas/attempt/v1.yaml`.
@@ -76,12 +128,21 @@ struct Attempt {
     std::vector<Receiver> receivers;  ///< at least one; the first is the one that is judged
     std::optional<Geodetic> origin;
     std::optional<Record> record;
+    std::map<std::string, Record> records;  ///< by profile
+    std::vector<ReplacedFigure> rules;
+    std::optional<Course> course;
+    std::optional<FlowFile> wind;
+    std::optional<FlowFile> current;
+    std::optional<SecondaryMethod> secondary_method;
     std::vector<std::string> profiles;
     /// For each stage, every parameter resolved: the attempt's figure, or the default of the
     /// craft's class.
     std::map<std::string, nlohmann::ordered_json> parameters;
     /// Paths of the parameters that the attempt sets itself ("smooth.jerk_density").
     std::vector<std::string> overrides;
+
+    /// The record to beat under the profile of that name; null where there is none.
+    const Record* record_for(const std::string& profile) const;
 };
 
 /// Reads and checks an attempt. Failure with file, line, column and remedy on any deviation from

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <set>
 
 #include "core/failure.h"
@@ -12,6 +13,7 @@ namespace runcert {
 
 std::string_view profile_schema_text(std::string_view name);
 std::string_view builtin_profile_text(std::string_view name);
+std::vector<std::string_view> builtin_profile_text_names();
 
 namespace {
 
@@ -21,16 +23,59 @@ const DocumentSchema& profile_schema() {
     return schema;
 }
 
+/// What a clause's computation compares with: the units that its limit may have, none where it
+/// takes no limit.
+struct ClauseLimit {
+    std::string_view computation;
+    std::vector<std::string_view> units;
+};
+
+const std::vector<ClauseLimit>& clause_limits() {
+    static const std::vector<std::string_view> speeds{"m/s", "km/h", "kn", "mph"};
+    static const std::vector<ClauseLimit> limits{
+        {"flatness", {"m"}},        {"slope", {"%"}},    {"straightness", {"m"}},
+        {"turning", {"deg"}},       {"run_up", {"m"}},   {"wind_mean", speeds},
+        {"wind_gust", speeds},      {"current", speeds}, {"sampling_rate", {"Hz"}},
+        {"sample_accuracy", speeds}};
+    return limits;
+}
+
+void read_limit(const YamlValue& entry, Clause& clause) {
+    clause.limit = entry["limit"].optional_real();
+    clause.unit = entry["unit"].text_or("");
+    const auto found =
+        std::ranges::find(clause_limits(), clause.decided_by, &ClauseLimit::computation);
+    if (found == clause_limits().end()) {
+        if (clause.limit || !clause.unit.empty())
+            entry[clause.limit ? "limit" : "unit"].fail(
+                fmt::format("{} compares with no limit", clause.decided_by), "Remove it");
+        return;
+    }
+    const std::string units = fmt::format("{}", fmt::join(found->units, ", "));
+    if (!clause.limit)
+        entry["decided_by"].fail(
+            fmt::format("{} needs a figure to compare with", clause.decided_by),
+            "Add limit: and unit: (" + units + ")");
+    if (std::ranges::find(found->units, clause.unit) == found->units.end())
+        (clause.unit.empty() ? entry["limit"] : entry["unit"])
+            .fail(clause.unit.empty()
+                      ? std::string("the limit has no unit")
+                      : fmt::format("{} is not compared in \"{}\"", clause.decided_by, clause.unit),
+                  "Give unit: " + units);
+}
+
 std::vector<Clause> read_clauses(const YamlValue& document, const Profile& profile) {
     std::vector<Clause> clauses;
     std::set<std::string> ids;
     for (const YamlValue& entry : document["clauses"].list()) {
-        const Clause& clause =
-            clauses.emplace_back(Clause{.id = entry["id"].text(),
-                                        .text = entry["text"].text(),
-                                        .source = entry["source"].text(),
-                                        .certainty = entry["certainty"].text(),
-                                        .decided_by = entry["decided_by"].text()});
+        Clause& clause = clauses.emplace_back(Clause{.id = entry["id"].text(),
+                                                     .text = entry["text"].text(),
+                                                     .source = entry["source"].text(),
+                                                     .certainty = entry["certainty"].text(),
+                                                     .decided_by = entry["decided_by"].text(),
+                                                     .limit = std::nullopt,
+                                                     .unit = {}});
+        read_limit(entry, clause);
         if (!ids.insert(clause.id).second)
             entry["id"].fail(
                 fmt::format("two clauses have the id \"{}\"", escape_for_message(clause.id)),
@@ -38,6 +83,9 @@ std::vector<Clause> read_clauses(const YamlValue& document, const Profile& profi
         if (clause.decided_by == "accuracy" && !profile.accuracy_limit_mps)
             entry["decided_by"].fail("the profile states no limit of accuracy",
                                      "Add accuracy: {limit, unit, coverage_factor}");
+        if (clause.decided_by == "opposite_runs" && !profile.opposite_runs_within_s)
+            entry["decided_by"].fail("the profile does not ask for two runs",
+                                     "Add opposite_runs: {within_s}");
     }
     if (clauses.empty())
         document["clauses"].fail("the rule requires nothing", "List its requirements");
@@ -78,19 +126,128 @@ Profile::Uncertainty read_uncertainty(const YamlValue& map) {
     return uncertainty;
 }
 
-}  // namespace
-
-double metres_per_second(std::string_view unit) {
-    if (unit == "m/s") return 1.0;
-    if (unit == "km/h") return 1000.0 / 3600.0;
-    if (unit == "kn") return 1852.0 / 3600.0;
-    if (unit == "mph") return 1609.344 / 3600.0;
-    throw Failure("unit", fmt::format("\"{}\" is not a unit of speed", escape_for_message(unit)),
-                  "Use km/h, m/s, kn or mph");
+/// Combinations that no computation exists for.
+void require_sound_window(const YamlValue& map, const Profile& profile) {
+    const bool course = profile.window_kind == "course";
+    const bool chord = profile.definition == "displacement";
+    const bool mean = profile.definition.starts_with("mean_");
+    if (course != (profile.definition == "elapsed_time"))
+        map["definition"].fail(
+            course ? "over a course the speed is its length over the elapsed time"
+                   : "elapsed_time is the speed over a course",
+            course ? "Write definition: elapsed_time" : "Give kind: course, or another definition");
+    if (course && (profile.dimension != "horizontal" || profile.speed_source != "position"))
+        map["kind"].fail("the lines of a course are crossed horizontally, by positions",
+                         "Leave out dimension and source");
+    if (profile.speed_source == "velocity" && (chord || profile.ends_anywhere))
+        map["source"].fail(
+            "recorded velocities are known at the measured epochs only, and tell a "
+            "mean or a path",
+            "Use definition: mean_n_plus_1, mean_n or path_length, and ends: epochs");
+    if (profile.ends_anywhere && mean)
+        map["ends"].fail("a mean of the speeds of epochs begins and ends at epochs",
+                         "Use ends: epochs, or definition: displacement or path_length");
+    if (profile.dimension == "space" && profile.speed_source == "position" && !chord)
+        map["dimension"].fail("speed in space is computed by displacement over time only",
+                              "Use definition: displacement");
+    if (profile.window_kind == "alpha" &&
+        (profile.definition != "path_length" || profile.ends_anywhere ||
+         profile.dimension != "horizontal"))
+        map["kind"].fail("an alpha is a horizontal path between measured epochs",
+                         "Use definition: path_length, ends: epochs, dimension: horizontal");
+    if (profile.window_kind == "distance" && (mean || (profile.ends_anywhere && chord)))
+        map["definition"].fail(
+            "a distance is reached along the path, or by the straight line "
+            "between measured epochs",
+            "Use definition: path_length, or displacement with ends: epochs");
+    if (profile.exact_duration && (profile.window_kind != "time" || profile.ends_anywhere))
+        map["exact"].fail("only windows of kind time between measured epochs can be exact",
+                          "Remove it");
 }
+
+void read_window(const YamlValue& map, Profile& profile) {
+    const auto value = [&map](const char* key) { return value_or_default(map, "window", key); };
+    profile.window_kind = value("kind").text();
+    profile.definition = map["definition"].text();
+    profile.dimension = value("dimension").text();
+    profile.speed_source = value("source").text();
+    profile.ends_anywhere = value("ends").text() == "any";
+    profile.exact_duration = value("exact").boolean();
+    profile.windows = value("count").integer();
+    profile.proximity_m = value("proximity_m").real();
+    profile.turn_deg = value("turn_deg").real();
+    profile.repaired_steps = value("repaired_steps").boolean();
+    const bool by_time = profile.window_kind == "time";
+    const char* const length = by_time ? "duration_s" : "distance_m";
+    const char* const other = by_time ? "distance_m" : "duration_s";
+    if (!map[length].exists())
+        map.fail(fmt::format("a window of kind {} needs its length", profile.window_kind),
+                 fmt::format("Add {}:", length));
+    if (map[other].exists())
+        map[other].fail(fmt::format("a window of kind {} has no {}", profile.window_kind, other),
+                        "Remove it");
+    (by_time ? profile.duration_s : profile.distance_m) = map[length].real();
+    require_sound_window(map, profile);
+}
+
+void read_runs(const YamlValue& document, Profile& profile) {
+    const YamlValue map = document["runs"];
+    const auto value = [&map](const char* key) {
+        return value_or_default(map, "runs", key).real();
+    };
+    profile.runs = {.start_mps = value("start_m_s"),
+                    .stop_mps = value("stop_m_s"),
+                    .stop_s = value("stop_s"),
+                    .turn_deg = value("turn_deg")};
+    if (profile.runs.stop_mps >= profile.runs.start_mps)
+        map.fail("stop_m_s is not below start_m_s", "Give stop_m_s below start_m_s");
+    if (const YamlValue pair = document["opposite_runs"]; pair.exists()) {
+        profile.opposite_runs_within_s = pair["within_s"].real();
+        if (profile.windows != 1)
+            pair.fail("the mean of two runs has one window of each", "Leave out window.count");
+    }
+}
+
+void read_margin(const YamlValue& margin, Profile& profile) {
+    profile.margin_kind = margin["kind"].text();
+    const YamlValue unit = margin["unit"];
+    const bool relative = profile.margin_kind == "relative";
+    const bool time = profile.margin_kind == "elapsed_time";
+    if (!relative && !unit.exists())
+        margin.fail(time ? "a margin of time needs a unit" : "an absolute margin needs a unit",
+                    time ? "Add unit: s" : "Add unit: km/h, m/s, kn or mph");
+    if (relative && unit.exists()) unit.fail("a relative margin has no unit", "Remove it");
+    if (unit.exists() && time != (unit.text() == "s"))
+        unit.fail(fmt::format("\"{}\" is not a unit of this kind of margin", unit.text()),
+                  time ? "Write unit: s" : "Use km/h, m/s, kn or mph");
+    if (time && profile.window_kind != "course")
+        margin["kind"].fail("a margin of time belongs to a course", "Use absolute or relative");
+    profile.margin_unit = unit.text_or("");
+    profile.margin =
+        margin["value"].real() * (relative || time ? 1.0 : metres_per_second(profile.margin_unit));
+    profile.margin_above_upper_limit =
+        value_or_default(margin, "margin", "above").text() == "upper_limit";
+}
+
+std::optional<DecimalRule> read_decimals(const YamlValue& map) {
+    if (!map.exists()) return std::nullopt;
+    return DecimalRule{.mode = map["mode"].text(),
+                       .unit = map["unit"].text(),
+                       .decimals = static_cast<int>(map["decimals"].integer())};
+}
+
+}  // namespace
 
 std::string_view builtin_profile(std::string_view name) {
     return builtin_profile_text(std::string(name) + ".yaml");
+}
+
+std::vector<std::string> builtin_profiles() {
+    std::vector<std::string> names;
+    for (const std::string_view file : builtin_profile_text_names())
+        names.emplace_back(file.substr(0, file.rfind('.')));
+    std::ranges::sort(names);
+    return names;
 }
 
 Profile read_profile(std::string_view text, const std::string& where) {
@@ -98,34 +255,29 @@ Profile read_profile(std::string_view text, const std::string& where) {
     const std::optional<std::int64_t> revision = written_revision(document, profile_schema());
     if (!revision)
         document.fail("this is not a profile, or not one of " + known_revisions(profile_schema()),
-                      "A profile begins with \"schema: profile/1.2\"");
+                      "A profile begins with \"schema: profile/1.3\"");
     validate_revision(document, profile_schema(), *revision);
     Profile profile;
     profile.id = document["id"].text();
     profile.body = document["body"].text();
     profile.title = document["title"].text();
-    profile.duration_s = document["window"]["duration_s"].real();
-    profile.definition = document["window"]["definition"].text();
-    profile.repaired_steps =
-        value_or_default(document["window"], "window", "repaired_steps").boolean();
+    read_window(document["window"], profile);
+    read_runs(document, profile);
     if (const YamlValue accuracy = document["accuracy"]; accuracy.exists()) {
         profile.accuracy_unit = accuracy["unit"].text();
         profile.accuracy_limit_mps =
             accuracy["limit"].real() * metres_per_second(profile.accuracy_unit);
         profile.coverage_factor = accuracy["coverage_factor"].real();
     }
-    const YamlValue margin = document["margin"];
-    profile.margin_is_relative = margin["kind"].text() == "relative";
-    if (!profile.margin_is_relative && !margin["unit"].exists())
-        margin.fail("an absolute margin needs a unit", "Add unit: km/h, m/s, kn or mph");
-    if (profile.margin_is_relative && margin["unit"].exists())
-        margin["unit"].fail("a relative margin has no unit", "Remove it");
-    profile.margin = margin["value"].real() *
-                     (profile.margin_is_relative ? 1.0 : metres_per_second(margin["unit"].text()));
-    if (const YamlValue rounding = document["rounding"]; rounding.exists())
-        profile.rounding = {.mode = rounding["mode"].text(),
-                            .unit = rounding["unit"].text(),
-                            .decimals = static_cast<int>(rounding["decimals"].integer())};
+    read_margin(document["margin"], profile);
+    profile.rounding = read_decimals(document["rounding"]);
+    profile.result = read_decimals(document["result"]);
+    profile.decision_probability =
+        value_or_default(document["decision"], "decision", "probability").real();
+    profile.subtract_current =
+        (document["current"].exists() ? document["current"]
+                                      : profile_schema().find("current")->default_value)
+            .text() == "subtracted";
     profile.uncertainty = read_uncertainty(document["uncertainty"]);
     profile.clauses = read_clauses(document, profile);
     return profile;

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "core/speed_unit.h"
 #include "files/document_schema.h"
 
 namespace runcert {
@@ -15,8 +17,28 @@ struct Clause {
     std::string id;
     std::string text;
     std::string source;
-    std::string certainty;   ///< "quoted", "secondary", "unconfirmed"
-    std::string decided_by;  ///< name of a computation, or "attest"
+    std::string certainty;        ///< "quoted", "secondary", "unconfirmed"
+    std::string decided_by;       ///< name of a computation, or "attest"
+    std::optional<double> limit;  ///< that the computation compares with, in `unit`
+    std::string unit;
+};
+
+/// How decimal figures are rounded.
+struct DecimalRule {
+    std::string mode;  ///< "truncate", "nearest"
+    std::string unit;
+    int decimals = 0;
+};
+
+/// What the attempt puts in place of a profile's figure.
+struct FigureOverride {
+    std::string profile;
+    std::string figure;  ///< "margin.value", "clauses.flat-course.limit"
+    double rule = 0.0;   ///< the profile's own figure; of an override not yet applied, zero
+    double used = 0.0;
+    std::string unit;    ///< of both; empty for a pure number
+    std::string reason;  ///< empty where none is given
+    std::string place;   ///< "file:line:column" of it in the attempt, for messages
 };
 
 /// A body's rule for one kind of record, `schemas/profile/v1.yaml`. Speeds in m/s.
@@ -24,20 +46,42 @@ struct Profile {
     std::string id;
     std::string body;
     std::string title;
+    /// "time": a stretch of duration_s; "distance": one of distance_m; "course": from one surveyed
+    /// line to another; "alpha": at most distance_m, back to where it began.
+    std::string window_kind = "time";
     double duration_s = 0.0;
-    std::string definition;       ///< "displacement", "path_length", "mean_n_plus_1", "mean_n"
+    double distance_m = 0.0;
+    /// "displacement", "path_length", "mean_n_plus_1", "mean_n"; of a course "elapsed_time".
+    std::string definition;
+    std::string dimension = "horizontal";   ///< "horizontal", "vertical", "space"
+    std::string speed_source = "position";  ///< "position", "velocity": what the recording states
+    bool ends_anywhere = false;             ///< whether a window may begin and end between epochs
+    bool exact_duration = false;
+    std::int64_t windows = 1;   ///< so many that do not overlap; the figure is their mean
+    double proximity_m = 50.0;  ///< of an alpha: the ends' distance, and the turn between them
+    double turn_deg = 90.0;
     bool repaired_steps = false;  ///< whether a window may hold a step that was bridged
-    std::optional<double> accuracy_limit_mps;
-    std::string accuracy_unit;     ///< unit the limit is written in
-    double coverage_factor = 2.0;  ///< k of the expanded uncertainty
-    bool margin_is_relative = false;
-    double margin = 0.0;  ///< m/s, or a fraction
-    struct Rounding {
-        std::string mode;  ///< "truncate", "nearest"
-        std::string unit;
-        int decimals = 0;
+    /// How a recording is cut into runs of the craft.
+    struct Runs {
+        double start_mps = 2.0;
+        double stop_mps = 1.0;
+        double stop_s = 5.0;
+        double turn_deg = 90.0;
     };
-    std::optional<Rounding> rounding;
+    Runs runs = {};
+    /// Two runs in opposite directions that begin within this; the figure is the mean of the two.
+    std::optional<double> opposite_runs_within_s;
+    std::optional<double> accuracy_limit_mps;
+    std::string accuracy_unit;              ///< unit the limit is written in
+    double coverage_factor = 2.0;           ///< k of the expanded uncertainty
+    std::string margin_kind;                ///< "absolute", "relative", "elapsed_time"
+    double margin = 0.0;                    ///< m/s, a fraction, or s
+    std::string margin_unit;                ///< that it is written in; empty for a fraction
+    bool margin_above_upper_limit = false;  ///< of the record's own interval
+    std::optional<DecimalRule> rounding;    ///< of the speed to reach
+    std::optional<DecimalRule> result;      ///< of the speed itself, as the body writes it
+    double decision_probability = 0.975;
+    bool subtract_current = false;
     /// How the uncertainty of the speed is made up.
     struct Uncertainty {
         double tau_min_s = 0.5;                ///< correlation time of a slow position error: from
@@ -48,7 +92,18 @@ struct Profile {
     };
     Uncertainty uncertainty = {};
     std::vector<Clause> clauses;
+    std::vector<FigureOverride> overrides;  ///< that were applied
 };
+
+/// "3 s", "500 m over the course": what the rule averages over.
+std::string window_words(const Profile& profile);
+
+/// The unit that the rule writes speeds in.
+std::string rule_unit_name(const Profile& profile);
+
+/// Puts a figure of the attempt in place of the profile's, and notes it. Failure, at the override's
+/// place, for a figure that the profile does not have, or a value outside its range.
+void override_figure(Profile& profile, FigureOverride figure);
 
 /// Reads and checks a profile; Failure with file, line and column on any deviation.
 Profile read_profile(std::string_view text, const std::string& where);
@@ -57,7 +112,7 @@ Profile read_profile(std::string_view text, const std::string& where);
 /// there is none.
 std::string_view builtin_profile(std::string_view name);
 
-/// Metres per second in one of "km/h", "m/s", "kn", "mph" (exact: knot 1852 m/h, mile 1609.344 m).
-double metres_per_second(std::string_view unit);
+/// The names of all of them, in alphabetical order.
+std::vector<std::string> builtin_profiles();
 
 }  // namespace runcert

@@ -115,10 +115,16 @@ inline constexpr auto members<CertifiableWindow> = std::tuple{
     Member{"repaired_steps", &CertifiableWindow::repaired_steps},
     Member{"detection_power", &CertifiableWindow::detection_power},
     Member{"reliability", &CertifiableWindow::reliability},
+    Member{"length_m", &CertifiableWindow::length_m},
     Member{"displacement_m", &CertifiableWindow::displacement_m},
     Member{"position_r95_m", &CertifiableWindow::position_r95_m},
     Member{"definitions", &CertifiableWindow::definitions},
     Member{"methods", &CertifiableWindow::methods}};
+
+template <>
+inline constexpr auto members<FurtherWindow> =
+    std::tuple{Member{"arc", &FurtherWindow::arc}, Member{"speed_m_s", &FurtherWindow::speed_mps},
+               Member{"standard_uncertainty_m_s", &FurtherWindow::standard_uncertainty_mps}};
 
 namespace {
 
@@ -143,17 +149,61 @@ CertifiableWindow read_best(const YamlValue& value) {
 Json indicated_json(const IndicatedWindow& indicated) {
     Json json = window_span_json(indicated.span);
     json["speed_m_s"] = indicated.speed_mps;
+    set_optional(json, "mean_m_s", indicated.mean_mps);
     json["certifiable"] = indicated.refusals.empty();
     json["refusals"] = indicated.refusals;
     return json;
 }
 
 IndicatedWindow read_indicated(const YamlValue& value) {
-    IndicatedWindow indicated{
-        .span = read_window_span(value), .speed_mps = value["speed_m_s"].real(), .refusals = {}};
+    IndicatedWindow indicated{.span = read_window_span(value),
+                              .speed_mps = value["speed_m_s"].real(),
+                              .mean_mps = value["mean_m_s"].optional_real(),
+                              .refusals = {}};
     for (const YamlValue& refusal : value["refusals"].list())
         indicated.refusals.push_back(refusal.text());
     return indicated;
+}
+
+void write_rule(Json& json, const WindowRule& rule) {
+    json["kind"] = rule.kind;
+    if (rule.kind == "time")
+        json["duration_s"] = rule.duration_s;
+    else
+        json["distance_m"] = rule.distance_m;
+    json["definition"] = rule.definition;
+    json["dimension"] = rule.dimension;
+    json["source"] = rule.source;
+    json["ends"] = rule.ends;
+    json["exact"] = rule.exact;
+    json["count"] = rule.count;
+    json["opposite_runs"] = rule.opposite_runs;
+}
+
+WindowRule read_rule(const YamlValue& entry) {
+    const WindowRule before;  // revision 1.3, which named them
+    return {.kind = entry["kind"].text_or(before.kind),
+            .duration_s = entry["duration_s"].optional_real().value_or(0.0),
+            .distance_m = entry["distance_m"].optional_real().value_or(0.0),
+            .definition = entry["definition"].text(),
+            .dimension = entry["dimension"].text_or(before.dimension),
+            .source = entry["source"].text_or(before.source),
+            .ends = entry["ends"].text_or(before.ends),
+            .exact = entry["exact"].exists() && entry["exact"].boolean(),
+            .count = entry["count"].optional_integer().value_or(before.count),
+            .opposite_runs = entry["opposite_runs"].exists() && entry["opposite_runs"].boolean()};
+}
+
+Json further_json(const FurtherWindow& further) {
+    Json json = window_span_json(further.span);
+    json.update(members_json(further));
+    return json;
+}
+
+FurtherWindow read_further(const YamlValue& value) {
+    FurtherWindow further = read_members<FurtherWindow>(value);
+    further.span = read_window_span(value);
+    return further;
 }
 
 }  // namespace
@@ -167,6 +217,22 @@ double SpeedDefinitions::by_name(std::string_view name) const {
                   "Use displacement, path_length, mean_n_plus_1 or mean_n");
 }
 
+std::optional<RuleFigure> ProfileWindows::figure() const {
+    const std::size_t wanted = rule.opposite_runs ? 2 : static_cast<std::size_t>(rule.count);
+    if (!best || further.size() + 1 < wanted) return std::nullopt;
+    RuleFigure figure{.speed_mps = best->speed_mps,
+                      .standard_uncertainty_mps = best->standard_uncertainty_mps,
+                      .effective_degrees_of_freedom = best->effective_degrees_of_freedom};
+    for (const FurtherWindow& one : further) {
+        figure.speed_mps += one.speed_mps;
+        figure.standard_uncertainty_mps += one.standard_uncertainty_mps;
+    }
+    const auto count = static_cast<double>(further.size() + 1);
+    figure.speed_mps /= count;
+    figure.standard_uncertainty_mps /= count;
+    return figure;
+}
+
 std::string write_windows(const Windows& windows) {
     Json json = header_json(windows.header);
     json["receiver"] = windows.receiver;
@@ -174,11 +240,14 @@ std::string write_windows(const Windows& windows) {
     json["georeferenced"] = windows.georeferenced;
     json["profiles"] = Json::array();
     for (const ProfileWindows& profile : windows.profiles) {
-        Json entry{{"profile", profile.profile},
-                   {"duration_s", profile.duration_s},
-                   {"definition", profile.definition},
-                   {"candidates", profile.candidates}};
+        Json entry{{"profile", profile.profile}};
+        write_rule(entry, profile.rule);
+        entry["candidates"] = profile.candidates;
+        if (!profile.missing.empty()) entry["missing"] = profile.missing;
         if (profile.best) entry["best"] = best_json(*profile.best);
+        if (!profile.further.empty()) entry["further"] = Json::array();
+        for (const FurtherWindow& further : profile.further)
+            entry["further"].push_back(further_json(further));
         if (profile.indicated) entry["indicated"] = indicated_json(*profile.indicated);
         json["profiles"].push_back(std::move(entry));
     }
@@ -194,12 +263,15 @@ Windows read_windows(std::string_view text, const std::string& where) {
     windows.georeferenced = document["georeferenced"].boolean();
     for (const YamlValue& entry : document["profiles"].list()) {
         ProfileWindows profile{.profile = entry["profile"].text(),
-                               .duration_s = entry["duration_s"].real(),
-                               .definition = entry["definition"].text(),
+                               .rule = read_rule(entry),
                                .candidates = entry["candidates"].integer(),
+                               .missing = entry["missing"].text_or(""),
                                .best = std::nullopt,
                                .indicated = std::nullopt};
         if (entry["best"].exists()) profile.best = read_best(entry["best"]);
+        if (entry["further"].exists())
+            for (const YamlValue& further : entry["further"].list())
+                profile.further.push_back(read_further(further));
         if (entry["indicated"].exists()) profile.indicated = read_indicated(entry["indicated"]);
         windows.profiles.push_back(std::move(profile));
     }

@@ -123,25 +123,65 @@ struct CertifiableWindow {
     std::int64_t repaired_steps = 0;  ///< steps inside that were bridged; these since revision 1.2
     std::optional<double> detection_power = std::nullopt;
     std::vector<UndetectedError> reliability = {};  ///< the worst of each hypothesis, largest first
+    /// That the speed is, over the duration; since revision 1.3.
+    std::optional<double> length_m = std::nullopt;
     double displacement_m = 0.0;
     double position_r95_m = 0.0;  ///< 95 % radius of the position at the worse end
     SpeedDefinitions definitions;
     MethodMeans methods;
 };
 
+/// A window that makes the figure together with the best one.
+struct FurtherWindow {
+    WindowSpan span;
+    std::int64_t arc = 0;
+    double speed_mps = 0.0;
+    double standard_uncertainty_mps = 0.0;
+};
+
 struct IndicatedWindow {
     WindowSpan span;
-    double speed_mps = 0.0;  ///< displacement of the raw positions over time
+    double speed_mps = 0.0;  ///< by the rule's definition, of what the recording says
+    /// Of the fastest windows that do not overlap, where the rule takes the mean of several.
+    std::optional<double> mean_mps = std::nullopt;
     std::vector<std::string> refusals;
+};
+
+/// What a rule looked for, by the words of the profile's schema.
+struct WindowRule {
+    std::string kind = "time";
+    double duration_s = 0.0;  ///< of kind time
+    double distance_m = 0.0;  ///< of the others
+    std::string definition;
+    std::string dimension = "horizontal";
+    std::string source = "position";
+    std::string ends = "epochs";
+    bool exact = false;
+    std::int64_t count = 1;
+    bool opposite_runs = false;
+
+    bool operator==(const WindowRule&) const = default;
+};
+
+/// The speed that a rule counts.
+struct RuleFigure {
+    double speed_mps = 0.0;
+    double standard_uncertainty_mps = 0.0;
+    std::optional<double> effective_degrees_of_freedom = std::nullopt;  ///< empty: infinite
 };
 
 struct ProfileWindows {
     std::string profile;
-    double duration_s = 0.0;
-    std::string definition;
+    WindowRule rule;
     std::int64_t candidates = 0;
+    std::string missing = {};  ///< why there is none, where breaks are not the reason
     std::optional<CertifiableWindow> best;
+    std::vector<FurtherWindow> further = {};
     std::optional<IndicatedWindow> indicated;
+
+    /// The best window's speed; of several, the mean, its uncertainty taken as if the errors of all
+    /// were the same. Empty where there are too few.
+    std::optional<RuleFigure> figure() const;
 };
 
 /// 5-windows.yaml, `schemas/windows/v1.yaml`.

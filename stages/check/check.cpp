@@ -4,24 +4,12 @@
 
 #include <algorithm>
 
-#include "core/failure.h"
-#include "core/uncertainty.h"
-#include "stages/check/decision.h"
-#include "stages/check/requirements.h"
+#include "stages/check/context.h"
+#include "stages/check/notes.h"
 #include "stages/check/statements.h"
 
 namespace runcert {
 namespace {
-
-const ProfileWindows& windows_of(const Windows& windows, const Profile& profile) {
-    for (const ProfileWindows& entry : windows.profiles)
-        if (entry.profile == profile.id && entry.duration_s == profile.duration_s &&
-            entry.definition == profile.definition)
-            return entry;
-    throw Failure("5-windows of receiver " + windows.receiver,
-                  "the windows were not searched for the profile " + profile.id + " as it is now",
-                  "Run runcert-window again");
-}
 
 /// Clauses, other than the margin, that the data decide and that are not met.
 std::vector<std::string> failed_clauses(const std::vector<Requirement>& requirements,
@@ -54,115 +42,159 @@ std::string refused_for_records(const RecordCount& records, const WindowSpan& wi
     return {};
 }
 
-void set_outcome(const ClauseContext& context, ProfileVerdict& verdict) {
-    const auto failed = failed_clauses(verdict.requirements, context.profile);
-    const auto& record = context.input.attempt.record;
-    if (!context.windows.best || !failed.empty()) {
-        verdict.outcome = "not_certifiable";
-        verdict.reason =
-            failed.empty() ? "There is no certifiable window." : "Not met: " + failed.front();
-    } else if (const std::string refused =
-                   refused_for_records(context.input.judged.records, context.windows.best->span);
-               !refused.empty()) {
-        verdict.outcome = "not_certifiable";
-        verdict.reason = refused;
-    } else if (const auto& robust = context.windows.best->robust; robust && !robust->agrees) {
-        verdict.outcome = "not_certifiable";
-        verdict.reason = fmt::format(
+/// Why nothing can be certified; empty where something can.
+std::string refusal_of(const ClauseContext& context, const std::vector<Requirement>& requirements) {
+    const auto failed = failed_clauses(requirements, context.profile);
+    const auto& best = context.windows.best;
+    if (!failed.empty()) return "Not met: " + failed.front();
+    if (!best) return "There is no certifiable window.";
+    if (!context.speed)
+        return context.windows.figure()
+                   ? "The rule subtracts the current, which is not known for the window: give "
+                     "current: in the attempt, with a series that covers it."
+                   : "There are too few certifiable windows for the mean that the rule takes.";
+    if (std::string refused = refused_for_records(context.input.judged.records, best->span);
+        !refused.empty())
+        return refused;
+    if (const auto& robust = best->robust; robust && !robust->agrees)
+        return fmt::format(
             "A robust estimate over the same epochs gives {:+.3f} km/h against the screened one, "
             "more than their uncertainty of {:.3f} km/h: screening may have kept a wrong epoch or "
             "rejected a right one.",
             robust->difference_mps * 3.6, robust->limit_mps * 3.6);
-    } else if (!robust && context.input.judged.estimation.robust_unsolved > 0) {
-        verdict.outcome = "not_certifiable";
-        verdict.reason =
-            "The robust estimate, which is the check on screening, did not converge over the "
-            "stretch of this window.";
-    } else if (context.agreement && context.agreement->contradicts()) {
-        verdict.outcome = "not_certifiable";
-        verdict.reason = fmt::format(
+    if (!best->robust && context.input.judged.estimation.robust_unsolved > 0)
+        return "The robust estimate, which is the check on screening, did not converge over the "
+               "stretch of this window.";
+    if (context.agreement && context.agreement->contradicts())
+        return fmt::format(
             "Receiver \"{}\" gives {:+.3f} km/h over the same time, more than both uncertainties "
             "allow (normalised error {:.2f}): one of the two receivers is wrong.",
             context.input.secondary->receiver,
             (context.agreement->other_mps - context.agreement->judged_mps) * 3.6,
             context.agreement->normalised_error);
-    } else if (!record) {
+    if (context.declared && context.declared->contradicts())
+        return fmt::format(
+            "The second method ({}) gives {:+.3f} km/h against the first, more than both "
+            "uncertainties allow (normalised error {:.2f}): one of the two is wrong.",
+            context.declared->method,
+            (context.declared->other_mps - context.declared->judged_mps) * 3.6,
+            context.declared->normalised_error);
+    return {};
+}
+
+/// The outcome by probability, in one sentence.
+std::string reason_of(const ClauseContext& context, Outcome outcome) {
+    const std::string& unit = context.record->unit;
+    const std::string figures =
+        fmt::format("{} +/- {} against {} to reach, probability {:.4f}, {:g} needed.",
+                    in_unit(context.speed->speed_mps, unit, 3),
+                    in_unit(*context.expanded_uncertainty_mps, unit, 3),
+                    in_unit(context.target->speed_mps, unit, 3), context.decision->probability,
+                    context.decision->level);
+    switch (outcome) {
+        case Outcome::beaten:
+            return "The speed reaches the target beyond its uncertainty: " + figures;
+        case Outcome::not_beaten:
+            return "The speed is below the target beyond its uncertainty: " + figures;
+        case Outcome::not_proven:
+            return "The target lies within the uncertainty of the speed: " + figures;
+    }
+    return figures;
+}
+
+void set_outcome(const ClauseContext& context, ProfileVerdict& verdict) {
+    if (std::string refused = refusal_of(context, verdict.requirements); !refused.empty()) {
+        verdict.outcome = "not_certifiable";
+        verdict.reason = std::move(refused);
+    } else if (!context.decision) {
         verdict.outcome = "not_proven";
         verdict.reason = "The attempt names no record to beat.";
     } else {
-        const double speed = context.windows.best->speed_mps;
-        const double uncertainty = *context.expanded_uncertainty_mps;
-        verdict.outcome = decide(speed, uncertainty, *context.target_mps);
-        const double unit = metres_per_second(record->unit);
-        const std::string figures = fmt::format(
-            "{:.3f} {} +/- {:.3f} {} against {:.3f} {} to reach.", speed / unit, record->unit,
-            uncertainty / unit, record->unit, *context.target_mps / unit, record->unit);
-        verdict.reason =
-            verdict.outcome == "beaten"
-                ? "The speed less its expanded uncertainty reaches the target: " + figures
-            : verdict.outcome == "not_beaten"
-                ? "The speed is below the target: " + figures
-                : "The target lies within the expanded uncertainty: " + figures;
+        const Outcome outcome = decide(context.decision->probability, context.decision->level);
+        verdict.outcome = to_text(outcome);
+        verdict.reason = reason_of(context, outcome);
     }
 }
 
-ProfileVerdict judge(const CheckInput& input, const Profile& profile) {
-    ClauseContext context{.input = input,
-                          .profile = profile,
-                          .windows = windows_of(input.judged.windows, profile),
-                          .coverage_factor = profile.coverage_factor};
-    const auto& best = context.windows.best;
-    if (best && input.secondary) {
-        const auto& other = windows_of(input.secondary->windows, profile).best;
-        context.agreement =
-            compare_speeds(input.judged, *best, *input.secondary, other ? &*other : nullptr);
-    }
-    if (best) {
-        context.coverage_factor =
-            equivalent_coverage_factor(profile.coverage_factor, best->effective_degrees_of_freedom);
-        context.expanded_uncertainty_mps = context.coverage_factor * best->standard_uncertainty_mps;
-    }
-    if (const auto& record = input.attempt.record)
-        context.target_mps = target_speed(profile, record->speed * metres_per_second(record->unit));
+RecordToBeat record_to_beat(const Record& record) {
+    RecordToBeat result{.speed = record.speed,
+                        .unit = record.unit,
+                        .source = record.source,
+                        .speed_mps = record.speed * metres_per_second(record.unit)};
+    if (record.expanded_uncertainty > 0.0)
+        result.expanded_uncertainty = record.expanded_uncertainty;
+    return result;
+}
 
-    ProfileVerdict verdict;
-    verdict.profile = profile.id;
-    verdict.body = profile.body;
-    verdict.title = profile.title;
-    verdict.definition = profile.definition;
+void set_figures(const ClauseContext& context, ProfileVerdict& verdict) {
     verdict.coverage_factor = context.coverage_factor;
     verdict.expanded_uncertainty_mps = context.expanded_uncertainty_mps;
-    verdict.target_mps = context.target_mps;
-    if (best) {
-        verdict.speed_mps = best->speed_mps;
-        verdict.window = best->span;
-    }
-    for (const Clause& clause : profile.clauses)
-        verdict.requirements.push_back(decide_clause(clause, context));
-    set_outcome(context, verdict);
+    if (context.speed) verdict.speed_mps = context.speed->speed_mps;
+    if (context.target) verdict.target_mps = context.target->speed_mps;
+    if (context.windows.best) verdict.window = context.windows.best->span;
+    if (context.record != nullptr) verdict.record = record_to_beat(*context.record);
+    if (context.profile.subtract_current && context.speed)
+        verdict.current_subtracted_mps = context.current->along_mps;
+    verdict.decision = context.decision;
+    verdict.shown = shown_figures(context);
+    verdict.notes = notes_of(context);
+    verdict.course = course_figures(context);
+    verdict.runs = run_summaries(context);
+    for (const FigureOverride& one : context.profile.overrides)
+        verdict.overrides.push_back({.figure = one.figure,
+                                     .rule = one.rule,
+                                     .used = one.used,
+                                     .unit = one.unit,
+                                     .reason = one.reason});
     if (const auto& indicated = context.windows.indicated;
         indicated && !indicated->refusals.empty())
         verdict.indicated = RefusedWindow{.span = indicated->span,
                                           .speed_mps = indicated->speed_mps,
                                           .refusals = indicated->refusals};
+}
+
+ProfileVerdict judge(const CheckInput& input, const Profile& profile) {
+    const ClauseContext context =
+        gather_context(input, profile, windows_of(input.judged.windows, profile));
+    ProfileVerdict verdict;
+    verdict.profile = profile.id;
+    verdict.body = profile.body;
+    verdict.title = profile.title;
+    verdict.definition = profile.definition;
+    for (const Clause& clause : profile.clauses)
+        verdict.requirements.push_back(decide_clause(clause, context));
+    set_figures(context, verdict);
+    set_outcome(context, verdict);
     return verdict;
 }
 
 }  // namespace
+
+std::map<std::string, std::vector<ScreenedEpoch>> epochs_of_windows(
+    const std::vector<ScreenedEpoch>& rows, const Windows& windows) {
+    std::map<std::string, std::vector<ScreenedEpoch>> epochs;
+    for (const ProfileWindows& entry : windows.profiles) {
+        if (!entry.best) continue;
+        const auto first =
+            std::ranges::lower_bound(rows, entry.best->span.first_epoch, {}, &ScreenedEpoch::epoch);
+        const auto last =
+            std::ranges::upper_bound(rows, entry.best->span.last_epoch, {}, &ScreenedEpoch::epoch);
+        if (first < last) epochs[entry.profile].assign(first, last);
+    }
+    return epochs;
+}
 
 Verdict check(const CheckInput& input) {
     Verdict verdict;
     verdict.attempt = input.attempt.id;
     verdict.receiver = input.judged.receiver;
     verdict.georeferenced = input.judged.facts.georeferenced;
-    if (const auto& record = input.attempt.record)
-        verdict.record = RecordToBeat{.speed = record->speed,
-                                      .unit = record->unit,
-                                      .source = record->source,
-                                      .speed_mps = record->speed * metres_per_second(record->unit)};
+    if (input.attempt.record) verdict.record = record_to_beat(*input.attempt.record);
     verdict.statements = statements_of(input);
     for (const Profile& profile : input.profiles)
         verdict.profiles.push_back(judge(input, profile));
+    if (std::string compared = compared_rules(input.profiles, verdict.profiles); !compared.empty())
+        verdict.statements.push_back(std::move(compared));
     return verdict;
 }
 

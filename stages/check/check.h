@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "schemas/trajectory/trajectory.h"
 #include "schemas/verdict/verdict.h"
 #include "schemas/windows/windows.h"
+#include "stages/check/wind.h"
 
 namespace runcert {
 
@@ -27,22 +29,37 @@ struct ReceiverEvidence {
     std::optional<FrameOrigin> origin = std::nullopt;  ///< of the trajectory
     std::vector<TrajectoryEpoch> trajectory = {};
     std::vector<std::int64_t> bridged_epochs = {};  ///< whose positions jump by an unknown offset
+    /// The screened epochs of each profile's best window, by the profile's id.
+    std::map<std::string, std::vector<ScreenedEpoch>> window_epochs = {};
+
+    const std::vector<ScreenedEpoch>& epochs_of(const std::string& profile) const {
+        static const std::vector<ScreenedEpoch> none;
+        const auto found = window_epochs.find(profile);
+        return found == window_epochs.end() ? none : found->second;
+    }
 };
+
+/// The screened epochs of the best window of each profile.
+std::map<std::string, std::vector<ScreenedEpoch>> epochs_of_windows(
+    const std::vector<ScreenedEpoch>& rows, const Windows& windows);
 
 struct CheckInput {
     const Attempt& attempt;
     const std::vector<Profile>& profiles;
     const ReceiverEvidence& judged;
     const ReceiverEvidence* secondary = nullptr;  ///< null where there is one receiver only
+    const FlowSeries* wind = nullptr;             ///< null where the attempt gives none
+    const FlowSeries* current = nullptr;
 };
 
 /// Every requirement of each profile, met, not met or for a person to attest, and the outcome.
 ///
 /// not_certifiable if a requirement that the data decide, other than the margin, is not met, if
 /// there is no certifiable window, if more than 1 % of the recording's records, or one inside the
-/// window, could not be read, or if a robust estimate, or the lack of one, or the second receiver
-/// contradicts its speed; else by `decide` against the record, not_proven without one. The
-/// header is the caller's.
+/// window, could not be read, if the rule subtracts the current and it is not known, or if a robust
+/// estimate, or the lack of one, the second receiver or a declared second method contradicts its
+/// speed; else by `decide` against the record, not_proven without one. Figures are rounded, for
+/// people, after that. The header is the caller's.
 Verdict check(const CheckInput& input);
 
 }  // namespace runcert

@@ -1,27 +1,115 @@
 #include "stages/check/decision.h"
 
+#include <fmt/format.h>
+
+#include <array>
 #include <cmath>
 
-namespace runcert {
+#include "core/failure.h"
+#include "core/statistics.h"
+#include "core/uncertainty.h"
+#include "stages/check/decimal_steps.h"
 
-double target_speed(const Profile& profile, double record_mps) {
-    const double target_mps = profile.margin_is_relative ? record_mps * (1.0 + profile.margin)
-                                                         : record_mps + profile.margin;
-    if (!profile.rounding) return target_mps;
-    const double unit_mps = metres_per_second(profile.rounding->unit);
-    const double scale = std::pow(10.0, profile.rounding->decimals);
-    const double figure = target_mps / unit_mps * scale;
-    // A figure that is whole but for the rounding of binary fractions is not cut to the one below.
-    constexpr double tolerance = 1e-9;
-    const double rounded_figure = profile.rounding->mode == "truncate"
-                                      ? std::floor(figure + tolerance * figure)
-                                      : std::round(figure);
-    return rounded_figure / scale * unit_mps;
+namespace runcert {
+namespace {
+
+[[noreturn]] void fail(const std::string& what, const char* remedy) {
+    throw Failure("decision", what, remedy);
 }
 
-std::string decide(double speed_mps, double expanded_uncertainty_mps, double target_mps) {
-    if (speed_mps < target_mps) return "not_beaten";
-    return speed_mps - expanded_uncertainty_mps >= target_mps ? "beaten" : "not_proven";
+void require_finite(double value, const char* name) {
+    if (!std::isfinite(value))
+        fail(fmt::format("the {} is {}", name, value), "Give a finite number");
+}
+
+void require_level(double level) {
+    if (!(level > 0.5 && level < 1.0))
+        fail(fmt::format("the level {} is not in (0.5, 1)", level), "Give a level such as 0.95");
+}
+
+/// Student's t of the speed less a limit.
+struct Difference {
+    double location_mps = 0.0;
+    double scale_mps = 0.0;
+    std::optional<double> degrees_of_freedom = std::nullopt;
+};
+
+Difference difference(const SpeedPosterior& posterior, const Threshold& threshold) {
+    require_finite(posterior.speed_mps, "speed (m/s)");
+    require_finite(threshold.speed_mps, "speed to reach (m/s)");
+    const std::array<InputQuantity, 2> inputs{
+        InputQuantity{.standard_uncertainty = posterior.standard_uncertainty_mps,
+                      .sensitivity = 1.0,
+                      .degrees_of_freedom = posterior.degrees_of_freedom},
+        InputQuantity{.standard_uncertainty = threshold.standard_uncertainty_mps,
+                      .sensitivity = -1.0}};
+    const CombinedUncertainty combined = combine(inputs);
+    const double location_mps = posterior.speed_mps - threshold.speed_mps;
+    const bool equal = std::abs(location_mps) <= kBinaryNoise * std::abs(threshold.speed_mps);
+    return {.location_mps = equal ? 0.0 : location_mps,
+            .scale_mps = combined.standard_uncertainty,
+            .degrees_of_freedom = combined.effective_degrees_of_freedom};
+}
+
+double probability_not_below_zero(const Difference& d) {
+    if (d.scale_mps == 0.0) return d.location_mps >= 0.0 ? 1.0 : 0.0;
+    return student_t_cdf(d.location_mps / d.scale_mps, d.degrees_of_freedom);
+}
+
+/// Not 1 less the other, which would lose the digits of a small one.
+double probability_below_zero(const Difference& d) {
+    if (d.scale_mps == 0.0) return d.location_mps >= 0.0 ? 0.0 : 1.0;
+    return student_t_cdf(-d.location_mps / d.scale_mps, d.degrees_of_freedom);
+}
+
+}  // namespace
+
+double conformance_probability(const SpeedPosterior& posterior, const Threshold& threshold) {
+    return probability_not_below_zero(difference(posterior, threshold));
+}
+
+double conformance_probability(const SpeedPosterior& posterior, double lower_mps,
+                               double upper_mps) {
+    const Difference above_lower = difference(posterior, {.speed_mps = lower_mps});
+    const Difference above_upper = difference(posterior, {.speed_mps = upper_mps});
+    if (!(lower_mps <= upper_mps))
+        fail(fmt::format("the lower limit {} is above the upper limit {}", lower_mps, upper_mps),
+             "Exchange them");
+    if (above_lower.scale_mps == 0.0)
+        return above_lower.location_mps >= 0.0 && above_upper.location_mps <= 0.0 ? 1.0 : 0.0;
+    // Where both limits are below the speed the lower tails are the small ones.
+    if (above_upper.location_mps > 0.0)
+        return probability_below_zero(above_upper) - probability_below_zero(above_lower);
+    return probability_not_below_zero(above_lower) - probability_not_below_zero(above_upper);
+}
+
+Outcome decide(double probability, double level) {
+    require_level(level);
+    if (!(probability >= 0.0 && probability <= 1.0))
+        fail(fmt::format("the probability {} is not in [0, 1]", probability),
+             "Give a conformance probability");
+    if (probability >= level) return Outcome::beaten;
+    return probability <= 1.0 - level ? Outcome::not_beaten : Outcome::not_proven;
+}
+
+double acceptance_limit(const SpeedPosterior& posterior, const Threshold& threshold, double level) {
+    require_level(level);
+    const Difference d = difference(posterior, threshold);
+    if (d.scale_mps == 0.0) return threshold.speed_mps;
+    // By symmetry the upper quantile, from the tail, which keeps its digits.
+    return threshold.speed_mps -
+           student_t_quantile(1.0 - level, d.degrees_of_freedom) * d.scale_mps;
+}
+
+double decision_risk(const SpeedPosterior& posterior, const Threshold& threshold, Outcome outcome) {
+    const Difference d = difference(posterior, threshold);
+    return outcome == Outcome::beaten ? probability_below_zero(d) : probability_not_below_zero(d);
+}
+
+std::string to_text(Outcome outcome) {
+    return outcome == Outcome::beaten       ? "beaten"
+           : outcome == Outcome::not_beaten ? "not_beaten"
+                                            : "not_proven";
 }
 
 }  // namespace runcert

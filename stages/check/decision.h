@@ -3,17 +3,53 @@
 #include <optional>
 #include <string>
 
-#include "schemas/profile/profile.h"
+#include "stages/check/threshold.h"
 
 namespace runcert {
 
-/// The speed (m/s) that must be reached to beat a record (m/s) by the profile's margin, rounded as
-/// the body rounds it.
-double target_speed(const Profile& profile, double record_mps);
+/// The state of knowledge of the speed: Student's t with this location and scale, the normal
+/// distribution where the degrees of freedom are empty ([GUM] G.3, [JCGM106] 7).
+struct SpeedPosterior {
+    double speed_mps = 0.0;
+    double standard_uncertainty_mps = 0.0;
+    std::optional<double> degrees_of_freedom = std::nullopt;
+};
 
-/// Guarded acceptance [JCGM106]: "beaten" only if the speed less its expanded uncertainty reaches
-/// the target, "not_beaten" if the speed itself is below it, else "not_proven". All in m/s, not
-/// rounded.
-std::string decide(double speed_mps, double expanded_uncertainty_mps, double target_mps);
+/// P(speed >= threshold): Phi((y - T) / u) in the normal case ([JCGM106] 7.3).
+///
+/// The threshold's own uncertainty is independent and normal; it is combined with the speed's, and
+/// Student's t of the combination has the degrees of freedom of Welch and Satterthwaite ([GUM]
+/// (G.2b)). That is exact for normal ones; where the threshold is uncertain and the speed has few
+/// degrees it overstates a probability near 0.95 by as much as 0.005 for 10 and 0.02 for 3.
+///
+/// Without any uncertainty the probability is 0 or 1, and a speed equal to the threshold reaches
+/// it; speeds that differ by no more than binary fractions (kBinaryNoise) are equal. Failure (at
+/// "decision" or "uncertainty budget") for numbers that are not finite, a negative uncertainty, or
+/// degrees of freedom not above 0.
+double conformance_probability(const SpeedPosterior& posterior, const Threshold& threshold);
+
+/// P(lower <= speed <= upper) ([JCGM106] 7.4), both limits known exactly. Failure as above, or
+/// where lower > upper.
+double conformance_probability(const SpeedPosterior& posterior, double lower_mps, double upper_mps);
+
+enum class Outcome { beaten, not_beaten, not_proven };
+
+/// Guarded acceptance and guarded rejection ([JCGM106] 8.3): beaten where the probability is at
+/// least `level`, not beaten where it is at most 1 - level, else not proven. Failure (at
+/// "decision") unless 0 <= probability <= 1 and 0.5 < level < 1.
+Outcome decide(double probability, double level);
+
+/// The smallest speed (m/s) that would be accepted with this uncertainty: the threshold and a guard
+/// band of the one-sided quantile at `level` times the combined standard uncertainty ([JCGM106]
+/// 8.3). The posterior's speed has no part in it. Failure as above.
+double acceptance_limit(const SpeedPosterior& posterior, const Threshold& threshold, double level);
+
+/// Probability that the decision is wrong for this speed ([JCGM106] 9, specific risks): that a
+/// speed found to be beaten is below the threshold, or that one that is not, so that it is refused,
+/// reaches it. Keeps its digits however small it is. Failure as for conformance_probability.
+double decision_risk(const SpeedPosterior& posterior, const Threshold& threshold, Outcome outcome);
+
+/// "beaten", "not_beaten", "not_proven".
+std::string to_text(Outcome outcome);
 
 }  // namespace runcert

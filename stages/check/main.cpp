@@ -20,6 +20,8 @@ ReceiverEvidence gather(StageRun& run, const Receiver& receiver) {
     std::vector<std::int64_t> bridged;
     for (const ScreenedEpoch& row : screened.rows)
         if (row.break_before == ArcBreak::bridged) bridged.push_back(row.epoch);
+    Windows windows = run.read("windows", file("5-windows", "yaml"), read_windows);
+    auto window_epochs = epochs_of_windows(screened.rows, windows);
     return {.receiver = receiver.id,
             .facts = observations.facts,
             .accuracy_source = observations.accuracy_source,
@@ -27,10 +29,11 @@ ReceiverEvidence gather(StageRun& run, const Receiver& receiver) {
             .screening = summarise(screened.rows),
             .tests = screened.evidence,
             .estimation = trajectory.estimation,
-            .windows = run.read("windows", file("5-windows", "yaml"), read_windows),
+            .windows = std::move(windows),
             .origin = trajectory.origin,
             .trajectory = std::move(trajectory.rows),
-            .bridged_epochs = std::move(bridged)};
+            .bridged_epochs = std::move(bridged),
+            .window_epochs = std::move(window_epochs)};
 }
 
 void say_verdict(StageRun& run, const Verdict& verdict) {
@@ -38,27 +41,43 @@ void say_verdict(StageRun& run, const Verdict& verdict) {
         run.say(fmt::format("{}: {}: {}", profile.profile, profile.outcome, profile.reason));
 }
 
+/// A series that the attempt names, of that role.
+std::optional<FlowSeries> read_series(StageRun& run, std::string_view role,
+                                      const std::optional<GpsTime>& first_epoch) {
+    for (const EvidenceFile& file : flow_files(run.attempt()))
+        if (file.role == role)
+            return read_flow(run.read_text(file.role, file.name),
+                             (run.run_dir() / file.name).string(), first_epoch);
+    return std::nullopt;
+}
+
+void check_run(StageRun& run) {
+    run.note_attempt();
+    std::vector<Profile> profiles;
+    for (const std::string& claimed : run.attempt().profiles) {
+        profiles.push_back(read_claimed_profile(run.run_dir(), claimed, run.attempt()));
+        run.read_text("profile", evidence_profile_file(claimed));
+    }
+    std::vector<ReceiverEvidence> receivers;
+    for (const Receiver& receiver : run.attempt().receivers)
+        receivers.push_back(gather(run, receiver));
+    const auto& first_epoch = receivers.front().facts.first_epoch;
+    const auto wind = read_series(run, "wind", first_epoch);
+    const auto current = read_series(run, "current", first_epoch);
+    Verdict verdict = check({.attempt = run.attempt(),
+                             .profiles = profiles,
+                             .judged = receivers.front(),
+                             .secondary = receivers.size() > 1 ? &receivers[1] : nullptr,
+                             .wind = wind ? &*wind : nullptr,
+                             .current = current ? &*current : nullptr});
+    verdict.header = run.header();
+    run.write("6-verdict.yaml", write_verdict(verdict));
+    say_verdict(run, verdict);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
     return stage_main(argc, argv, "check",
-                      "Every requirement of each rule profile, and the outcome", [](StageRun& run) {
-                          run.note_attempt();
-                          std::vector<Profile> profiles;
-                          for (const std::string& claimed : run.attempt().profiles) {
-                              profiles.push_back(read_claimed_profile(run.run_dir(), claimed));
-                              run.read_text("profile", evidence_profile_file(claimed));
-                          }
-                          std::vector<ReceiverEvidence> receivers;
-                          for (const Receiver& receiver : run.attempt().receivers)
-                              receivers.push_back(gather(run, receiver));
-                          Verdict verdict =
-                              check({.attempt = run.attempt(),
-                                     .profiles = profiles,
-                                     .judged = receivers.front(),
-                                     .secondary = receivers.size() > 1 ? &receivers[1] : nullptr});
-                          verdict.header = run.header();
-                          run.write("6-verdict.yaml", write_verdict(verdict));
-                          say_verdict(run, verdict);
-                      });
+                      "Every requirement of each rule profile, and the outcome", check_run);
 }

@@ -1,6 +1,7 @@
 #include "stages/check/requirements.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <functional>
@@ -11,13 +12,12 @@
 namespace runcert {
 namespace {
 
-struct Finding {
-    std::string status;
-    std::string evidence;
-};
-
-std::string in_unit(double speed_mps, const std::string& unit, int decimals) {
-    return fmt::format("{:.{}f} {}", speed_mps / metres_per_second(unit), decimals, unit);
+Figure speed_figure(std::string name, double speed_mps, const std::string& unit,
+                    std::optional<double> expanded_mps = std::nullopt) {
+    Figure figure{
+        .name = std::move(name), .value = speed_mps / metres_per_second(unit), .unit = unit};
+    if (expanded_mps) figure.expanded_uncertainty = *expanded_mps / metres_per_second(unit);
+    return figure;
 }
 
 /// Why not one epoch may take part: "none of the 400 epochs is usable: 398 ambiguities not fixed, 2
@@ -48,50 +48,77 @@ double longest_stretch_s(const std::vector<TrajectoryEpoch>& rows) {
     return longest_s;
 }
 
+/// Why there is no certifiable window.
+std::string no_window(const ClauseContext& context) {
+    const ReceiverEvidence& judged = context.input.judged;
+    if (judged.screening.usable == 0) return nothing_usable(judged.screening);
+    const std::string wanted = window_words(context.profile);
+    std::string evidence =
+        context.windows.missing.empty()
+            ? fmt::format(
+                  "no {} of the recording are without a break and without an unusable "
+                  "epoch, the longest stretch without a break having {:.3g} s",
+                  wanted, longest_stretch_s(judged.trajectory))
+            : context.windows.missing;
+    if (const auto& indicated = context.windows.indicated;
+        indicated && !indicated->refusals.empty())
+        evidence += fmt::format("; the fastest {} as recorded hold {}", wanted,
+                                fmt::join(indicated->refusals, ", "));
+    return evidence;
+}
+
 Finding window_complete(const ClauseContext& context) {
-    if (!context.windows.best) {
-        const ReceiverEvidence& judged = context.input.judged;
-        if (judged.screening.usable == 0) return {"not_met", nothing_usable(judged.screening)};
-        std::string evidence = fmt::format(
-            "no {:g} s of the recording are without a break and without an unusable epoch, the "
-            "longest stretch without a break having {:.3g} s",
-            context.profile.duration_s, longest_stretch_s(judged.trajectory));
-        if (const auto& indicated = context.windows.indicated)
-            evidence +=
-                fmt::format("; the fastest {:g} s of the raw positions hold {}",
-                            context.profile.duration_s, fmt::join(indicated->refusals, ", "));
-        return {"not_met", evidence};
-    }
+    if (!context.windows.best) return {"not_met", no_window(context)};
+    if (!context.windows.figure())
+        return {"not_met", fmt::format("of {} windows of {} that the rule takes the mean of, {} "
+                                       "are certifiable without overlapping",
+                                       context.profile.windows, window_words(context.profile),
+                                       context.windows.further.size() + 1)};
     const WindowSpan& span = context.windows.best->span;
-    return {"met", fmt::format("{:.3f} s from epoch {} to epoch {}, no break and no unusable epoch "
-                               "inside; the best of {} such windows",
-                               span.duration.seconds(), span.first_epoch, span.last_epoch,
-                               context.windows.candidates)};
+    std::string evidence = fmt::format(
+        "{:.3f} s from epoch {} to epoch {}, no break and no unusable epoch inside; "
+        "the best of {} such windows",
+        span.duration.seconds(), span.first_epoch, span.last_epoch, context.windows.candidates);
+    if (!context.windows.further.empty())
+        evidence += fmt::format("; with {} more the mean", context.windows.further.size());
+    return {"met",
+            std::move(evidence),
+            {{.name = "length of the window", .value = span.duration.seconds(), .unit = "s"}}};
 }
 
 Finding accuracy(const ClauseContext& context) {
-    if (!context.windows.best || !context.profile.accuracy_limit_mps)
+    if (!context.speed || !context.profile.accuracy_limit_mps)
         return {"not_met", "there is no certifiable window whose accuracy could be stated"};
     const double u = *context.expanded_uncertainty_mps;
     const bool met = u <= *context.profile.accuracy_limit_mps;
     const std::string& unit = context.profile.accuracy_unit;
     return {met ? "met" : "not_met",
-            fmt::format("{:.3g} times the standard uncertainty is {}, the limit {}",
+            fmt::format("{:.3g} times the standard uncertainty is {}, the limit {}; the bound on "
+                        "slow errors and the worst undetected error are in it",
                         context.coverage_factor, in_unit(u, unit, 3),
-                        in_unit(*context.profile.accuracy_limit_mps, unit, 3))};
+                        in_unit(*context.profile.accuracy_limit_mps, unit, 3)),
+            {speed_figure("expanded uncertainty", u, unit),
+             speed_figure("limit", *context.profile.accuracy_limit_mps, unit)}};
 }
 
 Finding margin(const ClauseContext& context) {
-    if (!context.input.attempt.record) return {"attest", "the attempt names no record to beat"};
-    if (!context.windows.best) return {"not_met", "there is no certifiable window"};
-    const std::string& unit = context.input.attempt.record->unit;
-    const double speed = context.windows.best->speed_mps;
+    if (context.record == nullptr) return {"attest", "the attempt names no record to beat"};
+    if (!context.speed) return {"not_met", "there is no certifiable window"};
+    const std::string& unit = context.record->unit;
+    const double speed = context.speed->speed_mps;
     const double u = *context.expanded_uncertainty_mps;
-    const bool met = speed - u >= *context.target_mps;
+    const bool met = context.decision->probability >= context.decision->level;
     return {met ? "met" : "not_met",
-            fmt::format("speed {} less expanded uncertainty {} is {}, to reach {}",
-                        in_unit(speed, unit, 3), in_unit(u, unit, 3), in_unit(speed - u, unit, 3),
-                        in_unit(*context.target_mps, unit, 3))};
+            fmt::format(
+                "speed {} +/- {}, to reach {}: probability {:.4f} that it does, {:g} needed "
+                "(speeds from {} on are accepted)",
+                in_unit(speed, unit, 3), in_unit(u, unit, 3),
+                in_unit(context.target->speed_mps, unit, 3), context.decision->probability,
+                context.decision->level, in_unit(context.decision->acceptance_limit_mps, unit, 3)),
+            {speed_figure("speed", speed, unit, u),
+             speed_figure("speed to reach", context.target->speed_mps, unit,
+                          2.0 * context.target->standard_uncertainty_mps),
+             {.name = "probability that it is reached", .value = context.decision->probability}}};
 }
 
 Finding georeferenced(const ClauseContext& context) {
@@ -102,9 +129,8 @@ Finding georeferenced(const ClauseContext& context) {
             "must be the true metre on the ground"};
 }
 
-Finding secondary_method(const ClauseContext& context) {
-    if (!context.input.secondary)
-        return {"attest", "the attempt has one receiver; another method is not part of it"};
+/// What the second receiver says.
+Finding by_receiver(const ClauseContext& context) {
     const std::string& receiver = context.input.secondary->receiver;
     if (!context.agreement) return {"not_met", "there is no certifiable window to compare"};
     const Agreement& agreement = *context.agreement;
@@ -116,7 +142,39 @@ Finding secondary_method(const ClauseContext& context) {
                 "against the primary one (displacement over time); normalised error "
                 "{:.2f}, at most 1",
                 receiver, agreement.other_mps * 3.6, context.windows.best->span.duration.seconds(),
-                (agreement.other_mps - agreement.judged_mps) * 3.6, agreement.normalised_error)};
+                (agreement.other_mps - agreement.judged_mps) * 3.6, agreement.normalised_error),
+            {{.name = "normalised error of receiver " + receiver,
+              .value = agreement.normalised_error}}};
+}
+
+/// What the method says that the attempt declares.
+Finding by_declaration(const ClauseContext& context) {
+    if (!context.declared) return {"not_met", "there is no certifiable window to compare"};
+    const DeclaredAgreement& agreement = *context.declared;
+    if (!agreement.missing.empty())
+        return {"not_met", fmt::format("{}: {}", agreement.method, agreement.missing)};
+    return {
+        agreement.agrees() ? "met" : "not_met",
+        fmt::format("{} gives {:.3f} km/h +/- {:.3f} km/h, {:+.3f} km/h against the primary "
+                    "method; normalised error {:.2f}, at most 1",
+                    agreement.method, agreement.other_mps * 3.6,
+                    agreement.other_expanded_uncertainty_mps * 3.6,
+                    (agreement.other_mps - agreement.judged_mps) * 3.6, agreement.normalised_error),
+        {{.name = "normalised error of the second method", .value = agreement.normalised_error}}};
+}
+
+Finding secondary_method(const ClauseContext& context) {
+    const bool declared = context.input.attempt.secondary_method.has_value();
+    if (!context.input.secondary && !declared)
+        return {"attest", "the attempt has one receiver; another method is not part of it"};
+    if (!declared) return by_receiver(context);
+    Finding finding = by_declaration(context);
+    if (!context.input.secondary) return finding;
+    Finding other = by_receiver(context);
+    if (other.status != "met") finding.status = other.status;
+    finding.evidence += "; " + other.evidence;
+    finding.figures.insert(finding.figures.end(), other.figures.begin(), other.figures.end());
+    return finding;
 }
 
 Finding attest(const ClauseContext&) {
@@ -133,18 +191,27 @@ Requirement decide_clause(const Clause& clause, const ClauseContext& context) {
         {"georeferenced", georeferenced},
         {"secondary_method", secondary_method},
         {"attest", attest}};
-    const auto computation = computations.find(clause.decided_by);
-    if (computation == computations.end())
-        throw Failure("clause " + clause.id,
-                      "there is no computation \"" + clause.decided_by + "\"",
-                      "Use one of the names of the profile's schema");
-    const Finding finding = computation->second(context);
+    std::optional<Finding> finding = course_finding(clause, context);
+    if (!finding) {
+        const auto computation = computations.find(clause.decided_by);
+        if (computation == computations.end())
+            throw Failure("clause " + clause.id,
+                          "there is no computation \"" + clause.decided_by + "\"",
+                          "Use one of the names of the profile's schema");
+        finding = computation->second(context);
+    }
     return {.clause = clause.id,
-            .status = finding.status,
-            .evidence = finding.evidence,
+            .status = finding->status,
+            .evidence = finding->evidence,
             .text = clause.text,
             .source = clause.source,
-            .certainty = clause.certainty};
+            .certainty = clause.certainty,
+            .decided_by = clause.decided_by,
+            .figures = std::move(finding->figures)};
+}
+
+std::string in_unit(double speed_mps, const std::string& unit, int decimals) {
+    return fmt::format("{:.{}f} {}", speed_mps / metres_per_second(unit), decimals, unit);
 }
 
 }  // namespace runcert

@@ -115,7 +115,7 @@ struct Task {
 
     std::optional<double> truth_in(RowPair window) const {
         if (!truth) return std::nullopt;
-        return WindowSpeeds(trajectory, *truth, windows.definition)(window);
+        return WindowSpeeds(trajectory, *truth, windows.rule.definition)(window);
     }
 };
 
@@ -150,7 +150,7 @@ MethodResult result_of(const Task& task, const MethodTrack& track) {
 MethodResult certified_result(const ProfileWindows& windows, std::optional<double> true_mps) {
     MethodResult result;
     result.name = "certified";
-    result.window_speed = windows.definition;
+    result.window_speed = windows.rule.definition;
     if (!windows.best) return result;
     result.best_start = windows.best->span.start;
     result.best_mps = result.certified_mps = windows.best->speed_mps;
@@ -193,8 +193,8 @@ ProfileComparison compare_profile(const Task& task, const Methods& methods) {
     require_truth(task);
     ProfileComparison comparison;
     comparison.profile = windows.profile;
-    comparison.duration_s = windows.duration_s;
-    comparison.definition = windows.definition;
+    comparison.duration_s = windows.rule.duration_s;
+    comparison.definition = windows.rule.definition;
     comparison.candidates = static_cast<std::int64_t>(task.candidates.size());
     if (windows.best) {
         comparison.certified_start = windows.best->span.start;
@@ -205,6 +205,12 @@ ProfileComparison compare_profile(const Task& task, const Methods& methods) {
         comparison.methods.push_back(result_of(task, track));
     comparison.methods.push_back(certified_result(windows, comparison.true_mps));
     return comparison;
+}
+
+/// Whether every method has a speed by that rule.
+bool is_comparable(const WindowRule& rule) {
+    return rule.kind == "time" && rule.dimension == "horizontal" && rule.source == "position" &&
+           rule.ends == "epochs" && !rule.exact;
 }
 
 void count_truth(const TrajectoryTable& trajectory, const TruthRows* truth,
@@ -247,16 +253,26 @@ Comparison compare_methods(const ScreenedTable& screened, const TrajectoryTable&
     std::optional<MethodTrack> true_track;
     if (truth) true_track = track_of_truth(*truth);
     Methods methods = methods_of(screened, trajectory, config);
-    for (const ProfileWindows& entry : windows.profiles)
+    std::vector<std::string> left_out;
+    for (const ProfileWindows& entry : windows.profiles) {
+        if (!is_comparable(entry.rule)) {
+            left_out.push_back(fmt::format(
+                "{} is left out: methods are compared by horizontal speeds over windows of time, "
+                "from positions, between epochs",
+                entry.profile));
+            continue;
+        }
         comparison.profiles.push_back(compare_profile(
             {.trajectory = trajectory,
              .windows = entry,
              .candidates =
-                 candidate_rows(trajectory, entry.duration_s, config.duration_tolerance_s),
+                 candidate_rows(trajectory, entry.rule.duration_s, config.duration_tolerance_s),
              .certified = certified_rows(trajectory, entry),
              .truth = true_track ? &*true_track : nullptr},
             methods));
+    }
     comparison.notes = std::move(methods.notes);
+    comparison.notes.insert(comparison.notes.end(), left_out.begin(), left_out.end());
     if (std::ranges::any_of(trajectory.rows, &TrajectoryEpoch::begins_after_step))
         comparison.notes.emplace_back(
             "Steps of the positions were bridged: windows across them are not compared");

@@ -138,7 +138,7 @@ void note_fits(const FittedSmoother& constant, const FittedSmoother& singer,
 
 Methods methods_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                    const CompareConfig& config) {
-    const NoiseSummary& noise = horizontal_noise_of(trajectory);
+    const NoiseSummary& noise = noise_of<2>(trajectory);
     const std::vector<Arc<2>> arcs = arcs_of<2>(screened);
     using Row = TrajectoryEpoch;
     Methods methods;

@@ -105,9 +105,11 @@ void import_attempt(StageRun& run, const std::optional<std::filesystem::path>& e
     const Attempt& attempt = run.attempt();
     for (const std::string& claimed : attempt.profiles) {
         const std::string text = find_profile(claimed, run.attempt_path(), evidence);
-        (void)read_profile(text, claimed);
+        (void)with_replaced_figures(read_profile(text, claimed), attempt);
         run.write(evidence_profile_file(claimed), text);
     }
+    for (const EvidenceFile& file : flow_files(attempt))
+        run.write(file.name, find_flow(file, attempt, run.attempt_path(), evidence));
     run.write(std::string(evidence_attempt_file), run.attempt_text());
     for (const Receiver& receiver : attempt.receivers)
         import_receiver(run, receiver, evidence);

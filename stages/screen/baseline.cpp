@@ -115,7 +115,8 @@ EstimationModel learn_model(const Series& series, double length_m, const TestPla
     if (!fit) return stated;
     ScreenedTable first_look = series.table;
     for (const Arc<Axes>& arc : arcs_of<Axes>(series.table))
-        mark_rows(first_look.rows, arc.rows, adapt<Axes>(arc.epochs, stated, plan), axes, false);
+        mark_rows(first_look.rows, arc.rows, adapt<Axes>(arc.epochs, stated, plan), axes,
+                  MarkOptions{});
     finish_arcs(first_look.rows, config.burst_epochs_max, config.min_arc_epochs);
     config.fit_noise = true;
     const ScreeningNoise fitted = learn_screening_noise<Axes>(first_look, config);

@@ -7,13 +7,20 @@
 
 namespace runcert {
 
+struct MarkOptions {
+    bool bridge_steps = false;
+    bool on_the_ground = true;  ///< the craft's vertical speed is no result of its own
+};
+
 /// Writes what was decided of an arc into its rows (`arc_rows` are their indices). Rows already
 /// marked keep their mark. A step ends the arc, or is bridged. Positions that drift are left out:
 /// between a ramp and the one that ends it (their rates add up to none), or, where it does not end,
 /// on both sides of the ramp up to the next break, because nobody can tell whether the positions
-/// before or after it drift.
+/// before or after it drift. Where the recorded velocities change with the positions (to half the
+/// rate, in the means of two seconds before and after), it is motion, and nothing is left out; the
+/// arc ends there all the same.
 void mark_rows(std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> arc_rows,
-               const ArcDecisions& decisions, TestedAxes axes, bool bridge_steps);
+               const ArcDecisions& decisions, TestedAxes axes, const MarkOptions& options);
 
 /// Numbers the arcs anew from 1 after rows have been marked: an arc begins and ends with a usable
 /// row, and ends where more than `longest_hole` rows of it are left out one after the other. Those

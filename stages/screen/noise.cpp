@@ -96,6 +96,7 @@ ScreeningNoise learn_screening_noise(const ScreenedTable& first_look, const Scre
             noise.fitted = fit.model;
             noise.evidence.white_scale = fit.white_scale;
             model.motion.jerk_density = std::max(config.jerk_density, fit.jerk_density.value);
+            model.measurement_scale = std::max(model.measurement_scale, config.noise_scale_min);
         }
     }
     if (noise.evidence.noise != "fitted") {

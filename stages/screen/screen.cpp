@@ -46,13 +46,13 @@ ScreeningNoises learn_noises(const ScreenedTable& look, const ScreenConfig& conf
 
 template <int Axes>
 void adapt_arcs(ScreenedTable& screened, const std::vector<Arc<Axes>>& arcs,
-                const EstimationModel& model, const TestPlan& plan, bool bridge_steps,
+                const EstimationModel& model, const TestPlan& plan, const MarkOptions& options,
                 ScreeningEvidence& evidence) {
     constexpr TestedAxes axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal;
     for (const Arc<Axes>& arc : arcs) {
         const ArcDecisions decisions = adapt<Axes>(arc.epochs, model, plan);
         evidence.passes = std::max(evidence.passes, decisions.passes);
-        mark_rows(screened.rows, arc.rows, decisions, axes, bridge_steps);
+        mark_rows(screened.rows, arc.rows, decisions, axes, options);
     }
 }
 
@@ -62,11 +62,14 @@ void test_positions(ScreenedTable& screened, const ScreeningNoises& noises, cons
     const auto horizontal = scaled_arcs<2>(screened, noises.horizontal_factors);
     const auto vertical =
         noises.vertical ? scaled_arcs<1>(screened, noises.vertical_factors) : std::vector<Arc<1>>{};
-    adapt_arcs<2>(screened, horizontal, noises.horizontal.model, plan, config.bridge_steps,
-                  evidence);
+    // No craft on the ground goes up or down faster; those that do have scores in it.
+    constexpr double on_the_ground_mps = 20.0;
+    const MarkOptions options{
+        .bridge_steps = config.bridge_steps,
+        .on_the_ground = config.limits.vertical_rate_mps <= on_the_ground_mps};
+    adapt_arcs<2>(screened, horizontal, noises.horizontal.model, plan, options, evidence);
     if (noises.vertical)
-        adapt_arcs<1>(screened, vertical, noises.vertical->model, plan, config.bridge_steps,
-                      evidence);
+        adapt_arcs<1>(screened, vertical, noises.vertical->model, plan, options, evidence);
 }
 
 /// The witnesses beside the positions: what they mark changes the motion, so that they are asked
@@ -165,6 +168,7 @@ ScreenConfig screen_config(const Attempt& attempt) {
     config.min_arc_epochs = parameters.at("min_arc_epochs");
     config.jerk_density = parameters.at("jerk_density");
     config.fit_noise = parameters.at("noise") == "fitted";
+    config.noise_scale_min = parameters.at("noise_scale_min");
     config.tau_min_s = attempt.parameters.at("smooth").at("error_time_min_s");
     config.tau_max_s = attempt.parameters.at("smooth").at("error_time_max_s");
     config.first_false_alarm_rate = parameters.at("false_alarm_rate");

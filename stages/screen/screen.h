@@ -23,6 +23,7 @@ struct ScreenConfig {
 
     double jerk_density = 0.0;  ///< of the craft's class: what its hardest motion needs
     bool fit_noise = true;
+    double noise_scale_min = 0.0;  ///< of the stated accuracies, in the tests
     double tau_min_s = 0.0;  ///< correlation times that a slow error may have
     double tau_max_s = 0.0;
     double first_false_alarm_rate = 0.0;  ///< of the first look

@@ -61,7 +61,8 @@ std::optional<double> degrees_of(const NoiseParameter& parameter) {
 }
 
 void add_position_rows(const BudgetInput& input, std::vector<BudgetRow>& rows) {
-    const NoiseSummary& fit = input.trajectory.estimation.horizontal->noise;
+    const auto& estimation = input.trajectory.estimation;
+    const NoiseSummary& fit = (input.vertical ? estimation.vertical : estimation.horizontal)->noise;
     const double scale = fit.measurement_scale.value;
     const double stated_mps = input.noise.white_mps / std::max(1.0, scale);
 
@@ -144,7 +145,7 @@ BudgetRow resolution_row(const BudgetInput& input) {
                   "not known of this recording; it is part of the white noise that the data show"));
 }
 
-BudgetRow frame_row(const BudgetInput& input) {
+BudgetRow plane_row(const BudgetInput& input) {
     const double speed_mps = input.noise.speed.speed_mps;
     const bool georeferenced = input.trajectory.facts.georeferenced;
     double half_width = input.config.plane_scale_bound;
@@ -167,6 +168,41 @@ BudgetRow frame_row(const BudgetInput& input) {
         half_width, "1", speed_mps, std::move(note));
     row.estimate = 1.0;
     return row;
+}
+
+/// The vertical of the ellipsoid, along which heights are measured, against the plumb line.
+BudgetRow plumb_row(const BudgetInput& input) {
+    constexpr double deflection_rad = 3e-4;  // a minute of arc, as in high mountains
+    const TrajectoryEpoch& first = input.trajectory.rows[input.first_row];
+    const TrajectoryEpoch& last = input.trajectory.rows[input.last_row];
+    const double moved_m = std::hypot(*last.east_m - *first.east_m, *last.north_m - *first.north_m);
+    return bounded_row(
+        "m", "vertical of the ellipsoid against the plumb line", deflection_rad, "1",
+        moved_m / input.duration_s,
+        fmt::format("{:.1f} m moved horizontally; one minute of arc allowed for", moved_m));
+}
+
+/// What relates lengths of the local frame to lengths on the ground.
+BudgetRow frame_row(const BudgetInput& input) {
+    if (input.length)
+        return bounded_row("m", "local plane against the ground", 0.0, "1", 0.0,
+                           "the length is the surveyed one");
+    return input.vertical ? plumb_row(input) : plane_row(input);
+}
+
+BudgetRow length_row(const SurveyedLength& length, double duration_s) {
+    return {.symbol = "c",
+            .source = "surveyed length of the course",
+            .estimate = length.length_m,
+            .unit = "m",
+            .standard_uncertainty = length.standard_uncertainty_m,
+            .type = "B",
+            .distribution = "normal",
+            .degrees_of_freedom = std::nullopt,
+            .sensitivity = 1.0 / duration_s,
+            .contribution_mps = length.standard_uncertainty_m / duration_s,
+            .correlation = independent,
+            .note = "as the attempt states it"};
 }
 
 BudgetRow antenna_row(const BudgetInput& input) {
@@ -233,6 +269,7 @@ std::vector<BudgetRow> budget_of(const BudgetInput& input) {
     rows.push_back(time_row(input));
     rows.push_back(resolution_row(input));
     rows.push_back(frame_row(input));
+    if (input.length) rows.push_back(length_row(*input.length, input.duration_s));
     rows.push_back(antenna_row(input));
     rows.push_back(undetected_row(input));
     rows.push_back(selection_row(input));
@@ -263,11 +300,11 @@ MonteCarloCheck monte_carlo(const BudgetInput& input, const std::vector<BudgetRo
     const MonteCarloResult result = propagate(options, [&](RandomGenerator& random) {
         double along_mps = speed_mps;
         for (const BudgetRow& row : rows)
-            if (&row != &time && &row != &scale)
+            if (&row != &time && (&row != &scale || input.vertical))
                 along_mps += draw_deviation(random, row) * row.sensitivity;
         const double across_mps = across * random.normal();
         const double time_s = duration_s + draw_deviation(random, time);
-        const double factor = 1.0 + draw_deviation(random, scale);
+        const double factor = input.vertical ? 1.0 : 1.0 + draw_deviation(random, scale);
         return std::hypot(along_mps, across_mps) * duration_s / time_s * factor;
     });
     return {.seed = input.config.seed,

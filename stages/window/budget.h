@@ -8,6 +8,11 @@
 
 namespace runcert {
 
+struct SurveyedLength {
+    double length_m = 0.0;
+    double standard_uncertainty_m = 0.0;
+};
+
 /// What the budget of a window's speed is made from.
 struct BudgetInput {
     const TrajectoryTable& trajectory;
@@ -19,6 +24,9 @@ struct BudgetInput {
     std::size_t first_row = 0;  ///< of the window, in the trajectory
     std::size_t last_row = 0;
     double duration_s = 0.0;
+    bool vertical = false;  ///< of heights alone
+    /// Where the speed is a surveyed length over time: the length and its standard uncertainty.
+    std::optional<SurveyedLength> length = std::nullopt;
     std::vector<UndetectedError> reliability = {};  ///< largest first
     double detection_power = 0.0;
 };

@@ -1,29 +1,13 @@
 #include <fmt/format.h>
 
-#include <cmath>
 #include <map>
 
-#include "arcs/window_ends.h"
+#include "stages/window/course_windows.h"
+#include "stages/window/search_series.h"
 #include "stages/window/window.h"
 
 namespace runcert {
 namespace {
-
-/// Rows with a position whose time is later than that of every such row before.
-std::vector<std::size_t> rows_in_time(const ScreenedTable& screened) {
-    std::vector<std::size_t> rows;
-    for (std::size_t i = 0; i < screened.rows.size(); ++i) {
-        const ScreenedEpoch& row = screened.rows[i];
-        if (row.east_m && row.north_m &&
-            (rows.empty() || row.time > screened.rows[rows.back()].time))
-            rows.push_back(i);
-    }
-    return rows;
-}
-
-double displacement_m(const ScreenedEpoch& first, const ScreenedEpoch& last) {
-    return std::hypot(*last.east_m - *first.east_m, *last.north_m - *first.north_m);
-}
 
 std::string describe(Reason reason, std::int64_t count) {
     static const std::map<Reason, std::string_view> sentences{
@@ -103,37 +87,46 @@ std::vector<std::string> refusals_of(const ScreenedTable& screened, std::size_t 
     return refusals;
 }
 
+/// The windows of the recording as it is, fastest first.
+std::vector<FoundWindow> windows_as_recorded(const std::vector<SearchSeries>& series,
+                                             const Profile& profile, const SearchRule& rule,
+                                             const std::optional<CourseGates>& gates) {
+    if (rule.kind == WindowKind::course)
+        return gates ? course_windows(series, *gates) : std::vector<FoundWindow>();
+    return best_windows(series, rule, static_cast<std::size_t>(profile.windows));
+}
+
 }  // namespace
 
-std::optional<IndicatedWindow> fastest_indicated(const ScreenedTable& screened, double duration_s,
-                                                 const WindowConfig& config, BridgedSteps bridged) {
-    const std::vector<std::size_t> rows = rows_in_time(screened);
-    std::vector<ElapsedTime> times;
-    times.reserve(rows.size());
-    for (const std::size_t row : rows)
-        times.push_back(screened.rows[row].time);
-    const auto ends = window_ends(times, duration_s, config.duration_tolerance_s,
-                                  screened.facts.nominal_interval_s);
-    std::optional<EpochPair> best;
-    double best_speed_mps = -1.0;
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-        if (!ends[i]) continue;
-        const ScreenedEpoch& first = screened.rows[rows[i]];
-        const ScreenedEpoch& last = screened.rows[rows[*ends[i]]];
-        const double speed_mps =
-            displacement_m(first, last) / (last.time.seconds() - first.time.seconds());
-        if (speed_mps > best_speed_mps) {
-            best_speed_mps = speed_mps;
-            best = EpochPair{rows[i], rows[*ends[i]]};
-        }
+std::optional<IndicatedWindow> fastest_indicated(const ScreenedTable& screened,
+                                                 const Profile& profile, const WindowConfig& config,
+                                                 const std::optional<CourseGates>& gates) {
+    const IndicatedSeries indicated = indicated_series(screened, profile);
+    SearchRule rule =
+        search_rule(profile, config.duration_tolerance_s, screened.facts.nominal_interval_s);
+    // Positions as recorded have no speeds to take the mean of.
+    if (profile.speed_source == "position" && rule.definition != SpeedDefinition::path_length)
+        rule.definition = SpeedDefinition::displacement;
+    const std::vector<FoundWindow> found =
+        windows_as_recorded(indicated.series, profile, rule, gates);
+    if (found.empty()) return std::nullopt;
+    const std::size_t first = indicated.rows[found.front().first];
+    const std::size_t last = indicated.rows[found.front().last];
+    IndicatedWindow window{
+        .span = window_span(screened.facts, screened.rows[first].epoch, screened.rows[last].epoch,
+                            found.front().start, found.front().end),
+        .speed_mps = found.front().speed_mps,
+        .mean_mps = std::nullopt,
+        .refusals =
+            refusals_of(screened, first, last,
+                        profile.repaired_steps ? BridgedSteps::allowed : BridgedSteps::refused)};
+    if (profile.windows > 1 && std::ssize(found) == profile.windows) {
+        double sum = 0.0;
+        for (const FoundWindow& one : found)
+            sum += one.speed_mps;
+        window.mean_mps = sum / static_cast<double>(found.size());
     }
-    if (!best) return std::nullopt;
-    return IndicatedWindow{
-        .span = window_span(screened.facts, screened.rows[best->first].epoch,
-                            screened.rows[best->last].epoch, screened.rows[best->first].time,
-                            screened.rows[best->last].time),
-        .speed_mps = best_speed_mps,
-        .refusals = refusals_of(screened, best->first, best->last, bridged)};
+    return window;
 }
 
 }  // namespace runcert

@@ -12,7 +12,7 @@ int main(int argc, char** argv) {
             const Attempt& attempt = run.attempt();
             std::vector<Profile> profiles;
             for (const std::string& claimed : attempt.profiles)
-                profiles.push_back(read_claimed_profile(run.run_dir(), claimed));
+                profiles.push_back(read_claimed_profile(run.run_dir(), claimed, attempt));
             for (const Receiver& receiver : attempt.receivers) {
                 StageRun one = run;
                 const auto file = [&](std::string_view stem) {
@@ -22,18 +22,20 @@ int main(int argc, char** argv) {
                     one.read("screened", file("3-screened"), read_screened);
                 const TrajectoryTable trajectory =
                     one.read("trajectory", file("4-trajectory"), read_trajectory);
-                Windows windows =
-                    find_windows(screened, trajectory, profiles, window_config(attempt, receiver));
+                Windows windows = find_windows(screened, trajectory, profiles,
+                                               window_config(attempt, receiver), attempt.course);
                 windows.header = one.header();
                 one.write(product_file(attempt, receiver, "5-windows", "yaml"),
                           write_windows(windows));
                 for (const ProfileWindows& entry : windows.profiles)
-                    run.say(entry.best ? fmt::format("{}: best of {} windows {:.3f} km/h, standard "
-                                                     "uncertainty {:.3f} km/h",
-                                                     entry.profile, entry.candidates,
-                                                     entry.best->speed_mps * 3.6,
-                                                     entry.best->standard_uncertainty_mps * 3.6)
-                                       : fmt::format("{}: no certifiable window", entry.profile));
+                    run.say(entry.best
+                                ? fmt::format("{}: best of {} windows {:.3f} km/h, standard "
+                                              "uncertainty {:.3f} km/h",
+                                              entry.profile, entry.candidates,
+                                              entry.best->speed_mps * 3.6,
+                                              entry.best->standard_uncertainty_mps * 3.6)
+                                : fmt::format("{}: no certifiable window{}{}", entry.profile,
+                                              entry.missing.empty() ? "" : ": ", entry.missing));
             }
         });
 }

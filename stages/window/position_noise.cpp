@@ -5,32 +5,35 @@
 #include <map>
 
 #include "core/accuracy_measures.h"
+#include "core/uncertainty.h"
 
 namespace runcert {
 namespace {
 
-double variance_of(const WindowStretch& stretch, const EstimationModel& model,
-                   std::string_view definition) {
-    const SpeedEstimate speed = speed_by_definition(smooth<2>(stretch.epochs, model),
-                                                    stretch.window, stretch.duration_s, definition);
+template <int Axes>
+double variance_of(const WindowStretch<Axes>& stretch, const EstimationModel& model,
+                   const SpeedQuantity& quantity) {
+    const SpeedEstimate speed = speed_by_definition(smooth<Axes>(stretch.epochs, model),
+                                                    stretch.window, stretch.duration_s, quantity);
     return speed.standard_uncertainty_mps * speed.standard_uncertainty_mps;
 }
 
 /// Derivative of the variance by the logarithm of one noise's variance, by central difference.
-template <class Scale>
-double part_of(const WindowStretch& stretch, const EstimationModel& model,
-               std::string_view definition, Scale&& scale) {
+template <int Axes, class Scale>
+double part_of(const WindowStretch<Axes>& stretch, const EstimationModel& model,
+               const SpeedQuantity& quantity, Scale&& scale) {
     constexpr double step = 1e-3;
     EstimationModel more = model;
     EstimationModel less = model;
     scale(more, std::exp(0.5 * step));
     scale(less, std::exp(-0.5 * step));
-    return (variance_of(stretch, more, definition) - variance_of(stretch, less, definition)) /
+    return (variance_of(stretch, more, quantity) - variance_of(stretch, less, quantity)) /
            (2.0 * step);
 }
 
 }  // namespace
 
+template <int Axes>
 ErrorBound error_bound(const ScreenedTable& screened, std::size_t first_row, std::size_t last_row,
                        const NoiseSummary& noise, const Profile::Uncertainty& rule) {
     ErrorBound bound;
@@ -41,7 +44,7 @@ ErrorBound error_bound(const ScreenedTable& screened, std::size_t first_row, std
     for (std::size_t i = first_row; i <= last_row; ++i) {
         const ScreenedEpoch& row = screened.rows[i];
         if (!row.usable) continue;
-        sum += stated_covariance<2>(row).trace() / 2.0;
+        sum += stated_covariance<Axes>(row).trace() / Axes;
         ++count;
         const auto floor = rule.error_floor_m.find(std::string(to_text(row.fix)));
         if (floor != rule.error_floor_m.end() &&
@@ -60,20 +63,27 @@ ErrorBound error_bound(const ScreenedTable& screened, std::size_t first_row, std
     return bound;
 }
 
-double position_r95_m(const SmoothedArc<2>& smoothed, EpochPair window, const ErrorBound& bound) {
+template <int Axes>
+double position_r95_m(const SmoothedArc<Axes>& smoothed, EpochPair window,
+                      const ErrorBound& bound) {
+    constexpr int counted = counted_axes<Axes>;
     double radius_m = 0.0;
     for (const std::size_t k : {window.first, window.last}) {
-        const Eigen::Matrix2d covariance =
-            smoothed.states[k].covariance.topLeftCorner<2, 2>() +
-            bound.sigma_m * bound.sigma_m * Eigen::Matrix2d::Identity();
-        radius_m = std::max(radius_m, r95(covariance));
+        const CountedMatrix<Axes> covariance =
+            smoothed.states[k].covariance.template topLeftCorner<counted, counted>() +
+            bound.sigma_m * bound.sigma_m * CountedMatrix<Axes>::Identity();
+        if constexpr (Axes == 1)
+            radius_m = std::max(
+                radius_m, coverage_factor(0.95, std::nullopt) * std::sqrt(covariance.value()));
+        else
+            radius_m = std::max(radius_m, r95(covariance));
     }
     for (const BridgedStep& step : smoothed.bridged_between(window.first, window.last)) {
-        const auto position = [&](std::size_t k) -> Eigen::Vector2d {
-            return smoothed.states[k].mean.head<2>();
+        const auto position = [&](std::size_t k) -> CountedVector<Axes> {
+            return smoothed.states[k].mean.template head<counted>();
         };
-        const Eigen::Vector2d offset = position(step.epoch) - position(step.epoch - 1) -
-                                       displacement(smoothed, step.epoch - 1, step.epoch);
+        const CountedVector<Axes> offset = position(step.epoch) - position(step.epoch - 1) -
+                                           displacement(smoothed, step.epoch - 1, step.epoch);
         radius_m += offset.norm();
     }
     return radius_m;
@@ -85,20 +95,22 @@ EstimationModel bounded_model(const NoiseSummary& noise, const ErrorBound& bound
     return model;
 }
 
-PositionNoise position_noise(const WindowStretch& stretch, const EstimationModel& model,
-                             std::string_view definition) {
-    const SmoothedArc<2> smoothed = smooth<2>(stretch.epochs, model);
+template <int Axes>
+PositionNoise position_noise(const WindowStretch<Axes>& stretch, const EstimationModel& model,
+                             const SpeedQuantity& quantity) {
+    constexpr int counted = counted_axes<Axes>;
+    const SmoothedArc<Axes> smoothed = smooth<Axes>(stretch.epochs, model);
     PositionNoise noise;
-    noise.speed = speed_by_definition(smoothed, stretch.window, stretch.duration_s, definition);
+    noise.speed = speed_by_definition(smoothed, stretch.window, stretch.duration_s, quantity);
     noise.displacement_m = displacement(smoothed, stretch.window.first, stretch.window.last).norm();
-    noise.velocity_covariance =
+    noise.velocity_covariance.topLeftCorner<counted, counted>() =
         displacement_covariance(smoothed, stretch.window.first, stretch.window.last) /
         (stretch.duration_s * stretch.duration_s);
-    const double white = part_of(stretch, model, definition, [](EstimationModel& one, double by) {
+    const double white = part_of(stretch, model, quantity, [](EstimationModel& one, double by) {
         one.measurement_scale *= by;
     });
     const double correlated =
-        part_of(stretch, model, definition, [](EstimationModel& one, double by) {
+        part_of(stretch, model, quantity, [](EstimationModel& one, double by) {
             one.error.process_density *= by;
             one.error.initial_sigma_m *= by;
         });
@@ -111,16 +123,16 @@ PositionNoise position_noise(const WindowStretch& stretch, const EstimationModel
     return noise;
 }
 
-FittedSpeed fitted_speed(const WindowStretch& stretch, const std::vector<WeightedModel>& models,
-                         std::string_view definition) {
+template <int Axes>
+FittedSpeed fitted_speed(const WindowStretch<Axes>& stretch,
+                         const std::vector<WeightedModel>& models, const SpeedQuantity& quantity) {
     double weight = 0.0;
     double mean = 0.0;
     double square = 0.0;  // of the deviation from the first model's speed
     double first = 0.0;
     for (std::size_t i = 0; i < models.size(); ++i) {
-        const SpeedEstimate one =
-            speed_by_definition(smooth<2>(stretch.epochs, models[i].model), stretch.window,
-                                stretch.duration_s, definition);
+        const SpeedEstimate one = speed_by_definition(smooth<Axes>(stretch.epochs, models[i].model),
+                                                      stretch.window, stretch.duration_s, quantity);
         if (i == 0) first = one.speed_mps;
         const double deviation = one.speed_mps - first;
         weight += models[i].weight;
@@ -133,5 +145,17 @@ FittedSpeed fitted_speed(const WindowStretch& stretch, const std::vector<Weighte
             .standard_uncertainty_mps = std::sqrt(square / weight - mean * mean),
             .models = static_cast<std::int64_t>(models.size())};
 }
+
+template double position_r95_m<1>(const SmoothedArc<1>&, EpochPair, const ErrorBound&);
+template double position_r95_m<2>(const SmoothedArc<2>&, EpochPair, const ErrorBound&);
+#define RUNCERT_INSTANTIATE(AXES)                                                              \
+    template ErrorBound error_bound<AXES>(const ScreenedTable&, std::size_t, std::size_t,      \
+                                          const NoiseSummary&, const Profile::Uncertainty&);   \
+    template PositionNoise position_noise<AXES>(const WindowStretch<AXES>&,                    \
+                                                const EstimationModel&, const SpeedQuantity&); \
+    template FittedSpeed fitted_speed<AXES>(                                                   \
+        const WindowStretch<AXES>&, const std::vector<WeightedModel>&, const SpeedQuantity&);
+RUNCERT_INSTANTIATE(1)
+RUNCERT_INSTANTIATE(2)
 
 }  // namespace runcert

@@ -15,7 +15,8 @@ namespace runcert {
 /// What the data tell of such an error is how fast it wanders, sigma sqrt(2 / tau): the fitted size
 /// is that of the error which wanders as fast with the shortest correlation time of the interval,
 /// and whose bounding process therefore bounds the fitted error whatever its correlation time.
-/// `standard_uncertainty_mps` is left zero.
+/// `standard_uncertainty_mps` is left zero. Axes: 2, or 1 for heights alone.
+template <int Axes>
 ErrorBound error_bound(const ScreenedTable& screened, std::size_t first_row, std::size_t last_row,
                        const NoiseSummary& noise, const Profile::Uncertainty& rule);
 
@@ -23,8 +24,10 @@ ErrorBound error_bound(const ScreenedTable& screened, std::size_t first_row, std
 /// the worse of the window's ends ([NAV] R95): the smoothed position's covariance and the bounded
 /// slow error's. Nobody knows which side of a bridged step is the true one: at the worse end the
 /// position is off by the step's offset, whose length is therefore added in full. (How well the
-/// offset itself is known, some millimetres, does not count beside the bound.)
-double position_r95_m(const SmoothedArc<2>& smoothed, EpochPair window, const ErrorBound& bound);
+/// offset itself is known, some millimetres, does not count beside the bound.) Of heights alone
+/// (Axes 1), half the width of the interval that holds the true height with that probability.
+template <int Axes>
+double position_r95_m(const SmoothedArc<Axes>& smoothed, EpochPair window, const ErrorBound& bound);
 
 /// The noise model of the certificate: motion and white noise as fitted, the slow error bounded.
 EstimationModel bounded_model(const NoiseSummary& noise, const ErrorBound& bound);
@@ -32,23 +35,26 @@ EstimationModel bounded_model(const NoiseSummary& noise, const ErrorBound& bound
 /// Standard uncertainties of a window's speed from its positions, by source (m/s): their squares
 /// add up to that of the whole.
 struct PositionNoise {
-    SpeedEstimate speed;                  ///< by the definition asked for
-    double displacement_m = 0.0;          ///< horizontal, between the window's ends
-    double white_mps = 0.0;               ///< white noise of the positions
-    double correlated_mps = 0.0;          ///< the slow error
-    double motion_mps = 0.0;              ///< what the craft may have done between measurements
-    Eigen::Matrix2d velocity_covariance;  ///< of displacement over time, m^2/s^2
+    SpeedEstimate speed;          ///< by the definition asked for
+    double displacement_m = 0.0;  ///< between the window's ends
+    double white_mps = 0.0;       ///< white noise of the positions
+    double correlated_mps = 0.0;  ///< the slow error
+    double motion_mps = 0.0;      ///< what the craft may have done between measurements
+    /// Of displacement over time, m^2/s^2; of heights alone in its first element, the rest zero.
+    Eigen::Matrix2d velocity_covariance = Eigen::Matrix2d::Zero();
 };
 
 /// Smooths the stretch with the model and takes the variance apart. The variance is of first degree
 /// in the variances of the three noises, and at the optimum its derivative by one of them is that
 /// noise's own part, the gains held fixed.
-PositionNoise position_noise(const WindowStretch& stretch, const EstimationModel& model,
-                             std::string_view definition);
+template <int Axes>
+PositionNoise position_noise(const WindowStretch<Axes>& stretch, const EstimationModel& model,
+                             const SpeedQuantity& quantity);
 
 /// The window's speed over all models of the posterior: mean, and the uncertainty that holds the
 /// models' own and their differences.
-FittedSpeed fitted_speed(const WindowStretch& stretch, const std::vector<WeightedModel>& models,
-                         std::string_view definition);
+template <int Axes>
+FittedSpeed fitted_speed(const WindowStretch<Axes>& stretch,
+                         const std::vector<WeightedModel>& models, const SpeedQuantity& quantity);
 
 }  // namespace runcert

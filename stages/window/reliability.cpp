@@ -13,33 +13,32 @@
 namespace runcert {
 namespace {
 
-using Plane = Eigen::Vector2d;
-
-Gradients<2> speed_gradients(const SmoothedArc<2>& smoothed, EpochPair window, double duration_s,
-                             std::string_view definition) {
-    if (definition == "path_length")
-        return path_speed_gradients(smoothed, window.first, window.last, duration_s);
-    if (definition == "mean_n_plus_1")
-        return mean_speed_gradients(smoothed, window.first, window.last);
-    if (definition == "mean_n")
-        return mean_speed_gradients(smoothed, window.first + 1, window.last);
-    return displacement_speed_gradients(smoothed, window.first, window.last, duration_s);
+/// The model of screening's tests of these axes; null where there is none.
+template <int Axes>
+const ScreeningModel* tested_model(const ScreenedTable& screened) {
+    constexpr TestedAxes axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal;
+    if (!screened.evidence) return nullptr;
+    const auto found = std::ranges::find(screened.evidence->models, axes, &ScreeningModel::axes);
+    return found == screened.evidence->models.end() ? nullptr : &*found;
 }
 
-std::vector<Plane> speed_sensitivities(const WindowStretch& stretch, const EstimationModel& model,
-                                       std::string_view definition) {
-    const SmoothedArc<2> smoothed = smooth<2>(stretch.epochs, model);
-    const std::size_t s = stretch.window.first + (definition == "mean_n" ? 1 : 0);
-    return sensitivities<2>(
-        stretch.epochs, model, smoothed, s,
-        speed_gradients(smoothed, stretch.window, stretch.duration_s, definition));
+template <int Axes>
+std::vector<PositionVector<Axes>> speed_sensitivities(const WindowStretch<Axes>& stretch,
+                                                      const EstimationModel& model,
+                                                      const SpeedQuantity& quantity) {
+    const SmoothedArc<Axes> smoothed = smooth<Axes>(stretch.epochs, model);
+    const auto [from, gradients] =
+        speed_gradients(smoothed, stretch.window, stretch.duration_s, quantity);
+    return sensitivities<Axes>(stretch.epochs, model, smoothed, from, gradients);
 }
 
 /// The stretch's epochs with the covariances that screening tested with.
-std::vector<ArcEpoch<2>> tested_epochs(const ScreenedTable& screened, const Arc<2>& arc,
-                                       const WindowStretch& stretch) {
-    std::vector<ArcEpoch<2>> epochs = stretch.epochs;
-    const auto factors = kind_factors(*screened.evidence, TestedAxes::horizontal);
+template <int Axes>
+std::vector<ArcEpoch<Axes>> tested_epochs(const ScreenedTable& screened, const Arc<Axes>& arc,
+                                          const WindowStretch<Axes>& stretch) {
+    std::vector<ArcEpoch<Axes>> epochs = stretch.epochs;
+    const auto factors =
+        kind_factors(*screened.evidence, Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal);
     for (std::size_t i = 0; i < epochs.size(); ++i) {
         const auto factor = factors.find(screened.rows[arc.rows[stretch.first + i]].fix);
         if (factor != factors.end() && epochs[i].measurement)
@@ -74,8 +73,9 @@ class Worst {
         last_ = last;
     }
 
-    UndetectedError result(const ScreenedTable& screened, const Arc<2>& arc,
-                           const WindowStretch& stretch) const {
+    template <int Axes>
+    UndetectedError result(const ScreenedTable& screened, const Arc<Axes>& arc,
+                           const WindowStretch<Axes>& stretch) const {
         UndetectedError error = error_;
         error.epoch = screened.rows[arc.rows[stretch.first + first_]].epoch;
         error.last_epoch = screened.rows[arc.rows[stretch.first + last_]].epoch;
@@ -90,16 +90,20 @@ class Worst {
 
 }  // namespace
 
-std::vector<UndetectedError> undetected_errors(const ScreenedTable& screened, const Arc<2>& arc,
-                                               const WindowStretch& stretch,
+template <int Axes>
+std::vector<UndetectedError> undetected_errors(const ScreenedTable& screened, const Arc<Axes>& arc,
+                                               const WindowStretch<Axes>& stretch,
                                                const EstimationModel& model,
-                                               std::string_view definition) {
-    if (!screened.evidence || screened.evidence->models.empty()) return {};
-    const std::vector<ArcEpoch<2>> epochs = tested_epochs(screened, arc, stretch);
-    const ArcDiagnosis<2> diagnosis(epochs, model_of(screened.evidence->models.front()));
-    const std::vector<Plane> weights = speed_sensitivities(stretch, model, definition);
+                                               const SpeedQuantity& quantity) {
+    using Position = PositionVector<Axes>;
+    const ScreeningModel* const tested = tested_model<Axes>(screened);
+    if (tested == nullptr) return {};
+    const std::vector<ArcEpoch<Axes>> epochs = tested_epochs(screened, arc, stretch);
+    const ArcDiagnosis<Axes> diagnosis(epochs, model_of(*tested));
+    const std::vector<Position> weights = speed_sensitivities(stretch, model, quantity);
     const double of_one = noncentrality(screened.evidence->test_size, screened.evidence->power, 1);
-    const double of_two = noncentrality(screened.evidence->test_size, screened.evidence->power, 2);
+    const double of_all =
+        noncentrality(screened.evidence->test_size, screened.evidence->power, Axes);
     const auto factor = [&](std::size_t k) {
         return screened.rows[arc.rows[stretch.first + k]].local_variance_factor.value_or(1.0);
     };
@@ -110,29 +114,29 @@ std::vector<UndetectedError> undetected_errors(const ScreenedTable& screened, co
     Worst ramp(Hypothesis::ramp, "m / s");
     Worst time_shift(Hypothesis::time_shift, "s");
     // What a constant error, and one that grows, of all measurements from an epoch on does.
-    std::vector<Plane> constant(epochs.size() + 1, Plane::Zero());
-    Plane growing = Plane::Zero();
+    std::vector<Position> constant(epochs.size() + 1, Position::Zero());
+    Position growing = Position::Zero();
     double late = 0.0;
     for (std::size_t k = epochs.size(); k-- > 0;) {
         if (k + 1 < epochs.size())
             growing += constant[k + 1] * (epochs[k + 1].time_s - epochs[k].time_s);
         constant[k] = constant[k + 1] + weights[k];
         if (epochs[k].measurement) {
-            outlier.consider(diagnosis.outlier(k), of_two * factor(k), weights[k], k, k);
-            late -= weights[k].dot(diagnosis.smoothed(k).mean.segment<2>(2));
+            outlier.consider(diagnosis.outlier(k), of_all * factor(k), weights[k], k, k);
+            late -= weights[k].dot(diagnosis.smoothed(k).mean.template segment<Axes>(Axes));
         }
         if (k == 0) continue;
         if (!epochs[k].step_before) {
-            step.consider(diagnosis.step(k), of_two * factor(k), constant[k], k, k);
+            step.consider(diagnosis.step(k), of_all * factor(k), constant[k], k, k);
             if (const auto test = diagnosis.time_shift(k))
                 time_shift.consider(*test, of_one * factor(k), Eigen::Matrix<double, 1, 1>(late), k,
                                     k);
         }
-        ramp.consider(diagnosis.ramp(k), of_two * factor(k), growing, k, k);
+        ramp.consider(diagnosis.ramp(k), of_all * factor(k), growing, k, k);
     }
     const auto longest = static_cast<std::size_t>(screened.evidence->burst_epochs_max);
     diagnosis.for_each_burst(longest, [&](std::size_t k, std::size_t length, const auto& test) {
-        burst.consider(test, of_two * factor(k), Plane(constant[k] - constant[k + length]), k,
+        burst.consider(test, of_all * factor(k), Position(constant[k] - constant[k + length]), k,
                        k + length - 1);
     });
 
@@ -145,6 +149,15 @@ std::vector<UndetectedError> undetected_errors(const ScreenedTable& screened, co
                      });
     return errors;
 }
+
+template std::vector<UndetectedError> undetected_errors<1>(const ScreenedTable&, const Arc<1>&,
+                                                           const WindowStretch<1>&,
+                                                           const EstimationModel&,
+                                                           const SpeedQuantity&);
+template std::vector<UndetectedError> undetected_errors<2>(const ScreenedTable&, const Arc<2>&,
+                                                           const WindowStretch<2>&,
+                                                           const EstimationModel&,
+                                                           const SpeedQuantity&);
 
 std::string undetected_words(const UndetectedError& error, double power) {
     const bool epochs = error.hypothesis == to_text(Hypothesis::outlier) ||

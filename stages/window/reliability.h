@@ -1,7 +1,5 @@
 #pragma once
 
-#include <string_view>
-
 #include "schemas/screened/screened.h"
 #include "schemas/windows/windows.h"
 #include "stages/window/speed_by_definition.h"
@@ -20,10 +18,11 @@ namespace runcert {
 /// speed, is put at 1e6.
 ///
 /// `arc` must be that of the stretch in the table; `model` is what the speed was estimated with.
-std::vector<UndetectedError> undetected_errors(const ScreenedTable& screened, const Arc<2>& arc,
-                                               const WindowStretch& stretch,
+template <int Axes>
+std::vector<UndetectedError> undetected_errors(const ScreenedTable& screened, const Arc<Axes>& arc,
+                                               const WindowStretch<Axes>& stretch,
                                                const EstimationModel& model,
-                                               std::string_view definition);
+                                               const SpeedQuantity& quantity);
 
 /// The one of them that enters the uncertainty: the largest of an outlier, a burst, a step and a
 /// shift of the stamps. A ramp does not: an error that wanders is what the bound of the slow error

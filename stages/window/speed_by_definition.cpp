@@ -1,8 +1,12 @@
 #include "stages/window/speed_by_definition.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace runcert {
 
-WindowStretch cut_stretch(const Arc<2>& arc, EpochPair window, double margin_s) {
+template <int Axes>
+WindowStretch<Axes> cut_stretch(const Arc<Axes>& arc, EpochPair window, double margin_s) {
     const auto& epochs = arc.epochs;
     const double from_s = epochs[window.first].time_s - margin_s;
     const double to_s = epochs[window.last].time_s + margin_s;
@@ -14,7 +18,7 @@ WindowStretch cut_stretch(const Arc<2>& arc, EpochPair window, double margin_s) 
     std::size_t last = window.last;
     while (last + 1 < epochs.size() && epochs[last + 1].time_s <= to_s)
         ++last;
-    WindowStretch stretch;
+    WindowStretch<Axes> stretch;
     stretch.epochs.assign(epochs.begin() + static_cast<std::ptrdiff_t>(first),
                           epochs.begin() + static_cast<std::ptrdiff_t>(last) + 1);
     stretch.window = {window.first - first, window.last - first};
@@ -23,13 +27,92 @@ WindowStretch cut_stretch(const Arc<2>& arc, EpochPair window, double margin_s) 
     return stretch;
 }
 
-SpeedEstimate speed_by_definition(const SmoothedArc<2>& smoothed, EpochPair window,
-                                  double duration_s, std::string_view definition) {
-    if (definition == "path_length")
-        return path_speed(smoothed, window.first, window.last, duration_s);
+namespace {
+
+template <int Axes>
+double speed_at(const SmoothedArc<Axes>& smoothed, std::size_t k) {
+    return smoothed.states[k].mean.template segment<counted_axes<Axes>>(Axes).norm();
+}
+
+/// By how much an error of the path, over the duration, counts in the speed over a given length:
+/// that length is reached so much later or earlier, at the speed of the end.
+template <int Axes>
+double factor_of_given_length(const SmoothedArc<Axes>& smoothed, EpochPair window,
+                              double path_mps) {
+    constexpr double standing_mps = 0.1;
+    const double slower =
+        std::min(speed_at(smoothed, window.first), speed_at(smoothed, window.last));
+    return std::max(1.0, path_mps / std::max(slower, standing_mps));
+}
+
+/// Of the length over the elapsed time: a position error along a line's normal moves the instant of
+/// its crossing by that error over the speed along the normal.
+Gradients<2> elapsed_time_gradients(const SmoothedArc<2>& smoothed, EpochPair window,
+                                    double duration_s, const SpeedQuantity& quantity) {
+    const auto velocity = [&](std::size_t k) -> Eigen::Vector2d {
+        return smoothed.states[k].mean.segment<2>(2);
+    };
+    const double per_second = quantity.length_m / (duration_s * duration_s);
+    Gradients<2> gradients(window.last - window.first + 1, StateVector<2>::Zero());
+    gradients.front().head<2>() -=
+        per_second / quantity.start_normal.dot(velocity(window.first)) * quantity.start_normal;
+    gradients.back().head<2>() +=
+        per_second / quantity.finish_normal.dot(velocity(window.last)) * quantity.finish_normal;
+    return gradients;
+}
+
+}  // namespace
+
+template <int Axes>
+SpeedEstimate speed_by_definition(const SmoothedArc<Axes>& smoothed, EpochPair window,
+                                  double duration_s, const SpeedQuantity& quantity) {
+    const std::string& definition = quantity.definition;
+    if (definition == "path_length") {
+        SpeedEstimate speed = path_speed(smoothed, window.first, window.last, duration_s);
+        if (quantity.length_is_given)
+            speed.standard_uncertainty_mps *=
+                factor_of_given_length(smoothed, window, speed.speed_mps);
+        return speed;
+    }
     if (definition == "mean_n_plus_1") return mean_speed(smoothed, window.first, window.last);
     if (definition == "mean_n") return mean_speed(smoothed, window.first + 1, window.last);
+    if constexpr (Axes == 2)
+        if (definition == "elapsed_time") {
+            const double variance = smoothed.variance(
+                window.first, elapsed_time_gradients(smoothed, window, duration_s, quantity));
+            return {quantity.length_m / duration_s, std::sqrt(std::max(variance, 0.0))};
+        }
     return displacement_speed(smoothed, window.first, window.last, duration_s);
 }
+
+template <int Axes>
+SpeedGradients<Axes> speed_gradients(const SmoothedArc<Axes>& smoothed, EpochPair window,
+                                     double duration_s, const SpeedQuantity& quantity) {
+    const std::string& definition = quantity.definition;
+    const auto [first, last] = window;
+    if (definition == "mean_n") return {first + 1, mean_speed_gradients(smoothed, first + 1, last)};
+    if (definition == "mean_n_plus_1") return {first, mean_speed_gradients(smoothed, first, last)};
+    if constexpr (Axes == 2)
+        if (definition == "elapsed_time")
+            return {first, elapsed_time_gradients(smoothed, window, duration_s, quantity)};
+    if (definition != "path_length")
+        return {first, displacement_speed_gradients(smoothed, first, last, duration_s)};
+    Gradients<Axes> gradients = path_speed_gradients(smoothed, first, last, duration_s);
+    if (quantity.length_is_given) {
+        const double speed = path_speed(smoothed, first, last, duration_s).speed_mps;
+        for (StateVector<Axes>& gradient : gradients)
+            gradient *= factor_of_given_length(smoothed, window, speed);
+    }
+    return {first, std::move(gradients)};
+}
+
+#define RUNCERT_INSTANTIATE(AXES)                                                                 \
+    template WindowStretch<AXES> cut_stretch<AXES>(const Arc<AXES>&, EpochPair, double);          \
+    template SpeedEstimate speed_by_definition<AXES>(const SmoothedArc<AXES>&, EpochPair, double, \
+                                                     const SpeedQuantity&);                       \
+    template SpeedGradients<AXES> speed_gradients<AXES>(const SmoothedArc<AXES>&, EpochPair,      \
+                                                        double, const SpeedQuantity&);
+RUNCERT_INSTANTIATE(1)
+RUNCERT_INSTANTIATE(2)
 
 }  // namespace runcert

@@ -1,6 +1,7 @@
 #pragma once
 
-#include <string_view>
+#include <Eigen/Core>
+#include <string>
 #include <vector>
 
 #include "arcs/arcs.h"
@@ -10,20 +11,46 @@
 namespace runcert {
 
 /// A window within a stretch of an arc, cut so that what lies beyond changes nothing that counts.
+template <int Axes>
 struct WindowStretch {
-    std::vector<ArcEpoch<2>> epochs;
+    std::vector<ArcEpoch<Axes>> epochs;
     EpochPair window;  ///< indices into the epochs
     double duration_s = 0.0;
     std::size_t first = 0;  ///< index of the arc's epoch that the stretch begins with
 };
 
 /// The window with up to `margin_s` of its arc before and after; it begins with a measured epoch.
-WindowStretch cut_stretch(const Arc<2>& arc, EpochPair window, double margin_s);
+template <int Axes>
+WindowStretch<Axes> cut_stretch(const Arc<Axes>& arc, EpochPair window, double margin_s);
 
-/// Horizontal speed of the window by a definition of the profile's schema ("displacement",
-/// "path_length", "mean_n_plus_1", "mean_n"), with its uncertainty from the joint covariance of
-/// all states that it rests on.
-SpeedEstimate speed_by_definition(const SmoothedArc<2>& smoothed, EpochPair window,
-                                  double duration_s, std::string_view definition);
+/// Which speed of a window is meant.
+struct SpeedQuantity {
+    /// "displacement", "path_length", "mean_n_plus_1", "mean_n", or "elapsed_time".
+    std::string definition;
+    /// Of elapsed_time: the length, and the unit normals (east, north), along the course, of the
+    /// lines that are crossed at the window's two ends.
+    double length_m = 0.0;
+    Eigen::Vector2d start_normal = Eigen::Vector2d::Zero();
+    Eigen::Vector2d finish_normal = Eigen::Vector2d::Zero();
+    /// Of path_length: the window ends where the path has reached a length, so that an error of
+    /// the path is one of the time at the speed of its slower end.
+    bool length_is_given = false;
+};
+
+/// Speed of the window by a definition, with its uncertainty from the joint covariance of all
+/// states that it rests on. Horizontal; of heights alone (Axes 1) vertical, and not of a course.
+template <int Axes>
+SpeedEstimate speed_by_definition(const SmoothedArc<Axes>& smoothed, EpochPair window,
+                                  double duration_s, const SpeedQuantity& quantity);
+
+/// The gradients of that speed, and the state that they begin with.
+template <int Axes>
+struct SpeedGradients {
+    std::size_t from = 0;
+    Gradients<Axes> gradients;
+};
+template <int Axes>
+SpeedGradients<Axes> speed_gradients(const SmoothedArc<Axes>& smoothed, EpochPair window,
+                                     double duration_s, const SpeedQuantity& quantity);
 
 }  // namespace runcert

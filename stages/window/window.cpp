@@ -5,232 +5,183 @@
 #include <algorithm>
 #include <cmath>
 
-#include "arcs/arcs.h"
-#include "arcs/noise_models.h"
 #include "core/failure.h"
-#include "estimation/speed.h"
-#include "stages/window/best_window.h"
-#include "stages/window/budget.h"
-#include "stages/window/position_noise.h"
-#include "stages/window/reliability.h"
-#include "stages/window/selection.h"
+#include "stages/window/certify.h"
+#include "stages/window/certify_velocity.h"
+#include "stages/window/course_windows.h"
+#include "stages/window/instants.h"
+#include "stages/window/opposite_runs.h"
+#include "stages/window/search_series.h"
 
 namespace runcert {
 namespace {
 
-// Beyond a minute nothing measured changes the speed of a window.
-constexpr double stretch_margin_s = 60.0;
-// A window that many standard uncertainties slower than the best could not have been it.
-constexpr double selection_width = 4.0;
-
-Eigen::Vector2d position_of(const TrajectoryEpoch& row) {
-    return {*row.east_m, *row.north_m};
-}
-
-/// Mean of a method's speeds over the window; nothing if one is missing.
-std::optional<double> mean_over(const TrajectoryTable& trajectory, const ArcRows& arc,
-                                EpochPair window, std::optional<double> TrajectoryEpoch::*method) {
-    double sum = 0.0;
-    for (std::size_t k = window.first; k <= window.last; ++k) {
-        const auto& value = trajectory.rows[arc.rows[k]].*method;
-        if (!value) return std::nullopt;
-        sum += *value;
+/// What the profiles of one receiver are searched and certified from.
+class Certifier {
+  public:
+    Certifier(const ScreenedTable& screened, const TrajectoryTable& trajectory,
+              const WindowConfig& config)
+        : screened_(screened),
+          trajectory_(trajectory),
+          config_(config),
+          rows_(arcs_in(trajectory)),
+          horizontal_(evidence_of<2>(screened, trajectory, config)) {
+        if (trajectory.estimation.vertical)
+            vertical_.emplace(evidence_of<1>(screened, trajectory, config));
     }
-    return sum / static_cast<double>(window.last - window.first + 1);
-}
 
-/// What all profiles' windows are certified from.
-struct Evidence {
-    const ScreenedTable& screened;
-    const TrajectoryTable& trajectory;
-    const WindowConfig& config;
-    const NoiseSummary& noise;
-    EstimationModel model;              ///< of the trajectory
-    std::vector<WeightedModel> models;  ///< that the recording allows
-    std::vector<Arc<2>> arcs;
-    std::vector<ArcRows> rows;  ///< of each arc, in the trajectory
+    const std::vector<ArcRows>& rows() const { return rows_; }
+    bool has_heights() const { return vertical_.has_value(); }
+
+    CertifiableWindow certify(const Profile& profile, FoundWindow found,
+                              const std::vector<FoundWindow>& all,
+                              const std::optional<CourseGates>& gates) const {
+        if (profile.speed_source == "velocity")
+            return certified_by_velocity(screened_, trajectory_, rows_[found.series], profile,
+                                         found, all);
+        WindowChoice choice{
+            .profile = profile, .found = found, .all = all, .quantity = quantity_of(profile)};
+        if (profile.window_kind == "course") return certify_course(profile, found, all, *gates);
+        if (profile.dimension == "vertical") return certified(*vertical_, choice);
+        const CertifiableWindow level = certified(horizontal_, choice);
+        return profile.dimension == "space" ? in_space(level, certified(*vertical_, choice))
+                                            : level;
+    }
+
+  private:
+    /// The crossings by the smoothed track in place of those by straight lines between epochs.
+    CertifiableWindow certify_course(const Profile& profile, FoundWindow found,
+                                     std::vector<FoundWindow> all, const CourseGates& gates) const {
+        const auto same = [&](const FoundWindow& one) {
+            return one.series == found.series && one.start == found.start && one.end == found.end;
+        };
+        const auto listed = std::ranges::find_if(all, same);
+        const auto& times = horizontal_.times[found.series];
+        const CrossingTimes crossed =
+            smoothed_crossings(horizontal_.arcs[found.series], times, horizontal_.model,
+                               {.start = found.start, .end = found.end}, gates.start, gates.finish);
+        found.start = crossed.start;
+        found.end = crossed.end;
+        found.first =
+            static_cast<std::size_t>(std::ranges::upper_bound(times, found.start) - times.begin()) -
+            1;
+        found.last =
+            static_cast<std::size_t>(std::ranges::lower_bound(times, found.end) - times.begin());
+        found.speed_mps = gates.length_m / (found.end.seconds() - found.start.seconds());
+        if (listed != all.end()) *listed = found;
+        SpeedQuantity quantity = quantity_of(profile);
+        quantity.length_m = gates.length_m;
+        quantity.start_normal = along_course(gates.start);
+        quantity.finish_normal = along_course(gates.finish);
+        return certified(horizontal_,
+                         {.profile = profile,
+                          .found = found,
+                          .all = all,
+                          .quantity = quantity,
+                          .length_standard_uncertainty_m = gates.length_standard_uncertainty_m});
+    }
+
+    const ScreenedTable& screened_;
+    const TrajectoryTable& trajectory_;
+    const WindowConfig& config_;
+    std::vector<ArcRows> rows_;
+    AxesEvidence<2> horizontal_;
+    std::optional<AxesEvidence<1>> vertical_;
 };
 
-/// The arcs of both tables, which must be the same, bridged steps included.
-std::vector<Arc<2>> matching_arcs(const ScreenedTable& screened, const TrajectoryTable& trajectory,
-                                  const std::vector<ArcRows>& rows) {
-    std::vector<Arc<2>> arcs = arcs_of<2>(screened);
-    const auto same_steps = [&](const Arc<2>& arc) {
-        for (std::size_t k = 0; k < arc.rows.size(); ++k)
-            if (arc.epochs[k].step_before != trajectory.rows[arc.rows[k]].begins_after_step())
-                return false;
-        return true;
-    };
-    const bool equal =
-        std::equal(arcs.begin(), arcs.end(), rows.begin(), rows.end(),
-                   [&](const Arc<2>& arc, const ArcRows& own) {
-                       return arc.number == own.number && arc.rows == own.rows && same_steps(arc);
-                   });
-    if (!equal)
-        throw Failure("4-trajectory of receiver " + screened.facts.receiver,
-                      "the trajectory does not have the arcs of the screened epochs",
-                      "Run runcert-smooth again");
-    return arcs;
+WindowRule rule_of(const Profile& profile) {
+    return {.kind = profile.window_kind,
+            .duration_s = profile.duration_s,
+            .distance_m = profile.distance_m,
+            .definition = profile.definition,
+            .dimension = profile.dimension,
+            .source = profile.speed_source,
+            .ends = profile.ends_anywhere ? "any" : "epochs",
+            .exact = profile.exact_duration,
+            .count = profile.windows,
+            .opposite_runs = profile.opposite_runs_within_s.has_value()};
 }
 
-/// The candidate's arc smoothed anew with the trajectory's own model, and found to be it.
-SmoothedArc<2> checked_estimate(const Evidence& evidence, EpochPair window, const Arc<2>& arc) {
-    SmoothedArc<2> smoothed = smooth<2>(arc.epochs, evidence.model);
-    for (const std::size_t k : {window.first, window.last}) {
-        const TrajectoryEpoch& row = evidence.trajectory.rows[arc.rows[k]];
-        const Eigen::Vector2d position = smoothed.states[k].mean.head<2>();
-        const double difference_m = (position - position_of(row)).norm();
-        if (difference_m > 2e-6)  // both coordinates are written to a micrometre
-            throw Failure(fmt::format("epoch {}", row.epoch),
-                          fmt::format("the trajectory is {:.1e} m from the estimate of the same "
-                                      "screened epochs",
-                                      difference_m),
-                          "Run runcert-smooth again, with the same attempt");
+bool overlap(const FoundWindow& one, const FoundWindow& other) {
+    return one.start < other.end && other.start < one.end;
+}
+
+/// The windows that a profile may choose from, and those that it chooses.
+struct Choice {
+    std::vector<FoundWindow> all;
+    std::vector<FoundWindow> chosen;
+    std::string missing;
+};
+
+Choice choose(const ScreenedTable& screened, const TrajectoryTable& trajectory,
+              const std::vector<ArcRows>& rows, const Profile& profile, const WindowConfig& config,
+              const std::optional<CourseGates>& gates) {
+    const auto series = certifiable_series(screened, trajectory, rows, profile);
+    const SearchRule rule =
+        search_rule(profile, config.duration_tolerance_s, trajectory.facts.nominal_interval_s);
+    const auto wanted = static_cast<std::size_t>(profile.windows);
+    Choice choice;
+    if (rule.kind == WindowKind::course) {
+        choice.all = course_windows(series, *gates);
+        choice.missing = why_no_course_window(series, *gates);
+        choice.chosen.assign(
+            choice.all.begin(),
+            choice.all.begin() + static_cast<std::ptrdiff_t>(std::min(wanted, choice.all.size())));
+    } else {
+        choice.all = allowed_windows(series, rule);
+        choice.chosen = best_windows(series, rule, wanted);
     }
-    return smoothed;
-}
-
-/// Displacement (m) of the robust batch. It keeps positions alone: the motion over a bridged step
-/// is that of the screened solution.
-std::optional<Eigen::Vector2d> robust_displacement(const Evidence& evidence, const Arc<2>& arc,
-                                                   const SmoothedArc<2>& smoothed,
-                                                   EpochPair window) {
-    const auto row = [&](std::size_t k) -> const TrajectoryEpoch& {
-        return evidence.trajectory.rows[arc.rows[k]];
-    };
-    if (!row(window.first).robust_east_m || !row(window.last).robust_east_m) return std::nullopt;
-    const auto difference = [&](std::size_t first, std::size_t last) {
-        return Eigen::Vector2d(
-            row(last).robust_east_m.value() - row(first).robust_east_m.value(),
-            row(last).robust_north_m.value() - row(first).robust_north_m.value());
-    };
-    Eigen::Vector2d moved = difference(window.first, window.last);
-    for (const BridgedStep& step : smoothed.bridged_between(window.first, window.last))
-        moved += displacement(smoothed, step.epoch - 1, step.epoch) -
-                 difference(step.epoch - 1, step.epoch);
-    return moved;
-}
-
-/// The robust batch's speed against the screened solution's, whose noise model is the same.
-std::optional<RobustSpeed> robust_speed(const Evidence& evidence, const Arc<2>& arc,
-                                        const SmoothedArc<2>& smoothed, EpochPair window,
-                                        const SpeedEstimate& screened, double duration_s) {
-    constexpr double coverage_factor = 2.0;
-    const auto displacement = robust_displacement(evidence, arc, smoothed, window);
-    if (!displacement) return std::nullopt;
-    RobustSpeed robust;
-    robust.speed_mps = std::hypot(displacement->x(), displacement->y()) / duration_s;
-    robust.difference_mps = robust.speed_mps - screened.speed_mps;
-    robust.limit_mps = coverage_factor * screened.standard_uncertainty_mps;
-    robust.agrees = std::abs(robust.difference_mps) <= robust.limit_mps;
-    for (std::size_t k = window.first; k <= window.last; ++k) {
-        const auto& weight = evidence.trajectory.rows[arc.rows[k]].robust_weight;
-        if (weight && *weight < 0.5) ++robust.downweighted;
+    if (profile.opposite_runs_within_s) {
+        const OppositeRuns pair = best_opposite_runs(trajectory, rows, choice.all, profile);
+        choice.chosen = pair.windows;
+        choice.missing = pair.missing;
     }
-    return robust;
+    if (profile.speed_source == "velocity" && !choice.chosen.empty())
+        for (const FoundWindow& found : choice.chosen)
+            if (!states_velocity_accuracy(screened, rows[found.series], profile, found)) {
+                choice.chosen.clear();
+                choice.missing = "the recording does not state how accurate its velocities are";
+                break;
+            }
+    return choice;
 }
 
-/// The windows that could have been the best, those close to one another together.
-std::vector<WindowCluster> clusters_of(const Evidence& evidence,
-                                       const std::vector<std::vector<EpochPair>>& windows,
-                                       const CandidateWindow& best, double least_mps) {
-    std::vector<WindowCluster> clusters;
-    for (std::size_t a = 0; a < evidence.arcs.size(); ++a) {
-        const Arc<2>* arc = &evidence.arcs[a];
-        const ArcRows& rows = evidence.rows[a];
-        const auto positions = positions_without_offsets(evidence.trajectory, rows);
-        for (const EpochPair& window : windows[a]) {
-            const double time_s = duration_of(evidence.trajectory, rows, window);
-            if (displacement_over_time(positions, window, time_s) < least_mps) continue;
-            const bool apart = clusters.empty() || clusters.back().arc != arc ||
-                               window.first > clusters.back().windows.back().last;
-            if (apart) clusters.push_back({arc, {}, std::nullopt});
-            WindowCluster& cluster = clusters.back();
-            if (a == best.arc && window.first == best.window.first)
-                cluster.chosen = cluster.windows.size();
-            cluster.windows.push_back(window);
-        }
+/// Certifies the windows chosen, each among those that do not overlap one chosen before it.
+void certify_chosen(const Certifier& certifier, const Profile& profile, const Choice& choice,
+                    const std::optional<CourseGates>& gates, ProfileWindows& entry) {
+    std::vector<FoundWindow> left = choice.all;
+    for (const FoundWindow& found : choice.chosen) {
+        const CertifiableWindow window = certifier.certify(profile, found, left, gates);
+        if (!entry.best)
+            entry.best = window;
+        else
+            entry.further.push_back({.span = window.span,
+                                     .arc = window.arc,
+                                     .speed_mps = window.speed_mps,
+                                     .standard_uncertainty_mps = window.standard_uncertainty_mps});
+        std::erase_if(left, [&](const FoundWindow& one) { return overlap(one, found); });
     }
-    return clusters;
 }
 
-CertifiableWindow certified(const Evidence& evidence,
-                            const std::vector<std::vector<EpochPair>>& windows,
-                            const CandidateWindow& candidate, const Profile& profile) {
-    const TrajectoryTable& trajectory = evidence.trajectory;
-    const Arc<2>& arc = evidence.arcs[candidate.arc];
-    const ArcRows& rows = evidence.rows[candidate.arc];
-    const std::size_t first_row = arc.rows[candidate.window.first];
-    const std::size_t last_row = arc.rows[candidate.window.last];
-    const TrajectoryEpoch& first = trajectory.rows[first_row];
-    const TrajectoryEpoch& last = trajectory.rows[last_row];
-
-    CertifiableWindow window;
-    window.span = window_span(trajectory.facts, first.epoch, last.epoch, first.time, last.time);
-    window.arc = arc.number;
-    window.definitions = candidate.definitions;
-    using Row = TrajectoryEpoch;
-    window.methods = {
-        .smoothed_mps = mean_over(trajectory, rows, candidate.window, &Row::speed_mps),
-        .batch_mps = mean_over(trajectory, rows, candidate.window, &Row::speed_batch_mps),
-        .v1_mps = mean_over(trajectory, rows, candidate.window, &Row::speed_v1_mps),
-        .v2_mps = mean_over(trajectory, rows, candidate.window, &Row::speed_v2_mps),
-        .kalman_mps = mean_over(trajectory, rows, candidate.window, &Row::speed_kalman_mps)};
-
-    const SmoothedArc<2> smoothed = checked_estimate(evidence, candidate.window, arc);
-    const WindowStretch stretch = cut_stretch(arc, candidate.window, stretch_margin_s);
-    const SpeedEstimate displacement = displacement_speed(
-        smoothed, candidate.window.first, candidate.window.last, stretch.duration_s);
-    window.fitted = fitted_speed(stretch, evidence.models, profile.definition);
-    window.robust =
-        robust_speed(evidence, arc, smoothed, candidate.window, displacement, stretch.duration_s);
-    window.repaired_steps =
-        std::ssize(smoothed.bridged_between(candidate.window.first, candidate.window.last));
-
-    ErrorBound bound =
-        error_bound(evidence.screened, first_row, last_row, evidence.noise, profile.uncertainty);
-    const EstimationModel bounded = bounded_model(evidence.noise, bound);
-    const PositionNoise noise = position_noise(stretch, bounded, profile.definition);
-    bound.standard_uncertainty_mps = noise.speed.standard_uncertainty_mps;
-    window.bound = bound;
-    window.displacement_m = noise.displacement_m;
-    window.position_r95_m = position_r95_m(smoothed, candidate.window, bound);
-    if (evidence.screened.evidence) {
-        window.detection_power = evidence.screened.evidence->power;
-        window.reliability =
-            undetected_errors(evidence.screened, arc, stretch, bounded, profile.definition);
+ProfileWindows windows_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
+                          const Certifier& certifier, const Profile& profile,
+                          const WindowConfig& config, const std::optional<CourseGates>& gates) {
+    ProfileWindows entry{.profile = profile.id,
+                         .rule = rule_of(profile),
+                         .candidates = 0,
+                         .missing = {},
+                         .best = std::nullopt,
+                         .further = {},
+                         .indicated = fastest_indicated(screened, profile, config, gates)};
+    if (profile.dimension != "horizontal" && !certifier.has_heights()) {
+        entry.missing = "the recording has no heights that could be estimated";
+        return entry;
     }
-
-    const double least_mps = candidate.definitions.displacement_mps -
-                             selection_width * displacement.standard_uncertainty_mps;
-    SelectionBias selection = selection_bias(
-        clusters_of(evidence, windows, candidate, least_mps), {evidence.model, bounded},
-        noise.speed.speed_mps, evidence.config.selection_samples, evidence.config.seed);
-    selection.treatment = profile.uncertainty.subtract_selection_bias ? "subtracted" : "covered";
-    window.selection = selection;
-    window.speed_mps = noise.speed.speed_mps;
-    if (profile.uncertainty.subtract_selection_bias) window.speed_mps -= selection.bias_mps;
-
-    const BudgetInput input{.trajectory = trajectory,
-                            .config = evidence.config,
-                            .noise = noise,
-                            .bound = bound,
-                            .selection = selection,
-                            .first_row = first_row,
-                            .last_row = last_row,
-                            .duration_s = stretch.duration_s,
-                            .reliability = window.reliability,
-                            .detection_power = window.detection_power.value_or(0.0)};
-    window.budget = budget_of(input);
-    const CombinedUncertainty combined = combine(window.budget);
-    window.standard_uncertainty_mps = combined.standard_uncertainty;
-    window.effective_degrees_of_freedom = combined.effective_degrees_of_freedom;
-    window.monte_carlo = monte_carlo(input, window.budget, window.speed_mps);
-    return window;
-}
-
-BridgedSteps bridged_steps_under(const Profile& profile) {
-    return profile.repaired_steps ? BridgedSteps::allowed : BridgedSteps::refused;
+    const Choice choice = choose(screened, trajectory, certifier.rows(), profile, config, gates);
+    entry.candidates = std::ssize(choice.all);
+    entry.missing = choice.missing;
+    certify_chosen(certifier, profile, choice, gates, entry);
+    return entry;
 }
 
 }  // namespace
@@ -247,38 +198,31 @@ WindowConfig window_config(const Attempt& attempt, const Receiver& receiver) {
 }
 
 Windows find_windows(const ScreenedTable& screened, const TrajectoryTable& trajectory,
-                     const std::vector<Profile>& profiles, const WindowConfig& config) {
+                     const std::vector<Profile>& profiles, const WindowConfig& config,
+                     const std::optional<Course>& course) {
     Windows windows;
     windows.receiver = trajectory.facts.receiver;
     windows.first_epoch = trajectory.facts.first_epoch;
     windows.georeferenced = trajectory.facts.georeferenced;
-    const NoiseSummary& noise = horizontal_noise_of(trajectory);
-    Evidence evidence{.screened = screened,
-                      .trajectory = trajectory,
-                      .config = config,
-                      .noise = noise,
-                      .model = model_of(noise),
-                      .models = posterior_of(noise),
-                      .arcs = {},
-                      .rows = arcs_in(trajectory)};
-    evidence.arcs = matching_arcs(screened, trajectory, evidence.rows);
+    const Certifier certifier(screened, trajectory, config);
+    std::optional<CourseGates> gates;
+    if (course) gates = course_gates(*course, trajectory.origin);
     for (const Profile& profile : profiles) {
-        ProfileWindows entry{.profile = profile.id,
-                             .duration_s = profile.duration_s,
-                             .definition = profile.definition,
-                             .candidates = 0,
-                             .best = std::nullopt,
-                             .indicated = fastest_indicated(screened, profile.duration_s, config,
-                                                            bridged_steps_under(profile))};
-        const auto candidates =
-            certifiable_windows(trajectory, evidence.rows, profile.duration_s,
-                                config.duration_tolerance_s, bridged_steps_under(profile));
-        for (const auto& of_arc : candidates)
-            entry.candidates += static_cast<std::int64_t>(of_arc.size());
-        if (const auto best =
-                best_window(trajectory, evidence.rows, candidates, profile.definition))
-            entry.best = certified(evidence, candidates, *best, profile);
-        windows.profiles.push_back(std::move(entry));
+        if (profile.window_kind == "course" && !gates)
+            throw Failure("attempt",
+                          fmt::format("the profile {} needs a surveyed course, and the attempt "
+                                      "gives none",
+                                      profile.id),
+                          "Add course: {start, finish, length_m, length_expanded_uncertainty_m}");
+        if (profile.window_kind == "course" &&
+            std::abs(gates->length_m - profile.distance_m) > 0.02 * profile.distance_m)
+            throw Failure(course->place,
+                          fmt::format("the profile {} is for a course of {:g} m, this one has "
+                                      "{:g} m",
+                                      profile.id, profile.distance_m, gates->length_m),
+                          "Use a profile of that length, or correct length_m");
+        windows.profiles.push_back(
+            windows_of(screened, trajectory, certifier, profile, config, gates));
     }
     return windows;
 }

@@ -26,23 +26,29 @@ struct WindowConfig {
 
 WindowConfig window_config(const Attempt& attempt, const Receiver& receiver);
 
-/// For each profile the best certifiable window of the smoothed trajectory, its certified speed
-/// with all sources of uncertainty, and the fastest window that the raw positions indicate.
+/// For each profile the best certifiable windows of the smoothed trajectory, their certified speeds
+/// with all sources of uncertainty, and the fastest that the recording indicates.
 ///
-/// A certifiable window begins and ends at usable epochs of one arc, holds no unusable epoch, spans
-/// no bridged step unless the profile allows repaired ones, and is as long as the rule says (to the
-/// tolerance; where no epoch is exactly so far, the next one).
-/// Windows are compared on the trajectory. The speed of the best is then stated as estimated with
-/// the position error bounded by the profile's rule (`error_bound`), with the budget's combined
-/// uncertainty; the speed with the fitted noise, and that of the robust batch, stand beside it.
-/// Failure where the trajectory is not the estimate from these screened epochs.
+/// A certifiable window lies in one arc, holds no unusable epoch, spans no bridged step unless the
+/// profile allows repaired ones, and is as long as the rule says. Windows are compared on the
+/// trajectory, or on the recorded velocities where the profile takes these. The speed of the best
+/// is then stated as estimated with the position error bounded by the profile's rule
+/// (`error_bound`), with the budget's combined uncertainty; the speed with the fitted noise, and
+/// that of the robust batch, stand beside it.
+///
+/// `course` is what the attempt says of it. Failure where a profile needs it and there is none, or
+/// where the trajectory is not the estimate from these screened epochs.
 Windows find_windows(const ScreenedTable& screened, const TrajectoryTable& trajectory,
-                     const std::vector<Profile>& profiles, const WindowConfig& config);
+                     const std::vector<Profile>& profiles, const WindowConfig& config,
+                     const std::optional<Course>& course = std::nullopt);
 
-/// The fastest window of the raw positions over `duration_s`, by displacement (offsets of bridged
-/// steps included), certifiable or not, with a sentence for each reason why it cannot be certified.
-/// A bridged step is one where such steps are refused.
-std::optional<IndicatedWindow> fastest_indicated(const ScreenedTable& screened, double duration_s,
-                                                 const WindowConfig& config, BridgedSteps bridged);
+struct CourseGates;
+
+/// The fastest window of the recording as it is, offsets of bridged steps included, certifiable or
+/// not, with a sentence for each reason why it cannot be certified. A bridged step is one where
+/// such steps are refused.
+std::optional<IndicatedWindow> fastest_indicated(const ScreenedTable& screened,
+                                                 const Profile& profile, const WindowConfig& config,
+                                                 const std::optional<CourseGates>& gates);
 
 }  // namespace runcert

@@ -25,7 +25,7 @@ void count(Coverage& coverage, double error_mps, double standard_uncertainty_mps
     coverage.largest_half_width_mps = std::max(coverage.largest_half_width_mps, half_width);
 }
 
-void count_model(Coverage& coverage, const WindowStretch& stretch, const EstimationModel& model,
+void count_model(Coverage& coverage, const WindowStretch<2>& stretch, const EstimationModel& model,
                  double true_mps) {
     const SpeedEstimate speed = speed_by_definition(
         smooth<2>(stretch.epochs, model), stretch.window, stretch.duration_s, "displacement");
@@ -41,7 +41,7 @@ void study_one(CoverageCell& cell, const CoverageOptions& options, std::uint64_t
     const double true_mps =
         (recording.truth[last] - recording.truth[first]).norm() / window_length_s;
     const std::vector<Arc<2>> arcs = arcs_of<2>(recording.screened);
-    const WindowStretch stretch = cut_stretch(arcs.front(), {first, last}, 60.0);
+    const WindowStretch<2> stretch = cut_stretch(arcs.front(), {first, last}, 60.0);
 
     EstimationModel model;
     model.motion.jerk_density = cell.run.jerk_density;
@@ -56,7 +56,7 @@ void study_one(CoverageCell& cell, const CoverageOptions& options, std::uint64_t
     count(cell.fitted, fitted.speed_mps - true_mps, fitted.standard_uncertainty_mps);
     Profile::Uncertainty rule;
     rule.error_floor_m = {{"fixed", options.floor_m}};
-    const ErrorBound bound = error_bound(recording.screened, first, last, noise, rule);
+    const ErrorBound bound = error_bound<2>(recording.screened, first, last, noise, rule);
     count_model(cell.bound, stretch, bounded_model(noise, bound), true_mps);
 }
 

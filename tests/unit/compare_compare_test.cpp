@@ -71,8 +71,7 @@ Sample sample() {
                  .start_gps = std::nullopt};
     best.speed_mps = 19.7;
     one.windows.profiles.push_back({.profile = "test",
-                                    .duration_s = 3.0,
-                                    .definition = "displacement",
+                                    .rule = {.duration_s = 3.0, .definition = "displacement"},
                                     .candidates = 90,
                                     .best = best,
                                     .indicated = std::nullopt});

@@ -70,13 +70,15 @@ INSTANTIATE_TEST_SUITE_P(Runs, EveryPage,
                                          sample::Options{.vertical = false, .georeferenced = false},
                                          sample::Options{.gap_every_s = 7},
                                          sample::Options{.earlier_revision = true},
-                                         sample::Options{.revision_1_1 = true}));
+                                         sample::Options{.revision_1_1 = true},
+                                         sample::Options{.verdict_1_0 = true}));
 
 TEST(ReportHtml, PutsTheVerdictFirst) {
     const std::string text = visible_text(page({}, a_signer));
     const std::size_t verdict = text.find("Record beaten");
     ASSERT_NE(verdict, std::string::npos);
     EXPECT_LT(verdict, text.find("The attempt"));
+    EXPECT_NE(text.find("216.00 ± 0.019 km/h"), std::string::npos);
     EXPECT_NE(text.find("216.009 ± 0.018 km/h"), std::string::npos);
 }
 

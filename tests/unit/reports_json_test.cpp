@@ -49,8 +49,8 @@ TEST(ReportJson, HoldsTheFullFiguresBesideTheShownOnes) {
     EXPECT_EQ(nalsa["standard_uncertainty_m_s"], 0.002551);
     EXPECT_EQ(nalsa["lower_limit_m_s"], 59.997315);
     EXPECT_EQ(nalsa["target_km_h"], 204.5093);
-    EXPECT_EQ(nalsa["headline"]["headline_speed"], "216.009");
-    EXPECT_EQ(nalsa["headline"]["headline_uncertainty"], "0.018");
+    EXPECT_EQ(nalsa["headline"]["headline_speed"], "216.00");
+    EXPECT_EQ(nalsa["headline"]["headline_uncertainty"], "0.019");
     EXPECT_EQ(nalsa["window"]["definitions"].size(), 4U);
     EXPECT_EQ(nalsa["window"]["methods"].size(), 4U);  // v2 has no value
     EXPECT_EQ(nalsa["window"]["end_utc"], "2022-03-18T08:51:47.500Z");

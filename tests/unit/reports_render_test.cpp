@@ -27,7 +27,7 @@ class Rendering : public testing::Test {
         if (!installed("gnuplot")) GTEST_SKIP() << "gnuplot is not installed";
     }
 
-    std::vector<Figure> figures(const sample::Options& options) {
+    std::vector<DrawnFigure> figures(const sample::Options& options) {
         const sample::Run run = sample::make_run(options);
         sample::write_files(run, folder_.path());
         return draw_figures(folder_.path(), report_json(run.inputs)["predicate"]);
@@ -54,7 +54,7 @@ TEST_F(Rendering, FiguresAreTheSameTwice) {
 TEST_F(Rendering, FiguresShareNoIds) {
     std::set<std::string> all;
     std::size_t count = 0;
-    for (const Figure& figure : figures({})) {
+    for (const DrawnFigure& figure : figures({})) {
         const auto ids = ids_of(figure.svg);
         count += ids.size();
         all.insert(ids.begin(), ids.end());
@@ -68,13 +68,46 @@ TEST_F(Rendering, ARunWithoutWindowHasFiguresToo) {
     EXPECT_EQ(figures({.certified = false}).size(), 2U);
 }
 
+// Neither a line of the speed that counts nor one of the speed to reach: those are vertical.
+TEST_F(Rendering, OfAVerticalRuleTheHorizontalSpeedIsDrawnAlone) {
+    sample::Run run = sample::make_run();
+    sample::write_files(run, folder_.path());
+    const auto level = draw_figures(folder_.path(), report_json(run.inputs)["predicate"]);
+    EXPECT_NE(level[1].svg.find("speed that counts"), std::string::npos);
+    EXPECT_NE(level[0].svg.find("speed to reach, nalsa"), std::string::npos);
+    run.inputs.profiles[0].dimension = "vertical";
+    const auto drawn = draw_figures(folder_.path(), report_json(run.inputs)["predicate"]);
+    EXPECT_EQ(drawn[1].svg.find("speed that counts"), std::string::npos);
+    EXPECT_EQ(drawn[0].svg.find("speed to reach, nalsa"), std::string::npos);
+    EXPECT_NE(drawn[0].svg.find("speed to reach, fisly"), std::string::npos);
+}
+
+TEST_F(Rendering, WindowsOfOtherKindsAndFurtherOnesAreDrawn) {
+    sample::Run run = sample::make_run();
+    sample::write_files(run, folder_.path());
+    const auto before = draw_figures(folder_.path(), report_json(run.inputs)["predicate"]);
+    for (const char* kind : {"distance", "course", "alpha"}) {
+        run.inputs.profiles[0].window_kind = kind;
+        run.inputs.profiles[0].distance_m = 500.0;
+        ProfileWindows& windows = run.inputs.receivers[0].windows.profiles[0];
+        WindowSpan other = windows.best->span;
+        other.start.nanoseconds -= 9'012'345'678;
+        windows.further = {{.span = other, .arc = 1, .speed_mps = 58.0}};
+        const auto drawn = draw_figures(folder_.path(), report_json(run.inputs)["predicate"]);
+        ASSERT_EQ(drawn.size(), before.size());
+        EXPECT_NE(drawn[0].svg, before[0].svg) << kind;  // the further window is shaded
+        EXPECT_EQ(drawn[1].svg, before[1].svg) << kind;
+    }
+}
+
 TEST_F(Rendering, APlaneRunHasNoNorthOfTheEarth) {
     const auto drawn = figures({.vertical = false, .georeferenced = false});
     EXPECT_NE(drawn.back().svg.find("plane N"), std::string::npos);
 }
 
 TEST_F(Rendering, ALongRunWithGapsStaysSmall) {
-    for (const Figure& figure : figures({.epochs = 28200, .interval_s = 0.05, .gap_every_s = 37}))
+    for (const DrawnFigure& figure :
+         figures({.epochs = 28200, .interval_s = 0.05, .gap_every_s = 37}))
         EXPECT_LT(figure.svg.size(), 200'000U);
 }
 
@@ -119,7 +152,7 @@ class Pdf : public Rendering {
 TEST_F(Pdf, HoldsVerdictSpeedAndEveryHash) {
     const std::string text = text_of_pdf({}, {.signers = {{"9F3C5B7A11D04E62", "comment"}}});
     EXPECT_NE(text.find("Record beaten"), std::string::npos);
-    EXPECT_NE(text.find("216.009 ± 0.018 km/h"), std::string::npos);
+    EXPECT_NE(text.find("216.00 ± 0.019 km/h"), std::string::npos);
     EXPECT_NE(text.find("Uncertainty: rule “fisly”"), std::string::npos);
     EXPECT_NE(text.find("216.009 ± 0.018 km/h (k = 2)"), std::string::npos);
     EXPECT_NE(text.find("B, rectangular"), std::string::npos);

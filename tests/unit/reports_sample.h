@@ -12,6 +12,8 @@
 #include "files/sha256.h"
 #include "reports/report_data.h"
 #include "reports_sample_evidence.h"
+#include "reports_sample_rules.h"
+#include "reports_sample_verdict.h"
 
 // A made-up run: the logistic run of [DHD22], 451 epochs at 10 Hz, with what the stages would have
 // said of it.
@@ -28,6 +30,7 @@ struct Options {
     int gap_every_s = 0;            ///< 20 epochs are lost so often
     bool earlier_revision = false;  ///< files of revision 1.0: nothing of noise and budget
     bool revision_1_1 = false;      ///< files of revision 1.1: nothing of evidence, reliability
+    bool verdict_1_0 = false;       ///< a verdict of revision 1.0: nothing of how it was decided
     std::string craft = "Salt Runner";
     std::string place = "dry lake";
 };
@@ -313,8 +316,7 @@ inline ReceiverResults receiver(const Options& options, const std::string& id) {
                        .profiles = {}};
     for (const double duration : {3.0, 2.0}) {
         ProfileWindows windows{.profile = duration > 2.5 ? "nalsa" : "fisly",
-                               .duration_s = duration,
-                               .definition = "displacement",
+                               .rule = {.duration_s = duration, .definition = "displacement"},
                                .candidates = options.certified ? 421 : 0,
                                .best = std::nullopt,
                                .indicated = std::nullopt};
@@ -330,8 +332,9 @@ inline ReceiverResults receiver(const Options& options, const std::string& id) {
                 .methods = {60.002402, 60.002402, 60.0068, std::nullopt, 59.9954}};
         if (options.certified && !options.earlier_revision) fill_uncertainty(*windows.best);
         if (options.certified && options.revision_1_1) remove_reliability(*windows.best);
-        windows.indicated = IndicatedWindow{
-            span(options, 35.1, duration), 60.0871, {"The jump at epoch 353 is inside it."}};
+        windows.indicated = IndicatedWindow{.span = span(options, 35.1, duration),
+                                            .speed_mps = 60.0871,
+                                            .refusals = {"The jump at epoch 353 is inside it."}};
         results.windows.profiles.push_back(windows);
     }
     return results;
@@ -341,6 +344,7 @@ inline std::vector<Requirement> requirements(const Profile& profile, bool certif
     std::vector<Requirement> list;
     for (const Clause& clause : profile.clauses) {
         Requirement entry{clause.id, "met", "", clause.text, clause.source, clause.certainty};
+        entry.decided_by = clause.decided_by;
         if (clause.decided_by == "attest") entry.status = "attest";
         if (clause.decided_by == "window_complete")
             entry.evidence = certified
@@ -392,6 +396,12 @@ inline Verdict verdict(const Options& options, const std::vector<Profile>& profi
         entry.indicated = RefusedWindow{span(options, 35.1, profile.duration_s),
                                         60.0871,
                                         {"The jump at epoch 353 is inside it."}};
+        if (tested(options) && !options.verdict_1_0)
+            fill_verdict(entry, *verdict.record,
+                         span(options, 0.0, (options.epochs - 1) * options.interval_s));
+        else
+            for (Requirement& requirement : entry.requirements)
+                requirement.decided_by.clear();
         verdict.profiles.push_back(entry);
     }
     return verdict;
@@ -427,20 +437,29 @@ inline Run make_run(const Options& options = {}) {
     Run run;
     run.inputs.attempt = attempt(options);
     for (const char* name : {"nalsa", "fisly"})
-        run.inputs.profiles.push_back(read_profile(builtin_profile(name), name));
+        run.inputs.profiles.push_back(read_profile(rule(name), name));
     run.inputs.receivers.push_back(receiver(options, "primary"));
     if (options.second_receiver) run.inputs.receivers.push_back(receiver(options, "secondary"));
     run.inputs.verdict = verdict(options, run.inputs.profiles);
     const ReceiverResults& judged = run.inputs.receivers.front();
     add_file(run, "attempt", "attempt.yaml", "id: logistic-run\n");
     add_file(run, "recording", "0-recording.pos", "% recording\n");
-    add_file(run, "profile", "profile.nalsa.yaml", std::string(builtin_profile("nalsa")));
+    add_file(run, "profile", "profile.nalsa.yaml", std::string(rule("nalsa")));
     add_file(run, "observations", "1-observations.ecsv", write_observations(judged.observations));
     add_file(run, "screened", "3-screened.ecsv", write_screened(judged.screened));
     add_file(run, "trajectory", "4-trajectory.ecsv", write_trajectory(judged.trajectory));
     add_file(run, "windows", "5-windows.yaml", write_windows(judged.windows));
     add_file(run, "verdict", "6-verdict.yaml", write_verdict(run.inputs.verdict));
     return run;
+}
+
+/// As a report of that revision would be, of files that were of revision 1.2 or before.
+inline nlohmann::ordered_json of_revision(nlohmann::ordered_json report,
+                                          const std::string& revision) {
+    report["predicate"]["schema"]["version"] = revision;
+    for (auto& profile : report["predicate"]["profiles"])
+        profile.erase("unconfirmed");
+    return report;
 }
 
 inline void write_files(const Run& run, const std::filesystem::path& folder) {

@@ -195,12 +195,21 @@ Windows windows(const CertifiableWindow& best) {
     windows.header = header("window");
     windows.receiver = "primary";
     windows.profiles = {{.profile = "nalsa",
-                         .duration_s = 3.0,
-                         .definition = "displacement",
+                         .rule = {.duration_s = 3.0, .definition = "displacement"},
                          .candidates = 1,
                          .best = best,
                          .indicated = std::nullopt}};
     return windows;
+}
+
+/// As revision 1.2 wrote it.
+std::string without_revision_3(const std::string& text) {
+    return test::replaced(test::replaced(test::replaced(text, "    kind: time\n", ""),
+                                         "    dimension: horizontal\n    source: position\n"
+                                         "    ends: epochs\n    exact: false\n    count: 1\n"
+                                         "    opposite_runs: false\n",
+                                         ""),
+                          "version: \"1.3\"", "version: \"1.2\"");
 }
 
 CertifiableWindow written_and_read(const CertifiableWindow& best) {
@@ -300,8 +309,8 @@ TEST(WindowReliability, HasOnlyKnownWordsAndIsOfRevision2) {
     wrong.reliability[0].unit = "km";
     EXPECT_TRUE(
         failure_of([&] { write_windows(windows(wrong)); }).contains("is not one of m, m / s"));
-    const std::string early =
-        test::replaced(write_windows(windows(window())), "version: \"1.2\"", "version: \"1.1\"");
+    const std::string early = test::replaced(without_revision_3(write_windows(windows(window()))),
+                                             "version: \"1.2\"", "version: \"1.1\"");
     EXPECT_TRUE(failure_of([&] {
                     read_windows(early, "f");
                 }).contains("repaired_steps: the field needs revision 1.2"));
@@ -318,9 +327,9 @@ TEST(WindowUncertainty, WhatWasNotComputedIsAbsentButTheBudgetIsListed) {
     const std::string without = test::replaced(text, "      budget: []\n", "");
     EXPECT_TRUE(
         failure_of([&] { read_windows(without, "f"); }).contains("the key \"budget\" is missing"));
-    const std::string earlier =
-        test::replaced(test::replaced(without, "version: \"1.2\"", "version: \"1.0\""),
-                       "      repaired_steps: 0\n      reliability: []\n", "");
+    const std::string earlier = test::replaced(
+        test::replaced(without_revision_3(without), "version: \"1.2\"", "version: \"1.0\""),
+        "      repaired_steps: 0\n      reliability: []\n", "");
     EXPECT_TRUE(read_windows(earlier, "f").profiles.at(0).best->budget.empty());
     bare.fitted = FittedSpeed{60.0, std::numeric_limits<double>::quiet_NaN(), 1};
     EXPECT_TRUE(failure_of([&] { write_windows(windows(bare)); }).contains("finite"));

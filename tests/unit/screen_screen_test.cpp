@@ -217,7 +217,7 @@ TEST(Screen, AStepWhoseFirstEpochIsLeftOutShowsAtTheNext) {
                                      .statistic = 88.0,
                                      .threshold = 40.0,
                                      .estimated = {}};
-    mark_rows(rows, arc_rows, decisions, TestedAxes::horizontal, false);
+    mark_rows(rows, arc_rows, decisions, TestedAxes::horizontal, MarkOptions{});
     finish_arcs(rows, 20, 2);
     EXPECT_EQ(rows[3].reason, Reason::outlier);
     EXPECT_EQ(rows[3].statistic, 88.0);

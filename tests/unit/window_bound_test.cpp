@@ -43,7 +43,7 @@ NoiseSummary noise_with(double white_scale, std::optional<double> diffusion) {
 
 TEST(ErrorBound, TheFloorDecidesWhereItIsLargest) {
     const ErrorBound bound =
-        error_bound(table_of(FixKind::fixed), 0, 9, noise_with(1.5, 0.02), rule());
+        error_bound<2>(table_of(FixKind::fixed), 0, 9, noise_with(1.5, 0.02), rule());
     EXPECT_EQ(bound.decided_by, "floor");
     EXPECT_EQ(bound.floor_fix, "fixed");
     EXPECT_EQ(bound.sigma_m, 0.020);
@@ -56,7 +56,7 @@ TEST(ErrorBound, TheFloorDecidesWhereItIsLargest) {
 
 TEST(ErrorBound, TheStatedAccuracyTimesItsScaleDecidesWhereThatIsLargest) {
     const ErrorBound bound =
-        error_bound(table_of(FixKind::fixed), 0, 9, noise_with(4.0, 0.02), rule());
+        error_bound<2>(table_of(FixKind::fixed), 0, 9, noise_with(4.0, 0.02), rule());
     EXPECT_EQ(bound.decided_by, "stated");
     EXPECT_NEAR(bound.sigma_m, 4.0 * stated_m, 1e-15);
 }
@@ -64,23 +64,23 @@ TEST(ErrorBound, TheStatedAccuracyTimesItsScaleDecidesWhereThatIsLargest) {
 TEST(ErrorBound, TheFittedErrorDecidesWhereThatIsLargest) {
     // It wanders by 0.1 m s^-0.5; with tau 0.5 s that is 0.1 sqrt(0.25) = 50 mm.
     const ErrorBound bound =
-        error_bound(table_of(FixKind::fixed), 0, 9, noise_with(4.0, 0.1), rule());
+        error_bound<2>(table_of(FixKind::fixed), 0, 9, noise_with(4.0, 0.1), rule());
     EXPECT_EQ(bound.decided_by, "fitted");
     EXPECT_NEAR(bound.sigma_m, 0.050, 1e-15);
-    EXPECT_EQ(
-        error_bound(table_of(FixKind::fixed), 0, 9, noise_with(4.0, std::nullopt), rule()).fitted_m,
-        0.0);
+    EXPECT_EQ(error_bound<2>(table_of(FixKind::fixed), 0, 9, noise_with(4.0, std::nullopt), rule())
+                  .fitted_m,
+              0.0);
 }
 
 TEST(ErrorBound, TheWorstKindOfSolutionInTheWindowSetsTheFloor) {
     ScreenedTable table = table_of(FixKind::fixed);
     table.rows[4].fix = FixKind::float_ambiguities;
     const NoiseSummary noise = noise_with(1.0, std::nullopt);
-    EXPECT_EQ(error_bound(table, 0, 9, noise, rule()).floor_fix, "float");
-    EXPECT_EQ(error_bound(table, 0, 9, noise, rule()).sigma_m, 0.200);
-    EXPECT_EQ(error_bound(table, 5, 9, noise, rule()).floor_fix, "fixed");  // not in the window
+    EXPECT_EQ(error_bound<2>(table, 0, 9, noise, rule()).floor_fix, "float");
+    EXPECT_EQ(error_bound<2>(table, 0, 9, noise, rule()).sigma_m, 0.200);
+    EXPECT_EQ(error_bound<2>(table, 5, 9, noise, rule()).floor_fix, "fixed");  // not in the window
     table.rows[4].usable = false;
-    EXPECT_EQ(error_bound(table, 0, 9, noise, rule()).floor_fix, "fixed");
+    EXPECT_EQ(error_bound<2>(table, 0, 9, noise, rule()).floor_fix, "fixed");
 }
 
 TEST(ErrorBound, OnlyUsableEpochsOfTheWindowCount) {
@@ -88,16 +88,18 @@ TEST(ErrorBound, OnlyUsableEpochsOfTheWindowCount) {
     table.rows[0].sigma_east_m = 5.0;  // outside the window
     table.rows[4].sigma_east_m = 5.0;
     table.rows[4].usable = false;
-    EXPECT_NEAR(error_bound(table, 1, 9, noise_with(1.0, std::nullopt), rule()).stated_m, stated_m,
-                1e-15);
+    EXPECT_NEAR(error_bound<2>(table, 1, 9, noise_with(1.0, std::nullopt), rule()).stated_m,
+                stated_m, 1e-15);
 }
 
 TEST(ErrorBound, TheProfilesOwnFloorsAreThoseOfItsSchema) {
     const Profile nalsa = read_profile(builtin_profile("nalsa"), "nalsa");
     const NoiseSummary noise = noise_with(1.0, std::nullopt);
-    EXPECT_EQ(error_bound(table_of(FixKind::fixed), 0, 9, noise, nalsa.uncertainty).sigma_m, 0.020);
-    EXPECT_EQ(error_bound(table_of(FixKind::single), 0, 9, noise, nalsa.uncertainty).sigma_m, 0.5);
-    EXPECT_EQ(error_bound(table_of(FixKind::unknown), 0, 9, noise, nalsa.uncertainty).floor_fix,
+    EXPECT_EQ(error_bound<2>(table_of(FixKind::fixed), 0, 9, noise, nalsa.uncertainty).sigma_m,
+              0.020);
+    EXPECT_EQ(error_bound<2>(table_of(FixKind::single), 0, 9, noise, nalsa.uncertainty).sigma_m,
+              0.5);
+    EXPECT_EQ(error_bound<2>(table_of(FixKind::unknown), 0, 9, noise, nalsa.uncertainty).floor_fix,
               "unknown");
 }
 
@@ -130,7 +132,7 @@ struct Scene {
     EstimationModel slow{.motion = {.jerk_density = 0.2},
                          .measurement_scale = 0.7,
                          .error = GaussMarkovError::steady(0.02, 3.0)};
-    WindowStretch stretch;
+    WindowStretch<2> stretch;
 
     Scene() {
         RandomGenerator random(8);
@@ -145,7 +147,7 @@ struct Scene {
 
 TEST(FittedSpeed, OfOneModelIsThatModelsOwn) {
     const Scene scene;
-    const FittedSpeed fitted = fitted_speed(scene.stretch, {{scene.slow, 0.3}}, "displacement");
+    const FittedSpeed fitted = fitted_speed(scene.stretch, {{scene.slow, 0.3}}, {"displacement"});
     const SpeedEstimate alone = scene.by(scene.slow);
     EXPECT_EQ(fitted.models, 1);
     EXPECT_NEAR(fitted.speed_mps, alone.speed_mps, 1e-12);
@@ -158,7 +160,7 @@ TEST(FittedSpeed, OfTwoModelsHoldsTheirDifference) {
     const SpeedEstimate b = scene.by(scene.slow);
     ASSERT_GT(std::abs(a.speed_mps - b.speed_mps), 1e-4);
     const FittedSpeed fitted =
-        fitted_speed(scene.stretch, {{scene.white, 0.75}, {scene.slow, 0.25}}, "displacement");
+        fitted_speed(scene.stretch, {{scene.white, 0.75}, {scene.slow, 0.25}}, {"displacement"});
     EXPECT_EQ(fitted.models, 2);
     EXPECT_NEAR(fitted.speed_mps, 0.75 * a.speed_mps + 0.25 * b.speed_mps, 1e-10);
     const double variance = 0.75 * std::pow(a.standard_uncertainty_mps, 2) +

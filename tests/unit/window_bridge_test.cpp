@@ -1,10 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/failure.h"
-#include "stages/window/best_window.h"
 #include "stages/window/position_noise.h"
+#include "stages/window/search_series.h"
 #include "stages/window/selection.h"
 #include "window_test_support.h"
 
@@ -80,16 +81,22 @@ TEST(BridgedWindows, SpeedsOfTheSearchAreThoseOfTheSmoother) {
         const SteppedRun run(offset_m);
         const SmoothedArc<2> smoothed = smooth<2>(run.arc().epochs, motion());
         const EpochPair window{step_row - 12, step_row + 18};
-        const auto best =
-            best_window(run.trajectory, arcs_in(run.trajectory), {{window}}, "displacement");
-        const SpeedDefinitions& speeds = best.value().definitions;
         const auto expected = [&](const char* definition) {
-            return speed_by_definition(smoothed, window, 3.0, definition).speed_mps;
+            return speed_by_definition(smoothed, window, 3.0, {definition}).speed_mps;
         };
-        for (const char* definition : {"displacement", "path_length", "mean_n_plus_1", "mean_n"})
-            EXPECT_NEAR(speeds.by_name(definition), expected(definition), 1e-9)
+        for (const char* definition : {"displacement", "path_length", "mean_n_plus_1", "mean_n"}) {
+            Profile profile = test::rule_over(3.0, definition);
+            profile.repaired_steps = true;
+            const auto all = allowed_windows(
+                certifiable_series(run.screened, run.trajectory, arcs_in(run.trajectory), profile),
+                search_rule(profile, 0.001, 0.1));
+            const auto found = std::ranges::find(all, window.first, &FoundWindow::first);
+            ASSERT_NE(found, all.end());
+            EXPECT_EQ(found->last, window.last);
+            EXPECT_NEAR(found->speed_mps, expected(definition), 1e-9)
                 << definition << ", " << offset_m << " m";
-        EXPECT_NEAR(speeds.displacement_mps, 60.0, 0.02);
+            EXPECT_NEAR(found->speed_mps, 60.0, 0.02);
+        }
     }
 }
 
@@ -98,11 +105,14 @@ TEST(BridgedWindows, ManyStepsAddUp) {
     test::add_bridged_step(run.screened, step_row + 1, -3.0);
     test::add_bridged_step(run.screened, step_row + 7, 0.25);
     run.trajectory = test::smoothed_with(run.screened, test::summary_of(motion()));
-    const auto arcs = arcs_in(run.trajectory);
-    const auto positions = positions_without_offsets(run.trajectory, arcs.front());
+    Profile profile = test::rule_over(3.0);
+    profile.repaired_steps = true;
+    const auto series =
+        certifiable_series(run.screened, run.trajectory, arcs_in(run.trajectory), profile);
+    const auto& positions = series.front().positions;
     const SmoothedArc<2> smoothed = smooth<2>(run.arc().epochs, motion());
     for (const EpochPair window : {EpochPair{0, 300}, EpochPair{149, 150}, EpochPair{150, 157}})
-        EXPECT_LT((positions[window.last] - positions[window.first] -
+        EXPECT_LT((Eigen::Vector3d(positions[window.last] - positions[window.first]).head<2>() -
                    displacement(smoothed, window.first, window.last))
                       .norm(),
                   1e-9);
@@ -114,7 +124,7 @@ TEST(BridgedWindows, PartsOfTheUncertaintyAddUpAndTheOffsetChangesNothing) {
     const SteppedRun with(0.5);
     for (const char* definition : {"displacement", "path_length", "mean_n"}) {
         const auto noise_of = [&](const SteppedRun& run) {
-            return position_noise(cut_stretch(run.arc(), window, 60.0), bounded(), definition);
+            return position_noise(cut_stretch(run.arc(), window, 60.0), bounded(), {definition});
         };
         const PositionNoise noise = noise_of(with);
         const PositionNoise same = noise_of(without);
@@ -144,7 +154,7 @@ TEST(BridgedWindows, RadiusOfThePositionHoldsTheOffset) {
 
 TEST(CutStretch, SaysWhereItBegins) {
     const Arc<2> arc = SteppedRun(0.5).arc();
-    const WindowStretch stretch = cut_stretch(arc, {step_row - 12, step_row + 18}, 2.0);
+    const WindowStretch<2> stretch = cut_stretch(arc, {step_row - 12, step_row + 18}, 2.0);
     EXPECT_EQ(stretch.first, step_row - 32);
     EXPECT_EQ(stretch.epochs.front().time_s, arc.epochs[stretch.first].time_s);
     EXPECT_EQ(stretch.window.first + stretch.first, step_row - 12);
@@ -153,8 +163,8 @@ TEST(CutStretch, SaysWhereItBegins) {
 }
 
 /// Windows of 3 s that all hold the step, the one in the middle chosen.
-WindowCluster across_step(const Arc<2>& arc) {
-    WindowCluster cluster;
+WindowCluster<2> across_step(const Arc<2>& arc) {
+    WindowCluster<2> cluster;
     cluster.arc = &arc;
     for (std::size_t k = step_row - 25; k < step_row - 5; ++k)
         cluster.windows.push_back({k, k + 30});
@@ -163,7 +173,7 @@ WindowCluster across_step(const Arc<2>& arc) {
 }
 
 SelectionBias bias_of(Arc<2> arc, double stated_mps = 60.0) {
-    return selection_bias({across_step(arc)}, {motion(), bounded()}, stated_mps, 200, 1);
+    return selection_bias<2>({across_step(arc)}, {motion(), bounded()}, stated_mps, 200, 1);
 }
 
 TEST(BridgedWindows, SelectionDoesNotDependOnTheOffset) {

@@ -18,15 +18,15 @@ EstimationModel bounding_model() {
 
 /// A window of about 3 s in an arc with irregular steps, covariances that change and are
 /// correlated between the axes, and one epoch without a measurement.
-WindowStretch irregular_stretch() {
-    WindowStretch stretch;
+WindowStretch<2> irregular_stretch() {
+    WindowStretch<2> stretch;
     stretch.epochs = test::sample_arc<2>(91, 40);
     stretch.window = {30, 60};
     stretch.duration_s = stretch.epochs[60].time_s - stretch.epochs[30].time_s;
     return stretch;
 }
 
-Eigen::Vector2d displacement(const WindowStretch& stretch, const EstimationModel& model) {
+Eigen::Vector2d displacement(const WindowStretch<2>& stretch, const EstimationModel& model) {
     const SmoothedArc<2> smoothed = smooth<2>(stretch.epochs, model);
     return smoothed.states[stretch.window.last].mean.head<2>() -
            smoothed.states[stretch.window.first].mean.head<2>();
@@ -34,13 +34,14 @@ Eigen::Vector2d displacement(const WindowStretch& stretch, const EstimationModel
 
 /// What each measured coordinate weighs in the speed: the smoothed displacement, along its
 /// direction and over time, moves by it when the coordinate moves by 1 m.
-std::vector<Eigen::Vector2d> weights(const WindowStretch& stretch, const EstimationModel& model) {
+std::vector<Eigen::Vector2d> weights(const WindowStretch<2>& stretch,
+                                     const EstimationModel& model) {
     const Eigen::Vector2d plain = displacement(stretch, model);
     std::vector<Eigen::Vector2d> result(stretch.epochs.size(), Eigen::Vector2d::Zero());
     for (std::size_t k = 0; k < stretch.epochs.size(); ++k) {
         if (!stretch.epochs[k].measurement) continue;
         for (int axis = 0; axis < 2; ++axis) {
-            WindowStretch moved = stretch;
+            WindowStretch<2> moved = stretch;
             moved.epochs[k].measurement->position(axis) += 1.0;
             result[k](axis) =
                 plain.normalized().dot(displacement(moved, model) - plain) / stretch.duration_s;
@@ -61,7 +62,7 @@ double error_covariance(const GaussMarkovError& error, double start_s, double a_
 TEST(PositionNoise, PartsAddUpToTheWhole) {
     for (const char* definition : {"displacement", "path_length", "mean_n_plus_1", "mean_n"}) {
         const PositionNoise noise =
-            position_noise(irregular_stretch(), bounding_model(), definition);
+            position_noise(irregular_stretch(), bounding_model(), {definition});
         const double u = noise.speed.standard_uncertainty_mps;
         for (const double part : {noise.white_mps, noise.correlated_mps, noise.motion_mps})
             EXPECT_GT(part, 0.01 * u) << definition;
@@ -73,7 +74,7 @@ TEST(PositionNoise, PartsAddUpToTheWhole) {
 }
 
 TEST(PositionNoise, WhiteAndCorrelatedPartsAreThoseOfTheSameWeights) {
-    const WindowStretch stretch = irregular_stretch();
+    const WindowStretch<2> stretch = irregular_stretch();
     const EstimationModel model = bounding_model();
     const std::vector<Eigen::Vector2d> h = weights(stretch, model);
     double white = 0.0;
@@ -87,7 +88,7 @@ TEST(PositionNoise, WhiteAndCorrelatedPartsAreThoseOfTheSameWeights) {
                                                             stretch.epochs[k].time_s,
                                                             stretch.epochs[l].time_s);
     }
-    const PositionNoise noise = position_noise(stretch, model, "displacement");
+    const PositionNoise noise = position_noise(stretch, model, {"displacement"});
     EXPECT_NEAR(noise.white_mps, std::sqrt(white), 1e-4 * std::sqrt(white));
     EXPECT_NEAR(noise.correlated_mps, std::sqrt(correlated), 1e-4 * std::sqrt(correlated));
 }
@@ -95,7 +96,7 @@ TEST(PositionNoise, WhiteAndCorrelatedPartsAreThoseOfTheSameWeights) {
 TEST(PositionNoise, TheRestIsTheMotions) {
     // The variance is of first degree in the three noises together: what white noise and the slow
     // error leave is its derivative by the logarithm of the motion's variance.
-    const WindowStretch stretch = irregular_stretch();
+    const WindowStretch<2> stretch = irregular_stretch();
     const auto variance = [&](double factor) {
         EstimationModel model = bounding_model();
         model.motion.jerk_density *= std::sqrt(factor);
@@ -105,20 +106,20 @@ TEST(PositionNoise, TheRestIsTheMotions) {
         return u * u;
     };
     const double motion = (variance(std::exp(0.01)) - variance(std::exp(-0.01))) / 0.02;
-    const PositionNoise noise = position_noise(stretch, bounding_model(), "displacement");
+    const PositionNoise noise = position_noise(stretch, bounding_model(), {"displacement"});
     EXPECT_NEAR(noise.motion_mps, std::sqrt(motion), 1e-3 * std::sqrt(motion));
 }
 
 TEST(PositionNoise, WithoutASlowErrorThereIsNoPartOfIt) {
     EstimationModel model = bounding_model();
     model.error = GaussMarkovError::steady(0.0, 1.0);
-    const PositionNoise noise = position_noise(irregular_stretch(), model, "displacement");
+    const PositionNoise noise = position_noise(irregular_stretch(), model, {"displacement"});
     EXPECT_LT(noise.correlated_mps, 1e-5);  // of the 10 um that stand for nothing
     EXPECT_GT(noise.white_mps, 1e-3);
 }
 
 /// Speed of the true motion of a window, by definition.
-double true_speed(const test::SimulatedArc<2>& run, const WindowStretch& stretch,
+double true_speed(const test::SimulatedArc<2>& run, const WindowStretch<2>& stretch,
                   std::string_view definition) {
     const auto& [first, last] = stretch.window;
     if (definition == "displacement")
@@ -146,11 +147,11 @@ TEST(SpeedByDefinition, UncertaintyIsTheScatterOfDrawsFromTheModel) {
     RandomGenerator random(20261121);
     for (std::size_t i = 0; i < draws; ++i) {
         const auto run = test::simulate_arc<2>(model, 51, 0.1, 0.005, random);
-        const WindowStretch stretch{.epochs = run.arc, .window = {10, 40}, .duration_s = 3.0};
+        const WindowStretch<2> stretch{.epochs = run.arc, .window = {10, 40}, .duration_s = 3.0};
         const SmoothedArc<2> smoothed = smooth<2>(run.arc, model);
         for (std::size_t d = 0; d < definitions.size(); ++d) {
             const SpeedEstimate speed =
-                speed_by_definition(smoothed, stretch.window, 3.0, definitions[d]);
+                speed_by_definition(smoothed, stretch.window, 3.0, {definitions[d]});
             errors[d].push_back(speed.speed_mps - true_speed(run, stretch, definitions[d]));
             stated[d] += speed.standard_uncertainty_mps / static_cast<double>(draws);
         }
@@ -169,14 +170,14 @@ TEST(CutStretch, WhatLiesBeyondTheMarginChangesNothing) {
     Arc<2> arc;
     arc.epochs = test::simulate_arc<2>(model, 2001, 0.1, 0.005, random).arc;
     const EpochPair window{1000, 1030};
-    const WindowStretch stretch = cut_stretch(arc, window, 60.0);
+    const WindowStretch<2> stretch = cut_stretch(arc, window, 60.0);
     EXPECT_EQ(stretch.epochs.size(), 1231U);
     EXPECT_EQ(stretch.window.first, 600U);
     EXPECT_EQ(stretch.window.last, 630U);
     const SpeedEstimate cut = speed_by_definition(smooth<2>(stretch.epochs, model), stretch.window,
-                                                  stretch.duration_s, "displacement");
+                                                  stretch.duration_s, {"displacement"});
     const SpeedEstimate whole =
-        speed_by_definition(smooth<2>(arc.epochs, model), window, 3.0, "displacement");
+        speed_by_definition(smooth<2>(arc.epochs, model), window, 3.0, {"displacement"});
     EXPECT_NEAR(cut.speed_mps, whole.speed_mps, 1e-7);
     EXPECT_NEAR(cut.standard_uncertainty_mps, whole.standard_uncertainty_mps,
                 1e-6 * whole.standard_uncertainty_mps);
@@ -188,7 +189,7 @@ TEST(CutStretch, BeginsWithAMeasuredEpochAndEndsWithTheArc) {
     arc.epochs = test::simulate_arc<2>(bounding_model(), 100, 0.1, 0.005, random).arc;
     for (const std::size_t k : {40U, 41U, 42U})
         arc.epochs[k].measurement.reset();
-    const WindowStretch stretch = cut_stretch(arc, {50, 80}, 0.95);
+    const WindowStretch<2> stretch = cut_stretch(arc, {50, 80}, 0.95);
     ASSERT_TRUE(stretch.epochs.front().measurement);
     EXPECT_EQ(stretch.epochs.front().time_s, arc.epochs[43].time_s);
     EXPECT_EQ(stretch.epochs.back().time_s, arc.epochs[89].time_s);

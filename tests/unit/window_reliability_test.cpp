@@ -37,9 +37,9 @@ EstimationModel estimate_model() {
     return model;
 }
 
-double speed_of(const WindowStretch& stretch, std::string_view definition) {
+double speed_of(const WindowStretch<2>& stretch, std::string_view definition) {
     return speed_by_definition(smooth<2>(stretch.epochs, estimate_model()), stretch.window,
-                               stretch.duration_s, definition)
+                               stretch.duration_s, {std::string(definition)})
         .speed_mps;
 }
 
@@ -52,9 +52,9 @@ class Reliability : public testing::TestWithParam<const char*> {
   public:
     ScreenedTable screened = screened_run();
     Arc<2> arc = arcs_of<2>(screened).front();
-    WindowStretch stretch = cut_stretch(arc, {320, 350}, 60.0);
+    WindowStretch<2> stretch = cut_stretch(arc, {320, 350}, 60.0);
     std::vector<UndetectedError> errors =
-        undetected_errors(screened, arc, stretch, estimate_model(), GetParam());
+        undetected_errors(screened, arc, stretch, estimate_model(), {GetParam()});
 };
 
 TEST_P(Reliability, NoDirectionOfAnUndetectedStepDoesMore) {
@@ -70,7 +70,7 @@ TEST_P(Reliability, NoDirectionOfAnUndetectedStepDoesMore) {
             const Eigen::Vector2d direction(std::cos(angle), std::sin(angle));
             const double size =
                 std::sqrt(lambda / direction.dot(diagnosis.step(k).precision * direction));
-            WindowStretch moved = stretch;
+            WindowStretch<2> moved = stretch;
             for (std::size_t j = k; j < moved.epochs.size(); ++j)
                 moved.epochs[j].measurement->position += size * direction;
             const double effect = std::abs(speed_of(moved, GetParam()) - before);
@@ -94,7 +94,7 @@ TEST_P(Reliability, AnOutlierOfThatSizeDoesThat) {
     double largest = 0.0;
     for (int i = 0; i < 360; ++i) {
         const double angle = 0.0174533 * i;
-        WindowStretch moved = stretch;
+        WindowStretch<2> moved = stretch;
         moved.epochs[k].measurement->position +=
             outlier.size * Eigen::Vector2d(std::cos(angle), std::sin(angle));
         largest = std::max(largest, std::abs(speed_of(moved, GetParam()) - before));
@@ -124,7 +124,7 @@ TEST(ReliabilityOfAWindow, WithoutEvidenceNothingIsClaimed) {
     ScreenedTable screened = recorded({});
     const Arc<2> arc = arcs_of<2>(screened).front();
     const auto errors = undetected_errors(screened, arc, cut_stretch(arc, {320, 350}, 60.0),
-                                          estimate_model(), "displacement");
+                                          estimate_model(), {"displacement"});
     EXPECT_TRUE(errors.empty());
     EXPECT_EQ(undetected_in_budget(errors), nullptr);
 }
@@ -132,11 +132,13 @@ TEST(ReliabilityOfAWindow, WithoutEvidenceNothingIsClaimed) {
 TEST(ReliabilityOfAWindow, NoisierNeighboursHideMore) {
     ScreenedTable screened = screened_run();
     const Arc<2> arc = arcs_of<2>(screened).front();
-    const WindowStretch stretch = cut_stretch(arc, {320, 350}, 60.0);
-    const auto quiet = undetected_errors(screened, arc, stretch, estimate_model(), "displacement");
+    const WindowStretch<2> stretch = cut_stretch(arc, {320, 350}, 60.0);
+    const auto quiet =
+        undetected_errors(screened, arc, stretch, estimate_model(), {"displacement"});
     for (ScreenedEpoch& row : screened.rows)
         row.local_variance_factor = 4.0;
-    const auto noisy = undetected_errors(screened, arc, stretch, estimate_model(), "displacement");
+    const auto noisy =
+        undetected_errors(screened, arc, stretch, estimate_model(), {"displacement"});
     EXPECT_NEAR(noisy.front().speed_mps, 2.0 * quiet.front().speed_mps, 1e-12);
 }
 

@@ -21,8 +21,8 @@ SelectionModels models() {
 }
 
 /// All windows of 3 s that begin in the first `begins` epochs from the fifth second on.
-WindowCluster windows_of(const Arc<2>& arc, std::size_t begins) {
-    WindowCluster cluster;
+WindowCluster<2> windows_of(const Arc<2>& arc, std::size_t begins) {
+    WindowCluster<2> cluster;
     cluster.arc = &arc;
     for (std::size_t k = 0; k < begins; ++k)
         cluster.windows.push_back({50 + k, 80 + k});
@@ -38,9 +38,9 @@ std::vector<Arc<2>> at_top_speed(int count) {
 
 TEST(SelectionBias, OneWindowLeavesNoChoice) {
     const auto arcs = at_top_speed(1);
-    WindowCluster cluster = windows_of(arcs[0], 1);
+    WindowCluster<2> cluster = windows_of(arcs[0], 1);
     cluster.chosen = 0;
-    const SelectionBias bias = selection_bias({cluster}, models(), 60.0, 100, 1);
+    const SelectionBias bias = selection_bias<2>({cluster}, models(), 60.0, 100, 1);
     EXPECT_EQ(bias.candidates, 1);
     // What is left is what smoothing itself does to a window at steady speed.
     EXPECT_NEAR(bias.bias_mps, 0.0, 1e-6);
@@ -51,15 +51,15 @@ TEST(SelectionBias, OneWindowLeavesNoChoice) {
 
 TEST(SelectionBias, GrowsWithTheWindowsToChooseFrom) {
     const auto arcs = at_top_speed(2);
-    std::vector<WindowCluster> one{windows_of(arcs[0], 21)};
+    std::vector<WindowCluster<2>> one{windows_of(arcs[0], 21)};
     one.front().chosen = 10;
-    std::vector<WindowCluster> more{windows_of(arcs[0], 61)};
+    std::vector<WindowCluster<2>> more{windows_of(arcs[0], 61)};
     more.front().chosen = 30;
-    std::vector<WindowCluster> two{windows_of(arcs[0], 61), windows_of(arcs[1], 61)};
+    std::vector<WindowCluster<2>> two{windows_of(arcs[0], 61), windows_of(arcs[1], 61)};
     two.front().chosen = 30;
-    const SelectionBias of_21 = selection_bias(one, models(), 60.0, 500, 1);
-    const SelectionBias of_61 = selection_bias(more, models(), 60.0, 500, 1);
-    const SelectionBias of_122 = selection_bias(two, models(), 60.0, 500, 1);
+    const SelectionBias of_21 = selection_bias<2>(one, models(), 60.0, 500, 1);
+    const SelectionBias of_61 = selection_bias<2>(more, models(), 60.0, 500, 1);
+    const SelectionBias of_122 = selection_bias<2>(two, models(), 60.0, 500, 1);
     EXPECT_EQ(of_122.candidates, 122);
     // Beyond chance: three standard uncertainties of the difference.
     const auto chance = [](const SelectionBias& a, const SelectionBias& b) {
@@ -72,11 +72,11 @@ TEST(SelectionBias, GrowsWithTheWindowsToChooseFrom) {
 
 TEST(SelectionBias, IsTheSameForASeed) {
     const auto arcs = at_top_speed(1);
-    std::vector<WindowCluster> clusters{windows_of(arcs[0], 31)};
+    std::vector<WindowCluster<2>> clusters{windows_of(arcs[0], 31)};
     clusters.front().chosen = 4;
-    const SelectionBias a = selection_bias(clusters, models(), 60.0, 100, 7);
-    const SelectionBias b = selection_bias(clusters, models(), 60.0, 100, 7);
-    const SelectionBias other = selection_bias(clusters, models(), 60.0, 100, 8);
+    const SelectionBias a = selection_bias<2>(clusters, models(), 60.0, 100, 7);
+    const SelectionBias b = selection_bias<2>(clusters, models(), 60.0, 100, 7);
+    const SelectionBias other = selection_bias<2>(clusters, models(), 60.0, 100, 8);
     EXPECT_EQ(a.bias_mps, b.bias_mps);
     EXPECT_EQ(a.bias_uncertainty_mps, b.bias_uncertainty_mps);
     EXPECT_EQ(a.best_mean_mps, b.best_mean_mps);

@@ -1,0 +1,190 @@
+#include "stages/check/context.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/failure.h"
+#include "core/uncertainty.h"
+
+namespace runcert {
+namespace {
+
+std::optional<DecimalRounding> rounding_of(const std::optional<DecimalRule>& rule) {
+    if (!rule) return std::nullopt;
+    return DecimalRounding{
+        .mode = rule->mode == "truncate" ? RoundingMode::truncate : RoundingMode::nearest,
+        .unit_mps = metres_per_second(rule->unit),
+        .decimals = rule->decimals};
+}
+
+Threshold target_over(const Profile& profile, const Record& record) {
+    const double unit = metres_per_second(record.unit);
+    const MarginRule rule{.kind = profile.margin_kind == "relative"       ? MarginKind::relative
+                                  : profile.margin_kind == "elapsed_time" ? MarginKind::elapsed_time
+                                                                          : MarginKind::absolute,
+                          .value = profile.margin,
+                          .distance_m = profile.distance_m,
+                          .above_upper_limit = profile.margin_above_upper_limit,
+                          .rounding = rounding_of(profile.rounding)};
+    return threshold_of(rule, {.speed_mps = record.speed * unit,
+                               .expanded_uncertainty_mps = record.expanded_uncertainty * unit});
+}
+
+/// The row of an epoch, if the trajectory is there and has it.
+std::optional<std::size_t> row_of(const std::vector<TrajectoryEpoch>& rows, std::int64_t epoch) {
+    const auto row = std::ranges::lower_bound(rows, epoch, {}, &TrajectoryEpoch::epoch);
+    if (row == rows.end() || row->epoch != epoch || !row->arc) return std::nullopt;
+    return static_cast<std::size_t>(row - rows.begin());
+}
+
+/// Slow errors that may differ between places of a run: the bound of the window, and of heights
+/// what they state, or were found to have, if that is more.
+CourseErrors errors_of(const ReceiverEvidence& judged, const CertifiableWindow& best) {
+    CourseErrors errors;
+    errors.tangent_plane = judged.facts.georeferenced;
+    if (best.bound) errors.slow_horizontal_m = errors.slow_vertical_m = best.bound->sigma_m;
+    if (const auto& vertical = judged.estimation.vertical) {
+        const NoiseSummary& noise = vertical->noise;
+        errors.slow_vertical_m =
+            std::max({errors.slow_vertical_m, noise.white_scale * noise.stated_sigma_m,
+                      noise.error_told ? noise.error_sigma_m->value : 0.0});
+    }
+    return errors;
+}
+
+CourseEvidence course_of(const ReceiverEvidence& judged, const Profile& profile,
+                         const CertifiableWindow& best) {
+    const auto first = row_of(judged.trajectory, best.span.first_epoch);
+    const auto last = row_of(judged.trajectory, best.span.last_epoch);
+    if (!first || !last)
+        return {.facts = std::nullopt,
+                .run = std::nullopt,
+                .missing = "the trajectory does not hold the window"};
+    for (const CraftRun& run : runs_under(profile, judged))
+        if (run.first_row <= *first && *last <= run.last_row)
+            return {.facts = course_facts(judged.trajectory, run, *first, *last,
+                                          errors_of(judged, best)),
+                    .run = run,
+                    .missing = {}};
+    return {.facts = std::nullopt,
+            .run = std::nullopt,
+            .missing =
+                "the window is not within one run of the craft, as the profile's thresholds "
+                "cut them"};
+}
+
+/// Direction of the window's displacement.
+std::optional<double> heading_of(const CourseEvidence& course) {
+    if (!course.facts) return std::nullopt;
+    return course.facts->heading_deg.value;
+}
+
+std::optional<FlowInWindow> flow_of(const FlowSeries* series, FlowKind kind,
+                                    const CertifiableWindow& best, const CourseEvidence& course) {
+    if (series == nullptr) return std::nullopt;
+    const double start_s = best.span.start.seconds();
+    return flow_in_window(*series, kind, start_s, start_s + best.span.duration.seconds(),
+                          heading_of(course).value_or(0.0));
+}
+
+/// The speed that the rule counts, and its expanded uncertainty; nothing where the current that it
+/// subtracts is not known.
+void set_speed(ClauseContext& context) {
+    const std::optional<RuleFigure> figure = context.windows.figure();
+    if (!figure) return;
+    SpeedPosterior speed{.speed_mps = figure->speed_mps,
+                         .standard_uncertainty_mps = figure->standard_uncertainty_mps,
+                         .degrees_of_freedom = figure->effective_degrees_of_freedom};
+    if (context.profile.subtract_current) {
+        if (!context.current || !context.current->missing.empty() || !context.course.facts) return;
+        speed.speed_mps -= context.current->along_mps;
+        speed.standard_uncertainty_mps =
+            std::hypot(speed.standard_uncertainty_mps,
+                       0.5 * context.input.attempt.current->expanded_uncertainty_mps);
+    }
+    context.coverage_factor =
+        equivalent_coverage_factor(context.profile.coverage_factor, speed.degrees_of_freedom);
+    context.expanded_uncertainty_mps = context.coverage_factor * speed.standard_uncertainty_mps;
+    context.speed = speed;
+}
+
+void set_decision(ClauseContext& context) {
+    context.record = context.input.attempt.record_for(context.profile.id);
+    if (context.record == nullptr) return;
+    context.target = target_over(context.profile, *context.record);
+    if (!context.speed) return;
+    const double level = context.profile.decision_probability;
+    context.decision =
+        Decision{.probability = conformance_probability(*context.speed, *context.target),
+                 .level = level,
+                 .target_standard_uncertainty_mps = context.target->standard_uncertainty_mps,
+                 .acceptance_limit_mps = acceptance_limit(*context.speed, *context.target, level)};
+}
+
+void set_second_methods(ClauseContext& context) {
+    const CheckInput& input = context.input;
+    const CertifiableWindow& best = *context.windows.best;
+    if (input.secondary != nullptr && context.profile.dimension != "horizontal") {
+        context.agreement = Agreement{};
+        context.agreement->missing = "is compared by horizontal speed only";
+    } else if (input.secondary != nullptr) {
+        const auto& other = windows_of(input.secondary->windows, context.profile).best;
+        context.agreement =
+            compare_speeds(input.judged, best, *input.secondary, other ? &*other : nullptr);
+    }
+    if (input.attempt.secondary_method)
+        context.declared =
+            compare_declared({.speed_mps = best.speed_mps,
+                              .standard_uncertainty_mps = best.standard_uncertainty_mps,
+                              .span = best.span,
+                              .over_course = context.profile.window_kind == "course"},
+                             *input.attempt.secondary_method, input.attempt.course);
+}
+
+}  // namespace
+
+const ProfileWindows& windows_of(const Windows& windows, const Profile& profile) {
+    for (const ProfileWindows& entry : windows.profiles) {
+        const WindowRule& rule = entry.rule;
+        if (entry.profile == profile.id && rule.kind == profile.window_kind &&
+            rule.duration_s == profile.duration_s && rule.distance_m == profile.distance_m &&
+            rule.definition == profile.definition && rule.dimension == profile.dimension &&
+            rule.source == profile.speed_source && (rule.ends == "any") == profile.ends_anywhere &&
+            rule.exact == profile.exact_duration && rule.count == profile.windows &&
+            rule.opposite_runs == profile.opposite_runs_within_s.has_value())
+            return entry;
+    }
+    throw Failure("5-windows of receiver " + windows.receiver,
+                  "the windows were not searched for the profile " + profile.id + " as it is now",
+                  "Run runcert-window again");
+}
+
+std::vector<CraftRun> runs_under(const Profile& profile, const ReceiverEvidence& judged) {
+    return runs_in(judged.trajectory, {.start_mps = profile.runs.start_mps,
+                                       .stop_mps = profile.runs.stop_mps,
+                                       .stop_s = profile.runs.stop_s,
+                                       .turn_deg = profile.runs.turn_deg});
+}
+
+ClauseContext gather_context(const CheckInput& input, const Profile& profile,
+                             const ProfileWindows& windows) {
+    ClauseContext context{.input = input,
+                          .profile = profile,
+                          .windows = windows,
+                          .coverage_factor = profile.coverage_factor};
+    if (const auto& best = windows.best) {
+        context.course = course_of(input.judged, profile, *best);
+        context.wind = flow_of(input.wind, FlowKind::wind, *best, context.course);
+        context.current = flow_of(input.current, FlowKind::current, *best, context.course);
+        set_second_methods(context);
+    } else {
+        context.course.missing = "there is no certifiable window";
+    }
+    set_speed(context);
+    set_decision(context);
+    return context;
+}
+
+}  // namespace runcert

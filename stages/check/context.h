@@ -1,0 +1,19 @@
+#pragma once
+
+#include "stages/check/requirements.h"
+
+namespace runcert {
+
+/// Gathers a profile's figures: what its windows say, the record and the speed to reach, the
+/// probability that it is reached, course and craft, wind and current, second methods.
+ClauseContext gather_context(const CheckInput& input, const Profile& profile,
+                             const ProfileWindows& windows);
+
+/// The runs of a recording as the profile cuts them.
+std::vector<CraftRun> runs_under(const Profile& profile, const ReceiverEvidence& judged);
+
+/// The windows of a profile among those of 5-windows. Failure where they were searched for another
+/// rule than the profile has now.
+const ProfileWindows& windows_of(const Windows& windows, const Profile& profile);
+
+}  // namespace runcert

@@ -1,0 +1,237 @@
+#include "stages/check/course.h"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "core/failure.h"
+#include "core/statistics.h"
+
+namespace runcert {
+namespace {
+
+using Eigen::Vector2d, Eigen::Vector3d;
+
+constexpr double coverage_factor = 2.0;
+constexpr double earth_radius_m = 6.371e6;
+constexpr double degrees = 180.0 / std::numbers::pi;
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+/// An estimate of the run: east, north, height. NaN where there is none.
+struct Place {
+    std::size_t row = 0;
+    double time_s = 0.0;
+    Vector3d position_m, velocity_mps;
+    Vector3d variance;  ///< of the position, m^2
+    Vector3d velocity_variance;
+    Vector3d step_variance = Vector3d::Zero();  ///< of the offsets taken off since the first place
+
+    double speed_mps() const { return velocity_mps.head<2>().norm(); }
+};
+
+Place place_of(const TrajectoryEpoch& row, std::size_t index, const CourseErrors& errors) {
+    const auto squared = [](const std::optional<double>& sigma) {
+        return sigma ? *sigma * *sigma : unknown;
+    };
+    Place place;
+    place.row = index;
+    place.time_s = row.time.seconds();
+    place.position_m = {*row.east_m, *row.north_m, row.up_m.value_or(unknown)};
+    if (errors.tangent_plane)
+        place.position_m.z() += place.position_m.head<2>().squaredNorm() / (2.0 * earth_radius_m);
+    place.velocity_mps = {*row.velocity_east_mps, *row.velocity_north_mps,
+                          row.velocity_up_mps.value_or(unknown)};
+    const double horizontal = errors.slow_horizontal_m * errors.slow_horizontal_m;
+    const double vertical = errors.slow_vertical_m * errors.slow_vertical_m;
+    place.variance =
+        Vector3d(squared(row.sigma_east_m), squared(row.sigma_north_m), squared(row.sigma_up_m)) +
+        Vector3d(horizontal, horizontal, vertical);
+    place.velocity_variance = {squared(row.sigma_velocity_east_mps),
+                               squared(row.sigma_velocity_north_mps),
+                               squared(row.sigma_velocity_up_mps)};
+    return place;
+}
+
+std::vector<Place> places_of(std::span<const TrajectoryEpoch> rows, std::size_t first_row,
+                             std::size_t last_row, const CourseErrors& errors) {
+    std::vector<Place> places;
+    Vector3d offset = Vector3d::Zero();
+    for (std::size_t i = first_row; i <= last_row; ++i) {
+        const TrajectoryEpoch& row = rows[i];
+        if (!row.arc || !row.east_m || !row.north_m || !row.velocity_east_mps ||
+            !row.velocity_north_mps)
+            continue;
+        Place place = place_of(row, i, errors);
+        place.position_m -= offset;
+        if (!places.empty()) {
+            const Place& last = places.back();
+            place.step_variance = last.step_variance;
+            if (row.begins_after_step()) {
+                const double time_s = place.time_s - last.time_s;
+                const Vector3d moved = 0.5 * time_s * (last.velocity_mps + place.velocity_mps);
+                const Vector3d step = place.position_m - last.position_m - moved;
+                offset += step;
+                place.position_m -= step;
+                place.step_variance +=
+                    last.variance + place.variance +
+                    time_s * time_s * last.velocity_variance.cwiseMax(place.velocity_variance);
+            }
+        }
+        places.push_back(place);
+    }
+    return places;
+}
+
+CourseFigure figure(double value, double variance,
+                    double largest = std::numeric_limits<double>::infinity()) {
+    if (std::isnan(variance)) return {value, std::nullopt};
+    return {value, std::min(coverage_factor * std::sqrt(variance), largest)};
+}
+
+/// Variance of the difference of two positions, along each axis.
+Vector3d difference_variance(const Place& a, const Place& b) {
+    return a.variance + b.variance + (b.step_variance - a.step_variance).cwiseAbs();
+}
+
+/// The unit vector to the right of a direction, and what lies along it of uncorrelated variances.
+Vector2d right_of(const Vector2d& direction) {
+    const double length = direction.norm();
+    if (length == 0.0) return Vector2d::UnitX();
+    return Vector2d(direction.y(), -direction.x()) / length;
+}
+
+double variance_along(const Vector2d& unit, const Vector3d& variance) {
+    return unit.cwiseAbs2().dot(variance.head<2>());
+}
+
+double direction_deg(const Vector2d& vector) {
+    return std::atan2(vector.x(), vector.y()) * degrees;
+}
+
+/// (degrees)^2 of the direction of a vector with this variance across it.
+double direction_variance(double across, double length) {
+    return degrees * degrees * across / (length * length);
+}
+
+std::optional<CourseFigure> height_difference(const std::vector<Place>& run) {
+    const auto has_no_height = [](const Place& place) { return std::isnan(place.position_m.z()); };
+    if (std::ranges::any_of(run, has_no_height)) return std::nullopt;
+    const auto height = [](const Place& place) { return place.position_m.z(); };
+    const auto [low, high] = std::ranges::minmax_element(run, {}, height);
+    return figure(height(*high) - height(*low), difference_variance(*low, *high).z());
+}
+
+std::optional<CourseFigure> slope_between(const Place& first, const Place& last) {
+    const Vector3d moved = last.position_m - first.position_m;
+    const double distance_m = moved.head<2>().norm();
+    if (std::isnan(moved.z()) || distance_m == 0.0) return std::nullopt;
+    const double slope = moved.z() / distance_m;
+    const Vector3d variance = difference_variance(first, last);
+    const double along = variance_along(moved.head<2>() / distance_m, variance);
+    return figure(slope, (variance.z() + slope * slope * along) / (distance_m * distance_m));
+}
+
+CourseFigure heading_between(const Place& first, const Place& last) {
+    const Vector2d moved = (last.position_m - first.position_m).head<2>();
+    const double across = variance_along(right_of(moved), difference_variance(first, last));
+    const double heading = direction_deg(moved);
+    CourseFigure result = figure(heading < 0.0 ? heading + 360.0 : heading,
+                                 direction_variance(across, moved.norm()), 180.0);
+    if (result.value >= 360.0) result.value = 0.0;  // what rounding makes of just west of north
+    return result;
+}
+
+CourseFigure turning_between(const Place& first, const Place& last) {
+    const Vector2d from = first.velocity_mps.head<2>(), to = last.velocity_mps.head<2>();
+    const double turning = direction_deg(to) - direction_deg(from);
+    const auto variance = [](const Place& place, const Vector2d& velocity) {
+        return direction_variance(variance_along(right_of(velocity), place.velocity_variance),
+                                  velocity.norm());
+    };
+    return figure(std::remainder(turning, 360.0), variance(first, from) + variance(last, to),
+                  180.0);
+}
+
+CourseFigure straightness_of(std::span<const Place> window) {
+    const Place &first = window.front(), &last = window.back();
+    const Vector2d line = (last.position_m - first.position_m).head<2>();
+    const Vector2d across = right_of(line);
+    const auto distance_m = [&](const Place& place) {
+        return std::abs(across.dot((place.position_m - first.position_m).head<2>()));
+    };
+    const Place& farthest = *std::ranges::max_element(window, {}, distance_m);
+    const double part =
+        line.norm() == 0.0
+            ? 0.0
+            : line.dot((farthest.position_m - first.position_m).head<2>()) / line.squaredNorm();
+    const Vector3d variance = (1.0 - part) * (1.0 - part) * first.variance +
+                              part * part * last.variance + farthest.variance +
+                              (last.step_variance - first.step_variance).cwiseAbs();
+    return figure(distance_m(farthest), variance_along(across, variance));
+}
+
+bool is_at_rest(const Place& place, const CourseErrors& errors) {
+    if (place.speed_mps() < errors.standing_below_mps) return true;
+    if (place.speed_mps() > errors.moving_above_mps) return false;
+    const double statistic = place.velocity_mps.head<2>()
+                                 .cwiseAbs2()
+                                 .cwiseQuotient(place.velocity_variance.head<2>())
+                                 .sum();
+    return statistic <= chi_squared_quantile(0.95, 2);
+}
+
+/// Of the places up to the window, from where the craft stood before the run on.
+void set_start(std::span<const Place> approach, const CourseErrors& errors, CourseFacts& facts) {
+    const Place& slowest = *std::ranges::min_element(approach, {}, &Place::speed_mps);
+    facts.speed_before_mps = figure(
+        slowest.speed_mps(), slowest.velocity_variance.head<2>().maxCoeff<Eigen::PropagateNaN>());
+    facts.standing_start = is_at_rest(slowest, errors);
+}
+
+void set_run_up(std::span<const Place> run_up, CourseFacts& facts) {
+    facts.run_up_s = run_up.back().time_s - run_up.front().time_s;
+    for (std::size_t i = 1; i < run_up.size(); ++i)
+        facts.run_up_m += 0.5 * (run_up[i - 1].speed_mps() + run_up[i].speed_mps()) *
+                          (run_up[i].time_s - run_up[i - 1].time_s);
+}
+
+/// Where a row is among the places of a run.
+std::size_t index_of(const std::vector<Place>& run, std::size_t row) {
+    const auto place = std::ranges::lower_bound(run, row, {}, &Place::row);
+    if (place == run.end() || place->row != row)
+        throw Failure("4-trajectory", "an end of the run or of its window has no estimate",
+                      "Run runcert-window again");
+    return static_cast<std::size_t>(place - run.begin());
+}
+
+}  // namespace
+
+CourseFacts course_facts(std::span<const TrajectoryEpoch> rows, const CraftRun& run,
+                         std::size_t window_first_row, std::size_t window_last_row,
+                         const CourseErrors& errors) {
+    const std::size_t approach_row = run.stood_from_row.value_or(run.first_row);
+    if (approach_row > run.first_row || run.first_row > window_first_row ||
+        window_first_row >= window_last_row || window_last_row > run.last_row ||
+        run.last_row >= rows.size())
+        throw Failure("4-trajectory", "the window is not within the run it is said to be of",
+                      "Run runcert-window again");
+    const std::vector<Place> places = places_of(rows, run.first_row, run.last_row, errors);
+    index_of(places, run.first_row);
+    index_of(places, run.last_row);
+    const std::size_t first = index_of(places, window_first_row);
+    const std::size_t last = index_of(places, window_last_row);
+    CourseFacts facts{
+        .height_difference_m = height_difference(places),
+        .slope = slope_between(places[first], places[last]),
+        .heading_deg = heading_between(places[first], places[last]),
+        .straightness_m = straightness_of(std::span(places).subspan(first, last - first + 1)),
+        .turning_deg = turning_between(places[first], places[last])};
+    set_run_up(std::span(places).first(first + 1), facts);
+    set_start(places_of(rows, approach_row, window_first_row, errors), errors, facts);
+    return facts;
+}
+
+}  // namespace runcert

@@ -1,0 +1,21 @@
+#include "stages/check/course_speed.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "core/failure.h"
+
+namespace runcert {
+
+double course_speed_mps(double distance_m, double elapsed_s, double current_mps) {
+    if (!(distance_m > 0.0 && elapsed_s > 0.0 && std::isfinite(distance_m) &&
+          std::isfinite(elapsed_s) && std::isfinite(current_mps)))
+        throw Failure("course",
+                      fmt::format("{} m in {} s with a current of {} m/s", distance_m, elapsed_s,
+                                  current_mps),
+                      "Give a distance and a time above 0 and a finite current");
+    return distance_m / elapsed_s - current_mps;
+}
+
+}  // namespace runcert

@@ -1,0 +1,64 @@
+#include "stages/check/declared_agreement.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace runcert {
+namespace {
+
+constexpr double coverage_factor = 2.0;
+
+/// Sets the other speed from times at the lines, or why there is none.
+void set_from_times(const JudgedSpeed& judged, const SecondaryMethod::LineTimes& times,
+                    const std::optional<Course>& course, DeclaredAgreement& agreement) {
+    constexpr double same_crossing_s = 2.0;
+    if (!judged.over_course || !course) {
+        agreement.missing = "times at the lines of a course say nothing of this rule's window";
+        return;
+    }
+    if (!judged.span.start_gps) {
+        agreement.missing = "its times cannot be compared: the recording's time is relative";
+        return;
+    }
+    const GpsTime end = judged.span.start_gps->plus_nanoseconds(judged.span.duration.nanoseconds);
+    const double start_s = times.start.seconds_since(*judged.span.start_gps);
+    const double finish_s = times.finish.seconds_since(end);
+    if (std::abs(start_s) > same_crossing_s || std::abs(finish_s) > same_crossing_s) {
+        agreement.missing = fmt::format(
+            "its times are {:+.3f} s and {:+.3f} s off those of the window: they are of another "
+            "run, or of another clock",
+            start_s, finish_s);
+        return;
+    }
+    const double elapsed_s = times.finish.seconds_since(times.start);
+    agreement.other_mps = course->length_m / elapsed_s;
+    agreement.other_expanded_uncertainty_mps =
+        std::hypot(std::numbers::sqrt2 * times.expanded_uncertainty_s * agreement.other_mps,
+                   course->length_expanded_uncertainty_m) /
+        elapsed_s;
+}
+
+}  // namespace
+
+DeclaredAgreement compare_declared(const JudgedSpeed& judged, const SecondaryMethod& method,
+                                   const std::optional<Course>& course) {
+    DeclaredAgreement agreement;
+    agreement.method = method.method;
+    agreement.judged_mps = judged.speed_mps;
+    if (method.times) {
+        set_from_times(judged, *method.times, course, agreement);
+        if (!agreement.missing.empty()) return agreement;
+    } else {
+        agreement.other_mps = method.speed->speed_mps;
+        agreement.other_expanded_uncertainty_mps = method.speed->expanded_uncertainty_mps;
+    }
+    const double difference_mps = std::abs(agreement.other_mps - agreement.judged_mps);
+    const double allowed_mps = std::hypot(coverage_factor * judged.standard_uncertainty_mps,
+                                          agreement.other_expanded_uncertainty_mps);
+    agreement.normalised_error = difference_mps == 0.0 ? 0.0 : difference_mps / allowed_mps;
+    return agreement;
+}
+
+}  // namespace runcert

@@ -1,0 +1,222 @@
+#include "stages/check/notes.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "stages/check/context.h"
+#include "stages/check/shown_figure.h"
+
+namespace runcert {
+namespace {
+
+using Notes = std::vector<std::string>;
+
+/// Where the definitions of speed do not agree on whether the speed to reach is reached.
+void add_straddle(const ClauseContext& context, Notes& notes) {
+    const auto& best = context.windows.best;
+    if (!best || !context.target || context.profile.speed_source == "velocity" ||
+        context.profile.dimension == "space" || context.profile.window_kind == "course")
+        return;
+    Notes above, below;
+    const std::string& unit = context.record->unit;
+    const auto sort = [&](const char* words, double speed_mps) {
+        (speed_mps >= context.target->speed_mps ? above : below)
+            .push_back(fmt::format("{} ({})", words, in_unit(speed_mps, unit, 3)));
+    };
+    const SpeedDefinitions& all = best->definitions;
+    sort("displacement over time", all.displacement_mps);
+    sort("path length over time", all.path_length_mps);
+    sort("the mean of all speeds", all.mean_n_plus_1_mps);
+    sort("the mean without the first speed", all.mean_n_mps);
+    if (above.empty() || below.empty()) return;
+    notes.push_back(fmt::format(
+        "The definition of speed matters here: {} would reach the {} to reach, {} would not; the "
+        "rule counts {}.",
+        fmt::join(above, ", "), in_unit(context.target->speed_mps, unit, 3), fmt::join(below, ", "),
+        context.profile.definition == "displacement"    ? "displacement over time"
+        : context.profile.definition == "path_length"   ? "path length over time"
+        : context.profile.definition == "mean_n_plus_1" ? "the mean of all speeds"
+                                                        : "the mean without the first speed"));
+}
+
+void add_windows(const ClauseContext& context, Notes& notes) {
+    const ProfileWindows& windows = context.windows;
+    if (!windows.missing.empty() && !windows.best)
+        notes.push_back("There is no window because " + windows.missing + ".");
+    if (windows.best && !windows.further.empty() && windows.figure()) {
+        std::vector<std::string> speeds{fmt::format("{:.3f}", windows.best->speed_mps * 3.6)};
+        for (const FurtherWindow& one : windows.further)
+            speeds.push_back(fmt::format("{:.3f}", one.speed_mps * 3.6));
+        notes.push_back(fmt::format(
+            "The speed is the mean of {} windows ({} km/h); their errors are taken as the same, so "
+            "that the mean is no surer than one.",
+            speeds.size(), fmt::join(speeds, ", ")));
+    }
+    if (windows.indicated && windows.indicated->mean_mps)
+        notes.push_back(
+            fmt::format("The recording as it is shows a mean of {:.3f} km/h over so many windows.",
+                        *windows.indicated->mean_mps * 3.6));
+}
+
+void add_flow(const ClauseContext& context, Notes& notes) {
+    if (context.profile.subtract_current && context.current && context.current->missing.empty())
+        notes.push_back(
+            fmt::format("The current along the course, {:+.3f} kn, is subtracted from the speed.",
+                        context.current->along_mps / metres_per_second("kn")));
+    for (const auto* flow : {&context.wind, &context.current})
+        if (*flow && !(*flow)->missing.empty())
+            notes.push_back(fmt::format("The series of the {} says nothing: {}.",
+                                        flow == &context.wind ? "wind" : "current",
+                                        (*flow)->missing));
+}
+
+void add_overrides(const ClauseContext& context, Notes& notes) {
+    for (const FigureOverride& one : context.profile.overrides)
+        notes.push_back(fmt::format(
+            "The attempt replaces a figure of the rule: {} is {:g}{}, not "
+            "{:g}{}{}.",
+            one.figure, one.used, one.unit.empty() ? "" : " " + one.unit, one.rule,
+            one.unit.empty() ? "" : " " + one.unit,
+            one.reason.empty() ? std::string(" (no reason is given)") : " (" + one.reason + ")"));
+}
+
+void add_unconfirmed(const ClauseContext& context, Notes& notes) {
+    for (const Clause& clause : context.profile.clauses)
+        if (clause.certainty == "unconfirmed")
+            notes.push_back(fmt::format("Not confirmed: {}: {}", clause.id, clause.text));
+}
+
+void add_speed_unit_figures(const FlowInWindow& flow, const std::string& what, const char* from,
+                            std::vector<Figure>& figures) {
+    figures.push_back({.name = "mean " + what, .value = flow.mean_mps, .unit = "m/s"});
+    figures.push_back({.name = "strongest " + what, .value = flow.gust_mps, .unit = "m/s"});
+    figures.push_back(
+        {.name = what + " direction, " + from, .value = flow.direction_deg, .unit = "deg"});
+    figures.push_back(
+        {.name = what + " along the heading", .value = flow.along_mps, .unit = "m/s"});
+    figures.push_back({.name = what + " across the heading, to the right",
+                       .value = flow.across_mps,
+                       .unit = "m/s"});
+}
+
+double path_m(const std::vector<TrajectoryEpoch>& rows, const CraftRun& run) {
+    double length_m = 0.0;
+    const TrajectoryEpoch* before = nullptr;
+    for (std::size_t i = run.first_row; i <= run.last_row; ++i) {
+        const TrajectoryEpoch& row = rows[i];
+        if (!row.arc) continue;
+        if (before != nullptr && !row.begins_after_step())
+            length_m += std::hypot(*row.east_m - *before->east_m, *row.north_m - *before->north_m);
+        before = &row;
+    }
+    return length_m;
+}
+
+}  // namespace
+
+std::vector<std::string> notes_of(const ClauseContext& context) {
+    Notes notes;
+    add_straddle(context, notes);
+    add_windows(context, notes);
+    add_flow(context, notes);
+    add_overrides(context, notes);
+    add_unconfirmed(context, notes);
+    return notes;
+}
+
+std::vector<Figure> course_figures(const ClauseContext& context) {
+    std::vector<Figure> figures;
+    if (const auto& facts = context.course.facts) {
+        const auto add = [&](const char* name, const CourseFigure& figure, const char* unit,
+                             double factor = 1.0, std::string note = {}) {
+            figures.push_back({.name = name,
+                               .value = factor * figure.value,
+                               .unit = unit,
+                               .expanded_uncertainty = figure.expanded_uncertainty,
+                               .note = std::move(note)});
+            if (figures.back().expanded_uncertainty) *figures.back().expanded_uncertainty *= factor;
+        };
+        if (facts->height_difference_m)
+            add("highest less lowest height of the run", *facts->height_difference_m, "m", 1.0,
+                "above the ellipsoid; noise makes it larger, never smaller");
+        if (facts->slope) add("slope of the window", *facts->slope, "%", 100.0, "upwards positive");
+        add("heading", facts->heading_deg, "deg", 1.0, "from north over east");
+        add("largest distance of the track from its chord", facts->straightness_m, "m");
+        add("change of direction in the window", facts->turning_deg, "deg", 1.0,
+            "to the right positive");
+        add("smallest speed of the run before the window", facts->speed_before_mps, "m/s", 1.0,
+            facts->standing_start ? "standing still" : "not standing still");
+        figures.push_back({.name = "run-up", .value = facts->run_up_m, .unit = "m"});
+        figures.push_back({.name = "time of the run-up", .value = facts->run_up_s, .unit = "s"});
+    }
+    if (context.wind && context.wind->missing.empty())
+        add_speed_unit_figures(*context.wind, "wind", "where it comes from", figures);
+    if (context.current && context.current->missing.empty())
+        add_speed_unit_figures(*context.current, "current", "where it sets to", figures);
+    return figures;
+}
+
+std::vector<RunSummary> run_summaries(const ClauseContext& context) {
+    const ReceiverEvidence& judged = context.input.judged;
+    std::vector<RunSummary> summaries;
+    for (const CraftRun& run : runs_under(context.profile, judged)) {
+        const TrajectoryEpoch& first = judged.trajectory[run.first_row];
+        const TrajectoryEpoch& last = judged.trajectory[run.last_row];
+        RunSummary summary{
+            .span = window_span(judged.facts, first.epoch, last.epoch, first.time, last.time),
+            .length_m = path_m(judged.trajectory, run),
+            .began = run.began,
+            .ended = run.ended};
+        for (std::size_t i = run.first_row; i <= run.last_row; ++i)
+            summary.top_speed_mps =
+                std::max(summary.top_speed_mps, judged.trajectory[i].speed_mps.value_or(0.0));
+        const double heading =
+            std::atan2(*last.east_m - *first.east_m, *last.north_m - *first.north_m) * 180.0 /
+            std::numbers::pi;
+        summary.heading_deg = heading < 0.0 ? heading + 360.0 : heading;
+        summaries.push_back(std::move(summary));
+    }
+    return summaries;
+}
+
+std::optional<ShownFigures> shown_figures(const ClauseContext& context) {
+    if (!context.speed) return std::nullopt;
+    ShownFigures shown;
+    shown.unit = rule_unit_name(context.profile);
+    const double unit = metres_per_second(shown.unit);
+    const double expanded = *context.expanded_uncertainty_mps / unit;
+    const auto& rule = context.profile.result ? context.profile.result : context.profile.rounding;
+    const int decimals = decimals_of(expanded, rule ? std::optional(rule->decimals) : std::nullopt);
+    shown.speed = shown_figure(context.speed->speed_mps / unit, decimals, SafeSide::down);
+    shown.expanded_uncertainty = shown_figure(
+        expanded, std::max(decimals, decimals_of(expanded, std::nullopt)), SafeSide::up);
+    if (context.target)
+        shown.target = shown_figure(context.target->speed_mps / unit, decimals, SafeSide::up);
+    return shown;
+}
+
+std::string compared_rules(const std::vector<Profile>& profiles,
+                           const std::vector<ProfileVerdict>& verdicts) {
+    std::vector<std::string> speeds;
+    for (std::size_t i = 0; i < verdicts.size(); ++i) {
+        if (!verdicts[i].speed_mps) continue;
+        const Profile& profile = profiles[i];
+        speeds.push_back(fmt::format(
+            "{} {:.3f} km/h ({}{}{}, {})", profile.id, *verdicts[i].speed_mps * 3.6,
+            profile.windows > 1 ? fmt::format("{} x ", profile.windows) : "", window_words(profile),
+            profile.dimension == "horizontal" ? "" : ", " + profile.dimension,
+            profile.speed_source == "velocity"     ? "recorded velocities"
+            : profile.definition == "displacement" ? "displacement over time"
+            : profile.definition == "path_length"  ? "path length over time"
+            : profile.definition == "elapsed_time" ? "length over elapsed time"
+                                                   : "mean of speeds"));
+    }
+    if (speeds.size() < 2) return {};
+    return fmt::format("The rules do not measure the same: {}.", fmt::join(speeds, "; "));
+}
+
+}  // namespace runcert

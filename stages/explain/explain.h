@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "schemas/profile/profile.h"
+#include "schemas/verdict/verdict.h"
+
+namespace runcert {
+
+/// What is to be explained.
+struct ExplainOptions {
+    /// A clause's id ("flat-course"), also with its profile ("nalsa/flat-course"); "outcome" or
+    /// "decision"; empty: every clause in short.
+    std::string clause;
+    std::string profile;  ///< id of the one profile to look at; empty: all
+};
+
+/// The verdict in plain words, in lines of at most 100 characters: one clause of the rules in full,
+/// or the decision, or all in short. `profiles` are those of the verdict, with the figures that the
+/// attempt put in place of theirs.
+///
+/// Failure for a clause or profile that the verdict does not have, naming those that it has; and
+/// where a profile of the verdict is not among `profiles`.
+std::string explain_text(const Verdict& verdict, const std::vector<Profile>& profiles,
+                         const ExplainOptions& options = {});
+
+/// Id, title and body of each, and what it averages over.
+std::string profiles_text(const std::vector<Profile>& profiles);
+
+}  // namespace runcert

@@ -1,0 +1,185 @@
+#include "stages/explain/words.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/speed_unit.h"
+#include "core/text.h"
+
+namespace runcert {
+namespace {
+
+constexpr std::size_t columns = 100;
+constexpr std::size_t label_columns = 20;
+
+bool begins_character(char c) {
+    return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
+}
+
+std::size_t columns_of(std::string_view text) {
+    return static_cast<std::size_t>(std::ranges::count_if(text, begins_character));
+}
+
+/// The bytes of the first `count` characters.
+std::size_t bytes_of(std::string_view text, std::size_t count) {
+    std::size_t at = 0;
+    while (at < text.size()) {
+        if (begins_character(text[at]) && count-- == 0) break;
+        ++at;
+    }
+    return at;
+}
+
+std::vector<std::string> words_of(std::string_view text) {
+    std::vector<std::string> words{""};
+    for (const char c : text) {
+        if (c == ' ' || c == '\t' || c == '\r' || c == '\n')
+            words.emplace_back();
+        else
+            words.back() += (c >= 0 && c < ' ') || c == '\x7f' ? '?' : c;
+    }
+    std::erase(words, "");
+    return words;
+}
+
+/// Decimals (0 to 6) that show two significant digits.
+int decimals_of_two_digits(double value) {
+    if (!(value > 0.0)) return 2;
+    int decimals = 0;
+    for (double scaled = value; scaled < 9.95 && decimals < 6; scaled *= 10.0)
+        ++decimals;
+    return decimals;
+}
+
+/// Two significant digits, rounded up.
+std::string two_digits_up(double value) {
+    const int decimals = decimals_of_two_digits(value);
+    const double scale = std::pow(10.0, decimals);
+    return format_fixed(std::ceil(value * scale * (1.0 - 1e-12)) / scale, decimals);
+}
+
+}  // namespace
+
+std::string wrapped(std::string_view text, std::size_t indent, std::size_t used) {
+    std::string lines;
+    const auto begin_line = [&] {
+        lines += '\n';
+        lines.append(indent, ' ');
+        used = indent;
+    };
+    bool first_word = true;
+    for (const std::string& whole : words_of(text)) {
+        std::string_view word = whole;
+        if (!first_word && used + 1 + columns_of(word) > columns) {
+            begin_line();
+        } else if (!first_word) {
+            lines += ' ';
+            ++used;
+        }
+        first_word = false;
+        while (used + columns_of(word) > columns) {
+            const std::size_t fits = bytes_of(word, columns - used);
+            lines += word.substr(0, fits);
+            word.remove_prefix(fits);
+            begin_line();
+        }
+        lines += word;
+        used += columns_of(word);
+    }
+    return lines + "\n";
+}
+
+std::string labelled(std::string_view label, std::string_view text) {
+    return fmt::format("  {:<{}}{}", label, label_columns - 2,
+                       wrapped(text, label_columns, label_columns));
+}
+
+std::string heading(std::string_view outcome, std::string_view text) {
+    const std::string word = in_capitals(outcome);
+    return fmt::format("{}  {}", word, wrapped(text, word.size() + 2, word.size() + 2));
+}
+
+std::string sentence(std::string text) {
+    if (text.empty()) return text;
+    if (text[0] >= 'a' && text[0] <= 'z') text[0] = static_cast<char>(text[0] - 'a' + 'A');
+    if (!text.ends_with('.') && !text.ends_with('?') && !text.ends_with('!')) text += '.';
+    return text;
+}
+
+std::string in_capitals(std::string_view word) {
+    if (word == "attest") return "TO ATTEST";
+    std::string text(word);
+    for (char& c : text) {
+        if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+        if (c == '_') c = ' ';
+    }
+    return text;
+}
+
+std::string counted(std::int64_t count, std::string_view noun) {
+    return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
+
+std::string listed(const std::vector<std::string>& items) {
+    std::string text;
+    for (std::size_t i = 0; i < items.size(); ++i) {
+        if (i > 0) text += i + 1 == items.size() ? " and " : ", ";
+        text += items[i];
+    }
+    return text;
+}
+
+std::string plain_figure(double value, std::string_view unit) {
+    return fmt::format("{:.9g}{}{}", value, unit.empty() ? "" : " ", unit);
+}
+
+std::string figure_words(const Figure& figure) {
+    const std::string unit = figure.unit.empty() ? "" : " " + figure.unit;
+    std::string text = figure.name + ": ";
+    if (figure.expanded_uncertainty && *figure.expanded_uncertainty > 0.0) {
+        const double uncertainty = *figure.expanded_uncertainty;
+        text += fmt::format("{}{} +/- {}{} (k = 2)",
+                            format_fixed(figure.value, decimals_of_two_digits(uncertainty)), unit,
+                            two_digits_up(uncertainty), unit);
+    } else {
+        const double size = std::abs(figure.value);
+        const int digits = size >= 1000.0 ? static_cast<int>(std::log10(size)) + 1 : 4;
+        text += fmt::format("{:.{}g}{}", figure.value, digits, unit);
+    }
+    if (!figure.note.empty()) text += "; " + figure.note;
+    return text;
+}
+
+std::string speed_words(double speed_mps, std::string_view unit) {
+    const std::string km_h = format_fixed(speed_mps * 3.6, 3) + " km/h";
+    if (unit == "km/h") return km_h;
+    return fmt::format("{} {} ({})", format_fixed(speed_mps / metres_per_second(unit), 3), unit,
+                       km_h);
+}
+
+std::string uncertainty_words(double uncertainty_mps, std::string_view unit) {
+    const std::string km_h = two_digits_up(uncertainty_mps * 3.6) + " km/h";
+    if (unit == "km/h") return km_h;
+    return fmt::format("{} {} ({})", two_digits_up(uncertainty_mps / metres_per_second(unit)), unit,
+                       km_h);
+}
+
+std::string probability_words(double probability) {
+    if (probability > 1.0 - 1e-6) return "more than 99.9999 %";
+    if (probability < 1e-6) return "less than 0.0001 %";
+    const int decimals = probability > 0.9999 || probability < 0.0001 ? 4 : 2;
+    const double scale = std::pow(10.0, decimals + 2);
+    const double steps = probability * scale;
+    constexpr double binary_noise = 1e-9;
+    const double whole =
+        probability >= 0.5 ? std::floor(steps + binary_noise) : std::ceil(steps - binary_noise);
+    return format_fixed(whole / scale * 100.0, decimals) + " %";
+}
+
+std::string level_words(double level) {
+    return fmt::format("{:.6g} %", level * 100.0);
+}
+
+}  // namespace runcert

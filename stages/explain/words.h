@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "schemas/verdict/verdict.h"
+
+// The words that the parts of an explanation share.
+
+namespace runcert {
+
+/// The text as lines of at most 100 characters, broken at blanks; every line but the first begins
+/// with `indent` blanks, and the first has `used` characters before it. A word longer than a line
+/// is cut; a control character is a "?". Ends with a line end.
+std::string wrapped(std::string_view text, std::size_t indent, std::size_t used = 0);
+
+/// "  Its source        headings of a published report": a line of a block, with its label.
+std::string labelled(std::string_view label, std::string_view text);
+
+/// "NOT MET  nalsa/flat-course": the first line of a block, its outcome in capitals.
+std::string heading(std::string_view outcome, std::string_view text);
+
+/// A capital at the beginning and a full stop at the end.
+std::string sentence(std::string text);
+
+/// "not_met" as "NOT MET"; "attest" as "TO ATTEST".
+std::string in_capitals(std::string_view word);
+
+/// "1 clause", "3 clauses".
+std::string counted(std::int64_t count, std::string_view noun);
+
+/// "a, b and c"; empty for none.
+std::string listed(const std::vector<std::string>& items);
+
+/// A plain figure in its shortest form: "0.8", "1000"; with its unit, where it has one.
+std::string plain_figure(double value, std::string_view unit);
+
+/// A quantity with its expanded uncertainty: "height difference: 0.42 m +/- 0.08 m (k = 2); why".
+/// Decimals are those of two significant digits of the uncertainty; without one, four significant
+/// digits at least.
+std::string figure_words(const Figure& figure);
+
+/// A speed with three decimals, in the rule's unit, and in km/h beside it where that is another.
+std::string speed_words(double speed_mps, std::string_view unit);
+/// An uncertainty of a speed, with two significant digits, rounded up.
+std::string uncertainty_words(double uncertainty_mps, std::string_view unit);
+
+/// A probability in per cent, rounded to the side of doubt so that it never shows as one beyond a
+/// limit that it does not reach: 0.97499 is "97.49 %", 0.02501 "2.51 %".
+std::string probability_words(double probability);
+/// A level in per cent, as it is written: "97.5 %".
+std::string level_words(double level);
+
+}  // namespace runcert

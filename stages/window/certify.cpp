@@ -1,0 +1,358 @@
+#include "stages/window/certify.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "arcs/noise_models.h"
+#include "core/failure.h"
+#include "estimation/speed.h"
+#include "stages/window/budget.h"
+#include "stages/window/instants.h"
+#include "stages/window/position_noise.h"
+#include "stages/window/reliability.h"
+#include "stages/window/search_series.h"
+#include "stages/window/selection.h"
+
+namespace runcert {
+namespace {
+
+// Beyond a minute nothing measured changes the speed of a window.
+constexpr double stretch_margin_s = 60.0;
+// A window that many standard uncertainties slower than the best could not have been it.
+constexpr double selection_width = 4.0;
+
+/// Mean of a method's speeds over the window; nothing if one is missing.
+std::optional<double> mean_over(const TrajectoryTable& trajectory, const ArcRows& arc,
+                                EpochPair window, std::optional<double> TrajectoryEpoch::*method) {
+    double sum = 0.0;
+    for (std::size_t k = window.first; k <= window.last; ++k) {
+        const auto& value = trajectory.rows[arc.rows[k]].*method;
+        if (!value) return std::nullopt;
+        sum += *value;
+    }
+    return sum / static_cast<double>(window.last - window.first + 1);
+}
+
+/// The arc smoothed anew with the trajectory's own model, and found to be the trajectory at the
+/// window's epochs.
+template <int Axes>
+SmoothedArc<Axes> checked_estimate(const AxesEvidence<Axes>& evidence, const FoundWindow& found) {
+    const Arc<Axes>& arc = evidence.arcs[found.series];
+    SmoothedArc<Axes> smoothed = smooth<Axes>(arc.epochs, evidence.model);
+    // Coordinates are written to a micrometre; heights are corrected by measured positions there,
+    // by smoothed ones here.
+    const double tolerance_m = Axes == 1 ? 1e-3 : 2e-6;
+    for (const std::size_t k : {found.first, found.last}) {
+        const TrajectoryEpoch& row = evidence.trajectory.rows[arc.rows[k]];
+        const CountedVector<Axes> position =
+            smoothed.states[k].mean.template head<counted_axes<Axes>>();
+        CountedVector<Axes> written;
+        if constexpr (Axes == 1)
+            written << *row.up_m + fall_below_plane_m(evidence.trajectory.origin, *row.east_m,
+                                                      *row.north_m);
+        else
+            written << *row.east_m, *row.north_m;
+        const double difference_m = (position - written).norm();
+        if (difference_m > tolerance_m)
+            throw Failure(fmt::format("epoch {}", row.epoch),
+                          fmt::format("the trajectory is {:.1e} m from the estimate of the same "
+                                      "screened epochs",
+                                      difference_m),
+                          "Run runcert-smooth again, with the same attempt");
+    }
+    return smoothed;
+}
+
+/// Displacement (m) of the robust batch. It keeps positions alone: the motion over a bridged step
+/// is that of the screened solution.
+std::optional<Eigen::Vector2d> robust_displacement(const AxesEvidence<2>& evidence,
+                                                   const Arc<2>& arc,
+                                                   const SmoothedArc<2>& smoothed,
+                                                   EpochPair window) {
+    const auto row = [&](std::size_t k) -> const TrajectoryEpoch& {
+        return evidence.trajectory.rows[arc.rows[k]];
+    };
+    if (!row(window.first).robust_east_m || !row(window.last).robust_east_m) return std::nullopt;
+    const auto difference = [&](std::size_t first, std::size_t last) {
+        return Eigen::Vector2d(
+            row(last).robust_east_m.value() - row(first).robust_east_m.value(),
+            row(last).robust_north_m.value() - row(first).robust_north_m.value());
+    };
+    Eigen::Vector2d moved = difference(window.first, window.last);
+    for (const BridgedStep& step : smoothed.bridged_between(window.first, window.last))
+        moved += displacement(smoothed, step.epoch - 1, step.epoch) -
+                 difference(step.epoch - 1, step.epoch);
+    return moved;
+}
+
+/// The robust batch's speed against the screened solution's, whose noise model is the same.
+std::optional<RobustSpeed> robust_speed(const AxesEvidence<2>& evidence, const Arc<2>& arc,
+                                        const SmoothedArc<2>& smoothed, EpochPair window,
+                                        const SpeedEstimate& screened, double duration_s) {
+    constexpr double coverage_factor = 2.0;
+    const auto displacement = robust_displacement(evidence, arc, smoothed, window);
+    if (!displacement) return std::nullopt;
+    RobustSpeed robust;
+    robust.speed_mps = std::hypot(displacement->x(), displacement->y()) / duration_s;
+    robust.difference_mps = robust.speed_mps - screened.speed_mps;
+    robust.limit_mps = coverage_factor * screened.standard_uncertainty_mps;
+    robust.agrees = std::abs(robust.difference_mps) <= robust.limit_mps;
+    for (std::size_t k = window.first; k <= window.last; ++k) {
+        const auto& weight = evidence.trajectory.rows[arc.rows[k]].robust_weight;
+        if (weight && *weight < 0.5) ++robust.downweighted;
+    }
+    return robust;
+}
+
+/// The windows that could have been the best, those close to one another together.
+template <int Axes>
+std::vector<WindowCluster<Axes>> clusters_of(const AxesEvidence<Axes>& evidence,
+                                             const WindowChoice& choice, double least_mps) {
+    std::vector<FoundWindow> near;
+    for (const FoundWindow& window : choice.all)
+        if (window.speed_mps >= least_mps) near.push_back(window);
+    std::ranges::stable_sort(near, [](const FoundWindow& a, const FoundWindow& b) {
+        return std::tie(a.series, a.first, a.last) < std::tie(b.series, b.first, b.last);
+    });
+    std::vector<WindowCluster<Axes>> clusters;
+    std::size_t reach = 0;
+    for (const FoundWindow& window : near) {
+        const Arc<Axes>* const arc = &evidence.arcs[window.series];
+        if (clusters.empty() || clusters.back().arc != arc || window.first > reach) {
+            clusters.push_back({arc, {}, std::nullopt});
+            reach = window.last;
+        }
+        WindowCluster<Axes>& cluster = clusters.back();
+        reach = std::max(reach, window.last);
+        if (window.series == choice.found.series && window.start == choice.found.start &&
+            window.end == choice.found.end)
+            cluster.chosen = cluster.windows.size();
+        cluster.windows.push_back({window.first, window.last});
+    }
+    return clusters;
+}
+
+/// The four definitions of a window between two states. Of heights alone they are vertical.
+template <int Axes>
+SpeedDefinitions definitions_of(const SmoothedArc<Axes>& smoothed, EpochPair window,
+                                double duration_s) {
+    const auto [first, last] = window;
+    return {.displacement_mps = displacement_speed(smoothed, first, last, duration_s).speed_mps,
+            .path_length_mps = path_speed(smoothed, first, last, duration_s).speed_mps,
+            .mean_n_plus_1_mps = mean_speed(smoothed, first, last).speed_mps,
+            .mean_n_mps = mean_speed(smoothed, first + 1, last).speed_mps};
+}
+
+template <int Axes>
+MethodMeans methods_of(const AxesEvidence<Axes>& evidence, const FoundWindow& found) {
+    using Row = TrajectoryEpoch;
+    if constexpr (Axes == 1) return {};
+    const ArcRows& rows = evidence.rows[found.series];
+    const EpochPair window{found.first, found.last};
+    const auto mean = [&](std::optional<double> Row::*method) {
+        return mean_over(evidence.trajectory, rows, window, method);
+    };
+    return {.smoothed_mps = mean(&Row::speed_mps),
+            .batch_mps = mean(&Row::speed_batch_mps),
+            .v1_mps = mean(&Row::speed_v1_mps),
+            .v2_mps = mean(&Row::speed_v2_mps),
+            .kalman_mps = mean(&Row::speed_kalman_mps)};
+}
+
+template <int Axes>
+SelectionBias selection_of(const AxesEvidence<Axes>& evidence, const WindowChoice& choice,
+                           const EstimationModel& bounded, double search_uncertainty_mps,
+                           double stated_mps) {
+    const double least_mps = choice.found.speed_mps - selection_width * search_uncertainty_mps;
+    const bool by_path =
+        choice.profile.definition != "displacement" && choice.profile.definition != "elapsed_time";
+    SelectionBias selection = selection_bias<Axes>(
+        clusters_of(evidence, choice, least_mps), {evidence.model, bounded, by_path}, stated_mps,
+        evidence.config.selection_samples, evidence.config.seed);
+    selection.treatment =
+        choice.profile.uncertainty.subtract_selection_bias ? "subtracted" : "covered";
+    return selection;
+}
+
+/// Position and time of the window.
+template <int Axes>
+void set_place(const AxesEvidence<Axes>& evidence, const FoundWindow& found,
+               CertifiableWindow& window) {
+    const Arc<Axes>& arc = evidence.arcs[found.series];
+    const auto epoch = [&](std::size_t k) { return evidence.trajectory.rows[arc.rows[k]].epoch; };
+    window.span = window_span(evidence.trajectory.facts, epoch(found.first), epoch(found.last),
+                              found.start, found.end);
+    window.arc = arc.number;
+}
+
+}  // namespace
+
+SpeedQuantity quantity_of(const Profile& profile) {
+    SpeedQuantity quantity;
+    quantity.definition = profile.definition;
+    quantity.length_is_given = profile.window_kind == "distance" && profile.ends_anywhere;
+    return quantity;
+}
+
+template <int Axes>
+AxesEvidence<Axes> evidence_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
+                               const WindowConfig& config) {
+    const NoiseSummary& noise = noise_of<Axes>(trajectory);
+    AxesEvidence<Axes> evidence{.screened = screened,
+                                .trajectory = trajectory,
+                                .config = config,
+                                .noise = noise,
+                                .model = model_of(noise),
+                                .models = posterior_of(noise),
+                                .arcs = arcs_of<Axes>(screened),
+                                .rows = arcs_in(trajectory),
+                                .times = {}};
+    const auto same_steps = [&](const Arc<Axes>& arc) {
+        for (std::size_t k = 0; k < arc.rows.size(); ++k)
+            if (arc.epochs[k].step_before != trajectory.rows[arc.rows[k]].begins_after_step())
+                return false;
+        return true;
+    };
+    const bool equal =
+        std::equal(evidence.arcs.begin(), evidence.arcs.end(), evidence.rows.begin(),
+                   evidence.rows.end(), [&](const Arc<Axes>& arc, const ArcRows& own) {
+                       return arc.number == own.number && arc.rows == own.rows && same_steps(arc);
+                   });
+    if (!equal)
+        throw Failure("4-trajectory of receiver " + screened.facts.receiver,
+                      "the trajectory does not have the arcs of the screened epochs",
+                      "Run runcert-smooth again");
+    for (Arc<Axes>& arc : evidence.arcs) {
+        std::vector<ElapsedTime>& times = evidence.times.emplace_back();
+        for (const std::size_t row : arc.rows)
+            times.push_back(screened.rows[row].time);
+        if constexpr (Axes == 1)
+            for (std::size_t k = 0; k < arc.rows.size(); ++k)
+                if (const ScreenedEpoch& row = screened.rows[arc.rows[k]];
+                    arc.epochs[k].measurement)
+                    arc.epochs[k].measurement->position(0) +=
+                        fall_below_plane_m(screened.origin, *row.east_m, *row.north_m);
+    }
+    return evidence;
+}
+
+template <int Axes>
+CertifiableWindow certified(const AxesEvidence<Axes>& evidence, const WindowChoice& choice) {
+    const FoundWindow& found = choice.found;
+    const Arc<Axes>& arc = evidence.arcs[found.series];
+    const EpochPair epochs{found.first, found.last};
+    CertifiableWindow window;
+    set_place(evidence, found, window);
+    window.methods = methods_of(evidence, found);
+
+    const SmoothedArc<Axes> smoothed = checked_estimate(evidence, found);
+    const ArcWithInstants<Axes> at =
+        with_instants(arc, evidence.times[found.series], found.start, found.end);
+    const SmoothedArc<Axes> smoothed_at = smooth<Axes>(at.arc.epochs, evidence.model);
+    const WindowStretch<Axes> stretch = cut_stretch(at.arc, at.window, stretch_margin_s);
+    const double duration_s = stretch.duration_s;
+    window.definitions = definitions_of(smoothed_at, at.window, duration_s);
+    window.fitted = fitted_speed(stretch, evidence.models, choice.quantity);
+    const SpeedEstimate searched =
+        displacement_speed(smoothed_at, at.window.first, at.window.last, duration_s);
+    if constexpr (Axes == 2)
+        window.robust = robust_speed(
+            evidence, arc, smoothed, epochs,
+            displacement_speed(smoothed, found.first, found.last,
+                               arc.epochs[found.last].time_s - arc.epochs[found.first].time_s),
+            arc.epochs[found.last].time_s - arc.epochs[found.first].time_s);
+    window.repaired_steps = std::ssize(smoothed.bridged_between(found.first, found.last));
+
+    ErrorBound bound =
+        error_bound<Axes>(evidence.screened, arc.rows[found.first], arc.rows[found.last],
+                          evidence.noise, choice.profile.uncertainty);
+    const EstimationModel bounded = bounded_model(evidence.noise, bound);
+    const PositionNoise noise = position_noise(stretch, bounded, choice.quantity);
+    bound.standard_uncertainty_mps = noise.speed.standard_uncertainty_mps;
+    window.bound = bound;
+    window.displacement_m = noise.displacement_m;
+    window.position_r95_m = position_r95_m(smoothed, epochs, bound);
+    window.length_m = noise.speed.speed_mps * duration_s;
+    if (evidence.screened.evidence) {
+        window.detection_power = evidence.screened.evidence->power;
+        window.reliability =
+            undetected_errors(evidence.screened, at.arc, stretch, bounded, choice.quantity);
+    }
+    window.selection = selection_of(evidence, choice, bounded, searched.standard_uncertainty_mps,
+                                    noise.speed.speed_mps);
+    window.speed_mps = noise.speed.speed_mps;
+    if (choice.profile.uncertainty.subtract_selection_bias)
+        window.speed_mps -= window.selection->bias_mps;
+
+    const BudgetInput input{
+        .trajectory = evidence.trajectory,
+        .config = evidence.config,
+        .noise = noise,
+        .bound = bound,
+        .selection = *window.selection,
+        .first_row = arc.rows[found.first],
+        .last_row = arc.rows[found.last],
+        .duration_s = duration_s,
+        .vertical = Axes == 1,
+        .length = choice.profile.window_kind == "course"
+                      ? std::optional(SurveyedLength{choice.quantity.length_m,
+                                                     choice.length_standard_uncertainty_m})
+                      : std::nullopt,
+        .reliability = window.reliability,
+        .detection_power = window.detection_power.value_or(0.0)};
+    window.budget = budget_of(input);
+    const CombinedUncertainty combined = combine(window.budget);
+    window.standard_uncertainty_mps = combined.standard_uncertainty;
+    window.effective_degrees_of_freedom = combined.effective_degrees_of_freedom;
+    window.monte_carlo = monte_carlo(input, window.budget, window.speed_mps);
+    return window;
+}
+
+template AxesEvidence<1> evidence_of<1>(const ScreenedTable&, const TrajectoryTable&,
+                                        const WindowConfig&);
+template AxesEvidence<2> evidence_of<2>(const ScreenedTable&, const TrajectoryTable&,
+                                        const WindowConfig&);
+template CertifiableWindow certified<1>(const AxesEvidence<1>&, const WindowChoice&);
+template CertifiableWindow certified<2>(const AxesEvidence<2>&, const WindowChoice&);
+
+CertifiableWindow in_space(const CertifiableWindow& horizontal, const CertifiableWindow& vertical) {
+    CertifiableWindow window = horizontal;
+    const double speed = std::hypot(horizontal.speed_mps, vertical.speed_mps);
+    const double level = speed > 0.0 ? horizontal.speed_mps / speed : 1.0;
+    const double upright = speed > 0.0 ? vertical.speed_mps / speed : 1.0;
+    const double of_level = level * horizontal.standard_uncertainty_mps;
+    const double of_upright = upright * vertical.standard_uncertainty_mps;
+    for (BudgetRow& row : window.budget) {
+        row.sensitivity *= level;
+        row.contribution_mps *= level;
+    }
+    const double added = std::sqrt(of_upright * of_upright + 2.0 * of_level * of_upright);
+    window.budget.push_back({.symbol = "v",
+                             .source = "vertical part of the speed",
+                             .estimate = vertical.speed_mps,
+                             .unit = "m / s",
+                             .standard_uncertainty = added,
+                             .type = "B",
+                             .distribution = "normal",
+                             .degrees_of_freedom = std::nullopt,
+                             .sensitivity = 1.0,
+                             .contribution_mps = added,
+                             .correlation = "fully correlated with all other rows together; what "
+                                            "it adds to them is given",
+                             .note = fmt::format("its own standard uncertainty is {:.4f} m/s",
+                                                 vertical.standard_uncertainty_mps)});
+    window.speed_mps = speed;
+    window.standard_uncertainty_mps = of_level + of_upright;
+    window.length_m = speed * window.span.duration.seconds();
+    window.definitions.displacement_mps =
+        std::hypot(horizontal.definitions.displacement_mps, vertical.definitions.displacement_mps);
+    window.fitted = std::nullopt;
+    window.monte_carlo = std::nullopt;
+    window.reliability.insert(window.reliability.end(), vertical.reliability.begin(),
+                              vertical.reliability.end());
+    return window;
+}
+
+}  // namespace runcert

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <vector>
+
+#include "arcs/arcs.h"
+#include "arcs/certifiable.h"
+#include "arcs/noise_models.h"
+#include "stages/window/search.h"
+#include "stages/window/speed_by_definition.h"
+#include "stages/window/window.h"
+
+namespace runcert {
+
+/// What windows are certified from, for horizontal speeds (Axes 2) or vertical ones (1).
+template <int Axes>
+struct AxesEvidence {
+    const ScreenedTable& screened;
+    const TrajectoryTable& trajectory;
+    const WindowConfig& config;
+    const NoiseSummary& noise;
+    EstimationModel model;              ///< of the trajectory
+    std::vector<WeightedModel> models;  ///< that the recording allows
+    std::vector<Arc<Axes>> arcs;
+    std::vector<ArcRows> rows;                    ///< of each arc, in the trajectory
+    std::vector<std::vector<ElapsedTime>> times;  ///< of each arc's epochs
+};
+
+/// Failure where the trajectory does not have the arcs of the screened epochs, or does not say what
+/// noise it was estimated with. Heights must have been measured for Axes 1; they are then above
+/// the ellipsoid.
+template <int Axes>
+AxesEvidence<Axes> evidence_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
+                               const WindowConfig& config);
+
+/// A window that was found, among those that it was chosen from.
+struct WindowChoice {
+    const Profile& profile;
+    const FoundWindow& found;
+    const std::vector<FoundWindow>& all;  ///< that it is the fastest of, and itself
+    SpeedQuantity quantity;
+    double length_standard_uncertainty_m = 0.0;  ///< of quantity.length_m, of a course
+};
+
+/// The quantity that a profile's windows are certified by. Of a course the caller adds its length
+/// and lines.
+SpeedQuantity quantity_of(const Profile& profile);
+
+/// The certified speed of a window with all sources of uncertainty. Failure where the trajectory
+/// is not the estimate from these screened epochs.
+template <int Axes>
+CertifiableWindow certified(const AxesEvidence<Axes>& evidence, const WindowChoice& choice);
+
+/// The speed in space of a window, from what both say of it by displacement: the two are at right
+/// angles, and their errors are taken as fully correlated, because nothing is known of that.
+CertifiableWindow in_space(const CertifiableWindow& horizontal, const CertifiableWindow& vertical);
+
+}  // namespace runcert

@@ -1,0 +1,152 @@
+#include "stages/window/certify_velocity.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/failure.h"
+#include "core/uncertainty.h"
+#include "stages/window/budget.h"
+#include "stages/window/search_series.h"
+
+namespace runcert {
+namespace {
+
+/// A window this many standard uncertainties slower than the best could not have been it.
+constexpr double selection_width = 4.0;
+
+Eigen::Vector3d counted_axes_of(std::string_view dimension) {
+    if (dimension == "horizontal") return {1.0, 1.0, 0.0};
+    return dimension == "vertical" ? Eigen::Vector3d(0.0, 0.0, 1.0) : Eigen::Vector3d::Ones();
+}
+
+/// The four definitions from the smoothed trajectory.
+SpeedDefinitions definitions_of(const TrajectoryTable& trajectory, const ArcRows& arc,
+                                const Profile& profile, const FoundWindow& found) {
+    const Eigen::Vector3d axes = counted_axes_of(profile.dimension);
+    const auto row = [&](std::size_t k) -> const TrajectoryEpoch& {
+        return trajectory.rows[arc.rows[k]];
+    };
+    const auto position = [&](std::size_t k) -> Eigen::Vector3d {
+        return axes.cwiseProduct(
+            Eigen::Vector3d(*row(k).east_m, *row(k).north_m, row(k).up_m.value_or(0.0)));
+    };
+    const auto speed = [&](std::size_t k) {
+        return axes
+            .cwiseProduct(Eigen::Vector3d(*row(k).velocity_east_mps, *row(k).velocity_north_mps,
+                                          row(k).velocity_up_mps.value_or(0.0)))
+            .norm();
+    };
+    double path_m = 0.0;
+    double later_mps = 0.0;
+    for (std::size_t k = found.first + 1; k <= found.last; ++k) {
+        path_m += (position(k) - position(k - 1)).norm();
+        later_mps += speed(k);
+    }
+    const double duration_s = found.end.seconds() - found.start.seconds();
+    const auto steps = static_cast<double>(found.last - found.first);
+    return {.displacement_mps = (position(found.last) - position(found.first)).norm() / duration_s,
+            .path_length_mps = path_m / duration_s,
+            .mean_n_plus_1_mps = (later_mps + speed(found.first)) / (steps + 1.0),
+            .mean_n_mps = later_mps / steps};
+}
+
+/// Mean of the standard uncertainties of the speeds of a window's epochs: that of their mean, if
+/// all err alike.
+double mean_uncertainty(const ScreenedTable& screened, const ArcRows& arc, const Profile& profile,
+                        const FoundWindow& found) {
+    double sum = 0.0;
+    for (std::size_t k = found.first; k <= found.last; ++k) {
+        const ScreenedEpoch& row = screened.rows[arc.rows[k]];
+        const auto speed = recorded_speed(row, profile.dimension);
+        if (!speed || !speed->standard_uncertainty_mps)
+            throw Failure(fmt::format("epoch {}", row.epoch),
+                          "the recording does not state how accurate its velocity is",
+                          "Use a profile whose speed is from positions");
+        sum += *speed->standard_uncertainty_mps;
+    }
+    return sum / static_cast<double>(found.last - found.first + 1);
+}
+
+/// Of the windows that could have been the fastest, as many as do not overlap.
+std::int64_t rivals_of(const std::vector<FoundWindow>& all, double least_mps) {
+    std::vector<FoundWindow> near;
+    for (const FoundWindow& window : all)
+        if (window.speed_mps >= least_mps) near.push_back(window);
+    std::ranges::sort(near, {}, [](const FoundWindow& window) { return window.end; });
+    std::int64_t rivals = 0;
+    ElapsedTime free_from{};
+    for (const FoundWindow& window : near)
+        if (rivals == 0 || window.start >= free_from) {
+            ++rivals;
+            free_from = window.end;
+        }
+    return std::max<std::int64_t>(rivals, 1);
+}
+
+BudgetRow row_of(std::string symbol, std::string source, std::string type, double contribution_mps,
+                 std::string note) {
+    return {.symbol = std::move(symbol),
+            .source = std::move(source),
+            .estimate = 0.0,
+            .unit = "m / s",
+            .standard_uncertainty = contribution_mps,
+            .type = std::move(type),
+            .distribution = "normal",
+            .degrees_of_freedom = std::nullopt,
+            .sensitivity = 1.0,
+            .contribution_mps = contribution_mps,
+            .correlation = "independent of the other rows",
+            .note = std::move(note)};
+}
+
+}  // namespace
+
+bool states_velocity_accuracy(const ScreenedTable& screened, const ArcRows& arc,
+                              const Profile& profile, const FoundWindow& found) {
+    for (std::size_t k = found.first; k <= found.last; ++k) {
+        const auto speed = recorded_speed(screened.rows[arc.rows[k]], profile.dimension);
+        if (!speed || !speed->standard_uncertainty_mps) return false;
+    }
+    return true;
+}
+
+CertifiableWindow certified_by_velocity(const ScreenedTable& screened,
+                                        const TrajectoryTable& trajectory, const ArcRows& arc,
+                                        const Profile& profile, const FoundWindow& found,
+                                        const std::vector<FoundWindow>& all) {
+    CertifiableWindow window;
+    const TrajectoryEpoch& first = trajectory.rows[arc.rows[found.first]];
+    const TrajectoryEpoch& last = trajectory.rows[arc.rows[found.last]];
+    window.span = window_span(trajectory.facts, first.epoch, last.epoch, found.start, found.end);
+    window.arc = arc.number;
+    window.speed_mps = found.speed_mps;
+    window.length_m = found.length_m;
+    window.definitions = definitions_of(trajectory, arc, profile, found);
+    window.displacement_m =
+        std::hypot(*last.east_m - *first.east_m, *last.north_m - *first.north_m);
+    window.position_r95_m = 2.45 * std::max({*first.sigma_east_m, *first.sigma_north_m,
+                                             *last.sigma_east_m, *last.sigma_north_m});
+
+    const double stated = mean_uncertainty(screened, arc, profile, found);
+    const std::int64_t rivals = rivals_of(all, found.speed_mps - selection_width * stated);
+    const double selection = stated * std::sqrt(2.0 * std::log(static_cast<double>(rivals)));
+    window.budget.push_back(row_of(
+        "u", "accuracy of the recorded velocities, as the recording states it", "B", stated,
+        fmt::format("taken as one error throughout the window; the smoothed positions give {:.3f} "
+                    "m/s over the same window",
+                    window.definitions.by_name(profile.definition))));
+    window.budget.push_back(row_of(
+        "d", "undetected error", "B", 0.0,
+        "not quantified: screening tests positions; velocities are only compared with them"));
+    window.budget.push_back(row_of(
+        "f", "choice of the fastest of many windows", "B", selection,
+        fmt::format("{} that do not overlap could have been the fastest; the bound stands here as "
+                    "an uncertainty",
+                    rivals == 1 ? std::string("no others") : fmt::format("{} windows", rivals))));
+    window.standard_uncertainty_mps = combine(window.budget).standard_uncertainty;
+    return window;
+}
+
+}  // namespace runcert

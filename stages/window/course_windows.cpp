@@ -1,0 +1,88 @@
+#include "stages/window/course_windows.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/failure.h"
+#include "core/geodesy.h"
+
+namespace runcert {
+namespace {
+
+Eigen::Vector2d in_frame(const CoursePoint& point, const Course& course,
+                         const std::optional<FrameOrigin>& origin) {
+    if (point.geodetic.has_value() != origin.has_value())
+        throw Failure(course.place,
+                      origin ? "the course is in plane coordinates, the recording on the Earth"
+                             : "the course is on the Earth, the recording in a plane of its own",
+                      origin ? "Give latitude_deg and longitude_deg of the course's points"
+                             : "Give east_m and north_m of the course's points");
+    if (!origin) return *point.plane_m;
+    Geodetic place = *point.geodetic;
+    // Heights of the points are not known: the course is where the origin is.
+    place.height_m = origin->position.height_m;
+    return LocalFrame(origin->position).enu_from_geodetic(place).m.head<2>();
+}
+
+Gate gate_of(const CourseLine& line, const Course& course,
+             const std::optional<FrameOrigin>& origin) {
+    const Gate gate{.left = in_frame(line.left, course, origin),
+                    .right = in_frame(line.right, course, origin)};
+    constexpr double shortest_m = 0.1;
+    if ((gate.right - gate.left).norm() < shortest_m)
+        throw Failure(course.place, "the two ends of a line of the course are the same point",
+                      "Correct the coordinates of its left and right ends");
+    return gate;
+}
+
+}  // namespace
+
+CourseGates course_gates(const Course& course, const std::optional<FrameOrigin>& origin) {
+    CourseGates gates{.start = gate_of(course.start, course, origin),
+                      .finish = gate_of(course.finish, course, origin),
+                      .length_m = course.length_m,
+                      .length_standard_uncertainty_m = 0.5 * course.length_expanded_uncertainty_m};
+    const Eigen::Vector2d from = 0.5 * (gates.start.left + gates.start.right);
+    const Eigen::Vector2d to = 0.5 * (gates.finish.left + gates.finish.right);
+    const double apart_m = (to - from).norm();
+    if (std::abs(apart_m - course.length_m) > 1.0 + 0.02 * course.length_m)
+        throw Failure(course.place,
+                      fmt::format("the course is stated to be {:.2f} m long, but the middles of "
+                                  "its lines are {:.2f} m apart",
+                                  course.length_m, apart_m),
+                      "Correct length_m or the coordinates of the lines");
+    return gates;
+}
+
+std::vector<FoundWindow> course_windows(const std::vector<SearchSeries>& series,
+                                        const CourseGates& gates) {
+    std::vector<FoundWindow> windows;
+    for (const Passage& passage : passages(series, gates.start, gates.finish)) {
+        if (!passage.refusal.empty()) continue;
+        const Crossing& start = passage.start;
+        const Crossing& finish = passage.finish;
+        FoundWindow window{.series = start.series,
+                           .first = start.after,
+                           .last = finish.after + (finish.fraction > 0.0 ? 1 : 0),
+                           .start = start.time,
+                           .end = finish.time,
+                           .length_m = gates.length_m};
+        if (!window_allowed(series[window.series], window.first, window.last)) continue;
+        window.speed_mps = gates.length_m / (window.end.seconds() - window.start.seconds());
+        windows.push_back(window);
+    }
+    std::ranges::stable_sort(windows, preferred);
+    return windows;
+}
+
+std::string why_no_course_window(const std::vector<SearchSeries>& series,
+                                 const CourseGates& gates) {
+    if (!course_windows(series, gates).empty()) return {};
+    for (const Passage& passage : passages(series, gates.start, gates.finish))
+        if (!passage.refusal.empty()) return passage.refusal;
+    return why_no_passage(series, gates.start, gates.finish);
+}
+
+}  // namespace runcert

@@ -1,0 +1,83 @@
+#include "stages/window/instants.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/failure.h"
+#include "stages/window/speed_by_definition.h"
+
+namespace runcert {
+namespace {
+
+template <int Axes>
+std::size_t insert_instant(Arc<Axes>& arc, std::vector<ElapsedTime>& times, ElapsedTime instant) {
+    const auto at = std::ranges::lower_bound(times, instant);
+    const auto index = static_cast<std::size_t>(at - times.begin());
+    if (at != times.end() && *at == instant) return index;
+    if (index == 0 || at == times.end())
+        throw Failure("window", "an end of it lies outside of its stretch",
+                      "This is a fault of the program: report it with the run folder");
+    ArcEpoch<Axes> epoch;
+    epoch.time_s = instant.seconds();
+    // A bridged step stays where the positions jump: before the measured epoch.
+    arc.epochs.insert(arc.epochs.begin() + static_cast<std::ptrdiff_t>(index), epoch);
+    arc.rows.insert(arc.rows.begin() + static_cast<std::ptrdiff_t>(index), arc.rows[index - 1]);
+    times.insert(at, instant);
+    return index;
+}
+
+/// By how much later (s) the smoothed track is on the gate's line.
+double lateness_s(const SmoothedArc<2>& smoothed, std::size_t k, const Gate& gate) {
+    const Eigen::Vector2d normal = along_course(gate);
+    const Eigen::Vector2d position = smoothed.states[k].mean.head<2>();
+    const Eigen::Vector2d velocity = smoothed.states[k].mean.segment<2>(2);
+    const double speed_mps = normal.dot(velocity);
+    constexpr double slowest_mps = 0.05;
+    if (speed_mps < slowest_mps)
+        throw Failure("course",
+                      "the track runs along one of its lines where it crosses it, or "
+                      "stands: the time of the crossing has no certain value",
+                      "Check the surveyed lines, or measure with a line that is crossed at speed");
+    return normal.dot(gate.left - position) / speed_mps;
+}
+
+}  // namespace
+
+template <int Axes>
+ArcWithInstants<Axes> with_instants(const Arc<Axes>& arc, const std::vector<ElapsedTime>& times,
+                                    ElapsedTime start, ElapsedTime end) {
+    ArcWithInstants<Axes> result{.arc = arc, .window = {}};
+    std::vector<ElapsedTime> all = times;
+    result.window.first = insert_instant(result.arc, all, start);
+    result.window.last = insert_instant(result.arc, all, end);
+    return result;
+}
+
+Eigen::Vector2d along_course(const Gate& gate) {
+    const Eigen::Vector2d across = gate.right - gate.left;
+    return Eigen::Vector2d(-across.y(), across.x()).normalized();
+}
+
+CrossingTimes smoothed_crossings(const Arc<2>& arc, const std::vector<ElapsedTime>& times,
+                                 const EstimationModel& model, const CrossingTimes& straight,
+                                 const Gate& start, const Gate& finish) {
+    CrossingTimes crossings = straight;
+    for (int step = 0; step < 3; ++step) {
+        const ArcWithInstants<2> both = with_instants(arc, times, crossings.start, crossings.end);
+        const SmoothedArc<2> smoothed = smooth<2>(both.arc.epochs, model);
+        const auto move = [&](ElapsedTime& instant, std::size_t k, const Gate& gate) {
+            instant.nanoseconds += std::llround(1e9 * lateness_s(smoothed, k, gate));
+            instant = std::clamp(instant, times.front(), times.back());
+        };
+        move(crossings.start, both.window.first, start);
+        move(crossings.end, both.window.last, finish);
+    }
+    return crossings;
+}
+
+template ArcWithInstants<1> with_instants<1>(const Arc<1>&, const std::vector<ElapsedTime>&,
+                                             ElapsedTime, ElapsedTime);
+template ArcWithInstants<2> with_instants<2>(const Arc<2>&, const std::vector<ElapsedTime>&,
+                                             ElapsedTime, ElapsedTime);
+
+}  // namespace runcert

@@ -1,0 +1,167 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <tuple>
+
+#include "stages/window/crossings.h"
+
+namespace runcert {
+namespace {
+
+enum class Line { finish, start };  // in the order in which they count where crossed at once
+
+struct LineCrossing {
+    Line line = Line::start;
+    Crossing crossing;
+};
+
+using LineCrossings = std::vector<LineCrossing>;
+
+LineCrossings both_lines(const std::vector<SearchSeries>& series, const Gate& start,
+                         const Gate& finish) {
+    LineCrossings all;
+    for (const Crossing& crossing : crossings(series, start))
+        all.push_back({Line::start, crossing});
+    for (const Crossing& crossing : crossings(series, finish))
+        all.push_back({Line::finish, crossing});
+    const auto key = [](const LineCrossing& one) {
+        return std::tie(one.crossing.series, one.crossing.time, one.line);
+    };
+    std::sort(all.begin(), all.end(),
+              [&](const LineCrossing& a, const LineCrossing& b) { return key(a) < key(b); });
+    return all;
+}
+
+bool is_passage(const LineCrossing& a, const LineCrossing& b) {
+    return a.crossing.series == b.crossing.series && a.line == Line::start && a.crossing.forward &&
+           b.line == Line::finish && b.crossing.forward;
+}
+
+/// Crossings of one line with none of the other between, from a forward one to a forward one.
+std::vector<Crossing> trimmed(std::vector<Crossing> group) {
+    const auto forward = [](const Crossing& one) { return one.forward; };
+    group.erase(group.begin(), std::find_if(group.begin(), group.end(), forward));
+    group.erase(std::find_if(group.rbegin(), group.rend(), forward).base(), group.end());
+    return group;
+}
+
+/// The crossings of the start line that may begin the passage whose start is the `k`-th crossing.
+std::vector<Crossing> starts_of(const LineCrossings& all, std::size_t k) {
+    std::size_t first = k;
+    while (first > 0 && all[first - 1].line == Line::start &&
+           all[first - 1].crossing.series == all[k].crossing.series)
+        --first;
+    std::vector<Crossing> group;
+    for (std::size_t i = first; i <= k; ++i)
+        group.push_back(all[i].crossing);
+    return trimmed(std::move(group));
+}
+
+/// The crossings of the finish line that may end the passage whose finish is the `k`-th crossing.
+std::vector<Crossing> finishes_of(const LineCrossings& all, std::size_t k) {
+    std::vector<Crossing> group;
+    for (std::size_t i = k; i < all.size() && all[i].line == Line::finish &&
+                            all[i].crossing.series == all[k].crossing.series;
+         ++i)
+        group.push_back(all[i].crossing);
+    return trimmed(std::move(group));
+}
+
+std::string times_of(const std::vector<Crossing>& group) {
+    std::string text;
+    for (std::size_t i = 0; i < group.size(); ++i) {
+        if (i > 0) text += i + 1 == group.size() ? " and " : ", ";
+        text += fmt::format("{:.3f} s", group[i].time.seconds());
+    }
+    return text;
+}
+
+std::string count_of(std::size_t count) {
+    return count == 1 ? "once" : fmt::format("{} times", count);
+}
+
+std::string refusal_of(const std::vector<Crossing>& starts, const std::vector<Crossing>& finishes) {
+    std::string text;
+    if (starts.size() > 1)
+        text = fmt::format(
+            "The start line was crossed {} before the finish line, at {}: nobody can tell which "
+            "crossing began the run.",
+            count_of(starts.size()), times_of(starts));
+    if (finishes.size() > 1)
+        text += fmt::format(
+            "{}The finish line was crossed {} after the start line, at {}: nobody can tell which "
+            "crossing ended the run.",
+            text.empty() ? "" : " ", count_of(finishes.size()), times_of(finishes));
+    return text;
+}
+
+std::vector<Passage> passages_in(const LineCrossings& all) {
+    std::vector<Passage> found;
+    for (std::size_t k = 0; k + 1 < all.size(); ++k)
+        if (is_passage(all[k], all[k + 1]))
+            found.push_back({all[k].crossing, all[k + 1].crossing,
+                             refusal_of(starts_of(all, k), finishes_of(all, k + 1))});
+    return found;
+}
+
+std::string only_against(std::string_view line, std::size_t count) {
+    return fmt::format(
+        "the track crosses the {} line only against the course's direction, {} (are left and right "
+        "exchanged?)",
+        line, count_of(count));
+}
+
+/// What follows the first forward crossing of the start line: crossings of the finish line.
+struct FinishesAfter {
+    std::size_t forward = 0;          ///< in a series with such a crossing before
+    std::size_t backward = 0;         ///< likewise
+    std::size_t in_later_series = 0;  ///< with such a crossing in an earlier series only
+};
+
+FinishesAfter finishes_after_start(const LineCrossings& all) {
+    FinishesAfter after;
+    const LineCrossing* start = nullptr;  // the last forward one
+    for (const LineCrossing& one : all) {
+        if (one.line == Line::start) {
+            if (one.crossing.forward) start = &one;
+        } else if (start) {
+            if (start->crossing.series != one.crossing.series)
+                ++after.in_later_series;
+            else
+                ++(one.crossing.forward ? after.forward : after.backward);
+        }
+    }
+    return after;
+}
+
+}  // namespace
+
+std::vector<Passage> passages(const std::vector<SearchSeries>& series, const Gate& start,
+                              const Gate& finish) {
+    return passages_in(both_lines(series, start, finish));
+}
+
+std::string why_no_passage(const std::vector<SearchSeries>& series, const Gate& start,
+                           const Gate& finish) {
+    const LineCrossings all = both_lines(series, start, finish);
+    if (!passages_in(all).empty()) return {};
+    std::size_t forward = 0;
+    std::size_t backward = 0;
+    for (const LineCrossing& one : all)
+        if (one.line == Line::start) ++(one.crossing.forward ? forward : backward);
+    if (forward + backward == 0) return "the track never crosses the start line";
+    if (forward == 0) return only_against("start", backward);
+    const FinishesAfter after = finishes_after_start(all);
+    const std::string begins =
+        fmt::format("the track crosses the start line {}", count_of(forward));
+    if (after.forward > 0)
+        return begins +
+               ", but always crosses a line against the course's direction before it reaches the "
+               "finish line";
+    if (after.backward > 0) return only_against("finish", after.backward);
+    if (after.in_later_series > 0)
+        return begins + ", but the finish line after it only beyond a gap in the positions";
+    return begins + " but never the finish line after it";
+}
+
+}  // namespace runcert

@@ -1,0 +1,119 @@
+#include "stages/window/search.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <tuple>
+
+#include "core/failure.h"
+#include "stages/window/search_candidates.h"
+
+namespace runcert {
+namespace {
+
+bool is_mean(SpeedDefinition definition) {
+    return definition == SpeedDefinition::mean_n_plus_1 || definition == SpeedDefinition::mean_n;
+}
+
+void refuse(std::string_view what) {
+    throw Failure("the rule of a window", std::string(what), "Correct the profile's rule.");
+}
+
+void check_rule(const SearchRule& rule) {
+    const bool any = rule.ends == WindowEnds::any;
+    const bool path = rule.definition == SpeedDefinition::path_length;
+    switch (rule.kind) {
+        case WindowKind::course:
+            refuse("a window over a course is searched by its gates, not by its length");
+            break;
+        case WindowKind::time:
+            if (any && is_mean(rule.definition))
+                refuse("a mean of samples' speeds needs a window between epochs");
+            if (!(rule.duration_s > 0.0)) refuse("a window's duration is not positive");
+            break;
+        case WindowKind::distance:
+            if (is_mean(rule.definition))
+                refuse("a window over a distance has no mean of samples' speeds");
+            if (any && !path) refuse("at any instant a distance is one along the path");
+            if (!(rule.distance_m > path_rounding_m)) refuse("a window's distance is not positive");
+            break;
+        case WindowKind::alpha:
+            if (any || !path) refuse("an alpha is a path between epochs");
+            if (!(rule.distance_m > path_rounding_m)) refuse("an alpha's distance is not positive");
+            break;
+    }
+}
+
+bool overlap(const FoundWindow& a, const FoundWindow& b) {
+    return a.series == b.series && a.start < b.end && b.start < a.end;
+}
+
+void append(const WindowSearch& more, WindowSearch& all) {
+    all.windows.insert(all.windows.end(), more.windows.begin(), more.windows.end());
+    all.steps += more.steps;
+}
+
+std::vector<SummedSeries> summed_all(const std::vector<SearchSeries>& series) {
+    std::vector<SummedSeries> sums;
+    sums.reserve(series.size());
+    for (std::size_t k = 0; k < series.size(); ++k)
+        sums.push_back(summed(series[k], k));
+    return sums;
+}
+
+/// Windows beside one that is found, where they do not overlap any that are.
+WindowSearch free_beside(const std::vector<SummedSeries>& sums, const SearchRule& rule,
+                         const std::vector<FoundWindow>& found) {
+    WindowSearch beside = windows_beside(sums[found.back().series], rule, found.back());
+    std::erase_if(beside.windows, [&](const FoundWindow& window) {
+        return std::any_of(found.begin(), found.end(),
+                           [&](const FoundWindow& one) { return overlap(one, window); });
+    });
+    return beside;
+}
+
+WindowSearch fastest_of_all(const std::vector<SummedSeries>& sums, const SearchRule& rule,
+                            std::size_t count) {
+    WindowSearch left;
+    for (const SummedSeries& series : sums)
+        append(windows_in(series, rule), left);
+    std::vector<FoundWindow> found;
+    while (found.size() < count && !left.windows.empty()) {
+        left.steps += static_cast<std::int64_t>(left.windows.size());
+        found.push_back(*std::min_element(left.windows.begin(), left.windows.end(), preferred));
+        std::erase_if(left.windows,
+                      [&](const FoundWindow& window) { return overlap(window, found.back()); });
+        if (rule.ends == WindowEnds::any) append(free_beside(sums, rule, found), left);
+    }
+    return {found, left.steps};
+}
+
+}  // namespace
+
+bool preferred(const FoundWindow& one, const FoundWindow& other) {
+    if (one.speed_mps != other.speed_mps) return one.speed_mps > other.speed_mps;
+    return std::tie(one.series, one.start, one.end) <
+           std::tie(other.series, other.start, other.end);
+}
+
+WindowSearch search_windows(const std::vector<SearchSeries>& series, const SearchRule& rule,
+                            std::size_t count) {
+    check_rule(rule);
+    return fastest_of_all(summed_all(series), rule, count);
+}
+
+std::vector<FoundWindow> best_windows(const std::vector<SearchSeries>& series,
+                                      const SearchRule& rule, std::size_t count) {
+    return search_windows(series, rule, count).windows;
+}
+
+std::vector<FoundWindow> allowed_windows(const std::vector<SearchSeries>& series,
+                                         const SearchRule& rule) {
+    check_rule(rule);
+    WindowSearch all;
+    for (const SummedSeries& one : summed_all(series))
+        append(windows_in(one, rule), all);
+    return all.windows;
+}
+
+}  // namespace runcert

@@ -1,0 +1,245 @@
+#include "stages/window/search_candidates.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numbers>
+
+#include "arcs/window_ends.h"
+
+namespace runcert {
+namespace {
+
+void add(const std::optional<FoundWindow>& window, WindowSearch& search) {
+    ++search.steps;
+    if (window) search.windows.push_back(*window);
+}
+
+WindowSearch time_between_epochs(const SummedSeries& series, const SearchRule& rule) {
+    constexpr double nanosecond_s = 1e-9;  // the ends are sought below the limit, not up to it
+    const auto ends = window_ends(
+        series.samples->times, rule.duration_s, rule.duration_tolerance_s,
+        rule.exact ? rule.duration_tolerance_s + nanosecond_s : rule.nominal_interval_s);
+    WindowSearch search;
+    for (std::size_t first = 0; first < ends.size(); ++first)
+        if (ends[first] && *ends[first] > first)
+            add(window_between(series, first, *ends[first], rule.definition), search);
+    search.steps += static_cast<std::int64_t>(series.size());
+    return search;
+}
+
+std::int64_t duration_ns(const SearchRule& rule) {
+    return std::llround(rule.duration_s * 1e9);
+}
+
+/// The times (ns) at which a window of the duration begins or ends at a sample, as starts.
+std::vector<std::int64_t> starts_at_any_instant(const SummedSeries& series,
+                                                std::int64_t window_ns) {
+    const auto& times = series.samples->times;
+    std::vector<std::int64_t> begins, ends, starts;
+    for (const ElapsedTime time : times) {
+        const std::int64_t t = time.nanoseconds;
+        if (t + window_ns <= times.back().nanoseconds) begins.push_back(t);
+        if (t - window_ns >= times.front().nanoseconds) ends.push_back(t - window_ns);
+    }
+    std::set_union(begins.begin(), begins.end(), ends.begin(), ends.end(),
+                   std::back_inserter(starts));
+    return starts;
+}
+
+WindowSearch time_at_any_instant(const SummedSeries& series, const SearchRule& rule) {
+    const std::int64_t window_ns = duration_ns(rule);
+    WindowSearch search;
+    SeriesInstant start, end;
+    for (const std::int64_t start_ns : starts_at_any_instant(series, window_ns)) {
+        start = instant_at_time(series, start_ns, start.after);
+        end = instant_at_time(series, start_ns + window_ns, end.after);
+        add(window_between(series, start, end, rule.definition), search);
+    }
+    search.steps += 2 * static_cast<std::int64_t>(series.size());
+    return search;
+}
+
+WindowSearch path_between_epochs(const SummedSeries& series, const SearchRule& rule) {
+    const double enough_m = rule.distance_m - path_rounding_m;
+    WindowSearch search;
+    std::size_t last = 0;
+    for (std::size_t first = 0; first < series.size(); ++first) {
+        while (last < series.size() && series.path_m[last] - series.path_m[first] < enough_m)
+            ++last;
+        if (last == series.size()) break;
+        add(window_between(series, first, last, rule.definition), search);
+    }
+    search.steps += static_cast<std::int64_t>(last);
+    return search;
+}
+
+/// The first sample from `last` on whose straight distance from `first` is enough, on up to twice
+/// as much path.
+std::optional<std::size_t> far_enough(const SummedSeries& series, std::size_t first,
+                                      std::size_t last, double enough_m, std::int64_t& steps) {
+    const std::vector<double>& path = series.path_m;
+    const double longest_m = path[first] + 2.0 * (enough_m + path_rounding_m);
+    while (last < path.size() && path[last] <= longest_m) {
+        ++steps;
+        const double missing_m = enough_m - distance_between(series.samples->positions[first],
+                                                             series.samples->positions[last]);
+        if (missing_m <= 0.0) return last;
+        // It takes at least that much path to get there.
+        const double next_m = path[last] + missing_m - path_rounding_m;
+        const auto after = path.begin() + static_cast<std::ptrdiff_t>(last) + 1;
+        last = static_cast<std::size_t>(std::lower_bound(after, path.end(), next_m) - path.begin());
+    }
+    return std::nullopt;
+}
+
+WindowSearch straight_between_epochs(const SummedSeries& series, const SearchRule& rule) {
+    const double enough_m = rule.distance_m - path_rounding_m;
+    WindowSearch search;
+    std::size_t last = 0;
+    for (std::size_t first = 0; first < series.size(); ++first) {
+        while (last < series.size() && series.path_m[last] - series.path_m[first] < enough_m)
+            ++last;
+        const auto end = far_enough(series, first, last, enough_m, search.steps);
+        if (end) add(window_between(series, first, *end, rule.definition), search);
+    }
+    search.steps += static_cast<std::int64_t>(last);
+    return search;
+}
+
+/// Direction of travel at each sample, a unit vector: see `direction_reach_m`. At the ends of the
+/// series it is that of one side; zero where the craft turned round on the spot.
+std::vector<Eigen::Vector3d> directions_along(const SummedSeries& series) {
+    const std::vector<double>& path = series.path_m;
+    const auto& positions = series.samples->positions;
+    std::vector<Eigen::Vector3d> directions;
+    directions.reserve(path.size());
+    std::size_t before = 0;
+    std::size_t after = 0;
+    for (std::size_t k = 0; k < path.size(); ++k) {
+        while (before + 1 < k && path[k] - path[before + 1] >= direction_reach_m)
+            ++before;
+        while (after + 1 < path.size() && path[after] - path[k] < direction_reach_m)
+            ++after;
+        const Eigen::Vector3d travel = positions[after] - positions[before];
+        const double length_m = travel.norm();
+        directions.emplace_back(length_m > 0.0 ? Eigen::Vector3d(travel / length_m)
+                                               : Eigen::Vector3d::Zero());
+    }
+    return directions;
+}
+
+WindowSearch alphas(const SummedSeries& series, const SearchRule& rule) {
+    const std::vector<double>& path = series.path_m;
+    const auto& positions = series.samples->positions;
+    const std::vector<Eigen::Vector3d> directions = directions_along(series);
+    const double cosine = std::cos(rule.turn_deg * std::numbers::pi / 180.0);
+    const auto turned = [&](const Eigen::Vector3d& from, const Eigen::Vector3d& to) {
+        return !from.isZero(0.0) && !to.isZero(0.0) && from.dot(to) <= cosine;
+    };
+    WindowSearch search;
+    std::size_t first = 0;
+    for (std::size_t last = 1; last < series.size(); ++last) {
+        while (path[last] - path[first] > rule.distance_m + path_rounding_m)
+            ++first;
+        const bool whole = path[last] - path.front() >= rule.distance_m - path_rounding_m;
+        if (whole && distance_between(positions[first], positions[last]) <= rule.proximity_m &&
+            turned(directions[first], directions[last]))
+            add(window_between(series, first, last, rule.definition), search);
+    }
+    search.steps += static_cast<std::int64_t>(series.size() + first);
+    return search;
+}
+
+/// The end of a path of this length, looked for from a sample on; empty beyond the series.
+std::optional<SeriesInstant> end_of_path(const SummedSeries& series, SeriesInstant start,
+                                         double distance_m, std::size_t from) {
+    const double path_m = path_at(series, start) + distance_m;
+    if (path_m > series.path_m.back() + path_rounding_m) return std::nullopt;
+    return first_instant_at_path(series, std::min(path_m, series.path_m.back()), from);
+}
+
+/// The start of a path of this length, looked for from a sample on; empty before the series.
+std::optional<SeriesInstant> start_of_path(const SummedSeries& series, SeriesInstant end,
+                                           double distance_m, std::size_t from) {
+    const double path_m = path_at(series, end) - distance_m;
+    if (path_m < -path_rounding_m) return std::nullopt;
+    return last_instant_at_path(series, std::max(path_m, 0.0), from);
+}
+
+bool earlier(const FoundWindow& a, const FoundWindow& b) {
+    return a.start != b.start ? a.start < b.start : a.end < b.end;
+}
+
+bool same_ends(const FoundWindow& a, const FoundWindow& b) {
+    return a.start == b.start && a.end == b.end;
+}
+
+WindowSearch path_at_any_instant(const SummedSeries& series, const SearchRule& rule) {
+    WindowSearch begins, ends, all;
+    SeriesInstant start, end;
+    for (std::size_t k = 0; k < series.size(); ++k) {
+        const SeriesInstant sample{k, 0.0};
+        if (const auto found = end_of_path(series, sample, rule.distance_m, end.after)) {
+            end = *found;
+            add(window_between(series, sample, end, rule.definition), begins);
+        }
+        if (const auto found = start_of_path(series, sample, rule.distance_m, start.after)) {
+            start = *found;
+            add(window_between(series, start, sample, rule.definition), ends);
+        }
+    }
+    std::merge(begins.windows.begin(), begins.windows.end(), ends.windows.begin(),
+               ends.windows.end(), std::back_inserter(all.windows), earlier);
+    all.windows.erase(std::unique(all.windows.begin(), all.windows.end(), same_ends),
+                      all.windows.end());
+    all.steps = begins.steps + ends.steps + 2 * static_cast<std::int64_t>(series.size());
+    return all;
+}
+
+WindowSearch times_beside(const SummedSeries& series, const SearchRule& rule,
+                          const FoundWindow& found) {
+    const auto& times = series.samples->times;
+    const std::int64_t window_ns = duration_ns(rule);
+    WindowSearch search;
+    for (const std::int64_t start_ns : {found.start.nanoseconds - window_ns, found.end.nanoseconds})
+        if (start_ns >= times.front().nanoseconds &&
+            start_ns + window_ns <= times.back().nanoseconds)
+            add(window_between(series, instant_at_time(series, start_ns, 0),
+                               instant_at_time(series, start_ns + window_ns, 0), rule.definition),
+                search);
+    return search;
+}
+
+WindowSearch paths_beside(const SummedSeries& series, const SearchRule& rule,
+                          const FoundWindow& found) {
+    WindowSearch search;
+    const SeriesInstant end = instant_at_time(series, found.start.nanoseconds, 0);
+    if (const auto start = start_of_path(series, end, rule.distance_m, 0))
+        add(window_between(series, *start, end, rule.definition), search);
+    const SeriesInstant start = instant_at_time(series, found.end.nanoseconds, 0);
+    if (const auto found_end = end_of_path(series, start, rule.distance_m, 0))
+        add(window_between(series, start, *found_end, rule.definition), search);
+    return search;
+}
+
+}  // namespace
+
+WindowSearch windows_in(const SummedSeries& series, const SearchRule& rule) {
+    if (series.size() < 2) return {};
+    const bool any = rule.ends == WindowEnds::any;
+    if (rule.kind == WindowKind::time)
+        return any ? time_at_any_instant(series, rule) : time_between_epochs(series, rule);
+    if (rule.kind == WindowKind::alpha) return alphas(series, rule);
+    if (any) return path_at_any_instant(series, rule);
+    return rule.definition == SpeedDefinition::path_length ? path_between_epochs(series, rule)
+                                                           : straight_between_epochs(series, rule);
+}
+
+WindowSearch windows_beside(const SummedSeries& series, const SearchRule& rule,
+                            const FoundWindow& found) {
+    return rule.kind == WindowKind::time ? times_beside(series, rule, found)
+                                         : paths_beside(series, rule, found);
+}
+
+}  // namespace runcert

@@ -1,0 +1,189 @@
+#include "stages/window/search_series.h"
+
+#include <cmath>
+
+namespace runcert {
+namespace {
+
+constexpr double earth_radius_m = 6.371e6;
+
+/// What the craft itself moves (m) between two neighbouring rows: dt (v + v') / 2 -
+/// dt^2 (a' - a) / 12, the mean of persistent acceleration under velocity and acceleration at both
+/// ends. (Over one epoch an acceleration that dies away moves the craft no differently by anything
+/// that counts in a search.)
+Eigen::Vector3d motion_over(const TrajectoryEpoch& from, const TrajectoryEpoch& to) {
+    const double dt_s = to.time.seconds() - from.time.seconds();
+    const auto velocity = [](const TrajectoryEpoch& row) {
+        return Eigen::Vector3d(row.velocity_east_mps.value(), row.velocity_north_mps.value(),
+                               row.velocity_up_mps.value_or(0.0));
+    };
+    const auto acceleration = [](const TrajectoryEpoch& row) {
+        return Eigen::Vector3d(row.acceleration_east_mps2.value(),
+                               row.acceleration_north_mps2.value(),
+                               row.acceleration_up_mps2.value_or(0.0));
+    };
+    return 0.5 * dt_s * (velocity(from) + velocity(to)) -
+           dt_s * dt_s / 12.0 * (acceleration(to) - acceleration(from));
+}
+
+/// The axes of a position that the profile counts, the others zero.
+Eigen::Vector3d counted(const Eigen::Vector3d& position, const Profile& profile,
+                        const std::optional<FrameOrigin>& origin) {
+    if (profile.dimension == "horizontal") return {position.x(), position.y(), 0.0};
+    if (profile.dimension == "vertical")
+        return {0.0, 0.0, position.z() + fall_below_plane_m(origin, position.x(), position.y())};
+    return position;
+}
+
+double smoothed_speed(const TrajectoryEpoch& row, const Profile& profile) {
+    const double up = row.velocity_up_mps.value_or(0.0);
+    if (profile.dimension == "horizontal") return *row.speed_mps;
+    return profile.dimension == "vertical" ? std::abs(up) : std::hypot(*row.speed_mps, up);
+}
+
+/// Adds the sample's place on the path that recorded speeds make, each pair's mean over its time.
+void add_recorded(SearchSeries& series, ElapsedTime time, double speed_mps) {
+    const double before_m = series.path_m.empty() ? 0.0 : series.path_m.back();
+    const double step_m = series.times.empty()
+                              ? 0.0
+                              : 0.5 * (series.speeds_mps.back() + speed_mps) *
+                                    (time.seconds() - series.times.back().seconds());
+    series.path_m.push_back(before_m + step_m);
+    series.speeds_mps.push_back(speed_mps);
+}
+
+SearchSeries arc_series(const ScreenedTable& screened, const TrajectoryTable& trajectory,
+                        const ArcRows& arc, const std::vector<std::int64_t>& obstacles,
+                        const Profile& profile) {
+    SearchSeries series;
+    Eigen::Vector3d offset = Eigen::Vector3d::Zero();
+    Eigen::Vector3d before = Eigen::Vector3d::Zero();
+    for (std::size_t k = 0; k < arc.rows.size(); ++k) {
+        const TrajectoryEpoch& row = trajectory.rows[arc.rows[k]];
+        const Eigen::Vector3d position(*row.east_m, *row.north_m, row.up_m.value_or(0.0));
+        if (k > 0 && row.begins_after_step())
+            offset += position - before - motion_over(trajectory.rows[arc.rows[k - 1]], row);
+        before = position;
+        if (profile.speed_source == "velocity") {
+            const auto speed = recorded_speed(screened.rows[arc.rows[k]], profile.dimension);
+            add_recorded(series, row.time, speed ? speed->speed_mps : 0.0);
+        } else {
+            series.speeds_mps.push_back(smoothed_speed(row, profile));
+        }
+        series.times.push_back(row.time);
+        series.positions.push_back(counted(position - offset, profile, trajectory.origin));
+        series.obstacles.push_back(obstacles[arc.rows[k]]);
+        series.bounds.push_back(row.usable);
+    }
+    return series;
+}
+
+/// For each row of the table, how many up to it no window may hold. Every row counts, also one
+/// that belongs to no arc, as a repeated time stamp.
+std::vector<std::int64_t> obstacles_in(const ScreenedTable& screened,
+                                       const TrajectoryTable& trajectory, const Profile& profile) {
+    std::vector<std::int64_t> obstacles;
+    obstacles.reserve(trajectory.rows.size());
+    for (std::size_t i = 0; i < trajectory.rows.size(); ++i) {
+        const TrajectoryEpoch& row = trajectory.rows[i];
+        const bool step = !profile.repaired_steps && row.begins_after_step();
+        const bool silent = profile.speed_source == "velocity" &&
+                            !recorded_speed(screened.rows[i], profile.dimension);
+        obstacles.push_back((obstacles.empty() ? 0 : obstacles.back()) +
+                            (!row.usable || step || silent ? 1 : 0));
+    }
+    return obstacles;
+}
+
+}  // namespace
+
+double fall_below_plane_m(const std::optional<FrameOrigin>& origin, double east_m, double north_m) {
+    return origin ? (east_m * east_m + north_m * north_m) / (2.0 * earth_radius_m) : 0.0;
+}
+
+SearchRule search_rule(const Profile& profile, double duration_tolerance_s,
+                       double nominal_interval_s) {
+    SearchRule rule;
+    rule.kind = profile.window_kind == "time"       ? WindowKind::time
+                : profile.window_kind == "distance" ? WindowKind::distance
+                : profile.window_kind == "alpha"    ? WindowKind::alpha
+                                                    : WindowKind::course;
+    rule.definition = profile.definition == "path_length"     ? SpeedDefinition::path_length
+                      : profile.definition == "mean_n_plus_1" ? SpeedDefinition::mean_n_plus_1
+                      : profile.definition == "mean_n"        ? SpeedDefinition::mean_n
+                                                              : SpeedDefinition::displacement;
+    rule.ends = profile.ends_anywhere ? WindowEnds::any : WindowEnds::epochs;
+    rule.exact = profile.exact_duration;
+    rule.duration_s = profile.duration_s;
+    rule.duration_tolerance_s = duration_tolerance_s;
+    rule.nominal_interval_s = nominal_interval_s;
+    rule.distance_m = profile.distance_m;
+    rule.proximity_m = profile.proximity_m;
+    rule.turn_deg = profile.turn_deg;
+    return rule;
+}
+
+std::optional<RecordedSpeed> recorded_speed(const RecordedVelocity& velocity,
+                                            std::string_view dimension) {
+    const bool level = dimension != "vertical";
+    const bool upright = dimension != "horizontal";
+    if (level && !(velocity.recorded_velocity_east_mps && velocity.recorded_velocity_north_mps))
+        return std::nullopt;
+    if (upright && !velocity.recorded_velocity_up_mps) return std::nullopt;
+    Eigen::Vector3d v = Eigen::Vector3d::Zero();
+    Eigen::Vector3d variance = Eigen::Vector3d::Zero();
+    bool stated = true;
+    const auto take = [&](int axis, const OptionalReal& value, const OptionalReal& sigma) {
+        v(axis) = *value;
+        stated = stated && sigma.has_value();
+        if (sigma) variance(axis) = *sigma * *sigma;
+    };
+    if (level) {
+        take(0, velocity.recorded_velocity_east_mps, velocity.sigma_recorded_velocity_east_mps);
+        take(1, velocity.recorded_velocity_north_mps, velocity.sigma_recorded_velocity_north_mps);
+    }
+    if (upright)
+        take(2, velocity.recorded_velocity_up_mps, velocity.sigma_recorded_velocity_up_mps);
+    RecordedSpeed speed{.speed_mps = v.norm(), .standard_uncertainty_mps = std::nullopt};
+    if (stated)
+        speed.standard_uncertainty_mps =
+            std::sqrt(speed.speed_mps > 0.0 ? v.cwiseAbs2().dot(variance) / v.squaredNorm()
+                                            : variance.maxCoeff());
+    return speed;
+}
+
+std::vector<SearchSeries> certifiable_series(const ScreenedTable& screened,
+                                             const TrajectoryTable& trajectory,
+                                             const std::vector<ArcRows>& arcs,
+                                             const Profile& profile) {
+    const std::vector<std::int64_t> obstacles = obstacles_in(screened, trajectory, profile);
+    std::vector<SearchSeries> series;
+    series.reserve(arcs.size());
+    for (const ArcRows& arc : arcs)
+        series.push_back(arc_series(screened, trajectory, arc, obstacles, profile));
+    return series;
+}
+
+IndicatedSeries indicated_series(const ScreenedTable& screened, const Profile& profile) {
+    IndicatedSeries indicated;
+    SearchSeries series;
+    const bool needs_height = profile.dimension != "horizontal";
+    for (std::size_t i = 0; i < screened.rows.size(); ++i) {
+        const ScreenedEpoch& row = screened.rows[i];
+        if (!row.east_m || !row.north_m || (needs_height && !row.up_m)) continue;
+        if (!series.times.empty() && row.time <= series.times.back()) continue;
+        if (profile.speed_source == "velocity") {
+            const auto speed = recorded_speed(row, profile.dimension);
+            if (!speed) continue;
+            add_recorded(series, row.time, speed->speed_mps);
+        }
+        series.times.push_back(row.time);
+        series.positions.push_back(
+            counted({*row.east_m, *row.north_m, row.up_m.value_or(0.0)}, profile, screened.origin));
+        indicated.rows.push_back(i);
+    }
+    if (!series.times.empty()) indicated.series.push_back(std::move(series));
+    return indicated;
+}
+
+}  // namespace runcert

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <vector>
+
+#include "arcs/certifiable.h"
+#include "schemas/profile/profile.h"
+#include "schemas/screened/screened.h"
+#include "schemas/trajectory/trajectory.h"
+#include "stages/window/search.h"
+
+namespace runcert {
+
+/// By how much (m) the Earth has fallen away, at these coordinates, below the plane that touches
+/// it at the origin; nothing for a recording in a plane of its own. Second order: good to 0.6 %.
+double fall_below_plane_m(const std::optional<FrameOrigin>& origin, double east_m, double north_m);
+
+/// The search that a profile asks for. A course is not searched for: see crossings.h.
+SearchRule search_rule(const Profile& profile, double duration_tolerance_s,
+                       double nominal_interval_s);
+
+/// The horizontal speed of a velocity, its vertical speed, or its speed in space, by the word of
+/// the profile's schema; the standard uncertainty of it, first order, empty where one is missing.
+struct RecordedSpeed {
+    double speed_mps = 0.0;
+    std::optional<double> standard_uncertainty_mps;
+};
+
+/// What an epoch's recorded velocity says of the speed; empty where a component is missing.
+std::optional<RecordedSpeed> recorded_speed(const RecordedVelocity& velocity,
+                                            std::string_view dimension);
+
+/// The arcs of a trajectory as the profile counts them, in order: positions without the offsets of
+/// bridged steps, and speeds, of the smoothed trajectory; or, where the profile takes recorded
+/// velocities, speeds as recorded and the path that they make. Heights of a vertical speed are
+/// above the ellipsoid. Unusable epochs, missing values, and bridged steps where the profile does
+/// not allow them, are obstacles.
+std::vector<SearchSeries> certifiable_series(const ScreenedTable& screened,
+                                             const TrajectoryTable& trajectory,
+                                             const std::vector<ArcRows>& arcs,
+                                             const Profile& profile);
+
+/// The whole recording as it is, one series without obstacles, and the rows it is made of: those
+/// with the values that the profile counts, their times increasing. None where there are none.
+struct IndicatedSeries {
+    std::vector<SearchSeries> series;
+    std::vector<std::size_t> rows;
+};
+IndicatedSeries indicated_series(const ScreenedTable& screened, const Profile& profile);
+
+}  // namespace runcert

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <optional>
+
+#include "stages/window/search.h"
+
+namespace runcert {
+
+/// A series with running sums, so that a window costs the same whatever its length. It refers to
+/// the series, which must outlive it.
+struct SummedSeries {
+    const SearchSeries* samples = nullptr;
+    std::size_t index = 0;          ///< of the series
+    std::vector<double> path_m;     ///< path length up to the sample
+    std::vector<double> speed_sum;  ///< of the speeds up to and with the sample; may be empty
+
+    std::size_t size() const { return samples->times.size(); }
+};
+
+SummedSeries summed(const SearchSeries& series, std::size_t index);
+
+/// An instant in a series: `fraction` of the step that follows sample `after` is over, in [0, 1].
+/// At the last sample the fraction is 0.
+struct SeriesInstant {
+    std::size_t after = 0;
+    double fraction = 0.0;
+};
+
+/// Distance (m) between two positions. Without a third axis exactly the hypotenuse of two.
+double distance_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b);
+
+/// The instant at a time (within the series), looked for from sample `from` on.
+SeriesInstant instant_at_time(const SummedSeries& series, std::int64_t time_ns, std::size_t from);
+
+/// The last instant, or the first, at which the path is `path_m` long (within the series), looked
+/// for from sample `from` on. They differ where the craft stands.
+SeriesInstant last_instant_at_path(const SummedSeries& series, double path_m, std::size_t from);
+SeriesInstant first_instant_at_path(const SummedSeries& series, double path_m, std::size_t from);
+
+/// Time of an instant (ns), rounded.
+std::int64_t time_of(const SummedSeries& series, SeriesInstant instant);
+
+/// Path length (m) up to an instant.
+double path_at(const SummedSeries& series, SeriesInstant instant);
+
+/// The window between two instants with its speed; empty where it is not allowed. Means only
+/// between samples.
+std::optional<FoundWindow> window_between(const SummedSeries& series, SeriesInstant start,
+                                          SeriesInstant end, SpeedDefinition definition);
+
+/// The same between two samples.
+std::optional<FoundWindow> window_between(const SummedSeries& series, std::size_t first,
+                                          std::size_t last, SpeedDefinition definition);
+
+}  // namespace runcert

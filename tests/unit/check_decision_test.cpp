@@ -1,0 +1,186 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+#include "core/failure.h"
+#include "core/random.h"
+#include "core/statistics.h"
+#include "stages/check/decision.h"
+
+namespace runcert {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// The normal tail, not by the code under test.
+double phi(double z) {
+    return 0.5 * std::erfc(-z / std::sqrt(2.0));
+}
+
+TEST(ConformanceProbability, IsTheNormalTailWhereTheDegreesAreInfinite) {
+    for (const double z : {-8.0, -3.0, -1.0, 0.0, 0.5, 1.6449, 2.0, 6.0})
+        EXPECT_NEAR(conformance_probability({60.0 + 0.125 * z, 0.125}, {60.0, 0.0}), phi(z),
+                    1e-12 * phi(z));
+}
+
+TEST(ConformanceProbability, OfTwoLimitsIsTheDifferenceOfTwoTails) {
+    EXPECT_NEAR(conformance_probability({13.6, 1.8}, 12.5, 16.3), phi(2.7 / 1.8) - phi(-1.1 / 1.8),
+                1e-15);
+    // Far from the interval on either side the digits of the tail stay: P(8 <= z <= 9).
+    const double expected = phi(-8.0) - phi(-9.0);
+    EXPECT_NEAR(conformance_probability({0.0, 1.0}, 8.0, 9.0), expected, 1e-11 * expected);
+    EXPECT_NEAR(conformance_probability({0.0, 1.0}, -9.0, -8.0), expected, 1e-11 * expected);
+    // Student with 3 degrees within +- 3.182446 u holds 95 % (table G.2 of the GUM: 3.18).
+    EXPECT_NEAR(conformance_probability({60.0, 0.5, 3.0}, 60.0 - 1.591223, 60.0 + 1.591223), 0.95,
+                1e-7);
+    EXPECT_EQ(conformance_probability({60.0, 0.0}, 60.0, 61.0), 1.0);
+    EXPECT_EQ(conformance_probability({61.0, 0.0}, 60.0, 61.0), 1.0);
+    EXPECT_EQ(conformance_probability({61.1, 0.0}, 60.0, 61.0), 0.0);
+    EXPECT_THROW(conformance_probability({61.1, 0.0}, 62.0, 61.0), Failure);
+}
+
+/// P(y + u t >= T + u_T z) for a Student's t and a normal z, the integral over z by Simpson's rule.
+double convolved(const SpeedPosterior& posterior, const Threshold& threshold) {
+    constexpr int intervals = 4000;
+    constexpr double reach = 10.0;
+    constexpr double step = 2.0 * reach / intervals;
+    double sum = 0.0;
+    for (int i = 0; i <= intervals; ++i) {
+        const double z = -reach + i * step;
+        const double weight = i == 0 || i == intervals ? 1.0 : i % 2 == 1 ? 4.0 : 2.0;
+        const double t =
+            (posterior.speed_mps - threshold.speed_mps - threshold.standard_uncertainty_mps * z) /
+            posterior.standard_uncertainty_mps;
+        sum += weight * std::exp(-0.5 * z * z) * student_t_cdf(t, posterior.degrees_of_freedom);
+    }
+    return sum * step / 3.0 / std::sqrt(2.0 * std::numbers::pi);
+}
+
+TEST(ConformanceProbability, OfAnUncertainRecordIsThatOfTheSumOfBothDistributions) {
+    // Exact for two normals; with few degrees Welch and Satterthwaite leave too little in the
+    // tail. The bounds are scipy's convolutions, at their worst where both uncertainties are equal.
+    const struct {
+        std::optional<double> degrees;
+        double most_overstated;
+    } cases[] = {
+        {std::nullopt, 1e-12}, {30.0, 0.0016}, {10.0, 0.0051}, {5.0, 0.0112}, {3.0, 0.0202}};
+    for (const auto& c : cases)
+        for (const double record_u : {0.02, 0.05, 0.1, 0.2})
+            for (const double level : {0.95, 0.975, 0.99}) {
+                const Threshold threshold{60.0, record_u};
+                SpeedPosterior posterior{60.0, 0.1, c.degrees};
+                posterior.speed_mps = acceptance_limit(posterior, threshold, level);
+                const double exact = convolved(posterior, threshold);
+                EXPECT_LE(exact, level + 1e-12);
+                EXPECT_GE(exact, level - c.most_overstated);
+            }
+}
+
+TEST(ConformanceProbability, TakesBinaryFractionsOfTheSameFigureAsEqual) {
+    // 126.2 mph + 1 mph and 127.2 mph differ in the last binary places.
+    const Threshold threshold{127.2 * 0.44704};
+    EXPECT_EQ(conformance_probability({126.2 * 0.44704 + 0.44704, 0.0}, threshold), 1.0);
+    EXPECT_EQ(conformance_probability({std::nextafter(threshold.speed_mps, 0.0), 0.0}, threshold),
+              1.0);
+    EXPECT_EQ(conformance_probability({threshold.speed_mps * (1.0 - 1e-14), 0.0}, threshold), 0.0);
+}
+
+TEST(ConformanceProbability, GrowsWithTheSpeedAndNearsAHalfWithTheUncertainty) {
+    RandomGenerator random(107);
+    for (int i = 0; i < 2000; ++i) {
+        const Threshold threshold{60.0, i % 3 == 0 ? 0.2 * random.uniform() : 0.0};
+        const double u = 0.01 + random.uniform();
+        SpeedPosterior posterior{60.0 + 5.0 * u * (2.0 * random.uniform() - 1.0), u};
+        if (i % 2 == 0) posterior.degrees_of_freedom = 1.0 + 20.0 * random.uniform();
+        const double p = conformance_probability(posterior, threshold);
+        EXPECT_EQ(p >= 0.5, posterior.speed_mps >= threshold.speed_mps);
+        SpeedPosterior faster = posterior;
+        faster.speed_mps += 0.001;
+        EXPECT_GT(conformance_probability(faster, threshold), p);
+        SpeedPosterior wider = posterior;
+        wider.standard_uncertainty_mps *= 1.1;
+        EXPECT_LT(std::abs(conformance_probability(wider, threshold) - 0.5), std::abs(p - 0.5));
+    }
+}
+
+TEST(Decide, HasBothBoundsOnTheDecidedSide) {
+    for (const double level : {0.95, 0.975, 0.99}) {
+        EXPECT_EQ(decide(level, level), Outcome::beaten);
+        EXPECT_EQ(decide(std::nextafter(level, 0.0), level), Outcome::not_proven);
+        EXPECT_EQ(decide(0.5, level), Outcome::not_proven);
+        EXPECT_EQ(decide(std::nextafter(1.0 - level, 1.0), level), Outcome::not_proven);
+        EXPECT_EQ(decide(1.0 - level, level), Outcome::not_beaten);
+        EXPECT_EQ(decide(1.0, level), Outcome::beaten);
+        EXPECT_EQ(decide(0.0, level), Outcome::not_beaten);
+    }
+}
+
+TEST(AcceptanceLimit, IsWhereTheProbabilityIsTheLevel) {
+    RandomGenerator random(108);
+    for (int i = 0; i < 2000; ++i) {
+        const Threshold threshold{20.0 + 60.0 * random.uniform(),
+                                  i % 3 == 0 ? 0.1 * random.uniform() : 0.0};
+        SpeedPosterior posterior{50.0, 0.001 + random.uniform()};
+        if (i % 2 == 0) posterior.degrees_of_freedom = 1.0 + 20.0 * random.uniform();
+        for (const double level : {0.51, 0.95, 0.975, 0.99, 0.999}) {
+            posterior.speed_mps = acceptance_limit(posterior, threshold, level);
+            EXPECT_NEAR(conformance_probability(posterior, threshold), level, 1e-10);
+        }
+    }
+    EXPECT_EQ(acceptance_limit({50.0, 0.0}, {60.0, 0.0}, 0.95), 60.0);
+    // 60 + 1.644854 x 0.5, 60 + 2.353363 x 0.5.
+    EXPECT_NEAR(acceptance_limit({0.0, 0.4}, {60.0, 0.3}, 0.95), 60.822427, 1e-6);
+    EXPECT_NEAR(acceptance_limit({0.0, 0.5, 3.0}, {60.0, 0.0}, 0.95), 61.1766817, 1e-6);
+}
+
+TEST(DecisionRisk, IsTheOtherTailAndKeepsItsDigits) {
+    const Threshold threshold{60.0};
+    const SpeedPosterior sure{61.0, 0.0625};
+    EXPECT_EQ(conformance_probability(sure, threshold), 1.0);
+    EXPECT_NEAR(decision_risk(sure, threshold, Outcome::beaten), phi(-16.0), 1e-11 * phi(-16.0));
+    const SpeedPosterior unsure{60.1, 0.1, 5.0};
+    const double p = conformance_probability(unsure, threshold);
+    EXPECT_NEAR(decision_risk(unsure, threshold, Outcome::beaten), 1.0 - p, 1e-15);
+    EXPECT_EQ(decision_risk(unsure, threshold, Outcome::not_beaten), p);
+    EXPECT_EQ(decision_risk(unsure, threshold, Outcome::not_proven), p);
+    EXPECT_EQ(decision_risk({60.0, 0.0}, threshold, Outcome::beaten), 0.0);
+    EXPECT_EQ(decision_risk({59.0, 0.0}, threshold, Outcome::not_beaten), 0.0);
+}
+
+TEST(DecisionRisk, OfADecisionIsNeverAboveOneLessTheLevel) {
+    RandomGenerator random(109);
+    for (int i = 0; i < 2000; ++i) {
+        const SpeedPosterior posterior{59.0 + 2.0 * random.uniform(), random.uniform(), 4.0};
+        const Outcome outcome = decide(conformance_probability(posterior, {60.0}), 0.95);
+        if (outcome == Outcome::not_proven) continue;
+        EXPECT_LE(decision_risk(posterior, {60.0}, outcome), 0.05 + 1e-12);
+    }
+}
+
+TEST(Decision, RefusesWhatIsNoNumber) {
+    const Threshold threshold{60.0};
+    for (const double bad : {kNaN, kInfinity, -kInfinity}) {
+        EXPECT_THROW(conformance_probability({bad, 0.1}, threshold), Failure);
+        EXPECT_THROW(conformance_probability({60.0, bad}, threshold), Failure);
+        EXPECT_THROW(conformance_probability({60.0, 0.1, bad}, threshold), Failure);
+        EXPECT_THROW(conformance_probability({60.0, 0.1}, {bad, 0.0}), Failure);
+        EXPECT_THROW(conformance_probability({60.0, 0.1}, {60.0, bad}), Failure);
+        EXPECT_THROW(conformance_probability({60.0, 0.1}, bad, 60.0), Failure);
+        EXPECT_THROW(conformance_probability({60.0, 0.1}, 60.0, bad), Failure);
+        EXPECT_THROW(decide(bad, 0.95), Failure);
+        EXPECT_THROW(decide(0.5, bad), Failure);
+        EXPECT_THROW(acceptance_limit({60.0, 0.1}, threshold, bad), Failure);
+    }
+    EXPECT_THROW(conformance_probability({60.0, -0.1}, threshold), Failure);
+    EXPECT_THROW(conformance_probability({60.0, 0.1, 0.0}, threshold), Failure);
+    EXPECT_THROW(decide(1.1, 0.95), Failure);
+    EXPECT_THROW(decide(0.7, 0.5), Failure);
+    EXPECT_THROW(decide(0.7, 1.0), Failure);
+}
+
+}  // namespace
+}  // namespace runcert

@@ -1,0 +1,297 @@
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "core/failure.h"
+#include "reports/json_rule.h"
+#include "reports/report_html.h"
+#include "reports/report_json.h"
+#include "reports_sample.h"
+
+namespace runcert {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json profile_of(const sample::Run& run, std::size_t index = 0) {
+    return report_json(run.inputs)["predicate"]["profiles"][index];
+}
+
+std::string page_of(const sample::Run& run) {
+    return report_html(report_json(run.inputs), {}, {});
+}
+
+ProfileWindows& windows_of(sample::Run& run) {
+    return run.inputs.receivers[0].windows.profiles[0];
+}
+
+ProfileVerdict& verdict_of(sample::Run& run) {
+    return run.inputs.verdict.profiles[0];
+}
+
+void expect_in(const std::string& text, const std::string& part) {
+    EXPECT_NE(text.find(part), std::string::npos) << part;
+}
+
+/// The labels of a table of speeds.
+std::vector<std::string> labels_of(const Json& table) {
+    std::vector<std::string> labels;
+    for (const Json& row : table["rows"])
+        labels.push_back(row["label"]);
+    return labels;
+}
+
+TEST(RuleWords, SayKindDimensionSourceCountAndEnds) {
+    Profile rule;
+    rule.duration_s = 3.0;
+    rule.definition = "displacement";
+    EXPECT_EQ(rule_words(rule), "Speed over 3 s, by the definition: Displacement over time.");
+    rule.dimension = "vertical";
+    rule.exact_duration = true;
+    EXPECT_EQ(rule_words(rule),
+              "Vertical speed over 3 s, by the definition: Displacement over time. A window's ends "
+              "are measured epochs exactly that far apart.");
+    rule = {};
+    rule.duration_s = 10.0;
+    rule.definition = "mean_n_plus_1";
+    rule.speed_source = "velocity";
+    rule.windows = 5;
+    EXPECT_EQ(rule_words(rule),
+              "Speed over 10 s, the mean of the 5 fastest windows that do not overlap, by the "
+              "definition: Mean of the speeds, both ends included, from the velocities that the "
+              "recording states.");
+    rule = {};
+    rule.window_kind = "course";
+    rule.distance_m = 500.0;
+    rule.definition = "elapsed_time";
+    rule.subtract_current = true;
+    EXPECT_EQ(rule_words(rule),
+              "Speed over a course of 500 m, by the definition: Surveyed length over the time "
+              "between the lines. The current's component along the course is subtracted.");
+    rule = {};
+    rule.window_kind = "distance";
+    rule.distance_m = 1852.0;
+    rule.definition = "path_length";
+    rule.ends_anywhere = true;
+    rule.opposite_runs_within_s = 3600.0;
+    EXPECT_EQ(rule_words(rule),
+              "Speed over 1852 m, the mean of two runs in opposite directions within 3600 s, by "
+              "the definition: Path length over time. A window may begin and end at any instant.");
+}
+
+TEST(RuleUnit, IsThatOfTheResultFirst) {
+    Profile rule;
+    EXPECT_EQ(rule_unit(rule).name, "km/h");
+    rule.accuracy_unit = "mph";
+    EXPECT_EQ(rule_unit(rule).name, "mph");
+    rule.rounding = DecimalRule{.mode = "nearest", .unit = "m/s", .decimals = 2};
+    EXPECT_EQ(rule_unit(rule).name, "m/s");
+    rule.result = DecimalRule{.mode = "truncate", .unit = "kn", .decimals = 2};
+    EXPECT_EQ(rule_unit(rule).name, "kn");
+}
+
+TEST(Decision, IsInTheReportInFiguresAndWords) {
+    const sample::Run run = sample::make_run();
+    const Json nalsa = profile_of(run);
+    EXPECT_EQ(nalsa["decision"]["probability"], 0.9999876);
+    EXPECT_EQ(nalsa["decision"]["acceptance_limit_m_s"], 56.8201);
+    expect_in(nalsa["decision_rule"], "at least 95 %, as not beaten where it is at most 5 %");
+    expect_in(nalsa["decision"]["decision_words"],
+              "reaches the speed to reach: 99.9987 %; 95 % is asked. The record's own standard "
+              "uncertainty, 0.025 km/h of the speed to reach, is taken in.");
+    EXPECT_EQ(nalsa["record"]["record_words"],
+              "202.9 km/h ± 0.05 km/h (k = 2): published figure of 2009");
+    EXPECT_EQ(nalsa["headline"]["headline_target"], "204.51");
+    const auto labels = labels_of(nalsa["speed_table"]);
+    EXPECT_NE(std::ranges::find(labels, "Least speed that would be accepted"), labels.end());
+    const std::string page = page_of(run);
+    expect_in(page, "<p class=\"speed\">216.00 ± 0.019 km/h</p>");
+    expect_in(page, "Speed to reach: 204.51 km/h");
+    expect_in(page, "Speed rounded down, uncertainty and speed to reach rounded up.");
+    expect_in(page, "99.9987 %");
+    expect_in(page, "202.9 km/h ± 0.05 km/h (k = 2): published figure of 2009");
+}
+
+// 0.9999876 * 100 cut off; a level is never shown as reached by less.
+TEST(Decision, AProbabilityIsRoundedToTheSideOfDoubt) {
+    EXPECT_EQ(probability_text(0.9749999), "97.49 %");
+    EXPECT_EQ(probability_text(0.975), "97.50 %");
+    EXPECT_EQ(probability_text(0.0250001), "2.51 %");
+    EXPECT_EQ(probability_text(1.0), "more than 99.9999 %");
+    EXPECT_EQ(probability_text(0.0), "less than 0.0001 %");
+}
+
+TEST(Decision, WithoutARecordTheRuleIsSaidAllTheSame) {
+    sample::Run run = sample::make_run();
+    verdict_of(run).decision.reset();
+    verdict_of(run).target_mps.reset();
+    verdict_of(run).record.reset();
+    const Json nalsa = profile_of(run);
+    expect_in(nalsa["decision_rule"], "at least 97.5 %, as not beaten where it is at most 2.5 %");
+    EXPECT_FALSE(nalsa.contains("decision"));
+    EXPECT_FALSE(nalsa.contains("record"));
+}
+
+TEST(Decision, AVerdictOfRevisionOneZeroWasDecidedByItsInterval) {
+    const Json nalsa = profile_of(sample::make_run({.verdict_1_0 = true}));
+    expect_in(nalsa["decision_rule"], "where the speed less its expanded uncertainty (k = 2)");
+    EXPECT_EQ(nalsa["headline"]["headline_speed"], "216.009");
+    for (const char* absent :
+         {"decision", "record", "notes", "overrides", "course", "runs", "rule_kind"})
+        EXPECT_FALSE(nalsa.contains(absent)) << absent;
+}
+
+TEST(Reservations, NotesStandWithTheVerdict) {
+    const std::string page = page_of(sample::make_run());
+    EXPECT_LT(page.find("The wind was not measured"), page.find("<h2>The attempt"));
+    EXPECT_EQ(page_of(sample::make_run({.verdict_1_0 = true})).find("<ul class=\"notes\""),
+              std::string::npos);
+}
+
+TEST(Reservations, ReplacedFiguresStandBesideTheRules) {
+    const sample::Run run = sample::make_run();
+    const Json overrides = profile_of(run)["overrides"];
+    ASSERT_EQ(overrides.size(), 2U);
+    EXPECT_EQ(overrides[0]["rule_text"], "1 mph");
+    EXPECT_EQ(overrides[0]["used_text"], "1.25 mph");
+    EXPECT_EQ(overrides[1]["override_reason"], "none given");
+    const std::string page = page_of(run);
+    expect_in(page,
+              "<td>1 mph</td><td><strong>1.25 mph</strong></td>"
+              "<td><bdi>agreed with the &lt;board&gt;</bdi></td>");
+    expect_in(page, "<td>0.975</td><td><strong>0.95</strong></td>");
+    EXPECT_EQ(page_of(sample::make_run({.verdict_1_0 = true})).find("the attempt replaced"),
+              std::string::npos);
+}
+
+TEST(Reservations, WhatCouldNotBeConfirmedIsListed) {
+    const sample::Run run = sample::make_run();
+    EXPECT_FALSE(profile_of(run, 0).contains("unconfirmed"));
+    ASSERT_EQ(profile_of(run, 1)["unconfirmed"].size(), 1U);
+    EXPECT_EQ(profile_of(run, 1)["unconfirmed"][0],
+              "accuracy: A limit of the measurement's uncertainty; none was found in what could be "
+              "consulted. Source: not found.");
+    expect_in(page_of(run), "What could not be confirmed of rule “fisly”");
+    EXPECT_EQ(page_of(run).find("What could not be confirmed of rule “nalsa”"), std::string::npos);
+}
+
+TEST(Course, FiguresOfRequirementsStandUnderTheirEvidence) {
+    const sample::Run run = sample::make_run();
+    for (const Json& requirement : profile_of(run)["requirements"])
+        EXPECT_EQ(
+            requirement.contains("requirement_figures"),
+            requirement["clause"] == "accuracy" || requirement["clause"] == "secondary-method");
+    expect_in(page_of(run),
+              "limit 0.8 km/h.<span class=\"figure\">expanded uncertainty: 0.01837 km/h; "
+              "of the budget</span><span class=\"figure\">limit: 0.8000 km/h</span>");
+}
+
+TEST(Course, QuantitiesHaveTheirUncertainty) {
+    const sample::Run run = sample::make_run();
+    const Json course = profile_of(run)["course"];
+    EXPECT_EQ(course[0]["quantity_value"], 0.421234);
+    EXPECT_EQ(course[0]["quantity_uncertainty"], 0.0783);
+    EXPECT_EQ(course[0]["quantity_text"], "0.421 ± 0.078 m");
+    EXPECT_EQ(course[1]["quantity_text"], "45.00 deg");
+    EXPECT_FALSE(course[1].contains("quantity_uncertainty"));
+    expect_in(page_of(run), "<td>0.421 ± 0.078 m</td><td>highest less lowest smoothed height</td>");
+}
+
+TEST(Course, RunsAreListedAndTheOneWithTheWindowMarked) {
+    const sample::Run run = sample::make_run();
+    const Json runs = profile_of(run)["runs"];
+    ASSERT_EQ(runs.size(), 2U);
+    EXPECT_EQ(runs[0]["holds_window"], false);
+    EXPECT_EQ(runs[1]["holds_window"], true);
+    EXPECT_EQ(runs[1]["start_time_s"], 18.7);
+    EXPECT_EQ(runs[1]["end_utc"], "2022-03-18T08:51:49.300Z");  // 45 s after the first epoch
+    EXPECT_EQ(runs[1]["top_speed_m_s"], 60.012345);
+    EXPECT_EQ(runs[1]["run_heading"], "45.0°");
+    EXPECT_EQ(runs[1]["run_words"], "begins after a turn, ends at a standstill");
+    expect_in(page_of(run), "<tr class=\"holds\"><td>2</td><td>18.700 s</td>");
+}
+
+TEST(Windows, OverACourseNoneOfTheFourDefinitionsIsTheRules) {
+    sample::Run run = sample::make_run();
+    Profile& rule = run.inputs.profiles[0];
+    rule.window_kind = "course";
+    rule.distance_m = 500.0;
+    rule.definition = "elapsed_time";
+    windows_of(run).best->length_m = 500.25;
+    const Json nalsa = profile_of(run);
+    EXPECT_EQ(nalsa["rule_kind"], "course");
+    EXPECT_EQ(nalsa["rule_distance_m"], 500.0);
+    EXPECT_FALSE(nalsa.contains("rule_duration_s"));
+    for (const Json& definition : nalsa["window"]["definitions"])
+        EXPECT_EQ(definition["counts"], false);
+    EXPECT_EQ(labels_of(nalsa["window"]["definition_table"])[0], "Over the course – the rule's");
+    expect_in(nalsa["window"]["definition_note"], "None of the four definitions is the rule's");
+    expect_in(page_of(run), "<th scope=\"row\">Length that the speed is of</th><td>500.250 m</td>");
+}
+
+TEST(Windows, OfRecordedVelocitiesNoneOfTheFourDefinitionsIsTheRules) {
+    sample::Run run = sample::make_run();
+    run.inputs.profiles[0].speed_source = "velocity";
+    run.inputs.profiles[0].definition = "mean_n";
+    const Json window = profile_of(run)["window"];
+    EXPECT_EQ(labels_of(window["definition_table"])[0],
+              "Recorded velocities, mean of the speeds after the first – the rule's");
+    expect_in(window["definition_note"], "velocities that the recording states");
+    run.inputs.profiles[0].speed_source = "position";
+    EXPECT_EQ(profile_of(run)["window"]["definitions"][3]["counts"], true);
+}
+
+TEST(Windows, ThoseThatMakeTheFigureTogetherAreListedWithTheirMean) {
+    sample::Run run = sample::make_run();
+    run.inputs.profiles[0].windows = 2;
+    ProfileWindows& windows = windows_of(run);
+    windows.rule.count = 2;
+    WindowSpan other = windows.best->span;
+    other.start.nanoseconds -= 5'000'000'000;
+    windows.further = {
+        {.span = other, .arc = 1, .speed_mps = 59.0, .standard_uncertainty_mps = 0.004}};
+    verdict_of(run).speed_mps = 59.5012085;
+    const Json nalsa = profile_of(run);
+    EXPECT_EQ(nalsa["rule_windows"], 2);
+    EXPECT_EQ(nalsa["window"]["further"][0]["start_time_s"], 35.2);
+    EXPECT_EQ(labels_of(nalsa["window"]["further_table"]),
+              (std::vector<std::string>{"3.000 s from 40.200 s", "3.000 s from 35.200 s",
+                                        "Mean of the 2"}));
+    // (216.0087 + 212.4) / 2
+    EXPECT_EQ(nalsa["window"]["further_table"]["rows"][2]["cells"][0], "214.204");
+    expect_in(nalsa["window"]["uncertainty"]["budget_subject"], "fastest window alone");
+    expect_in(nalsa["window"]["uncertainty"]["certified_words"], "214.204");
+    expect_in(page_of(run), "Windows that make the figure");
+}
+
+TEST(Windows, WhatIsMissingIsSaid) {
+    sample::Run run = sample::make_run({.certified = false});
+    windows_of(run).missing = "the recording has no heights that could be estimated";
+    expect_in(page_of(run),
+              "What is missing: the recording has no heights that could be estimated.");
+    EXPECT_FALSE(profile_of(run, 1).contains("missing_words"));
+}
+
+TEST(Windows, AVerticalRuleSaysSo) {
+    sample::Run run = sample::make_run();
+    run.inputs.profiles[0].dimension = "vertical";
+    const Json predicate = report_json(run.inputs)["predicate"];
+    EXPECT_EQ(predicate["profiles"][0]["rule_dimension"], "vertical");
+    EXPECT_FALSE(predicate["profiles"][1].contains("rule_dimension"));
+    expect_in(predicate["figures"][1]["caption"], "counts another than the horizontal speed");
+    EXPECT_EQ(predicate["figures"][2]["caption"].get<std::string>().find("another than"),
+              std::string::npos);
+}
+
+// A report that was signed before revision 1.3 is still read and drawn; one that claims to be of
+// that revision and holds more is not.
+TEST(Decision, AReportOfRevisionOneTwoIsRead) {
+    const Json before =
+        sample::of_revision(report_json(sample::make_run({.verdict_1_0 = true}).inputs), "1.2");
+    const Json read = parse_report(report_text_of(before), "report.json");
+    expect_in(report_html(read, {}, {}), "216.009 ± 0.018 km/h");
+    const Json more = sample::of_revision(report_json(sample::make_run().inputs), "1.2");
+    EXPECT_THROW(parse_report(report_text_of(more), "report.json"), Failure);
+}
+
+}  // namespace
+}  // namespace runcert

@@ -1,0 +1,196 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string>
+
+#include "files_test_support.h"
+#include "schemas/profile/profile.h"
+
+// The rules that come with the program.
+
+namespace runcert {
+namespace {
+
+Profile builtin(const std::string& name) {
+    return read_profile(builtin_profile(name), name + ".yaml");
+}
+
+const Clause& clause_of(const Profile& profile, const std::string& id) {
+    const auto found = std::ranges::find(profile.clauses, id, &Clause::id);
+    if (found == profile.clauses.end()) throw Failure(profile.id, "has no clause " + id, "Add it");
+    return *found;
+}
+
+TEST(BuiltinProfiles, AreThoseOfTheFolderEachNamedAsItsFile) {
+    const std::filesystem::path folder = std::string(RUNCERT_SOURCE_DIR) + "/stages/check/profiles";
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+        const std::string name = entry.path().stem().string();
+        names.push_back(name);
+        EXPECT_EQ(builtin_profile(name), test::slurp(entry.path())) << name;
+        EXPECT_EQ(builtin(name).id, name);
+    }
+    std::ranges::sort(names);
+    EXPECT_EQ(builtin_profiles(), names);
+    EXPECT_EQ(names,
+              (std::vector<std::string>{
+                  "fai-speed-skydiving", "fisly", "gps-speed-sailing-10s", "gps-speed-sailing-1h",
+                  "gps-speed-sailing-2s", "gps-speed-sailing-500m", "gps-speed-sailing-5x10s",
+                  "gps-speed-sailing-alpha-500", "gps-speed-sailing-nautical-mile", "nalsa",
+                  "wssrc-500m", "wssrc-nautical-mile"}));
+    EXPECT_EQ(builtin_profile("none"), "");
+    EXPECT_EQ(builtin_profile(""), "");
+}
+
+TEST(BuiltinProfiles, EveryClauseSaysWhereItIsKnownFrom) {
+    for (const std::string& name : builtin_profiles()) {
+        SCOPED_TRACE(name);
+        const Profile profile = builtin(name);
+        EXPECT_FALSE(profile.body.empty() || profile.title.empty());
+        EXPECT_TRUE(profile.overrides.empty());
+        std::set<std::string> computations;
+        for (const Clause& clause : profile.clauses) {
+            SCOPED_TRACE(clause.id);
+            computations.insert(clause.decided_by);
+            EXPECT_GE(clause.text.size(), 15U);
+            EXPECT_FALSE(clause.source.empty());
+            // What was not found is not told as known, and the other way round.
+            if (clause.source == "not found") {
+                EXPECT_EQ(clause.certainty, "unconfirmed");
+            }
+            if (clause.source.starts_with("press") || clause.source.starts_with("newsletters") ||
+                clause.source.starts_with("headings")) {
+                EXPECT_NE(clause.certainty, "quoted");
+            }
+            EXPECT_EQ(clause.limit.has_value(), !clause.unit.empty());
+        }
+        // Each says over what, and by how much; a limit of accuracy where it has one is compared.
+        EXPECT_TRUE(computations.contains("window_complete"));
+        EXPECT_TRUE(computations.contains("margin"));
+        EXPECT_EQ(computations.contains("accuracy"), profile.accuracy_limit_mps.has_value());
+    }
+}
+
+TEST(BuiltinProfiles, Nalsa) {
+    const Profile profile = builtin("nalsa");
+    EXPECT_EQ(profile.window_kind, "time");
+    EXPECT_EQ(profile.duration_s, 3.0);
+    EXPECT_EQ(profile.definition, "displacement");
+    EXPECT_DOUBLE_EQ(profile.accuracy_limit_mps.value(), 0.8 / 3.6);
+    EXPECT_EQ(profile.accuracy_unit, "km/h");
+    EXPECT_EQ(profile.coverage_factor, 2.0);
+    EXPECT_EQ(profile.margin_kind, "absolute");
+    EXPECT_DOUBLE_EQ(profile.margin, 0.44704);
+    EXPECT_FALSE(profile.rounding || profile.result || profile.opposite_runs_within_s);
+    EXPECT_EQ(clause_of(profile, "flat-course").decided_by, "flatness");
+    EXPECT_EQ(clause_of(profile, "flat-course").limit, 1.0);
+    EXPECT_EQ(clause_of(profile, "flat-course").unit, "m");
+    EXPECT_EQ(clause_of(profile, "own-start").decided_by, "standing_start");
+    EXPECT_EQ(clause_of(profile, "rounding").certainty, "unconfirmed");
+    std::vector<std::string> ids;
+    for (const Clause& clause : profile.clauses)
+        ids.push_back(clause.id);
+    EXPECT_EQ(ids, (std::vector<std::string>{"average-over-3-s", "accuracy", "margin",
+                                             "positions-on-the-earth", "secondary-method",
+                                             "flat-course", "own-start", "wind-power-only",
+                                             "observers", "measurement-plan", "rounding"}));
+}
+
+TEST(BuiltinProfiles, Fisly) {
+    const Profile profile = builtin("fisly");
+    EXPECT_EQ(profile.duration_s, 2.0);
+    EXPECT_FALSE(profile.accuracy_limit_mps);
+    EXPECT_EQ(profile.margin_kind, "relative");
+    EXPECT_EQ(profile.margin, 0.002);
+    ASSERT_TRUE(profile.rounding && profile.result);
+    for (const DecimalRule& rule : {*profile.rounding, *profile.result}) {
+        EXPECT_EQ(rule.mode, "truncate");
+        EXPECT_EQ(rule.unit, "km/h");
+        EXPECT_EQ(rule.decimals, 2);
+    }
+    EXPECT_EQ(profile.clauses.size(), 6U);
+    // 222.43 km/h and 0.2 % are 222.87486, which gives 222.87 either way: so the clause says.
+    EXPECT_EQ(std::floor(222.43 * 1.002 * 100.0), std::round(222.43 * 1.002 * 100.0));
+    EXPECT_NE(clause_of(profile, "margin").text.find("does not prove"), std::string::npos);
+}
+
+TEST(BuiltinProfiles, Wssrc) {
+    for (const auto& [name, distance_m] :
+         {std::pair{"wssrc-500m", 500.0}, {"wssrc-nautical-mile", 1852.0}}) {
+        SCOPED_TRACE(name);
+        const Profile profile = builtin(name);
+        EXPECT_EQ(profile.window_kind, "course");
+        EXPECT_EQ(profile.distance_m, distance_m);
+        EXPECT_EQ(profile.definition, "elapsed_time");
+        EXPECT_EQ(profile.margin_kind, "elapsed_time");
+        EXPECT_EQ(profile.margin, 0.01);
+        EXPECT_EQ(profile.margin_unit, "s");
+        EXPECT_TRUE(profile.subtract_current);
+        EXPECT_FALSE(profile.accuracy_limit_mps || profile.rounding);
+        EXPECT_EQ(profile.result->mode, "nearest");
+        EXPECT_EQ(rule_unit_name(profile), "kn");
+        EXPECT_EQ(clause_of(profile, "current").decided_by, "current");
+        EXPECT_EQ(clause_of(profile, "current").limit, 1.0);
+        EXPECT_EQ(clause_of(profile, "current").unit, "kn");
+        EXPECT_EQ(clause_of(profile, "surveyed-course").decided_by, "attest");
+        EXPECT_EQ(clause_of(profile, "rounding").certainty, "unconfirmed");
+    }
+    EXPECT_EQ(clause_of(builtin("wssrc-500m"), "margin").certainty, "secondary");
+    EXPECT_EQ(clause_of(builtin("wssrc-nautical-mile"), "margin").certainty, "unconfirmed");
+}
+
+TEST(BuiltinProfiles, SpeedSkydiving) {
+    const Profile profile = builtin("fai-speed-skydiving");
+    EXPECT_EQ(profile.duration_s, 3.0);
+    EXPECT_TRUE(profile.exact_duration);
+    EXPECT_EQ(profile.dimension, "vertical");
+    EXPECT_EQ(profile.definition, "displacement");
+    EXPECT_FALSE(profile.ends_anywhere);
+    EXPECT_EQ(profile.margin_kind, "relative");
+    EXPECT_EQ(profile.margin, 0.02);
+    EXPECT_TRUE(profile.margin_above_upper_limit);
+    EXPECT_EQ(profile.rounding->mode, "truncate");
+    EXPECT_EQ(profile.result->decimals, 2);
+    EXPECT_EQ(clause_of(profile, "sampling-rate").limit, 5.0);
+    EXPECT_EQ(clause_of(profile, "sampling-rate").unit, "Hz");
+    EXPECT_EQ(clause_of(profile, "sample-accuracy").limit, 3.0);
+    EXPECT_EQ(clause_of(profile, "sample-accuracy").unit, "m/s");
+    EXPECT_EQ(profile.uncertainty.error_floor_m.at("single"), 0.5);
+}
+
+TEST(BuiltinProfiles, GpsSpeedSailing) {
+    const struct {
+        const char *name, *kind, *definition;
+        double length;  ///< s or m
+        std::int64_t windows;
+    } expected[] = {
+        {"2s", "time", "mean_n", 2.0, 1},
+        {"10s", "time", "mean_n", 10.0, 1},
+        {"5x10s", "time", "mean_n", 10.0, 5},
+        {"500m", "distance", "path_length", 500.0, 1},
+        {"nautical-mile", "distance", "path_length", 1852.0, 1},
+        {"1h", "time", "mean_n", 3600.0, 1},
+        {"alpha-500", "alpha", "path_length", 500.0, 1},
+    };
+    for (const auto& each : expected) {
+        SCOPED_TRACE(each.name);
+        const Profile profile = builtin(std::string("gps-speed-sailing-") + each.name);
+        EXPECT_EQ(profile.window_kind, each.kind);
+        EXPECT_EQ(profile.definition, each.definition);
+        EXPECT_EQ(profile.duration_s + profile.distance_m, each.length);
+        EXPECT_EQ(profile.windows, each.windows);
+        EXPECT_EQ(profile.speed_source, "velocity");
+        EXPECT_EQ(profile.proximity_m, 50.0);
+        EXPECT_EQ(profile.turn_deg, 90.0);
+        EXPECT_EQ(profile.margin_kind, "absolute");
+        EXPECT_EQ(profile.margin, 0.0);
+        EXPECT_EQ(clause_of(profile, "margin").certainty, "unconfirmed");
+        EXPECT_EQ(rule_unit_name(profile), "km/h");
+        EXPECT_FALSE(profile.accuracy_limit_mps || profile.rounding);
+    }
+}
+
+}  // namespace
+}  // namespace runcert

@@ -1,0 +1,268 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "files_test_support.h"
+#include "schemas/profile/profile.h"
+
+// What revision 1.3 of a profile added: kinds of window, and computations that decide a clause.
+
+namespace runcert {
+namespace {
+
+using test::failure_of;
+using test::replaced;
+
+/// A rule over a stretch, with all that can stand beside it, of revision 1.3.
+const std::string newest = R"(schema: profile/1.3
+id: my-rule
+body: Some Body
+title: top speed
+window: {kind: time, duration_s: 10, definition: displacement}
+margin: {kind: absolute, value: 1, unit: mph}
+clauses:
+  - {id: c1, text: t, source: s, certainty: quoted, decided_by: attest}
+)";
+
+TEST(ProfileWindow, EveryMemberIsRead) {
+    const Profile stretch = read_profile(
+        replaced(replaced(newest, "definition: displacement",
+                          "definition: displacement, dimension: vertical, exact: true, count: 5, "
+                          "ends: epochs, source: position"),
+                 "margin:",
+                 "runs: {start_m_s: 4, stop_m_s: 3, stop_s: 2, turn_deg: 45}\n"
+                 "decision: {probability: 0.9}\ncurrent: subtracted\n"
+                 "result: {mode: nearest, unit: kn, decimals: 1}\nmargin:"),
+        "p");
+    EXPECT_EQ(stretch.dimension, "vertical");
+    EXPECT_TRUE(stretch.exact_duration);
+    EXPECT_EQ(stretch.windows, 5);
+    EXPECT_FALSE(stretch.ends_anywhere);
+    EXPECT_EQ(stretch.runs.start_mps, 4.0);
+    EXPECT_EQ(stretch.runs.stop_mps, 3.0);
+    EXPECT_EQ(stretch.runs.stop_s, 2.0);
+    EXPECT_EQ(stretch.runs.turn_deg, 45.0);
+    EXPECT_EQ(stretch.decision_probability, 0.9);
+    EXPECT_TRUE(stretch.subtract_current);
+    EXPECT_EQ(stretch.result->unit, "kn");
+    EXPECT_EQ(stretch.result->decimals, 1);
+    const Profile alpha =
+        read_profile(replaced(newest, "kind: time, duration_s: 10, definition: displacement",
+                              "kind: alpha, distance_m: 250, proximity_m: 25, turn_deg: 120, "
+                              "definition: path_length, source: velocity"),
+                     "p");
+    EXPECT_EQ(alpha.window_kind, "alpha");
+    EXPECT_EQ(alpha.distance_m, 250.0);
+    EXPECT_EQ(alpha.duration_s, 0.0);
+    EXPECT_EQ(alpha.proximity_m, 25.0);
+    EXPECT_EQ(alpha.turn_deg, 120.0);
+    EXPECT_EQ(alpha.speed_source, "velocity");
+    const Profile pair =
+        read_profile(replaced(replaced(newest, "displacement}", "path_length, ends: any}"),
+                              "margin:", "opposite_runs: {within_s: 1800}\nmargin:"),
+                     "p");
+    EXPECT_TRUE(pair.ends_anywhere);
+    EXPECT_EQ(pair.opposite_runs_within_s, 1800.0);
+}
+
+TEST(ProfileWindow, WhatIsLeftOutHasItsDefault) {
+    for (const std::string& text :
+         {newest, replaced(replaced(newest, "profile/1.3", "profile/1.0"), "kind: time, ", "")}) {
+        const Profile profile = read_profile(text, "p");
+        EXPECT_EQ(profile.window_kind, "time");
+        EXPECT_EQ(profile.dimension, "horizontal");
+        EXPECT_EQ(profile.speed_source, "position");
+        EXPECT_FALSE(profile.ends_anywhere || profile.exact_duration);
+        EXPECT_EQ(profile.windows, 1);
+        EXPECT_EQ(profile.runs.start_mps, 2.0);
+        EXPECT_EQ(profile.runs.stop_mps, 1.0);
+        EXPECT_EQ(profile.runs.stop_s, 5.0);
+        EXPECT_EQ(profile.runs.turn_deg, 90.0);
+        EXPECT_FALSE(profile.opposite_runs_within_s || profile.result);
+        EXPECT_FALSE(profile.margin_above_upper_limit || profile.subtract_current);
+        EXPECT_EQ(profile.decision_probability, 0.975);
+    }
+}
+
+TEST(ProfileWindow, WhatNoComputationExistsForIsRefusedWithItsPlace) {
+    const std::string window = "{kind: time, duration_s: 10, definition: displacement}";
+    const struct {
+        std::string window, where, said;
+    } cases[] = {
+        {"{kind: time, definition: displacement}", "p:5:9",
+         "a window of kind time needs its length. Add duration_s:"},
+        {"{kind: distance, definition: path_length}", "p:5:9",
+         "a window of kind distance needs its length. Add distance_m:"},
+        {"{kind: alpha, duration_s: 10, definition: path_length}", "p:5:9",
+         "a window of kind alpha needs its length. Add distance_m:"},
+        {"{kind: course, distance_m: 500, duration_s: 10, definition: elapsed_time}", "p:5:53",
+         "a window of kind course has no duration_s. Remove it"},
+        {"{kind: time, duration_s: 10, distance_m: 5, definition: displacement}", "p:5:50",
+         "a window of kind time has no distance_m. Remove it"},
+        {"{kind: course, distance_m: 500, definition: displacement}", "p:5:53",
+         "over a course the speed is its length over the elapsed time. Write definition: "
+         "elapsed_time"},
+        {"{duration_s: 10, definition: elapsed_time}", "p:5:38",
+         "elapsed_time is the speed over a course. Give kind: course, or another definition"},
+        {"{kind: course, distance_m: 500, definition: elapsed_time, dimension: space}", "p:5:16",
+         "the lines of a course are crossed horizontally, by positions"},
+        {"{kind: course, distance_m: 500, definition: elapsed_time, source: velocity}", "p:5:16",
+         "Leave out dimension and source"},
+        {"{duration_s: 10, definition: mean_n, source: velocity, ends: any}", "p:5:54",
+         "recorded velocities are known at the measured epochs only"},
+        {"{duration_s: 10, definition: displacement, source: velocity}", "p:5:60",
+         "Use definition: mean_n_plus_1, mean_n or path_length, and ends: epochs"},
+        {"{duration_s: 10, definition: mean_n_plus_1, ends: any}", "p:5:59",
+         "a mean of the speeds of epochs begins and ends at epochs. Use ends: epochs"},
+        {"{duration_s: 10, definition: mean_n, dimension: space}", "p:5:57",
+         "speed in space is computed by displacement over time only. Use definition: displacement"},
+        {"{duration_s: 10, definition: path_length, dimension: space}", "p:5:62",
+         "speed in space is computed by displacement over time only"},
+        {"{kind: alpha, distance_m: 500, definition: displacement, dimension: space}", "p:5:16",
+         "an alpha is a horizontal path between measured epochs. Use definition: path_length"},
+        {"{kind: alpha, distance_m: 500, definition: path_length, dimension: vertical}", "p:5:16",
+         "an alpha is a horizontal path"},
+        {"{kind: alpha, distance_m: 500, definition: path_length, ends: any}", "p:5:16",
+         "an alpha is a horizontal path"},
+        {"{kind: distance, distance_m: 500, definition: mean_n}", "p:5:55",
+         "a distance is reached along the path, or by the straight line between measured epochs"},
+        {"{kind: distance, distance_m: 500, definition: displacement, ends: any}", "p:5:55",
+         "Use definition: path_length, or displacement with ends: epochs"},
+        {"{kind: distance, distance_m: 500, definition: path_length, exact: true}", "p:5:75",
+         "only windows of kind time between measured epochs can be exact. Remove it"},
+        {"{duration_s: 10, definition: displacement, ends: any, exact: true}", "p:5:70",
+         "can be exact. Remove it"},
+        {"{kind: lap, duration_s: 10, definition: displacement}", "p:5:16",
+         "\"lap\" is not one of time, distance, course, alpha"},
+        {"{duration_s: 10, definition: displacement, count: 0}", "p:5:59", "0 is below 1"},
+        {"{kind: distance, distance_m: 0.5, definition: path_length}", "p:5:38",
+         "0.5 is below 1 m"},
+    };
+    for (const auto& c : cases) {
+        const auto said =
+            failure_of([&] { read_profile(replaced(newest, window, c.window), "p"); });
+        EXPECT_EQ(said.where, c.where) << c.window << "\n" << said.problem;
+        EXPECT_TRUE(said.contains(c.said)) << c.window << "\n" << said.problem << said.remedy;
+    }
+}
+
+TEST(ProfileRule, BadInputIsNamedWithItsPlaceAndRemedy) {
+    const struct {
+        std::string from, to, where, said;
+    } cases[] = {
+        {"attest", "dice", "p:8:65", "\"dice\" is not one of window_complete, accuracy, margin"},
+        {", unit: mph", "", "p:6:9",
+         "an absolute margin needs a unit. Add unit: km/h, m/s, kn or mph"},
+        {"kind: absolute, value: 1, unit: mph", "kind: elapsed_time, value: 1", "p:6:9",
+         "a margin of time needs a unit. Add unit: s"},
+        {"kind: absolute, value: 1, unit: mph", "kind: elapsed_time, value: 1, unit: s", "p:6:16",
+         "a margin of time belongs to a course. Use absolute or relative"},
+        {"kind: absolute, value: 1, unit: mph", "kind: elapsed_time, value: 1, unit: kn", "p:6:46",
+         "\"kn\" is not a unit of this kind of margin. Write unit: s"},
+        {"unit: mph", "unit: s", "p:6:42",
+         "\"s\" is not a unit of this kind of margin. Use km/h, m/s, kn or mph"},
+        {"kind: absolute", "kind: relative", "p:6:42", "a relative margin has no unit. Remove it"},
+        {"unit: mph", "unit: mph, above: limit", "p:6:54",
+         "\"limit\" is not one of value, upper_limit"},
+        {"attest", "flatness", "p:8:65",
+         "flatness needs a figure to compare with. Add limit: and unit: (m)"},
+        {"attest", "wind_gust, unit: kn", "p:8:65",
+         "wind_gust needs a figure to compare with. Add limit: and unit: (m/s, km/h, kn, mph)"},
+        {"attest", "flatness, limit: 1", "p:8:82", "the limit has no unit. Give unit: m"},
+        {"attest", "flatness, limit: 1, unit: Hz", "p:8:91",
+         "flatness is not compared in \"Hz\". Give unit: m"},
+        {"attest", "flatness, limit: 1, unit: ft", "p:8:91",
+         "\"ft\" is not one of m, deg, Hz, %, km/h, m/s, kn, mph"},
+        {"attest", "attest, limit: 1, unit: m", "p:8:80",
+         "attest compares with no limit. Remove it"},
+        {"attest", "margin, unit: m", "p:8:79", "margin compares with no limit. Remove it"},
+        {"attest", "opposite_runs", "p:8:65",
+         "the profile does not ask for two runs. Add opposite_runs: {within_s}"},
+        {"attest", "accuracy", "p:8:65",
+         "the profile states no limit of accuracy. Add accuracy: {limit, unit, coverage_factor}"},
+        {"decided_by: attest}",
+         "decided_by: attest}\n  - {id: c1, text: t, source: s, certainty: quoted, decided_by: "
+         "attest}",
+         "p:9:10", "two clauses have the id \"c1\". Give each clause an id of its own"},
+        {"displacement}", "displacement, count: 2}\nopposite_runs: {within_s: 60}", "p:6:16",
+         "the mean of two runs has one window of each. Leave out window.count"},
+        {"title: top speed", "title: top speed\nopposite_runs: {}", "p:5:16",
+         "\"within_s\" is missing"},
+        {"title: top speed", "title: top speed\nruns: {start_m_s: 1, stop_m_s: 2}", "p:5:7",
+         "stop_m_s is not below start_m_s. Give stop_m_s below start_m_s"},
+        {"title: top speed", "title: top speed\nruns: {start_m_s: 1}", "p:5:7",
+         "stop_m_s is not below start_m_s"},
+        {"title: top speed", "title: top speed\nruns: {stop_m_s: 2}", "p:5:7",
+         "stop_m_s is not below start_m_s"},
+        {"title: top speed", "title: top speed\ndecision: {probability: 0.5}", "p:5:25",
+         "0.5 is below 0.51"},
+        {"title: top speed", "title: top speed\ncurrent: added", "p:5:10",
+         "\"added\" is not one of ignored, subtracted"},
+        {"title: top speed", "title: top speed\nresult: {mode: nearest, unit: kn}", "p:5:9",
+         "\"decimals\" is missing"},
+    };
+    ASSERT_NO_THROW(read_profile(newest, "p"));
+    for (const auto& c : cases) {
+        const auto said = failure_of([&] { read_profile(replaced(newest, c.from, c.to), "p"); });
+        EXPECT_EQ(said.where, c.where) << c.to << "\n" << said.problem;
+        EXPECT_TRUE(said.contains(c.said)) << c.to << "\n" << said.problem << said.remedy;
+    }
+}
+
+TEST(ProfileRule, EveryComputationHasItsLimitInItsUnitsOrNone) {
+    const struct {
+        std::string computation;
+        std::vector<std::string> units;
+    } cases[] = {{"flatness", {"m"}},
+                 {"slope", {"\"%\""}},
+                 {"straightness", {"m"}},
+                 {"turning", {"deg"}},
+                 {"run_up", {"m"}},
+                 {"wind_mean", {"m/s", "km/h", "kn", "mph"}},
+                 {"wind_gust", {"m/s", "km/h", "kn", "mph"}},
+                 {"current", {"m/s", "km/h", "kn", "mph"}},
+                 {"sampling_rate", {"Hz"}},
+                 {"sample_accuracy", {"m/s", "km/h", "kn", "mph"}}};
+    for (const auto& c : cases)
+        for (const std::string unit : {"m", "deg", "Hz", "\"%\"", "km/h", "m/s", "kn", "mph"}) {
+            const std::string text =
+                replaced(newest, "attest", c.computation + ", limit: 1.5, unit: " + unit);
+            if (std::ranges::find(c.units, unit) == c.units.end()) {
+                EXPECT_TRUE(failure_of([&] {
+                                read_profile(text, "p");
+                            }).contains(c.computation + " is not compared in \""))
+                    << text;
+            } else {
+                EXPECT_EQ(read_profile(text, "p").clauses.at(0).limit, 1.5) << text;
+            }
+        }
+    for (const char* none : {"window_complete", "margin", "georeferenced", "secondary_method",
+                             "standing_start", "attest"}) {
+        EXPECT_NO_THROW(read_profile(replaced(newest, "attest", none), "p"));
+        EXPECT_TRUE(failure_of([&] {
+                        read_profile(replaced(newest, "attest", std::string(none) + ", limit: 1"),
+                                     "p");
+                    }).contains(std::string(none) + " compares with no limit. Remove it"));
+    }
+}
+
+TEST(ProfileRule, AFieldOfTheNewestRevisionNeedsIt) {
+    for (const auto& [from, to] :
+         {std::pair{"title", "runs: {}\ntitle"},
+          {"unit: mph}", "unit: mph, above: value}"},
+          {"definition: displacement", "definition: displacement, count: 1"},
+          {"title", "current: ignored\ntitle"}}) {
+        std::string text = replaced(replaced(newest, "kind: time, ", ""), from, to);
+        EXPECT_NO_THROW(read_profile(text, "p")) << to;
+        text = replaced(text, "profile/1.3", "profile/1.2");
+        EXPECT_TRUE(failure_of([&] { read_profile(text, "p"); })
+                        .contains("the field needs revision 1.3 of the schema profile; the file "
+                                  "follows profile/1.2. Let the file say profile/1.3"))
+            << to;
+    }
+}
+
+}  // namespace
+}  // namespace runcert

@@ -1,0 +1,154 @@
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "files_test_support.h"
+#include "schemas/windows/windows.h"
+
+// What revision 1.3 of the windows added: the rule that they follow, and several that make a
+// figure.
+
+namespace runcert {
+namespace {
+
+using test::failure_of;
+using test::replaced;
+
+CertifiableWindow window(double speed_mps, double standard_uncertainty_mps) {
+    CertifiableWindow window;
+    window.span.duration.nanoseconds = 10'000'000'000;
+    window.speed_mps = speed_mps;
+    window.standard_uncertainty_mps = standard_uncertainty_mps;
+    window.length_m = 10.0 * speed_mps;
+    return window;
+}
+
+FurtherWindow further(double speed_mps, double standard_uncertainty_mps) {
+    FurtherWindow window;
+    window.span = {.first_epoch = 201,
+                   .last_epoch = 301,
+                   .start = {20'000'000'000},
+                   .duration = {10'000'000'000},
+                   .start_gps = std::nullopt};
+    window.arc = 2;
+    window.speed_mps = speed_mps;
+    window.standard_uncertainty_mps = standard_uncertainty_mps;
+    return window;
+}
+
+Windows windows(const ProfileWindows& profile) {
+    Windows windows;
+    windows.header = {.schema_name = "windows",
+                      .schema_version = "1.3",
+                      .stage = "window",
+                      .program_version = "1.0.0",
+                      .source_revision = "unknown",
+                      .inputs = {}};
+    windows.receiver = "primary";
+    windows.profiles = {profile};
+    return windows;
+}
+
+TEST(WindowRuleText, EveryMemberRoundTrips) {
+    for (const WindowRule& rule :
+         {WindowRule{.duration_s = 3.0, .definition = "displacement"},
+          WindowRule{.duration_s = 2.0, .definition = "mean_n", .source = "velocity", .count = 5},
+          WindowRule{.duration_s = 3.0,
+          .definition = "displacement",
+          .dimension = "vertical",
+          .exact = true},
+          WindowRule{.kind = "distance",
+          .distance_m = 500.0,
+          .definition = "path_length",
+          .ends = "any",
+          .opposite_runs = true},
+          WindowRule{.kind = "course", .distance_m = 1852.0, .definition = "elapsed_time"},
+          WindowRule{.kind = "alpha", .distance_m = 250.0, .definition = "path_length"}}) {
+        const std::string text =
+            write_windows(windows({.profile = "p", .rule = rule, .best = {}, .indicated = {}}));
+        EXPECT_EQ(read_windows(text, "f").profiles.at(0).rule, rule) << text;
+        EXPECT_EQ(text.find("duration_s:") != std::string::npos, rule.kind == "time");
+        EXPECT_EQ(text.find("distance_m:") != std::string::npos, rule.kind != "time");
+    }
+}
+
+TEST(WindowRuleText, FurtherWindowsAndWhatIsMissingRoundTrip) {
+    const ProfileWindows before{
+        .profile = "p",
+        .rule = {.duration_s = 10.0, .definition = "mean_n", .count = 2},
+        .candidates = 7,
+        .missing = "two runs, but in one direction",
+        .best = window(20.0, 0.25),
+        .further = {further(19.5, 0.5)},
+        .indicated =
+            IndicatedWindow{.span = {}, .speed_mps = 21.0, .mean_mps = 20.25, .refusals = {}}};
+    const ProfileWindows back = read_windows(write_windows(windows(before)), "f").profiles.at(0);
+    EXPECT_EQ(back.missing, before.missing);
+    EXPECT_EQ(back.best->length_m, 200.0);
+    ASSERT_EQ(back.further.size(), 1U);
+    EXPECT_EQ(back.further[0].span.first_epoch, 201);
+    EXPECT_EQ(back.further[0].span.start.nanoseconds, 20'000'000'000);
+    EXPECT_EQ(back.further[0].arc, 2);
+    EXPECT_EQ(back.further[0].speed_mps, 19.5);
+    EXPECT_EQ(back.further[0].standard_uncertainty_mps, 0.5);
+    EXPECT_EQ(back.indicated->mean_mps, 20.25);
+}
+
+TEST(WindowRuleText, KeepsToTheWordsOfTheFieldTable) {
+    const auto with = [](const WindowRule& rule) {
+        return failure_of([&] {
+            write_windows(windows({.profile = "p", .rule = rule, .best = {}, .indicated = {}}));
+        });
+    };
+    EXPECT_TRUE(with({.kind = "lap", .definition = "path_length"})
+                    .contains("\"lap\" is not one of time, distance, course, alpha"));
+    EXPECT_TRUE(with({.definition = "chord"}).contains("\"chord\" is not one of displacement"));
+    EXPECT_TRUE(with({.definition = "mean_n", .count = 0}).contains("0 is below 1"));
+    const std::string text = write_windows(
+        windows({.profile = "p", .rule = {.definition = "mean_n"}, .best = {}, .indicated = {}}));
+    EXPECT_TRUE(failure_of([&] {
+                    read_windows(replaced(text, "version: \"1.3\"", "version: \"1.2\""), "f");
+                }).contains("kind: the field needs revision 1.3"));
+}
+
+TEST(RuleFigure, OfOneWindowIsItsSpeed) {
+    ProfileWindows profile{.profile = "p",
+                           .rule = {.duration_s = 10.0, .definition = "mean_n"},
+                           .best = window(20.0, 0.25),
+                           .indicated = {}};
+    profile.best->effective_degrees_of_freedom = 12.5;
+    const RuleFigure figure = profile.figure().value();
+    EXPECT_EQ(figure.speed_mps, 20.0);
+    EXPECT_EQ(figure.standard_uncertainty_mps, 0.25);
+    EXPECT_EQ(figure.effective_degrees_of_freedom, 12.5);
+    profile.best.reset();
+    EXPECT_FALSE(profile.figure());
+}
+
+/// One error common to all moves their mean as it moves each: uncertainties add as speeds do.
+TEST(RuleFigure, OfSeveralIsTheMeanAndItsUncertaintyThatOfACommonError) {
+    ProfileWindows profile{.profile = "p",
+                           .rule = {.duration_s = 10.0, .definition = "mean_n", .count = 3},
+                           .best = window(20.0, 0.25),
+                           .further = {further(19.0, 0.5), further(18.0, 0.75)},
+                           .indicated = {}};
+    EXPECT_DOUBLE_EQ(profile.figure()->speed_mps, 19.0);
+    EXPECT_DOUBLE_EQ(profile.figure()->standard_uncertainty_mps, 0.5);
+    profile.further.pop_back();
+    EXPECT_FALSE(profile.figure());  // two of three
+}
+
+TEST(RuleFigure, OfTwoRunsNeedsBoth) {
+    ProfileWindows profile{
+        .profile = "p",
+        .rule = {.duration_s = 10.0, .definition = "path_length", .opposite_runs = true},
+        .best = window(20.0, 0.25),
+        .indicated = {}};
+    EXPECT_FALSE(profile.figure());
+    profile.further = {further(18.0, 0.75)};
+    EXPECT_DOUBLE_EQ(profile.figure()->speed_mps, 19.0);
+    EXPECT_DOUBLE_EQ(profile.figure()->standard_uncertainty_mps, 0.5);
+}
+
+}  // namespace
+}  // namespace runcert

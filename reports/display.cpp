@@ -62,7 +62,9 @@ std::string plain_text(double value) {
 }
 
 std::string quantity_text(double value, std::optional<double> expanded_uncertainty) {
-    if (!expanded_uncertainty || !(*expanded_uncertainty > 0.0)) return significant_text(value, 4);
+    if (!expanded_uncertainty || !(*expanded_uncertainty > 0.0))
+        return value != 0.0 && std::abs(value) < 1e-4 ? significant_text(value, 4)
+                                                      : fmt::format("{:.6g}", value);
     return fmt::format("{} ± {}", format_fixed(value, uncertainty_decimals(*expanded_uncertainty)),
                        uncertainty_text(*expanded_uncertainty));
 }

@@ -41,7 +41,7 @@ std::string significant_text(double value, int digits);
 std::string plain_text(double value);
 
 /// A quantity with its expanded uncertainty, decimals being those of two significant digits of
-/// that: "0.42 ± 0.08"; without one with four significant digits, or all before the point.
+/// that: "0.42 ± 0.08"; without one with six significant digits at most.
 std::string quantity_text(double value, std::optional<double> expanded_uncertainty);
 
 /// A probability in per cent, rounded to the side of doubt, so that it never shows as one beyond a

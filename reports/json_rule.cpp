@@ -66,21 +66,29 @@ Json record_json(const RecordToBeat& record) {
     return json;
 }
 
-Json decision_json(const Decision& decision, const SpeedUnit& unit) {
+std::string decision_words(const ProfileVerdict& verdict, const SpeedUnit& unit) {
+    const Decision& decision = *verdict.decision;
+    std::string words = verdict.outcome == "not_certifiable"
+                            ? "The speed cannot be certified, so that no comparison counts. "
+                            : "";
+    words +=
+        fmt::format("Probability that the true speed reaches the speed to reach: {}; {} is asked.",
+                    probability_text(decision.probability), level_text(decision.level));
+    if (decision.target_standard_uncertainty_mps > 0.0)
+        words += fmt::format(
+            " The record's own standard uncertainty, {} {} of the speed to reach, is taken in.",
+            uncertainty_text(decision.target_standard_uncertainty_mps * unit.per_mps), unit.name);
+    return words;
+}
+
+Json decision_json(const ProfileVerdict& verdict, const SpeedUnit& unit) {
+    const Decision& decision = *verdict.decision;
     Json json{
         {"probability", rounded(decision.probability, 9)},
         {"level", rounded(decision.level, 6)},
         {"target_standard_uncertainty_m_s", rounded(decision.target_standard_uncertainty_mps, 6)}};
     set_speeds(json, "acceptance_limit", decision.acceptance_limit_mps);
-    std::string words = fmt::format(
-        "Probability that the true speed reaches the speed to reach: "
-        "{}; {} is asked.",
-        probability_text(decision.probability), level_text(decision.level));
-    if (decision.target_standard_uncertainty_mps > 0.0)
-        words += fmt::format(
-            " The record's own standard uncertainty, {} {} of the speed to reach, is taken in.",
-            uncertainty_text(decision.target_standard_uncertainty_mps * unit.per_mps), unit.name);
-    json["decision_words"] = words;
+    json["decision_words"] = decision_words(verdict, unit);
     return json;
 }
 
@@ -134,7 +142,7 @@ void set_rule(Json& json, const Profile& profile) {
 void set_decision(Json& json, const ProfileVerdict& verdict, const Profile& profile) {
     json["decision_rule"] = decision_rule(verdict, profile);
     if (verdict.record) json["record"] = record_json(*verdict.record);
-    if (verdict.decision) json["decision"] = decision_json(*verdict.decision, rule_unit(profile));
+    if (verdict.decision) json["decision"] = decision_json(verdict, rule_unit(profile));
     if (!verdict.current_subtracted_mps) return;
     const SpeedUnit& unit = rule_unit(profile);
     set_speeds(json, "current_subtracted", verdict.current_subtracted_mps);

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <ctime>
 #include <filesystem>
 
@@ -53,30 +54,98 @@ std::string in_km_h(const YamlValue& speed_mps) {
     return format_fixed(speed_mps.real() * 3.6, 3);
 }
 
+/// Without what would steer a terminal.
+std::string printable(std::string text) {
+    for (char& c : text)
+        if ((c >= 0 && c < ' ') || c == '\x7f') c = '?';
+    return text;
+}
+
+/// In per cent, rounded to the side of doubt.
+std::string in_per_cent(double probability) {
+    if (probability > 0.9999) return "more than 99.99 %";
+    if (probability < 0.0001) return "less than 0.01 %";
+    constexpr double binary_noise = 1e-9;
+    const double steps = probability * 1e4;
+    return format_fixed((probability >= 0.5 ? std::floor(steps + binary_noise)
+                                            : std::ceil(steps - binary_noise)) /
+                            100.0,
+                        2) +
+           " %";
+}
+
+/// The speed as the rule writes it, and in km/h where that is another unit.
+void print_speed(const YamlValue& profile) {
+    if (!profile["speed_m_s"].exists()) return;
+    const double k = profile["coverage_factor"].real();
+    const std::string km_h = fmt::format("{} km/h +/- {} km/h", in_km_h(profile["speed_m_s"]),
+                                         in_km_h(profile["expanded_uncertainty_m_s"]));
+    const YamlValue shown = profile["shown"];
+    if (!shown.exists()) {
+        fmt::print("  speed    {} (k = {:.2f})\n", km_h, k);
+        return;
+    }
+    const std::string unit = shown["unit"].text();
+    fmt::print("  speed    {} {} +/- {} {} (k = {:.2f}){}\n", shown["speed"].text(), unit,
+               shown["expanded_uncertainty"].text(), unit, k, unit == "km/h" ? "" : "; " + km_h);
+    const YamlValue decision = profile["decision"];
+    if (decision.exists() && profile["outcome"].text() != "not_certifiable")
+        fmt::print("  to reach {} {}: probability {}, {:.6g} % needed\n",
+                   shown["target"].text_or("?"), unit, in_per_cent(decision["probability"].real()),
+                   decision["level"].real() * 100.0);
+}
+
+void print_window(const YamlValue& window) {
+    if (!window.exists()) return;
+    fmt::print("  window   {} s from {} s{}\n", format_fixed(window["duration_s"].real(), 3),
+               format_fixed(window["start_time_s"].real(), 3),
+               window["start_utc"].exists() ? " (" + window["start_utc"].text() + ")" : "");
+}
+
+void print_refused(const YamlValue& indicated) {
+    if (!indicated.exists()) return;
+    std::string refusals;
+    for (const YamlValue& refusal : indicated["refusals"].list())
+        refusals += (refusals.empty() ? "" : "; ") + refusal.text();
+    fmt::print("  refused  {} km/h at {} s: {}\n", in_km_h(indicated["speed_m_s"]),
+               format_fixed(indicated["start_time_s"].real(), 3), printable(refusals));
+}
+
+/// What must be read with the verdict, the first of it.
+void print_notes(const YamlValue& profile, const fs::path& run_dir) {
+    constexpr std::size_t most = 5;
+    if (!profile["notes"].exists()) return;
+    const std::vector<YamlValue> notes = profile["notes"].list();
+    for (std::size_t i = 0; i < std::min(most, notes.size()); ++i)
+        fmt::print("  note     {}\n", printable(notes[i].text()));
+    if (notes.size() > most)
+        fmt::print("  ... and {} more: runcert explain {}\n", notes.size() - most,
+                   run_dir.string());
+}
+
+/// Clauses of that status, with commas between them.
+std::string clauses_of(const YamlValue& profile, const std::string& status) {
+    std::string clauses;
+    for (const YamlValue& requirement : profile["requirements"].list())
+        if (requirement["status"].text() == status)
+            clauses += (clauses.empty() ? "" : ", ") + requirement["clause"].text();
+    return printable(clauses);
+}
+
 /// Prints one profile's verdict, to be read in five seconds. Returns whether the record is beaten.
-bool print_verdict(const YamlValue& profile) {
+bool print_verdict(const YamlValue& profile, const fs::path& run_dir) {
     const std::string outcome = profile["outcome"].text();
     fmt::print("\n{}  {}\n", in_capitals(outcome), profile["profile"].text());
-    if (profile["speed_km_h"].exists())
-        fmt::print("  speed    {} km/h +/- {} km/h (k = {:.2f})\n", in_km_h(profile["speed_m_s"]),
-                   in_km_h(profile["expanded_uncertainty_m_s"]), profile["coverage_factor"].real());
-    if (const YamlValue window = profile["window"]; window.exists())
-        fmt::print("  window   {} s from {} s{}\n", format_fixed(window["duration_s"].real(), 3),
-                   format_fixed(window["start_time_s"].real(), 3),
-                   window["start_utc"].exists() ? " (" + window["start_utc"].text() + ")" : "");
-    fmt::print("  why      {}\n", profile["reason"].text());
-    if (const YamlValue indicated = profile["indicated"]; indicated.exists()) {
-        std::string refusals;
-        for (const YamlValue& refusal : indicated["refusals"].list())
-            refusals += (refusals.empty() ? "" : "; ") + refusal.text();
-        fmt::print("  refused  {} km/h at {} s: {}\n", in_km_h(indicated["speed_m_s"]),
-                   format_fixed(indicated["start_time_s"].real(), 3), refusals);
-    }
-    std::string attest;
-    for (const YamlValue& requirement : profile["requirements"].list())
-        if (requirement["status"].text() == "attest")
-            attest += (attest.empty() ? "" : ", ") + requirement["clause"].text();
-    if (!attest.empty()) fmt::print("  attest   {}\n", attest);
+    print_speed(profile);
+    print_window(profile["window"]);
+    fmt::print("  why      {}\n", printable(profile["reason"].text()));
+    print_refused(profile["indicated"]);
+    print_notes(profile, run_dir);
+    if (const std::string attest = clauses_of(profile, "attest"); !attest.empty())
+        fmt::print("  attest   {}\n", attest);
+    if (const std::string failed = clauses_of(profile, "not_met"); !failed.empty())
+        fmt::print("  not met  {}\n  explain  runcert explain {} {}/{}\n", failed, run_dir.string(),
+                   profile["profile"].text(), failed.substr(0, failed.find(',')));
     return outcome == "beaten";
 }
 
@@ -85,7 +154,7 @@ bool print_verdicts(const fs::path& run_dir, bool signed_report, bool rendered) 
     const YamlValue verdict(parse_yaml(read_file(file), file.string()), file.string());
     bool all_beaten = true;
     for (const YamlValue& profile : verdict["profiles"].list())
-        all_beaten = print_verdict(profile) && all_beaten;
+        all_beaten = print_verdict(profile, run_dir) && all_beaten;
     if (!verdict["georeferenced"].boolean())
         fmt::print(
             "\nnote     not georeferenced: local-plane coordinates, whose scale on the ground is "

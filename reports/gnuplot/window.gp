@@ -43,7 +43,6 @@ set object 1 rect from start, graph 0 to end, graph 1 behind fillcolor rgb sky \
 if (mean == mean) {
     set arrow 1 from start, mean to end, mean nohead front linewidth 2.2 linecolor rgb black
 }
-# A loop that runs for nothing is drawn all the same where it is the last.
 plot curve using 1:($2 - 2 * $3):($2 + 2 * $3) with filledcurves fillstyle solid 0.30 noborder \
         linecolor rgb blue title 'smoothed, ± 2 σ', \
     curve using 1:4 with points pointtype 1 pointsize 0.6 linewidth 1.2 linecolor rgb green \
@@ -52,8 +51,8 @@ plot curve using 1:($2 - 2 * $3):($2 + 2 * $3) with filledcurves fillstyle solid
         title 'method v2', \
     curve using 1:6 with lines dashtype 4 linewidth 1.6 linecolor rgb purple \
         title 'forward filter of [DHD22]', \
+    curve using 1:2 with lines linewidth 1.8 linecolor rgb blue title 'smoothed', \
     for [i = 1:target_shown] target with lines dashtype 2 linewidth 1.4 linecolor rgb vermilion \
         title 'speed to reach', \
-    for [i = 1:mean == mean] NaN with lines linewidth 2.2 linecolor rgb black \
-        title 'speed that counts', \
-    curve using 1:2 with lines linewidth 1.8 linecolor rgb blue title 'smoothed'
+    NaN with lines linewidth 2.2 linecolor rgb black \
+        title mean == mean ? 'speed that counts' : ''

@@ -86,11 +86,11 @@ std::string refusal_of(const ClauseContext& context, const std::vector<Requireme
 std::string reason_of(const ClauseContext& context, Outcome outcome) {
     const std::string& unit = context.record->unit;
     const std::string figures =
-        fmt::format("{} +/- {} against {} to reach, probability {:.4f}, {:g} needed.",
+        fmt::format("{} +/- {} against {} to reach, probability {}, {:g} needed.",
                     in_unit(context.speed->speed_mps, unit, 3),
                     in_unit(*context.expanded_uncertainty_mps, unit, 3),
-                    in_unit(context.target->speed_mps, unit, 3), context.decision->probability,
-                    context.decision->level);
+                    in_unit(context.target->speed_mps, unit, 3),
+                    probability_words(context.decision->probability), context.decision->level);
     switch (outcome) {
         case Outcome::beaten:
             return "The speed reaches the target beyond its uncertainty: " + figures;

@@ -24,7 +24,7 @@ std::string words_of(const Compared& figure, const std::string& unit) {
     const auto number = [](double value) { return fmt::format("{:.4g}", value); };
     return fmt::format("{} {} {}{}", figure.name, number(figure.value), unit,
                        figure.expanded_uncertainty
-                           ? fmt::format(" +/- {} {}", number(*figure.expanded_uncertainty), unit)
+                           ? fmt::format(" +/- {:.2g} {}", *figure.expanded_uncertainty, unit)
                            : std::string());
 }
 

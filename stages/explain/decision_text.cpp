@@ -1,7 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "core/speed_unit.h"
 #include "core/text.h"
 #include "stages/explain/parts.h"
@@ -20,8 +18,16 @@ std::string window_text(const ProfileView& view) {
     if (!verdict.window)
         return fmt::format("None of {} could be certified.", window_words(view.profile));
     const WindowSpan& span = *verdict.window;
-    return fmt::format("The rule asks for {}. {} s from {} s after the first epoch{}.",
-                       window_words(view.profile), format_fixed(span.duration.seconds(), 3),
+    const std::string asked =
+        view.profile.opposite_runs_within_s
+            ? fmt::format("The rule asks for the mean of two runs over {}. The faster:",
+                          window_words(view.profile))
+        : view.profile.windows > 1
+            ? fmt::format("The rule asks for the mean of {} windows of {}. The fastest:",
+                          view.profile.windows, window_words(view.profile))
+            : fmt::format("The rule asks for {}. The window:", window_words(view.profile));
+    return fmt::format("{} {} s from {} s after the first epoch{}.", asked,
+                       format_fixed(span.duration.seconds(), 3),
                        format_fixed(span.start.seconds(), 3),
                        span.start_gps ? " (" + to_utc_iso(*span.start_gps, 3) + ")" : "");
 }
@@ -103,13 +109,6 @@ std::string level_text(const Decision& decision) {
         level_words(decision.level), level_words(1.0 - decision.level));
 }
 
-/// Whether a note says what a line on a replaced figure says already.
-bool is_of_override(const std::string& note, const ProfileVerdict& verdict) {
-    return std::ranges::any_of(verdict.overrides, [&](const Override& figure) {
-        return note.find(figure.figure) != std::string::npos;
-    });
-}
-
 /// What compares the speed with a record.
 std::string comparison_text(const ProfileView& view) {
     const ProfileVerdict& verdict = view.verdict;
@@ -147,8 +146,8 @@ std::string decision_text(const ProfileView& view) {
     text += labelled("Why", why_text(view));
     for (const std::string& words : override_words(verdict, {}))
         text += labelled("Replaced", words);
-    for (const std::string& note : verdict.notes)
-        if (!is_of_override(note, verdict)) text += labelled("Note", note);
+    for (const std::string& note : notes_of(verdict))
+        text += labelled("Note", note);
     if (verdict.indicated)
         text += labelled("Refused",
                          fmt::format("{} at {} s, of the raw positions: {}.",
@@ -170,7 +169,7 @@ std::string decision_in_short(const ProfileView& view) {
                 : fmt::format("; to reach {}", speed_words(*verdict.target_mps, unit));
         text += labelled("Speed", speed + target);
     }
-    if (verdict.decision)
+    if (verdict.decision && verdict.outcome != "not_certifiable")
         text +=
             labelled("Probability", fmt::format("{} that it reaches that; {} is asked",
                                                 probability_words(verdict.decision->probability),

@@ -96,6 +96,8 @@ std::string in_short(const ProfileView& view) {
     text += labelled("Clauses", counts_of(view.verdict));
     for (const std::string& words : override_words(view.verdict, {}))
         text += labelled("Replaced", words);
+    for (const std::string& note : notes_of(view.verdict))
+        text += labelled("Note", note);
     for (const Requirement& requirement : view.verdict.requirements)
         text += fmt::format("\n{}", clause_in_short(clause_view(view, requirement)));
     return text;

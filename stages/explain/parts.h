@@ -58,5 +58,7 @@ std::string speed_shown(const ProfileView& view);
 /// rule's 1 mph. Reason: agreed".
 std::vector<std::string> override_words(const ProfileVerdict& verdict,
                                         const std::vector<std::string>& names);
+/// The notes without those on a replaced figure, which `override_words` tells.
+std::vector<std::string> notes_of(const ProfileVerdict& verdict);
 
 }  // namespace runcert

@@ -61,4 +61,14 @@ std::vector<std::string> override_words(const ProfileVerdict& verdict,
     return words;
 }
 
+std::vector<std::string> notes_of(const ProfileVerdict& verdict) {
+    std::vector<std::string> notes = verdict.notes;
+    std::erase_if(notes, [&](const std::string& note) {
+        return std::ranges::any_of(verdict.overrides, [&](const Override& figure) {
+            return note.find(figure.figure) != std::string::npos;
+        });
+    });
+    return notes;
+}
+
 }  // namespace runcert

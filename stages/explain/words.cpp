@@ -144,9 +144,8 @@ std::string figure_words(const Figure& figure) {
                             format_fixed(figure.value, decimals_of_two_digits(uncertainty)), unit,
                             two_digits_up(uncertainty), unit);
     } else {
-        const double size = std::abs(figure.value);
-        const int digits = size >= 1000.0 ? static_cast<int>(std::log10(size)) + 1 : 4;
-        text += fmt::format("{:.{}g}{}", figure.value, digits, unit);
+        const bool tiny = figure.value != 0.0 && std::abs(figure.value) < 1e-4;
+        text += (tiny ? format_fixed(figure.value, 6) : fmt::format("{:.6g}", figure.value)) + unit;
     }
     if (!figure.note.empty()) text += "; " + figure.note;
     return text;

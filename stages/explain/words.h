@@ -39,8 +39,8 @@ std::string listed(const std::vector<std::string>& items);
 std::string plain_figure(double value, std::string_view unit);
 
 /// A quantity with its expanded uncertainty: "height difference: 0.42 m +/- 0.08 m (k = 2); why".
-/// Decimals are those of two significant digits of the uncertainty; without one, four significant
-/// digits at least.
+/// Decimals are those of two significant digits of the uncertainty; without one, six significant
+/// digits at most.
 std::string figure_words(const Figure& figure);
 
 /// A speed with three decimals, in the rule's unit, and in km/h beside it where that is another.

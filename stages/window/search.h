@@ -40,7 +40,7 @@ struct SearchRule {
     double turn_deg = 0.0;              ///< alpha
 };
 
-/// A path that lacks no more than this (m) of a rule's distance has reached it: sums of decimals
+/// A path that is as near as this (m) to a rule's distance has that length: sums of decimals
 /// are not exact.
 inline constexpr double path_rounding_m = 1e-6;
 

@@ -28,7 +28,7 @@ void count(Coverage& coverage, double error_mps, double standard_uncertainty_mps
 void count_model(Coverage& coverage, const WindowStretch<2>& stretch, const EstimationModel& model,
                  double true_mps) {
     const SpeedEstimate speed = speed_by_definition(
-        smooth<2>(stretch.epochs, model), stretch.window, stretch.duration_s, "displacement");
+        smooth<2>(stretch.epochs, model), stretch.window, stretch.duration_s, {"displacement"});
     count(coverage, speed.speed_mps - true_mps, speed.standard_uncertainty_mps);
 }
 
@@ -52,7 +52,7 @@ void study_one(CoverageCell& cell, const CoverageOptions& options, std::uint64_t
     if (!learn) return;
 
     const NoiseSummary noise = learn_noise<2>(arcs, SmoothConfig{});
-    const FittedSpeed fitted = fitted_speed(stretch, posterior_of(noise), "displacement");
+    const FittedSpeed fitted = fitted_speed(stretch, posterior_of(noise), {"displacement"});
     count(cell.fitted, fitted.speed_mps - true_mps, fitted.standard_uncertainty_mps);
     Profile::Uncertainty rule;
     rule.error_floor_m = {{"fixed", options.floor_m}};

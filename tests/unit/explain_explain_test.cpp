@@ -262,6 +262,19 @@ TEST(Explain, TheDecisionIsTakenApart) {
     EXPECT_EQ(text, explained(verdict("not_proven"), "rule/outcome"));
 }
 
+TEST(Explain, AMeanOfSeveralWindowsIsSaidToBeOne) {
+    Profile rule = profile();
+    const auto text = [&] {
+        return unwrapped(
+            explain_text(verdict("beaten"), {rule}, {.clause = "decision", .profile = {}}));
+    };
+    expect_in(text(), "the mean of two runs over 3 s. The faster: 3.000 s from 40.200 s");
+    rule.opposite_runs_within_s.reset();
+    expect_in(text(), "The rule asks for 3 s. The window: 3.000 s from 40.200 s");
+    rule.windows = 5;
+    expect_in(text(), "the mean of 5 windows of 3 s. The fastest: 3.000 s from 40.200 s");
+}
+
 TEST(Explain, EveryOutcomeHasItsSentence) {
     Verdict of = verdict("beaten");
     of.profiles[0].decision->probability = 0.975;
@@ -285,6 +298,13 @@ TEST(Explain, EveryOutcomeHasItsSentence) {
     of.profiles[0].target_mps.reset();
     expect_in(explained(of, "outcome"), "Record            The attempt names none.");
     expect_in(explained(of, "outcome"), "Why               A sentence that says why.");
+}
+
+// The speed may be far above the one to reach: that says nothing.
+TEST(Explain, InShortNoProbabilityIsGivenOfASpeedThatCannotBeCertified) {
+    expect_in(explain_text(verdict("beaten"), {profile()}), "Probability ");
+    EXPECT_EQ(explain_text(verdict("not_certifiable"), {profile()}).find("Probability "),
+              std::string::npos);
 }
 
 TEST(Explain, MarginsAndRoundingOfEveryKind) {
@@ -402,13 +422,13 @@ TEST(ExplainWords, AFigureHasTheDecimalsOfItsUncertainty) {
         figure_words({.name = "a", .value = 12.3456, .unit = "deg", .expanded_uncertainty = 0.301}),
         "a: 12.35 deg +/- 0.31 deg (k = 2)");
     EXPECT_EQ(figure_words({.name = "a", .value = 31.0, .unit = {}}), "a: 31");
-    EXPECT_EQ(figure_words({.name = "a", .value = 12345.67, .unit = "m"}), "a: 12346 m");
+    EXPECT_EQ(figure_words({.name = "a", .value = 12345.67, .unit = "m"}), "a: 12345.7 m");
     EXPECT_EQ(figure_words({.name = "a",
                             .value = 0.123456,
                             .unit = "%",
                             .expanded_uncertainty = 0.0,
                             .note = "why"}),
-              "a: 0.1235 %; why");
+              "a: 0.123456 %; why");
 }
 
 TEST(Explain, TheProfilesThatComeWithTheProgramHaveTitleAndBody) {

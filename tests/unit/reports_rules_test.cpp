@@ -111,6 +111,13 @@ TEST(Decision, IsInTheReportInFiguresAndWords) {
     expect_in(page, "202.9 km/h ± 0.05 km/h (k = 2): published figure of 2009");
 }
 
+TEST(Decision, OfASpeedThatCannotBeCertifiedItSaysThatItDoesNotCount) {
+    sample::Run run = sample::make_run();
+    EXPECT_EQ(page_of(run).find("no comparison counts"), std::string::npos);
+    verdict_of(run).outcome = "not_certifiable";
+    expect_in(page_of(run), "The speed cannot be certified, so that no comparison counts. Prob");
+}
+
 // 0.9999876 * 100 cut off; a level is never shown as reached by less.
 TEST(Decision, AProbabilityIsRoundedToTheSideOfDoubt) {
     EXPECT_EQ(probability_text(0.9749999), "97.49 %");
@@ -181,8 +188,8 @@ TEST(Course, FiguresOfRequirementsStandUnderTheirEvidence) {
             requirement.contains("requirement_figures"),
             requirement["clause"] == "accuracy" || requirement["clause"] == "secondary-method");
     expect_in(page_of(run),
-              "limit 0.8 km/h.<span class=\"figure\">expanded uncertainty: 0.01837 km/h; "
-              "of the budget</span><span class=\"figure\">limit: 0.8000 km/h</span>");
+              "limit 0.8 km/h.<span class=\"figure\">expanded uncertainty: 0.018367 km/h; "
+              "of the budget</span><span class=\"figure\">limit: 0.8 km/h</span>");
 }
 
 TEST(Course, QuantitiesHaveTheirUncertainty) {
@@ -191,7 +198,7 @@ TEST(Course, QuantitiesHaveTheirUncertainty) {
     EXPECT_EQ(course[0]["quantity_value"], 0.421234);
     EXPECT_EQ(course[0]["quantity_uncertainty"], 0.0783);
     EXPECT_EQ(course[0]["quantity_text"], "0.421 ± 0.078 m");
-    EXPECT_EQ(course[1]["quantity_text"], "45.00 deg");
+    EXPECT_EQ(course[1]["quantity_text"], "45 deg");
     EXPECT_FALSE(course[1].contains("quantity_uncertainty"));
     expect_in(page_of(run), "<td>0.421 ± 0.078 m</td><td>highest less lowest smoothed height</td>");
 }

@@ -1,0 +1,445 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include "check_rules_support.h"
+#include "core/uncertainty.h"
+
+// Every computation that a clause may name, on both sides of its limit and where data are missing.
+
+namespace runcert {
+namespace {
+
+using test::clause_text, test::contains, test::profile_text, test::RuleScene, test::steady;
+
+constexpr double degrees = 180.0 / std::numbers::pi;
+constexpr double knot = 1852.0 / 3600.0;
+
+/// A figure worked out by hand, its expanded uncertainty, and how the scene comes to have it.
+struct Limited {
+    const char* computation;
+    const char* unit;
+    bool at_most;
+    double value;
+    double expanded_uncertainty;  ///< 0 where the figure has none
+    std::function<void(RuleScene&)> arrange;
+};
+
+void PrintTo(const Limited& limited, std::ostream* out) {
+    *out << limited.computation;
+}
+
+class LimitedFigure : public testing::TestWithParam<Limited> {
+  protected:
+    static Requirement judged_against(double limit) {
+        const Limited& given = GetParam();
+        RuleScene scene(profile_text(clause_text(
+            given.computation, fmt::format(", limit: {:.17g}, unit: \"{}\"", limit, given.unit))));
+        given.arrange(scene);
+        return scene.clause(given.computation);
+    }
+};
+
+TEST_P(LimitedFigure, IsDecidedOnlyWhereItsWholeIntervalIsOnOneSide) {
+    const Limited& given = GetParam();
+    const double low = given.value - given.expanded_uncertainty;
+    const double high = given.value + given.expanded_uncertainty;
+    const double little = 1e-6 * given.value;
+    const char* const below = given.at_most ? "not_met" : "met";
+    const char* const above = given.at_most ? "met" : "not_met";
+    const bool uncertain = given.expanded_uncertainty > 0.0;
+    EXPECT_EQ(judged_against(low - little).status, below);
+    EXPECT_EQ(judged_against(low + little).status, uncertain ? "attest" : above);
+    EXPECT_EQ(judged_against(high - little).status, uncertain ? "attest" : below);
+    EXPECT_EQ(judged_against(high + little).status, above);
+    if (uncertain) {
+        EXPECT_TRUE(contains(judged_against(given.value).evidence,
+                             "the limit lies within the uncertainty, the data cannot tell"));
+    }
+}
+
+TEST_P(LimitedFigure, IsStatedWithItsUncertaintyInTheLimitsUnit) {
+    const Limited& given = GetParam();
+    const Requirement requirement = judged_against(2.0 * given.value);
+    ASSERT_EQ(requirement.figures.size(), 1U);
+    const Figure& figure = requirement.figures[0];
+    EXPECT_NEAR(figure.value, given.value, 1e-7 * given.value);
+    EXPECT_EQ(figure.unit, given.unit);
+    EXPECT_EQ(figure.expanded_uncertainty.has_value(), given.expanded_uncertainty > 0.0);
+    if (figure.expanded_uncertainty) {
+        EXPECT_NEAR(*figure.expanded_uncertainty, given.expanded_uncertainty,
+                    1e-7 * given.expanded_uncertainty);
+    }
+    EXPECT_TRUE(contains(requirement.evidence, fmt::format("{:.4g} {}", given.value, given.unit)))
+        << requirement.evidence;
+    EXPECT_EQ(requirement.decided_by, given.computation);
+}
+
+// The window: 180 m in 3 s towards north; sigmas of RuleScene.
+const double of_two_heights = 2.0 * std::numbers::sqrt2 * RuleScene::sigma_up_m;
+const double of_slope = 100.0 * 2.0 *
+                        std::sqrt(2.0 * RuleScene::sigma_up_m * RuleScene::sigma_up_m +
+                                  0.03 * 0.03 * 2.0 * RuleScene::sigma_m * RuleScene::sigma_m) /
+                        180.0;
+
+INSTANTIATE_TEST_SUITE_P(
+    Every, LimitedFigure,
+    testing::Values(
+        Limited{"flatness", "m", true, 0.9, of_two_heights,
+                [](RuleScene& s) { s.row(33.0).up_m = 0.9; }},
+        // Downhill counts as uphill.
+        Limited{"slope", "%", true, 3.0, of_slope,
+                [](RuleScene& s) { s.row(28.0).up_m = -0.03 * 180.0; }},
+        Limited{"straightness", "m", true, 0.5, 2.0 * std::sqrt(1.5) * RuleScene::sigma_m,
+                [](RuleScene& s) { s.row(26.5).east_m = -0.5; }},
+        Limited{"turning", "deg", true, 6.0,
+                2.0 * std::numbers::sqrt2* RuleScene::sigma_velocity_mps / 60.0 * degrees,
+                [](RuleScene& s) {
+                    s.row(28.0).velocity_east_mps = -60.0 * std::sin(6.0 / degrees);
+                    s.row(28.0).velocity_north_mps = 60.0 * std::cos(6.0 / degrees);
+                }},
+        // From 5.2 s, where it has 0.8 m/s: 450 m - 0.08 m up to 20 s, 300 m up to 25 s.
+        Limited{"run_up", "m", false, 749.92, 0.0, [](RuleScene&) {}},
+        Limited{"wind_mean", "km/h", true, 18.0, 0.0,
+                [](RuleScene& s) { s.wind = steady(5.0, 270.0, 0.0, 50.0); }},
+        Limited{"wind_gust", "kn", true, 7.0 / knot, 0.0,
+                [](RuleScene& s) {
+                    s.wind = steady(5.0, 270.0, 0.0, 50.0);
+                    s.wind->samples.insert(s.wind->samples.begin() + 3, {26.0, 7.0, 270.0});
+                }},
+        Limited{"current", "kn", true, 0.4 / knot, 0.1 / knot,
+                [](RuleScene& s) { set_current(s, 0.4, 100.0, 0.1); }},
+        // One epoch in the middle is late by 50 ms: 150 ms after the one before.
+        Limited{"sampling_rate", "Hz", false, 1.0 / (0.15 - 1e-9), 0.0,
+                [](RuleScene& s) { s.rows()[10].time.nanoseconds += 50'000'000; }},
+        Limited{"sample_accuracy", "m/s", true, 2.0 * 0.01 / 3.0, 0.0, [](RuleScene&) {}}),
+    [](const auto& instance) { return std::string(instance.param.computation); });
+
+std::string with_limit(const char* computation, double limit, const char* unit) {
+    return profile_text(
+        clause_text(computation, fmt::format(", limit: {}, unit: \"{}\"", limit, unit)));
+}
+
+TEST(Heights, ThatAreMissingLeaveFlatnessAndSlopeToAPerson) {
+    RuleScene scene(with_limit("flatness", 1.0, "m"));
+    ASSERT_EQ(scene.clause("flatness").status, "met");
+    scene.row(35.0).up_m.reset();
+    EXPECT_EQ(scene.clause("flatness").status, "attest");
+    EXPECT_TRUE(contains(scene.clause("flatness").evidence, "not every epoch of the run"));
+    scene.use(with_limit("slope", 3.0, "%"));
+    EXPECT_EQ(scene.clause("slope").status, "met");
+    scene.row(28.0).up_m.reset();
+    EXPECT_EQ(scene.clause("slope").status, "attest");
+    EXPECT_TRUE(contains(scene.clause("slope").evidence, "the window's ends have no heights"));
+}
+
+TEST(Heights, HaveTheSlowErrorThatTheirNoiseOrItsBoundTells) {
+    RuleScene scene(with_limit("flatness", 1.0, "m"));
+    scene.best().bound.emplace().sigma_m = 0.1;
+    // 2 sqrt(2 (0.02^2 + 0.1^2)) = 0.288
+    EXPECT_NEAR(*scene.clause("flatness").figures.at(0).expanded_uncertainty,
+                2.0 * std::sqrt(2.0 * (0.0004 + 0.01)), 1e-12);
+    // Heights that state 0.3 m, and have twice of it.
+    scene.judged.estimation.vertical = AxesEstimation{};
+    scene.judged.estimation.vertical->noise.stated_sigma_m = 0.3;
+    scene.judged.estimation.vertical->noise.white_scale = 2.0;
+    EXPECT_NEAR(*scene.clause("flatness").figures.at(0).expanded_uncertainty,
+                2.0 * std::sqrt(2.0 * (0.0004 + 0.36)), 1e-12);
+    EXPECT_EQ(scene.clause("flatness").status, "attest");
+}
+
+TEST(Course, OfAWindowOutsideOfEveryRunIsForAPerson) {
+    RuleScene scene(with_limit("straightness", 1.0, "m"));
+    for (TrajectoryEpoch& row : scene.judged.trajectory)
+        row.velocity_north_mps = 0.5;
+    EXPECT_EQ(scene.clause("straightness").status, "attest");
+    EXPECT_TRUE(contains(scene.clause("straightness").evidence, "not within one run"));
+    scene.judged.trajectory.resize(270);
+    EXPECT_TRUE(contains(scene.clause("straightness").evidence, "does not hold the window"));
+    scene.windows().best.reset();
+    EXPECT_TRUE(contains(scene.clause("straightness").evidence, "no certifiable window"));
+}
+
+TEST(StandingStart, IsMetNotMetOrNotSeen) {
+    RuleScene scene(profile_text(clause_text("standing_start")));
+    EXPECT_EQ(scene.clause("standing_start").status, "met");
+    EXPECT_TRUE(contains(scene.clause("standing_start").evidence, "0.000 m/s"));
+    // Never slower than 0.6 m/s, which 0.05 m/s tells from zero: rolling.
+    for (TrajectoryEpoch& row : scene.judged.trajectory)
+        row.velocity_north_mps = std::max(0.6, *row.velocity_north_mps);
+    EXPECT_EQ(scene.clause("standing_start").status, "not_met");
+    EXPECT_TRUE(contains(scene.clause("standing_start").evidence, "moving when the run began"));
+    EXPECT_EQ(scene.verdict().outcome, "not_certifiable");
+    // The same with 0.4 m/s of uncertainty (0.6 / 0.4 = 1.5, squared 2.25, at most 5.99).
+    for (TrajectoryEpoch& row : scene.judged.trajectory)
+        row.sigma_velocity_east_mps = row.sigma_velocity_north_mps = 0.4;
+    EXPECT_EQ(scene.clause("standing_start").status, "met");
+}
+
+TEST(StandingStart, ThatTheRecordingDoesNotHoldIsForAPerson) {
+    RuleScene scene(profile_text(clause_text("standing_start")));
+    auto& rows = scene.judged.trajectory;
+    rows.erase(rows.begin(), rows.begin() + 150);
+    EXPECT_EQ(scene.clause("standing_start").status, "attest");
+    EXPECT_TRUE(contains(scene.clause("standing_start").evidence,
+                         "the recording begins with the craft moving, so the start was not seen"));
+    // An interruption of 8 s while moving ends the run and begins the next.
+    RuleScene broken(profile_text(clause_text("standing_start")));
+    for (double time_s = 14.0; time_s < 22.05; time_s += 0.1)
+        broken.row(time_s).arc.reset();
+    EXPECT_EQ(broken.clause("standing_start").status, "attest");
+    EXPECT_TRUE(contains(broken.clause("standing_start").evidence, "after a gap"));
+}
+
+TEST(SeriesOfTheWind, ThatIsNotGivenOrDoesNotCoverTheWindow) {
+    RuleScene scene(with_limit("wind_mean", 10.0, "m/s"));
+    EXPECT_EQ(scene.clause("wind_mean").status, "attest");
+    EXPECT_TRUE(contains(scene.clause("wind_mean").evidence, "no series of the wind"));
+    scene.wind = steady(5.0, 270.0, 0.0, 20.0);
+    EXPECT_EQ(scene.clause("wind_mean").status, "not_met");
+    EXPECT_TRUE(contains(scene.clause("wind_mean").evidence,
+                         "series.csv covers 0.0 s to 20.0 s from the recording's first epoch; the "
+                         "window is 25.0 s to 28.0 s"))
+        << scene.clause("wind_mean").evidence;
+    EXPECT_EQ(scene.verdict().outcome, "not_certifiable");
+    EXPECT_TRUE(contains(scene.verdict().notes.at(0), "The series of the wind says nothing"));
+}
+
+TEST(SeriesOfTheCurrent, ThatIsNotGivenOrDoesNotCoverTheWindow) {
+    RuleScene scene(with_limit("current", 1.0, "kn"));
+    EXPECT_EQ(scene.clause("current").status, "attest");
+    set_current(scene, 0.1, 0.0, 0.02);
+    EXPECT_EQ(scene.clause("current").status, "met");
+    scene.current = steady(0.1, 0.0, 27.0, 60.0);
+    EXPECT_EQ(scene.clause("current").status, "not_met");
+}
+
+TEST(SamplingRate, OfFiveAndOfFourHertzAndOfOneLateEpoch) {
+    const auto at_interval = [](std::int64_t ms) {
+        RuleScene scene(with_limit("sampling_rate", 5.0, "Hz"));
+        auto& rows = scene.rows();
+        rows.resize(11);
+        for (std::size_t i = 0; i < rows.size(); ++i)
+            rows[i].time = {25'000'000'000 + static_cast<std::int64_t>(i) * ms * 1'000'000};
+        return scene;
+    };
+    EXPECT_EQ(at_interval(200).clause("sampling_rate").status, "met");
+    EXPECT_EQ(at_interval(250).clause("sampling_rate").status, "not_met");
+    RuleScene late = at_interval(200);
+    late.rows()[5].time.nanoseconds += 1'000'000;
+    EXPECT_EQ(late.clause("sampling_rate").status, "not_met");
+    EXPECT_TRUE(contains(late.clause("sampling_rate").evidence, "4.975 Hz"))
+        << late.clause("sampling_rate").evidence;
+    late.rows().resize(1);
+    EXPECT_EQ(late.clause("sampling_rate").status, "attest");
+}
+
+std::string accuracy_profile(double limit, const char* dimension) {
+    return profile_text(
+        clause_text("sample_accuracy", fmt::format(", limit: {}, unit: m/s", limit)), {},
+        "{kind: absolute, value: 1, unit: km/h}",
+        fmt::format("{{duration_s: 3, definition: displacement, dimension: {}}}", dimension));
+}
+
+TEST(SampleAccuracy, IsThatOfTheWorstSampleByPositionsOrByVelocities) {
+    RuleScene scene(accuracy_profile(3.0, "vertical"));
+    // sqrt(2) sigma / 3 s: 3 m/s is a height of 6.364 m.
+    scene.rows()[7].sigma_up_m = 6.3639;
+    EXPECT_EQ(scene.clause("sample_accuracy").status, "met");
+    scene.rows()[7].sigma_up_m = 6.3640;
+    EXPECT_EQ(scene.clause("sample_accuracy").status, "not_met");
+    scene.rows()[7].sigma_up_m = 1.0;
+    // Horizontal accuracies have no part in it.
+    scene.rows()[7].sigma_east_m = 100.0;
+    EXPECT_EQ(scene.clause("sample_accuracy").status, "met");
+    for (ScreenedEpoch& row : scene.rows())
+        row.sigma_recorded_velocity_east_mps = row.sigma_recorded_velocity_north_mps =
+            row.sigma_recorded_velocity_up_mps = 0.1;
+    EXPECT_TRUE(contains(scene.clause("sample_accuracy").evidence, "velocity 0.173 m/s"))
+        << scene.clause("sample_accuracy").evidence;
+    // sqrt(2^2 + 2^2 + 1^2) = 3; a little more is too much.
+    scene.rows()[3].sigma_recorded_velocity_east_mps = 2.0;
+    scene.rows()[3].sigma_recorded_velocity_north_mps = 2.0;
+    scene.rows()[3].sigma_recorded_velocity_up_mps = 1.0;
+    EXPECT_EQ(scene.clause("sample_accuracy").status, "met");
+    scene.rows()[3].sigma_recorded_velocity_up_mps = 1.01;
+    EXPECT_EQ(scene.clause("sample_accuracy").status, "not_met");
+}
+
+TEST(SampleAccuracy, ThatIsNotStatedThroughout) {
+    RuleScene scene(accuracy_profile(3.0, "vertical"));
+    for (ScreenedEpoch& row : scene.rows())
+        row.sigma_recorded_velocity_east_mps = row.sigma_recorded_velocity_north_mps =
+            row.sigma_recorded_velocity_up_mps = 50.0;
+    EXPECT_EQ(scene.clause("sample_accuracy").status, "not_met");
+    scene.rows()[4].sigma_recorded_velocity_up_mps = OptionalReal{};
+    EXPECT_EQ(scene.clause("sample_accuracy").status, "met");
+    EXPECT_TRUE(contains(scene.clause("sample_accuracy").evidence, "not stated throughout"));
+    scene.rows()[4].sigma_up_m = {};
+    EXPECT_EQ(scene.clause("sample_accuracy").status, "attest");
+    EXPECT_TRUE(contains(scene.clause("sample_accuracy").evidence, "accuracy is not stated"));
+}
+
+TEST(FastestCertifiable, IsNotMetWhereAFasterWindowCannotBeCertified) {
+    RuleScene scene(profile_text(clause_text("fastest_certifiable")));
+    EXPECT_EQ(scene.clause("fastest_certifiable").status, "met");
+    // 60 m/s and twice 0.005 m/s: up to 60.01 m/s it is no faster.
+    scene.windows().indicated = IndicatedWindow{
+        .span = {}, .speed_mps = 60.0099, .refusals = {"an epoch without a position"}};
+    EXPECT_EQ(scene.clause("fastest_certifiable").status, "met");
+    scene.windows().indicated->speed_mps = 60.0101;
+    EXPECT_EQ(scene.clause("fastest_certifiable").status, "not_met");
+    EXPECT_TRUE(contains(scene.clause("fastest_certifiable").evidence, "216.036 km/h"));
+    EXPECT_EQ(scene.verdict().outcome, "not_certifiable");
+    EXPECT_TRUE(contains(scene.verdict().reason, "an epoch without a position"));
+    scene.windows().indicated->refusals.clear();
+    EXPECT_EQ(scene.clause("fastest_certifiable").status, "met");
+    scene.windows().best.reset();
+    EXPECT_EQ(scene.clause("fastest_certifiable").status, "not_met");
+}
+
+TEST(OppositeRuns, HoldBothWindows) {
+    RuleScene scene(
+        profile_text(clause_text("opposite_runs"), "opposite_runs: {within_s: 3600}\n"));
+    EXPECT_EQ(scene.clause("opposite_runs").status, "not_met");
+    EXPECT_EQ(scene.verdict().outcome, "not_certifiable");
+    scene.windows().missing = "no two runs in opposite directions lie within 3600 s";
+    EXPECT_TRUE(contains(scene.clause("opposite_runs").evidence, "lie within 3600 s"));
+    FurtherWindow other{
+        .span = scene.best().span, .arc = 1, .speed_mps = 58.0, .standard_uncertainty_mps = 0.007};
+    other.span.start.nanoseconds += 100'000'000'000;
+    scene.windows().further = {other};
+    scene.windows().missing.clear();
+    const Requirement met = scene.clause("opposite_runs");
+    EXPECT_EQ(met.status, "met");
+    // From the one's beginning to the other's end.
+    EXPECT_NEAR(met.figures.at(2).value, 103.0, 1e-9);
+    EXPECT_NEAR(*scene.verdict().speed_mps, 59.0, 1e-12);
+}
+
+// Margins: the speed to reach by each rule, from the record, and what decides.
+
+std::string with_margin(const std::string& margin, const std::string& more = {}) {
+    return profile_text(clause_text("margin"), more, margin);
+}
+
+void set_record(RuleScene& scene, double speed, const char* unit, double expanded_uncertainty) {
+    scene.attempt.record = Record{
+        .speed = speed, .unit = unit, .source = "s", .expanded_uncertainty = expanded_uncertainty};
+}
+
+TEST(Margin, IsTakenOverTheRecordOfTheProfile) {
+    RuleScene scene(with_margin("{kind: absolute, value: 1, unit: km/h}"));
+    EXPECT_NEAR(*scene.verdict().target_mps, 203.9 / 3.6, 1e-12);
+    scene.attempt.records["rule"] = {
+        .speed = 130.0, .unit = "mph", .source = "own", .expanded_uncertainty = 0.0};
+    const ProfileVerdict own = scene.verdict();
+    EXPECT_NEAR(*own.target_mps, 130.0 * 0.44704 + 1.0 / 3.6, 1e-12);
+    EXPECT_EQ(own.record->unit, "mph");
+    EXPECT_TRUE(contains(own.reason, " mph against ")) << own.reason;
+    EXPECT_EQ(scene.all().record->unit, "km/h");
+    scene.attempt.records.clear();
+    scene.attempt.records["another"] = {.speed = 10.0, .unit = "mph", .source = "o"};
+    EXPECT_NEAR(*scene.verdict().target_mps, 203.9 / 3.6, 1e-12);
+}
+
+TEST(Margin, OfARecordWithItsOwnUncertainty) {
+    RuleScene scene(with_margin("{kind: relative, value: 0.02}"));
+    set_record(scene, 200.0, "km/h", 1.8);
+    const ProfileVerdict verdict = scene.verdict();
+    EXPECT_NEAR(*verdict.target_mps, 204.0 / 3.6, 1e-12);
+    // Half of 1.8 km/h, times 1.02.
+    EXPECT_NEAR(verdict.decision->target_standard_uncertainty_mps, 1.02 * 0.25, 1e-12);
+    // 60 m/s is 216 km/h: (216 - 204) / 3.6 / sqrt(0.255^2 + 0.005^2) = 13 standard deviations.
+    EXPECT_EQ(verdict.outcome, "beaten");
+    set_record(scene, 211.5, "km/h", 1.8);  // 215.73: 0.075 / 0.255 = 0.29 of them
+    EXPECT_NEAR(scene.verdict().decision->probability, 0.61564, 2e-4);
+    EXPECT_EQ(scene.verdict().outcome, "not_proven");
+    EXPECT_NEAR(*scene.verdict().record->expanded_uncertainty, 1.8, 1e-15);
+}
+
+TEST(Margin, AboveTheUpperLimitHasTheRecordsUncertaintyInIt) {
+    RuleScene scene(with_margin("{kind: relative, value: 0.02, above: upper_limit}",
+                                "rounding: {mode: truncate, unit: km/h, decimals: 2}\n"));
+    set_record(scene, 200.0, "km/h", 1.8);
+    const ProfileVerdict verdict = scene.verdict();
+    EXPECT_NEAR(*verdict.target_mps, 205.83 / 3.6, 1e-9);  // 201.8 x 1.02 = 205.836
+    EXPECT_EQ(verdict.decision->target_standard_uncertainty_mps, 0.0);
+    EXPECT_EQ(verdict.outcome, "beaten");
+}
+
+const char* const course_window = "{kind: course, distance_m: 500, definition: elapsed_time}";
+
+TEST(Margin, OfElapsedTimeOverACourse) {
+    RuleScene scene(profile_text(clause_text("margin"), {},
+                                 "{kind: elapsed_time, value: 0.01, unit: s}", course_window));
+    set_record(scene, 50.0, "m/s", 0.0);  // 10 s over 500 m
+    EXPECT_NEAR(*scene.verdict().target_mps, 500.0 / 9.99, 1e-12);
+    EXPECT_EQ(scene.verdict().outcome, "beaten");
+}
+
+TEST(Margin, WithoutARecordIsForAPersonAndWithoutASpeedIsNotMet) {
+    RuleScene scene(with_margin("{kind: absolute, value: 1, unit: km/h}"));
+    scene.attempt.record.reset();
+    EXPECT_EQ(scene.clause("margin").status, "attest");
+    EXPECT_EQ(scene.verdict().outcome, "not_proven");
+    set_record(scene, 100.0, "km/h", 0.0);
+    scene.windows().best.reset();
+    EXPECT_EQ(scene.clause("margin").status, "not_met");
+    EXPECT_EQ(scene.verdict().outcome, "not_certifiable");
+}
+
+TEST(Margin, NeedsTheProbabilityThatTheProfileAsksFor) {
+    RuleScene scene(
+        with_margin("{kind: absolute, value: 0, unit: m/s}", "decision: {probability: 0.9}\n"));
+    set_record(scene, 59.9935, "m/s", 0.0);  // 1.3 standard deviations: 0.9032
+    EXPECT_EQ(scene.verdict().outcome, "beaten");
+    set_record(scene, 59.9937, "m/s", 0.0);  // 1.26: 0.8962
+    EXPECT_EQ(scene.verdict().outcome, "not_proven");
+    set_record(scene, 60.0065, "m/s", 0.0);
+    EXPECT_EQ(scene.verdict().outcome, "not_beaten");
+}
+
+// The current, where the rule subtracts it.
+
+TEST(SubtractedCurrent, IsTakenOffWithItsUncertainty) {
+    RuleScene scene(with_margin("{kind: absolute, value: 0, unit: kn}", "current: subtracted\n"));
+    set_current(scene, 0.5, 60.0, 0.06);  // towards 60 degrees; the window goes north
+    const ProfileVerdict verdict = scene.verdict();
+    EXPECT_NEAR(*verdict.current_subtracted_mps, 0.25, 1e-12);
+    EXPECT_NEAR(*verdict.speed_mps, 59.75, 1e-12);
+    EXPECT_NEAR(*verdict.expanded_uncertainty_mps, 2.0 * std::hypot(0.005, 0.03), 1e-12);
+    EXPECT_TRUE(std::ranges::any_of(verdict.notes, [](const std::string& note) {
+        return contains(note, "The current along the course, +0.486 kn, is subtracted");
+    }));
+    set_current(scene, 0.5, 180.0, 0.06);  // against it
+    EXPECT_NEAR(*scene.verdict().speed_mps, 60.5, 1e-12);
+}
+
+TEST(SubtractedCurrent, ThatIsNotKnownIsNotCertifiable) {
+    RuleScene scene(with_margin("{kind: absolute, value: 0, unit: kn}", "current: subtracted\n"));
+    const auto refused = [&] {
+        const ProfileVerdict verdict = scene.verdict();
+        EXPECT_EQ(verdict.outcome, "not_certifiable");
+        EXPECT_FALSE(verdict.speed_mps || verdict.decision || verdict.shown);
+        EXPECT_TRUE(contains(verdict.reason,
+                             "The rule subtracts the current, which is not known "
+                             "for the window: give current: in the attempt"))
+            << verdict.reason;
+    };
+    refused();
+    set_current(scene, 0.5, 0.0, 0.06);
+    scene.current = steady(0.5, 0.0, 0.0, 20.0);
+    refused();
+    set_current(scene, 0.5, 0.0, 0.06);
+    EXPECT_EQ(scene.verdict().outcome, "beaten");
+    // A rule that ignores it is not touched by it.
+    scene.current.reset();
+    scene.use(with_margin("{kind: absolute, value: 0, unit: kn}"));
+    EXPECT_EQ(scene.verdict().outcome, "beaten");
+    EXPECT_FALSE(scene.verdict().current_subtracted_mps.has_value());
+}
+
+}  // namespace
+}  // namespace runcert

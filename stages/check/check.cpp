@@ -46,6 +46,11 @@ std::string refused_for_records(const RecordCount& records, const WindowSpan& wi
 std::string refusal_of(const ClauseContext& context, const std::vector<Requirement>& requirements) {
     const auto failed = failed_clauses(requirements, context.profile);
     const auto& best = context.windows.best;
+    // What cannot be read makes every other finding doubtful.
+    if (best)
+        if (std::string refused = refused_for_records(context.input.judged.records, best->span);
+            !refused.empty())
+            return refused;
     if (!failed.empty()) return "Not met: " + failed.front();
     if (!best) return "There is no certifiable window.";
     if (!context.speed)
@@ -53,9 +58,6 @@ std::string refusal_of(const ClauseContext& context, const std::vector<Requireme
                    ? "The rule subtracts the current, which is not known for the window: give "
                      "current: in the attempt, with a series that covers it."
                    : "There are too few certifiable windows for the mean that the rule takes.";
-    if (std::string refused = refused_for_records(context.input.judged.records, best->span);
-        !refused.empty())
-        return refused;
     if (const auto& robust = best->robust; robust && !robust->agrees)
         return fmt::format(
             "A robust estimate over the same epochs gives {:+.3f} km/h against the screened one, "

@@ -88,17 +88,31 @@ inline std::string clause_of(const std::string& decided_by, const std::string& m
         decided_by, more);
 }
 
-/// Two lines across a course towards north, 40 m wide.
-inline std::string course_lines(double start_north_m, double finish_north_m, double length_m,
-                                double length_expanded_uncertainty_m = 0.0) {
-    const auto line = [](double north_m) {
-        return fmt::format(
-            "{{left: {{east_m: -20, north_m: {0}}}, right: {{east_m: 20, north_m: {0}}}}}",
-            north_m);
-    };
+/// A line across a course, its middle so far along a heading from the origin; 40 m wide, and turned
+/// to the right by so much more than a right angle asks for.
+struct PlaneLine {
+    double along_m = 0.0;
+    double heading_deg = 0.0;
+    double turned_deg = 0.0;
+
+    std::string text() const {
+        constexpr double degree = std::numbers::pi / 180.0;
+        const double heading = heading_deg * degree;
+        const double right = (heading_deg + 90.0 + turned_deg) * degree;
+        const auto end = [&](double to_the_right_m) {
+            return fmt::format("{{east_m: {:.7f}, north_m: {:.7f}}}",
+                               along_m * std::sin(heading) + to_the_right_m * std::sin(right),
+                               along_m * std::cos(heading) + to_the_right_m * std::cos(right));
+        };
+        return fmt::format("{{left: {}, right: {}}}", end(-20.0), end(20.0));
+    }
+};
+
+inline std::string course_of(const PlaneLine& start, const PlaneLine& finish, double length_m,
+                             double length_expanded_uncertainty_m = 0.0) {
     return fmt::format(
         "course: {{length_m: {}, length_expanded_uncertainty_m: {}, start: {}, finish: {}}}\n",
-        length_m, length_expanded_uncertainty_m, line(start_north_m), line(finish_north_m));
+        length_m, length_expanded_uncertainty_m, start.text(), finish.text());
 }
 
 /// A folder with an attempt and what it names; certified, it has a run folder.

@@ -1,1 +1,499 @@
-#include <gtest/gtest.h>
+#include <map>
+#include <sstream>
+
+#include "core/geodesy.h"
+#include "core/text.h"
+#include "rules_support.h"
+#include "schemas/screened/screened.h"
+
+// What the rules say of recordings whose speeds are known: real ones, of which a logger or a
+// published score tells them, and simulated ones.
+
+namespace runcert::chain {
+namespace {
+
+constexpr double kmh = 1.0 / 3.6;
+
+ScreenedTable screened_of(const Rules& rules) {
+    return read_screened(read_file(rules.run() / "3-screened.ecsv"), "3-screened");
+}
+
+// Three loggers of one rider, with their own results.
+
+/// The fastest 2 s and 10 s and the mean of the five fastest 10 s of a logger's results, km/h.
+struct DeviceResults {
+    double two_s = 0.0, ten_s = 0.0, five_of_ten_s = 0.0;
+};
+
+DeviceResults device_results(const fs::path& file) {
+    std::istringstream lines(read_file(file));
+    DeviceResults results;
+    std::vector<double> means;
+    for (std::string line; std::getline(lines, line);) {
+        const double value = parse_double(line.substr(0, line.find(' '))).value_or(0.0);
+        if (contains(line, "avg 5_best_runs")) means.push_back(value);
+        if (contains(line, " S2") && results.two_s == 0.0) results.two_s = value;
+        if (contains(line, " S10") && results.ten_s == 0.0) results.ten_s = value;
+    }
+    results.five_of_ten_s = means.at(1);  // after that of the 2 s
+    return results;
+}
+
+struct LoggerSpeed {
+    double speed_mps = 0.0, standard_uncertainty_mps = 0.0;
+};
+
+const std::vector<std::string> logger_profiles{"gps-speed-sailing-2s", "gps-speed-sailing-10s",
+                                               "gps-speed-sailing-5x10s"};
+
+/// Judges a logger's recording against its own results, and gives the certified speeds.
+std::vector<LoggerSpeed> judged_logger(const fs::path& data, const std::string& logger,
+                                       std::size_t epochs, std::int64_t usable) {
+    SCOPED_TRACE(logger);
+    const Rules rules;
+    rules.bring_in(data / (logger + ".oao"));
+    // The speeds are of recorded velocities: the noise of positions has no part in them.
+    const Verdict verdict = rules.judge(
+        fmt::format("schema: attempt/1.4\nid: loggers\ncraft: {{name: board, class: board}}\n"
+                    "receivers: [{{id: primary, recording: {}.oao}}]\nprofiles: [{}]\n"
+                    "parameters: {{smooth: {{noise: stated}}}}\n",
+                    logger, fmt::join(logger_profiles, ", ")));
+    const ScreenedTable screened = screened_of(rules);
+    EXPECT_EQ(screened.rows.size(), epochs);
+    EXPECT_NEAR(static_cast<double>(summarise(screened.rows).usable), static_cast<double>(usable),
+                0.002 * static_cast<double>(epochs));
+    const DeviceResults own = device_results(data / (logger + "_device_results.txt"));
+    const std::vector<ProfileWindows> windows = rules.windows().profiles;
+    EXPECT_NEAR(windows.at(0).indicated->speed_mps * 3.6, own.two_s, 0.005);
+    EXPECT_NEAR(windows.at(1).indicated->speed_mps * 3.6, own.ten_s, 0.005);
+    EXPECT_NEAR(*windows.at(2).indicated->mean_mps * 3.6, own.five_of_ten_s, 0.005);
+    const double of_device[] = {own.two_s, own.ten_s, own.five_of_ten_s};
+    std::vector<LoggerSpeed> speeds;
+    for (std::size_t i = 0; i < 3; ++i) {
+        const ProfileVerdict& profile = verdict.profiles.at(i);
+        EXPECT_EQ(profile.outcome, "not_proven") << profile.reason;  // no record is named
+        EXPECT_NEAR(*profile.speed_mps, of_device[i] * kmh, *profile.expanded_uncertainty_mps);
+        EXPECT_LT(*profile.expanded_uncertainty_mps, 0.5);
+        speeds.push_back({*profile.speed_mps, 0.5 * *profile.expanded_uncertainty_mps});
+    }
+    return speeds;
+}
+
+TEST(WindsurfLoggers, AgreeWithTheirOwnResultsAndWithOneAnother) {
+    const auto data = recordings();
+    if (!data) GTEST_SKIP() << "RUNCERT_DATA is not set";
+    const fs::path folder = *data / "windsurf_loggers";
+    const std::vector<std::vector<LoggerSpeed>> all{
+        judged_logger(folder, "head_left", 56055, 55833),
+        judged_logger(folder, "head_right", 55937, 55913),
+        judged_logger(folder, "boom_left", 55779, 50149)};
+    for (std::size_t rule = 0; rule < logger_profiles.size(); ++rule)
+        for (std::size_t i = 0; i < all.size(); ++i)
+            for (std::size_t j = 0; j < i; ++j)
+                EXPECT_LE(std::abs(all[i][rule].speed_mps - all[j][rule].speed_mps),
+                          2.0 * std::hypot(all[i][rule].standard_uncertainty_mps,
+                                           all[j][rule].standard_uncertainty_mps))
+                    << logger_profiles[rule] << ' ' << i << ' ' << j;
+}
+
+// Speed skydives.
+
+ProfileVerdict judged_skydive(const Rules& rules, const fs::path& recording) {
+    rules.bring_in(recording);
+    return rules.judge_one(
+        fmt::format("schema: attempt/1.4\nid: skydive\ncraft: {{name: diver, class: skydiver}}\n"
+                    "receivers: [{{id: primary, recording: {}}}]\nprofiles: [fai-speed-skydiving]\n"
+                    "record: {{speed: 400, unit: km/h, source: none, expanded_uncertainty: 4}}\n",
+                    recording.filename().string()));
+}
+
+TEST(SpeedSkydive, OfAGoodRecordingScores) {
+    const auto data = recordings();
+    if (!data) GTEST_SKIP() << "RUNCERT_DATA is not set";
+    const Rules rules;
+    const ProfileVerdict verdict =
+        judged_skydive(rules, *data / "speed_skydive" / "flysight1_good.csv");
+    EXPECT_NEAR(rules.windows().profiles.at(0).indicated->speed_mps * 3.6, 444.61, 0.05);
+    EXPECT_NEAR(*verdict.speed_mps * 3.6, 444.157, 0.5);
+    EXPECT_LE(*verdict.expanded_uncertainty_mps * 3.6, 5.0);
+    // 443.47 km/h is the mean of the recorded velocities.
+    EXPECT_NEAR(*verdict.speed_mps * 3.6, 443.47, *verdict.expanded_uncertainty_mps * 3.6);
+    EXPECT_EQ(verdict.window->duration.seconds(), 3.0);
+    for (const char* clause : {"average-over-3-s", "sampling-rate", "sample-accuracy", "margin",
+                               "positions-on-the-earth", "fastest-certifiable"})
+        EXPECT_EQ(requirement_of(verdict, clause).status, "met")
+            << requirement_of(verdict, clause).evidence;
+    // 404 km/h and 2 %.
+    EXPECT_NEAR(*verdict.target_mps * 3.6, 412.08, 1e-9);
+    EXPECT_EQ(verdict.outcome, "beaten") << verdict.reason;
+}
+
+TEST(SpeedSkydive, WithBadAccuracyAndGapsIsRefused) {
+    const auto data = recordings();
+    if (!data) GTEST_SKIP() << "RUNCERT_DATA is not set";
+    const Rules rules;
+    const ProfileVerdict verdict =
+        judged_skydive(rules, *data / "speed_skydive" / "flysight1_bad_accuracy_gaps.csv");
+    EXPECT_EQ(verdict.outcome, "not_certifiable");
+    EXPECT_EQ(requirement_of(verdict, "fastest-certifiable").status, "not_met");
+    for (const char* part :
+         {"the recording shows 458.270 km/h in a window that cannot be certified",
+          "absurd stated accuracy", "what the score would be is not known"})
+        EXPECT_TRUE(contains(verdict.reason, part)) << verdict.reason;
+}
+
+// A race car.
+
+/// Mean velocity of the recording over a window, its delay behind the positions taken off (m/s).
+double recorded_speed_over(const ScreenedTable& screened, const WindowSpan& span) {
+    const double delay_s = screened.evidence->velocity->delay_s.value();
+    const double from_s = span.start.seconds() + delay_s;
+    const double to_s = from_s + span.duration.seconds();
+    Eigen::Vector2d moved = Eigen::Vector2d::Zero();
+    const ScreenedEpoch* before = nullptr;
+    for (const ScreenedEpoch& row : screened.rows) {
+        if (!row.recorded_velocity_east_mps) continue;
+        if (before != nullptr && row.time > before->time) {
+            const double a = before->time.seconds(), b = row.time.seconds();
+            const double part = std::max(0.0, std::min(b, to_s) - std::max(a, from_s));
+            moved += 0.5 * part *
+                     Eigen::Vector2d(
+                         *row.recorded_velocity_east_mps + *before->recorded_velocity_east_mps,
+                         *row.recorded_velocity_north_mps + *before->recorded_velocity_north_mps);
+        }
+        before = &row;
+    }
+    return moved.norm() / span.duration.seconds();
+}
+
+struct RaceRun {
+    const char* name;
+    double one_s_km_h, ten_s_km_h;
+};
+
+void PrintTo(const RaceRun& run, std::ostream* out) {
+    *out << run.name;
+}
+
+class RaceCar : public testing::TestWithParam<RaceRun> {};
+
+TEST_P(RaceCar, IsSlowerOverLongerTimesAndAsFastAsItsRecordedVelocities) {
+    const auto data = recordings();
+    if (!data) GTEST_SKIP() << "RUNCERT_DATA is not set";
+    const RaceRun& given = GetParam();
+    const Rules rules;
+    rules.bring_in(*data / "race_car_vbo" / (std::string(given.name) + ".vbo"));
+    std::string profiles;
+    for (int duration_s = 1; duration_s <= 10; ++duration_s) {
+        rules.put(
+            fmt::format("rule{}.yaml", duration_s),
+            profile_of(fmt::format("rule{}", duration_s),
+                       fmt::format("{{duration_s: {}, definition: displacement}}", duration_s)));
+        profiles += fmt::format("{}rule{}.yaml", duration_s > 1 ? ", " : "", duration_s);
+    }
+    const Verdict verdict = rules.judge(fmt::format(
+        "schema: attempt/1.4\nid: race\ncraft: {{name: car, class: car}}\n"
+        "receivers: [{{id: primary, recording: {}.vbo, accuracy: {{horizontal_m: 0.3, vertical_m: "
+        "0.5}}}}]\nprofiles: [{}]\nparameters: {{screen: {{allowed_fixes: [single]}}}}\n",
+        given.name, profiles));
+    const ScreenedTable screened = screened_of(rules);
+    double before_mps = 1000.0;
+    for (const ProfileVerdict& profile : verdict.profiles) {
+        SCOPED_TRACE(profile.profile);
+        EXPECT_LT(*profile.speed_mps, before_mps);
+        before_mps = *profile.speed_mps;
+        EXPECT_NEAR(recorded_speed_over(screened, *profile.window), *profile.speed_mps,
+                    *profile.expanded_uncertainty_mps);
+    }
+    EXPECT_NEAR(*verdict.profiles.front().speed_mps * 3.6, given.one_s_km_h, 0.2);
+    EXPECT_NEAR(*verdict.profiles.back().speed_mps * 3.6, given.ten_s_km_h, 0.2);
+    EXPECT_TRUE(any_contains(verdict.statements, "The rules do not measure the same: rule1 "));
+}
+
+INSTANTIATE_TEST_SUITE_P(Both, RaceCar,
+                         testing::Values(RaceRun{"run_a", 249.770, 218.826},
+                                         RaceRun{"run_b", 265.003, 240.303}),
+                         [](const auto& instance) { return std::string(instance.param.name); });
+
+// A car in a city.
+
+TEST(UrbanCar, IsRefusedForItsHillsUnlessTheLimitIsReplacedAndThatIsPrinted) {
+    const auto data = recordings();
+    if (!data) GTEST_SKIP() << "RUNCERT_DATA is not set";
+    const Rules rules;
+    rules.bring_in(*data / "ppk_urban_car" / "rover.pos");
+    const std::string attempt =
+        "schema: attempt/1.4\nid: urban\ncraft: {name: car, class: car}\n"
+        "receivers: [{id: primary, recording: rover.pos}]\nprofiles: [nalsa]\n"
+        "record: {speed: 30, unit: km/h, source: none}\n"
+        "origin: {latitude_deg: 35.134709483, longitude_deg: 136.977574275, height_m: 104.728}\n";
+    const ProfileVerdict refused = rules.judge_one(attempt);
+    EXPECT_EQ(refused.outcome, "not_certifiable");
+    EXPECT_NEAR(*refused.speed_mps * 3.6, 44.482, 0.05);
+    EXPECT_NEAR(*refused.expanded_uncertainty_mps * 3.6, 0.41, 0.05);
+    for (const char* part : {"Not met: flat-course", "4.18 m +/- ", "at most 1 m"})
+        EXPECT_TRUE(contains(refused.reason, part)) << refused.reason;
+
+    const ProfileVerdict decided = rules.judge_one(
+        attempt +
+        "rules: [{profile: nalsa, figure: clauses.flat-course.limit, value: 10, reason: a street "
+        "is no lake bed}]\n");
+    EXPECT_EQ(decided.outcome, "beaten") << decided.reason;
+    EXPECT_EQ(*decided.speed_mps, *refused.speed_mps);
+    ASSERT_EQ(decided.overrides.size(), 1U);
+    EXPECT_EQ(decided.overrides[0].figure, "clauses.flat-course.limit");
+    EXPECT_EQ(decided.overrides[0].rule, 1.0);
+    EXPECT_EQ(decided.overrides[0].used, 10.0);
+    EXPECT_EQ(decided.overrides[0].reason, "a street is no lake bed");
+    EXPECT_TRUE(any_contains(decided.notes, "clauses.flat-course.limit is 10 m, not 1 m"));
+}
+
+// A simulated recording under all rules that fit it.
+
+/// The true path (m) of the simulated run at its times.
+std::map<double, double> true_path() {
+    std::istringstream lines(read_file(examples / "salt_lake" / "truth.csv"));
+    std::map<double, double> path;
+    std::string line;
+    std::getline(lines, line);
+    while (std::getline(lines, line)) {
+        std::istringstream cells(line);
+        std::vector<double> values;
+        for (std::string cell; std::getline(cells, cell, ',');)
+            values.push_back(parse_double(cell).value());
+        path[values.at(0)] = std::hypot(values.at(1), values.at(2));
+    }
+    return path;
+}
+
+double time_at(const std::map<double, double>& path, double along_m) {
+    auto after = path.begin();
+    while (after->second < along_m)
+        ++after;
+    const auto before = std::prev(after);
+    return before->first + (after->first - before->first) * (along_m - before->second) /
+                               (after->second - before->second);
+}
+
+/// A line across the simulated run, in degrees.
+std::string line_on_the_lake(double along_m) {
+    const LocalFrame frame({.latitude = Angle::from_degrees(-31.6),
+                            .longitude = Angle::from_degrees(136.0),
+                            .height_m = 110.0});
+    const double bearing = 160.0 * std::numbers::pi / 180.0;
+    const Eigen::Vector3d ahead(std::sin(bearing), std::cos(bearing), 0.0);
+    const Eigen::Vector3d right(ahead.y(), -ahead.x(), 0.0);
+    const auto end = [&](double to_the_right_m) {
+        const Geodetic place =
+            frame.geodetic_from_enu(Enu{along_m * ahead + to_the_right_m * right});
+        return fmt::format("{{latitude_deg: {:.10f}, longitude_deg: {:.10f}}}",
+                           place.latitude.degrees(), place.longitude.degrees());
+    };
+    return fmt::format("{{left: {}, right: {}}}", end(-15.0), end(15.0));
+}
+
+TEST(OneRecording, UnderAllRulesThatFitItShowsHowTheyDiffer) {
+    const Rules rules;
+    rules.bring_in(examples / "salt_lake" / "recording.pos");
+    rules.put("mean3.yaml", profile_of("mean3", "{duration_s: 3, definition: mean_n}"));
+    rules.put("path3.yaml", profile_of("path3", "{duration_s: 3, definition: path_length}"));
+    rules.put("anywhere.yaml",
+              profile_of("anywhere", "{duration_s: 3, definition: displacement, ends: any}"));
+    rules.put("metres.yaml",
+              profile_of("metres", "{kind: distance, distance_m: 500, definition: path_length}"));
+    rules.put("current.csv", "time_s,speed_m_s,direction_deg\n0,0.2,160\n30,0.2,160\n60,0.2,160\n");
+    const Verdict verdict = rules.judge(fmt::format(
+        "schema: attempt/1.4\nid: lake\ncraft: {{name: yacht, class: land-yacht}}\n"
+        "receivers: [{{id: primary, recording: recording.pos}}]\n"
+        "origin: {{latitude_deg: -31.6, longitude_deg: 136.0, height_m: 110.0}}\n"
+        "record: {{speed: 222.43, unit: km/h, source: press}}\n"
+        "records: [{{profile: wssrc-500m, speed: 65.45, unit: kn, source: newsletter}}]\n"
+        "course: {{length_m: 500, length_expanded_uncertainty_m: 0.02, start: {}, finish: {}}}\n"
+        "current: {{file: current.csv, source: meter, expanded_uncertainty_m_s: 0.04}}\n"
+        "profiles: [nalsa, fisly, wssrc-500m, mean3.yaml, path3.yaml, anywhere.yaml, "
+        "metres.yaml]\n",
+        line_on_the_lake(1500.0), line_on_the_lake(2000.0)));
+    const auto path = true_path();
+    const auto fastest = [&](double duration_s) {
+        const double end_s = path.rbegin()->first;
+        return (path.rbegin()->second - path.lower_bound(end_s - duration_s - 1e-6)->second) /
+               duration_s;
+    };
+    const double over_course =
+        500.0 / (time_at(path, 2000.0) - time_at(path, 1500.0)) - 0.2;  // less the current
+    const double over_500_m =
+        500.0 / (path.rbegin()->first - time_at(path, path.rbegin()->second - 500.0));
+    const double expected[] = {fastest(3.0), fastest(2.0), over_course, fastest(3.0),
+                               fastest(3.0), fastest(3.0), over_500_m};
+    std::string beside;
+    for (const std::string& statement : verdict.statements)
+        if (contains(statement, "The rules do not measure the same")) beside = statement;
+    const char* const measured[] = {"(3 s, displacement over time)",
+                                    "(2 s, displacement over time)",
+                                    "(a course of 500 m, length over elapsed time)",
+                                    "(3 s, mean of speeds)",
+                                    "(3 s, path length over time)",
+                                    "(3 s, displacement over time)",
+                                    "(500 m, path length over time)"};
+    for (std::size_t i = 0; i < verdict.profiles.size(); ++i) {
+        const ProfileVerdict& profile = verdict.profiles[i];
+        SCOPED_TRACE(profile.profile);
+        EXPECT_NEAR(*profile.speed_mps, expected[i], *profile.expanded_uncertainty_mps);
+        EXPECT_TRUE(contains(beside, fmt::format("{} {:.3f} km/h {}", profile.profile,
+                                                 *profile.speed_mps * 3.6, measured[i])))
+            << beside;
+    }
+    const ProfileVerdict& wssrc = verdict.profiles[2];
+    EXPECT_EQ(wssrc.record->unit, "kn");
+    EXPECT_NEAR(*wssrc.current_subtracted_mps, 0.2, 1e-4);
+    EXPECT_EQ(requirement_of(wssrc, "current").status, "met");
+    EXPECT_EQ(wssrc.shown->unit, "kn");
+    // A window that may begin at any instant is no slower than one between epochs.
+    EXPECT_GE(*verdict.profiles[5].speed_mps, *verdict.profiles[0].speed_mps - 1e-9);
+}
+
+TEST(OneRecording, OfACurveIsSlowerByDisplacementThanByPath) {
+    const Rules rules;
+    const PlaneRecording circle{.position_at =
+                                    [](double time_s) {
+                                        const double angle = 30.0 / 200.0 * time_s;
+                                        return PlanePosition{
+                                            .east_m = 200.0 - 200.0 * std::cos(angle),
+                                            .north_m = 200.0 * std::sin(angle)};
+                                    },
+                                .duration_s = 30.0,
+                                .noise_m = 0.005};
+    rules.put("recording.csv", circle.text());
+    rules.put("chord.yaml", profile_of("chord", "{duration_s: 3, definition: displacement}"));
+    rules.put("path.yaml", profile_of("path", "{duration_s: 3, definition: path_length}"));
+    const Verdict verdict = rules.judge(plane_attempt(
+        "chord.yaml, path.yaml", "record: {speed: 107.5, unit: km/h, source: none}\n", 0.005));
+    const ProfileVerdict &chord = verdict.profiles.at(0), &path = verdict.profiles.at(1);
+    EXPECT_NEAR(*chord.speed_mps, 2.0 * 200.0 * std::sin(0.225) / 3.0,
+                *chord.expanded_uncertainty_mps);
+    EXPECT_NEAR(*path.speed_mps, 30.0, *path.expanded_uncertainty_mps);
+    EXPECT_GT(*path.speed_mps, *chord.speed_mps + 0.2);
+    EXPECT_EQ(chord.outcome, "not_beaten") << chord.reason;
+    EXPECT_EQ(path.outcome, "beaten") << path.reason;
+    for (const ProfileVerdict& profile : verdict.profiles)
+        EXPECT_TRUE(any_contains(profile.notes,
+                                 "The definition of speed matters here: path length "
+                                 "over time"));
+}
+
+/// Out at 22 m/s and back at 18 m/s, between rests of 8 s.
+PlanePosition out_and_back(double time_s) {
+    const auto run_m = [](double since_s, double top_mps) {
+        // 2 m/s^2 up, 10 s at the top speed, 2 m/s^2 down.
+        const double gains_s = 0.5 * top_mps;
+        const double up_s = std::clamp(since_s, 0.0, gains_s);
+        const double level_s = std::clamp(since_s - gains_s, 0.0, 10.0);
+        const double down_s = std::clamp(since_s - gains_s - 10.0, 0.0, gains_s);
+        return up_s * up_s + top_mps * (level_s + down_s) - down_s * down_s;
+    };
+    return {.east_m = 0.0, .north_m = run_m(time_s - 8.0, 22.0) - run_m(time_s - 48.0, 18.0)};
+}
+
+TEST(OppositeRuns, HaveTheMeanOfBoth) {
+    const Rules rules;
+    const PlaneRecording recording{
+        .position_at = out_and_back, .duration_s = 84.0, .noise_m = 0.005};
+    rules.put("recording.csv", recording.text());
+    rules.put("pair.yaml",
+              profile_of("pair", "{duration_s: 3, definition: displacement}",
+                         clause_of("opposite_runs"), "opposite_runs: {within_s: 3600}\n"));
+    const std::string attempt = plane_attempt("pair.yaml", "", 0.005);
+    const ProfileVerdict verdict = rules.judge_one(attempt);
+    EXPECT_NEAR(*verdict.speed_mps, 20.0, *verdict.expanded_uncertainty_mps);
+    const Requirement pair = requirement_of(verdict, "opposite_runs");
+    EXPECT_EQ(pair.status, "met") << pair.evidence;
+    EXPECT_NEAR(pair.figures.at(0).value, 22.0, 0.1);
+    EXPECT_NEAR(pair.figures.at(1).value, 18.0, 0.1);
+    EXPECT_TRUE(any_contains(verdict.notes, "The speed is the mean of 2 windows"));
+    ASSERT_EQ(verdict.runs.size(), 2U);
+    EXPECT_NEAR(std::remainder(verdict.runs[0].heading_deg, 360.0), 0.0, 0.1);
+    EXPECT_NEAR(verdict.runs[1].heading_deg, 180.0, 0.1);
+
+    // The two lie 40 s apart.
+    const ProfileVerdict refused = rules.judge_one(
+        attempt + "rules: [{profile: pair, figure: opposite_runs.within_s, value: 20}]\n");
+    EXPECT_EQ(refused.outcome, "not_certifiable");
+    EXPECT_TRUE(any_contains({requirement_of(refused, "opposite_runs").evidence},
+                             "of 2 runs with a certifiable window no two are in opposite "
+                             "directions within 20 s"));
+    EXPECT_TRUE(any_contains(refused.notes, "opposite_runs.within_s is 20 s, not 3600 s"));
+}
+
+// A course whose lines are crossed at known times.
+
+struct CourseRun {
+    double speed_mps, heading_deg, start_m, finish_turned_deg;
+};
+
+PlaneRecording along(const CourseRun& run, double noise_m, std::uint64_t seed) {
+    return {.position_at =
+                [run](double time_s) {
+                    const double heading = run.heading_deg * std::numbers::pi / 180.0;
+                    return PlanePosition{.east_m = run.speed_mps * time_s * std::sin(heading),
+                                         .north_m = run.speed_mps * time_s * std::cos(heading)};
+                },
+            .duration_s = std::ceil((run.start_m + 600.0) / run.speed_mps),
+            .noise_m = noise_m,
+            .seed = seed};
+}
+
+std::string course_for(const CourseRun& run) {
+    return course_of({run.start_m, run.heading_deg, 0.0},
+                     {run.start_m + 500.0, run.heading_deg, run.finish_turned_deg}, 500.0);
+}
+
+const char* const course_window = "{kind: course, distance_m: 500, definition: elapsed_time}";
+
+TEST(Course, WithoutNoiseTheSpeedIsTheLengthOverTheTime) {
+    for (const CourseRun& run : {CourseRun{20.0, 0.0, 100.0, 0.0},       // on epochs
+                                 CourseRun{20.0, 0.0, 101.3, 0.0},       // between them
+                                 CourseRun{37.0, 123.0, 95.7, 0.0},      // elsewhere between them
+                                 CourseRun{41.7, 288.0, 80.1, 25.0}}) {  // a line askew
+        const Rules rules;
+        rules.put("recording.csv", along(run, 0.0, 1).text());
+        rules.put("course.yaml", profile_of("course", course_window));
+        const ProfileVerdict verdict =
+            rules.judge_one(plane_attempt("course.yaml", course_for(run), 0.001));
+        ASSERT_TRUE(verdict.speed_mps.has_value()) << verdict.reason;
+        EXPECT_NEAR(*verdict.speed_mps / run.speed_mps, 1.0, 1e-6) << run.speed_mps;
+        EXPECT_NEAR(verdict.window->start.seconds(), run.start_m / run.speed_mps, 1e-5);
+        EXPECT_NEAR(verdict.window->duration.seconds(), 500.0 / run.speed_mps, 2e-5);
+    }
+}
+
+TEST(Course, WithNoiseTheSpeedIsWithinItsUncertainty) {
+    constexpr int seeds = 60;
+    int within = 0, within_white = 0;
+    double worst = 0.0;
+    for (int seed = 1; seed <= seeds; ++seed) {
+        const CourseRun run{40.0, 17.0, 101.3, 0.0};
+        const Rules rules;
+        rules.put("recording.csv", along(run, 0.01, static_cast<std::uint64_t>(seed)).text());
+        rules.put("course.yaml", profile_of("course", course_window));
+        const ProfileVerdict verdict =
+            rules.judge_one(plane_attempt("course.yaml", course_for(run)));
+        ASSERT_TRUE(verdict.speed_mps.has_value()) << verdict.reason;
+        const double error = *verdict.speed_mps - run.speed_mps;
+        worst = std::max(worst, std::abs(error) / *verdict.expanded_uncertainty_mps);
+        if (std::abs(error) <= *verdict.expanded_uncertainty_mps) ++within;
+        // By what was learnt of this recording alone: without the bound on slow errors and what
+        // screening could have missed, of which there are none here.
+        const FittedSpeed fitted = rules.windows().profiles.at(0).best->fitted.value();
+        if (std::abs(fitted.speed_mps - run.speed_mps) <= 2.0 * fitted.standard_uncertainty_mps)
+            ++within_white;
+    }
+    EXPECT_EQ(within, seeds);
+    EXPECT_LT(worst, 1.0);
+    // 95 % of 60 are 57; a binomial deviate is below 52 or above 60 in 0.6 % of the cases.
+    EXPECT_GE(within_white, 52);
+    std::printf("within the fitted uncertainty: %d of %d; worst of the certified: %.2f\n",
+                within_white, seeds, worst);
+}
+
+}  // namespace
+}  // namespace runcert::chain

@@ -74,6 +74,21 @@ void add_flow(const ClauseContext& context, Notes& notes) {
                                         (*flow)->missing));
 }
 
+/// What the second method says, whether the rule asks for one or not.
+void add_second_method(const ClauseContext& context, Notes& notes) {
+    if (!context.declared) return;
+    const DeclaredAgreement& second = *context.declared;
+    notes.push_back(
+        second.missing.empty()
+            ? fmt::format("The second method ({}) gives {:.3f} km/h +/- {:.3f} km/h, {:+.3f} km/h "
+                          "against this one (normalised error {:.2f}, at most 1).",
+                          second.method, second.other_mps * 3.6,
+                          second.other_expanded_uncertainty_mps * 3.6,
+                          (second.other_mps - second.judged_mps) * 3.6, second.normalised_error)
+            : fmt::format("The second method ({}) says nothing: {}.", second.method,
+                          second.missing));
+}
+
 void add_overrides(const ClauseContext& context, Notes& notes) {
     for (const FigureOverride& one : context.profile.overrides)
         notes.push_back(fmt::format(
@@ -123,6 +138,7 @@ std::vector<std::string> notes_of(const ClauseContext& context) {
     add_straddle(context, notes);
     add_windows(context, notes);
     add_flow(context, notes);
+    add_second_method(context, notes);
     add_overrides(context, notes);
     add_unconfirmed(context, notes);
     return notes;

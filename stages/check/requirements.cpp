@@ -112,8 +112,8 @@ Finding margin(const ClauseContext& context) {
             fmt::format("speed {} +/- {}, to reach {}: probability {} that it does, {:g} needed "
                         "(speeds from {} on are accepted)",
                         in_unit(speed, unit, 3), in_unit(u, unit, 3),
-                        in_unit(context.target->speed_mps, unit, 3), context.decision->probability,
-                        context.decision->level,
+                        in_unit(context.target->speed_mps, unit, 3),
+                        probability_words(context.decision->probability), context.decision->level,
                         in_unit(context.decision->acceptance_limit_mps, unit, 3)),
             {speed_figure("speed", speed, unit, u),
              speed_figure("speed to reach", context.target->speed_mps, unit,

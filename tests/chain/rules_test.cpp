@@ -1,3 +1,4 @@
+#include <array>
 #include <map>
 #include <sstream>
 
@@ -124,7 +125,7 @@ TEST(SpeedSkydive, OfAGoodRecordingScores) {
         EXPECT_EQ(requirement_of(verdict, clause).status, "met")
             << requirement_of(verdict, clause).evidence;
     // 404 km/h and 2 %.
-    EXPECT_NEAR(*verdict.target_mps * 3.6, 412.08, 1e-9);
+    EXPECT_NEAR(*verdict.target_mps * 3.6, 412.08, 1e-5);
     EXPECT_EQ(verdict.outcome, "beaten") << verdict.reason;
 }
 
@@ -466,33 +467,76 @@ TEST(Course, WithoutNoiseTheSpeedIsTheLengthOverTheTime) {
     }
 }
 
-TEST(Course, WithNoiseTheSpeedIsWithinItsUncertainty) {
-    constexpr int seeds = 60;
-    int within = 0, within_white = 0;
-    double worst = 0.0;
-    for (int seed = 1; seed <= seeds; ++seed) {
-        const CourseRun run{40.0, 17.0, 101.3, 0.0};
-        const Rules rules;
-        rules.put("recording.csv", along(run, 0.01, static_cast<std::uint64_t>(seed)).text());
-        rules.put("course.yaml", profile_of("course", course_window));
-        const ProfileVerdict verdict =
-            rules.judge_one(plane_attempt("course.yaml", course_for(run)));
-        ASSERT_TRUE(verdict.speed_mps.has_value()) << verdict.reason;
-        const double error = *verdict.speed_mps - run.speed_mps;
-        worst = std::max(worst, std::abs(error) / *verdict.expanded_uncertainty_mps);
-        if (std::abs(error) <= *verdict.expanded_uncertainty_mps) ++within;
-        // By what was learnt of this recording alone: without the bound on slow errors and what
-        // screening could have missed, of which there are none here.
-        const FittedSpeed fitted = rules.windows().profiles.at(0).best->fitted.value();
-        if (std::abs(fitted.speed_mps - run.speed_mps) <= 2.0 * fitted.standard_uncertainty_mps)
-            ++within_white;
+/// A speed about 40 m/s that wanders as a craft's does, by three sines of a phase of the seed's.
+struct Wandering {
+    std::array<double, 3> phases;
+
+    explicit Wandering(std::uint64_t seed) {
+        RandomGenerator random(1000 + seed);
+        for (double& phase : phases)
+            phase = 2.0 * std::numbers::pi * random.uniform();
     }
-    EXPECT_EQ(within, seeds);
-    EXPECT_LT(worst, 1.0);
-    // 95 % of 60 are 57; a binomial deviate is below 52 or above 60 in 0.6 % of the cases.
-    EXPECT_GE(within_white, 52);
-    std::printf("within the fitted uncertainty: %d of %d; worst of the certified: %.2f\n",
-                within_white, seeds, worst);
+    double path_m(double time_s) const {
+        return 40.0 * time_s + 0.5 * std::sin(0.9 * time_s + phases[0]) +
+               0.1 * std::sin(2.3 * time_s + phases[1]) + 0.02 * std::sin(5.1 * time_s + phases[2]);
+    }
+    double time_s(double along_m) const {
+        double low = 0.0, high = 60.0;
+        for (int step = 0; step < 60; ++step)
+            (path_m(0.5 * (low + high)) < along_m ? low : high) = 0.5 * (low + high);
+        return low;
+    }
+};
+
+struct Covered {
+    int certified = 0, fitted = 0;
+};
+
+/// How often the true speed of a course is within the certified uncertainty, and within that which
+/// is learnt of the recording alone: without the bound on slow errors and what screening could
+/// have missed, of which there are none here.
+Covered covered_courses(int seeds, bool wandering) {
+    Covered covered;
+    for (int k = 1; k <= seeds; ++k) {
+        const auto seed = static_cast<std::uint64_t>(k);
+        const CourseRun run{40.0, 17.0, 101.3, 0.0};
+        PlaneRecording recording = along(run, 0.01, seed);
+        double true_mps = run.speed_mps;
+        if (wandering) {
+            const Wandering motion(seed);
+            recording.position_at = [motion](double time_s) {
+                const double heading = 17.0 * std::numbers::pi / 180.0;
+                return PlanePosition{.east_m = motion.path_m(time_s) * std::sin(heading),
+                                     .north_m = motion.path_m(time_s) * std::cos(heading)};
+            };
+            true_mps = 500.0 / (motion.time_s(601.3) - motion.time_s(101.3));
+        }
+        const Rules rules;
+        rules.put("recording.csv", recording.text());
+        rules.put("course.yaml", profile_of("course", course_window));
+        const ProfileVerdict verdict = rules.judge_one(plane_attempt(
+            "course.yaml", course_for(run) + "parameters: {window: {monte_carlo_trials_max: "
+                                             "100000, selection_samples: 100}}\n"));
+        if (!verdict.speed_mps) continue;
+        const FittedSpeed fitted = rules.windows().profiles.at(0).best->fitted.value();
+        if (std::abs(*verdict.speed_mps - true_mps) <= *verdict.expanded_uncertainty_mps)
+            ++covered.certified;
+        if (std::abs(fitted.speed_mps - true_mps) <= 2.0 * fitted.standard_uncertainty_mps)
+            ++covered.fitted;
+    }
+    return covered;
+}
+
+TEST(Course, WithNoiseTheSpeedIsWithinItsUncertainty) {
+    // At constant speed the motion is simpler than its model: the uncertainty is wider than errors.
+    const Covered constant = covered_courses(8, false);
+    EXPECT_EQ(constant.certified, 8);
+    EXPECT_EQ(constant.fitted, 8);
+    // A binomial deviate of 40 at 95 % is below 33 in 0.2 % of the cases.
+    const Covered wandering = covered_courses(40, true);
+    EXPECT_EQ(wandering.certified, 40);
+    EXPECT_GE(wandering.fitted, 33);
+    std::printf("within the fitted uncertainty: %d of 40\n", wandering.fitted);
 }
 
 }  // namespace

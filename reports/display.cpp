@@ -119,10 +119,6 @@ std::string scientific_text(double value) {
     return fmt::format("{:.1e}", value);
 }
 
-std::string counted(std::int64_t count, std::string_view noun) {
-    return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
-}
-
 nlohmann::ordered_json fact(std::string_view label, std::string value) {
     return {{"label", label}, {"value", std::move(value)}};
 }

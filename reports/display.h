@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/gps_time.h"
+#include "core/prose.h"
 #include "schemas/common/table.h"
 
 namespace runcert {
@@ -71,9 +72,6 @@ std::string gps_text(GpsTime time);
 
 /// "4.1e-09": two significant digits of a small figure.
 std::string scientific_text(double value);
-
-/// A count with its noun: "1 epoch", "12 epochs".
-std::string counted(std::int64_t count, std::string_view noun);
 
 /// A label and a text, the element of every list of facts.
 nlohmann::ordered_json fact(std::string_view label, std::string value);

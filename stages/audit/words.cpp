@@ -10,24 +10,6 @@
 namespace runcert {
 namespace {
 
-bool begins_character(char c) {
-    return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
-}
-
-std::size_t columns_of(std::string_view text) {
-    return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), begins_character));
-}
-
-/// The bytes of the first `columns` characters.
-std::size_t bytes_of(std::string_view text, std::size_t columns) {
-    std::size_t at = 0;
-    while (at < text.size()) {
-        if (begins_character(text[at]) && columns-- == 0) break;
-        ++at;
-    }
-    return at;
-}
-
 /// The part along one axis: "0.174 m east", "0.057 m south".
 std::string part(double value, std::string_view unit, std::string_view towards,
                  std::string_view away, const std::string& uncertainty = {}) {
@@ -36,62 +18,6 @@ std::string part(double value, std::string_view unit, std::string_view towards,
 }
 
 }  // namespace
-
-std::string wrapped(std::string_view text, std::size_t indent) {
-    std::string lines;
-    std::size_t used = 0;  // columns of the line
-    const auto begin_line = [&] {
-        lines += '\n';
-        lines.append(indent, ' ');
-        used = indent;
-    };
-    bool first_word = true;
-    while (!text.empty()) {
-        const std::size_t end = std::min(text.find_first_of(" \t\r\n"), text.size());
-        std::string_view word = text.substr(0, end);
-        text.remove_prefix(std::min(end + 1, text.size()));
-        if (word.empty()) continue;
-        if (!first_word) {
-            if (used + 1 + columns_of(word) > audit_columns)
-                begin_line();
-            else {
-                lines += ' ';
-                ++used;
-            }
-        }
-        first_word = false;
-        while (used + columns_of(word) > audit_columns) {
-            const std::size_t fits = bytes_of(word, audit_columns - used);
-            lines += word.substr(0, fits);
-            word.remove_prefix(fits);
-            begin_line();
-        }
-        lines += word;
-        used += columns_of(word);
-    }
-    return lines + "\n";
-}
-
-std::string counted(std::int64_t count) {
-    std::string digits = fmt::format("{}", count);
-    const std::ptrdiff_t sign = count < 0 ? 1 : 0;
-    for (auto at = std::ssize(digits) - 3; at > sign; at -= 3)
-        digits.insert(static_cast<std::size_t>(at), 1, ',');
-    return digits;
-}
-
-std::string counted(std::int64_t count, std::string_view noun) {
-    return fmt::format("{} {}{}", counted(count), noun, count == 1 ? "" : "s");
-}
-
-std::string listed(const std::vector<std::string>& items) {
-    std::string text;
-    for (std::size_t i = 0; i < items.size(); ++i) {
-        if (i > 0) text += i + 1 == items.size() ? " and " : ", ";
-        text += items[i];
-    }
-    return text;
-}
 
 std::string one_or_range(const std::string& low, const std::string& high) {
     return low == high ? low : low + " to " + high;

@@ -7,25 +7,13 @@
 #include <string_view>
 #include <vector>
 
+#include "core/prose.h"
 #include "core/text.h"
 #include "schemas/screened/screened.h"
 
 // The words that the parts of an audit share.
 
 namespace runcert {
-
-inline constexpr std::size_t audit_columns = 100;
-
-/// The text as lines of at most `audit_columns`, broken at blanks; every line but the first begins
-/// with `indent` blanks. A word longer than a line is cut. Ends with a line end.
-std::string wrapped(std::string_view text, std::size_t indent = 4);
-
-/// 1587 as "1,587".
-std::string counted(std::int64_t count);
-/// "1 epoch", "1,587 epochs".
-std::string counted(std::int64_t count, std::string_view noun);
-/// "a, b and c"; empty for none.
-std::string listed(const std::vector<std::string>& items);
 
 /// How often something of that probability happens: "once in 590 million".
 std::string once_in(double probability);

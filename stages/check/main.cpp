@@ -41,13 +41,13 @@ void say_verdict(StageRun& run, const Verdict& verdict) {
         run.say(fmt::format("{}: {}: {}", profile.profile, profile.outcome, profile.reason));
 }
 
-/// A series that the attempt names, of that role.
+/// A series that the attempt names, of that role. It is spoken of by the attempt's name for it:
+/// the verdict must not hold the folder that it is made in.
 std::optional<FlowSeries> read_series(StageRun& run, std::string_view role,
                                       const std::optional<GpsTime>& first_epoch) {
     for (const EvidenceFile& file : flow_files(run.attempt()))
         if (file.role == role)
-            return read_flow(run.read_text(file.role, file.name),
-                             (run.run_dir() / file.name).string(), first_epoch);
+            return read_flow(run.read_text(file.role, file.name), file.original, first_epoch);
     return std::nullopt;
 }
 

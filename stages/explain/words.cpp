@@ -11,38 +11,7 @@
 namespace runcert {
 namespace {
 
-constexpr std::size_t columns = 100;
 constexpr std::size_t label_columns = 20;
-
-bool begins_character(char c) {
-    return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
-}
-
-std::size_t columns_of(std::string_view text) {
-    return static_cast<std::size_t>(std::ranges::count_if(text, begins_character));
-}
-
-/// The bytes of the first `count` characters.
-std::size_t bytes_of(std::string_view text, std::size_t count) {
-    std::size_t at = 0;
-    while (at < text.size()) {
-        if (begins_character(text[at]) && count-- == 0) break;
-        ++at;
-    }
-    return at;
-}
-
-std::vector<std::string> words_of(std::string_view text) {
-    std::vector<std::string> words{""};
-    for (const char c : text) {
-        if (c == ' ' || c == '\t' || c == '\r' || c == '\n')
-            words.emplace_back();
-        else
-            words.back() += (c >= 0 && c < ' ') || c == '\x7f' ? '?' : c;
-    }
-    std::erase(words, "");
-    return words;
-}
 
 /// Decimals (0 to 6) that show two significant digits.
 int decimals_of_two_digits(double value) {
@@ -61,35 +30,6 @@ std::string two_digits_up(double value) {
 }
 
 }  // namespace
-
-std::string wrapped(std::string_view text, std::size_t indent, std::size_t used) {
-    std::string lines;
-    const auto begin_line = [&] {
-        lines += '\n';
-        lines.append(indent, ' ');
-        used = indent;
-    };
-    bool first_word = true;
-    for (const std::string& whole : words_of(text)) {
-        std::string_view word = whole;
-        if (!first_word && used + 1 + columns_of(word) > columns) {
-            begin_line();
-        } else if (!first_word) {
-            lines += ' ';
-            ++used;
-        }
-        first_word = false;
-        while (used + columns_of(word) > columns) {
-            const std::size_t fits = bytes_of(word, columns - used);
-            lines += word.substr(0, fits);
-            word.remove_prefix(fits);
-            begin_line();
-        }
-        lines += word;
-        used += columns_of(word);
-    }
-    return lines + "\n";
-}
 
 std::string labelled(std::string_view label, std::string_view text) {
     return fmt::format("  {:<{}}{}", label, label_columns - 2,
@@ -114,19 +54,6 @@ std::string in_capitals(std::string_view word) {
     for (char& c : text) {
         if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
         if (c == '_') c = ' ';
-    }
-    return text;
-}
-
-std::string counted(std::int64_t count, std::string_view noun) {
-    return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
-}
-
-std::string listed(const std::vector<std::string>& items) {
-    std::string text;
-    for (std::size_t i = 0; i < items.size(); ++i) {
-        if (i > 0) text += i + 1 == items.size() ? " and " : ", ";
-        text += items[i];
     }
     return text;
 }

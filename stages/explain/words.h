@@ -6,16 +6,12 @@
 #include <string_view>
 #include <vector>
 
+#include "core/prose.h"
 #include "schemas/verdict/verdict.h"
 
 // The words that the parts of an explanation share.
 
 namespace runcert {
-
-/// The text as lines of at most 100 characters, broken at blanks; every line but the first begins
-/// with `indent` blanks, and the first has `used` characters before it. A word longer than a line
-/// is cut; a control character is a "?". Ends with a line end.
-std::string wrapped(std::string_view text, std::size_t indent, std::size_t used = 0);
 
 /// "  Its source        headings of a published report": a line of a block, with its label.
 std::string labelled(std::string_view label, std::string_view text);
@@ -28,12 +24,6 @@ std::string sentence(std::string text);
 
 /// "not_met" as "NOT MET"; "attest" as "TO ATTEST".
 std::string in_capitals(std::string_view word);
-
-/// "1 clause", "3 clauses".
-std::string counted(std::int64_t count, std::string_view noun);
-
-/// "a, b and c"; empty for none.
-std::string listed(const std::vector<std::string>& items);
 
 /// A plain figure in its shortest form: "0.8", "1000"; with its unit, where it has one.
 std::string plain_figure(double value, std::string_view unit);

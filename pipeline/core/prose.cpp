@@ -1,0 +1,94 @@
+#include "core/prose.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace runcert {
+namespace {
+
+constexpr std::size_t columns = 100;
+
+bool begins_character(char c) {
+    return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U;
+}
+
+std::size_t columns_of(std::string_view text) {
+    return static_cast<std::size_t>(std::ranges::count_if(text, begins_character));
+}
+
+/// The bytes of the first `count` characters.
+std::size_t bytes_of(std::string_view text, std::size_t count) {
+    std::size_t at = 0;
+    while (at < text.size()) {
+        if (begins_character(text[at]) && count-- == 0) break;
+        ++at;
+    }
+    return at;
+}
+
+std::vector<std::string> words_of(std::string_view text) {
+    std::vector<std::string> words{""};
+    for (const char c : text) {
+        if (c == ' ' || c == '\t' || c == '\r' || c == '\n')
+            words.emplace_back();
+        else
+            words.back() += (c >= 0 && c < ' ') || c == '\x7f' ? '?' : c;
+    }
+    std::erase(words, "");
+    return words;
+}
+
+}  // namespace
+
+std::string wrapped(std::string_view text, std::size_t indent, std::size_t used) {
+    std::string lines;
+    const auto begin_line = [&] {
+        lines += '\n';
+        lines.append(indent, ' ');
+        used = indent;
+    };
+    bool first_word = true;
+    for (const std::string& whole : words_of(text)) {
+        std::string_view word = whole;
+        if (!first_word && used + 1 + columns_of(word) > columns) {
+            begin_line();
+        } else if (!first_word) {
+            lines += ' ';
+            ++used;
+        }
+        first_word = false;
+        while (used + columns_of(word) > columns) {
+            const std::size_t fits = bytes_of(word, columns - used);
+            lines += word.substr(0, fits);
+            word.remove_prefix(fits);
+            begin_line();
+        }
+        lines += word;
+        used += columns_of(word);
+    }
+    return lines + "\n";
+}
+
+std::string counted(std::int64_t count) {
+    std::string digits = fmt::format("{}", count);
+    const std::ptrdiff_t sign = count < 0 ? 1 : 0;
+    for (auto at = std::ssize(digits) - 3; at > sign; at -= 3)
+        digits.insert(static_cast<std::size_t>(at), 1, ',');
+    return digits;
+}
+
+std::string counted(std::int64_t count, std::string_view noun) {
+    return fmt::format("{} {}{}", counted(count), noun, count == 1 ? "" : "s");
+}
+
+std::string listed(const std::vector<std::string>& items) {
+    std::string text;
+    for (std::size_t i = 0; i < items.size(); ++i) {
+        if (i > 0) text += i + 1 == items.size() ? " and " : ", ";
+        text += items[i];
+    }
+    return text;
+}
+
+}  // namespace runcert

@@ -45,12 +45,6 @@ std::string plain_text(double value);
 /// that: "0.42 ± 0.08"; without one with six significant digits at most.
 std::string quantity_text(double value, std::optional<double> expanded_uncertainty);
 
-/// A probability in per cent, rounded to the side of doubt, so that it never shows as one beyond a
-/// limit that it does not reach: 0.97499 is "97.49 %", 0.02501 "2.51 %".
-std::string probability_text(double probability);
-/// A level in per cent as it is written: "97.5 %".
-std::string level_text(double level);
-
 /// A coverage factor with at most two decimals: "2", "2.07".
 std::string coverage_text(double coverage_factor);
 

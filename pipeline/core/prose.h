@@ -22,4 +22,11 @@ std::string counted(std::int64_t count, std::string_view noun);
 /// "a, b and c"; empty for none.
 std::string listed(const std::vector<std::string>& items);
 
+/// A probability in per cent, rounded to the side of doubt so that it never shows as one beyond a
+/// limit that it does not reach: 0.97499 is "97.49 %", 0.02501 "2.51 %". "more than 99.9999 %" and
+/// "less than 0.0001 %" where it is nearly certain.
+std::string probability_text(double probability);
+/// A level of probability in per cent, as it is written: "97.5 %".
+std::string level_text(double level);
+
 }  // namespace runcert

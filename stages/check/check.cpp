@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "core/prose.h"
 #include "stages/check/context.h"
 #include "stages/check/notes.h"
 #include "stages/check/statements.h"
@@ -87,12 +88,12 @@ std::string refusal_of(const ClauseContext& context, const std::vector<Requireme
 /// The outcome by probability, in one sentence.
 std::string reason_of(const ClauseContext& context, Outcome outcome) {
     const std::string& unit = context.record->unit;
-    const std::string figures =
-        fmt::format("{} +/- {} against {} to reach, probability {}, {:g} needed.",
-                    in_unit(context.speed->speed_mps, unit, 3),
-                    in_unit(*context.expanded_uncertainty_mps, unit, 3),
-                    in_unit(context.target->speed_mps, unit, 3),
-                    probability_words(context.decision->probability), context.decision->level);
+    const std::string figures = fmt::format(
+        "{} +/- {} against {} to reach, probability {}, {} needed.",
+        in_unit(context.speed->speed_mps, unit, 3),
+        in_unit(*context.expanded_uncertainty_mps, unit, 3),
+        in_unit(context.target->speed_mps, unit, 3),
+        probability_text(context.decision->probability), level_text(context.decision->level));
     switch (outcome) {
         case Outcome::beaten:
             return "The speed reaches the target beyond its uncertainty: " + figures;

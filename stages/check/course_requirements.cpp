@@ -118,10 +118,13 @@ bool start_was_seen(const CraftRun& run, const ClauseContext& context) {
     const std::size_t from = run.stood_from_row.value_or(run.first_row);
     for (std::size_t i = 0; i < from; ++i)
         if (rows[i].arc) return true;
+    const auto speed = [&](std::size_t i) {
+        return std::hypot(rows[i].velocity_east_mps.value_or(1e9),
+                          rows[i].velocity_north_mps.value_or(0.0));
+    };
     std::size_t slowest = from;
     for (std::size_t i = from; i <= run.first_row; ++i)
-        if (rows[i].speed_mps && *rows[i].speed_mps < rows[slowest].speed_mps.value_or(1e9))
-            slowest = i;
+        if (rows[i].arc && speed(i) <= speed(slowest)) slowest = i;
     return rows[slowest].time.seconds() - rows[from].time.seconds() > beginning_s;
 }
 

@@ -8,6 +8,7 @@
 #include <map>
 
 #include "core/failure.h"
+#include "core/prose.h"
 
 namespace runcert {
 namespace {
@@ -109,11 +110,12 @@ Finding margin(const ClauseContext& context) {
     const double u = *context.expanded_uncertainty_mps;
     const bool met = context.decision->probability >= context.decision->level;
     return {met ? "met" : "not_met",
-            fmt::format("speed {} +/- {}, to reach {}: probability {} that it does, {:g} needed "
+            fmt::format("speed {} +/- {}, to reach {}: probability {} that it does, {} needed "
                         "(speeds from {} on are accepted)",
                         in_unit(speed, unit, 3), in_unit(u, unit, 3),
                         in_unit(context.target->speed_mps, unit, 3),
-                        probability_words(context.decision->probability), context.decision->level,
+                        probability_text(context.decision->probability),
+                        level_text(context.decision->level),
                         in_unit(context.decision->acceptance_limit_mps, unit, 3)),
             {speed_figure("speed", speed, unit, u),
              speed_figure("speed to reach", context.target->speed_mps, unit,
@@ -208,11 +210,6 @@ Requirement decide_clause(const Clause& clause, const ClauseContext& context) {
             .certainty = clause.certainty,
             .decided_by = clause.decided_by,
             .figures = std::move(finding->figures)};
-}
-
-std::string probability_words(double probability) {
-    if (probability > 0.9999) return "above 0.9999";
-    return probability < 0.0001 ? "below 0.0001" : fmt::format("{:.4f}", probability);
 }
 
 std::string in_unit(double speed_mps, const std::string& unit, int decimals) {

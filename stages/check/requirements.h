@@ -50,9 +50,6 @@ Requirement decide_clause(const Clause& clause, const ClauseContext& context);
 /// or met, only where the expanded uncertainty leaves no other answer. Empty for another name.
 std::optional<Finding> course_finding(const Clause& clause, const ClauseContext& context);
 
-/// "0.9772"; never "1.0000" or "0.0000": "above 0.9999", "below 0.0001".
-std::string probability_words(double probability);
-
 /// "232.172 km/h".
 std::string in_unit(double speed_mps, const std::string& unit, int decimals);
 

@@ -155,7 +155,7 @@ std::string margin_clause_words(const Profile& profile) {
         "The speed to reach is {}; {}. From the speed and its standard uncertainty, the record's "
         "own taken in where it has one, follows the probability that the true speed reaches it. "
         "Met where that is at least {}: this is the decision itself, which `decision` explains.",
-        margin_words(profile), rounding_words(profile), level_words(profile.decision_probability));
+        margin_words(profile), rounding_words(profile), level_text(profile.decision_probability));
 }
 
 std::string bound_words(Bound bound) {

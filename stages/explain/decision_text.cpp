@@ -84,9 +84,9 @@ std::string why_text(const ProfileView& view) {
                sentence(verdict.reason);
     if (!verdict.decision) return sentence(verdict.reason);
     const Decision& decision = *verdict.decision;
-    const std::string probability = probability_words(decision.probability);
-    const std::string level = level_words(decision.level);
-    const std::string refusal = level_words(1.0 - decision.level);
+    const std::string probability = probability_text(decision.probability);
+    const std::string level = level_text(decision.level);
+    const std::string refusal = level_text(1.0 - decision.level);
     if (verdict.outcome == "beaten")
         return fmt::format("Beaten, because the probability is {}, at least the {} asked.",
                            probability, level);
@@ -102,11 +102,11 @@ std::string why_text(const ProfileView& view) {
         probability, level, refusal);
 }
 
-std::string level_text(const Decision& decision) {
+std::string level_sentence(const Decision& decision) {
     return fmt::format(
         "{} or more counts as beaten, {} or less as not beaten, what is in between as not proven "
         "(guarded acceptance and rejection, JCGM 106).",
-        level_words(decision.level), level_words(1.0 - decision.level));
+        level_text(decision.level), level_text(1.0 - decision.level));
 }
 
 /// What compares the speed with a record.
@@ -125,9 +125,9 @@ std::string comparison_text(const ProfileView& view) {
         text += labelled("Uncertainty", uncertainty_text(view));
     }
     if (verdict.decision) {
-        text += labelled("Probability", probability_words(verdict.decision->probability) +
+        text += labelled("Probability", probability_text(verdict.decision->probability) +
                                             " that the true speed reaches the speed to reach.");
-        text += labelled("Level", level_text(*verdict.decision));
+        text += labelled("Level", level_sentence(*verdict.decision));
         text += labelled("Acceptance limit",
                          fmt::format("{}: the least speed that would count as beaten with this "
                                      "uncertainty.",
@@ -170,10 +170,9 @@ std::string decision_in_short(const ProfileView& view) {
         text += labelled("Speed", speed + target);
     }
     if (verdict.decision && verdict.outcome != "not_certifiable")
-        text +=
-            labelled("Probability", fmt::format("{} that it reaches that; {} is asked",
-                                                probability_words(verdict.decision->probability),
-                                                level_words(verdict.decision->level)));
+        text += labelled("Probability", fmt::format("{} that it reaches that; {} is asked",
+                                                    probability_text(verdict.decision->probability),
+                                                    level_text(verdict.decision->level)));
     return text + labelled("Why", sentence(verdict.reason));
 }
 

@@ -92,20 +92,4 @@ std::string uncertainty_words(double uncertainty_mps, std::string_view unit) {
                        km_h);
 }
 
-std::string probability_words(double probability) {
-    if (probability > 1.0 - 1e-6) return "more than 99.9999 %";
-    if (probability < 1e-6) return "less than 0.0001 %";
-    const int decimals = probability > 0.9999 || probability < 0.0001 ? 4 : 2;
-    const double scale = std::pow(10.0, decimals + 2);
-    const double steps = probability * scale;
-    constexpr double binary_noise = 1e-9;
-    const double whole =
-        probability >= 0.5 ? std::floor(steps + binary_noise) : std::ceil(steps - binary_noise);
-    return format_fixed(whole / scale * 100.0, decimals) + " %";
-}
-
-std::string level_words(double level) {
-    return fmt::format("{:.6g} %", level * 100.0);
-}
-
 }  // namespace runcert

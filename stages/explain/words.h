@@ -38,10 +38,4 @@ std::string speed_words(double speed_mps, std::string_view unit);
 /// An uncertainty of a speed, with two significant digits, rounded up.
 std::string uncertainty_words(double uncertainty_mps, std::string_view unit);
 
-/// A probability in per cent, rounded to the side of doubt so that it never shows as one beyond a
-/// limit that it does not reach: 0.97499 is "97.49 %", 0.02501 "2.51 %".
-std::string probability_words(double probability);
-/// A level in per cent, as it is written: "97.5 %".
-std::string level_words(double level);
-
 }  // namespace runcert

@@ -18,23 +18,6 @@ constexpr double unknown_height_m = 100.0;
 const char* const joint = "with the other epochs; combined from their joint covariance";
 const char* const independent = "independent of the other rows";
 
-/// A row whose quantity is the speed itself.
-BudgetRow speed_row(std::string symbol, std::string source, std::string type,
-                    double contribution_mps, std::string correlation, std::string note) {
-    return {.symbol = std::move(symbol),
-            .source = std::move(source),
-            .estimate = 0.0,
-            .unit = "m / s",
-            .standard_uncertainty = contribution_mps,
-            .type = std::move(type),
-            .distribution = "normal",
-            .degrees_of_freedom = std::nullopt,
-            .sensitivity = 1.0,
-            .contribution_mps = contribution_mps,
-            .correlation = std::move(correlation),
-            .note = std::move(note)};
-}
-
 /// A row of a quantity known to lie within a half width.
 BudgetRow bounded_row(std::string symbol, std::string source, double half_width, std::string unit,
                       double sensitivity, std::string note) {
@@ -262,6 +245,22 @@ double draw_deviation(RandomGenerator& random, const BudgetRow& row) {
 }
 
 }  // namespace
+
+BudgetRow speed_row(std::string symbol, std::string source, std::string type,
+                    double contribution_mps, std::string correlation, std::string note) {
+    return {.symbol = std::move(symbol),
+            .source = std::move(source),
+            .estimate = 0.0,
+            .unit = "m / s",
+            .standard_uncertainty = contribution_mps,
+            .type = std::move(type),
+            .distribution = "normal",
+            .degrees_of_freedom = std::nullopt,
+            .sensitivity = 1.0,
+            .contribution_mps = contribution_mps,
+            .correlation = std::move(correlation),
+            .note = std::move(note)};
+}
 
 std::vector<BudgetRow> budget_of(const BudgetInput& input) {
     std::vector<BudgetRow> rows;

@@ -31,6 +31,10 @@ struct BudgetInput {
     double detection_power = 0.0;
 };
 
+/// A row whose quantity is the speed itself (m/s), of a normal distribution.
+BudgetRow speed_row(std::string symbol, std::string source, std::string type,
+                    double contribution_mps, std::string correlation, std::string note);
+
 /// Every source of uncertainty of the certified speed, one row each; those that contribute nothing
 /// are there too, with the reason. The sources are independent of one another; what is correlated
 /// (the positions of the epochs) is combined before, from their joint covariance.

@@ -85,21 +85,7 @@ std::int64_t rivals_of(const std::vector<FoundWindow>& all, double least_mps) {
     return std::max<std::int64_t>(rivals, 1);
 }
 
-BudgetRow row_of(std::string symbol, std::string source, std::string type, double contribution_mps,
-                 std::string note) {
-    return {.symbol = std::move(symbol),
-            .source = std::move(source),
-            .estimate = 0.0,
-            .unit = "m / s",
-            .standard_uncertainty = contribution_mps,
-            .type = std::move(type),
-            .distribution = "normal",
-            .degrees_of_freedom = std::nullopt,
-            .sensitivity = 1.0,
-            .contribution_mps = contribution_mps,
-            .correlation = "independent of the other rows",
-            .note = std::move(note)};
-}
+const char* const independent = "independent of the other rows";
 
 }  // namespace
 
@@ -132,16 +118,17 @@ CertifiableWindow certified_by_velocity(const ScreenedTable& screened,
     const double stated = mean_uncertainty(screened, arc, profile, found);
     const std::int64_t rivals = rivals_of(all, found.speed_mps - selection_width * stated);
     const double selection = stated * std::sqrt(2.0 * std::log(static_cast<double>(rivals)));
-    window.budget.push_back(row_of(
+    window.budget.push_back(speed_row(
         "u", "accuracy of the recorded velocities, as the recording states it", "B", stated,
+        independent,
         fmt::format("taken as one error throughout the window; the smoothed positions give {:.3f} "
                     "m/s over the same window",
                     window.definitions.by_name(profile.definition))));
-    window.budget.push_back(row_of(
-        "d", "undetected error", "B", 0.0,
+    window.budget.push_back(speed_row(
+        "d", "undetected error", "B", 0.0, independent,
         "not quantified: screening tests positions; velocities are only compared with them"));
-    window.budget.push_back(row_of(
-        "f", "choice of the fastest of many windows", "B", selection,
+    window.budget.push_back(speed_row(
+        "f", "choice of the fastest of many windows", "B", selection, independent,
         fmt::format("{} that do not overlap could have been the fastest; the bound stands here as "
                     "an uncertainty",
                     rivals == 1 ? std::string("no others") : fmt::format("{} windows", rivals))));

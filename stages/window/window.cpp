@@ -23,7 +23,6 @@ class Certifier {
               const WindowConfig& config)
         : screened_(screened),
           trajectory_(trajectory),
-          config_(config),
           rows_(arcs_in(trajectory)),
           horizontal_(evidence_of<2>(screened, trajectory, config)) {
         if (trajectory.estimation.vertical)
@@ -83,7 +82,6 @@ class Certifier {
 
     const ScreenedTable& screened_;
     const TrajectoryTable& trajectory_;
-    const WindowConfig& config_;
     std::vector<ArcRows> rows_;
     AxesEvidence<2> horizontal_;
     std::optional<AxesEvidence<1>> vertical_;

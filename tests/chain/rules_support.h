@@ -88,12 +88,13 @@ inline std::string clause_of(const std::string& decided_by, const std::string& m
         decided_by, more);
 }
 
-/// A line across a course, its middle so far along a heading from the origin; 40 m wide, and turned
-/// to the right by so much more than a right angle asks for.
+/// A line across a course, its middle so far along a heading from the origin, and turned to the
+/// right by so much more than a right angle asks for.
 struct PlaneLine {
     double along_m = 0.0;
     double heading_deg = 0.0;
     double turned_deg = 0.0;
+    double half_width_m = 20.0;
 
     std::string text() const {
         constexpr double degree = std::numbers::pi / 180.0;
@@ -104,7 +105,7 @@ struct PlaneLine {
                                along_m * std::sin(heading) + to_the_right_m * std::sin(right),
                                along_m * std::cos(heading) + to_the_right_m * std::cos(right));
         };
-        return fmt::format("{{left: {}, right: {}}}", end(-20.0), end(20.0));
+        return fmt::format("{{left: {}, right: {}}}", end(-half_width_m), end(half_width_m));
     }
 };
 

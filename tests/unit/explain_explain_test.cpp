@@ -407,14 +407,14 @@ TEST(Explain, AVerdictOfRevisionOneZeroIsExplained) {
 }
 
 TEST(ExplainWords, AProbabilityNeverShowsAsOneThatItDoesNotReach) {
-    EXPECT_EQ(probability_words(0.975), "97.50 %");
-    EXPECT_EQ(probability_words(0.9749999), "97.49 %");
-    EXPECT_EQ(probability_words(0.025), "2.50 %");
-    EXPECT_EQ(probability_words(0.0250001), "2.51 %");
-    EXPECT_EQ(probability_words(0.99995), "99.9950 %");
-    EXPECT_EQ(probability_words(1.0), "more than 99.9999 %");
-    EXPECT_EQ(probability_words(0.0), "less than 0.0001 %");
-    EXPECT_EQ(level_words(1.0 - 0.975), "2.5 %");
+    EXPECT_EQ(probability_text(0.975), "97.50 %");
+    EXPECT_EQ(probability_text(0.9749999), "97.49 %");
+    EXPECT_EQ(probability_text(0.025), "2.50 %");
+    EXPECT_EQ(probability_text(0.0250001), "2.51 %");
+    EXPECT_EQ(probability_text(0.99995), "99.9950 %");
+    EXPECT_EQ(probability_text(1.0), "more than 99.9999 %");
+    EXPECT_EQ(probability_text(0.0), "less than 0.0001 %");
+    EXPECT_EQ(level_text(1.0 - 0.975), "2.5 %");
 }
 
 TEST(ExplainWords, AFigureHasTheDecimalsOfItsUncertainty) {

@@ -110,22 +110,22 @@ Finding turning(const Clause& clause, const ClauseContext& context) {
     });
 }
 
-/// Whether the recording holds the craft at its slowest before the run: not where it is slowest in
-/// the first second of what there is, and may have been slower before.
-bool start_was_seen(const CraftRun& run, const ClauseContext& context) {
+/// Whether the recording holds the craft at its slowest before the run: not where it was faster, by
+/// more than the uncertainty, ever after the first second of what there is. It may have been slower
+/// before.
+bool start_was_seen(const CraftRun& run, const CourseFigure& slowest,
+                    const ClauseContext& context) {
     constexpr double beginning_s = 1.0;
     const auto& rows = context.input.judged.trajectory;
     const std::size_t from = run.stood_from_row.value_or(run.first_row);
     for (std::size_t i = 0; i < from; ++i)
         if (rows[i].arc) return true;
-    const auto speed = [&](std::size_t i) {
-        return std::hypot(rows[i].velocity_east_mps.value_or(1e9),
-                          rows[i].velocity_north_mps.value_or(0.0));
-    };
-    std::size_t slowest = from;
+    const double least_mps = slowest.value + slowest.expanded_uncertainty.value_or(0.0);
     for (std::size_t i = from; i <= run.first_row; ++i)
-        if (rows[i].arc && speed(i) <= speed(slowest)) slowest = i;
-    return rows[slowest].time.seconds() - rows[from].time.seconds() > beginning_s;
+        if (rows[i].arc && rows[i].time.seconds() - rows[from].time.seconds() > beginning_s &&
+            std::hypot(*rows[i].velocity_east_mps, *rows[i].velocity_north_mps) <= least_mps)
+            return true;
+    return false;
 }
 
 Finding standing_start(const Clause&, const ClauseContext& context) {
@@ -147,7 +147,7 @@ Finding standing_start(const Clause&, const ClauseContext& context) {
                     std::move(figures)};
         const CraftRun& run = *context.course.run;
         const std::string& began = run.began;
-        if (began == "standing" && start_was_seen(run, context))
+        if (began == "standing" && start_was_seen(run, speed, context))
             return {"not_met", words + ": it was moving when the run began", std::move(figures)};
         return {"attest",
                 fmt::format("{}: {}, so the start was not seen", words,

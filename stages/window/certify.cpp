@@ -41,17 +41,14 @@ template <int Axes>
 SmoothedArc<Axes> checked_estimate(const AxesEvidence<Axes>& evidence, const FoundWindow& found) {
     const Arc<Axes>& arc = evidence.arcs[found.series];
     SmoothedArc<Axes> smoothed = smooth<Axes>(arc.epochs, evidence.model);
-    // Coordinates are written to a micrometre; heights are corrected by measured positions there,
-    // by smoothed ones here.
-    const double tolerance_m = Axes == 1 ? 1e-3 : 2e-6;
+    constexpr double tolerance_m = 2e-6;  // coordinates are written to a micrometre
     for (const std::size_t k : {found.first, found.last}) {
         const TrajectoryEpoch& row = evidence.trajectory.rows[arc.rows[k]];
         const CountedVector<Axes> position =
             smoothed.states[k].mean.template head<counted_axes<Axes>>();
         CountedVector<Axes> written;
         if constexpr (Axes == 1)
-            written << *row.up_m + fall_below_plane_m(evidence.trajectory.origin, *row.east_m,
-                                                      *row.north_m);
+            written << *row.up_m;
         else
             written << *row.east_m, *row.north_m;
         const double difference_m = (position - written).norm();
@@ -176,6 +173,21 @@ SelectionBias selection_of(const AxesEvidence<Axes>& evidence, const WindowChoic
     return selection;
 }
 
+/// What a vertical speed of coordinate "up" lacks (m/s) against one of heights above the ellipsoid:
+/// the Earth falls away from the plane as the craft moves over it.
+double curvature_mps(const AxesEvidence<1>& evidence, const FoundWindow& found, double duration_s) {
+    const auto row = [&](std::size_t k) -> const TrajectoryEpoch& {
+        return evidence.trajectory.rows[evidence.arcs[found.series].rows[k]];
+    };
+    const auto fall_m = [&](const TrajectoryEpoch& at) {
+        return fall_below_plane_m(evidence.trajectory.origin, *at.east_m, *at.north_m);
+    };
+    const TrajectoryEpoch& first = row(found.first);
+    const TrajectoryEpoch& last = row(found.last);
+    const double upwards = *last.up_m >= *first.up_m ? 1.0 : -1.0;
+    return upwards * (fall_m(last) - fall_m(first)) / duration_s;
+}
+
 /// Position and time of the window.
 template <int Axes>
 void set_place(const AxesEvidence<Axes>& evidence, const FoundWindow& found,
@@ -224,16 +236,10 @@ AxesEvidence<Axes> evidence_of(const ScreenedTable& screened, const TrajectoryTa
         throw Failure("4-trajectory of receiver " + screened.facts.receiver,
                       "the trajectory does not have the arcs of the screened epochs",
                       "Run runcert-smooth again");
-    for (Arc<Axes>& arc : evidence.arcs) {
+    for (const Arc<Axes>& arc : evidence.arcs) {
         std::vector<ElapsedTime>& times = evidence.times.emplace_back();
         for (const std::size_t row : arc.rows)
             times.push_back(screened.rows[row].time);
-        if constexpr (Axes == 1)
-            for (std::size_t k = 0; k < arc.rows.size(); ++k)
-                if (const ScreenedEpoch& row = screened.rows[arc.rows[k]];
-                    arc.epochs[k].measurement)
-                    arc.epochs[k].measurement->position(0) +=
-                        fall_below_plane_m(screened.origin, *row.east_m, *row.north_m);
     }
     return evidence;
 }
@@ -269,7 +275,15 @@ CertifiableWindow certified(const AxesEvidence<Axes>& evidence, const WindowChoi
         error_bound<Axes>(evidence.screened, arc.rows[found.first], arc.rows[found.last],
                           evidence.noise, choice.profile.uncertainty);
     const EstimationModel bounded = bounded_model(evidence.noise, bound);
-    const PositionNoise noise = position_noise(stretch, bounded, choice.quantity);
+    PositionNoise noise = position_noise(stretch, bounded, choice.quantity);
+    if constexpr (Axes == 1) {
+        const double correction = curvature_mps(evidence, found, duration_s);
+        SpeedDefinitions& all = window.definitions;
+        for (double* const speed :
+             {&noise.speed.speed_mps, &window.fitted->speed_mps, &all.displacement_mps,
+              &all.path_length_mps, &all.mean_n_plus_1_mps, &all.mean_n_mps})
+            *speed += correction;
+    }
     bound.standard_uncertainty_mps = noise.speed.standard_uncertainty_mps;
     window.bound = bound;
     window.displacement_m = noise.displacement_m;

@@ -26,8 +26,7 @@ struct AxesEvidence {
 };
 
 /// Failure where the trajectory does not have the arcs of the screened epochs, or does not say what
-/// noise it was estimated with. Heights must have been measured for Axes 1; they are then above
-/// the ellipsoid.
+/// noise it was estimated with. Heights must have been measured for Axes 1.
 template <int Axes>
 AxesEvidence<Axes> evidence_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                                const WindowConfig& config);
@@ -45,7 +44,8 @@ struct WindowChoice {
 /// and lines.
 SpeedQuantity quantity_of(const Profile& profile);
 
-/// The certified speed of a window with all sources of uncertainty. Failure where the trajectory
+/// The certified speed of a window with all sources of uncertainty; a vertical one is of heights
+/// above the ellipsoid. Failure where the trajectory
 /// is not the estimate from these screened epochs.
 template <int Axes>
 CertifiableWindow certified(const AxesEvidence<Axes>& evidence, const WindowChoice& choice);

@@ -68,6 +68,30 @@ std::string no_window(const ClauseContext& context) {
     return evidence;
 }
 
+/// The times at which the lines of a course were crossed, from the first epoch: a position error is
+/// one of time at the craft's speed. The epoch beside a crossing stands for it.
+std::vector<Figure> crossing_figures(const ClauseContext& context) {
+    const CertifiableWindow& best = *context.windows.best;
+    std::vector<Figure> figures;
+    const auto add = [&](const char* name, std::int64_t epoch, double time_s) {
+        const auto& rows = context.input.judged.trajectory;
+        const auto row = std::ranges::find(rows, epoch, &TrajectoryEpoch::epoch);
+        if (row == rows.end() || !row->sigma_east_m || !row->speed_mps) return;
+        const double slow_m = best.bound ? best.bound->sigma_m : 0.0;
+        const double position_m =
+            std::hypot(std::max(*row->sigma_east_m, *row->sigma_north_m), slow_m);
+        figures.push_back({.name = name,
+                           .value = time_s,
+                           .unit = "s",
+                           .expanded_uncertainty = 2.0 * position_m / *row->speed_mps,
+                           .note = "from the first epoch"});
+    };
+    const double start_s = best.span.start.seconds();
+    add("start line crossed", best.span.first_epoch, start_s);
+    add("finish line crossed", best.span.last_epoch, start_s + best.span.duration.seconds());
+    return figures;
+}
+
 Finding window_complete(const ClauseContext& context) {
     if (!context.windows.best) return {"not_met", no_window(context)};
     if (!context.windows.figure())
@@ -82,9 +106,12 @@ Finding window_complete(const ClauseContext& context) {
         span.duration.seconds(), span.first_epoch, span.last_epoch, context.windows.candidates);
     if (!context.windows.further.empty())
         evidence += fmt::format("; with {} more the mean", context.windows.further.size());
-    return {"met",
-            std::move(evidence),
-            {{.name = "length of the window", .value = span.duration.seconds(), .unit = "s"}}};
+    std::vector<Figure> figures{
+        {.name = "length of the window", .value = span.duration.seconds(), .unit = "s"}};
+    if (context.profile.window_kind == "course")
+        for (Figure& figure : crossing_figures(context))
+            figures.push_back(std::move(figure));
+    return {"met", std::move(evidence), std::move(figures)};
 }
 
 Finding accuracy(const ClauseContext& context) {

@@ -84,11 +84,18 @@ void run_stages(const fs::path& attempt, const fs::path& run_dir, const fs::path
         import_arguments.push_back(evidence.string());
     }
     done(run_stage("import", import_arguments));
-    // From here on the run folder's own copy of the attempt is read.
-    const std::vector<std::string> arguments{"--attempt", (run_dir / "attempt.yaml").string(),
-                                             "--run-dir", run_dir.string()};
+    // From here on the run folder's own copy of the attempt is read. What is wrong with it is for
+    // its author to find in the original.
+    const std::string copy = (run_dir / "attempt.yaml").string();
+    const std::vector<std::string> arguments{"--attempt", copy, "--run-dir", run_dir.string()};
     for (const char* stage : {"enu", "screen", "smooth", "window", "check"})
-        done(run_stage(stage, arguments));
+        try {
+            done(run_stage(stage, arguments));
+        } catch (StageFailed& failed) {
+            const std::size_t at = failed.errors.find(copy);
+            if (at != std::string::npos) failed.errors.replace(at, copy.size(), attempt.string());
+            throw;
+        }
 }
 
 Workshop::Workshop(fs::path run_dir)

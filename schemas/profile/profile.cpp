@@ -278,6 +278,10 @@ Profile read_profile(std::string_view text, const std::string& where) {
         (document["current"].exists() ? document["current"]
                                       : profile_schema().find("current")->default_value)
             .text() == "subtracted";
+    if (profile.subtract_current && (profile.windows > 1 || profile.opposite_runs_within_s))
+        document["current"].fail(
+            "the current is known along one window, and the rule takes several",
+            "Leave out current, or take one window");
     profile.uncertainty = read_uncertainty(document["uncertainty"]);
     profile.clauses = read_clauses(document, profile);
     return profile;

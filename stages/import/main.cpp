@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <filesystem>
 
 #include "files/atomic_file.h"
@@ -100,12 +101,29 @@ void import_receiver(StageRun& run, const Receiver& receiver,
                         recording_names(receiver), observations.format));
 }
 
+/// A rule over a course needs one, of its length.
+void require_course(const Profile& profile, const StageRun& run) {
+    if (profile.window_kind != "course") return;
+    const auto& course = run.attempt().course;
+    if (!course)
+        throw Failure(run.attempt_path().string(),
+                      fmt::format("the profile {} needs a surveyed course, and the attempt gives "
+                                  "none",
+                                  profile.id),
+                      "Add course: {start, finish, length_m, length_expanded_uncertainty_m}");
+    if (std::abs(course->length_m - profile.distance_m) > 0.02 * profile.distance_m)
+        throw Failure(course->place,
+                      fmt::format("the profile {} is for a course of {:g} m, this one has {:g} m",
+                                  profile.id, profile.distance_m, course->length_m),
+                      "Use a profile of that length, or correct length_m");
+}
+
 /// Brings everything from outside into the run folder: after this stage nothing else is read.
 void import_attempt(StageRun& run, const std::optional<std::filesystem::path>& evidence) {
     const Attempt& attempt = run.attempt();
     for (const std::string& claimed : attempt.profiles) {
         const std::string text = find_profile(claimed, run.attempt_path(), evidence);
-        (void)with_replaced_figures(read_profile(text, claimed), attempt);
+        require_course(with_replaced_figures(read_profile(text, claimed), attempt), run);
         run.write(evidence_profile_file(claimed), text);
     }
     for (const EvidenceFile& file : flow_files(attempt))

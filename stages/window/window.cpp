@@ -178,6 +178,10 @@ ProfileWindows windows_of(const ScreenedTable& screened, const TrajectoryTable& 
     const Choice choice = choose(screened, trajectory, certifier.rows(), profile, config, gates);
     entry.candidates = std::ssize(choice.all);
     entry.missing = choice.missing;
+    if (profile.window_kind == "course" && choice.chosen.empty() && entry.indicated)
+        entry.missing =
+            "as recorded the track passes over the course, but not within one stretch of usable "
+            "epochs";
     certify_chosen(certifier, profile, choice, gates, entry);
     return entry;
 }
@@ -207,18 +211,8 @@ Windows find_windows(const ScreenedTable& screened, const TrajectoryTable& traje
     if (course) gates = course_gates(*course, trajectory.origin);
     for (const Profile& profile : profiles) {
         if (profile.window_kind == "course" && !gates)
-            throw Failure("attempt",
-                          fmt::format("the profile {} needs a surveyed course, and the attempt "
-                                      "gives none",
-                                      profile.id),
-                          "Add course: {start, finish, length_m, length_expanded_uncertainty_m}");
-        if (profile.window_kind == "course" &&
-            std::abs(gates->length_m - profile.distance_m) > 0.02 * profile.distance_m)
-            throw Failure(course->place,
-                          fmt::format("the profile {} is for a course of {:g} m, this one has "
-                                      "{:g} m",
-                                      profile.id, profile.distance_m, gates->length_m),
-                          "Use a profile of that length, or correct length_m");
+            throw Failure("attempt", "the profile " + profile.id + " needs a course",
+                          "Run runcert-import again, with the same attempt");
         windows.profiles.push_back(
             windows_of(screened, trajectory, certifier, profile, config, gates));
     }

@@ -77,7 +77,7 @@ TEST(GoldenRules, ProfileOfAStretch) {
     EXPECT_EQ(profile.runs.stop_s, 2.5);
     EXPECT_EQ(profile.runs.turn_deg, 60.0);
     EXPECT_EQ(profile.opposite_runs_within_s, 1800.0);
-    EXPECT_TRUE(profile.margin_above_upper_limit && profile.subtract_current);
+    EXPECT_TRUE(profile.margin_above_upper_limit && !profile.subtract_current);
     EXPECT_EQ(profile.result->mode, "truncate");
     EXPECT_EQ(profile.result->unit, "mph");
     EXPECT_EQ(profile.result->decimals, 1);
@@ -114,6 +114,7 @@ TEST(GoldenRules, ProfileOfACourse) {
     EXPECT_TRUE(profile.ends_anywhere);
     EXPECT_EQ(profile.margin_kind, "elapsed_time");
     EXPECT_EQ(profile.margin, 0.0125);
+    EXPECT_TRUE(profile.subtract_current);
     const Profile before = read_profile(text_of("v1.2/profile.yaml"), "f");
     EXPECT_EQ(before.window_kind, "time");
     EXPECT_EQ(before.windows, 1);

@@ -33,7 +33,7 @@ TEST(ProfileWindow, EveryMemberIsRead) {
                           "ends: epochs, source: position"),
                  "margin:",
                  "runs: {start_m_s: 4, stop_m_s: 3, stop_s: 2, turn_deg: 45}\n"
-                 "decision: {probability: 0.9}\ncurrent: subtracted\n"
+                 "decision: {probability: 0.9}\ncurrent: ignored\n"
                  "result: {mode: nearest, unit: kn, decimals: 1}\nmargin:"),
         "p");
     EXPECT_EQ(stretch.dimension, "vertical");
@@ -45,7 +45,7 @@ TEST(ProfileWindow, EveryMemberIsRead) {
     EXPECT_EQ(stretch.runs.stop_s, 2.0);
     EXPECT_EQ(stretch.runs.turn_deg, 45.0);
     EXPECT_EQ(stretch.decision_probability, 0.9);
-    EXPECT_TRUE(stretch.subtract_current);
+    EXPECT_FALSE(stretch.subtract_current);
     EXPECT_EQ(stretch.result->unit, "kn");
     EXPECT_EQ(stretch.result->decimals, 1);
     const Profile alpha =
@@ -198,6 +198,8 @@ TEST(ProfileRule, BadInputIsNamedWithItsPlaceAndRemedy) {
          "stop_m_s is not below start_m_s"},
         {"title: top speed", "title: top speed\ndecision: {probability: 0.5}", "p:5:25",
          "0.5 is below 0.51"},
+        {"title: top speed", "title: top speed\ncurrent: subtracted\nopposite_runs: {within_s: 60}",
+         "p:5:10", "the current is known along one window"},
         {"title: top speed", "title: top speed\ncurrent: added", "p:5:10",
          "\"added\" is not one of ignored, subtracted"},
         {"title: top speed", "title: top speed\nresult: {mode: nearest, unit: kn}", "p:5:9",

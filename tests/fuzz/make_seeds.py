@@ -236,5 +236,11 @@ def signatures():
              + b64(b"Ed" + kdf + b"B2" + bytes(48) + bytes(8) + seed + public + checksum) + "\n")
 
 
-for make in (rtklib_pos, nmea, ubx, vbo, flysight, oao, sbp, sbn, gpx, igc, csv, golden, documents, signatures):
+def flows():
+    save("flow", "utc", "time,speed_kn,direction_deg\n2026-10-20T11:00:30Z,27.5,188\n2026-10-20T11:00:31.5Z,29.1,191\n")
+    save("flow", "gps", "# anemometer\ntime_gps,direction_deg,speed_m_s\n2026-10-20T11:00:30.000,5,0\n\n2026-10-20T11:00:32.250,360,12.25\n")
+    save("flow", "seconds", "time_s,speed_km_h,direction_deg\r\n-1.5,36,0\r\n0,40,10\r\n2.5,1e1,359.9\r\n")
+
+
+for make in (rtklib_pos, nmea, ubx, vbo, flysight, oao, sbp, sbn, gpx, igc, csv, golden, documents, signatures, flows):
     make()

@@ -12,6 +12,7 @@
 #include "stages/window/instants.h"
 #include "stages/window/position_noise.h"
 #include "stages/window/reliability.h"
+#include "stages/window/robust.h"
 #include "stages/window/search_series.h"
 #include "stages/window/selection.h"
 
@@ -60,47 +61,6 @@ SmoothedArc<Axes> checked_estimate(const AxesEvidence<Axes>& evidence, const Fou
                           "Run runcert-smooth again, with the same attempt");
     }
     return smoothed;
-}
-
-/// Displacement (m) of the robust batch. It keeps positions alone: the motion over a bridged step
-/// is that of the screened solution.
-std::optional<Eigen::Vector2d> robust_displacement(const AxesEvidence<2>& evidence,
-                                                   const Arc<2>& arc,
-                                                   const SmoothedArc<2>& smoothed,
-                                                   EpochPair window) {
-    const auto row = [&](std::size_t k) -> const TrajectoryEpoch& {
-        return evidence.trajectory.rows[arc.rows[k]];
-    };
-    if (!row(window.first).robust_east_m || !row(window.last).robust_east_m) return std::nullopt;
-    const auto difference = [&](std::size_t first, std::size_t last) {
-        return Eigen::Vector2d(
-            row(last).robust_east_m.value() - row(first).robust_east_m.value(),
-            row(last).robust_north_m.value() - row(first).robust_north_m.value());
-    };
-    Eigen::Vector2d moved = difference(window.first, window.last);
-    for (const BridgedStep& step : smoothed.bridged_between(window.first, window.last))
-        moved += displacement(smoothed, step.epoch - 1, step.epoch) -
-                 difference(step.epoch - 1, step.epoch);
-    return moved;
-}
-
-/// The robust batch's speed against the screened solution's, whose noise model is the same.
-std::optional<RobustSpeed> robust_speed(const AxesEvidence<2>& evidence, const Arc<2>& arc,
-                                        const SmoothedArc<2>& smoothed, EpochPair window,
-                                        const SpeedEstimate& screened, double duration_s) {
-    constexpr double coverage_factor = 2.0;
-    const auto displacement = robust_displacement(evidence, arc, smoothed, window);
-    if (!displacement) return std::nullopt;
-    RobustSpeed robust;
-    robust.speed_mps = std::hypot(displacement->x(), displacement->y()) / duration_s;
-    robust.difference_mps = robust.speed_mps - screened.speed_mps;
-    robust.limit_mps = coverage_factor * screened.standard_uncertainty_mps;
-    robust.agrees = std::abs(robust.difference_mps) <= robust.limit_mps;
-    for (std::size_t k = window.first; k <= window.last; ++k) {
-        const auto& weight = evidence.trajectory.rows[arc.rows[k]].robust_weight;
-        if (weight && *weight < 0.5) ++robust.downweighted;
-    }
-    return robust;
 }
 
 /// The windows that could have been the best, those close to one another together.
@@ -173,9 +133,10 @@ SelectionBias selection_of(const AxesEvidence<Axes>& evidence, const WindowChoic
     return selection;
 }
 
-/// What a vertical speed of coordinate "up" lacks (m/s) against one of heights above the ellipsoid:
+/// Adds what a vertical speed of coordinate "up" lacks against one of heights above the ellipsoid:
 /// the Earth falls away from the plane as the craft moves over it.
-double curvature_mps(const AxesEvidence<1>& evidence, const FoundWindow& found, double duration_s) {
+void correct_for_curvature(const AxesEvidence<1>& evidence, const FoundWindow& found,
+                           PositionNoise& noise, CertifiableWindow& window) {
     const auto row = [&](std::size_t k) -> const TrajectoryEpoch& {
         return evidence.trajectory.rows[evidence.arcs[found.series].rows[k]];
     };
@@ -185,7 +146,58 @@ double curvature_mps(const AxesEvidence<1>& evidence, const FoundWindow& found, 
     const TrajectoryEpoch& first = row(found.first);
     const TrajectoryEpoch& last = row(found.last);
     const double upwards = *last.up_m >= *first.up_m ? 1.0 : -1.0;
-    return upwards * (fall_m(last) - fall_m(first)) / duration_s;
+    const double correction_mps =
+        upwards * (fall_m(last) - fall_m(first)) / (found.end.seconds() - found.start.seconds());
+    SpeedDefinitions& all = window.definitions;
+    for (double* const speed_mps :
+         {&noise.speed.speed_mps, &window.fitted->speed_mps, &all.displacement_mps,
+          &all.path_length_mps, &all.mean_n_plus_1_mps, &all.mean_n_mps})
+        *speed_mps += correction_mps;
+}
+
+template <int Axes>
+ErrorBound bound_of(const AxesEvidence<Axes>& evidence, const WindowChoice& choice) {
+    const Arc<Axes>& arc = evidence.arcs[choice.found.series];
+    return error_bound<Axes>(evidence.screened, arc.rows[choice.found.first],
+                             arc.rows[choice.found.last], evidence.noise,
+                             choice.profile.uncertainty);
+}
+
+/// The speed as estimated with the bounded error, and the bound itself.
+void set_bound(const ErrorBound& bound, const PositionNoise& noise, CertifiableWindow& window) {
+    window.bound = bound;
+    window.bound->standard_uncertainty_mps = noise.speed.standard_uncertainty_mps;
+    window.speed_mps = noise.speed.speed_mps;
+    window.displacement_m = noise.displacement_m;
+    window.length_m = noise.speed.speed_mps * window.span.duration.seconds();
+}
+
+/// The budget of the window's speed, and what follows from it.
+template <int Axes>
+void set_budget(const AxesEvidence<Axes>& evidence, const WindowChoice& choice,
+                const PositionNoise& noise, double duration_s, CertifiableWindow& window) {
+    const Arc<Axes>& arc = evidence.arcs[choice.found.series];
+    const BudgetInput input{
+        .trajectory = evidence.trajectory,
+        .config = evidence.config,
+        .noise = noise,
+        .bound = *window.bound,
+        .selection = *window.selection,
+        .first_row = arc.rows[choice.found.first],
+        .last_row = arc.rows[choice.found.last],
+        .duration_s = duration_s,
+        .vertical = Axes == 1,
+        .length = choice.profile.window_kind == "course"
+                      ? std::optional(SurveyedLength{choice.quantity.length_m,
+                                                     choice.length_standard_uncertainty_m})
+                      : std::nullopt,
+        .reliability = window.reliability,
+        .detection_power = window.detection_power.value_or(0.0)};
+    window.budget = budget_of(input);
+    const CombinedUncertainty combined = combine(window.budget);
+    window.standard_uncertainty_mps = combined.standard_uncertainty;
+    window.effective_degrees_of_freedom = combined.effective_degrees_of_freedom;
+    window.monte_carlo = monte_carlo(input, window.budget, window.speed_mps);
 }
 
 /// Position and time of the window.
@@ -247,80 +259,38 @@ AxesEvidence<Axes> evidence_of(const ScreenedTable& screened, const TrajectoryTa
 template <int Axes>
 CertifiableWindow certified(const AxesEvidence<Axes>& evidence, const WindowChoice& choice) {
     const FoundWindow& found = choice.found;
-    const Arc<Axes>& arc = evidence.arcs[found.series];
-    const EpochPair epochs{found.first, found.last};
+    const ArcWithInstants<Axes> at = with_instants(
+        evidence.arcs[found.series], evidence.times[found.series], found.start, found.end);
+    const WindowStretch<Axes> stretch = cut_stretch(at.arc, at.window, stretch_margin_s);
+    const SmoothedArc<Axes> smoothed = checked_estimate(evidence, found);
+    const SmoothedArc<Axes> smoothed_at = smooth<Axes>(at.arc.epochs, evidence.model);
+
     CertifiableWindow window;
     set_place(evidence, found, window);
     window.methods = methods_of(evidence, found);
-
-    const SmoothedArc<Axes> smoothed = checked_estimate(evidence, found);
-    const ArcWithInstants<Axes> at =
-        with_instants(arc, evidence.times[found.series], found.start, found.end);
-    const SmoothedArc<Axes> smoothed_at = smooth<Axes>(at.arc.epochs, evidence.model);
-    const WindowStretch<Axes> stretch = cut_stretch(at.arc, at.window, stretch_margin_s);
-    const double duration_s = stretch.duration_s;
-    window.definitions = definitions_of(smoothed_at, at.window, duration_s);
+    window.definitions = definitions_of(smoothed_at, at.window, stretch.duration_s);
     window.fitted = fitted_speed(stretch, evidence.models, choice.quantity);
-    const SpeedEstimate searched =
-        displacement_speed(smoothed_at, at.window.first, at.window.last, duration_s);
-    if constexpr (Axes == 2)
-        window.robust = robust_speed(
-            evidence, arc, smoothed, epochs,
-            displacement_speed(smoothed, found.first, found.last,
-                               arc.epochs[found.last].time_s - arc.epochs[found.first].time_s),
-            arc.epochs[found.last].time_s - arc.epochs[found.first].time_s);
+    if constexpr (Axes == 2) window.robust = robust_speed(evidence, found, smoothed);
     window.repaired_steps = std::ssize(smoothed.bridged_between(found.first, found.last));
 
-    ErrorBound bound =
-        error_bound<Axes>(evidence.screened, arc.rows[found.first], arc.rows[found.last],
-                          evidence.noise, choice.profile.uncertainty);
+    const ErrorBound bound = bound_of(evidence, choice);
     const EstimationModel bounded = bounded_model(evidence.noise, bound);
     PositionNoise noise = position_noise(stretch, bounded, choice.quantity);
-    if constexpr (Axes == 1) {
-        const double correction = curvature_mps(evidence, found, duration_s);
-        SpeedDefinitions& all = window.definitions;
-        for (double* const speed :
-             {&noise.speed.speed_mps, &window.fitted->speed_mps, &all.displacement_mps,
-              &all.path_length_mps, &all.mean_n_plus_1_mps, &all.mean_n_mps})
-            *speed += correction;
-    }
-    bound.standard_uncertainty_mps = noise.speed.standard_uncertainty_mps;
-    window.bound = bound;
-    window.displacement_m = noise.displacement_m;
-    window.position_r95_m = position_r95_m(smoothed, epochs, bound);
-    window.length_m = noise.speed.speed_mps * duration_s;
+    if constexpr (Axes == 1) correct_for_curvature(evidence, found, noise, window);
+    set_bound(bound, noise, window);
+    window.position_r95_m = position_r95_m(smoothed, EpochPair{found.first, found.last}, bound);
     if (evidence.screened.evidence) {
         window.detection_power = evidence.screened.evidence->power;
         window.reliability =
             undetected_errors(evidence.screened, at.arc, stretch, bounded, choice.quantity);
     }
+    const SpeedEstimate searched =
+        displacement_speed(smoothed_at, at.window.first, at.window.last, stretch.duration_s);
     window.selection = selection_of(evidence, choice, bounded, searched.standard_uncertainty_mps,
                                     noise.speed.speed_mps);
-    window.speed_mps = noise.speed.speed_mps;
     if (choice.profile.uncertainty.subtract_selection_bias)
         window.speed_mps -= window.selection->bias_mps;
-
-    const BudgetInput input{
-        .trajectory = evidence.trajectory,
-        .config = evidence.config,
-        .noise = noise,
-        .bound = bound,
-        .selection = *window.selection,
-        .first_row = arc.rows[found.first],
-        .last_row = arc.rows[found.last],
-        .duration_s = duration_s,
-        .vertical = Axes == 1,
-        .length = choice.profile.window_kind == "course"
-                      ? std::optional(SurveyedLength{choice.quantity.length_m,
-                                                     choice.length_standard_uncertainty_m})
-                      : std::nullopt,
-        .reliability = window.reliability,
-        .detection_power = window.detection_power.value_or(0.0)};
-    window.budget = budget_of(input);
-    const CombinedUncertainty combined = combine(window.budget);
-    window.standard_uncertainty_mps = combined.standard_uncertainty;
-    window.effective_degrees_of_freedom = combined.effective_degrees_of_freedom;
-    window.monte_carlo = monte_carlo(input, window.budget, window.speed_mps);
+    set_budget(evidence, choice, noise, stretch.duration_s, window);
     return window;
 }
 
@@ -330,43 +300,5 @@ template AxesEvidence<2> evidence_of<2>(const ScreenedTable&, const TrajectoryTa
                                         const WindowConfig&);
 template CertifiableWindow certified<1>(const AxesEvidence<1>&, const WindowChoice&);
 template CertifiableWindow certified<2>(const AxesEvidence<2>&, const WindowChoice&);
-
-CertifiableWindow in_space(const CertifiableWindow& horizontal, const CertifiableWindow& vertical) {
-    CertifiableWindow window = horizontal;
-    const double speed = std::hypot(horizontal.speed_mps, vertical.speed_mps);
-    const double level = speed > 0.0 ? horizontal.speed_mps / speed : 1.0;
-    const double upright = speed > 0.0 ? vertical.speed_mps / speed : 1.0;
-    const double of_level = level * horizontal.standard_uncertainty_mps;
-    const double of_upright = upright * vertical.standard_uncertainty_mps;
-    for (BudgetRow& row : window.budget) {
-        row.sensitivity *= level;
-        row.contribution_mps *= level;
-    }
-    const double added = std::sqrt(of_upright * of_upright + 2.0 * of_level * of_upright);
-    window.budget.push_back({.symbol = "v",
-                             .source = "vertical part of the speed",
-                             .estimate = vertical.speed_mps,
-                             .unit = "m / s",
-                             .standard_uncertainty = added,
-                             .type = "B",
-                             .distribution = "normal",
-                             .degrees_of_freedom = std::nullopt,
-                             .sensitivity = 1.0,
-                             .contribution_mps = added,
-                             .correlation = "fully correlated with all other rows together; what "
-                                            "it adds to them is given",
-                             .note = fmt::format("its own standard uncertainty is {:.4f} m/s",
-                                                 vertical.standard_uncertainty_mps)});
-    window.speed_mps = speed;
-    window.standard_uncertainty_mps = of_level + of_upright;
-    window.length_m = speed * window.span.duration.seconds();
-    window.definitions.displacement_mps =
-        std::hypot(horizontal.definitions.displacement_mps, vertical.definitions.displacement_mps);
-    window.fitted = std::nullopt;
-    window.monte_carlo = std::nullopt;
-    window.reliability.insert(window.reliability.end(), vertical.reliability.begin(),
-                              vertical.reliability.end());
-    return window;
-}
 
 }  // namespace runcert

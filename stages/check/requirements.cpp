@@ -121,10 +121,12 @@ Finding accuracy(const ClauseContext& context) {
     const bool met = u <= *context.profile.accuracy_limit_mps;
     const std::string& unit = context.profile.accuracy_unit;
     return {met ? "met" : "not_met",
-            fmt::format("{:.3g} times the standard uncertainty is {}, the limit {}; the bound on "
-                        "slow errors and the worst undetected error are in it",
+            fmt::format("{:.3g} times the standard uncertainty is {}, the limit {}; {}",
                         context.coverage_factor, in_unit(u, unit, 3),
-                        in_unit(*context.profile.accuracy_limit_mps, unit, 3)),
+                        in_unit(*context.profile.accuracy_limit_mps, unit, 3),
+                        context.profile.speed_source == "velocity"
+                            ? "it rests on what the recording states of its velocities"
+                            : "the bound on slow errors and the worst undetected error are in it"),
             {speed_figure("expanded uncertainty", u, unit),
              speed_figure("limit", *context.profile.accuracy_limit_mps, unit)}};
 }
@@ -221,6 +223,7 @@ Requirement decide_clause(const Clause& clause, const ClauseContext& context) {
         {"secondary_method", secondary_method},
         {"attest", attest}};
     std::optional<Finding> finding = course_finding(clause, context);
+    if (!finding) finding = recording_finding(clause, context);
     if (!finding) {
         const auto computation = computations.find(clause.decided_by);
         if (computation == computations.end())

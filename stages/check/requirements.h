@@ -46,9 +46,10 @@ struct Finding {
 /// Decides one clause by the computation it names.
 Requirement decide_clause(const Clause& clause, const ClauseContext& context);
 
-/// The computations of course, craft, wind and recording, each against the clause's limit: not met,
-/// or met, only where the expanded uncertainty leaves no other answer. Empty for another name.
+/// The computations of course and craft, and those of wind, current, recording and runs, against
+/// the clause's limit where it has one. Empty for another name.
 std::optional<Finding> course_finding(const Clause& clause, const ClauseContext& context);
+std::optional<Finding> recording_finding(const Clause& clause, const ClauseContext& context);
 
 /// "232.172 km/h".
 std::string in_unit(double speed_mps, const std::string& unit, int decimals);

@@ -1,0 +1,46 @@
+#include "stages/check/against_limit.h"
+
+#include <fmt/format.h>
+
+namespace runcert {
+namespace {
+
+std::string words_of(const Compared& figure, const std::string& unit) {
+    const auto number = [](double value) { return fmt::format("{:.4g}", value); };
+    return fmt::format("{} {} {}{}", figure.name, number(figure.value), unit,
+                       figure.expanded_uncertainty
+                           ? fmt::format(" +/- {:.2g} {}", *figure.expanded_uncertainty, unit)
+                           : std::string());
+}
+
+}  // namespace
+
+Finding against_limit(const Compared& figure, const Clause& clause, Bound bound) {
+    const double limit = clause.limit.value();
+    const double reach = figure.expanded_uncertainty.value_or(0.0);
+    const double sign = bound == Bound::at_most ? 1.0 : -1.0;
+    const double worst = sign * figure.value + reach;
+    const double best = sign * figure.value - reach;
+    const char* const status =
+        worst <= sign * limit ? "met" : (best > sign * limit ? "not_met" : "attest");
+    std::string evidence =
+        fmt::format("{}, {} {:.4g} {}{}", words_of(figure, clause.unit),
+                    bound == Bound::at_most ? "at most" : "at least", limit, clause.unit,
+                    std::string_view(status) == "attest"
+                        ? ": the limit lies within the uncertainty, the data cannot tell"
+                        : "");
+    if (!figure.note.empty()) evidence += "; " + figure.note;
+    return {status,
+            std::move(evidence),
+            {{.name = figure.name,
+              .value = figure.value,
+              .unit = clause.unit,
+              .expanded_uncertainty = figure.expanded_uncertainty,
+              .note = figure.note}}};
+}
+
+Finding unknown(std::string why) {
+    return {"attest", "the data do not tell: " + std::move(why)};
+}
+
+}  // namespace runcert

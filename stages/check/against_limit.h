@@ -1,0 +1,27 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "stages/check/requirements.h"
+
+namespace runcert {
+
+/// A figure that is compared with a clause's limit, in the limit's unit.
+struct Compared {
+    std::string name;
+    double value = 0.0;
+    std::optional<double> expanded_uncertainty;
+    std::string note = {};
+};
+
+enum class Bound { at_most, at_least };
+
+/// Met or not met where the whole interval is on one side of the clause's limit; for a person to
+/// attest in between.
+Finding against_limit(const Compared& figure, const Clause& clause, Bound bound);
+
+/// For a person to attest, because the data do not tell.
+Finding unknown(std::string why);
+
+}  // namespace runcert

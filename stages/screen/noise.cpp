@@ -60,6 +60,17 @@ double robust_scale(const std::vector<std::span<const ArcEpoch<Axes>>>& stretche
     return std::sqrt(std::max(1.0, median(statistics) / chi_squared_quantile(0.5, Axes)));
 }
 
+/// Whether most usable epochs come with a velocity.
+bool has_velocities(const ScreenedTable& table) {
+    std::int64_t usable = 0;
+    std::int64_t recorded = 0;
+    for (const ScreenedEpoch& row : table.rows) {
+        usable += row.usable ? 1 : 0;
+        recorded += row.usable && row.recorded_velocity_east_mps ? 1 : 0;
+    }
+    return 2 * recorded > usable;
+}
+
 std::string words_of(NoiseFit::Status status) {
     switch (status) {
         case NoiseFit::Status::fitted:
@@ -96,7 +107,8 @@ ScreeningNoise learn_screening_noise(const ScreenedTable& first_look, const Scre
             noise.fitted = fit.model;
             noise.evidence.white_scale = fit.white_scale;
             model.motion.jerk_density = std::max(config.jerk_density, fit.jerk_density.value);
-            model.measurement_scale = std::max(model.measurement_scale, config.noise_scale_min);
+            if (has_velocities(first_look))
+                model.measurement_scale = std::max(model.measurement_scale, config.noise_scale_min);
         }
     }
     if (noise.evidence.noise != "fitted") {

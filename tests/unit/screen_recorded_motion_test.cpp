@@ -1,0 +1,158 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/random.h"
+#include "stages/screen/decisions.h"
+#include "stages/screen/screen.h"
+
+namespace runcert {
+namespace {
+
+// Positions that a receiver has filtered: smooth to a few millimetres, stated to half a metre. The
+// craft goes north at 15 m/s and is stopped within 0.4 s, as by a fall.
+
+struct Fall {
+    bool velocities = true;
+    double lag_s = 0.0;           ///< of the recorded velocities
+    bool positions_only = false;  ///< the velocities go on as before: the positions drift
+};
+
+double speed_mps(double time_s) {
+    return 15.0 * std::clamp((20.2 - time_s) / 0.4, 0.0, 1.0);
+}
+
+EnuTable recorded(const Fall& fall) {
+    RandomGenerator random(3);
+    EnuTable table;
+    table.facts.receiver = "primary";
+    table.facts.vertical_measured = false;
+    table.facts.nominal_interval_s = 0.1;
+    double north_m = 0.0;
+    for (int k = 0; k < 400; ++k) {
+        const double time_s = 0.1 * k;
+        for (int i = 0; k > 0 && i < 10; ++i)
+            north_m += 0.01 * speed_mps(time_s - 0.1 + 0.01 * (i + 0.5));
+        EnuEpoch& row = table.rows.emplace_back();
+        row.epoch = k + 1;
+        row.time.nanoseconds = k * 100'000'000LL;
+        row.east_m = 0.002 * random.normal();
+        row.north_m = north_m + 0.002 * random.normal();
+        row.sigma_east_m = row.sigma_north_m = 0.5;
+        row.fix = FixKind::single;
+        if (!fall.velocities) continue;
+        row.recorded_velocity_east_mps = 0.05 * random.normal();
+        row.recorded_velocity_north_mps =
+            (fall.positions_only ? 15.0 : speed_mps(time_s - fall.lag_s)) + 0.05 * random.normal();
+        row.sigma_recorded_velocity_east_mps = row.sigma_recorded_velocity_north_mps = 0.1;
+    }
+    return table;
+}
+
+ScreenConfig board() {
+    Attempt attempt = read_attempt(
+        "schema: attempt/1.4\nid: t\ncraft: {name: t, class: board}\n"
+        "receivers: [{id: primary, recording: r}]\nprofiles: [nalsa]\n",
+        "attempt");
+    return screen_config(attempt);
+}
+
+std::int64_t usable(const EnuTable& table, const ScreenConfig& config) {
+    return summarise(screen(table, config).rows).usable;
+}
+
+TEST(FilteredPositions, AreNotRefusedForMovesHarderThanTheirNoise) {
+    EXPECT_GE(usable(recorded({}), board()), 395);
+    EXPECT_GE(usable(recorded({.lag_s = 0.3}), board()), 390);
+    // With the white noise taken for what it seems to be the tests refuse good epochs.
+    ScreenConfig as_fitted = board();
+    as_fitted.noise_scale_min = 0.0;
+    EXPECT_LT(usable(recorded({}), as_fitted), usable(recorded({}), board()));
+    // Without velocities nothing could settle what then seems to be a drift.
+    EXPECT_EQ(usable(recorded({.velocities = false}), as_fitted),
+              usable(recorded({.velocities = false}), board()));
+}
+
+/// A ramp before row 5 of ten rows at 10 Hz, the positions changing from 10 m/s to 4 m/s there.
+struct Ramp {
+    std::vector<ScreenedEpoch> rows = std::vector<ScreenedEpoch>(60);
+    std::vector<std::size_t> arc_rows;
+    ArcDecisions decisions;
+
+    Ramp() {
+        decisions.left_out.resize(60);
+        decisions.breaks.resize(60);
+        for (std::size_t k = 0; k < 60; ++k) {
+            ScreenedEpoch& row = rows[k];
+            const double time_s = 0.1 * static_cast<double>(k);
+            row.time.nanoseconds = static_cast<std::int64_t>(k) * 100'000'000;
+            row.usable = true;
+            row.arc = 1;
+            row.east_m = 0.0;
+            row.north_m = k < 30 ? 10.0 * time_s : 30.0 + 4.0 * (time_s - 3.0);
+            row.up_m = row.north_m;
+            arc_rows.push_back(k);
+        }
+        rows[0].break_before = ArcBreak::start;
+        decisions.breaks[30] = Decision{.hypothesis = Hypothesis::ramp,
+                                        .first = 30,
+                                        .last = 30,
+                                        .statistic = 99.0,
+                                        .threshold = 40.0,
+                                        .estimated = {}};
+        decisions.breaks[30]->estimated.rate_north_mps = -6.0;
+    }
+    /// Velocities north that change by so much, that much later.
+    void record(double change_mps, std::size_t later = 0) {
+        for (std::size_t k = 0; k < 60; ++k) {
+            rows[k].recorded_velocity_east_mps = 0.0;
+            rows[k].recorded_velocity_north_mps = k < 30 + later ? 10.0 : 10.0 + change_mps;
+        }
+    }
+    std::int64_t left(TestedAxes axes = TestedAxes::horizontal, MarkOptions options = {}) {
+        std::vector<ScreenedEpoch> marked = rows;
+        mark_rows(marked, arc_rows, decisions, axes, options);
+        return std::ranges::count_if(marked, &ScreenedEpoch::usable);
+    }
+};
+
+TEST(Drift, ThatTheRecordedVelocitiesShareIsMotion) {
+    Ramp ramp;
+    EXPECT_EQ(ramp.left(), 0);  // nobody can tell which side drifts
+    ramp.record(-6.0);
+    EXPECT_EQ(ramp.left(), 60);
+    ramp.record(-6.0, 4);  // 0.4 s late
+    EXPECT_EQ(ramp.left(), 60);
+    ramp.record(-3.5);  // more than half of it
+    EXPECT_EQ(ramp.left(), 60);
+    ramp.record(-2.5);  // less than half
+    EXPECT_EQ(ramp.left(), 0);
+    ramp.record(0.0);  // the positions alone
+    EXPECT_EQ(ramp.left(), 0);
+    ramp.record(6.0);
+    EXPECT_EQ(ramp.left(), 0);
+    // Not told at one epoch beside it: not asked.
+    ramp.record(-6.0);
+    ramp.rows[20].recorded_velocity_north_mps.reset();
+    EXPECT_EQ(ramp.left(), 0);
+}
+
+TEST(Drift, OfHeightsIsAskedOfTheHorizontalVelocitiesForCraftsOnTheGround) {
+    Ramp ramp;
+    ramp.decisions.breaks[30]->estimated = {};
+    ramp.decisions.breaks[30]->estimated.rate_up_mps = -6.0;
+    ramp.record(-6.0);
+    EXPECT_EQ(ramp.left(TestedAxes::vertical), 60);
+    EXPECT_EQ(ramp.left(TestedAxes::vertical, {.on_the_ground = false}), 0);
+    // Where vertical velocities are recorded they are asked.
+    for (ScreenedEpoch& row : ramp.rows)
+        row.recorded_velocity_up_mps = 10.0;
+    EXPECT_EQ(ramp.left(TestedAxes::vertical), 0);
+    for (std::size_t k = 30; k < 60; ++k)
+        ramp.rows[k].recorded_velocity_up_mps = 4.0;
+    EXPECT_EQ(ramp.left(TestedAxes::vertical, {.on_the_ground = false}), 60);
+}
+
+}  // namespace
+}  // namespace runcert

@@ -37,6 +37,25 @@ TEST(Certify, SaltLakeIsBeatenUnderBothRules) {
     EXPECT_FALSE(fs::exists(folder.path() / "run" / "report.html"));
 }
 
+TEST(Certify, ASurveyedCourseIsTimedBetweenItsLines) {
+    const TemporaryFolder folder;
+    const fs::path run = folder.path() / "run";
+    const ProcessResult result =
+        certify(examples / "course" / "attempt.yaml", run, {"--no-render"});
+    EXPECT_EQ(result.exit_status, 0) << result.errors;
+    const YamlValue profile = read_yaml(run / "6-verdict.yaml")["profiles"].list().at(0);
+    EXPECT_EQ(profile["outcome"].text(), "beaten");
+    // By truth.csv the lines, 600 m and 1100 m from the start, are crossed at 41.4328 s and
+    // 59.2984 s.
+    EXPECT_NEAR(profile["window"]["start_time_s"].real(), 41.4328, 0.0015);
+    EXPECT_NEAR(profile["window"]["duration_s"].real(), 59.2984 - 41.4328, 0.002);
+    // 500 m over that time, less the component of 0.05 m/s that sets to 91 degrees.
+    EXPECT_NEAR(profile["speed_m_s"].real(), 500.0 / (59.2984 - 41.4328) - 0.05, 0.01);
+    EXPECT_NEAR(profile["current_subtracted_m_s"].real(), 0.05, 1e-3);
+    EXPECT_EQ(runcert({"explain", run.string(), "decision"}).exit_status, 0);
+    EXPECT_EQ(runcert({"explain", run.string(), "no-such-clause"}).exit_status, 2);
+}
+
 TEST(Certify, AStepInsideTheBestWindowIsNotCertified) {
     const TemporaryFolder folder;
     const ProcessResult result =

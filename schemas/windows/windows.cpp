@@ -124,7 +124,8 @@ inline constexpr auto members<CertifiableWindow> = std::tuple{
 template <>
 inline constexpr auto members<FurtherWindow> =
     std::tuple{Member{"arc", &FurtherWindow::arc}, Member{"speed_m_s", &FurtherWindow::speed_mps},
-               Member{"standard_uncertainty_m_s", &FurtherWindow::standard_uncertainty_mps}};
+               Member{"standard_uncertainty_m_s", &FurtherWindow::standard_uncertainty_mps},
+               Member{"robust", &FurtherWindow::robust}};
 
 namespace {
 
@@ -134,16 +135,19 @@ const DocumentSchema& windows_schema() {
     return schema;
 }
 
-Json best_json(const CertifiableWindow& best) {
-    Json json = window_span_json(best.span);
-    json.update(members_json(best));
+/// A window's span and members in one map, and back.
+template <class Window>
+Json window_json(const Window& window) {
+    Json json = window_span_json(window.span);
+    json.update(members_json(window));
     return json;
 }
 
-CertifiableWindow read_best(const YamlValue& value) {
-    CertifiableWindow best = read_members<CertifiableWindow>(value);
-    best.span = read_window_span(value);
-    return best;
+template <class Window>
+Window read_window(const YamlValue& value) {
+    Window window = read_members<Window>(value);
+    window.span = read_window_span(value);
+    return window;
 }
 
 Json indicated_json(const IndicatedWindow& indicated) {
@@ -194,18 +198,6 @@ WindowRule read_rule(const YamlValue& entry) {
             .opposite_runs = entry["opposite_runs"].exists() && entry["opposite_runs"].boolean()};
 }
 
-Json further_json(const FurtherWindow& further) {
-    Json json = window_span_json(further.span);
-    json.update(members_json(further));
-    return json;
-}
-
-FurtherWindow read_further(const YamlValue& value) {
-    FurtherWindow further = read_members<FurtherWindow>(value);
-    further.span = read_window_span(value);
-    return further;
-}
-
 }  // namespace
 
 double SpeedDefinitions::by_name(std::string_view name) const {
@@ -244,10 +236,10 @@ std::string write_windows(const Windows& windows) {
         write_rule(entry, profile.rule);
         entry["candidates"] = profile.candidates;
         if (!profile.missing.empty()) entry["missing"] = profile.missing;
-        if (profile.best) entry["best"] = best_json(*profile.best);
+        if (profile.best) entry["best"] = window_json(*profile.best);
         if (!profile.further.empty()) entry["further"] = Json::array();
         for (const FurtherWindow& further : profile.further)
-            entry["further"].push_back(further_json(further));
+            entry["further"].push_back(window_json(further));
         if (profile.indicated) entry["indicated"] = indicated_json(*profile.indicated);
         json["profiles"].push_back(std::move(entry));
     }
@@ -268,10 +260,10 @@ Windows read_windows(std::string_view text, const std::string& where) {
                                .missing = entry["missing"].text_or(""),
                                .best = std::nullopt,
                                .indicated = std::nullopt};
-        if (entry["best"].exists()) profile.best = read_best(entry["best"]);
+        if (entry["best"].exists()) profile.best = read_window<CertifiableWindow>(entry["best"]);
         if (entry["further"].exists())
             for (const YamlValue& further : entry["further"].list())
-                profile.further.push_back(read_further(further));
+                profile.further.push_back(read_window<FurtherWindow>(further));
         if (entry["indicated"].exists()) profile.indicated = read_indicated(entry["indicated"]);
         windows.profiles.push_back(std::move(profile));
     }

@@ -137,6 +137,7 @@ struct FurtherWindow {
     std::int64_t arc = 0;
     double speed_mps = 0.0;
     double standard_uncertainty_mps = 0.0;
+    std::optional<RobustSpeed> robust = std::nullopt;
 };
 
 struct IndicatedWindow {

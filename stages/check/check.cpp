@@ -43,13 +43,41 @@ std::string refused_for_records(const RecordCount& records, const WindowSpan& wi
     return {};
 }
 
+/// Why a window that the speed is made of forbids a certificate; empty where it does not.
+std::string refused_for_robust(const std::optional<RobustSpeed>& robust,
+                               const EstimationSummary& estimation) {
+    if (robust && !robust->agrees)
+        return fmt::format(
+            "A robust estimate over the same epochs gives {:+.3f} km/h against the screened one, "
+            "more than their uncertainty of {:.3f} km/h: screening may have kept a wrong epoch or "
+            "rejected a right one.",
+            robust->difference_mps * 3.6, robust->limit_mps * 3.6);
+    if (!robust && estimation.robust_unsolved > 0)
+        return "The robust estimate, which is the check on screening, did not converge over the "
+               "stretch of this window.";
+    return {};
+}
+
+/// The first refusal of the windows that the speed is made of: the best, then the further ones.
+template <class Refuse>
+std::string first_refusal(const ProfileWindows& windows, Refuse refuse) {
+    std::string refused = refuse(windows.best->span, windows.best->robust);
+    for (const FurtherWindow& further : windows.further)
+        if (refused.empty()) refused = refuse(further.span, further.robust);
+    return refused;
+}
+
 /// Why nothing can be certified; empty where something can.
 std::string refusal_of(const ClauseContext& context, const std::vector<Requirement>& requirements) {
     const auto failed = failed_clauses(requirements, context.profile);
     const auto& best = context.windows.best;
     // What cannot be read makes every other finding doubtful.
     if (best)
-        if (std::string refused = refused_for_records(context.input.judged.records, best->span);
+        if (std::string refused = first_refusal(context.windows,
+                                                [&](const WindowSpan& span, const auto&) {
+                                                    return refused_for_records(
+                                                        context.input.judged.records, span);
+                                                });
             !refused.empty())
             return refused;
     if (!failed.empty()) return "Not met: " + failed.front();
@@ -59,15 +87,13 @@ std::string refusal_of(const ClauseContext& context, const std::vector<Requireme
                    ? "The rule subtracts the current, which is not known for the window: give "
                      "current: in the attempt, with a series that covers it."
                    : "There are too few certifiable windows for the mean that the rule takes.";
-    if (const auto& robust = best->robust; robust && !robust->agrees)
-        return fmt::format(
-            "A robust estimate over the same epochs gives {:+.3f} km/h against the screened one, "
-            "more than their uncertainty of {:.3f} km/h: screening may have kept a wrong epoch or "
-            "rejected a right one.",
-            robust->difference_mps * 3.6, robust->limit_mps * 3.6);
-    if (!best->robust && context.input.judged.estimation.robust_unsolved > 0)
-        return "The robust estimate, which is the check on screening, did not converge over the "
-               "stretch of this window.";
+    if (std::string refused = first_refusal(context.windows,
+                                            [&](const WindowSpan&, const auto& robust) {
+                                                return refused_for_robust(
+                                                    robust, context.input.judged.estimation);
+                                            });
+        !refused.empty())
+        return refused;
     if (context.agreement && context.agreement->contradicts())
         return fmt::format(
             "Receiver \"{}\" gives {:+.3f} km/h over the same time, more than both uncertainties "

@@ -105,12 +105,13 @@ void add_unconfirmed(const ClauseContext& context, Notes& notes) {
             notes.push_back(fmt::format("Not confirmed: {}: {}", clause.id, clause.text));
 }
 
-void add_speed_unit_figures(const FlowInWindow& flow, const std::string& what, const char* from,
-                            std::vector<Figure>& figures) {
+void add_flow_figures(const FlowInWindow& flow, const std::string& what, const char* from,
+                      bool heading_known, std::vector<Figure>& figures) {
     figures.push_back({.name = "mean " + what, .value = flow.mean_mps, .unit = "m/s"});
     figures.push_back({.name = "strongest " + what, .value = flow.gust_mps, .unit = "m/s"});
     figures.push_back(
         {.name = what + " direction, " + from, .value = flow.direction_deg, .unit = "deg"});
+    if (!heading_known) return;
     figures.push_back(
         {.name = what + " along the heading", .value = flow.along_mps, .unit = "m/s"});
     figures.push_back({.name = what + " across the heading, to the right",
@@ -170,9 +171,11 @@ std::vector<Figure> course_figures(const ClauseContext& context) {
         figures.push_back({.name = "time of the run-up", .value = facts->run_up_s, .unit = "s"});
     }
     if (context.wind && context.wind->missing.empty())
-        add_speed_unit_figures(*context.wind, "wind", "where it comes from", figures);
+        add_flow_figures(*context.wind, "wind", "where it comes from",
+                         context.course.facts.has_value(), figures);
     if (context.current && context.current->missing.empty())
-        add_speed_unit_figures(*context.current, "current", "where it sets to", figures);
+        add_flow_figures(*context.current, "current", "where it sets to",
+                         context.course.facts.has_value(), figures);
     return figures;
 }
 

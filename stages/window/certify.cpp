@@ -263,7 +263,9 @@ CertifiableWindow certified(const AxesEvidence<Axes>& evidence, const WindowChoi
         evidence.arcs[found.series], evidence.times[found.series], found.start, found.end);
     const WindowStretch<Axes> stretch = cut_stretch(at.arc, at.window, stretch_margin_s);
     const SmoothedArc<Axes> smoothed = checked_estimate(evidence, found);
-    const SmoothedArc<Axes> smoothed_at = smooth<Axes>(at.arc.epochs, evidence.model);
+    const bool between_epochs = at.arc.epochs.size() != evidence.arcs[found.series].epochs.size();
+    const SmoothedArc<Axes> smoothed_at =
+        between_epochs ? smooth<Axes>(at.arc.epochs, evidence.model) : smoothed;
 
     CertifiableWindow window;
     set_place(evidence, found, window);

@@ -79,7 +79,6 @@ std::vector<FoundWindow> course_windows(const std::vector<SearchSeries>& series,
 
 std::string why_no_course_window(const std::vector<SearchSeries>& series,
                                  const CourseGates& gates) {
-    if (!course_windows(series, gates).empty()) return {};
     for (const Passage& passage : passages(series, gates.start, gates.finish))
         if (!passage.refusal.empty()) return passage.refusal;
     return why_no_passage(series, gates.start, gates.finish);

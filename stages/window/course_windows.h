@@ -30,7 +30,7 @@ std::vector<FoundWindow> course_windows(const std::vector<SearchSeries>& series,
                                         const CourseGates& gates);
 
 /// Why there is none: the track does not cross a line, or crosses it so often that nobody can tell
-/// which crossing counts. Empty where there is one.
+/// which crossing counts. Empty where there is a passage that is unambiguous.
 std::string why_no_course_window(const std::vector<SearchSeries>& series, const CourseGates& gates);
 
 }  // namespace runcert

@@ -23,20 +23,19 @@ class Certifier {
               const WindowConfig& config)
         : screened_(screened),
           trajectory_(trajectory),
-          rows_(arcs_in(trajectory)),
           horizontal_(evidence_of<2>(screened, trajectory, config)) {
         if (trajectory.estimation.vertical)
             vertical_.emplace(evidence_of<1>(screened, trajectory, config));
     }
 
-    const std::vector<ArcRows>& rows() const { return rows_; }
+    const std::vector<ArcRows>& rows() const { return horizontal_.rows; }
     bool has_heights() const { return vertical_.has_value(); }
 
     CertifiableWindow certify(const Profile& profile, FoundWindow found,
                               const std::vector<FoundWindow>& all,
                               const std::optional<CourseGates>& gates) const {
         if (profile.speed_source == "velocity")
-            return certified_by_velocity(screened_, trajectory_, rows_[found.series], profile,
+            return certified_by_velocity(screened_, trajectory_, rows()[found.series], profile,
                                          found, all);
         WindowChoice choice{
             .profile = profile, .found = found, .all = all, .quantity = quantity_of(profile)};
@@ -82,7 +81,6 @@ class Certifier {
 
     const ScreenedTable& screened_;
     const TrajectoryTable& trajectory_;
-    std::vector<ArcRows> rows_;
     AxesEvidence<2> horizontal_;
     std::optional<AxesEvidence<1>> vertical_;
 };
@@ -121,7 +119,7 @@ Choice choose(const ScreenedTable& screened, const TrajectoryTable& trajectory,
     Choice choice;
     if (rule.kind == WindowKind::course) {
         choice.all = course_windows(series, *gates);
-        choice.missing = why_no_course_window(series, *gates);
+        if (choice.all.empty()) choice.missing = why_no_course_window(series, *gates);
         choice.chosen.assign(
             choice.all.begin(),
             choice.all.begin() + static_cast<std::ptrdiff_t>(std::min(wanted, choice.all.size())));
@@ -156,7 +154,8 @@ void certify_chosen(const Certifier& certifier, const Profile& profile, const Ch
             entry.further.push_back({.span = window.span,
                                      .arc = window.arc,
                                      .speed_mps = window.speed_mps,
-                                     .standard_uncertainty_mps = window.standard_uncertainty_mps});
+                                     .standard_uncertainty_mps = window.standard_uncertainty_mps,
+                                     .robust = window.robust});
         std::erase_if(left, [&](const FoundWindow& one) { return overlap(one, found); });
     }
 }

@@ -140,6 +140,8 @@ TEST(GoldenRules, Windows) {
     EXPECT_EQ(to_iso(*mean.further[0].span.start_gps), "2022-03-18T08:51:30.300");
     EXPECT_EQ(mean.further[0].speed_mps, 56.75);
     EXPECT_EQ(mean.further[0].standard_uncertainty_mps, 0.046875);
+    EXPECT_EQ(mean.further[0].robust->difference_mps, -0.25);
+    EXPECT_FALSE(mean.further[0].robust->agrees);
     EXPECT_EQ(mean.figure()->speed_mps, 57.0);
     EXPECT_EQ(mean.figure()->standard_uncertainty_mps, 0.0390625);
     EXPECT_EQ(mean.indicated->mean_mps, 57.875);

@@ -118,6 +118,41 @@ TEST(Check, ARobustEstimateThatDisagreesIsNotCertifiable) {
     EXPECT_NE(unsolved.reason.find("did not converge"), std::string::npos);
 }
 
+TEST(Check, EveryWindowOfAMeanIsRefusedForWhatTheBestIs) {
+    const auto mean_of_two = [] {
+        Scene scene(60.0, 0.005);
+        scene.profiles[0].windows = 2;
+        ProfileWindows& windows = scene.judged.windows.profiles[0];
+        windows.rule.count = 2;
+        windows.best->span.first_epoch = 101;
+        windows.best->span.last_epoch = 131;
+        windows.further = {{.span = windows.best->span,
+                            .arc = 1,
+                            .speed_mps = 59.0,
+                            .standard_uncertainty_mps = 0.005}};
+        windows.further[0].span.first_epoch = 201;
+        windows.further[0].span.last_epoch = 231;
+        scene.judged.records = {.total = 1000, .bad = 1, .bad_records = {}};
+        scene.judged.records.bad_records.emplace_back();
+        return scene;
+    };
+    Scene scene = mean_of_two();
+    scene.judged.records.bad_records[0].epoch = 150;
+    EXPECT_EQ(scene.verdict().outcome, "beaten") << scene.verdict().reason;
+    EXPECT_NEAR(*scene.verdict().speed_mps, 59.5, 1e-12);
+    scene.judged.records.bad_records[0].epoch = 210;
+    EXPECT_EQ(scene.verdict().outcome, "not_certifiable");
+    EXPECT_NE(scene.verdict().reason.find("could not be read"), std::string::npos);
+    scene = mean_of_two();
+    scene.judged.windows.profiles[0].further[0].robust = RobustSpeed{.speed_mps = 59.1,
+                                                                     .difference_mps = 0.1,
+                                                                     .limit_mps = 0.012,
+                                                                     .agrees = false,
+                                                                     .downweighted = 3};
+    EXPECT_EQ(scene.verdict().outcome, "not_certifiable");
+    EXPECT_NE(scene.verdict().reason.find("robust"), std::string::npos);
+}
+
 TEST(Check, TheStatementsStandInTheVerdict) {
     const Scene scene(60.0, 0.005);
     const Verdict verdict =

@@ -9,6 +9,7 @@
 
 #include "core/failure.h"
 #include "core/statistics.h"
+#include "core/tangent_plane.h"
 
 namespace runcert {
 namespace {
@@ -16,7 +17,6 @@ namespace {
 using Eigen::Vector2d, Eigen::Vector3d;
 
 constexpr double coverage_factor = 2.0;
-constexpr double earth_radius_m = 6.371e6;
 constexpr double degrees = 180.0 / std::numbers::pi;
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
@@ -41,7 +41,7 @@ Place place_of(const TrajectoryEpoch& row, std::size_t index, const CourseErrors
     place.time_s = row.time.seconds();
     place.position_m = {*row.east_m, *row.north_m, row.up_m.value_or(unknown)};
     if (errors.tangent_plane)
-        place.position_m.z() += place.position_m.head<2>().squaredNorm() / (2.0 * earth_radius_m);
+        place.position_m.z() += fall_below_plane_m(place.position_m.x(), place.position_m.y());
     place.velocity_mps = {*row.velocity_east_mps, *row.velocity_north_mps,
                           row.velocity_up_mps.value_or(unknown)};
     const double horizontal = errors.slow_horizontal_m * errors.slow_horizontal_m;

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "stages/check/course_speed.h"
+
 namespace runcert {
 namespace {
 
@@ -33,7 +35,7 @@ void set_from_times(const JudgedSpeed& judged, const SecondaryMethod::LineTimes&
         return;
     }
     const double elapsed_s = times.finish.seconds_since(times.start);
-    agreement.other_mps = course->length_m / elapsed_s;
+    agreement.other_mps = course_speed_mps(course->length_m, elapsed_s, 0.0);
     agreement.other_expanded_uncertainty_mps =
         std::hypot(std::numbers::sqrt2 * times.expanded_uncertainty_s * agreement.other_mps,
                    course->length_expanded_uncertainty_m) /

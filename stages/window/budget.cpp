@@ -8,12 +8,12 @@
 
 #include "core/geodesy.h"
 #include "core/monte_carlo.h"
+#include "core/tangent_plane.h"
 #include "stages/window/reliability.h"
 
 namespace runcert {
 namespace {
 
-constexpr double earth_radius_m = 6.371e6;
 constexpr double unknown_height_m = 100.0;
 const char* const joint = "with the other epochs; combined from their joint covariance";
 const char* const independent = "independent of the other rows";
@@ -140,8 +140,8 @@ BudgetRow plane_row(const BudgetInput& input) {
         const double distance_m = std::max(std::hypot(*first.east_m, *first.north_m),
                                            std::hypot(*last.east_m, *last.north_m));
         const bool measured = input.trajectory.facts.vertical_measured;
-        half_width = 0.5 * std::pow(distance_m / earth_radius_m, 2) +
-                     (measured ? 0.0 : unknown_height_m / earth_radius_m);
+        half_width = 0.5 * std::pow(distance_m / earth_mean_radius_m, 2) +
+                     (measured ? 0.0 : unknown_height_m / earth_mean_radius_m);
         note =
             fmt::format("{:.1f} km from the origin at most{}", distance_m / 1000.0,
                         measured ? "" : ", height of the course not measured (100 m allowed for)");

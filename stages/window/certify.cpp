@@ -7,13 +7,13 @@
 
 #include "arcs/noise_models.h"
 #include "core/failure.h"
+#include "core/tangent_plane.h"
 #include "estimation/speed.h"
 #include "stages/window/budget.h"
 #include "stages/window/instants.h"
 #include "stages/window/position_noise.h"
 #include "stages/window/reliability.h"
 #include "stages/window/robust.h"
-#include "stages/window/search_series.h"
 #include "stages/window/selection.h"
 
 namespace runcert {
@@ -141,7 +141,7 @@ void correct_for_curvature(const AxesEvidence<1>& evidence, const FoundWindow& f
         return evidence.trajectory.rows[evidence.arcs[found.series].rows[k]];
     };
     const auto fall_m = [&](const TrajectoryEpoch& at) {
-        return fall_below_plane_m(evidence.trajectory.origin, *at.east_m, *at.north_m);
+        return evidence.trajectory.origin ? fall_below_plane_m(*at.east_m, *at.north_m) : 0.0;
     };
     const TrajectoryEpoch& first = row(found.first);
     const TrajectoryEpoch& last = row(found.last);

@@ -2,10 +2,10 @@
 
 #include <cmath>
 
+#include "core/tangent_plane.h"
+
 namespace runcert {
 namespace {
-
-constexpr double earth_radius_m = 6.371e6;
 
 /// What the craft itself moves (m) between two neighbouring rows: dt (v + v') / 2 -
 /// dt^2 (a' - a) / 12, the mean of persistent acceleration under velocity and acceleration at both
@@ -31,7 +31,8 @@ Eigen::Vector3d counted(const Eigen::Vector3d& position, const Profile& profile,
                         const std::optional<FrameOrigin>& origin) {
     if (profile.dimension == "horizontal") return {position.x(), position.y(), 0.0};
     if (profile.dimension == "vertical")
-        return {0.0, 0.0, position.z() + fall_below_plane_m(origin, position.x(), position.y())};
+        return {0.0, 0.0,
+                position.z() + (origin ? fall_below_plane_m(position.x(), position.y()) : 0.0)};
     return position;
 }
 
@@ -96,10 +97,6 @@ std::vector<std::int64_t> obstacles_in(const ScreenedTable& screened,
 }
 
 }  // namespace
-
-double fall_below_plane_m(const std::optional<FrameOrigin>& origin, double east_m, double north_m) {
-    return origin ? (east_m * east_m + north_m * north_m) / (2.0 * earth_radius_m) : 0.0;
-}
 
 SearchRule search_rule(const Profile& profile, double duration_tolerance_s,
                        double nominal_interval_s) {

@@ -10,10 +10,6 @@
 
 namespace runcert {
 
-/// By how much (m) the Earth has fallen away, at these coordinates, below the plane that touches
-/// it at the origin; nothing for a recording in a plane of its own. Second order: good to 0.6 %.
-double fall_below_plane_m(const std::optional<FrameOrigin>& origin, double east_m, double north_m);
-
 /// The search that a profile asks for. A course is not searched for: see crossings.h.
 SearchRule search_rule(const Profile& profile, double duration_tolerance_s,
                        double nominal_interval_s);

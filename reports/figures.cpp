@@ -10,7 +10,7 @@
 #include "core/text.h"
 #include "files/atomic_file.h"
 #include "files/process.h"
-#include "files/sha256.h"
+#include "reports/gnuplot_script.h"
 
 namespace runcert {
 
@@ -19,92 +19,6 @@ std::string_view report_text(std::string_view name);
 using Json = nlohmann::ordered_json;
 
 namespace {
-
-constexpr const char* trajectory_file = "4-trajectory.ecsv";
-constexpr const char* screened_file = "3-screened.ecsv";
-
-/// Nothing of a name that gnuplot could take for an instruction.
-std::string plain_text(const std::string& text) {
-    std::string plain;
-    for (const char c : text.substr(0, 40)) {
-        const bool harmless = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
-                              (c >= '0' && c <= '9') || c == '-' || c == '_' || c == '.';
-        plain += harmless ? c : '?';
-    }
-    return plain;
-}
-
-std::string number(const Json& value) {
-    return value.is_number() ? fmt::format("{}", value.get<double>()) : "NaN";
-}
-
-/// `array name[n] = [...]`; gnuplot has no empty arrays.
-std::string array(const std::string& name, const std::vector<std::string>& values) {
-    if (values.empty()) return fmt::format("array {}[1] = [NaN]\n", name);
-    return fmt::format("array {}[{}] = [{}]\n", name, values.size(), fmt::join(values, ", "));
-}
-
-/// The beginnings and ends of the windows `which` ("window", "indicated") of all profiles, and of
-/// those that make the figure together with them.
-std::string window_arrays(const Json& predicate, const char* which, const std::string& prefix) {
-    std::vector<std::string> starts, ends;
-    const auto add = [&](const Json& window) {
-        const double start = window["start_time_s"].get<double>();
-        starts.push_back(fmt::format("{}", start));
-        ends.push_back(fmt::format("{}", start + window["duration_s"].get<double>()));
-    };
-    for (const Json& profile : predicate["profiles"]) {
-        if (!profile.contains(which)) continue;
-        add(profile[which]);
-        if (profile[which].contains("further"))
-            for (const Json& further : profile[which]["further"])
-                add(further);
-    }
-    return fmt::format("{}s = {}\n", prefix, starts.size()) + array(prefix + "_start", starts) +
-           array(prefix + "_end", ends);
-}
-
-/// Figures are of the horizontal speed.
-bool is_horizontal(const Json& profile) {
-    return !profile.contains("rule_dimension");
-}
-
-std::string target_arrays(const Json& predicate) {
-    std::vector<std::string> targets, titles;
-    for (const Json& profile : predicate["profiles"]) {
-        if (!profile.contains("target_km_h") || !is_horizontal(profile)) continue;
-        targets.push_back(number(profile["target_km_h"]));
-        titles.push_back(
-            fmt::format("'speed to reach, {}'", plain_text(profile["profile"].get<std::string>())));
-    }
-    return fmt::format("targets = {}\n", targets.size()) + array("target", targets) +
-           array("target_title", titles);
-}
-
-std::string run_settings(const Json& predicate, const Json& figure) {
-    const Json& screening = predicate["receivers"][0]["screening"];
-    return fmt::format(
-               "every = {}\nunusable = {}\ngeoreferenced = {}\n", figure["every"].get<int>(),
-               screening["epochs"].get<std::int64_t>() - screening["usable"].get<std::int64_t>(),
-               predicate["frame"]["georeferenced"].get<bool>() ? 1 : 0) +
-           window_arrays(predicate, "window", "window") +
-           window_arrays(predicate, "indicated", "refused_window") + target_arrays(predicate);
-}
-
-std::string window_settings(const Json& predicate, const Json& figure) {
-    for (const Json& profile : predicate["profiles"]) {
-        if (profile["profile"] != figure["figure_profile"]) continue;
-        const double start = profile["window"]["start_time_s"].get<double>();
-        const auto level = [&](const char* name) {
-            return number(is_horizontal(profile) ? profile.value(name, Json()) : Json());
-        };
-        return fmt::format("start = {}\nend = {}\nmean = {}\ntarget = {}\n", start,
-                           start + profile["window"]["duration_s"].get<double>(),
-                           level("speed_km_h"), level("target_km_h"));
-    }
-    throw Failure("report.json", "a figure is of a rule that the report does not hold",
-                  "Run the attempt again");
-}
 
 void replace_all(std::string& text, std::string_view from, std::string_view to) {
     for (std::size_t at = text.find(from); at != std::string::npos;
@@ -148,73 +62,54 @@ void inline_points(std::string& svg) {
     svg = out + svg.substr(copied);
 }
 
-/// From the <svg> on, with ids that are this figure's own, since one page holds several.
-std::string embedded(std::string svg, const std::string& prefix, const std::string& title) {
+/// From the <svg> on, with the figure's own title.
+std::string finished(std::string svg, const std::string& title) {
     svg.erase(0, svg.find("<svg"));
     inline_points(svg);
     if (const std::size_t desc = svg.find("<title>"); desc != std::string::npos)
         svg.replace(desc, svg.find("</desc>") + 7 - desc,
                     fmt::format("<title>{}</title>", kainjow::mustache::html_escape(title)));
-    replace_all(svg, "id=\"", "id=\"" + prefix + "-");
     replace_all(svg, "font-family=\"DejaVu Sans\"",
                 "font-family=\"DejaVu Sans, Verdana, sans-serif\"");
     return svg;
 }
 
-std::string draw(const std::string& script, const std::filesystem::path& run_folder) {
-    const TemporaryFolder folder;
-    const std::filesystem::path script_file = folder.path() / "figure.gp";
-    const std::filesystem::path svg_file = folder.path() / "figure.svg";
-    write_file_atomically(script_file, script);
-    const auto absolute = std::filesystem::absolute(run_folder);
-    const ProcessResult result = run_process(
-        {"gnuplot", "-d", "-c", script_file.string(), (absolute / trajectory_file).string(),
-         (absolute / screened_file).string(), svg_file.string(), folder.path().string()},
-        {{"LC_ALL", "C.UTF-8"}, {"GNUTERM", "svg"}, {"TZ", "UTC"}, {"GNUPLOT_FIT_SCRIPT", ""}});
-    if (result.exit_status != 0 || !std::filesystem::exists(svg_file))
-        throw Failure(
-            "gnuplot",
-            fmt::format("a figure could not be drawn (exit status {}): {}", result.exit_status,
-                        escape_for_message(trim(result.errors), 2000)),
-            "Install the package gnuplot-nox, or leave the figures out with --no-render");
-    return read_file(svg_file);
+/// A report of revision 1.3 or before says what to draw, but not the points.
+bool holds_points(const Json& figure) {
+    return figure.contains("curves");
 }
 
-void check_table(const std::filesystem::path& run_folder, const Json& predicate,
-                 const std::string& file) {
-    const std::filesystem::path path = run_folder / file;
-    for (const Json& entry : predicate["files"])
-        if (entry["file"] == file) {
-            if (digest_file(path).sha256 == entry["sha256"].get<std::string>()) return;
-            throw Failure(path.string(), "this is not the table that the report vouches for",
-                          "Take the original, or run the attempt again");
-        }
-    throw Failure("report.json", fmt::format("the report does not vouch for {}", file),
-                  "Run the attempt again");
+void run_gnuplot(const std::filesystem::path& script) {
+    const ProcessResult result =
+        run_process({"gnuplot", "-d", script.string()},
+                    {{"LC_ALL", "C.UTF-8"}, {"GNUTERM", "svg"}, {"TZ", "UTC"}});
+    if (result.exit_status != 0)
+        throw Failure(
+            "gnuplot",
+            fmt::format("the figures could not be drawn (exit status {}): {}", result.exit_status,
+                        escape_for_message(trim(result.errors), 2000)),
+            "Install the package gnuplot-nox, or leave the figures out with --no-render");
 }
 
 }  // namespace
 
-std::vector<DrawnFigure> draw_figures(const std::filesystem::path& run_folder,
-                                      const Json& predicate) {
-    std::vector<DrawnFigure> figures;
-    for (const Json& figure : predicate["figures"]) {
-        if (figures.empty()) {
-            check_table(run_folder, predicate, trajectory_file);
-            check_table(run_folder, predicate, screened_file);
-        }
-        const std::string kind = figure["figure"].get<std::string>();
-        const std::string settings =
-            kind == "window" ? window_settings(predicate, figure) : run_settings(predicate, figure);
-        const std::string script = std::string(report_text("gnuplot/common.gp")) + settings +
-                                   std::string(report_text(fmt::format("gnuplot/{}.gp", kind)));
-        figures.push_back(
-            {.title = figure["figure_title"].get<std::string>(),
-             .caption = figure["caption"].get<std::string>(),
-             .svg = embedded(draw(script, run_folder), fmt::format("figure{}", figures.size()),
-                             figure["figure_title"].get<std::string>())});
-    }
-    return figures;
+std::vector<std::string> draw_figures(const Json& predicate) {
+    const Json& figures = predicate["figures"];
+    if (figures.empty()) return {};
+    const TemporaryFolder folder;
+    const auto svg_of = [&](std::size_t i) { return folder.path() / fmt::format("{}.svg", i); };
+    std::string script(report_text("gnuplot/common.gp"));
+    for (std::size_t i = 0; i < figures.size(); ++i)
+        if (holds_points(figures[i])) script += gnuplot_script(figures[i], svg_of(i).string());
+    write_file_atomically(folder.path() / "figures.gp", script);
+    run_gnuplot(folder.path() / "figures.gp");
+    std::vector<std::string> drawn;
+    for (std::size_t i = 0; i < figures.size(); ++i)
+        drawn.push_back(
+            holds_points(figures[i])
+                ? finished(read_file(svg_of(i)), figures[i]["figure_title"].get<std::string>())
+                : "");
+    return drawn;
 }
 
 }  // namespace runcert

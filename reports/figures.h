@@ -1,23 +1,13 @@
 #pragma once
 
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 namespace runcert {
 
-/// A drawn figure, ready to stand in a page: an <svg> element whose ids no other figure has.
-struct DrawnFigure {
-    std::string title;
-    std::string caption;
-    std::string svg;
-};
-
-/// Draws the figures that a report lists, with gnuplot, straight from the tables of the judged
-/// receiver in the run folder. The same tables give the same bytes. Failure where gnuplot is
-/// missing or fails, and where a table is not the one that the report vouches for.
-std::vector<DrawnFigure> draw_figures(const std::filesystem::path& run_folder,
-                                      const nlohmann::ordered_json& predicate);
+/// Draws the figures that a report holds, each as the text of an SVG, with gnuplot and from nothing
+/// but the report; empty for a figure whose points the report does not hold. The same report gives the same bytes. Failure where gnuplot is missing or fails.
+std::vector<std::string> draw_figures(const nlohmann::ordered_json& predicate);
 
 }  // namespace runcert

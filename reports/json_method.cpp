@@ -11,9 +11,6 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-/// Whole-run figures are thinned to about as many points as a page can show.
-constexpr std::size_t points_of_a_curve = 1500;
-
 std::string value_text(const Json& value) {
     if (value.is_string()) return value.get<std::string>();
     if (!value.is_array()) return value.dump();
@@ -155,46 +152,6 @@ Json description(const ReportInputs& inputs) {
     return words;
 }
 
-std::string thinning_words(std::size_t every) {
-    return every > 1 ? fmt::format(" One epoch in {} is drawn.", every) : "";
-}
-
-Json speed_figure(std::size_t every) {
-    return {{"figure", "speed"},
-            {"figure_title", "Horizontal speed over the whole run"},
-            {"caption",
-             "Smoothed speed; the line is broken where the recording is. Marks at the "
-             "foot: epochs that were not used. Shaded: the windows, the certified "
-             "and the fastest of the raw positions where that one was refused. "
-             "Dashed: the speed to reach." +
-                 thinning_words(every)},
-            {"every", every}};
-}
-
-Json window_figure(const Json& profile) {
-    return {{"figure", "window"},
-            {"figure_title", "The window under the rule " + profile["profile"].get<std::string>()},
-            {"caption",
-             "Smoothed speed with a band of twice its standard uncertainty, and the "
-             "speeds by other methods. Shaded: the window. Black: the speed that "
-             "counts. Dashed: the speed to reach, where it is within the figure." +
-                 std::string(profile.contains("rule_dimension")
-                                 ? " The rule counts another than the horizontal speed, so that "
-                                   "neither is drawn."
-                                 : "")},
-            {"every", 1},
-            {"figure_profile", profile["profile"]}};
-}
-
-Json track_figure(std::size_t every, bool georeferenced) {
-    return {{"figure", "track"},
-            {"figure_title", "The track in the plane"},
-            {"caption", std::string("Smoothed positions on axes of equal scale") +
-                            (georeferenced ? ", from the origin." : " of the recording's plane.") +
-                            thinning_words(every)},
-            {"every", every}};
-}
-
 }  // namespace
 
 Json method_json(const ReportInputs& inputs) {
@@ -205,21 +162,6 @@ Json method_json(const ReportInputs& inputs) {
           &judged.trajectory.header, &judged.windows.header, &inputs.verdict.header})
         json["stages"].push_back(stage_json(*header, inputs.attempt));
     return json;
-}
-
-Json figures_json(const ReportInputs& inputs, const Json& profiles) {
-    Json figures = Json::array();
-    const TrajectoryTable& table = inputs.receivers.front().trajectory;
-    const auto drawable =
-        std::count_if(table.rows.begin(), table.rows.end(),
-                      [](const TrajectoryEpoch& row) { return row.arc && row.speed_mps; });
-    if (drawable < 2) return figures;
-    const std::size_t every = 1 + table.rows.size() / points_of_a_curve;
-    figures.push_back(speed_figure(every));
-    for (const Json& profile : profiles)
-        if (profile.contains("window")) figures.push_back(window_figure(profile));
-    figures.push_back(track_figure(every, table.facts.georeferenced));
-    return figures;
 }
 
 }  // namespace runcert

@@ -78,6 +78,9 @@ std::string decision_words(const ProfileVerdict& verdict, const SpeedUnit& unit)
         words += fmt::format(
             " The record's own standard uncertainty, {} {} of the speed to reach, is taken in.",
             uncertainty_text(decision.target_standard_uncertainty_mps * unit.per_mps), unit.name);
+    if (decision.risk)
+        words += fmt::format(" Probability that this outcome is wrong: {}.",
+                             probability_text(*decision.risk));
     return words;
 }
 
@@ -88,6 +91,7 @@ Json decision_json(const ProfileVerdict& verdict, const SpeedUnit& unit) {
         {"level", rounded(decision.level, 6)},
         {"target_standard_uncertainty_m_s", rounded(decision.target_standard_uncertainty_mps, 6)}};
     set_speeds(json, "acceptance_limit", decision.acceptance_limit_mps);
+    if (decision.risk) json["risk"] = rounded(*decision.risk, 9);
     json["decision_words"] = decision_words(verdict, unit);
     return json;
 }

@@ -58,12 +58,11 @@ ReportInputs gather(StageRun& run) {
     return inputs;
 }
 
-/// The signature that goes with the report, if there is one. Whether it holds is for
-/// `runcert verify` to say, with the signer's public key.
-std::vector<ReportSigner> signers_of(const std::filesystem::path& run_dir) {
+/// The signatures that go with the report. Whether they hold is for `runcert verify` to say.
+std::vector<SignatureText> signatures_of(const std::filesystem::path& run_dir) {
     const std::filesystem::path file = run_dir / "report.json.minisig";
     if (!std::filesystem::exists(file)) return {};
-    return {read_signer(read_file(file), file.string())};
+    return {{"report.json.minisig", read_file(file)}};
 }
 
 /// A new report makes the signature of an earlier one void.
@@ -89,7 +88,7 @@ int main(int argc, char** argv) {
                 return;
             }
             render_report(run.run_dir(), read_file(run.run_dir() / "report.json"),
-                          {.signers = signers_of(run.run_dir())});
+                          {.signatures = signatures_of(run.run_dir())});
             run.say("report.json, report.html, report.pdf");
         },
         [&](CLI::App& app) {

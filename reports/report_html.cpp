@@ -1,11 +1,16 @@
 #include "reports/report_html.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <kainjow/mustache.hpp>
 
 #include "core/failure.h"
+#include "files/base64.h"
+#include "files/sha256.h"
 #include "files/signature.h"
 #include "files/signature_text.h"
+#include "reports/json_text.h"
 
 namespace runcert {
 
@@ -24,6 +29,31 @@ std::string printable(const std::string& text) {
         out += control ? "\xEF\xBF\xBD" : std::string(1, c);
     }
     return out;
+}
+
+/// Libraries first; the last one begins.
+constexpr std::string_view page_scripts[] = {"page/vendor/mustache.min.js",
+                                             "page/vendor/noble-hashes.min.js",
+                                             "page/vendor/uPlot.iife.min.js",
+                                             "page/signatures.js",
+                                             "page/shown_text.js",
+                                             "page/self_check.js",
+                                             "page/tables.js",
+                                             "page/chart_data.js",
+                                             "page/chart_parts.js",
+                                             "page/chart_drawing.js",
+                                             "page/charts.js",
+                                             "page/page.js"};
+
+/// The word that follows `name` in a trusted comment; empty where there is none.
+std::string word_after(const std::string& comment, std::string_view name) {
+    for (std::size_t begin = 0; begin < comment.size();) {
+        const std::size_t end = std::min(comment.find(' ', begin), comment.size());
+        const std::string_view word = std::string_view(comment).substr(begin, end - begin);
+        if (word.starts_with(name)) return std::string(word.substr(name.size()));
+        begin = end + 1;
+    }
+    return {};
 }
 
 /// Escaped for HTML, and very long words with places where a line may end: WeasyPrint takes minutes
@@ -65,55 +95,127 @@ TemplateData template_data(const Json& value) {
         return data;
     }
     if (value.is_boolean()) return TemplateData(value.get<bool>());
-    return TemplateData(printable(value.is_string() ? value.get<std::string>() : value.dump()));
+    if (!value.is_string()) return TemplateData(value.dump());
+    // As in the page's own script, an empty text is nothing.
+    if (value.get_ref<const std::string&>().empty()) return TemplateData(false);
+    return TemplateData(printable(value.get<std::string>()));
+}
+
+std::string rendered(std::string_view name, const TemplateData& data) {
+    kainjow::mustache::mustache page{std::string(report_text(name))};
+    if (!page.is_valid())
+        throw Failure(std::string(name), page.error_message(),
+                      "This is a fault of the program; please report it");
+    page.set_custom_escape(escaped);
+    return page.render(data);
+}
+
+Json signers_json(const std::vector<SignatureText>& signatures) {
+    Json list = Json::array();
+    for (const SignatureText& signature : signatures) {
+        const ReportSigner signer = read_signer(signature);
+        list.push_back({{"file", signer.file},
+                        {"key_id", signer.key_id},
+                        {"role", signer.role},
+                        {"trusted_comment", signer.trusted_comment}});
+    }
+    return list;
+}
+
+std::string image_source(const std::string& svg) {
+    return "data:image/svg+xml;base64," + base64(svg);
+}
+
+/// The inside of the page's <main>: what stands in the report, and its drawings.
+std::string content_of(const Json& report, const std::vector<std::string>& drawings,
+                       const std::vector<SignatureText>& signatures) {
+    Json shown = report["predicate"];
+    shown["signed"] = !signatures.empty();
+    shown["signers"] = signers_json(signatures);
+    shown["two_receivers"] = shown["receivers"].size() > 1;
+    for (std::size_t i = 0; i < shown["figures"].size(); ++i) {
+        Json& figure = shown["figures"][i];
+        for (const char* points : {"curves", "spans", "levels", "marks", "segments"})
+            figure.erase(points);
+        if (!drawings.at(i).empty())
+            figure["image"] = fmt::format(
+                "<img src=\"{}\" alt=\"{}\">", image_source(drawings.at(i)),
+                kainjow::mustache::html_escape(figure["figure_title"].get<std::string>()));
+    }
+    return rendered("template/report.html", template_data(shown));
+}
+
+/// What the head of every page holds.
+TemplateData page_data(const Json& report, bool is_signed) {
+    const Json& predicate = report["predicate"];
+    const std::string id = predicate["report_id"].get<std::string>();
+    TemplateData data{TemplateData::type::object};
+    data.set("version", printable(predicate["program"]["version"].get<std::string>()));
+    data.set("title", printable("Measurement report " + id + ": " +
+                                predicate["attempt"]["id"].get<std::string>()));
+    data.set("report_id", printable(id));
+    data.set("signed", TemplateData(is_signed));
+    return data;
+}
+
+/// What runs in the reader's browser: libraries first, then the page's own script.
+std::string page_script() {
+    std::string script;
+    for (const std::string_view name : page_scripts)
+        script += std::string(report_text(name)) + "\n";
+    return script;
 }
 
 }  // namespace
 
-ReportSigner read_signer(std::string_view signature_file_text, const std::string& where) {
-    const auto lines = signature_text::lines_of(signature_file_text);
+ReportSigner read_signer(const SignatureText& signature) {
+    const auto lines = signature_text::lines_of(signature.text);
     constexpr std::string_view mark = "trusted comment: ";
     if (lines.size() != 4 || !lines[2].starts_with(mark))
-        throw Failure(where, "this is not a signature file",
-                      "Give the file that `runcert certify --key` or `minisign -S` made");
+        throw Failure(signature.file, "this is not a signature file",
+                      "Give the file that `runcert sign` or `minisign -S` made");
     // Algorithm (2 bytes), key id (8), signature (64).
-    const std::string bytes = signature_text::bytes_of_base64(lines[1], 74, "signature", where);
+    const std::string bytes =
+        signature_text::bytes_of_base64(lines[1], 74, "signature", signature.file);
     PublicKey key;
     std::copy_n(bytes.begin() + 2, key.key_id.size(), key.key_id.begin());
-    return {.key_id = key_id_text(key),
-            .trusted_comment = std::string(lines[2].substr(mark.size()))};
+    const std::string comment(lines[2].substr(mark.size()));
+    return {.file = signature.file,
+            .key_id = key_id_text(key),
+            .role = word_after(comment, "role="),
+            .trusted_comment = comment};
 }
 
-std::string report_html(const Json& report, const std::vector<DrawnFigure>& figures,
-                        const std::vector<ReportSigner>& signers) {
-    TemplateData data = template_data(report["predicate"]);
-    TemplateData drawn{TemplateData::type::list};
-    for (const DrawnFigure& figure : figures) {
-        TemplateData entry{TemplateData::type::object};
-        entry.set("figure_title", printable(figure.title));
-        entry.set("caption", printable(figure.caption));
-        entry.set("svg", figure.svg);
-        drawn.push_back(entry);
-    }
-    TemplateData keys{TemplateData::type::list};
-    for (const ReportSigner& signer : signers) {
-        TemplateData entry{TemplateData::type::object};
-        entry.set("key_id", printable(signer.key_id));
-        entry.set("trusted_comment", printable(signer.trusted_comment));
-        keys.push_back(entry);
-    }
-    data.set("signed", TemplateData(!signers.empty()));
-    data.set("signers", keys);
-    data.set("has_figures", TemplateData(!figures.empty()));
-    data.set("drawn", drawn);
-    data.set("two_receivers", TemplateData(report["predicate"]["receivers"].size() > 1));
+std::string report_page(const std::string& report_text_bytes, const Json& report,
+                        const std::vector<std::string>& drawings,
+                        const std::vector<SignatureText>& signatures) {
+    Json files = Json::array();
+    for (const SignatureText& signature : signatures)
+        files.push_back({{"file", signature.file}, {"text", signature.text}});
+    Json hashes = Json::array();
+    for (const std::string& drawing : drawings)
+        if (!drawing.empty()) hashes.push_back(sha256_hex(image_source(drawing)));
+    const std::string script = page_script();
+    TemplateData data = page_data(report, !signatures.empty());
+    data.set("style", std::string(report_text("template/report.css")) +
+                          std::string(report_text("page/vendor/uPlot.min.css")) +
+                          std::string(report_text("page/page.css")));
+    data.set("content", content_of(report, drawings, signatures));
+    data.set("report_json", report_text_bytes);
+    data.set("signature_files", report_text_of(files));
+    data.set("drawing_hashes", report_text_of(hashes));
+    data.set("template", std::string(report_text("template/report.html")));
+    data.set("script", script);
+    data.set("script_hash", base64_of_hex(sha256_hex(script)));
+    return rendered("template/page.html", data);
+}
+
+std::string report_print_page(const Json& report, const std::vector<std::string>& drawings,
+                              const std::vector<SignatureText>& signatures) {
+    TemplateData data = page_data(report, !signatures.empty());
     data.set("style", std::string(report_text("template/report.css")));
-    kainjow::mustache::mustache page(std::string(report_text("template/report.html")));
-    if (!page.is_valid())
-        throw Failure("template/report.html", page.error_message(),
-                      "This is a fault of the program; please report it");
-    page.set_custom_escape(escaped);
-    return page.render(data);
+    data.set("content", content_of(report, drawings, signatures));
+    return rendered("template/page.html", data);
 }
 
 }  // namespace runcert

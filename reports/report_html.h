@@ -5,25 +5,36 @@
 #include <string_view>
 #include <vector>
 
-#include "reports/figures.h"
-
 namespace runcert {
+
+/// A signature of report.json, as its file holds it.
+struct SignatureText {
+    std::string file;  ///< "report.json.minisig"
+    std::string text;
+};
 
 /// A signature that the page names, as a claim: it is not checked here.
 struct ReportSigner {
-    std::string key_id;           ///< as key_id_text prints it
-    std::string trusted_comment;  ///< what is signed along with the report
+    std::string file;
+    std::string key_id;           ///< minisign's; of an ssh signature its key's SHA-256
+    std::string role;             ///< empty where the signature names none
+    std::string trusted_comment;  ///< what is signed along with the report; ssh has none
 };
 
-/// Key id and trusted comment of the text of a signature file. `where` names it in messages.
-/// Failure where it is not a signature file.
-ReportSigner read_signer(std::string_view signature_file_text, const std::string& where);
+/// What the text of a signature file says of its signer. Failure where it is not a signature file.
+ReportSigner read_signer(const SignatureText& signature);
 
-/// The report as one self-contained page, style and figures inside, for screen and A4 paper. It
-/// shows texts and figures of the report alone, escaped; nothing is computed here. Without signers
-/// the page says UNSIGNED all over.
-std::string report_html(const nlohmann::ordered_json& report,
-                        const std::vector<DrawnFigure>& figures,
-                        const std::vector<ReportSigner>& signers);
+/// The report as one self-contained page for the screen: it carries `report_text`, the bytes of
+/// report.json, with the signatures, and checks itself with them in the reader's browser. It shows
+/// texts and figures of the report alone, escaped; nothing is computed here. `drawings` are the
+/// figures' SVG texts. Without signatures the page says UNSIGNED all over.
+std::string report_page(const std::string& report_text, const nlohmann::ordered_json& report,
+                        const std::vector<std::string>& drawings,
+                        const std::vector<SignatureText>& signatures);
+
+/// The same content for A4 paper, without what only a browser uses.
+std::string report_print_page(const nlohmann::ordered_json& report,
+                              const std::vector<std::string>& drawings,
+                              const std::vector<SignatureText>& signatures);
 
 }  // namespace runcert

@@ -5,7 +5,9 @@
 #include "core/failure.h"
 #include "files/program.h"
 #include "files/sha256.h"
+#include "reports/json_certificate.h"
 #include "reports/json_parts.h"
+#include "reports/json_text.h"
 #include "schemas/common/document.h"
 
 namespace runcert {
@@ -69,8 +71,28 @@ void check_inputs(const ReportInputs& inputs) {
                                inputs.verdict.profiles[i].profile, inputs.profiles[i].id));
 }
 
-/// JSON is YAML, so the field tables of the stages' products serve for the report too.
-void check_predicate(const Json& predicate, const std::string& where) {
+/// The same with letters of ASCII alone: what a text holds is not the field tables' affair.
+void make_plain(Json& json) {
+    if (json.is_string()) {
+        for (char& c : json.get_ref<std::string&>())
+            if (c < ' ' || c == '\x7f') c = 'x';
+        return;
+    }
+    for (Json& part : json)
+        if (part.is_structured() || part.is_string()) make_plain(part);
+}
+
+/// JSON is YAML, so the field tables of the stages' products serve for the report too. Of a curve's
+/// many points a few stand for all: they are made by one line of code.
+void check_predicate(Json predicate, const std::string& where) {
+    make_plain(predicate);
+    for (Json& figure : predicate["figures"]) {
+        if (!figure.contains("curves")) continue;  // of revision 1.3 or before
+        for (Json& curve : figure["curves"])
+            for (const char* values : {"x", "y", "lower", "upper"})
+                if (curve.contains(values) && curve[values].size() > 3)
+                    curve[values].erase(curve[values].begin() + 3, curve[values].end());
+    }
     (void)read_document(predicate.dump(2, ' ', false, Json::error_handler_t::replace), where,
                         report_schema());
 }
@@ -93,6 +115,10 @@ Json report_json(const ReportInputs& inputs) {
     predicate["program"] = {{"name", "runcert"},
                             {"version", program_version()},
                             {"source_revision", source_revision()}};
+    predicate["signatures_required"] = signatures_required_json(inputs);
+    predicate["certificate"] = certificate_json(inputs, predicate["report_id"].get<std::string>());
+    if (Json amends = amends_json(inputs.attempt); !amends.is_null())
+        predicate["amends"] = std::move(amends);
     predicate["attempt"] = attempt_json(inputs.attempt, inputs.verdict);
     predicate["profiles"] = Json::array();
     for (std::size_t i = 0; i < inputs.profiles.size(); ++i)
@@ -116,10 +142,6 @@ Json report_json(const ReportInputs& inputs) {
     statement["predicateType"] = predicate_type;
     statement["predicate"] = std::move(predicate);
     return statement;
-}
-
-std::string report_text_of(const Json& report) {
-    return report.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
 }
 
 Json parse_report(const std::string& text, const std::string& where) {

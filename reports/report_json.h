@@ -14,9 +14,6 @@ namespace runcert {
 /// belong together, and where the predicate deviates from its field table.
 nlohmann::ordered_json report_json(const ReportInputs& inputs);
 
-/// The text of report.json: indented by 2, UTF-8, a line end at its end.
-std::string report_text_of(const nlohmann::ordered_json& report);
-
 /// Reads a report.json. `where` names it in messages. Failure where it is not JSON, not a report,
 /// or of a version that this program does not read.
 nlohmann::ordered_json parse_report(const std::string& text, const std::string& where);

@@ -9,14 +9,17 @@
 
 namespace runcert {
 
-std::string report_pdf(const std::string& html) {
+std::string report_pdf(const std::string& html, const std::string& report_text) {
     const TemporaryFolder folder;
     const std::filesystem::path page = folder.path() / "report.html";
     const std::filesystem::path pdf = folder.path() / "report.pdf";
+    const std::filesystem::path attachment = folder.path() / "report.json";
     write_file_atomically(page, html);
+    write_file_atomically(attachment, report_text);
     // WeasyPrint writes the time of making into the file unless it is told another.
     const ProcessResult result =
-        run_process({"weasyprint", "--quiet", "--encoding", "utf-8", page.string(), pdf.string()},
+        run_process({"weasyprint", "--quiet", "--encoding", "utf-8", "--attachment",
+                     attachment.string(), page.string(), pdf.string()},
                     {{"SOURCE_DATE_EPOCH", "0"}, {"LC_ALL", "C.UTF-8"}, {"TZ", "UTC"}});
     if (result.exit_status != 0 || !std::filesystem::exists(pdf)) {
         // Of a traceback, the last line says what was wrong.

@@ -2,6 +2,7 @@
 
 #include "files/atomic_file.h"
 #include "reports/figures.h"
+#include "reports/json_text.h"
 #include "reports/report_json.h"
 #include "reports/report_pdf.h"
 
@@ -14,10 +15,15 @@ std::string write_report_json(const ReportInputs& inputs) {
 void render_report(const std::filesystem::path& run_folder, const std::string& report_text,
                    const RenderOptions& options) {
     const auto report = parse_report(report_text, (run_folder / "report.json").string());
-    const std::string html =
-        report_html(report, draw_figures(run_folder, report["predicate"]), options.signers);
-    write_file_atomically(run_folder / "report.html", html);
-    if (options.pdf) write_file_atomically(run_folder / "report.pdf", report_pdf(html));
+    const std::vector<std::string> drawings = draw_figures(report["predicate"]);
+    const std::string on_paper = report_print_page(report, drawings, options.signatures);
+    // A report of revision 1.3 or before may hold what ends a script: its page carries none.
+    const bool embeddable = report_text.find_first_of("<>&") == std::string::npos;
+    write_file_atomically(
+        run_folder / "report.html",
+        embeddable ? report_page(report_text, report, drawings, options.signatures) : on_paper);
+    if (options.pdf)
+        write_file_atomically(run_folder / "report.pdf", report_pdf(on_paper, report_text));
 }
 
 }  // namespace runcert

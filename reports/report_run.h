@@ -13,12 +13,12 @@ namespace runcert {
 std::string write_report_json(const ReportInputs& inputs);
 
 struct RenderOptions {
-    std::vector<ReportSigner> signers;  ///< none: every page says UNSIGNED
+    std::vector<SignatureText> signatures;  ///< none: every page says UNSIGNED
     bool pdf = true;
 };
 
-/// Writes report.html and report.pdf into the run folder, from the bytes of report.json and from
-/// the tables in the folder alone, so that anyone can make them again from what was signed.
+/// Writes report.html and report.pdf into the run folder, from the bytes of report.json and its
+/// signatures alone, so that anyone can make them again from what was signed.
 void render_report(const std::filesystem::path& run_folder, const std::string& report_text,
                    const RenderOptions& options = {});
 

@@ -226,8 +226,8 @@ void add_certify(CLI::App& app, Command& chosen) {
     command->add_flag("--no-render", options->no_render, "stop after report.json: no HTML, no PDF");
     command->footer(fmt::format(
         "Exit status: 0 every profile says beaten, 1 one does not, 2 it could not be done.\n\n"
-        "An attempt (schema attempt/1.3; examples/ has some that run as they are):\n\n"
-        "  schema: attempt/1.3\n"
+        "An attempt (schema attempt/1.5; examples/ has some that run as they are):\n\n"
+        "  schema: attempt/1.5\n"
         "  id: lake-run-1\n"
         "  craft: {{name: yacht, class: land-yacht}}\n"
         "  officials: [{{role: measurer}}]\n"

@@ -85,6 +85,24 @@ std::vector<std::string> read_files(const YamlValue& value, const std::string& r
     return files;
 }
 
+bool is_hexadecimal(const std::string& text, std::size_t digits) {
+    return text.size() == digits && text.find_first_not_of("0123456789abcdef") == std::string::npos;
+}
+
+std::optional<AmendedReport> read_amends(const YamlValue& value) {
+    if (!value.exists()) return std::nullopt;
+    AmendedReport amends{.report_id = value["report_id"].text(),
+                         .sha256 = value["sha256"].text(),
+                         .reason = value["reason"].text()};
+    if (!is_hexadecimal(amends.report_id, 16))
+        value["report_id"].fail("a report id is 16 hexadecimal digits in lower case",
+                                "Copy it from the head of the earlier report");
+    if (!is_hexadecimal(amends.sha256, 64))
+        value["sha256"].fail("a SHA-256 is 64 hexadecimal digits in lower case",
+                             "Copy what `sha256sum report.json` prints of the earlier report");
+    return amends;
+}
+
 std::string read_date(const YamlValue& value) {
     if (!value.exists()) return {};
     std::string date = value.text();
@@ -238,12 +256,12 @@ std::string profile_name(const std::string& claimed) {
 Attempt read_attempt(std::string_view text, const std::string& where) {
     const YamlValue document(parse_yaml(text, where), where);
     if (!document.is_map())
-        document.fail("this is not an attempt", "An attempt begins with \"schema: attempt/1.4\"");
+        document.fail("this is not an attempt", "An attempt begins with \"schema: attempt/1.5\"");
     const std::optional<std::int64_t> revision = written_revision(document, attempt_schema());
     if (!revision)
         (document["schema"].exists() ? document["schema"] : document)
             .fail("the file does not say that it follows " + known_revisions(attempt_schema()),
-                  "An attempt begins with \"schema: attempt/1.4\"");
+                  "An attempt begins with \"schema: attempt/1.5\"");
     validate_revision(document, attempt_schema(), *revision);
 
     Attempt attempt;
@@ -256,6 +274,8 @@ Attempt read_attempt(std::string_view text, const std::string& where) {
         attempt.officials.push_back({.role = official["role"].text(),
                                      .name = official["name"].text_or(""),
                                      .key = official["key"].text_or("")});
+    attempt.signatures = read_needed_signatures(document["signatures"]);
+    attempt.amends = read_amends(document["amends"]);
     attempt.receivers = read_receivers(document["receivers"]);
     if (const YamlValue origin = document["origin"]; origin.exists())
         attempt.origin = read_geodetic(origin);

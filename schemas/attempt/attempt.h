@@ -10,6 +10,7 @@
 #include "core/geodesy.h"
 #include "core/gps_time.h"
 #include "schemas/common/header.h"
+#include "schemas/common/needed_signatures.h"
 
 namespace runcert {
 
@@ -117,6 +118,13 @@ struct SecondaryMethod {
     std::optional<LineTimes> times;
 };
 
+/// The earlier report that the attempt's replaces.
+struct AmendedReport {
+    std::string report_id;  ///< 16 hexadecimal digits
+    std::string sha256;     ///< of its report.json
+    std::string reason;
+};
+
 /// An attempt, `schemas/attempt/v1.yaml`.
 struct Attempt {
     std::string id;
@@ -125,6 +133,8 @@ struct Attempt {
     std::string place;  ///< empty where not given
     std::string date;   ///< empty where not given
     std::vector<Official> officials;
+    std::vector<NeededSignatures> signatures;
+    std::optional<AmendedReport> amends;
     std::vector<Receiver> receivers;  ///< at least one; the first is the one that is judged
     std::optional<Geodetic> origin;
     std::optional<Record> record;

@@ -9,6 +9,7 @@
 
 #include "core/speed_unit.h"
 #include "files/document_schema.h"
+#include "schemas/common/needed_signatures.h"
 
 namespace runcert {
 
@@ -81,6 +82,7 @@ struct Profile {
     std::optional<DecimalRule> rounding;    ///< of the speed to reach
     std::optional<DecimalRule> result;      ///< of the speed itself, as the body writes it
     double decision_probability = 0.975;
+    std::vector<NeededSignatures> signatures;  ///< of a report under this rule
     bool subtract_current = false;
     /// How the uncertainty of the speed is made up.
     struct Uncertainty {

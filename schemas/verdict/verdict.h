@@ -56,6 +56,8 @@ struct Decision {
     double level = 0.0;        ///< that acceptance needs
     double target_standard_uncertainty_mps = 0.0;
     double acceptance_limit_mps = 0.0;  ///< least speed that would be accepted
+    /// That the outcome is wrong; empty where nothing can be certified, and before revision 1.2.
+    std::optional<double> risk = std::nullopt;
 };
 
 /// Figures as they are to be read: rounded after the decision, towards the safe side.

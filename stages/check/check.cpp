@@ -142,6 +142,7 @@ void set_outcome(const ClauseContext& context, ProfileVerdict& verdict) {
         const Outcome outcome = decide(context.decision->probability, context.decision->level);
         verdict.outcome = to_text(outcome);
         verdict.reason = reason_of(context, outcome);
+        verdict.decision->risk = decision_risk(*context.speed, *context.target, outcome);
     }
 }
 

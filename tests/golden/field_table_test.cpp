@@ -41,8 +41,9 @@ const Names without_unit{
     // of rules, where the unit stands beside, and probabilities
     "record.expanded_uncertainty", "records[].speed", "records[].expanded_uncertainty",
     "rules[].value", "secondary.speed", "secondary.expanded_uncertainty", "decision.probability",
-    "decision.level", "clauses[].limit", "figures[].value", "figures[].expanded_uncertainty",
-    "course[].value", "course[].expanded_uncertainty", "overrides[].rule", "overrides[].used"};
+    "decision.level", "decision.risk", "clauses[].limit", "figures[].value",
+    "figures[].expanded_uncertainty", "course[].value", "course[].expanded_uncertainty",
+    "overrides[].rule", "overrides[].used"};
 
 /// Whether the path, or its end after a point, stands in that list.
 bool may_lack_unit(const std::string& path) {
@@ -53,9 +54,9 @@ bool may_lack_unit(const std::string& path) {
 
 /// Each schema's newest revision; 1.1 where none is named.
 const std::map<std::string, std::string> newest_versions{
-    {"common", "1.0"},     {"simulation", "1.0"},   {"attempt", "1.4"},
-    {"profile", "1.3"},    {"screened", "1.3"},     {"windows", "1.3"},
-    {"trajectory", "1.2"}, {"observations", "1.2"}, {"enu", "1.2"}};
+    {"common", "1.0"},       {"verdict", "1.2"},  {"simulation", "1.0"}, {"attempt", "1.5"},
+    {"profile", "1.4"},      {"screened", "1.3"}, {"windows", "1.3"},    {"trajectory", "1.2"},
+    {"observations", "1.2"}, {"enu", "1.2"}};
 
 const Names known_types{"text", "integer", "real", "boolean", "map", "list", "any"};
 const Names known_keys{"type", "unit",     "required", "values", "min",

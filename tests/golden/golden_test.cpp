@@ -93,7 +93,7 @@ TEST(Golden, WritingWhatWasReadFromAnEarlierRevisionKeepsEveryFigure) {
         expect_kept(json(text), json(again), "");
         if (file.is_table) expect_cells_kept(EcsvReader(text, "f"), EcsvReader(again, "f"));
     }
-    EXPECT_EQ(count, 13);
+    EXPECT_EQ(count, 14);
 }
 
 TEST(Golden, Observations) {

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/failure.h"
+#include "reports/json_text.h"
 #include "reports/report_json.h"
 #include "reports/report_run.h"
 #include "reports_sample.h"
@@ -78,7 +79,7 @@ TEST(ReportJson, WithoutAWindowThereIsNoSpeed) {
             EXPECT_FALSE(profile.contains(absent)) << absent;
         EXPECT_TRUE(profile.contains("indicated"));
     }
-    EXPECT_EQ(predicate["figures"].size(), 2U);
+    EXPECT_EQ(predicate["figures"].size(), 4U);
 }
 
 TEST(ReportJson, NothingIsDrawnWhereNothingWasEstimated) {
@@ -90,9 +91,15 @@ TEST(ReportJson, NothingIsDrawnWhereNothingWasEstimated) {
 
 TEST(ReportJson, LongRunsAreThinned) {
     const auto run = sample::make_run({.epochs = 28200, .interval_s = 0.05});
-    const Json figure = report_json(run.inputs)["predicate"]["figures"][0];
-    EXPECT_EQ(figure["every"], 19);
-    EXPECT_NE(figure["caption"].get<std::string>().find("One epoch in 19"), std::string::npos);
+    const Json figures = report_json(run.inputs)["predicate"]["figures"];
+    for (const Json& figure : figures)
+        for (const Json& curve : figure["curves"]) {
+            EXPECT_LE(curve["x"].size(), 1600U) << figure["figure"];
+            EXPECT_EQ(curve["x"].size(), curve["y"].size());
+        }
+    const Json& speed = figures[2];
+    EXPECT_EQ(speed["figure"], "speed");
+    EXPECT_NE(speed["caption"].get<std::string>().find("One epoch in 19"), std::string::npos);
 }
 
 TEST(ReportJson, TwoReceiversStandBesideEachOther) {

@@ -3,8 +3,9 @@
 
 #include "core/failure.h"
 #include "reports/json_rule.h"
-#include "reports/report_html.h"
+#include "reports/json_text.h"
 #include "reports/report_json.h"
+#include "reports_page_support.h"
 #include "reports_sample.h"
 
 namespace runcert {
@@ -17,7 +18,7 @@ Json profile_of(const sample::Run& run, std::size_t index = 0) {
 }
 
 std::string page_of(const sample::Run& run) {
-    return report_html(report_json(run.inputs), {}, {});
+    return print_page(report_json(run.inputs));
 }
 
 ProfileWindows& windows_of(sample::Run& run) {
@@ -284,8 +285,8 @@ TEST(Windows, AVerticalRuleSaysSo) {
     const Json predicate = report_json(run.inputs)["predicate"];
     EXPECT_EQ(predicate["profiles"][0]["rule_dimension"], "vertical");
     EXPECT_FALSE(predicate["profiles"][1].contains("rule_dimension"));
-    expect_in(predicate["figures"][1]["caption"], "counts another than the horizontal speed");
-    EXPECT_EQ(predicate["figures"][2]["caption"].get<std::string>().find("another than"),
+    expect_in(predicate["figures"][0]["caption"], "counts another than the horizontal speed");
+    EXPECT_EQ(predicate["figures"][1]["caption"].get<std::string>().find("another than"),
               std::string::npos);
 }
 
@@ -295,7 +296,7 @@ TEST(Decision, AReportOfRevisionOneTwoIsRead) {
     const Json before =
         sample::of_revision(report_json(sample::make_run({.verdict_1_0 = true}).inputs), "1.2");
     const Json read = parse_report(report_text_of(before), "report.json");
-    expect_in(report_html(read, {}, {}), "216.009 ± 0.018 km/h");
+    expect_in(print_page(read), "216.009 ± 0.018 km/h");
     const Json more = sample::of_revision(report_json(sample::make_run().inputs), "1.2");
     EXPECT_THROW(parse_report(report_text_of(more), "report.json"), Failure);
 }

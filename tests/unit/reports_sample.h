@@ -459,6 +459,13 @@ inline nlohmann::ordered_json of_revision(nlohmann::ordered_json report,
     report["predicate"]["schema"]["version"] = revision;
     for (auto& profile : report["predicate"]["profiles"])
         profile.erase("unconfirmed");
+    for (const char* later : {"signatures_required", "certificate"})
+        report["predicate"].erase(later);
+    for (auto& figure : report["predicate"]["figures"])
+        figure = {{"figure", figure["figure"] == "window" ? "window" : "speed"},
+                  {"figure_title", figure["figure_title"]},
+                  {"caption", figure["caption"]},
+                  {"every", 1}};
     return report;
 }
 

@@ -4,8 +4,9 @@
 #include <cmath>
 
 #include "core/failure.h"
-#include "reports/report_html.h"
+#include "reports/json_text.h"
 #include "reports/report_json.h"
+#include "reports_page_support.h"
 #include "reports_sample.h"
 
 namespace runcert {
@@ -41,7 +42,7 @@ std::string line(const sample::Run& run, const std::string& label) {
 }
 
 std::string page_of(const sample::Run& run) {
-    return report_html(report_json(run.inputs), {}, {});
+    return print_page(report_json(run.inputs));
 }
 
 /// From the heading to the end of its section.
@@ -278,7 +279,7 @@ TEST(Reliability, FilesOfRevisionOneOneSayNothingOfIt) {
     const std::string page = page_of(run);
     EXPECT_EQ(page.find("Errors that screening could have missed"), std::string::npos);
     EXPECT_EQ(page.find("runcert audit"), std::string::npos);
-    EXPECT_NE(page.find("class=\"budget\""), std::string::npos);
+    EXPECT_NE(page.find("class=\"budget"), std::string::npos);
 }
 
 // A report that was signed before revision 1.2 is still read and drawn; one that claims to be of
@@ -287,7 +288,7 @@ TEST(Reliability, AReportOfRevisionOneOneIsRead) {
     Json report =
         sample::of_revision(report_json(sample::make_run({.revision_1_1 = true}).inputs), "1.1");
     const Json read = parse_report(report_text_of(report), "report.json");
-    EXPECT_NE(report_html(read, {}, {}).find("class=\"budget\""), std::string::npos);
+    EXPECT_NE(print_page(read).find("class=\"budget"), std::string::npos);
     report =
         sample::of_revision(report_json(sample::make_run({.verdict_1_0 = true}).inputs), "1.1");
     EXPECT_THROW(parse_report(report_text_of(report), "report.json"), Failure);

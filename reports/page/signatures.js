@@ -1,0 +1,247 @@
+"use strict";
+// Signature files: minisign's (https://jedisct1.github.io/minisign/) and OpenSSH's (PROTOCOL.sshsig).
+
+/** What a signature file cannot be, in words for the reader. */
+class PageFault extends Error {}
+
+/** Joins byte arrays. */
+function joinBytes(...parts) {
+  const joined = new Uint8Array(parts.reduce((length, part) => length + part.length, 0));
+  let at = 0;
+  for (const part of parts) {
+    joined.set(part, at);
+    at += part.length;
+  }
+  return joined;
+}
+
+const utf8Bytes = (text) => new TextEncoder().encode(text);
+const asciiText = (bytes) => String.fromCharCode(...bytes);
+const base64Of = (bytes) => btoa(asciiText(bytes));
+const hexOf = (bytes) => Array.from(bytes, (byte) => byte.toString(16).padStart(2, "0")).join("");
+
+/** The bytes of a line of base64 (RFC 4648 section 4, padded, no unused bits set). */
+function bytesOfBase64(text, what) {
+  let binary = "";
+  try {
+    binary = atob(text);
+  } catch (error) {
+    binary = "";
+  }
+  if (binary === "" || btoa(binary) !== text) throw new PageFault(`its ${what} is not base64`);
+  return Uint8Array.from(binary, (letter) => letter.charCodeAt(0));
+}
+
+/** An SSH string (RFC 4251 section 5): its length in 4 bytes, then the bytes. */
+function sshString(bytes) {
+  const length = new Uint8Array(4);
+  new DataView(length.buffer).setUint32(0, bytes.length);
+  return joinBytes(length, bytes);
+}
+
+/** Takes one SSH string after another off some bytes. */
+class SshReader {
+  constructor(bytes) {
+    this.bytes = bytes;
+    this.at = 0;
+  }
+  take(count) {
+    if (this.at + count > this.bytes.length) throw new PageFault("it ends too early");
+    this.at += count;
+    return this.bytes.subarray(this.at - count, this.at);
+  }
+  number() {
+    const four = this.take(4);
+    return new DataView(four.buffer, four.byteOffset, 4).getUint32(0);
+  }
+  string() {
+    return this.take(this.number());
+  }
+}
+
+/** `SHA256:...` of a public key's SSH blob, as `ssh-keygen -l` prints it. */
+function sshFingerprint(blob) {
+  return "SHA256:" + base64Of(nobleHashes.sha256(blob)).replace(/=+$/, "");
+}
+
+/** The SSH blob of the 32 bytes of an Ed25519 public key. */
+const ed25519Blob = (key) => joinBytes(sshString(utf8Bytes("ssh-ed25519")), sshString(key));
+
+/** A minisign key id as people write it: most significant byte first. */
+const keyIdText = (id) => hexOf(Uint8Array.from(id).reverse()).toUpperCase();
+
+/** report, attempt, role, key and signed of a trusted comment of runcert; empty for any other. */
+function commentFields(comment) {
+  const [program, ...words] = comment.split(" ");
+  const fields = Object.create(null);
+  if (program !== "runcert") return fields;
+  for (const word of words) {
+    const equals = word.indexOf("=");
+    if (equals > 0) fields[word.slice(0, equals)] = word.slice(equals + 1);
+  }
+  return fields;
+}
+
+/** The parts of a minisign signature file. PageFault where it is none. */
+function readMinisign(text) {
+  const lines = text.split("\n").map((line) => line.replace(/\r$/, ""));
+  while (lines.length > 0 && lines[lines.length - 1] === "") lines.pop();
+  if (lines.length !== 4 || !lines[0].startsWith("untrusted comment: ") ||
+      !lines[2].startsWith("trusted comment: "))
+    throw new PageFault("it is not a signature file of minisign");
+  const bytes = bytesOfBase64(lines[1], "second line");
+  const global = bytesOfBase64(lines[3], "last line");
+  if (bytes.length !== 74 || global.length !== 64)
+    throw new PageFault("its signature has not the right length");
+  const comment = lines[2].slice("trusted comment: ".length);
+  return {
+    algorithm: asciiText(bytes.subarray(0, 2)),
+    keyId: keyIdText(bytes.subarray(2, 10)),
+    signature: bytes.subarray(10),
+    global,
+    comment,
+    fields: commentFields(comment),
+  };
+}
+
+/** The parts of an OpenSSH signature. PageFault where it is none. */
+function readSshSignature(text) {
+  const armour = /^-----BEGIN SSH SIGNATURE-----\r?\n([A-Za-z0-9+/=\r\n]+)-----END SSH SIGNATURE-----\s*$/;
+  const match = armour.exec(text);
+  if (!match) throw new PageFault("it is not a signature of ssh-keygen");
+  const reader = new SshReader(bytesOfBase64(match[1].replace(/[\r\n]/g, ""), "text"));
+  if (asciiText(reader.take(6)) !== "SSHSIG" || reader.number() !== 1)
+    throw new PageFault("it is not a signature of ssh-keygen in the form that this page knows");
+  const blob = reader.string();
+  const namespace = asciiText(reader.string());
+  const reserved = reader.string();
+  const hash = asciiText(reader.string());
+  const signature = new SshReader(reader.string());
+  const key = new SshReader(blob);
+  const type = asciiText(key.string());
+  const role = /^([A-Za-z0-9_-]+)@runcert$/.exec(namespace);
+  return {
+    blob, namespace, reserved, hash, type,
+    role: role ? role[1] : "",
+    key: type === "ssh-ed25519" ? key.string() : null,
+    signatureType: asciiText(signature.string()),
+    signature: signature.string(),
+  };
+}
+
+const isSshSignature = (text) => text.startsWith("-----BEGIN SSH SIGNATURE-----");
+
+/**
+ * Who signed, as the page's template gets it: file, key_id (minisign: 16 upper-case hexadecimal
+ * digits; ssh: fingerprint), role ("" where none is stated), trusted_comment ("" for ssh). PageFault,
+ * with the file, where one is no signature.
+ */
+function signersOf(signatureFiles) {
+  return signatureFiles.map(({ file, text }) => {
+    try {
+      return signerOf(file, text);
+    } catch (error) {
+      throw error instanceof PageFault ? new PageFault(`${file}: ${error.message}`) : error;
+    }
+  });
+}
+
+function signerOf(file, text) {
+  if (isSshSignature(text)) {
+    const { blob, role } = readSshSignature(text);
+    return { file, key_id: sshFingerprint(blob), role, trusted_comment: "" };
+  }
+  const { keyId, fields, comment } = readMinisign(text);
+  return { file, key_id: keyId, role: fields.role || "", trusted_comment: comment };
+}
+
+/** Whether a signature holds; a key that is none makes it not hold. */
+async function ed25519Holds(key, signature, message) {
+  try {
+    const imported = await crypto.subtle.importKey("raw", key, { name: "Ed25519" }, false, ["verify"]);
+    return await crypto.subtle.verify({ name: "Ed25519" }, imported, signature, message);
+  } catch (error) {
+    return false;
+  }
+}
+
+/** Whether this browser verifies Ed25519: asked with the first test vector of RFC 8032, 7.1. */
+async function browserKnowsEd25519() {
+  if (!globalThis.crypto || !crypto.subtle) return false;
+  const bytes = (hex) => Uint8Array.from(hex.match(/../g), (pair) => parseInt(pair, 16));
+  const key = bytes("d75a980182b10ab7d54bfed3c964073a0ee172f3daa62325af021a68f707511a");
+  const signature = bytes("e5564300c360ac729086e2cc806e828a84877f1eb8e5d974d873e06522490155" +
+                          "5fb8821590a33bacc61e39701cf9b46bd25bf5f0595bbe24655141438e7a100b");
+  return ed25519Holds(key, signature, new Uint8Array(0));
+}
+
+/** What is known of one signature: state is "valid", "invalid" or "unchecked", words says why. */
+function signatureFinding(file, state, words, more = {}) {
+  return { file, state, words, role: "", time: "", keyId: "", fingerprint: "", publicKey: "", ...more };
+}
+
+async function checkMinisign(file, text, reportBytes, identity) {
+  const read = readMinisign(text);
+  const { report, attempt, role = "", key: line, signed: time = "" } = read.fields;
+  const invalid = (words) => signatureFinding(file, "invalid", words, { role, keyId: read.keyId });
+  if (read.algorithm !== "ED") return invalid("it is not of minisign’s prehashed form");
+  if (line === undefined)
+    return signatureFinding(file, "unchecked", "It was made by another program and names no key: " +
+      `check it with minisign -Vm report.json -x ${file} -p KEY.pub.`, { keyId: read.keyId });
+  const keyBytes = bytesOfBase64(line, "key");
+  if (keyBytes.length !== 42 || asciiText(keyBytes.subarray(0, 2)) !== "Ed")
+    return invalid("the key that it names is not a minisign key");
+  if (keyIdText(keyBytes.subarray(2, 10)) !== read.keyId)
+    return invalid("it names another key than it was made with");
+  const key = keyBytes.subarray(10);
+  const digest = nobleHashes.blake2b(reportBytes, { dkLen: 64 });
+  if (report !== identity.report || attempt !== identity.attempt)
+    return invalid(`it is a signature of another report (report ${report}, attempt ${attempt})`);
+  if (!await ed25519Holds(key, read.signature, digest))
+    return invalid("the signature of report.json does not hold: the report or the signature was changed");
+  if (!await ed25519Holds(key, read.global, joinBytes(read.signature, utf8Bytes(read.comment))))
+    return invalid("its trusted comment (role, time, key) was changed");
+  const blob = ed25519Blob(key);
+  return signatureFinding(file, "valid", "", {
+    role, time, keyId: read.keyId, fingerprint: sshFingerprint(blob), publicKey: line,
+  });
+}
+
+async function checkSshSignature(file, text, reportBytes) {
+  const read = readSshSignature(text);
+  const about = {
+    role: read.role,
+    fingerprint: sshFingerprint(read.blob),
+    publicKey: `${read.type} ${base64Of(read.blob)}`,
+  };
+  if (read.role === "")
+    return signatureFinding(file, "invalid", "it was not made for a report of runcert " +
+      `(its namespace is “${read.namespace}”)`, about);
+  if (read.type !== "ssh-ed25519")
+    return signatureFinding(file, "unchecked", `Its key is of the type ${read.type}, which a page ` +
+      "cannot check: check it with ssh-keygen -Y verify or runcert verify.", about);
+  const hashes = { sha256: nobleHashes.sha256, sha512: nobleHashes.sha512 };
+  const hash = Object.hasOwn(hashes, read.hash) ? hashes[read.hash] : null;
+  if (!hash || read.signatureType !== "ssh-ed25519" || read.key.length !== 32)
+    return signatureFinding(file, "invalid", "its parts do not fit together", about);
+  const signed = joinBytes(utf8Bytes("SSHSIG"), sshString(utf8Bytes(read.namespace)),
+    sshString(read.reserved), sshString(utf8Bytes(read.hash)), sshString(hash(reportBytes)));
+  return await ed25519Holds(read.key, read.signature, signed)
+    ? signatureFinding(file, "valid", "", about)
+    : signatureFinding(file, "invalid",
+      "the signature of report.json does not hold: the report or the signature was changed", about);
+}
+
+/**
+ * Checks one signature file against the bytes of report.json. `identity` is what the report says of
+ * itself: {report, attempt}. Never throws for what stands in the file.
+ */
+async function checkSignature({ file, text }, reportBytes, identity) {
+  try {
+    return isSshSignature(text) ? await checkSshSignature(file, text, reportBytes)
+                                : await checkMinisign(file, text, reportBytes, identity);
+  } catch (error) {
+    if (!(error instanceof PageFault)) throw error;
+    return signatureFinding(file, "invalid", error.message);
+  }
+}

@@ -1,0 +1,45 @@
+#include "schemas/common/needed_signatures.h"
+
+#include <algorithm>
+
+namespace runcert {
+namespace {
+
+bool is_role(const std::string& text) {
+    return !text.empty() && text.size() <= 64 && std::ranges::all_of(text, [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+               c == '-' || c == '_';
+    });
+}
+
+}  // namespace
+
+std::vector<NeededSignatures> read_needed_signatures(const YamlValue& list) {
+    std::vector<NeededSignatures> needed;
+    if (!list.exists()) return needed;
+    for (const YamlValue& entry : list.list()) {
+        NeededSignatures one{.role = entry["role"].text(),
+                             .count = entry["count"].exists() ? entry["count"].integer() : 1};
+        if (!is_role(one.role))
+            entry["role"].fail("a role is letters, digits, - and _, at most 64 of them",
+                               "Write it so, \"measurer\": signatures name it");
+        if (std::ranges::find(needed, one.role, &NeededSignatures::role) != needed.end())
+            entry["role"].fail("the role is there twice", "Give one count for it");
+        needed.push_back(std::move(one));
+    }
+    return needed;
+}
+
+std::vector<NeededSignatures> combined(std::vector<NeededSignatures> first,
+                                       const std::vector<NeededSignatures>& second) {
+    for (const NeededSignatures& one : second) {
+        const auto known = std::ranges::find(first, one.role, &NeededSignatures::role);
+        if (known == first.end())
+            first.push_back(one);
+        else
+            known->count = std::max(known->count, one.count);
+    }
+    return first;
+}
+
+}  // namespace runcert

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "files/yaml_input.h"
+
+namespace runcert {
+
+/// Signatures of one role that a report needs.
+struct NeededSignatures {
+    std::string role;
+    std::int64_t count = 1;  ///< each with a key of its own
+
+    bool operator==(const NeededSignatures&) const = default;
+};
+
+/// The list `signatures` of an attempt or a profile; none where it is absent. Failure at its place
+/// where a role is not letters, digits, - and _, or is there twice.
+std::vector<NeededSignatures> read_needed_signatures(const YamlValue& list);
+
+/// Of two lists, for each role the larger count: the first's roles in its order, then the second's.
+std::vector<NeededSignatures> combined(std::vector<NeededSignatures> first,
+                                       const std::vector<NeededSignatures>& second);
+
+}  // namespace runcert

@@ -7,6 +7,7 @@
 #include "reports/report_html.h"
 #include "reports/report_run.h"
 #include "run/evidence.h"
+#include "run/signature_files.h"
 #include "run/signing.h"
 #include "run/stage_main.h"
 
@@ -65,9 +66,9 @@ std::vector<SignatureText> signatures_of(const std::filesystem::path& run_dir) {
     return {{"report.json.minisig", read_file(file)}};
 }
 
-/// A new report makes the signature of an earlier one void.
+/// A new report makes the signatures of an earlier one void.
 void write_report(const StageRun& run, const std::string& report) {
-    std::filesystem::remove(run.run_dir() / "report.json.minisig");
+    remove_signatures(run.run_dir());
     run.write("report.json", report);
 }
 

@@ -176,7 +176,11 @@ int certify(const CertifyOptions& options) {
     const std::time_t started = std::time(nullptr);
     const Attempt attempt = read_attempt(read_handwritten(options.attempt), options.attempt);
     std::optional<SecretKey> key;
-    if (!options.key.empty()) key = load_secret_key(options.key);
+    std::string role;
+    if (!options.key.empty()) {
+        role = signing_role(attempt);
+        key = load_secret_key(options.key);
+    }
     const fs::path run_dir =
         options.out.empty() ? fs::path("out") / attempt.id : fs::path(options.out);
     Workshop workshop(run_dir);
@@ -198,7 +202,7 @@ int certify(const CertifyOptions& options) {
             return arguments;
         };
         StageDone written = run_stage("report", with("--no-render"));
-        if (key) sign_report(workshop.path(), *key, signing_role(attempt));
+        if (key) sign_report(workshop.path(), *key, role);
         if (!options.no_render) {
             const StageDone rendered = run_stage("report", with("--render-only"));
             written.seconds += rendered.seconds;

@@ -14,6 +14,8 @@ using Command = std::function<int()>;
 
 void add_certify(CLI::App& app, Command& chosen);
 void add_verify(CLI::App& app, Command& chosen);
+void add_sign(CLI::App& app, Command& chosen);
+void add_timestamp(CLI::App& app, Command& chosen);
 void add_inspect(CLI::App& app, Command& chosen);
 void add_simulate(CLI::App& app, Command& chosen);
 void add_keygen(CLI::App& app, Command& chosen);

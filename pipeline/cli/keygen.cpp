@@ -6,44 +6,58 @@
 #include "commands.h"
 #include "core/failure.h"
 #include "files/atomic_file.h"
+#include "files/roster.h"
 #include "files/signature.h"
 #include "run/signing.h"
 
 namespace runcert {
 namespace {
 
-int make_keys(const std::string& name, bool no_password) {
-    const std::string secret = name + ".key";
-    const std::string open = name + ".pub";
+struct KeygenOptions {
+    std::string name;
+    std::string role = "measurer";
+    bool no_password = false;
+};
+
+int make_keys(const KeygenOptions& options) {
+    const std::string secret = options.name + ".key";
+    const std::string open = options.name + ".pub";
+    require_role(options.role, "--role");
     for (const std::string& file : {secret, open})
         if (std::filesystem::exists(file))
             throw Failure(file, "the file exists already",
                           "Choose another name: a key that is overwritten is lost");
     std::optional<std::string> password;
-    if (!no_password) password = ask_new_password();
+    if (!options.no_password) password = ask_new_password();
     const KeyPair pair = generate_key_pair();
     write_file_atomically(secret, secret_key_file(pair, password), FileAccess::owner_only);
     write_file_atomically(open, public_key_file(pair.public_key));
     fmt::print(
         "secret key  {}  (keep it; nobody else may have it)\n"
         "public key  {}  (give it to everybody who is to verify)\n"
-        "key id      {}\n",
-        secret, open, key_id_text(pair.public_key));
+        "key id      {}\n"
+        "roster      {}\n",
+        secret, open, key_id_text(pair.public_key),
+        roster_line(pair.public_key, options.role,
+                    std::filesystem::path(options.name).filename().string()));
     return 0;
 }
 
 }  // namespace
 
 void add_keygen(CLI::App& app, Command& chosen) {
-    auto name = std::make_shared<std::string>();
-    auto no_password = std::make_shared<bool>(false);
+    auto options = std::make_shared<KeygenOptions>();
     CLI::App* command =
         app.add_subcommand("keygen", "Make a key pair for signing reports (minisign's format)");
-    command->add_option("--out", *name, "writes NAME.key and NAME.pub")->required();
-    command->add_flag("--no-password", *no_password, "do not encrypt the secret key");
-    command->callback([&chosen, name, no_password] {
-        chosen = [name, no_password] { return make_keys(*name, *no_password); };
-    });
+    command->add_option("--out", options->name, "writes NAME.key and NAME.pub")->required();
+    command->add_option("--role", options->role,
+                        "role in the roster line that is printed (default: measurer)");
+    command->add_flag("--no-password", options->no_password, "do not encrypt the secret key");
+    command->footer(
+        "The roster line goes into the file that `runcert verify --roster` reads; who the key "
+        "belongs to\nis the comment at its end, and valid-after=\"20260101Z\", "
+        "valid-before=\"20280101Z\" may be put\nbehind the role, separated by commas.");
+    command->callback([&chosen, options] { chosen = [options] { return make_keys(*options); }; });
 }
 
 }  // namespace runcert

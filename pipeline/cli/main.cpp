@@ -19,6 +19,8 @@ int main(int argc, char** argv) {
         Command chosen;
         add_certify(app, chosen);
         add_verify(app, chosen);
+        add_sign(app, chosen);
+        add_timestamp(app, chosen);
         add_inspect(app, chosen);
         add_audit(app, chosen);
         add_explain(app, chosen);

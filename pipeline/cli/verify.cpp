@@ -1,57 +1,117 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <chrono>
 #include <filesystem>
 
 #include "commands.h"
 #include "core/failure.h"
+#include "core/text.h"
 #include "files/atomic_file.h"
+#include "files/roster.h"
 #include "recompute.h"
 #include "run/verification.h"
+#include "verification_text.h"
 
 namespace runcert {
 namespace {
 
 struct VerifyOptions {
     std::string run_dir;
-    std::string public_key;
+    std::vector<std::string> public_keys;
+    std::string roster;
+    std::vector<std::string> time_stamp_cas;
+    std::string at;
     bool recompute = false;
+    bool json = false;
 };
 
-bool print_step(const VerificationStep& step) {
-    fmt::print("{:<4} {:<12} {}\n", step.passed ? "yes" : "NO", step.what, step.finding);
-    for (const std::string& detail : step.details)
-        fmt::print("     {:<12} {}\n", "", detail);
-    return step.passed;
+std::optional<Roster> read_keys(const VerifyOptions& options) {
+    if (!options.roster.empty())
+        return parse_roster(read_handwritten(options.roster), options.roster);
+    std::optional<Roster> roster;
+    for (const std::string& file : options.public_keys) {
+        const std::string who = std::filesystem::path(file).stem().string();
+        if (!roster) roster.emplace();
+        append(*roster,
+               roster_of_public_key(read_handwritten(file), escape_for_message(who), file));
+    }
+    return roster;
+}
+
+SignatureRules read_rules(const VerifyOptions& options) {
+    SignatureRules rules{.roster = read_keys(options), .by_public_keys = options.roster.empty()};
+    rules.time_stamp_cas.assign(options.time_stamp_cas.begin(), options.time_stamp_cas.end());
+    rules.at = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+    if (options.at.empty()) return rules;
+    const auto at = parse_iso_utc(options.at);
+    if (!at)
+        throw Failure("--at", fmt::format("\"{}\" is no time", escape_for_message(options.at)),
+                      "Write it in UTC as 2026-11-21T20:41:50Z");
+    rules.at = *at;
+    rules.at_was_given = true;
+    return rules;
 }
 
 int verify(const VerifyOptions& options) {
     const std::filesystem::path run_dir = options.run_dir;
-    if (!std::filesystem::is_directory(run_dir))
-        throw Failure(run_dir.string(), "this is not a folder",
-                      "Give the folder of a certified run");
-    std::optional<PublicKey> key;
-    if (!options.public_key.empty())
-        key = parse_public_key(read_handwritten(options.public_key), options.public_key);
-    bool passed = print_step(verify_files(run_dir));
-    passed = print_step(verify_chain(run_dir)) && passed;
-    passed = print_step(verify_signature(run_dir, key)) && passed;
-    if (options.recompute) passed = print_step(verify_recomputation(run_dir)) && passed;
-    fmt::print("\n{}\n", passed ? "VERIFIED" : "NOT VERIFIED");
-    return passed ? 0 : 1;
+    const SignatureRules rules = read_rules(options);
+    const ReportFacts report = read_report_facts(run_dir);
+    VerificationResult result;
+    if (auto bundle = verify_bundle(run_dir)) result.layers.push_back(std::move(*bundle));
+    result.layers.push_back(verify_files(run_dir, report));
+    result.layers.push_back(verify_chain(run_dir, report));
+    result.layers.push_back(verify_schemas(run_dir, report));
+    SignatureLayers signatures = verify_signatures(run_dir, report, rules);
+    result.layers.push_back(std::move(signatures.signatures));
+    result.layers.push_back(std::move(signatures.time_stamps));
+    result.signers = std::move(signatures.signers);
+    result.layers.push_back(verify_pages(run_dir, report));
+    if (options.recompute) result.layers.push_back(verify_recomputation(run_dir));
+    fmt::print("{}", options.json ? verification_json(result) : verification_text(result));
+    return result.passed() ? 0 : 1;
+}
+
+void add_options(CLI::App& command, VerifyOptions& options) {
+    command.add_option("RUN_DIR", options.run_dir, "the folder of a certified run")->required();
+    CLI::Option* keys = command.add_option(
+        "--pubkey", options.public_keys,
+        "public key of who signed (runcert keygen, minisign, OpenSSH); may be repeated");
+    command
+        .add_option("--roster", options.roster,
+                    "whose signatures count: OpenSSH's allowed signers, the principals being roles")
+        ->excludes(keys);
+    command.add_option("--tsa-ca", options.time_stamp_cas,
+                       "certificate (PEM) of a root that time stamps are accepted under; may be "
+                       "repeated. Without it they are not checked, and do not count");
+    command.add_option(
+        "--at", options.at,
+        "the time at which keys must be valid, for signatures without a checked time "
+        "stamp, as 2026-11-21T20:41:50Z (default: the present)");
+    command.add_flag("--recompute", options.recompute,
+                     "run every stage again and compare every file");
+    command.add_flag("--json", options.json, "print one JSON document instead");
 }
 
 }  // namespace
 
 void add_verify(CLI::App& app, Command& chosen) {
     auto options = std::make_shared<VerifyOptions>();
-    CLI::App* command =
-        app.add_subcommand("verify", "Check a run folder: signature, every hash, the whole chain");
-    command->add_option("RUN_DIR", options->run_dir, "the folder of a certified run")->required();
-    command->add_option("--pubkey", options->public_key, "public key of who signed");
-    command->add_flag("--recompute", options->recompute,
-                      "run every stage again and compare every file");
-    command->footer("Exit status: 0 all of it holds, 1 it does not, 2 it could not be checked.");
+    CLI::App* command = app.add_subcommand(
+        "verify", "Check a run folder: every hash, the whole chain, schemas, signatures, pages");
+    add_options(*command, *options);
+    command->footer(
+        "A roster has a line for each key, as `runcert keygen` prints it:\n"
+        "  measurer,observer namespaces=\"*@runcert\",valid-after=\"20260101Z\","
+        "valid-before=\"20280101Z\" ssh-ed25519 AAAA... WHO\n"
+        "Roles may hold * and ?, and ! in front refuses; namespaces are ROLE@runcert. Times are "
+        "YYYYMMDD,\nYYYYMMDDHHMM or YYYYMMDDHHMMSS, in UTC with a Z behind them (recommended), "
+        "else in the local time of\nthe computer that verifies. Keys of type ssh-ed25519 serve for "
+        "minisign's signatures too, others for\nthose of ssh-keygen alone.\n"
+        "A key must be valid at the time of the signature's checked time stamp, else at --at; what "
+        "the signer\nstates is shown, and must lie within the key's validity too. A key counts for "
+        "one role. Whether a\ncertificate of an authority was revoked is not looked at.\n"
+        "Exit status: 0 all of it holds, 1 it does not, 2 it could not be checked.");
     command->callback([&chosen, options] { chosen = [options] { return verify(*options); }; });
 }
 

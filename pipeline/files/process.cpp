@@ -63,11 +63,11 @@ struct Pipes {
 
 /// What the child does between fork and exec: only calls that are safe there.
 [[noreturn]] void become(char* const* arguments, char* const* environment, const Pipes& pipes,
-                         pid_t parent) {
+                         const char* standard_input, pid_t parent) {
     prctl(PR_SET_PDEATHSIG, SIGTERM);
     if (getppid() != parent) _exit(127);
-    const int null = open("/dev/null", O_RDONLY);
-    dup2(null, STDIN_FILENO);
+    const int input = open(standard_input, O_RDONLY);
+    dup2(input, STDIN_FILENO);
     dup2(pipes.out.write_end(), STDOUT_FILENO);
     dup2(pipes.err.write_end(), STDERR_FILENO);
     execvpe(arguments[0], arguments, environment);
@@ -127,7 +127,9 @@ std::vector<char*> pointers(std::vector<std::string>& texts) {
 }  // namespace
 
 ProcessResult run_process(const std::vector<std::string>& arguments,
-                          const std::vector<std::pair<std::string, std::string>>& environment) {
+                          const std::vector<std::pair<std::string, std::string>>& environment,
+                          const std::filesystem::path& standard_input) {
+    const std::string input = standard_input.empty() ? "/dev/null" : standard_input.string();
     std::vector<std::string> argument_texts = arguments;
     std::vector<std::string> environment_texts = merged_environment(environment);
     const std::vector<char*> argument_list = pointers(argument_texts);
@@ -136,7 +138,8 @@ ProcessResult run_process(const std::vector<std::string>& arguments,
     const pid_t parent = getpid();
     const pid_t child = fork();
     if (child < 0) fail_to_start(errno);
-    if (child == 0) become(argument_list.data(), environment_list.data(), pipes, parent);
+    if (child == 0)
+        become(argument_list.data(), environment_list.data(), pipes, input.c_str(), parent);
     for (Pipe* pipe : {&pipes.out, &pipes.err, &pipes.problem})
         pipe->close_write_end();
     int error = 0;

@@ -15,11 +15,13 @@ struct ProcessResult {
     std::string errors;   ///< what it wrote on standard error
 };
 
-/// Runs a program (searched in PATH unless it holds a slash) to its end, with standard input
-/// empty, and returns what it said. `environment` is added to the caller's. The program is ended
-/// if its caller dies. A program that cannot be started is a Failure that names it.
+/// Runs a program (searched in PATH unless it holds a slash) to its end, with the contents of a
+/// file as standard input (empty where none is named), and returns what it said. `environment` is
+/// added to the caller's. The program is ended if its caller dies. A program that cannot be started
+/// is a Failure that names it.
 ProcessResult run_process(const std::vector<std::string>& arguments,
-                          const std::vector<std::pair<std::string, std::string>>& environment = {});
+                          const std::vector<std::pair<std::string, std::string>>& environment = {},
+                          const std::filesystem::path& standard_input = {});
 
 /// The folder that holds the running program, where its companions are.
 std::filesystem::path program_folder();

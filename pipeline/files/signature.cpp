@@ -71,6 +71,12 @@ SignatureFile parse_signature_file(std::string_view text, const std::string& whe
     return file;
 }
 
+bool comment_holds(const SignatureFile& file, const PublicKey& public_key) {
+    const std::string signed_comment = file.signature + file.trusted_comment;
+    return crypto_sign_verify_detached(data_of(file.comment_signature), data_of(signed_comment),
+                                       signed_comment.size(), public_key.key.data()) == 0;
+}
+
 /// Why the signature is not this key's over this message; empty where it is.
 std::string find_fault(std::string_view message, const SignatureFile& file,
                        const PublicKey& public_key) {
@@ -85,9 +91,7 @@ std::string find_fault(std::string_view message, const SignatureFile& file,
                                     public_key.key.data()) != 0)
         return "the signed file is not as it was when it was signed, or the signature is not the "
                "key's";
-    const std::string signed_comment = file.signature + file.trusted_comment;
-    if (crypto_sign_verify_detached(data_of(file.comment_signature), data_of(signed_comment),
-                                    signed_comment.size(), public_key.key.data()) != 0)
+    if (!comment_holds(file, public_key))
         return "the trusted comment is not as it was when it was signed";
     return {};
 }
@@ -128,8 +132,16 @@ SignatureCheck check_signature(std::string_view message, std::string_view signat
     check.key_id = key_id_text(file.signer);
     check.reason = find_fault(message, file, public_key);
     check.valid = check.reason.empty();
-    if (check.valid) check.trusted_comment = std::move(file.trusted_comment);
+    if (check.valid) check.trusted_comment = file.trusted_comment;
+    if (comment_holds(file, public_key)) check.vouched_comment = std::move(file.trusted_comment);
     return check;
+}
+
+SignatureClaims read_signature_claims(std::string_view signature_file_text,
+                                      const std::string& where) {
+    start_libsodium();
+    SignatureFile file = parse_signature_file(signature_file_text, where);
+    return {file.signer.key_id, std::move(file.trusted_comment)};
 }
 
 }  // namespace runcert

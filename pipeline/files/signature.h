@@ -13,7 +13,9 @@ namespace runcert {
 /// An Ed25519 public key and the 8 random bytes that name its pair. The id is a label for people:
 /// only the key decides whether a signature is valid.
 struct PublicKey {
-    std::array<unsigned char, 8> key_id{};
+    using Id = std::array<unsigned char, 8>;
+
+    Id key_id{};
     std::array<unsigned char, 32> key{};
 
     bool operator==(const PublicKey&) const = default;
@@ -89,6 +91,9 @@ struct SignatureCheck {
     std::string trusted_comment;  ///< empty unless valid: until then nobody vouches for it
     std::string key_id;  ///< the id in the signature file, as key_id_text prints it; a claim
     std::string reason;  ///< why it is not valid, in words; empty where it is
+    /// The trusted comment where its own signature is the key's, even where that over the message
+    /// does not hold: it then tells which message the signature was made for.
+    std::string vouched_comment;
 };
 
 /// Checks a signature file over `message` with a public key. `where` names the signature file in
@@ -97,5 +102,26 @@ struct SignatureCheck {
 /// signature file.
 SignatureCheck check_signature(std::string_view message, std::string_view signature_file_text,
                                const PublicKey& public_key, const std::string& where);
+
+/// What a signature file claims. Nothing of it is checked.
+struct SignatureClaims {
+    PublicKey::Id key_id{};
+    std::string trusted_comment{};
+};
+
+/// Reads a signature file without checking it. Failure where the text is not a signature file.
+SignatureClaims read_signature_claims(std::string_view signature_file_text,
+                                      const std::string& where);
+
+/// The public key as one line of base64, as `minisign -P` takes it.
+std::string public_key_line(const PublicKey& public_key);
+
+/// What the text of a key file is where it is no secret key of ours: "a public key", "an OpenSSH
+/// private key" and so on, with what to do. Empty where it is nothing that is known.
+struct OtherKey {
+    std::string kind{};
+    std::string remedy{};
+};
+OtherKey other_key_in(std::string_view text);
 
 }  // namespace runcert

@@ -186,12 +186,16 @@ std::string key_id_text(const PublicKey& public_key) {
     return text;
 }
 
-std::string public_key_file(const PublicKey& public_key) {
+std::string public_key_line(const PublicKey& public_key) {
     std::array<unsigned char, public_record_size> record{'E', 'd'};
     std::copy(public_key.key_id.begin(), public_key.key_id.end(), record.begin() + 2);
     std::copy(public_key.key.begin(), public_key.key.end(), record.begin() + 10);
+    return base64_of(record.data(), record.size());
+}
+
+std::string public_key_file(const PublicKey& public_key) {
     return std::string(untrusted_prefix) + "runcert public key " + key_id_text(public_key) + "\n" +
-           base64_of(record.data(), record.size()) + "\n";
+           public_key_line(public_key) + "\n";
 }
 
 PublicKey parse_public_key(std::string_view text, const std::string& where) {

@@ -122,8 +122,15 @@ void Workshop::publish() {
         return std::pair(is_report(a), a) < std::pair(is_report(b), b);
     });
     std::error_code error;
-    for (const char* old : {"report.json.minisig", "report.json", "report.html", "report.pdf"})
-        fs::remove(run_dir_ / old, error);
+    // Signatures, time stamps and queries of the earlier report are void.
+    std::vector<fs::path> old;
+    for (const auto& entry : fs::directory_iterator(run_dir_))
+        if (entry.path().filename().string().starts_with("report.json."))
+            old.push_back(entry.path());
+    for (const char* name : {"report.json", "report.html", "report.pdf"})
+        old.push_back(run_dir_ / name);
+    for (const fs::path& file : old)
+        fs::remove(file, error);
     for (const std::string& name : names) {
         fs::rename(path_ / name, run_dir_ / name, error);
         if (error)

@@ -1,18 +1,21 @@
 #include "run/signing.h"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <sys/stat.h>
 #include <termios.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cstdio>
-#include <ctime>
 #include <iostream>
-#include <nlohmann/json.hpp>
 
 #include "core/failure.h"
-#include "core/text.h"
 #include "files/atomic_file.h"
+#include "files/roster.h"
+#include "files/utc_second.h"
+#include "run/report_facts.h"
+#include "run/signature_files.h"
+#include "run/trusted_comment.h"
 
 namespace runcert {
 namespace {
@@ -53,11 +56,60 @@ std::string ask(const std::string& question) {
     return password;
 }
 
+/// Keys that others can read are others' keys too.
+void require_private(const std::filesystem::path& path) {
+    struct stat status {};
+    if (stat(path.c_str(), &status) != 0 || (status.st_mode & (S_IRWXG | S_IRWXO)) == 0) return;
+    throw Failure(
+        path.string(),
+        fmt::format("others than its owner can use this secret key (mode {:04o})",
+                    status.st_mode & 07777U),
+        fmt::format("Run `chmod 600 {}`; if others had access to this computer, make a new "
+                    "key",
+                    path.string()));
+}
+
+void refuse_other_key(const std::string& text, const std::filesystem::path& path) {
+    const OtherKey other = other_key_in(text);
+    if (!other.kind.empty())
+        throw Failure(path.string(), fmt::format("this is {}, not a secret key", other.kind),
+                      other.remedy);
+}
+
+/// The place for a signature: its own earlier one, or the first that is free.
+std::string place_for(const std::filesystem::path& run_dir, const PublicKey& key,
+                      const std::string& role) {
+    for (const SignatureFile& file : signature_files(run_dir)) {
+        if (file.kind != SignatureKind::minisign) continue;
+        try {
+            const TrustedComment comment =
+                parse_trusted_comment(read_signature_claims(file.text, file.name).trusted_comment);
+            if (comment.role == role && comment.key == public_key_line(key)) return file.name;
+        } catch (const Failure&) {
+            // No signature, whatever it is: it is not this key's.
+        }
+    }
+    const auto is_free = [&run_dir](const std::string& name) {
+        return !std::filesystem::exists(std::filesystem::symlink_status(run_dir / name));
+    };
+    if (is_free("report.json.minisig")) return "report.json.minisig";
+    std::string name = fmt::format("report.json.{}.minisig", role);
+    for (int number = 2; !is_free(name); ++number)
+        name = fmt::format("report.json.{}.{}.minisig", role, number);
+    return name;
+}
+
 }  // namespace
 
 SecretKey load_secret_key(const std::filesystem::path& path) {
     const std::string text = read_handwritten(path);
-    if (!secret_key_is_encrypted(text)) return parse_secret_key(text, std::nullopt, path.string());
+    refuse_other_key(text, path);
+    if (!secret_key_is_encrypted(text)) {
+        SecretKey key = parse_secret_key(text, std::nullopt, path.string());
+        require_private(path);
+        return key;
+    }
+    require_private(path);
     return parse_secret_key(text, ask(fmt::format("password of {}", path.string())), path.string());
 }
 
@@ -69,19 +121,28 @@ std::string ask_new_password() {
 }
 
 std::string signing_role(const Attempt& attempt) {
-    return attempt.officials.empty() ? "unstated" : attempt.officials.front().role;
+    if (attempt.officials.empty()) return "unstated";
+    require_role(attempt.officials.front().role, "the attempt's officials[0].role");
+    return attempt.officials.front().role;
 }
 
-void sign_report(const std::filesystem::path& run_dir, const SecretKey& key,
-                 const std::string& role) {
-    const std::string report = read_file(run_dir / "report.json");
-    const auto json = nlohmann::json::parse(report);
-    const std::string comment =
-        fmt::format("runcert report={} attempt={} role={} signed={:%Y-%m-%dT%H:%M:%SZ}",
-                    json.at("predicate").at("report_id").get<std::string>(),
-                    json.at("predicate").at("attempt").at("id").get<std::string>(), role,
-                    fmt::gmtime(std::time(nullptr)));
-    write_file_atomically(run_dir / "report.json.minisig", sign(report, key, comment));
+std::string sign_report(const std::filesystem::path& run_dir, const SecretKey& key,
+                        const std::string& role) {
+    require_role(role, "the role to sign in");
+    const ReportFacts report = read_report_facts(run_dir);
+    const PublicKey public_key = public_key_of(key);
+    const std::string name = place_for(run_dir, public_key, role);
+    const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+    const std::string comment = trusted_comment_text({.report_id = report.report_id,
+                                                      .attempt_id = report.attempt_id,
+                                                      .role = role,
+                                                      .key = public_key_line(public_key),
+                                                      .signed_at = iso_text(now)});
+    // What was stamped is the signature that is replaced.
+    std::filesystem::remove(run_dir / time_stamp_name(name));
+    std::filesystem::remove(run_dir / time_stamp_query_name(name));
+    write_file_atomically(run_dir / name, sign(report.text, key, comment));
+    return name;
 }
 
 }  // namespace runcert

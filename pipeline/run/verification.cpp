@@ -2,140 +2,131 @@
 
 #include <fmt/format.h>
 
-#include <map>
-#include <nlohmann/json.hpp>
+#include <algorithm>
 
 #include "core/failure.h"
 #include "core/text.h"
 #include "files/atomic_file.h"
-#include "files/ecsv.h"
 #include "files/sha256.h"
-#include "schemas/common/header.h"
+#include "run/signature_files.h"
+#include "schemas/products/products.h"
 
 namespace runcert {
 namespace {
 
 namespace fs = std::filesystem;
 
-using Subjects = std::map<std::string, std::string>;  // file name to SHA-256
-
-Subjects subjects_of(const fs::path& run_dir) {
-    const fs::path file = run_dir / "report.json";
-    const std::string text = read_file(file);
-    try {
-        Subjects subjects;
-        const auto report = nlohmann::json::parse(text);
-        for (const auto& subject : report.at("subject")) {
-            const std::string name = subject.at("name").get<std::string>();
-            if (name.empty() || name.find('/') != std::string::npos || name == "." || name == "..")
-                throw Failure(file.string(),
-                              fmt::format("the subject \"{}\" is not a file of the run folder",
-                                          escape_for_message(name)),
-                              "This is not a report of this program, or it was changed");
-            subjects[name] = subject.at("digest").at("sha256").get<std::string>();
-        }
-        return subjects;
-    } catch (const nlohmann::json::exception& error) {
-        throw Failure(file.string(), fmt::format("not a report: {}", error.what()),
-                      "The file was changed or cut off; take the original");
-    }
+/// File names come from outside.
+std::string shown(const std::string& name) {
+    return escape_for_message(name, 120);
 }
 
-/// The header of a stage file; nothing for evidence, which has none.
-std::optional<Header> header_of(const fs::path& file) {
-    const std::string name = file.filename().string();
-    const bool product = name.size() > 2 && name[0] >= '1' && name[0] <= '9' && name[1] == '-';
-    if (!product) return std::nullopt;
-    const std::string text = read_file(file);
-    if (file.extension() == ".ecsv")
-        return read_header(YamlValue(EcsvReader(text, file.string()).meta(), file.string()));
-    return read_header(YamlValue(parse_yaml(text, file.string()), file.string()));
+bool is_known_companion(const fs::directory_entry& entry) {
+    const std::string name = entry.path().filename().string();
+    const fs::file_status status = entry.symlink_status();
+    if (name == "keys") return fs::is_directory(status);
+    if (!fs::is_regular_file(status)) return false;
+    for (const char* known :
+         {"report.json", "report.html", "report.pdf", "run.yaml", "SHA256SUMS", "VERIFY.txt"})
+        if (name == known) return true;
+    return belongs_to_signatures(name);
+}
+
+std::optional<std::string> fault_of_subject(const fs::path& file, const std::string& sha256) {
+    const fs::file_status status = fs::symlink_status(file);
+    if (!fs::exists(status)) return "missing";
+    if (fs::is_symlink(status))
+        return "a symbolic link, which may lead elsewhere tomorrow: put the file itself here";
+    if (!fs::is_regular_file(status)) return "not a file";
+    if (digest_file(file).sha256 != sha256)
+        return "changed, its bytes are not those the report names";
+    return std::nullopt;
+}
+
+/// What does not belong into a run folder, in words; by name, so that the order is always the same.
+std::vector<std::string> extra_files(const fs::path& run_dir, const ReportFacts& report) {
+    std::vector<std::string> extras;
+    for (const auto& entry : fs::directory_iterator(run_dir)) {
+        const std::string name = entry.path().filename().string();
+        if (report.subjects.contains(name) || is_known_companion(entry)) continue;
+        extras.push_back(fs::is_symlink(entry.symlink_status())
+                             ? shown(name) + ": a symbolic link, not part of the report: remove it"
+                             : shown(name) + ": not part of the report: move it away");
+    }
+    std::ranges::sort(extras);
+    return extras;
+}
+
+/// The hashes of the predicate's own list of files, which is what the pages show.
+void compare_shown_files(const ReportFacts& report, VerificationStep& step) {
+    const auto& predicate = report.json.at("predicate");
+    if (!predicate.contains("files") || !predicate.at("files").is_array()) return;
+    for (const auto& file : predicate.at("files")) {
+        const std::string name = file.value("file", "");
+        const auto subject = report.subjects.find(name);
+        if (subject != report.subjects.end() && subject->second == file.value("sha256", ""))
+            continue;
+        step.passed = false;
+        step.details.push_back(
+            fmt::format("report.json: shows another {} than it is signed for", shown(name)));
+    }
 }
 
 }  // namespace
 
-VerificationStep verify_files(const fs::path& run_dir) {
-    const Subjects subjects = subjects_of(run_dir);
+VerificationStep verify_files(const fs::path& run_dir, const ReportFacts& report) {
     VerificationStep step{.passed = true, .what = "files", .finding = {}, .details = {}};
-    for (const auto& [name, sha256] : subjects) {
-        if (!fs::exists(run_dir / name)) {
-            step.passed = false;
-            step.details.push_back(name + ": missing");
-        } else if (digest_file(run_dir / name).sha256 != sha256) {
-            step.passed = false;
-            step.details.push_back(name + ": changed, its bytes are not those the report names");
+    std::size_t wrong = 0;
+    for (const auto& [name, sha256] : report.subjects)
+        if (const auto fault = fault_of_subject(run_dir / name, sha256)) {
+            ++wrong;
+            step.details.push_back(shown(name) + ": " + *fault);
         }
-    }
-    step.finding = step.passed
-                       ? fmt::format("all {} files are those the report names", subjects.size())
-                       : "not all files are those the report names";
-    for (const auto& entry : fs::directory_iterator(run_dir)) {
-        const std::string name = entry.path().filename().string();
-        if (name == "report.html" || name == "report.pdf")
-            step.details.push_back(name + ": for reading; what is signed is report.json");
-        else if (!subjects.contains(name) && !name.starts_with("report.json") && name != "run.yaml")
-            step.details.push_back(name + ": not part of the report");
-    }
+    const std::vector<std::string> extras = extra_files(run_dir, report);
+    step.details.insert(step.details.end(), extras.begin(), extras.end());
+    step.passed = wrong == 0 && extras.empty();
+    step.finding =
+        step.passed ? fmt::format("all {} files are those the report names", report.subjects.size())
+        : wrong > 0 ? "not all files are those the report names"
+                    : "there are files that are not part of the report";
     return step;
 }
 
-VerificationStep verify_chain(const fs::path& run_dir) {
-    const Subjects subjects = subjects_of(run_dir);
+VerificationStep verify_chain(const fs::path& run_dir, const ReportFacts& report) {
     VerificationStep step{.passed = true, .what = "chain", .finding = {}, .details = {}};
     std::size_t products = 0;
     const auto fail = [&](std::string detail) {
         step.passed = false;
         step.details.push_back(std::move(detail));
     };
-    for (const auto& [name, sha256] : subjects) {
-        if (!fs::exists(run_dir / name)) continue;  // said by verify_files
+    for (const auto& [name, sha256] : report.subjects) {
+        const fs::path file = run_dir / name;
+        // Those that are not there are said by verify_files.
+        if (!is_product_name(name) || !fs::is_regular_file(fs::symlink_status(file))) continue;
         try {
-            const auto header = header_of(run_dir / name);
-            if (!header) continue;
             ++products;
-            for (const InputFile& input : header->inputs) {
-                const auto subject = subjects.find(input.file);
-                if (subject == subjects.end())
-                    fail(fmt::format("{}: made from {}, which the report does not name", name,
-                                     input.file));
+            for (const InputFile& input :
+                 read_product_header(read_file(file), name, file.string()).inputs) {
+                const auto subject = report.subjects.find(input.file);
+                if (subject == report.subjects.end())
+                    fail(fmt::format("{}: made from {}, which the report does not name",
+                                     shown(name), shown(input.file)));
                 else if (subject->second != input.sha256)
-                    fail(fmt::format("{}: made from another {} than the report names", name,
-                                     input.file));
+                    fail(fmt::format("{}: made from another {} than the report names", shown(name),
+                                     shown(input.file)));
             }
         } catch (const Failure& failure) {
-            fail(fmt::format("{}: cannot be read: {}", name, failure.problem()));
+            fail(fmt::format("{}: cannot be read: {}", shown(name), failure.problem()));
         }
+    }
+    try {
+        compare_shown_files(report, step);
+    } catch (const nlohmann::json::exception&) {
+        fail("report.json: its list of files cannot be read");
     }
     step.finding =
         step.passed ? fmt::format("each of {} stage files was made from the files named", products)
                     : "the stage files do not belong together";
-    return step;
-}
-
-VerificationStep verify_signature(const fs::path& run_dir, const std::optional<PublicKey>& key) {
-    VerificationStep step{.passed = false, .what = "signature", .finding = {}, .details = {}};
-    const fs::path file = run_dir / "report.json.minisig";
-    if (!fs::exists(file)) {
-        step.finding = "the report is UNSIGNED: nobody answers for it";
-        return step;
-    }
-    if (!key) {
-        step.finding =
-            "the report is signed, but no key was given to check the signature with "
-            "(--pubkey)";
-        return step;
-    }
-    try {
-        const SignatureCheck check = check_signature(read_file(run_dir / "report.json"),
-                                                     read_handwritten(file), *key, file.string());
-        step.passed = check.valid;
-        step.finding = check.valid
-                           ? fmt::format("report.json was signed by the key {}", key_id_text(*key))
-                           : "report.json: the signature does not hold: " + check.reason;
-        if (check.valid) step.details.push_back(check.trusted_comment);
-    } catch (const Failure& failure) {
-        step.finding = "report.json.minisig: not a signature: " + failure.problem();
-    }
     return step;
 }
 

@@ -1,0 +1,93 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+
+#include "commands.h"
+#include "core/failure.h"
+#include "files/roster.h"
+#include "files/signature.h"
+#include "run/chain.h"
+#include "run/signing.h"
+#include "run/verification.h"
+
+namespace runcert {
+namespace {
+
+struct SignOptions {
+    std::string run_dir;
+    std::string key;
+    std::string role;
+    bool no_render = false;
+};
+
+/// Whoever signs answers for these very files: all of them, and no others.
+void require_passed(const std::filesystem::path& run_dir, const VerificationStep& step) {
+    if (step.passed) return;
+    std::string details;
+    for (const std::string& detail : step.details)
+        details += (details.empty() ? "" : "; ") + detail;
+    throw Failure(run_dir.string(), fmt::format("{}: {}", step.finding, details),
+                  "Bring back the original files and move others away, or certify again; "
+                  "nothing was signed");
+}
+
+/// The pages name the signatures, so they are made anew.
+int render(const std::filesystem::path& run_dir) {
+    try {
+        run_stage("report", {"--attempt", (run_dir / "attempt.yaml").string(), "--run-dir",
+                             run_dir.string(), "--render-only"});
+    } catch (const StageFailed& failed) {
+        fmt::print(stderr,
+                   "{}the report is signed; its pages could not be made again and do not name the "
+                   "signature\n",
+                   failed.errors);
+        return 2;
+    }
+    fmt::print("pages   report.html, report.pdf\n");
+    return 0;
+}
+
+int sign_run(const SignOptions& options) {
+    const std::filesystem::path run_dir = options.run_dir;
+    const ReportFacts report = read_report_facts(run_dir);
+    require_role(options.role, "--role");
+    require_passed(run_dir, verify_files(run_dir, report));
+    require_passed(run_dir, verify_chain(run_dir, report));
+    const SecretKey key = load_secret_key(options.key);
+    const std::string file = sign_report(run_dir, key, options.role);
+    fmt::print("signed  report {} of {}, as {}, by the key {}\nfile    {}\n", report.report_id,
+               report.attempt_id, options.role, key_id_text(public_key_of(key)),
+               (run_dir / file).string());
+    return options.no_render ? 0 : render(run_dir);
+}
+
+}  // namespace
+
+void add_sign(CLI::App& app, Command& chosen) {
+    auto options = std::make_shared<SignOptions>();
+    CLI::App* command =
+        app.add_subcommand("sign", "Sign the report of a run folder, beside those who signed it");
+    command->add_option("RUN_DIR", options->run_dir, "the folder of a certified run")->required();
+    command
+        ->add_option("--key", options->key,
+                     "secret key (runcert keygen, minisign -G); its password is asked for, or read "
+                     "from standard input")
+        ->required();
+    command
+        ->add_option("--role", options->role,
+                     "what the signer answers as: measurer, judge, ... (letters, digits, - and _)")
+        ->required();
+    command->add_flag("--no-render", options->no_render,
+                      "leave report.html and report.pdf as they are");
+    command->footer(
+        "Writes report.json.minisig, or report.json.ROLE.minisig where another signer has that; "
+        "the same key\nin the same role replaces its own. Refused where a file of the folder is "
+        "missing, changed or not\npart of the report. With an ssh key: in the folder, `ssh-keygen "
+        "-Y sign -n ROLE@runcert -f KEY\nreport.json`, and with several signers rename "
+        "report.json.sig to report.json.ROLE.sig.\n"
+        "Exit status: 0 signed, 2 it could not be done.");
+    command->callback([&chosen, options] { chosen = [options] { return sign_run(*options); }; });
+}
+
+}  // namespace runcert

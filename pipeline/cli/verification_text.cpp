@@ -1,0 +1,72 @@
+#include "verification_text.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+namespace runcert {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const char* mark_of(const VerificationStep& step) {
+    if (!step.checked) return "-";
+    return step.passed ? "yes" : "NO";
+}
+
+Json text_or_null(const std::string& text) {
+    return text.empty() ? Json(nullptr) : Json(text);
+}
+
+Json layer_json(const VerificationStep& step) {
+    return {{"layer", step.what},
+            {"passed", step.checked ? Json(step.passed) : Json(nullptr)},
+            {"finding", step.finding},
+            {"details", step.details}};
+}
+
+Json signer_json(const Signer& signer) {
+    return {{"file", signer.file},
+            {"role", text_or_null(signer.role)},
+            {"key", text_or_null(signer.key)},
+            {"who", text_or_null(signer.who)},
+            {"stated_time", text_or_null(signer.stated_time)},
+            {"time", signer.time},
+            {"time_source", signer.time_source},
+            {"valid", signer.valid},
+            {"reason", text_or_null(signer.reason)}};
+}
+
+}  // namespace
+
+bool VerificationResult::passed() const {
+    return std::ranges::all_of(
+        layers, [](const VerificationStep& step) { return step.passed || !step.checked; });
+}
+
+std::string verification_text(const VerificationResult& result) {
+    std::string text;
+    for (const VerificationStep& step : result.layers) {
+        text += fmt::format("{:<4} {:<13} {}\n", mark_of(step), step.what, step.finding);
+        for (const std::string& detail : step.details)
+            text += fmt::format("     {:<13} {}\n", "", detail);
+    }
+    return text + (result.passed() ? "\nVERIFIED\n" : "\nNOT VERIFIED\n");
+}
+
+std::string verification_json(const VerificationResult& result) {
+    const bool passed = result.passed();
+    Json json{{"verdict", passed ? "VERIFIED" : "NOT VERIFIED"},
+              {"exit_status", passed ? 0 : 1},
+              {"exit_meaning", passed ? "all of it holds" : "some of it does not hold"},
+              {"layers", Json::array()},
+              {"signers", Json::array()}};
+    for (const VerificationStep& step : result.layers)
+        json["layers"].push_back(layer_json(step));
+    for (const Signer& signer : result.signers)
+        json["signers"].push_back(signer_json(signer));
+    return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+}
+
+}  // namespace runcert

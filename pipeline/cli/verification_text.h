@@ -1,0 +1,26 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "run/verification.h"
+
+namespace runcert {
+
+/// All that `runcert verify` found.
+struct VerificationResult {
+    std::vector<VerificationStep> layers{};
+    std::vector<Signer> signers{};
+
+    /// Every layer that was checked holds, and the signatures were checked.
+    bool passed() const;
+};
+
+/// For people: a line for each layer, its details below, VERIFIED or NOT VERIFIED at the end.
+std::string verification_text(const VerificationResult& result);
+
+/// For machines, one JSON document: verdict, exit_status and its meaning, layers (passed is null
+/// where nothing was checked), signers.
+std::string verification_json(const VerificationResult& result);
+
+}  // namespace runcert

@@ -1,0 +1,149 @@
+#include "run/report_facts.h"
+
+#include <fmt/format.h>
+
+#include <set>
+
+#include "core/failure.h"
+#include "core/text.h"
+#include "files/atomic_file.h"
+#include "files/roster.h"
+#include "schemas/common/revision.h"
+#include "schemas/products/products.h"
+
+namespace runcert {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+constexpr std::size_t longest_report = std::size_t{256} << 20U;  // bytes
+constexpr std::string_view predicate_prefix = "urn:runcert:measurement-report:";
+
+const char* const take_original = "The file was changed or cut off; take the original";
+
+std::string read_report(const fs::path& file) {
+    if (!fs::exists(file))
+        throw Failure(file.string(), "there is no report in this folder",
+                      "Give the folder that runcert certify wrote");
+    if (fs::is_regular_file(file) && fs::file_size(file) > longest_report)
+        throw Failure(file.string(), "the file is longer than any report", take_original);
+    return read_file(file);
+}
+
+/// Refuses a second member of the same name in one object.
+class UniqueKeys {
+  public:
+    explicit UniqueKeys(std::string where) : where_(std::move(where)) {}
+
+    bool operator()(int /*depth*/, Json::parse_event_t event, Json& parsed) {
+        if (event == Json::parse_event_t::object_start) open_.emplace_back();
+        if (event == Json::parse_event_t::object_end) open_.pop_back();
+        if (event == Json::parse_event_t::key &&
+            !open_.back().insert(parsed.get<std::string>()).second)
+            throw Failure(where_,
+                          fmt::format("the key \"{}\" stands twice in one object",
+                                      escape_for_message(parsed.get<std::string>())),
+                          "A report says everything once: " + std::string(take_original));
+        return true;
+    }
+
+  private:
+    std::string where_;
+    std::vector<std::set<std::string>> open_;
+};
+
+/// The model's own version has to be known before anything else of the report can be understood.
+void require_known_version(const Json& json, const std::string& where) {
+    const std::string type = json.at("predicateType").get<std::string>();
+    if (!type.starts_with(predicate_prefix))
+        throw Failure(where,
+                      fmt::format("this is not a measurement report of runcert, its predicate is "
+                                  "\"{}\"",
+                                  escape_for_message(type, 80)),
+                      "Give the folder that runcert certify wrote");
+    const SchemaVersion own = version_of(report_field_table());
+    for (const std::string& version :
+         {type.substr(predicate_prefix.size()),
+          json.at("predicate").at("schema").at("version").get<std::string>()}) {
+        const auto found = parse_schema_version(version);
+        if (!found)
+            throw Failure(
+                where, fmt::format("\"{}\" is no version of a report", escape_for_message(version)),
+                take_original);
+        if (found->model > own.model ||
+            (found->model == own.model && found->revision > own.revision))
+            throw Failure(where,
+                          fmt::format("the report is newer than this program: it is of version {}, "
+                                      "this program knows {}",
+                                      version, report_field_table().version()),
+                          "Use the version of the program that made it, or a newer one");
+    }
+}
+
+std::map<std::string, std::string> subjects_of(const Json& json, const std::string& where) {
+    std::map<std::string, std::string> subjects;
+    for (const Json& subject : json.at("subject")) {
+        const std::string name = subject.at("name").get<std::string>();
+        if (name.empty() || name.find('/') != std::string::npos || name == "." || name == "..")
+            throw Failure(where,
+                          fmt::format("the subject \"{}\" is not a file of the run folder",
+                                      escape_for_message(name)),
+                          "This is not a report of this program, or it was changed");
+        if (!subjects.emplace(name, subject.at("digest").at("sha256").get<std::string>()).second)
+            throw Failure(
+                where, fmt::format("the subject \"{}\" is named twice", escape_for_message(name)),
+                take_original);
+    }
+    if (subjects.empty()) throw Failure(where, "the report names no files", take_original);
+    return subjects;
+}
+
+std::vector<RequiredSignatures> required_of(const Json& predicate, const std::string& where) {
+    constexpr std::size_t most = 100;
+    std::vector<RequiredSignatures> required;
+    if (!predicate.contains("signatures_required")) return required;
+    for (const Json& entry : predicate.at("signatures_required")) {
+        RequiredSignatures one{.role = entry.at("role").get<std::string>()};
+        require_role(one.role, where + ", signatures_required");
+        const Json& count = entry.contains("count") ? entry.at("count") : Json(1U);
+        if (!count.is_number_unsigned() || count.get<std::size_t>() == 0 ||
+            count.get<std::size_t>() > most)
+            throw Failure(where,
+                          fmt::format("the count of signatures required in the role {} is {}, "
+                                      "expected 1 to {}",
+                                      one.role, escape_for_message(count.dump()), most),
+                          take_original);
+        one.count = count.get<std::size_t>();
+        required.push_back(std::move(one));
+    }
+    return required;
+}
+
+}  // namespace
+
+ReportFacts read_report_facts(const fs::path& run_dir) {
+    if (!fs::is_directory(run_dir))
+        throw Failure(run_dir.string(), "this is not a folder",
+                      "Give the folder of a certified run");
+    const std::string where = (run_dir / "report.json").string();
+    ReportFacts facts;
+    facts.text = read_report(where);
+    try {
+        facts.json = Json::parse(facts.text, UniqueKeys(where));
+        require_known_version(facts.json, where);
+        const Json& predicate = facts.json.at("predicate");
+        facts.report_id = predicate.at("report_id").get<std::string>();
+        facts.attempt_id = predicate.at("attempt").at("id").get<std::string>();
+        facts.program_version = predicate.at("program").at("version").get<std::string>();
+        facts.source_revision = predicate.at("program").at("source_revision").get<std::string>();
+        facts.subjects = subjects_of(facts.json, where);
+        facts.required = required_of(predicate, where);
+    } catch (const nlohmann::json::exception& error) {
+        throw Failure(where, fmt::format("not a report: {}", escape_for_message(error.what(), 200)),
+                      take_original);
+    }
+    return facts;
+}
+
+}  // namespace runcert

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+namespace runcert {
+
+/// Signatures that a report needs: that many in the role, by different keys.
+struct RequiredSignatures {
+    std::string role{};
+    std::size_t count = 1;
+};
+
+/// What is read of a run folder's report.json to check or sign it.
+struct ReportFacts {
+    std::string text{};  ///< its bytes: what is signed
+    nlohmann::json json{};
+    std::string report_id{};
+    std::string attempt_id{};
+    std::string program_version{};
+    std::string source_revision{};
+    std::map<std::string, std::string> subjects{};  ///< file name to SHA-256
+    std::vector<RequiredSignatures> required{};     ///< empty: one signature, in any role
+};
+
+/// Reads RUN_DIR/report.json. Failure where it is missing, longer than any report, not JSON, holds
+/// a key twice (programs differ in which of the two they read), is no measurement report, or
+/// follows a version of the report's schema that is newer than this program's: what it asks for
+/// could not be known.
+ReportFacts read_report_facts(const std::filesystem::path& run_dir);
+
+}  // namespace runcert

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace runcert {
+
+enum class SignatureKind { minisign, ssh };
+
+/// A signature of report.json in its run folder.
+struct SignatureFile {
+    std::string name{};  ///< "report.json.minisig", "report.json.judge.minisig", "report.json.sig"
+    SignatureKind kind = SignatureKind::minisign;
+    std::string text{};
+};
+
+/// The signature files of a run folder, by name, report.json.minisig first. Symbolic links are
+/// passed over. Failure where one is longer than any signature.
+std::vector<SignatureFile> signature_files(const std::filesystem::path& run_dir);
+
+/// Whether a file of a run folder is a signature by its name.
+bool is_signature_name(std::string_view name);
+
+/// The names of a signature's time stamp and of the query for it.
+std::string time_stamp_name(std::string_view signature);
+std::string time_stamp_query_name(std::string_view signature);
+
+/// Whether a file of a run folder is, by its name, a signature, its time stamp or the query for it.
+bool belongs_to_signatures(std::string_view name);
+
+/// Removes all of these: a new report makes them void.
+void remove_signatures(const std::filesystem::path& run_dir);
+
+}  // namespace runcert

@@ -1,0 +1,91 @@
+#include "schemas/products/products.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "core/failure.h"
+#include "core/text.h"
+#include "files/ecsv.h"
+#include "files/yaml_input.h"
+#include "schemas/enu/enu.h"
+#include "schemas/observations/observations.h"
+#include "schemas/screened/screened.h"
+#include "schemas/trajectory/trajectory.h"
+#include "schemas/verdict/verdict.h"
+#include "schemas/windows/windows.h"
+
+namespace runcert {
+
+std::string_view observations_schema_text(std::string_view name);
+std::string_view enu_schema_text(std::string_view name);
+std::string_view screened_schema_text(std::string_view name);
+std::string_view trajectory_schema_text(std::string_view name);
+std::string_view windows_schema_text(std::string_view name);
+std::string_view verdict_schema_text(std::string_view name);
+std::string_view report_schema_text(std::string_view name);
+
+namespace {
+
+/// One product: what its file's name begins with, its field table, and its reader.
+struct Product {
+    std::string_view stem;
+    std::string_view (*field_table)(std::string_view);
+    void (*read)(std::string_view, const std::string&);
+};
+
+constexpr std::array<Product, 6> products{{
+    {"1-observations", observations_schema_text,
+     [](std::string_view text, const std::string& where) { (void)read_observations(text, where); }},
+    {"2-enu", enu_schema_text,
+     [](std::string_view text, const std::string& where) { (void)read_enu(text, where); }},
+    {"3-screened", screened_schema_text,
+     [](std::string_view text, const std::string& where) { (void)read_screened(text, where); }},
+    {"4-trajectory", trajectory_schema_text,
+     [](std::string_view text, const std::string& where) { (void)read_trajectory(text, where); }},
+    {"5-windows", windows_schema_text,
+     [](std::string_view text, const std::string& where) { (void)read_windows(text, where); }},
+    {"6-verdict", verdict_schema_text,
+     [](std::string_view text, const std::string& where) { (void)read_verdict(text, where); }},
+}};
+
+const Product& product_of(std::string_view file, const std::string& where) {
+    const std::string_view stem = file.substr(0, file.find('.'));
+    const auto found = std::ranges::find(products, stem, &Product::stem);
+    if (found == products.end())
+        throw Failure(where,
+                      fmt::format("\"{}\" is no product of a stage that this program knows",
+                                  escape_for_message(file)),
+                      "Use the version of the program that made the file, or a newer one");
+    return *found;
+}
+
+}  // namespace
+
+bool is_product_name(std::string_view file) {
+    return file.size() > 2 && file[0] >= '1' && file[0] <= '9' && file[1] == '-';
+}
+
+Header read_product_header(std::string_view text, std::string_view file, const std::string& where) {
+    if (file.ends_with(".ecsv"))
+        return read_header(YamlValue(EcsvReader(text, where).meta(), where));
+    return read_header(YamlValue(parse_yaml(text, where), where));
+}
+
+void check_product(std::string_view text, std::string_view file, const std::string& where) {
+    product_of(file, where).read(text, where);
+}
+
+std::string product_version(std::string_view file) {
+    const std::string_view table = product_of(file, std::string(file)).field_table("v1.yaml");
+    return YamlValue(parse_yaml(table, "field table"), "field table")["version"].text();
+}
+
+const DocumentSchema& report_field_table() {
+    static const DocumentSchema schema =
+        DocumentSchema::parse(report_schema_text("v1.yaml"), "reports/v1.yaml");
+    return schema;
+}
+
+}  // namespace runcert

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "files/document_schema.h"
+#include "schemas/common/header.h"
+
+/// The stages' products as files: what tells one that any program can read from one that this
+/// cannot.
+namespace runcert {
+
+/// Whether a file of a run folder is a stage's product, by its name: "3-screened.ecsv".
+bool is_product_name(std::string_view file);
+
+/// The header of a product. `where` names it in messages. Failure where it cannot be read.
+Header read_product_header(std::string_view text, std::string_view file, const std::string& where);
+
+/// Reads the whole of a product as the stages do, and forgets it. Failure where it is not of the
+/// schema that belongs to its name, of a version that is not known, or deviates from it anywhere.
+void check_product(std::string_view text, std::string_view file, const std::string& where);
+
+/// The version of that product's schema which this program writes.
+std::string product_version(std::string_view file);
+
+/// The field table of a report's predicate.
+const DocumentSchema& report_field_table();
+
+}  // namespace runcert

@@ -1,0 +1,238 @@
+#include "signatures_support.h"
+
+// Who signed, in which role, and whether it counts.
+
+namespace runcert::chain {
+namespace {
+
+using Signatures = SignedRuns;
+
+TEST_F(Signatures, OfTwoSignersAreKeptApartAndBothCount) {
+    must_sign("measurer", "measurer");
+    must_sign("judge", "judge");
+    must_sign("stranger", "judge");
+    EXPECT_TRUE(fs::exists(run() / "report.json.judge.2.minisig"));
+    const auto found = verify_json({"--roster", roster()});
+    EXPECT_EQ(found["exit_status"], 0) << found.dump(1);
+    EXPECT_EQ(signer(found, "report.json.minisig")["role"], "measurer");
+    EXPECT_EQ(signer(found, "report.json.minisig")["who"], "measurer");
+    EXPECT_EQ(signer(found, "report.json.minisig")["valid"], true);
+    EXPECT_EQ(signer(found, "report.json.judge.minisig")["valid"], true);
+    const auto stranger = signer(found, "report.json.judge.2.minisig");
+    EXPECT_EQ(stranger["valid"], false);
+    EXPECT_TRUE(says(stranger["reason"], "not on the roster")) << stranger;
+}
+
+TEST_F(Signatures, AKeyThatSignsAgainReplacesItsOwn) {
+    must_sign("measurer", "measurer");
+    write_file_atomically(run() / "report.json.minisig.tsr", "of the earlier signature");
+    must_sign("measurer", "measurer");
+    EXPECT_FALSE(fs::exists(run() / "report.json.measurer.minisig"));
+    EXPECT_FALSE(fs::exists(run() / "report.json.minisig.tsr"));
+    must_sign("measurer", "observer");
+    EXPECT_TRUE(fs::exists(run() / "report.json.observer.minisig"));
+}
+
+TEST_F(Signatures, MinisignAcceptsEach) {
+    must_sign("measurer", "measurer");
+    must_sign("judge", "judge");
+    const auto minisign = [&](const std::string& file, const std::string& name) {
+        return run_process({"minisign", "-Vm", (run() / "report.json").string(), "-x",
+                            (run() / file).string(), "-p", public_key(name)})
+            .exit_status;
+    };
+    EXPECT_EQ(minisign("report.json.minisig", "measurer"), 0);
+    EXPECT_EQ(minisign("report.json.judge.minisig", "judge"), 0);
+    EXPECT_NE(minisign("report.json.judge.minisig", "measurer"), 0);
+    // The key that the trusted comment states is what minisign -P takes.
+    const std::string text = read_file(run() / "report.json.judge.minisig");
+    const std::size_t at = text.find(" key=") + 5;
+    const std::string stated = text.substr(at, text.find(' ', at) - at);
+    EXPECT_EQ(run_process({"minisign", "-Vm", (run() / "report.json").string(), "-x",
+                           (run() / "report.json.judge.minisig").string(), "-P", stated})
+                  .exit_status,
+              0);
+}
+
+TEST_F(Signatures, ThatTheReportNeedsAreCountedByRole) {
+    change("report.json", "\"predicate\": {",
+           "\"predicate\": {\"signatures_required\": [{\"role\": \"measurer\", \"count\": 1}, "
+           "{\"role\": \"judge\", \"count\": 2}],");
+    must_sign("measurer", "measurer");
+    auto found = layer(verify_json({"--roster", roster()}), "signatures");
+    EXPECT_EQ(found["passed"], false);
+    EXPECT_TRUE(says(found["finding"], "2 of judge")) << found;
+    EXPECT_TRUE(says(found["details"], "needed: 1 in the role measurer; there: 1")) << found;
+    must_sign("judge", "judge");
+    must_sign("stranger", "judge");
+    found = layer(verify_json({"--roster", roster()}), "signatures");
+    EXPECT_EQ(found["passed"], false);
+    EXPECT_TRUE(says(found["finding"], "1 of judge")) << found;
+    EXPECT_TRUE(says(found["details"], "not on the roster")) << found;
+    const std::string line = line_for("stranger", "judge");
+    const std::string all = roster_of({lines_["measurer"], lines_["judge"], line});
+    EXPECT_EQ(layer(verify_json({"--roster", all}), "signatures")["passed"], true);
+}
+
+TEST_F(Signatures, AKeyCountsForOneRole) {
+    change("report.json", "\"predicate\": {",
+           "\"predicate\": {\"signatures_required\": [{\"role\": \"measurer\", \"count\": 1}, "
+           "{\"role\": \"judge\", \"count\": 1}],");
+    must_sign("measurer", "measurer");
+    must_sign("measurer", "judge");
+    const std::string both = line_for("measurer", "measurer,judge");
+    auto found = verify_json({"--roster", roster_of({both})});
+    EXPECT_EQ(signer(found, "report.json.minisig")["valid"], true);
+    EXPECT_EQ(signer(found, "report.json.judge.minisig")["valid"], true);
+    EXPECT_EQ(layer(found, "signatures")["passed"], false) << found.dump(1);
+    // Whichever role the first key was counted for, the second one fills the other.
+    must_sign("judge", "measurer");
+    found = verify_json({"--roster", roster_of({both, line_for("judge", "*")})});
+    EXPECT_EQ(layer(found, "signatures")["passed"], true) << found.dump(1);
+}
+
+TEST_F(Signatures, ARoleThatTheRosterDoesNotGiveIsNotCounted) {
+    must_sign("measurer", "judge");
+    const auto found = verify_json({"--roster", roster()});
+    EXPECT_EQ(found["exit_status"], 1);
+    EXPECT_TRUE(says(found["signers"], "does not let this key sign as judge")) << found.dump(1);
+}
+
+TEST_F(Signatures, ByAKeyOutsideOfItsValidityAreRefusedInThoseWords) {
+    must_sign("measurer", "measurer");
+    const std::string expired = roster_of({line_with("measurer", "valid-before=\"20260101Z\"")});
+    auto one = signer(verify_json({"--roster", expired}), "report.json.minisig");
+    EXPECT_EQ(one["valid"], false);
+    EXPECT_TRUE(says(one["reason"], "was valid until 2026-01-01T00:00:00Z")) << one;
+    EXPECT_TRUE(says(one["reason"], "only a time stamp from before its end")) << one;
+    // At a time when it was valid, what the signer states is still outside.
+    one = signer(verify_json({"--roster", expired, "--at", "2025-12-31T00:00:00Z"}),
+                 "report.json.minisig");
+    EXPECT_EQ(one["valid"], false);
+    EXPECT_TRUE(says(one["reason"], "the time that its signer states")) << one;
+    EXPECT_EQ(one["time_source"], "given");
+    const std::string later = roster_of({line_with("measurer", "valid-after=\"20990101Z\"")});
+    one = signer(verify_json({"--roster", later}), "report.json.minisig");
+    EXPECT_EQ(one["valid"], false);
+    EXPECT_TRUE(says(one["reason"], "valid from 2099-01-01T00:00:00Z only")) << one;
+}
+
+TEST_F(Signatures, OfAnotherReportAreRefusedAsReplayed) {
+    must_sign("measurer", "measurer");
+    fs::remove_all(path("b"));
+    fs::copy(other_run(), path("b"));
+    fs::copy_file(run() / "report.json.minisig", path("b") / "report.json.minisig");
+    for (const std::vector<std::string>& keys :
+         {std::vector<std::string>{"--roster", roster()}, {"--pubkey", public_key("measurer")}}) {
+        std::vector<std::string> arguments{"verify", path("b").string()};
+        arguments.insert(arguments.end(), keys.begin(), keys.end());
+        const ProcessResult result = runcert(arguments);
+        EXPECT_EQ(result.exit_status, 1);
+        EXPECT_NE(result.output.find("replayed"), std::string::npos) << result.output;
+        EXPECT_NE(result.output.find("attempt salt-lake"), std::string::npos) << result.output;
+    }
+}
+
+TEST_F(Signatures, AreRefusedWhereAByteOfThemIsAnother) {
+    must_sign("measurer", "measurer");
+    const fs::path file = run() / "report.json.minisig";
+    const std::string text = read_file(file);
+    for (std::size_t at = text.find('\n') + 1; at + 1 < text.size(); at += 5) {
+        std::string changed = text;
+        changed[at] = static_cast<char>(changed[at] ^ 2);
+        write_file_atomically(file, changed);
+        for (const std::vector<std::string>& keys : {std::vector<std::string>{"--roster", roster()},
+                                                     {"--pubkey", public_key("measurer")}}) {
+            const ProcessResult result = verify(keys);
+            EXPECT_EQ(result.exit_status, 1) << at << result.output << result.errors;
+            EXPECT_NE(result.output.find("report.json.minisig"), std::string::npos) << at;
+        }
+    }
+}
+
+TEST_F(Signatures, InMinisignsLegacyFormAreRefused) {
+    must_sign("measurer", "measurer");
+    ASSERT_EQ(run_process({"minisign", "-S", "-l", "-s", key("measurer"), "-m",
+                           (run() / "report.json").string()})
+                  .exit_status,
+              0);
+    const ProcessResult result = verify({"--pubkey", public_key("measurer")});
+    EXPECT_EQ(result.exit_status, 1);
+    EXPECT_NE(result.output.find("legacy format"), std::string::npos) << result.output;
+}
+
+TEST_F(Signatures, WithoutAKeyToCompareWithNothingIsVerified) {
+    EXPECT_NE(verify({}).output.find("UNSIGNED"), std::string::npos);
+    must_sign("measurer", "measurer");
+    const ProcessResult result = verify({});
+    EXPECT_EQ(result.exit_status, 1);
+    EXPECT_NE(result.output.find("no key was given"), std::string::npos) << result.output;
+    EXPECT_NE(result.output.find("\nNOT VERIFIED\n"), std::string::npos) << result.output;
+    EXPECT_EQ(verify({"--roster", roster(), "--pubkey", public_key("judge")}).exit_status, 2);
+    EXPECT_EQ(verify({"--roster", roster(), "--at", "yesterday"}).exit_status, 2);
+}
+
+TEST_F(Signatures, BySshKeygenCountByTheSameRoster) {
+    for (const char* type : {"ed25519", "ecdsa"}) {
+        const fs::path secret = path(type);
+        ASSERT_EQ(run_process({"ssh-keygen", "-q", "-t", type, "-N", "", "-C", "A. Person", "-f",
+                               secret.string()})
+                      .exit_status,
+                  0);
+        const auto sign_as = [&](const std::string& name_space) {
+            fs::remove(run() / "report.json.sig");
+            return run_process({"ssh-keygen", "-q", "-Y", "sign", "-n", name_space, "-f",
+                                secret.string(), (run() / "report.json").string()})
+                .exit_status;
+        };
+        ASSERT_EQ(sign_as("measurer@runcert"), 0);
+        const std::string public_text = read_file(secret.string() + ".pub");
+        const std::string listed =
+            roster_of({"measurer namespaces=\"measurer@runcert\" " + public_text});
+        auto found = verify_json({"--roster", listed});
+        EXPECT_EQ(found["exit_status"], 0) << found.dump(1);
+        EXPECT_EQ(signer(found, "report.json.sig")["role"], "measurer");
+        EXPECT_EQ(signer(found, "report.json.sig")["who"], "A. Person");
+        EXPECT_EQ(verify({"--pubkey", secret.string() + ".pub"}).exit_status, 0);
+        const ProcessResult theirs =
+            run_process({"ssh-keygen", "-Y", "verify", "-f", listed, "-I", "measurer", "-n",
+                         "measurer@runcert", "-s", (run() / "report.json.sig").string()},
+                        {}, run() / "report.json");
+        EXPECT_EQ(theirs.exit_status, 0) << theirs.output << theirs.errors;
+        found = verify_json({"--roster", roster()});
+        EXPECT_TRUE(says(signer(found, "report.json.sig")["reason"], "not on the roster"));
+        ASSERT_EQ(sign_as("file"), 0);
+        found = verify_json({"--roster", listed});
+        EXPECT_TRUE(says(signer(found, "report.json.sig")["reason"], "made for \\\"file\\\""))
+            << found.dump(1);
+        ASSERT_EQ(sign_as("judge@runcert"), 0);
+        EXPECT_EQ(verify_json({"--roster", listed})["exit_status"], 1);
+        ASSERT_EQ(sign_as("measurer@runcert"), 0);
+        const std::string report = read_file(run() / "report.json");
+        write_file_atomically(run() / "report.json", report + "\n");
+        found = verify_json({"--roster", listed});
+        EXPECT_TRUE(says(signer(found, "report.json.sig")["reason"], "not a signature of this"))
+            << found.dump(1);
+        write_file_atomically(run() / "report.json", report);
+    }
+}
+
+TEST_F(Signatures, AMalformedRosterIsRefusedAtItsLine) {
+    must_sign("measurer", "measurer");
+    const ProcessResult result = verify({"--roster", roster_of({lines_["judge"], "measurer x y"})});
+    EXPECT_EQ(result.exit_status, 2);
+    EXPECT_NE(result.errors.find("roster, line 2"), std::string::npos) << result.errors;
+}
+
+TEST_F(Signatures, AreVoidAfterANewReport) {
+    must_sign("measurer", "measurer");
+    must_sign("judge", "judge");
+    write_file_atomically(run() / "report.json.judge.minisig.tsq", "query");
+    certify(examples / "salt_lake" / "attempt.yaml", run(), {"--no-render"});
+    for (const auto& [name, bytes] : contents_of(run()))
+        EXPECT_FALSE(name.starts_with("report.json.")) << name;
+    EXPECT_TRUE(fs::exists(run() / "report.json"));
+}
+
+}  // namespace
+}  // namespace runcert::chain

@@ -1,0 +1,205 @@
+#include "signatures_support.h"
+
+// Run folders that were changed, each refused in the words of its layer.
+
+namespace runcert::chain {
+namespace {
+
+class TamperedRun : public SignedRuns {
+  protected:
+    void SetUp() override {
+        SignedRuns::SetUp();
+        must_sign("measurer", "measurer");
+    }
+    nlohmann::json found() const { return verify_json({"--roster", roster()}); }
+    void make_sums() const {
+        const ProcessResult made =
+            run_process({"sh", "-c",
+                         "cd \"$0\" && find . -type f ! -name SHA256SUMS | sed 's,^./,,' | "
+                         "LC_ALL=C sort | xargs sha256sum > SHA256SUMS",
+                         run().string()});
+        ASSERT_EQ(made.exit_status, 0) << made.errors;
+    }
+};
+
+TEST_F(TamperedRun, FilesOfAnotherRunAreNamed) {
+    for (const char* file : {"3-screened.ecsv", "6-verdict.yaml", "report.json"}) {
+        const std::string own = read_file(run() / file);
+        write_file_atomically(run() / file, read_file(other_run() / file));
+        const auto result = found();
+        EXPECT_EQ(result["exit_status"], 1);
+        const bool is_report = std::string(file) == "report.json";
+        EXPECT_TRUE(says(layer(result, is_report ? "signatures" : "files"),
+                         is_report ? "replayed" : std::string(file) + ": changed"))
+            << result.dump(1);
+        write_file_atomically(run() / file, own);
+    }
+    EXPECT_EQ(found()["exit_status"], 0);
+}
+
+TEST_F(TamperedRun, ARemovedRowIsFoundWhetherItsHashIsPutRightOrNot) {
+    std::string text = read_file(run() / "3-screened.ecsv");
+    const std::size_t last = text.rfind('\n', text.size() - 2);
+    write_file_atomically(run() / "3-screened.ecsv", text.substr(0, last + 1));
+    auto result = found();
+    EXPECT_TRUE(says(layer(result, "files"), "3-screened.ecsv: changed")) << result.dump(1);
+    EXPECT_EQ(layer(result, "signatures")["passed"], true);
+    fix_hash("3-screened.ecsv");
+    result = found();
+    EXPECT_EQ(layer(result, "files")["passed"], true);
+    EXPECT_TRUE(says(layer(result, "chain"), "made from another 3-screened.ecsv"))
+        << result.dump(1);
+    EXPECT_TRUE(says(layer(result, "signatures"), "not as it was when it was signed"))
+        << result.dump(1);
+    EXPECT_EQ(result["exit_status"], 1);
+}
+
+TEST_F(TamperedRun, ADowngradedSchemaIsCalledThat) {
+    const std::string text = read_file(run() / "3-screened.ecsv");
+    const std::size_t at = text.find("version: ");
+    const std::string version = text.substr(at, text.find_first_of("\n}", at) - at);
+    change("3-screened.ecsv", version, "version: \"1.0\"");
+    fix_hash("3-screened.ecsv");
+    auto result = found();
+    EXPECT_TRUE(says(layer(result, "schemas"), "3-screened.ecsv: downgraded")) << result.dump(1);
+    // With the program's version made older too, the file contradicts the report.
+    change("3-screened.ecsv", "source_revision: ", "source_revision: 0");
+    fix_hash("3-screened.ecsv");
+    result = found();
+    EXPECT_EQ(layer(result, "schemas")["passed"], false);
+    EXPECT_TRUE(says(layer(result, "schemas"), "3-screened.ecsv")) << result.dump(1);
+    // An unknown model.
+    change("3-screened.ecsv", "version: \"1.0\"", "version: \"7.0\"");
+    fix_hash("3-screened.ecsv");
+    EXPECT_TRUE(says(layer(found(), "schemas"), "is not known"));
+}
+
+TEST_F(TamperedRun, ADowngradedReportIsCalledThat) {
+    const std::string version =
+        nlohmann::json::parse(read_file(run() / "report.json"))["predicate"]["schema"]["version"];
+    change("report.json", "\"version\": \"" + version + "\"", "\"version\": \"1.0\"");
+    const auto result = found();
+    EXPECT_TRUE(says(layer(result, "schemas"), "report.json: downgraded")) << result.dump(1);
+    EXPECT_EQ(layer(result, "signatures")["passed"], false);
+}
+
+TEST_F(TamperedRun, ExtraFilesAndLinksAreNamed) {
+    write_file_atomically(run() / "notes.txt", "extra");
+    auto result = found();
+    EXPECT_EQ(result["exit_status"], 1);
+    EXPECT_TRUE(says(layer(result, "files"), "notes.txt: not part of the report: move it away"));
+    fs::remove(run() / "notes.txt");
+    fs::rename(run() / "2-enu.ecsv", path("2-enu.ecsv"));
+    fs::create_symlink(path("2-enu.ecsv"), run() / "2-enu.ecsv");
+    result = found();
+    EXPECT_EQ(result["exit_status"], 1);
+    EXPECT_TRUE(says(layer(result, "files"), "2-enu.ecsv: a symbolic link")) << result.dump(1);
+    fs::remove(run() / "2-enu.ecsv");
+    fs::rename(path("2-enu.ecsv"), run() / "2-enu.ecsv");
+    fs::rename(run() / "report.json.minisig", path("away"));
+    fs::create_symlink(path("away"), run() / "report.json.minisig");
+    result = found();
+    EXPECT_EQ(result["exit_status"], 1);
+    EXPECT_TRUE(says(layer(result, "files"), "report.json.minisig: a symbolic link"));
+    fs::remove(run() / "report.json.minisig");
+    fs::create_directory(run() / "odd\x1B[2J");
+    result = found();
+    EXPECT_TRUE(says(layer(result, "files"), "odd\\\\x1b[2J")) << result.dump(1);
+}
+
+TEST_F(TamperedRun, OfABundleEveryChangedByteIsFound) {
+    fs::create_directory(run() / "keys");
+    write_file_atomically(run() / "keys" / "roster", read_file(roster()));
+    write_file_atomically(run() / "VERIFY.txt", "how to verify\n");
+    make_sums();
+    auto result = found();
+    EXPECT_EQ(result["exit_status"], 0) << result.dump(1);
+    EXPECT_EQ(layer(result, "bundle")["passed"], true);
+    std::size_t changes = 0;
+    for (const auto& [name, bytes] : contents_of(run()))
+        for (std::size_t i = 0; i < 3; ++i) {
+            std::string changed = bytes;
+            const std::size_t at = (i * 2654435761U + bytes.size() / 3) % bytes.size();
+            changed[at] = static_cast<char>(changed[at] ^ (1 << (at % 7)));
+            write_file_atomically(run() / name, changed);
+            const ProcessResult verified = verify({"--roster", roster()});
+            EXPECT_NE(verified.exit_status, 0) << name << " byte " << at;
+            const bool named = (verified.output + verified.errors).find(name) != std::string::npos;
+            EXPECT_TRUE(named) << name << " byte " << at << verified.output << verified.errors;
+            write_file_atomically(run() / name, bytes);
+            ++changes;
+        }
+    EXPECT_GT(changes, 40U);
+    EXPECT_EQ(found()["exit_status"], 0);
+}
+
+TEST_F(TamperedRun, OfABundleTheListItselfIsChecked) {
+    fs::create_directory(run() / "keys");
+    write_file_atomically(run() / "keys" / "a", "a");
+    make_sums();
+    const std::string sums = read_file(run() / "SHA256SUMS");
+    const auto expect_said = [&](const std::string& list, const std::string& said) {
+        write_file_atomically(run() / "SHA256SUMS", list);
+        const auto bundle = layer(found(), "bundle");
+        EXPECT_EQ(bundle["passed"], false) << said;
+        EXPECT_TRUE(says(bundle, said)) << said << bundle.dump(1);
+    };
+    const std::string first = sums.substr(0, sums.find('\n') + 1);
+    expect_said(sums.substr(first.size()), "1-observations.ecsv: not listed");
+    expect_said(sums + first, "listed twice");
+    expect_said(first.substr(0, 64) + " *" + first.substr(66) + sums.substr(first.size()),
+                "SHA256SUMS, line 1");
+    expect_said(sums + std::string(64, 'a') + "  ../away\n", "is not \\\"HASH  NAME\\\"");
+    expect_said(sums + std::string(64, 'a') + "  keys/b\n", "keys/b: missing");
+    expect_said(sums.substr(0, sums.size() - 1), "no line end");
+    write_file_atomically(run() / "SHA256SUMS", sums);
+    write_file_atomically(run() / "keys" / "b", "b");
+    EXPECT_TRUE(says(layer(found(), "bundle"), "keys/b: not listed"));
+}
+
+TEST_F(TamperedRun, APageMustCarryTheReport) {
+    const std::string report = read_file(run() / "report.json");
+    const std::string begin = "<script type=\"application/json\" id=\"report-json\">";
+    const auto page = [&](const std::string& text) {
+        write_file_atomically(run() / "report.html",
+                              "<!DOCTYPE html><title>r</title>" + text + "<p>end</p>\n");
+        return layer(found(), "pages");
+    };
+    EXPECT_EQ(layer(found(), "pages")["passed"], nullptr);
+    EXPECT_EQ(page(begin + report + "</script>")["passed"], true);
+    const std::string forged = "{\"outcome\": \"beaten\"}\n";
+    EXPECT_TRUE(says(page(begin + forged + "</script>"), "is not report.json"));
+    EXPECT_TRUE(says(page(begin + forged + "</script>" + begin + report + "</script>"),
+                     "more than one report"));
+    EXPECT_TRUE(says(page(begin + report), "is not report.json"));
+    EXPECT_TRUE(says(page(""), "earlier version"));
+}
+
+TEST_F(TamperedRun, APdfMustHaveTheReportAttached) {
+    // A blank page, and the report attached by another program.
+    write_file_atomically(path("page.html"), "<p>page</p>");
+    const auto render = [&](const std::vector<std::string>& attached) {
+        std::vector<std::string> command{"weasyprint"};
+        for (const std::string& file : attached)
+            command.insert(command.end(), {"-a", file});
+        command.insert(command.end(),
+                       {path("page.html").string(), (run() / "report.pdf").string()});
+        const ProcessResult made = run_process(command);
+        EXPECT_EQ(made.exit_status, 0) << made.errors;
+        return layer(found(), "pages");
+    };
+    EXPECT_EQ(render({(run() / "report.json").string()})["passed"], true);
+    EXPECT_TRUE(says(render({}), "not attached"));
+    fs::create_directory(path("b"));
+    write_file_atomically(path("b") / "report.json", read_file(run() / "report.json") + " ");
+    EXPECT_TRUE(says(render({(path("b") / "report.json").string()}), "is not report.json"));
+    EXPECT_TRUE(
+        says(render({(path("b") / "report.json").string(), (run() / "report.json").string()}),
+             "more than one"));
+    write_file_atomically(run() / "report.pdf", "hello");
+    EXPECT_TRUE(says(layer(found(), "pages"), "cannot be read as a PDF"));
+    EXPECT_EQ(layer(found(), "pages")["passed"], false);
+}
+
+}  // namespace
+}  // namespace runcert::chain

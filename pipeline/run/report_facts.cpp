@@ -31,12 +31,17 @@ std::string read_report(const fs::path& file) {
     return read_file(file);
 }
 
-/// Refuses a second member of the same name in one object.
+/// Refuses a second member of the same name in one object, and nesting so deep that reading it
+/// would take all of the stack.
 class UniqueKeys {
   public:
     explicit UniqueKeys(std::string where) : where_(std::move(where)) {}
 
-    bool operator()(int /*depth*/, Json::parse_event_t event, Json& parsed) {
+    bool operator()(int depth, Json::parse_event_t event, Json& parsed) {
+        constexpr int deepest = 64;
+        if (depth > deepest)
+            throw Failure(where_, "its lists and objects are nested deeper than in any report",
+                          take_original);
         if (event == Json::parse_event_t::object_start) open_.emplace_back();
         if (event == Json::parse_event_t::object_end) open_.pop_back();
         if (event == Json::parse_event_t::key &&
@@ -52,6 +57,19 @@ class UniqueKeys {
     std::string where_;
     std::vector<std::set<std::string>> open_;
 };
+
+/// An id goes into the trusted comment of signatures, whose fields blanks separate: with a blank in
+/// it, a report could put words into its signers' mouths.
+std::string read_id(const Json& value, const std::string& what, const std::string& where) {
+    constexpr std::size_t longest = 200;
+    const std::string id = value.get<std::string>();
+    if (id.empty() || id.size() > longest || !is_printable_ascii(id) ||
+        id.find_first_of(" =") != std::string::npos)
+        throw Failure(where,
+                      fmt::format("\"{}\" cannot be the {}", escape_for_message(id, 100), what),
+                      take_original);
+    return id;
+}
 
 /// The model's own version has to be known before anything else of the report can be understood.
 void require_known_version(const Json& json, const std::string& where) {
@@ -133,8 +151,8 @@ ReportFacts read_report_facts(const fs::path& run_dir) {
         facts.json = Json::parse(facts.text, UniqueKeys(where));
         require_known_version(facts.json, where);
         const Json& predicate = facts.json.at("predicate");
-        facts.report_id = predicate.at("report_id").get<std::string>();
-        facts.attempt_id = predicate.at("attempt").at("id").get<std::string>();
+        facts.report_id = read_id(predicate.at("report_id"), "id of a report", where);
+        facts.attempt_id = read_id(predicate.at("attempt").at("id"), "id of an attempt", where);
         facts.program_version = predicate.at("program").at("version").get<std::string>();
         facts.source_revision = predicate.at("program").at("source_revision").get<std::string>();
         facts.subjects = subjects_of(facts.json, where);

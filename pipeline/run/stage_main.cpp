@@ -5,9 +5,11 @@
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <new>
 
 #include "core/failure.h"
+#include "core/text.h"
 #include "files/program.h"
 
 namespace runcert {
@@ -27,6 +29,10 @@ int guarded_main(const std::function<int()>& body) {
         fmt::print(stderr,
                    "error: there is not enough memory\n  where: this computer\n  what to do: close "
                    "other programs, or cut the recording down to the runs\n");
+    } catch (const std::filesystem::filesystem_error& error) {
+        fmt::print(stderr,
+                   "error: {}\n  where: {}\n  what to do: check that it can be read and written\n",
+                   error.code().message(), escape_for_message(error.path1().string(), 400));
     } catch (const std::exception& fault) {
         fmt::print(stderr,
                    "error: {}\n  where: inside the program\n  what to do: this is a fault of the "

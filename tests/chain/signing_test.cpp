@@ -69,6 +69,33 @@ TEST_F(Signing, RefusesAFolderWithoutAReport) {
     expect_refused(sign("measurer", "measurer"), {"the key \"c\" stands twice"});
 }
 
+TEST_F(Signing, RefusesAReportThatWouldSpeakForItsSigner) {
+    const std::string report = read_file(run() / "report.json");
+    const std::string id = nlohmann::json::parse(report)["predicate"]["report_id"];
+    change("report.json", fmt::format("\"report_id\": \"{}\"", id),
+           fmt::format("\"report_id\": \"{} role=judge\"", id));
+    expect_refused(sign("measurer", "measurer"), {"cannot be the id of a report"});
+    write_file_atomically(run() / "report.json", report);
+    change("report.json", "\"id\": \"salt-lake\"", "\"id\": \"salt\\nlake\"");
+    expect_refused(sign("measurer", "measurer"), {"cannot be the id of an attempt"});
+    write_file_atomically(run() / "report.json",
+                          std::string(1000000, '[') + std::string(1000000, ']'));
+    expect_refused(sign("measurer", "measurer"), {"nested deeper"});
+}
+
+TEST_F(Signing, CertifyRefusesARoleThatCannotSignBeforeItMeasures) {
+    fs::copy(examples / "salt_lake", path("attempt"), fs::copy_options::recursive);
+    std::string text = read_file(path("attempt") / "attempt.yaml");
+    text.insert(text.find("role: measurer") + 6, "chief ");
+    write_file_atomically(path("attempt") / "attempt.yaml", text);
+    const ProcessResult result =
+        certify(path("attempt") / "attempt.yaml", path("new"), {"--key", key("measurer")});
+    EXPECT_EQ(result.exit_status, 2) << result.output;
+    EXPECT_NE(result.errors.find("\"chief measurer\" cannot be a role"), std::string::npos)
+        << result.errors;
+    EXPECT_FALSE(fs::exists(path("new")));
+}
+
 TEST_F(Signing, RefusesAKeyThatOthersCanRead) {
     const std::string text = read_file(key("measurer"));
     for (const fs::perms more : {fs::perms::group_read, fs::perms::others_read}) {

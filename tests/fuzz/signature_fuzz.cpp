@@ -1,7 +1,10 @@
-// The readers of public keys, signature files and secret keys, each on the same text.
+// The readers of public keys, signature files, secret keys, rosters and ssh signatures, each on the
+// same text.
 
 #include "core/failure.h"
+#include "files/roster.h"
 #include "files/signature.h"
+#include "files/ssh_signature.h"
 #include "fuzz_target.h"
 
 namespace runcert::fuzz {
@@ -39,10 +42,25 @@ void read_signature(std::string_view bytes) {
     require(check.valid || check.trusted_comment.empty(), "no comment that nobody vouches for");
 }
 
+void read_roster(std::string_view bytes) {
+    const Roster roster = parse_roster(bytes, "roster");
+    require(!roster.entries.empty(), "a roster without keys is refused");
+    for (const RosterEntry& entry : roster.entries) {
+        const Roster alone = parse_roster("* " + ssh_key_text(entry.key) + "\n", "roster");
+        require(alone.entries.front().key == entry.key, "a key written and read again: equal");
+        (void)entry.allows("measurer");
+    }
+}
+
+void read_ssh_signature(std::string_view bytes) {
+    const SshSignature signature = parse_ssh_signature(bytes, "report.json.sig");
+    require(is_ssh_key_type(signature.key.type), "a key of a type that is known");
+}
+
 }  // namespace
 
 void read_input(std::string_view bytes) {
-    for (const auto read : {read_public_key, read_secret_key})
+    for (const auto read : {read_public_key, read_secret_key, read_roster, read_ssh_signature})
         try {
             read(bytes);
         } catch (const Failure&) {

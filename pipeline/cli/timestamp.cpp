@@ -118,6 +118,7 @@ void add_timestamp(CLI::App& app, Command& chosen) {
     command
         ->add_option("--ca", options->cas,
                      "certificate (PEM) of the root that the authority is under; may be repeated")
+        ->allow_extra_args(false)
         ->needs(reply);
     command->footer(
         "Without --reply: writes SIGNATURE.tsq for every signature that has no time stamp, and "

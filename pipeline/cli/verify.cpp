@@ -74,16 +74,22 @@ int verify(const VerifyOptions& options) {
 
 void add_options(CLI::App& command, VerifyOptions& options) {
     command.add_option("RUN_DIR", options.run_dir, "the folder of a certified run")->required();
-    CLI::Option* keys = command.add_option(
-        "--pubkey", options.public_keys,
-        "public key of who signed (runcert keygen, minisign, OpenSSH); may be repeated");
+    // One value each time, so that a folder may follow it.
+    CLI::Option* keys =
+        command
+            .add_option("--pubkey", options.public_keys,
+                        "public key of who signed (runcert keygen, minisign, OpenSSH); may be "
+                        "repeated")
+            ->allow_extra_args(false);
     command
         .add_option("--roster", options.roster,
                     "whose signatures count: OpenSSH's allowed signers, the principals being roles")
         ->excludes(keys);
-    command.add_option("--tsa-ca", options.time_stamp_cas,
-                       "certificate (PEM) of a root that time stamps are accepted under; may be "
-                       "repeated. Without it they are not checked, and do not count");
+    command
+        .add_option("--tsa-ca", options.time_stamp_cas,
+                    "certificate (PEM) of a root that time stamps are accepted under; may be "
+                    "repeated. Without it they are not checked, and do not count")
+        ->allow_extra_args(false);
     command.add_option(
         "--at", options.at,
         "the time at which keys must be valid, for signatures without a checked time "

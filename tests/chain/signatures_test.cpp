@@ -217,6 +217,14 @@ TEST_F(Signatures, BySshKeygenCountByTheSameRoster) {
     }
 }
 
+TEST_F(Signatures, AnOptionThatMayBeRepeatedTakesOneValueEachTime) {
+    must_sign("measurer", "measurer");
+    EXPECT_EQ(runcert({"verify", "--pubkey", public_key("judge"), "--pubkey",
+                       public_key("measurer"), run().string()})
+                  .exit_status,
+              0);
+}
+
 TEST_F(Signatures, AMalformedRosterIsRefusedAtItsLine) {
     must_sign("measurer", "measurer");
     const ProcessResult result = verify({"--roster", roster_of({lines_["judge"], "measurer x y"})});

@@ -212,6 +212,30 @@ TEST_F(TimeStamps, AnyChangedByteOfAStampIsFound) {
     EXPECT_GT(refused, tried * 3 / 4);
 }
 
+TEST_F(TimeStamps, WithoutTheProgramsThatCheckItIsSaidWhatToInstall) {
+    must_stamp("report.json.minisig");
+    const Environment without{{"PATH", "/nonexistent"}};
+    const auto expect_said = [&](const std::vector<std::string>& more, const std::string& package) {
+        std::vector<std::string> arguments{"verify", run().string(), "--roster", roster()};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        const ProcessResult result = runcert(arguments, without);
+        EXPECT_EQ(result.exit_status, 2) << result.output;
+        EXPECT_NE(result.errors.find("Install the package " + package), std::string::npos)
+            << result.errors;
+    };
+    expect_said({"--tsa-ca", ca()}, "openssl");
+    write_file_atomically(run() / "report.pdf", "%PDF-1.7\n");
+    const ProcessResult result = runcert({"verify", run().string(), "--roster", roster()}, without);
+    EXPECT_EQ(result.exit_status, 0) << result.output << result.errors;
+    EXPECT_NE(result.output.find("report.pdf: not checked: pdfdetach is missing"),
+              std::string::npos)
+        << result.output;
+    must({"ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-f", path("k").string()});
+    must({"ssh-keygen", "-q", "-Y", "sign", "-n", "judge@runcert", "-f", path("k").string(),
+          (run() / "report.json").string()});
+    expect_said({}, "openssh-client");
+}
+
 TEST_F(TimeStamps, OfAnUnsignedRunCannotBeMade) {
     fs::remove(run() / "report.json.minisig");
     const ProcessResult result = timestamp();

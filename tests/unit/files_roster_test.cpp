@@ -127,6 +127,12 @@ TEST_F(WithSshKeygen, TheLineOfANewKeyIsOneOfItsPrincipals) {
                      (folder.path() / "roster").string(), "-s", signature().string()});
     EXPECT_EQ(found.exit_status, 0) << found.errors;
     EXPECT_EQ(found.output, "measurer\n");
+    spill(folder.path() / "new.pub", ssh_key_text(ssh_key_of(pair.public_key.key)) + " new\n");
+    const ProcessResult read =
+        run_process({"ssh-keygen", "-l", "-f", (folder.path() / "new.pub").string()});
+    EXPECT_EQ(read.output,
+              "256 " + ssh_fingerprint(ssh_key_of(pair.public_key.key)) + " new (ED25519)\n")
+        << read.errors;
     // The 32 bytes are the same key in both forms.
     const Roster roster = parse_roster(slurp(folder.path() / "roster"), "roster");
     EXPECT_EQ(ed25519_of(roster.entries[0].key), pair.public_key.key);

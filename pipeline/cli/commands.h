@@ -22,5 +22,6 @@ void add_keygen(CLI::App& app, Command& chosen);
 void add_audit(CLI::App& app, Command& chosen);
 void add_explain(CLI::App& app, Command& chosen);
 void add_compare(CLI::App& app, Command& chosen);
+void add_bundle(CLI::App& app, Command& chosen);
 
 }  // namespace runcert

@@ -27,6 +27,7 @@ int main(int argc, char** argv) {
         add_compare(app, chosen);
         add_simulate(app, chosen);
         add_keygen(app, chosen);
+        add_bundle(app, chosen);
         try {
             app.parse(argc, argv);
         } catch (const CLI::Success& help) {

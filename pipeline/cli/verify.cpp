@@ -10,6 +10,7 @@
 #include "files/atomic_file.h"
 #include "files/roster.h"
 #include "recompute.h"
+#include "run/bundle.h"
 #include "run/verification.h"
 #include "verification_text.h"
 

@@ -1,0 +1,67 @@
+#include "run/bundle.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+
+#include "commands.h"
+#include "core/failure.h"
+#include "files/atomic_file.h"
+
+namespace runcert {
+namespace {
+
+struct BundleOptions {
+    std::string run_dir;
+    std::string out;
+    std::vector<std::string> public_keys;
+    std::string roster;
+    std::string tsa_ca;
+    bool force = false;
+};
+
+int bundle(const BundleOptions& options) {
+    BundleInput input{.run_dir = options.run_dir};
+    input.public_keys.assign(options.public_keys.begin(), options.public_keys.end());
+    if (!options.roster.empty()) input.roster = options.roster;
+    if (!options.tsa_ca.empty()) input.tsa_ca = options.tsa_ca;
+    const Bundle made = make_bundle(input);
+    const std::filesystem::path out = options.out.empty() ? made.attempt + ".tar.zst" : options.out;
+    if (std::filesystem::exists(std::filesystem::symlink_status(out)) && !options.force)
+        throw Failure(out.string(), "the file exists already",
+                      "Choose another name with --out, or replace it with --force");
+    write_file_atomically(out, made.bytes);
+    fmt::print("bundle    {}\nfiles     {}, {} bytes packed\n", out.string(), made.files,
+               made.bytes.size());
+    for (const std::string& name : made.left_out)
+        fmt::print("left out  {}\n", name);
+    return 0;
+}
+
+}  // namespace
+
+void add_bundle(CLI::App& app, Command& chosen) {
+    auto options = std::make_shared<BundleOptions>();
+    CLI::App* command = app.add_subcommand(
+        "bundle", "Pack a run folder, keys and how to verify it into one .tar.zst");
+    command->add_option("RUN_DIR", options->run_dir, "the folder of a certified run")->required();
+    command->add_option("--out", options->out,
+                        "file to write (default: the attempt's id with .tar.zst, here)");
+    command->add_option("--pubkey", options->public_keys,
+                        "public key of a signer, to go along (several: repeat it)");
+    command->add_option("--roster", options->roster,
+                        "roster of the signers' keys, OpenSSH's allowed-signers form");
+    command->add_option("--tsa-ca", options->tsa_ca,
+                        "root certificate of the time stamps' authority, PEM");
+    command->add_flag("--force", options->force, "replace the file if it exists");
+    command->footer(
+        "In it: one folder, named as the attempt, with the run's files, keys/, VERIFY.txt (how a\n"
+        "stranger checks it) and SHA256SUMS. The same folder and keys give the same bytes. "
+        "run.yaml\n"
+        "(clock and durations of the computation, on which nothing depends) stays out. A folder\n"
+        "that is not whole, or holds unknown files, is refused.");
+    command->callback([&chosen, options] { chosen = [options] { return bundle(*options); }; });
+}
+
+}  // namespace runcert

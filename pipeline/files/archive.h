@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace runcert {
+
+/// A file to be packed. Its bytes are `text`, or those of `source` where one is named.
+struct PackedFile {
+    std::string name;  ///< in the archive, with '/' between folders
+    std::filesystem::path source = {};
+    std::string text = {};
+};
+
+/// The bytes of a .tar.zst of these files in this order: ustar compressed by zstd, every file with
+/// mode 0644, owner 0 and time 0. They depend on nothing but names, contents and the version of
+/// libzstd. Failure where a name is not plain (`is_plain_name`) or longer than ustar holds (100
+/// bytes), or a file cannot be read or changes while it is read.
+std::string pack_tar_zst(const std::vector<PackedFile>& files);
+
+/// Whether a name in an archive can do no harm: folders and a file of printable ASCII without
+/// blanks, quotes, backslashes or what a shell reads otherwise, none of them empty, "." or "..",
+/// none beginning with a point or a minus.
+bool is_plain_name(std::string_view name);
+
+/// How much an archive may unpack to.
+struct UnpackLimits {
+    std::uint64_t bytes = std::uint64_t{4} << 30;  ///< of all files together: 4 GiB
+    std::uint64_t files = 10'000;
+};
+
+/// Unpacks a .tar.zst into an empty folder, and returns the names of its files in their order.
+///
+/// Made for archives from strangers. Failure, with the entry's name, where it is damaged or another
+/// kind of file; where an entry is anything but a plain file or a folder (links, devices, sparse
+/// files), has a name that is not plain or that was there before, or more than `limits` would be
+/// unpacked. Modes, owners and times in it are not taken over. `where` names it in messages.
+std::vector<std::string> unpack_tar_zst(std::string_view bytes, const std::string& where,
+                                        const std::filesystem::path& folder,
+                                        const UnpackLimits& limits = {});
+
+}  // namespace runcert

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "files/process.h"
+
+namespace runcert {
+
+/// The files that a bundle has beside those of its run folder.
+inline constexpr const char* bundle_sums_file = "SHA256SUMS";
+inline constexpr const char* bundle_text_file = "VERIFY.txt";
+inline constexpr const char* bundle_keys_folder = "keys";
+inline constexpr const char* bundle_roster_file = "keys/roster";
+inline constexpr const char* bundle_tsa_file = "keys/tsa-ca.pem";
+
+/// What goes into a bundle.
+struct BundleInput {
+    std::filesystem::path run_dir;
+    std::vector<std::filesystem::path> public_keys = {};  ///< minisign's format
+    std::optional<std::filesystem::path> roster = {};     ///< OpenSSH's allowed signers
+    std::optional<std::filesystem::path> tsa_ca = {};     ///< root of the time stamps, PEM
+};
+
+/// A bundle, not yet written.
+struct Bundle {
+    std::string attempt;                     ///< its id, the name of the one folder in the archive
+    std::string bytes;                       ///< the .tar.zst
+    std::size_t files = 0;                   ///< in it
+    std::vector<std::string> left_out = {};  ///< names in the run folder that are not in it
+};
+
+/// The run folder, the keys, VERIFY.txt and SHA256SUMS as a .tar.zst: the same bytes for the same
+/// files, whatever their order, times and owners. run.yaml (clock and durations, on which nothing
+/// depends) and what killed runs left (`.runcert-*`) stay out; of a folder that is a bundle
+/// unpacked, the keys in it are kept.
+///
+/// Failure where the folder is not whole (`verify_files`, `check_sums`), holds unknown files, or a
+/// key is no public key.
+Bundle make_bundle(const BundleInput& input);
+
+/// Files and folders in a run folder that neither its report names nor this program writes, sorted.
+std::vector<std::string> unknown_files(const std::filesystem::path& run_dir);
+
+/// A file of an unpacked bundle that is not as SHA256SUMS says.
+struct SumProblem {
+    std::string file;
+    std::string problem;  ///< what is wrong with it, in words
+};
+
+/// Compares an unpacked bundle with its SHA256SUMS, which must name every file in it but itself,
+/// exactly as `make_bundle` writes it. Empty where all is well, in the order of the names
+/// otherwise. Whoever changes a file can change SHA256SUMS too: only signatures prove who made it.
+std::vector<SumProblem> check_sums(const std::filesystem::path& folder);
+
+/// The text of SHA256SUMS for a folder's files, as `sha256sum -c` reads it.
+std::string sums_line(const std::string& sha256, const std::string& file);
+
+/// A bundle unpacked into a folder of its own, which goes when this does.
+struct UnpackedBundle {
+    std::unique_ptr<TemporaryFolder> folder;
+    std::filesystem::path run_dir;
+};
+
+/// Unpacks a bundle as `unpack_tar_zst` does, to at most 4 GiB. Failure also where it does not hold
+/// exactly one folder with a report.json in it.
+UnpackedBundle unpack_bundle(const std::filesystem::path& file);
+
+}  // namespace runcert

@@ -1,0 +1,178 @@
+#include "run/bundle.h"
+
+#include <fmt/format.h>
+
+#include "core/failure.h"
+#include "handover_support.h"
+
+namespace runcert::chain {
+namespace {
+
+class BundleTest : public testing::Test {
+  protected:
+    static void SetUpTestSuite() {
+        signed_ = new SignedRun("salt_lake");
+        ASSERT_EQ(bundle(signed_->run(), file()).exit_status, 0);
+    }
+    static void TearDownTestSuite() { delete signed_; }
+    static fs::path file() { return signed_->path() / "salt-lake.tar.zst"; }
+    static ProcessResult bundle(const fs::path& run, const fs::path& out,
+                                std::vector<std::string> more = {}, const Environment& env = {}) {
+        std::vector<std::string> arguments{"bundle", run.string(), "--out", out.string()};
+        if (more.empty()) more = {"--pubkey", signed_->public_key()};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        return runcert(arguments, env);
+    }
+    /// A copy of the run folder to spoil.
+    static void copy_run(const fs::path& to) { fs::copy(signed_->run(), to); }
+
+    static SignedRun* signed_;
+};
+SignedRun* BundleTest::signed_ = nullptr;
+
+/// The commands that VERIFY.txt tells a stranger to type.
+std::vector<std::string> commands_of(const std::string& text) {
+    std::vector<std::string> commands;
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);)
+        if (line.starts_with("    ")) commands.push_back(line.substr(4));
+    return commands;
+}
+
+TEST_F(BundleTest, TarUnpacksItAndSha256sumAcceptsIt) {
+    const TemporaryFolder there;
+    const ProcessResult result =
+        shell(there.path(), "tar --zstd -xf '" + file().string() +
+                                "'; cd salt-lake; sha256sum --strict -c SHA256SUMS");
+    EXPECT_EQ(result.exit_status, 0) << result.errors;
+    const auto packed = contents_of(there.path() / "salt-lake");
+    for (const auto& [name, bytes] : contents_of(signed_->run()))
+        if (name == "run.yaml")
+            EXPECT_FALSE(packed.contains(name));
+        else
+            EXPECT_TRUE(packed.at(name) == bytes) << name;
+    EXPECT_EQ(std::count(result.output.begin(), result.output.end(), '\n') + 1,
+              static_cast<std::ptrdiff_t>(packed.size()));
+    EXPECT_TRUE(fs::exists(there.path() / "salt-lake" / "keys"));
+    EXPECT_TRUE(check_sums(there.path() / "salt-lake").empty());
+}
+
+TEST_F(BundleTest, AStrangerCanDoWhatVerifyTxtSays) {
+    if (!has_program("minisign")) GTEST_SKIP() << "minisign is not installed";
+    const TemporaryFolder there;
+    fs::copy_file(file(), there.path() / "salt-lake.tar.zst");
+    const ProcessResult text =
+        shell(there.path(), "tar --zstd -xOf salt-lake.tar.zst salt-lake/VERIFY.txt");
+    const nlohmann::json report = nlohmann::json::parse(read_file(signed_->run() / "report.json"));
+    EXPECT_TRUE(holds(text.output, report["predicate"]["report_id"].get<std::string>()));
+    std::string line = "export PATH='" RUNCERT_PROGRAMS "':$PATH";
+    const std::vector<std::string> commands = commands_of(text.output);
+    for (const std::string& command : commands)
+        line += "; " + command;
+    EXPECT_GE(commands.size(), 6u) << text.output;
+    const ProcessResult result = shell(there.path(), line);
+    EXPECT_EQ(result.exit_status, 0) << line << result.output << result.errors;
+    EXPECT_TRUE(holds(result.output, "Signature and comment signature verified"));
+    EXPECT_TRUE(holds(result.output, "VERIFIED")) << result.output;
+}
+
+TEST_F(BundleTest, TheSameBytesWhateverOrderTimesModesAndLocale) {
+    const TemporaryFolder there;
+    const fs::path copy = there.path() / "another-name";
+    fs::create_directory(copy);
+    const auto contents = contents_of(signed_->run());
+    for (auto entry = contents.rbegin(); entry != contents.rend(); ++entry)
+        write_quickly(copy / entry->first, entry->second);
+    write_quickly(copy / "run.yaml", "another clock");
+    fs::create_directory(copy / ".runcert-12-3");
+    write_quickly(copy / ".runcert-4-5.tmp", "half");
+    ASSERT_EQ(shell(copy, "touch -d 2001-02-03 *; chmod 640 *; chmod 755 report.json").exit_status,
+              0);
+    const ProcessResult made =
+        bundle(copy, there.path() / "b.tar.zst", {},
+               {{"LC_ALL", "C.UTF-8"}, {"TZ", "Asia/Tokyo"}, {"SOURCE_DATE_EPOCH", "1"}});
+    EXPECT_EQ(made.exit_status, 0) << made.errors;
+    EXPECT_TRUE(read_file(there.path() / "b.tar.zst") == read_file(file()));
+    EXPECT_TRUE(holds(made.output, "left out  run.yaml"));
+    EXPECT_TRUE(holds(made.output, "left out  .runcert-4-5.tmp"));
+}
+
+TEST_F(BundleTest, ABundleUnpackedAndBundledAgainIsTheSame) {
+    const UnpackedBundle unpacked = unpack_bundle(file());
+    EXPECT_EQ(unpacked.run_dir.filename(), "salt-lake");
+    EXPECT_TRUE(unknown_files(unpacked.run_dir).empty());
+    EXPECT_TRUE(make_bundle({.run_dir = unpacked.run_dir}).bytes == read_file(file()));
+    write_quickly(unpacked.run_dir / "VERIFY.txt", "Believe me.");
+    EXPECT_THROW(make_bundle({.run_dir = unpacked.run_dir}), Failure);
+}
+
+TEST_F(BundleTest, RosterAndAuthorityGoAlong) {
+    const TemporaryFolder there;
+    ASSERT_EQ(shell(there.path(),
+                    "echo 'measurer ssh-ed25519 AAAA someone' > r; openssl req -x509 -newkey "
+                    "ed25519 -nodes -keyout k.pem -out ca.pem -subj /CN=authority")
+                  .exit_status,
+              0);
+    const std::string roster = (there.path() / "r").string(),
+                      ca = (there.path() / "ca.pem").string();
+    const fs::path out = there.path() / "o.tar.zst";
+    ASSERT_EQ(bundle(signed_->run(), out, {"--roster", roster, "--tsa-ca", ca}).exit_status, 0);
+    const UnpackedBundle unpacked = unpack_bundle(out);
+    EXPECT_EQ(read_file(unpacked.run_dir / "keys" / "roster"), read_file(roster));
+    EXPECT_EQ(read_file(unpacked.run_dir / "keys" / "tsa-ca.pem"), read_file(ca));
+    EXPECT_TRUE(holds(read_file(unpacked.run_dir / "VERIFY.txt"),
+                      "--roster salt-lake/keys/roster --tsa-ca salt-lake/keys/tsa-ca.pem"));
+    for (const char* option : {"--roster", "--tsa-ca", "--pubkey"})
+        expect_refused(bundle(signed_->run(), there.path() / "p.tar.zst",
+                              {option, (there.path() / "k.pem").string()}),
+                       {"secret key", "k.pem"});
+    expect_refused(bundle(signed_->run(), there.path() / "p.tar.zst",
+                          {"--pubkey", (signed_->path() / "measurer.key").string()}),
+                   {"secret key", "measurer.key"});
+    EXPECT_FALSE(fs::exists(there.path() / "p.tar.zst"));
+}
+
+TEST_F(BundleTest, NoFileIsReplacedWithoutForce) {
+    const TemporaryFolder there;
+    const fs::path out = there.path() / "o.tar.zst";
+    write_quickly(out, "mine");
+    expect_refused(bundle(signed_->run(), out), {"exists already", "--force"});
+    EXPECT_EQ(read_file(out), "mine");
+    EXPECT_EQ(bundle(signed_->run(), out, {"--force"}).exit_status, 0);
+    EXPECT_NE(read_file(out), "mine");
+}
+
+struct Spoilt {
+    std::string what;
+    std::string line;  ///< that spoils the folder
+    std::vector<std::string> said;
+};
+
+TEST_F(BundleTest, AFolderThatIsNotWholeIsRefused) {
+    const std::vector<Spoilt> cases{
+        {"missing", "rm 3-screened.ecsv", {"3-screened.ecsv", "missing"}},
+        {"changed", "echo >> recording.primary.pos", {"recording.primary.pos", "changed"}},
+        {"another file", "echo x > notes.txt", {"\"notes.txt\"", "no part of the run"}},
+        {"hidden file", "echo x > .profile", {"\".profile\"", "no part of the run"}},
+        {"control characters", "echo x > $'a\\e[31m\\nb'", {"a\\x1b[31m\\x0ab"}},
+        {"folder", "mkdir more; echo x > more/y", {"\"more\"", "no part of the run"}},
+        {"key of another kind", "mkdir keys; echo x > keys/id_rsa", {"\"keys/id_rsa\""}},
+        {"link", "rm -f report.html; ln -s /etc/hostname report.html", {"\"report.html\""}},
+        {"no report", "rm report.json", {"report.json"}},
+        {"broken report", "echo '{' > report.json", {"report.json", "not a report"}},
+        {"id that is a path",
+         "sed -i 's/\"id\": \"salt-lake\"/\"id\": \"..\\/x\"/' report.json",
+         {"cannot be the name of a folder"}}};
+    for (const Spoilt& one : cases) {
+        SCOPED_TRACE(one.what);
+        const TemporaryFolder there;
+        copy_run(there.path() / "run");
+        ASSERT_EQ(shell(there.path() / "run", one.line).exit_status, 0);
+        expect_refused(bundle(there.path() / "run", there.path() / "o.tar.zst"), one.said);
+        EXPECT_FALSE(fs::exists(there.path() / "o.tar.zst"));
+    }
+    expect_refused(bundle("/no/such/folder", signed_->path() / "x"), {"no such run folder"});
+}
+
+}  // namespace
+}  // namespace runcert::chain

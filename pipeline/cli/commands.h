@@ -23,5 +23,6 @@ void add_audit(CLI::App& app, Command& chosen);
 void add_explain(CLI::App& app, Command& chosen);
 void add_compare(CLI::App& app, Command& chosen);
 void add_bundle(CLI::App& app, Command& chosen);
+void add_export(CLI::App& app, Command& chosen);
 
 }  // namespace runcert

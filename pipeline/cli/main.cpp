@@ -28,6 +28,7 @@ int main(int argc, char** argv) {
         add_simulate(app, chosen);
         add_keygen(app, chosen);
         add_bundle(app, chosen);
+        add_export(app, chosen);
         try {
             app.parse(argc, argv);
         } catch (const CLI::Success& help) {

@@ -1,0 +1,65 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+
+#include "commands.h"
+#include "files/process.h"
+
+namespace runcert {
+namespace {
+
+struct ExportOptions {
+    std::string run_dir;
+    std::string format;
+    std::string out;
+    std::string table;
+    std::string receiver;
+    std::string every;
+    bool force = false;
+};
+
+int export_run(const ExportOptions& options) {
+    std::vector<std::string> command{(program_folder() / "runcert-export").string(),
+                                     options.run_dir, "--format", options.format};
+    if (!options.out.empty()) command.insert(command.end(), {"--out", options.out});
+    if (!options.table.empty()) command.insert(command.end(), {"--table", options.table});
+    if (!options.receiver.empty()) command.insert(command.end(), {"--receiver", options.receiver});
+    if (!options.every.empty()) command.insert(command.end(), {"--every", options.every});
+    if (options.force) command.emplace_back("--force");
+    const ProcessResult result = run_process(command);
+    fmt::print("{}", result.output);
+    fmt::print(stderr, "{}", result.errors);
+    return result.exit_status;
+}
+
+}  // namespace
+
+void add_export(CLI::App& app, Command& chosen) {
+    auto options = std::make_shared<ExportOptions>();
+    CLI::App* command =
+        app.add_subcommand("export", "A run for maps (KML, GeoJSON, GPX) and spreadsheets (CSV)");
+    command->add_option("RUN_DIR", options->run_dir, "folder that certify wrote")->required();
+    command->add_option("--format", options->format, "kml, geojson, gpx or csv")->required();
+    command->add_option("--out", options->out,
+                        "file to write, - for standard output (default: the attempt's id with "
+                        "the format's ending, here)");
+    command->add_option("--table", options->table,
+                        "of csv: observations, enu, screened or trajectory (default)");
+    command->add_option("--receiver", options->receiver,
+                        "id of the receiver (default: the first of the attempt, the one judged)");
+    command->add_option("--every", options->every,
+                        "of a map: only every so many epochs of the track (default: 1, all)");
+    command->add_flag("--force", options->force, "replace the file if it exists");
+    command->footer(
+        "KML and GeoJSON: the smoothed track, cut at gaps; the best window of each rule, and "
+        "faster\n"
+        "ones that were refused, marked so; the course's lines. GPX: the track alone. CSV: a "
+        "table\n"
+        "of the run, one header row, no comments. Positions are WGS 84; heights are above the\n"
+        "ellipsoid, not above sea level (in KML the lines lie on the ground). A run in "
+        "local-plane\n"
+        "coordinates is on no map: of it, only CSV. Hashes are checked.");
+    command->callback([&chosen, options] { chosen = [options] { return export_run(*options); }; });
+}
+
+}  // namespace runcert

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "schemas/attempt/attempt.h"
+#include "schemas/trajectory/trajectory.h"
+#include "schemas/verdict/verdict.h"
+#include "schemas/windows/windows.h"
+
+namespace runcert {
+
+/// A place on the Earth (WGS 84), degrees with the nine decimals that are written (0.1 mm).
+struct TrackPoint {
+    double latitude_deg = 0.0;
+    double longitude_deg = 0.0;
+    std::optional<double> height_m = {};  ///< above the ellipsoid; empty where not measured
+    ElapsedTime time = {};
+    std::optional<GpsTime> instant = {};  ///< empty where the recording's time is relative
+};
+
+/// A stretch without a gap.
+struct TrackArc {
+    std::int64_t number = 0;
+    std::vector<TrackPoint> points = {};
+};
+
+enum class WindowKind {
+    best,     ///< the one that the outcome is about
+    further,  ///< with the best makes the figure of a rule that takes several
+    refused   ///< the fastest of the raw positions, which cannot be certified
+};
+std::string_view to_text(WindowKind kind);
+
+/// A window of a rule on the track.
+struct TrackWindow {
+    WindowKind kind = WindowKind::best;
+    std::size_t rule = 0;  ///< number of its rule in the verdict, for its style
+    std::string profile;
+    std::string body;
+    std::string title;
+    std::string definition;
+    std::string outcome;  ///< of the rule, by the verdict's words
+    std::string reason;   ///< the outcome in one sentence
+    WindowSpan span = {};
+    double speed_mps = 0.0;
+    std::optional<double> expanded_uncertainty_mps = {};  ///< k = 2; none for a refused one
+    std::optional<ShownFigures> shown = {};               ///< of the best one
+    std::vector<std::string> refusals = {};
+    std::vector<TrackPoint> points = {};
+};
+
+/// A surveyed line of the course.
+struct TrackGate {
+    std::string name;  ///< "start", "finish"
+    TrackPoint left = {}, right = {};
+};
+
+/// What of a run lies on the map.
+struct Track {
+    std::string attempt;
+    std::string craft;
+    std::string place;  ///< empty where not given
+    std::string receiver;
+    bool heights_measured = true;
+    std::vector<TrackArc> arcs = {};
+    std::vector<TrackWindow> windows = {};
+    std::vector<TrackGate> gates = {};
+};
+
+/// What a track is made of. Windows and verdict are those of the attempt's first receiver, and are
+/// left out where the track is another's.
+struct TrackInput {
+    const Attempt* attempt = nullptr;
+    const Receiver* receiver = nullptr;
+    const TrajectoryTable* trajectory = nullptr;
+    const Windows* windows = nullptr;
+    const Verdict* verdict = nullptr;
+    std::int64_t every = 1;  ///< of each arc, every so many epochs, and its last; windows are whole
+};
+
+/// The smoothed trajectory on the Earth, cut into arcs at gaps, with windows and gates. Where
+/// heights were not measured, the points lie at the attempt's height and state none.
+/// Failure where the run is in local-plane coordinates, or a window names an epoch that the
+/// trajectory does not have.
+Track track_of(const TrackInput& input);
+
+}  // namespace runcert

@@ -1,0 +1,191 @@
+#include <gtest/gtest.h>
+
+#include <pugixml.hpp>
+
+#include "core/failure.h"
+#include "files/atomic_file.h"
+#include "files/process.h"
+#include "stages/export/export.h"
+#include "stages/export/plain_text.h"
+
+namespace runcert {
+namespace {
+
+bool holds(const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+}
+
+bool has_program(const std::string& name) {
+    return run_process({"sh", "-c", "command -v " + name}).exit_status == 0;
+}
+
+TEST(PlainText, WhatDisplaysWronglyIsReplaced) {
+    EXPECT_EQ(plain_text("Bjørn's 船 \U0001F6A9"), "Bjørn's 船 \U0001F6A9");
+    EXPECT_EQ(plain_text("a\nb\tc"), "a b c");
+    for (const char* bad : {"\x01", "\x1b", "\x7f", "\xc2\x85", "\xe2\x80\xa8", "\xe2\x80\xae",
+                            "\xe2\x81\xa6", "\xef\xbf\xbf", "\xff", "\xc0"})
+        EXPECT_EQ(plain_text(bad), "\xef\xbf\xbd") << static_cast<int>(*bad);
+    // Overlong, surrogate, beyond Unicode, cut off: one mark a byte.
+    EXPECT_EQ(plain_text("\xe0\x80\x80"), "\xef\xbf\xbd\xef\xbf\xbd\xef\xbf\xbd");
+    EXPECT_EQ(plain_text("\xed\xa0\x80").size(), 9u);
+    EXPECT_EQ(plain_text("\xf4\x90\x80\x80").size(), 12u);
+    EXPECT_EQ(plain_text("a\xe2\x80").size(), 7u);
+}
+
+TEST(CsvCell, AFormulaIsText) {
+    for (const char* formula : {"=cmd()", "+1", "-1", "@SUM(A1)"})
+        EXPECT_EQ(csv_cell(formula), std::string("'") + formula);
+    EXPECT_EQ(csv_cell("\tx"), "'\tx");
+    EXPECT_EQ(csv_cell("=HYPERLINK(\"x\",\"y\")"), "\"'=HYPERLINK(\"\"x\"\",\"\"y\"\")\"");
+    EXPECT_EQ(csv_cell("a,b\nc"), "\"a,b\nc\"");
+    EXPECT_EQ(csv_cell("fixed"), "fixed");
+    EXPECT_EQ(csv_cell(""), "");
+    const std::string table =
+        "# %ECSV 1.0\n# ---\n# datatype:\n# - {name: n, datatype: float64}\n"
+        "# - {name: t, datatype: string}\n# delimiter: ','\nn,t\n-1.5,-1.5\n,\"=a,\"\"b\"\"\"\n";
+    EXPECT_EQ(csv_text(table, "t.ecsv"), "n,t\n-1.5,'-1.5\n,\"'=a,\"\"b\"\"\"\n");
+}
+
+/// A trajectory of three epochs on the Earth, without heights.
+TrajectoryTable flat_trajectory() {
+    TrajectoryTable table;
+    table.facts.receiver = "primary";
+    table.facts.vertical_measured = false;
+    table.origin = FrameOrigin{.position = {.latitude = Angle::from_degrees(47.0),
+                                            .longitude = Angle::from_degrees(15.0),
+                                            .height_m = 350.0},
+                               .source = "attempt"};
+    for (int i = 0; i < 3; ++i) {
+        TrajectoryEpoch row;
+        row.epoch = i + 1;
+        row.time = {i * 100'000'000};
+        row.east_m = 5000.0 * i;
+        row.north_m = -4000.0 * i;
+        row.arc = 1;
+        table.rows.push_back(row);
+    }
+    return table;
+}
+
+TEST(TrackWithoutHeights, LiesAtTheAttemptsHeightAndStatesNone) {
+    const TrajectoryTable table = flat_trajectory();
+    Attempt attempt;
+    attempt.id = "flat";
+    Receiver receiver;
+    receiver.height_m = 100.0;
+    const Track track =
+        track_of({.attempt = &attempt, .receiver = &receiver, .trajectory = &table});
+    ASSERT_EQ(track.arcs.size(), 1u);
+    ASSERT_EQ(track.arcs[0].points.size(), 3u);
+    const LocalFrame frame(table.origin->position);
+    for (std::size_t i = 0; i < 3; ++i) {
+        const TrackPoint& point = track.arcs[0].points[i];
+        EXPECT_FALSE(point.height_m);
+        EXPECT_FALSE(point.instant);
+        // Import put every position at 100 m: from there, the same east and north come back.
+        const Enu back =
+            frame.enu_from_geodetic({.latitude = Angle::from_degrees(point.latitude_deg),
+                                     .longitude = Angle::from_degrees(point.longitude_deg),
+                                     .height_m = 100.0});
+        EXPECT_NEAR(back.m.x(), *table.rows[i].east_m, 1e-4);
+        EXPECT_NEAR(back.m.y(), *table.rows[i].north_m, 1e-4);
+    }
+    const std::string gpx = gpx_text(track);
+    EXPECT_FALSE(holds(gpx, "<ele>"));
+    EXPECT_FALSE(holds(gpx, "<time>"));
+    EXPECT_TRUE(holds(gpx, "Heights were not measured"));
+}
+
+TEST(HostileText, IsTextOnEveryMap) {
+    const TrajectoryTable table = flat_trajectory();
+    Attempt attempt;
+    attempt.id = "hostile";
+    attempt.craft_name =
+        "=cmd()<script>alert(1)</script>&amp;]]>'\"\xe2\x80\xaegnp.\x01\n\xff\xf0\x9f\x9a\xa9" +
+        std::string(10'000, 'y');
+    Receiver receiver;
+    receiver.height_m = 100.0;
+    const Track track =
+        track_of({.attempt = &attempt, .receiver = &receiver, .trajectory = &table});
+    const TemporaryFolder folder;
+    for (const std::string format : {"kml", "gpx", "geojson"}) {
+        SCOPED_TRACE(format);
+        const std::string text = format == "kml"   ? kml_text(track)
+                                 : format == "gpx" ? gpx_text(track)
+                                                   : geojson_text(track);
+        const std::filesystem::path file = folder.path() / format;
+        write_file_atomically(file, text);
+        EXPECT_FALSE(holds(text, "\xe2\x80\xae")) << "a mark that turns writing around";
+        EXPECT_TRUE(holds(text, "\xf0\x9f\x9a\xa9"));
+        EXPECT_TRUE(holds(text, std::string(10'000, 'y')));
+        if (format == "geojson") {
+            const std::string about = nlohmann::json::parse(text).at("about").at(0);
+            EXPECT_TRUE(holds(about, "=cmd()<script>alert(1)</script>&amp;]]>'")) << about;
+            continue;
+        }
+        pugi::xml_document xml;
+        ASSERT_TRUE(xml.load_string(text.c_str()));
+        EXPECT_FALSE(holds(text, "<script"));
+        EXPECT_EQ(xml.select_nodes("//script").size(), 0u);
+        // KML's descriptions are shown as HTML: there the text is escaped once more.
+        const std::string said =
+            xml.select_node(format == "kml" ? "//Document/description" : "//desc")
+                .node()
+                .text()
+                .get();
+        EXPECT_EQ(holds(said, "<script>"), format == "gpx") << said.substr(0, 200);
+        EXPECT_TRUE(holds(said, format == "kml" ? "&lt;script&gt;alert(1)&lt;/script&gt;&amp;amp;]]"
+                                                : "<script>alert(1)</script>&amp;]]>"));
+        if (has_program("xmllint")) {
+            EXPECT_EQ(run_process({"xmllint", "--noout", file.string()}).exit_status, 0);
+        }
+    }
+}
+
+TEST(TrackAtGaps, AnUnknownStepAndARowOutsideEndAnArc) {
+    TrajectoryTable table = flat_trajectory();
+    Attempt attempt;
+    Receiver receiver;
+    receiver.height_m = 100.0;
+    const TrackInput input{.attempt = &attempt, .receiver = &receiver, .trajectory = &table};
+    table.rows[1].step_before = true;
+    EXPECT_EQ(track_of(input).arcs.size(), 2u);
+    table.rows[1].arc.reset();
+    const Track track = track_of(input);
+    ASSERT_EQ(track.arcs.size(), 2u);
+    EXPECT_EQ(track.arcs[0].points.size(), 1u);
+    // An arc of one epoch is a point on the map.
+    EXPECT_TRUE(holds(geojson_text(track), "\"Point\""));
+    EXPECT_TRUE(holds(kml_text(track), "<Point>"));
+}
+
+TEST(TrackOfAnotherRun, IsRefused) {
+    TrajectoryTable table = flat_trajectory();
+    Attempt attempt;
+    const Receiver receiver;
+    Windows windows;
+    Verdict verdict;
+    verdict.receiver = "primary";
+    ProfileVerdict profile;
+    profile.profile = "nalsa";
+    profile.speed_mps = 60.0;
+    profile.window.emplace();
+    profile.window->first_epoch = 2;
+    profile.window->last_epoch = 4;
+    verdict.profiles.push_back(profile);
+    const TrackInput input{.attempt = &attempt,
+                           .receiver = &receiver,
+                           .trajectory = &table,
+                           .windows = &windows,
+                           .verdict = &verdict};
+    EXPECT_THROW(track_of(input), Failure) << "epoch 4 is not there";
+    verdict.profiles[0].window->last_epoch = 3;
+    EXPECT_EQ(track_of(input).windows.at(0).points.size(), 2u);
+    table.facts.receiver = "secondary";
+    EXPECT_TRUE(track_of(input).windows.empty()) << "windows are the first receiver's";
+    table.facts.georeferenced = false;
+    EXPECT_THROW(track_of(input), Failure);
+}
+
+}  // namespace
+}  // namespace runcert

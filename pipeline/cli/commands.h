@@ -24,5 +24,6 @@ void add_explain(CLI::App& app, Command& chosen);
 void add_compare(CLI::App& app, Command& chosen);
 void add_bundle(CLI::App& app, Command& chosen);
 void add_export(CLI::App& app, Command& chosen);
+void add_seal(CLI::App& app, Command& chosen);
 
 }  // namespace runcert

@@ -27,6 +27,7 @@ int main(int argc, char** argv) {
         add_compare(app, chosen);
         add_simulate(app, chosen);
         add_keygen(app, chosen);
+        add_seal(app, chosen);
         add_bundle(app, chosen);
         add_export(app, chosen);
         try {

@@ -80,8 +80,8 @@ std::string ssh_lines(const BundleFacts& facts) {
     const std::string roster = has(facts, bundle_roster_file) ? bundle_roster_file : "ROSTER";
     for (const std::string& signature : with_ending(facts, "report.json", ".sig"))
         text += fmt::format(
-            "   {0} (OpenSSH; ROLE is what stands before \"@runcert\" in the output of\n"
-            "   `sed '1d;$d' {0} | base64 -d | strings`):\n\n"
+            "   {0} (OpenSSH). Its role is what the first line prints before \"@runcert\":\n\n"
+            "    sed '1d;$d' {0} | base64 -d | grep -a -o '[A-Za-z0-9_-]*@runcert'\n"
             "    ssh-keygen -Y verify -f {1} -I ROLE -n ROLE@runcert -s {0} < report.json\n\n",
             signature, roster);
     return text;

@@ -132,6 +132,51 @@ TEST_F(BundleTest, RosterAndAuthorityGoAlong) {
     EXPECT_FALSE(fs::exists(there.path() / "p.tar.zst"));
 }
 
+constexpr const char* sign_and_stamp =
+    "ssh-keygen -q -t ed25519 -N '' -C judge -f judge;"
+    "ssh-keygen -q -Y sign -f judge -n judge@runcert run/report.json;"
+    "printf 'judge %s\\n' \"$(cat judge.pub)\" > roster;"
+    "printf '[tsa]\\nserial=serial\\nsigner_digest=sha256\\ndefault_policy=1.2.3\\n"
+    "digests=sha512\\naccuracy=secs:1\\n' > tsa.cnf; echo 01 > serial;"
+    "openssl req -x509 -newkey rsa:2048 -nodes -keyout tsa.pem -out tsa.crt -subj /CN=authority "
+    "-addext extendedKeyUsage=critical,timeStamping;"
+    "openssl ts -query -data run/report.json.minisig -sha512 -cert -out "
+    "run/report.json.minisig.tsq;"
+    "openssl ts -reply -config tsa.cnf -section tsa -signer tsa.crt -inkey tsa.pem -queryfile "
+    "run/report.json.minisig.tsq -out run/report.json.minisig.tsr";
+
+TEST_F(BundleTest, OtherSignaturesAndStampsAreCheckedByWhatVerifyTxtSays) {
+    for (const char* program : {"ssh-keygen", "openssl"})
+        if (!has_program(program)) GTEST_SKIP() << program << " is not installed";
+    const TemporaryFolder there;
+    copy_run(there.path() / "run");
+    const ProcessResult made = shell(there.path(), sign_and_stamp);
+    ASSERT_EQ(made.exit_status, 0) << made.errors;
+    ASSERT_EQ(bundle(there.path() / "run", there.path() / "salt-lake.tar.zst",
+                     {"--roster", (there.path() / "roster").string(), "--tsa-ca",
+                      (there.path() / "tsa.crt").string()})
+                  .exit_status,
+              0);
+    const UnpackedBundle unpacked = unpack_bundle(there.path() / "salt-lake.tar.zst");
+    std::string line = "true";
+    for (std::string command : commands_of(read_file(unpacked.run_dir / "VERIFY.txt"))) {
+        if (!command.starts_with("sed") && !command.starts_with("ssh-keygen") &&
+            !command.starts_with("openssl"))
+            continue;
+        for (std::size_t at = 0; (at = command.find("ROLE")) != std::string::npos;)
+            command.replace(at, 4, "judge");
+        line += "; " + command;
+    }
+    const ProcessResult result = shell(unpacked.run_dir, line);
+    EXPECT_EQ(result.exit_status, 0) << line << result.output << result.errors;
+    for (const char* said : {"judge@runcert\n", "Good \"judge@runcert\" signature",
+                             "Policy OID: ", "Verification: OK"})
+        EXPECT_TRUE(holds(result.output + result.errors, said)) << said << result.output;
+    // And not where the report is another.
+    write_quickly(unpacked.run_dir / "report.json", "{}");
+    EXPECT_NE(shell(unpacked.run_dir, line).exit_status, 0);
+}
+
 TEST_F(BundleTest, NoFileIsReplacedWithoutForce) {
     const TemporaryFolder there;
     const fs::path out = there.path() / "o.tar.zst";

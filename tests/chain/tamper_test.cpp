@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "core/failure.h"
 #include "core/random.h"
 #include "handover_support.h"
 #include "run/bundle.h"
@@ -77,6 +78,32 @@ TEST_F(Tamper, EveryChangeOfOneByteIsFoundAndItsFileNamed) {
     EXPECT_EQ(found, changes);
     EXPECT_EQ(hit.size(), names.size()) << "a file was never changed";
     EXPECT_EQ(verify().exit_status, 0);
+}
+
+TEST_F(Tamper, AChangeOfTheBundleItselfIsRefusedOrFound) {
+    const fs::path file = signed_->path() / "salt-lake.tar.zst";
+    const fs::path other = signed_->path() / "changed.tar.zst";
+    const std::string bytes = read_file(file);
+    const auto original = contents_of(bundle_->run_dir);
+    RandomGenerator random(seed + 1);
+    int refused = 0;
+    for (int i = 0; i < changes; ++i) {
+        std::string changed = bytes;
+        const std::size_t at = below(random, bytes.size());
+        changed[at] = static_cast<char>(changed[at] ^ static_cast<char>(1 + below(random, 255)));
+        write_quickly(other, changed);
+        try {
+            const UnpackedBundle bundle = unpack_bundle(other);
+            // Some bits of zstd's own fields say nothing of the contents.
+            const bool found = !check_sums(bundle.run_dir).empty();
+            EXPECT_TRUE(found || contents_of(bundle.run_dir) == original) << at;
+            refused += found ? 1 : 0;
+        } catch (const Failure& failure) {
+            EXPECT_TRUE(holds(failure.where(), "changed.tar.zst")) << failure.where();
+            ++refused;
+        }
+    }
+    EXPECT_GT(refused, changes * 9 / 10);
 }
 
 TEST_F(Tamper, WhoMendsSha256SumsTooIsFoundByTheReport) {

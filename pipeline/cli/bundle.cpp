@@ -48,8 +48,10 @@ void add_bundle(CLI::App& app, Command& chosen) {
     command->add_option("RUN_DIR", options->run_dir, "the folder of a certified run")->required();
     command->add_option("--out", options->out,
                         "file to write (default: the attempt's id with .tar.zst, here)");
-    command->add_option("--pubkey", options->public_keys,
-                        "public key of a signer, to go along (several: repeat it)");
+    command
+        ->add_option("--pubkey", options->public_keys,
+                     "public key of a signer, to go along (several: repeat it)")
+        ->allow_extra_args(false);
     command->add_option("--roster", options->roster,
                         "roster of the signers' keys, OpenSSH's allowed-signers form");
     command->add_option("--tsa-ca", options->tsa_ca,

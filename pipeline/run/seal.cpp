@@ -30,7 +30,7 @@ std::string first_words(const std::string& said) {
     return escape_for_message(text.substr(0, text.find('\n')), 200);
 }
 
-ProcessResult run_words(std::vector<std::string> command) {
+ProcessResult run_words(const std::vector<std::string>& command) {
     return run_process(command, {{"LC_ALL", "C"}, {"TZ", "UTC"}});
 }
 
@@ -164,7 +164,7 @@ SealCheck seal_report(const std::filesystem::path& run_dir, const std::filesyste
         throw Failure(pdf.string(),
                       fmt::format("podofosign could not seal it: {}", first_words(signing.errors)),
                       "The PDF is as it was. Try another key, or render the report again");
-    const SealCheck check = check_seal(sealed);
+    SealCheck check = check_seal(sealed);
     if (!check.holds() || !carries(sealed, report))
         throw Failure(pdf.string(),
                       fmt::format("the seal that podofosign made does not hold: {}", check.words),

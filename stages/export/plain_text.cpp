@@ -48,11 +48,9 @@ std::string plain_text(std::string_view text) {
     while (!text.empty()) {
         const auto point = first_code_point(text);
         const std::size_t bytes = point ? point->bytes : 1;
-        if (!point || turns_writing(point->value))
-            plain += replacement;
-        else if (point->value == '\n' || point->value == '\t')
+        if (point && (point->value == '\n' || point->value == '\t'))
             plain += ' ';
-        else if (is_control(point->value))
+        else if (!point || turns_writing(point->value) || is_control(point->value))
             plain += replacement;
         else
             plain += text.substr(0, bytes);

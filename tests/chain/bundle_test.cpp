@@ -177,6 +177,23 @@ TEST_F(BundleTest, OtherSignaturesAndStampsAreCheckedByWhatVerifyTxtSays) {
     EXPECT_NE(shell(unpacked.run_dir, line).exit_status, 0);
 }
 
+TEST_F(BundleTest, SeveralKeysBeforeTheFolder) {
+    const TemporaryFolder there;
+    const std::string other = (there.path() / "judge").string();
+    ASSERT_EQ(runcert({"keygen", "--out", other, "--no-password"}).exit_status, 0);
+    const fs::path out = there.path() / "o.tar.zst";
+    const ProcessResult made =
+        runcert({"bundle", "--out", out.string(), "--pubkey", other + ".pub", "--pubkey",
+                 signed_->public_key(), signed_->run().string()});
+    ASSERT_EQ(made.exit_status, 0) << made.errors;
+    const auto keys = contents_of(unpack_bundle(out).run_dir / "keys");
+    ASSERT_EQ(keys.size(), 2u);
+    std::string all;
+    for (const auto& [name, text] : keys)
+        all += text;
+    EXPECT_TRUE(holds(all, signed_->public_line())) << all;
+}
+
 TEST_F(BundleTest, NoFileIsReplacedWithoutForce) {
     const TemporaryFolder there;
     const fs::path out = there.path() / "o.tar.zst";

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "stages/audit/parts.h"
+#include "stages/audit/screening_parts.h"
 #include "stages/audit/words.h"
 
 namespace runcert {

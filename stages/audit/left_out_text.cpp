@@ -3,7 +3,7 @@
 #include <cmath>
 #include <span>
 
-#include "stages/audit/parts.h"
+#include "stages/audit/screening_parts.h"
 #include "stages/audit/words.h"
 
 namespace runcert {

@@ -124,18 +124,149 @@ TEST(Audit, WhatCannotBeAuditedIsRefused) {
     refused({folder.path().string()}, "attempt.yaml");
     refused({run.string(), "--receiver", "third"}, "primary");
 
-    // What is missing and does not decide is named; what was changed is refused.
-    fs::remove(run / "4-trajectory.ecsv");
-    const ProcessResult result = runcert({"audit", run.string(), "--receiver", "primary"});
-    EXPECT_EQ(result.exit_status, 0) << result.errors;
-    EXPECT_NE(unwrapped(result.output).find("names its hash: 3-screened.ecsv."), std::string::npos)
-        << result.output;
+    refused({run.string(), "--stage", "screening"}, "import, enu, screen, smooth, window, check");
+
+    // What was changed is refused.
     const std::string recording = read_file(run / "recording.primary.pos");
     write_file_atomically(run / "recording.primary.pos", recording + "\n");
     refused({run.string()}, "recording.primary.pos");
     write_file_atomically(run / "recording.primary.pos", recording);
+    const std::string report = read_file(run / "report.json");
+    write_file_atomically(run / "report.json", report.substr(0, report.size() / 2));
+    refused({run.string()}, "report.json");
+}
+
+TEST(Audit, WhatIsMissingIsNamedAndTheRestIsShown) {
+    const TemporaryFolder folder;
+    const fs::path run = folder.path() / "run";
+    ASSERT_NE(certify(examples / "rejected" / "attempt.yaml", run, {"--no-render"}).exit_status, 2);
+    for (const char* name :
+         {"4-trajectory.ecsv", "5-windows.yaml", "6-verdict.yaml", "report.json"})
+        fs::remove(run / name);
+    ProcessResult result = runcert({"audit", run.string(), "--receiver", "primary"});
+    EXPECT_EQ(result.exit_status, 0) << result.errors;
+    const std::string text = unwrapped(result.output);
+    for (const char* said :
+         {"MISSING from the folder: 4-trajectory.ecsv (smooth), 5-windows.yaml (window), "
+          "6-verdict.yaml (check) and report.json (report).",
+          "4-trajectory.ecsv is MISSING", "6-verdict.yaml is MISSING",
+          "names its hash: 3-screened.ecsv.", "before epoch 541", "rtklib-pos"})
+        EXPECT_NE(text.find(said), std::string::npos) << said << "\n" << text;
     fs::remove(run / "3-screened.ecsv");
-    refused({run.string()}, "3-screened.ecsv");
+    result = runcert({"audit", run.string()});
+    EXPECT_EQ(result.exit_status, 0) << result.errors;
+    EXPECT_NE(result.output.find("3-screened.ecsv is MISSING"), std::string::npos);
+    for (const char* name : {"1-observations.ecsv", "2-enu.ecsv"})
+        fs::remove(run / name);
+    EXPECT_EQ(runcert({"audit", run.string()}).exit_status, 2);
+}
+
+TEST(Audit, EveryStageIsWalkedThroughAndTheRefusedWindowNamed) {
+    const TemporaryFolder folder;
+    const fs::path run = folder.path() / "run";
+    ASSERT_NE(certify(examples / "rejected" / "attempt.yaml", run, {"--no-render"}).exit_status, 2);
+    const std::string text = unwrapped(runcert({"audit", run.string(), "--all"}).output);
+    const auto report = nlohmann::json::parse(read_file(run / "report.json"));
+    std::vector<std::string> expected{
+        "line 544", report["predicate"]["report_id"].get<std::string>(),
+        "All of them were made by the same program",
+        "was REFUSED, because: 1 step that the motion cannot explain"};
+    // Every hash, as another program computes it.
+    for (const auto& subject : report["subject"]) {
+        const std::string file = subject["name"];
+        const std::string sum =
+            run_process({"sha256sum", (run / file).string()}).output.substr(0, 64);
+        if (file != "attempt.yaml") expected.push_back(sum);
+    }
+    for (const auto& requirement : report["predicate"]["profiles"][0]["requirements"])
+        expected.push_back(requirement["clause"].get<std::string>() + ": ");
+    for (const char* stage : {"1. import", "2. enu", "3. screen", "4. smooth", "5. window"})
+        expected.push_back(std::string(stage) + ", receiver primary");
+    for (const std::string& said : expected)
+        EXPECT_NE(text.find(said), std::string::npos) << said << "\n" << text;
+
+    const std::string window = runcert({"audit", run.string(), "--stage", "window"}).output;
+    EXPECT_NE(window.find("5. window"), std::string::npos);
+    EXPECT_EQ(window.find("4. smooth"), std::string::npos);
+    EXPECT_EQ(window.find("6. check"), std::string::npos);
+    const std::string two =
+        runcert({"audit", "--stage", "enu", "--stage", "check", run.string()}).output;
+    EXPECT_NE(two.find("2. enu"), std::string::npos);
+    EXPECT_NE(two.find("6. check"), std::string::npos);
+    EXPECT_EQ(two.find("5. window"), std::string::npos);
+}
+
+/// An example's attempt with other text in it, and its recording beside it.
+fs::path changed_example(const fs::path& folder, const std::string& example,
+                         const std::map<std::string, std::string>& replaced) {
+    std::string text = read_file(examples / example / "attempt.yaml");
+    for (const auto& [from, to] : replaced) {
+        const std::size_t at = text.find(from);
+        EXPECT_NE(at, std::string::npos) << from;
+        text.replace(at, from.size(), to);
+    }
+    bring(examples / example / "recording.pos", folder);
+    write_file_atomically(folder / "attempt.yaml", text);
+    return folder / "attempt.yaml";
+}
+
+TEST(Audit, WhatTheAttemptReplacedIsNamedWithTheDefault) {
+    const TemporaryFolder folder;
+    const fs::path attempt = changed_example(
+        folder.path(), "rejected",
+        {{"attempt/1.3", "attempt/1.4"},
+         {"profiles:",
+          "rules:\n  - {profile: nalsa, figure: accuracy.limit, value: 0.75, reason: "
+          "agreed before}\nparameters:\n  smooth: {robust_scale: 2.5}\nprofiles:"}});
+    const fs::path run = folder.path() / "run";
+    const ProcessResult certified = certify(attempt, run, {"--no-render"});
+    ASSERT_NE(certified.exit_status, 2) << certified.errors;
+    const std::string text = unwrapped(runcert({"audit", run.string()}).output);
+    for (const char* pattern : {"replaces smooth.robust_scale and nalsa accuracy.limit",
+                                R"(1 of \d+ not the default of the class land-yacht)",
+                                R"(\nsmooth.robust_scale +2.5 +2 +the attempt\n)",
+                                R"(\naccuracy.limit +0.8 +0.75 +km/h +agreed before\n)"})
+        EXPECT_TRUE(std::regex_search(text, std::regex(pattern))) << pattern << "\n" << text;
+}
+
+TEST(Audit, ThePageIsWellFormedAndShowsHostileTextAsText) {
+    const TemporaryFolder folder;
+    const std::string hostile = "<script>alert('1')</script> {{title}} & \\u202e gnp";
+    const fs::path attempt = changed_example(
+        folder.path(), "rejected",
+        {{"simulated land yacht", hostile},
+         {"salt lake near Lake Gairdner, South Australia (simulated)", hostile},
+         {"Horonuku, 11 December 2022, 2 s average, as reported by the press", hostile},
+         {"- role: measurer", "- {role: measurer, name: \"" + hostile + "\"}"}});
+    const fs::path run = folder.path() / "run";
+    const ProcessResult certified = certify(attempt, run, {"--no-render"});
+    ASSERT_NE(certified.exit_status, 2) << certified.errors;
+    const fs::path page = folder.path() / "audit.html";
+    const auto before = contents_of(run);
+    const ProcessResult written = runcert({"audit", run.string(), "--html", page.string()});
+    ASSERT_EQ(written.exit_status, 0) << written.errors;
+    EXPECT_EQ(contents_of(run), before);
+    const std::string html = read_file(page);
+    EXPECT_EQ(html.find("<script"), std::string::npos);
+    EXPECT_EQ(html.find("\xE2\x80\xAE"), std::string::npos);
+    if (run_process({"sh", "-c", "command -v xmllint"}).exit_status != 0)
+        GTEST_SKIP() << "xmllint is not installed";
+    const auto found = [&](const std::string& xpath) {
+        const ProcessResult result =
+            run_process({"xmllint", "--nonet", "--xpath", xpath, page.string()});
+        EXPECT_EQ(result.exit_status, 0) << result.errors;
+        return result.output;
+    };
+    const std::string shown = "<script>alert('1')</script> {{title}} & \xEF\xBF\xBD gnp";
+    for (const char* name : {"Craft", "Place", "Officials", "Record to beat"}) {
+        const std::string value = found(
+            fmt::format("string(//*[local-name()='dd'][preceding-sibling::*[1]='{}'])", name));
+        EXPECT_NE(value.find(shown), std::string::npos) << name << ": " << value;
+    }
+    EXPECT_EQ(found("count(//*[local-name()='section'])"), "7\n");
+    // The same page twice, whoever makes it where.
+    runcert({"audit", run.string(), "--html", page.string()});
+    EXPECT_EQ(read_file(page), html);
 }
 
 TEST(Audit, AChangedDecisionIsRefused) {

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "core/text.h"
-#include "stages/audit/parts.h"
+#include "stages/audit/screening_parts.h"
 #include "stages/audit/words.h"
 
 namespace runcert {
@@ -33,7 +33,7 @@ std::string line_of(const Quantity& quantity, const DetectableSizes& sizes) {
                                    text(sizes.median), text(sizes.worst), sizes.worst_epoch);
     if (sizes.without > 0)
         line += fmt::format("; at {} no size could be found", counted(sizes.without, "epoch"));
-    return wrapped(line + ".");
+    return line + ".";
 }
 
 /// What an undiscovered step makes of a speed.
@@ -41,38 +41,37 @@ std::string consequence(const DetectableSizes& step) {
     const auto change = [](double step_m) {
         return format_fixed(step_m / average_s * km_h_per_mps, 3) + " km/h";
     };
-    return wrapped(
-        fmt::format("A step of {} m in the middle of a {} s average, not found, makes its speed "
-                    "wrong by at most {}: it moves one end of the window against the other. The "
-                    "worst, of {} m, makes it wrong by at most {}.",
-                    format_fixed(step.median, 3), format_fixed(average_s, 0), change(step.median),
-                    format_fixed(step.worst, 3), change(step.worst)));
+    return fmt::format(
+        "A step of {} m in the middle of a {} s average, not found, makes its speed "
+        "wrong by at most {}: it moves one end of the window against the other. The "
+        "worst, of {} m, makes it wrong by at most {}.",
+        format_fixed(step.median, 3), format_fixed(average_s, 0), change(step.median),
+        format_fixed(step.worst, 3), change(step.worst));
 }
 
 }  // namespace
 
-std::string smallest_text(const ScreenedTable& table) {
-    std::string text = "Smallest errors that the tests find\n";
+std::vector<Block> smallest_blocks(const ScreenedTable& table) {
     if (!table.evidence)
-        return text + wrapped(holds_evidence(table)
-                                  ? "No test was made, so that no size could be found."
-                                  : "The table does not hold the evidence of revision 1.2: it does "
-                                    "not tell them.");
-    std::string lines;
+        return {Paragraph{holds_evidence(table)
+                              ? "No test was made, so that no size could be found."
+                              : "The table does not hold the evidence of revision 1.2: it does not "
+                                "tell them."}};
+    Entries lines;
     for (const Quantity& quantity : quantities)
         if (const auto sizes = detectable_sizes(table.rows, quantity.size))
-            lines += line_of(quantity, *sizes);
-    if (lines.empty())
-        return text + "No epoch used has one: no error of any size could be found.\n";
-    text += wrapped(
+            lines.items.push_back(line_of(quantity, *sizes));
+    if (lines.items.empty())
+        return {Paragraph{"No epoch used has one: no error of any size could be found."}};
+    std::vector<Block> blocks{Paragraph{
         fmt::format("Found with a probability of {} %, in the direction in which they are hardest "
                     "to find. The first figure is the median over the epochs used at which a size "
                     "could be found.",
-                    format_fixed(100.0 * table.evidence->power, 1)));
-    text += lines;
+                    format_fixed(100.0 * table.evidence->power, 1))}};
+    blocks.emplace_back(std::move(lines));
     if (const auto step = detectable_sizes(table.rows, &DetectableError::step_m))
-        text += consequence(*step);
-    return text;
+        blocks.emplace_back(Paragraph{consequence(*step)});
+    return blocks;
 }
 
 }  // namespace runcert

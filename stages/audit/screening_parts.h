@@ -1,18 +1,21 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
-#include "stages/audit/audit.h"
+#include "stages/audit/screening.h"
+#include "stages/audit/walk.h"
 
-// The parts of an audit; `audit_text` puts them together.
+// The parts of the audit of screening; `screening_section` puts them together.
 
 namespace runcert {
 
 /// What the tests rested on, and what they found over the whole recording.
-std::string basis_text(const ScreenedTable& table, const AuditSubject& subject);
+std::vector<Block> basis_blocks(const ScreenedTable& table, const AuditSubject& subject);
 
 /// Every decision with its rows in the recording.
-std::string decisions_text(const ScreenedTable& table, const AuditSubject& subject, bool all);
+std::vector<Block> decision_blocks(const ScreenedTable& table, const AuditSubject& subject,
+                                   bool all);
 
 /// Why the rows of an entry were left out, without the statistic.
 std::string left_out_text(const ScreenedTable& table, const AuditEntry& entry);
@@ -24,7 +27,7 @@ std::string break_text(const std::vector<ScreenedEpoch>& rows, std::size_t at);
 bool explains_break(const ScreenedEpoch& row);
 
 /// The smallest errors that could be found, and what they would do to a speed.
-std::string smallest_text(const ScreenedTable& table);
+std::vector<Block> smallest_blocks(const ScreenedTable& table);
 
 /// Whether the table's revision holds evidence: 1.2 and later.
 bool holds_evidence(const ScreenedTable& table);

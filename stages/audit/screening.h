@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "schemas/screened/screened.h"
+#include "stages/audit/walk.h"
 
 namespace runcert {
 
@@ -45,11 +46,10 @@ struct AuditSubject {
     std::vector<std::string> unchecked;  ///< files that are not there, or that none there names
 };
 
-/// The audit of one receiver as plain text of at most 100 columns: what the tests rested on, every
-/// decision with its rows in the recording, the smallest errors that could be found. An entry
-/// begins at the first column, "epoch ..." or "epochs ..." for rows and "before epoch ..." for a
-/// break; what follows it is indented. With `all` the rows used are entries too. Tables of any
-/// revision.
-std::string audit_text(const ScreenedTable& table, const AuditSubject& subject, bool all);
+/// The audit of one receiver's screening: what the tests rested on, every decision with its rows in
+/// the recording, the smallest errors that could be found. An entry begins with "epoch ..." or
+/// "epochs ..." for rows and "before epoch ..." for a break. With `all` the rows used are entries
+/// too. Tables of any revision.
+Section screening_section(const ScreenedTable& table, const AuditSubject& subject, bool all);
 
 }  // namespace runcert

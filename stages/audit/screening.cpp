@@ -1,4 +1,4 @@
-#include "stages/audit/audit.h"
+#include "stages/audit/screening.h"
 
 #include "core/statistics.h"
 

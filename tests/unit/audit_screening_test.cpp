@@ -1,5 +1,3 @@
-#include "stages/audit/audit.h"
-
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -8,6 +6,7 @@
 #include <sstream>
 
 #include "files/atomic_file.h"
+#include "stages/audit/screening.h"
 #include "stages/audit/words.h"
 
 namespace runcert {
@@ -55,6 +54,10 @@ const AuditSubject subject{.attempt = "run",
                            .recording = "rover.pos",
                            .checked = {"2-enu.ecsv"},
                            .unchecked = {"3-screened.ecsv"}};
+
+std::string audit_text(const ScreenedTable& table, const AuditSubject& of, bool all) {
+    return section_text(screening_section(table, of, all));
+}
 
 void leave_out(ScreenedEpoch& row, Reason reason, std::optional<Hypothesis> hypothesis = {},
                std::optional<double> statistic = {}, std::optional<double> threshold = {}) {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/text.h"
-#include "stages/audit/parts.h"
+#include "stages/audit/screening_parts.h"
 #include "stages/audit/words.h"
 
 namespace runcert {
@@ -179,7 +179,7 @@ std::string fault_line(const ScreenedTable& table, const TimeFault& fault) {
             ? fmt::format("another session begins, {} {}", size,
                           fault.size_s < 0.0 ? "back" : "later")
             : fmt::format("the clock jumps by {} while the positions go on", size);
-    return "    " + wrapped(where + ": " + what, 8);
+    return where + ": " + what;
 }
 
 std::string limits_text(const ScreenedTable& table) {
@@ -218,25 +218,33 @@ std::string old_tests_text(const ScreenedTable& table) {
 
 }  // namespace
 
-std::string basis_text(const ScreenedTable& table, const AuditSubject& subject) {
-    std::string text =
-        wrapped(recording_text(table, subject)) + wrapped(files_text(table, subject));
-    if (!table.evidence) return text + wrapped(old_tests_text(table));
+std::vector<Block> basis_blocks(const ScreenedTable& table, const AuditSubject& subject) {
+    std::vector<Block> blocks;
+    const auto say = [&](std::string text) { blocks.emplace_back(Paragraph{std::move(text)}); };
+    say(recording_text(table, subject));
+    say(files_text(table, subject));
+    if (!table.evidence) {
+        say(old_tests_text(table));
+        return blocks;
+    }
     const ScreeningEvidence& evidence = *table.evidence;
-    if (!evidence.models.empty()) text += wrapped(noise_text(table));
-    text += wrapped(tests_text(evidence));
+    if (!evidence.models.empty()) say(noise_text(table));
+    say(tests_text(evidence));
     std::string kinds = "Solutions.";
     for (const FixKindEvidence& kind : evidence.fix_kinds)
         kinds += kind_sentence(kind);
-    if (!evidence.fix_kinds.empty()) text += wrapped(kinds);
-    text += evidence.velocity ? wrapped(velocity_text(*evidence.velocity))
-                              : "Velocities. None, or fewer than 30, were recorded.\n";
-    text += wrapped(time_text(table));
+    if (!evidence.fix_kinds.empty()) say(kinds);
+    say(evidence.velocity ? velocity_text(*evidence.velocity)
+                          : "Velocities. None, or fewer than 30, were recorded.");
+    say(time_text(table));
+    Entries faults{.items = {}, .nested = true};
     for (const TimeFault& fault : evidence.time.faults)
-        text += fault_line(table, fault);
-    text += wrapped(limits_text(table));
-    return text + (evidence.baseline ? wrapped(baseline_text(*evidence.baseline))
-                                     : "Other receiver. None was compared with this one.\n");
+        faults.items.push_back(fault_line(table, fault));
+    if (!faults.items.empty()) blocks.emplace_back(std::move(faults));
+    say(limits_text(table));
+    say(evidence.baseline ? baseline_text(*evidence.baseline)
+                          : "Other receiver. None was compared with this one.");
+    return blocks;
 }
 
 }  // namespace runcert

@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include "stages/audit/parts.h"
+#include "stages/audit/screening_parts.h"
 #include "stages/audit/words.h"
 
 namespace runcert {
@@ -113,26 +113,30 @@ std::string entry_text(const ScreenedTable& table, const AuditEntry& entry,
 
 }  // namespace
 
-std::string decisions_text(const ScreenedTable& table, const AuditSubject& subject, bool all) {
+std::vector<Block> decision_blocks(const ScreenedTable& table, const AuditSubject& subject,
+                                   bool all) {
     const std::string chance = chance_text(table);
-    std::string text = wrapped(
-        fmt::format("Decisions, in the order of {}: its lines, or its bytes where it has no lines, "
-                    "are in brackets, seconds count from its first epoch, +- is one standard "
-                    "uncertainty",
-                    subject.recording));
+    const std::string order = fmt::format(
+        "In the order of {}: its lines, or its bytes where it has no lines, "
+        "are in brackets, seconds count from its first epoch, +- is one standard "
+        "uncertainty",
+        subject.recording);
     std::int64_t used = 0;
+    Entries entries;
     for (const AuditEntry& entry : audit_entries(table.rows)) {
         const bool is_used = entry.kind == AuditEntry::Kind::used;
         used += is_used ? 1 : 0;
-        if (!is_used || all) text += wrapped(entry_text(table, entry, chance));
+        if (!is_used || all) entries.items.push_back(entry_text(table, entry, chance));
     }
-    if (!all) return text + counted(used, "epoch") + " used (--all lists each of them).\n";
-    return text + wrapped(fmt::format(
-                      "{} used: after each {}the statistic and the threshold that this stays "
-                      "below{}.",
-                      counted(used, "epoch"),
-                      table.evidence ? "the hypothesis that it supports best, " : "",
-                      table.evidence ? ", and the smallest errors that the tests find there" : ""));
+    const std::string count =
+        !all ? counted(used, "epoch") + " used (--all lists each of them)."
+             : fmt::format(
+                   "{} used: after each {}the statistic and the threshold that this stays "
+                   "below{}.",
+                   counted(used, "epoch"),
+                   table.evidence ? "the hypothesis that it supports best, " : "",
+                   table.evidence ? ", and the smallest errors that the tests find there" : "");
+    return {Paragraph{order}, std::move(entries), Paragraph{count}};
 }
 
 }  // namespace runcert

@@ -20,6 +20,7 @@ void add_inspect(CLI::App& app, Command& chosen);
 void add_simulate(CLI::App& app, Command& chosen);
 void add_keygen(CLI::App& app, Command& chosen);
 void add_audit(CLI::App& app, Command& chosen);
+void add_diff(CLI::App& app, Command& chosen);
 void add_explain(CLI::App& app, Command& chosen);
 void add_compare(CLI::App& app, Command& chosen);
 void add_bundle(CLI::App& app, Command& chosen);

@@ -23,6 +23,7 @@ int main(int argc, char** argv) {
         add_timestamp(app, chosen);
         add_inspect(app, chosen);
         add_audit(app, chosen);
+        add_diff(app, chosen);
         add_explain(app, chosen);
         add_compare(app, chosen);
         add_simulate(app, chosen);

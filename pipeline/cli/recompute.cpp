@@ -3,122 +3,140 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "core/failure.h"
+#include "core/plain_text.h"
 #include "files/atomic_file.h"
-#include "files/ecsv.h"
 #include "files/process.h"
-#include "files/yaml_output.h"
+#include "files/program.h"
+#include "recompute_file.h"
 #include "run/chain.h"
-#include "schemas/common/header.h"
 
 namespace runcert {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
-constexpr double fraction_of_uncertainty = 1e-3;
+constexpr const char* report_file = "report.json";
 
-/// For each column of a table, the column that holds its standard uncertainty.
-std::vector<std::optional<std::size_t>> sigma_columns(const std::vector<EcsvColumn>& columns) {
-    std::vector<std::optional<std::size_t>> sigmas(columns.size());
-    for (std::size_t i = 0; i < columns.size(); ++i)
-        for (std::size_t j = 0; j < columns.size(); ++j) {
-            // The speeds by other methods share the smoothed speed's uncertainty.
-            const std::string name =
-                columns[i].name.starts_with("speed_") ? "speed" : columns[i].name;
-            if (columns[j].name == "sigma_" + name) sigmas[i] = j;
-        }
-    return sigmas;
-}
-
-std::optional<std::string> cell_difference(const EcsvReader& old_row, const EcsvReader& new_row,
-                                           std::size_t i, std::optional<std::size_t> sigma) {
-    const EcsvColumn& column = old_row.columns()[i];
-    if (old_row.is_missing(i) || new_row.is_missing(i)) {
-        if (old_row.is_missing(i) == new_row.is_missing(i)) return std::nullopt;
-    } else if (column.type != CellType::real) {
-        if (old_row.text(i) == new_row.text(i)) return std::nullopt;
-    } else {
-        double tolerance = 1.01 * std::pow(10.0, -column.decimals);
-        if (sigma && !old_row.is_missing(*sigma))
-            tolerance = std::max(tolerance, fraction_of_uncertainty * old_row.real(*sigma));
-        if (std::abs(old_row.real(i) - new_row.real(i)) <= tolerance) return std::nullopt;
-    }
-    return fmt::format("line {}, column {}: {} in the folder, {} recomputed", old_row.line(),
-                       column.name, old_row.is_missing(i) ? "empty" : old_row.text(i),
-                       new_row.is_missing(i) ? "empty" : new_row.text(i));
-}
-
-std::optional<std::string> table_difference(const std::string& old_text,
-                                            const std::string& new_text) {
-    EcsvReader old_table(old_text, "folder");
-    EcsvReader new_table(new_text, "recomputed");
-    const auto& columns = old_table.columns();
-    if (columns.size() != new_table.columns().size()) return "the columns are others";
-    const auto sigmas = sigma_columns(columns);
-    while (true) {
-        const bool more = old_table.next_row();
-        if (more != new_table.next_row()) return "the number of rows is another";
-        if (!more) return std::nullopt;
-        for (std::size_t i = 0; i < columns.size(); ++i)
-            if (auto difference = cell_difference(old_table, new_table, i, sigmas[i]))
-                return difference;
-    }
-}
-
-std::optional<std::string> value_difference(const Json& a, const Json& b, const std::string& path,
-                                            double tolerance) {
-    if (a.is_number() && b.is_number()) {
-        if (std::abs(a.get<double>() - b.get<double>()) <= tolerance) return std::nullopt;
-    } else if (a.is_object() && b.is_object() && a.size() == b.size()) {
-        if (a.contains("standard_uncertainty_m_s"))
-            tolerance = std::max(
-                tolerance, fraction_of_uncertainty * a["standard_uncertainty_m_s"].get<double>());
-        for (const auto& [key, value] : a.items()) {
-            if (!b.contains(key)) return path + key + ": missing when recomputed";
-            if (auto difference = value_difference(value, b[key], path + key + ".", tolerance))
-                return difference;
-        }
-        return std::nullopt;
-    } else if (a.is_array() && b.is_array() && a.size() == b.size()) {
-        for (std::size_t i = 0; i < a.size(); ++i)
-            if (auto difference =
-                    value_difference(a[i], b[i], fmt::format("{}{}.", path, i), tolerance))
-                return difference;
-        return std::nullopt;
-    } else if (a == b) {
-        return std::nullopt;
-    }
-    return fmt::format("{}: {} in the folder, {} recomputed", path.substr(0, path.size() - 1),
-                       a.dump(), b.dump());
-}
-
-std::optional<std::string> document_difference(const std::string& old_text,
-                                               const std::string& new_text) {
-    Json documents[2];
-    const std::string* texts[2] = {&old_text, &new_text};
-    for (int i = 0; i < 2; ++i) {
-        documents[i] = json_from_yaml(YamlValue(parse_yaml(*texts[i], "document"), "document"));
-        // Who made it, and from which bytes, may differ where the numbers agree.
-        documents[i].erase("stage");
-        documents[i].erase("inputs");
-    }
-    return value_difference(documents[0], documents[1], "", 1.01e-4);
-}
-
-std::vector<std::string> products_of(const fs::path& run_dir) {
+/// The files that stages write, in the order of the chain, those of both folders.
+std::vector<std::string> products_of(const fs::path& a, const fs::path& b) {
     std::vector<std::string> names;
-    for (const auto& entry : fs::directory_iterator(run_dir)) {
-        const std::string name = entry.path().filename().string();
-        if (name.size() > 2 && name[0] >= '1' && name[0] <= '6' && name[1] == '-')
-            names.push_back(name);
-    }
-    std::sort(names.begin(), names.end());
+    for (const fs::path& folder : {a, b})
+        for (const auto& entry : fs::directory_iterator(folder)) {
+            const std::string name = entry.path().filename().string();
+            const bool product =
+                name.size() > 2 && name[0] >= '1' && name[0] <= '6' && name[1] == '-';
+            if (product && std::ranges::find(names, name) == names.end()) names.push_back(name);
+        }
+    std::ranges::sort(names);
     return names;
+}
+
+std::vector<std::string> report_arguments(const fs::path& folder, const char* option) {
+    return {"--attempt", (folder / "attempt.yaml").string(), "--run-dir", folder.string(), option};
+}
+
+/// All stages' files again. Nothing where it is done; else what the stage said.
+std::optional<std::string> recompute(const fs::path& run_dir, const fs::path& folder) {
+    try {
+        run_stages(run_dir / "attempt.yaml", folder, run_dir, [](const StageDone&) {});
+    } catch (const StageFailed& failed) {
+        return failed.name + ": " + failed.errors;
+    }
+    return std::nullopt;
+}
+
+/// report.json again, from the stage files of the run folder itself: where those are as good as
+/// the recomputed ones, it must follow from them to the letter, on any processor.
+std::optional<std::string> recompute_report(const fs::path& run_dir, const fs::path& folder) {
+    for (const auto& entry : fs::directory_iterator(run_dir))
+        if (entry.is_regular_file() && !entry.path().filename().string().starts_with("report."))
+            fs::copy_file(entry.path(), folder / entry.path().filename());
+    try {
+        run_stage("report", report_arguments(folder, "--no-render"));
+    } catch (const StageFailed& failed) {
+        return failed.errors;
+    }
+    return std::nullopt;
+}
+
+/// What comparing all files gave.
+struct Comparisons {
+    std::size_t files = 0;
+    std::size_t identical = 0;
+    std::vector<FileComparison> different;  ///< beyond the tolerance, in the order of the chain
+    std::optional<FileComparison> widest;   ///< of the largest ratio among the others
+    std::vector<std::string> makers;        ///< of the folder's files, where not this program
+};
+
+void add(Comparisons& all, FileComparison file) {
+    ++all.files;
+    if (!file.maker.empty() && std::ranges::find(all.makers, file.maker) == all.makers.end())
+        all.makers.push_back(file.maker);
+    if (file.identical)
+        ++all.identical;
+    else if (file.first)
+        all.different.push_back(std::move(file));
+    else if (!all.widest || file.largest_ratio > all.widest->largest_ratio)
+        all.widest = std::move(file);
+}
+
+/// The report is made in `own`.
+Comparisons compare_all(const fs::path& run_dir, const fs::path& recomputed, const fs::path& own) {
+    Comparisons all;
+    for (const std::string& name : products_of(recomputed, run_dir))
+        add(all, compare_file(run_dir, recomputed, name));
+    if (!fs::exists(run_dir / report_file)) return all;
+    if (const auto failed = recompute_report(run_dir, own))
+        add(all, {.file = report_file,
+                  .stage = "report",
+                  .first = "cannot be made from the folder's files: " + *failed});
+    else
+        add(all, compare_file(run_dir, own, report_file));
+    return all;
+}
+
+std::string finding_of(const Comparisons& all) {
+    const std::string count = fmt::format("{} of {} files byte for byte", all.identical, all.files);
+    if (!all.different.empty())
+        return fmt::format("different, first at the stage {}: {}", all.different.front().stage,
+                           all.different.front().sentence());
+    if (all.identical == all.files)
+        return fmt::format("identical: all {} files, byte for byte", all.files);
+    const std::string largest =
+        all.widest && all.widest->largest_ratio > 0.0
+            ? fmt::format("the largest difference is {:.2g} of it ({})", all.widest->largest_ratio,
+                          all.widest->where_largest)
+            : "no value differs by more than its last digits";
+    return fmt::format("equal within 1/1000 of the stated uncertainty: {}, {}", count, largest);
+}
+
+/// Whether the pages of the folder are what this program makes of the folder's own report.
+std::vector<std::string> page_notes(const fs::path& run_dir, const fs::path& folder) {
+    std::vector<std::string> pages;
+    for (const char* page : {"report.html", "report.pdf"})
+        if (fs::exists(run_dir / page)) pages.emplace_back(page);
+    if (pages.empty() || !fs::exists(run_dir / report_file)) return {};
+    for (const auto& entry : fs::directory_iterator(run_dir))
+        if (entry.path().filename().string().starts_with(report_file))
+            fs::copy_file(entry.path(), folder / entry.path().filename(),
+                          fs::copy_options::overwrite_existing);
+    try {
+        run_stage("report", report_arguments(folder, "--render-only"));
+    } catch (const StageFailed& failed) {
+        return {"note: the pages could not be made again: " + failed.errors};
+    }
+    std::vector<std::string> notes;
+    for (const std::string& page : pages) {
+        const bool same =
+            fs::exists(folder / page) && read_file(folder / page) == read_file(run_dir / page);
+        notes.push_back(page + (same ? ": identical when rendered again"
+                                     : ": note: not what this program renders of report.json; "
+                                       "another version may have, report.json is what counts"));
+    }
+    return notes;
 }
 
 }  // namespace
@@ -126,39 +144,29 @@ std::vector<std::string> products_of(const fs::path& run_dir) {
 VerificationStep verify_recomputation(const fs::path& run_dir) {
     VerificationStep step{.passed = true, .what = "recompute", .finding = {}, .details = {}};
     const TemporaryFolder folder;
-    try {
-        run_stages(run_dir / "attempt.yaml", folder.path(), run_dir, [](const StageDone&) {});
-    } catch (const StageFailed& failed) {
+    if (const auto failed = recompute(run_dir, folder.path())) {
         step.passed = false;
         step.finding = "the stages cannot be run on the folder's files";
-        step.details.push_back(failed.name + ": " + failed.errors);
+        step.details.push_back(*failed);
         return step;
     }
-    std::size_t identical = 0;
-    const std::vector<std::string> names = products_of(folder.path());
-    for (const std::string& name : names) {
-        const std::string recomputed = read_file(folder.path() / name);
-        const std::string original = fs::exists(run_dir / name) ? read_file(run_dir / name) : "";
-        if (recomputed == original) {
-            ++identical;
-            continue;
-        }
-        const auto difference = original.empty() ? std::optional<std::string>("missing")
-                                : name.ends_with(".ecsv")
-                                    ? table_difference(original, recomputed)
-                                    : document_difference(original, recomputed);
-        if (!difference) continue;
-        step.passed = false;
-        step.details.push_back(name + ": " + *difference);
-    }
+    const TemporaryFolder own;
+    const Comparisons all = compare_all(run_dir, folder.path(), own.path());
+    step.passed = all.different.empty();
+    step.finding = plain_text(finding_of(all));
+    for (std::size_t i = 1; i < all.different.size(); ++i)
+        step.details.push_back(plain_text("also " + all.different[i].sentence()));
     if (!step.passed)
-        step.finding =
-            "recomputation gives other results; the first differing stage is named first";
-    else if (identical == names.size())
-        step.finding = fmt::format("identical: all {} stage files, byte for byte", identical);
-    else
-        step.finding = fmt::format("equal within tolerance; {} of {} stage files byte for byte",
-                                   identical, names.size());
+        step.details.push_back(fmt::format("{} of {} files are identical, {} within the tolerance",
+                                           all.identical, all.files,
+                                           all.files - all.identical - all.different.size()));
+    for (const std::string& maker : all.makers)
+        step.details.push_back(plain_text(
+            fmt::format("note: the folder's files were made by {}, recomputed by runcert {}, "
+                        "source {}",
+                        maker, program_version(), source_revision())));
+    for (std::string& note : page_notes(run_dir, own.path()))
+        step.details.push_back(std::move(note));
     return step;
 }
 

@@ -143,9 +143,15 @@ std::vector<UndetectedError> undetected_errors(const ScreenedTable& screened, co
     std::vector<UndetectedError> errors;
     for (const Worst* worst : {&outlier, &burst, &step, &ramp, &time_shift})
         errors.push_back(worst->result(screened, arc, stretch));
+    // By the digits written: a step before the last epoch is an outlier of it, and which of the two
+    // comes first must not hang on the processor's last bits.
+    const auto written = [](const UndetectedError& error) {
+        constexpr double per_mps = 1e6;
+        return std::llround(error.speed_mps * per_mps);
+    };
     std::stable_sort(errors.begin(), errors.end(),
-                     [](const UndetectedError& a, const UndetectedError& b) {
-                         return a.speed_mps > b.speed_mps;
+                     [&](const UndetectedError& a, const UndetectedError& b) {
+                         return written(a) > written(b);
                      });
     return errors;
 }

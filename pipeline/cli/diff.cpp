@@ -1,0 +1,49 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+
+#include "commands.h"
+#include "run/run_difference.h"
+
+namespace runcert {
+namespace {
+
+struct DiffOptions {
+    std::string run_a;
+    std::string run_b;
+    bool json = false;
+    bool all = false;
+};
+
+int diff(const DiffOptions& options) {
+    const RunDifference difference = difference_of_runs(options.run_a, options.run_b);
+    if (options.json)
+        fmt::print("{}\n",
+                   difference_json(difference)
+                       .dump(2, ' ', true, nlohmann::ordered_json::error_handler_t::replace));
+    else
+        fmt::print("{}", difference_text(difference, options.run_a, options.run_b, options.all));
+    return difference.equal() ? 0 : 1;
+}
+
+}  // namespace
+
+void add_diff(CLI::App& app, Command& chosen) {
+    auto options = std::make_shared<DiffOptions>();
+    CLI::App* command = app.add_subcommand("diff", "What differs between two run folders");
+    command->add_option("RUN_A", options->run_a, "folder that certify wrote")->required();
+    command->add_option("RUN_B", options->run_b, "another")->required();
+    command->add_flag("--all", options->all, "list every epoch and value, not the first 20");
+    command->add_flag("--json", options->json, "one JSON document, complete, instead of text");
+    command->footer(
+        "Programs, inputs (by hash), parameters, attempt, epochs whose state changed, windows,\n"
+        "verdicts, and the largest change in each column of each table against its standard\n"
+        "uncertainty. Rows are joined by their time. One line says what is the same. Not "
+        "compared:\n"
+        "run.yaml, report, pages and signatures, which follow from the rest. Exit status: 0 "
+        "nothing\n"
+        "differs, 1 something does, 2 they could not be compared.");
+    command->callback([&chosen, options] { chosen = [options] { return diff(*options); }; });
+}
+
+}  // namespace runcert

@@ -1,0 +1,168 @@
+#include "recompute_file.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "core/failure.h"
+#include "files/atomic_file.h"
+#include "files/program.h"
+#include "run/table_comparison.h"
+
+namespace runcert {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* report_file = "report.json";
+
+std::string stage_of(const std::string& name) {
+    switch (name.front()) {
+        case '1':
+            return "import";
+        case '2':
+            return "enu";
+        case '3':
+            return "screen";
+        case '4':
+            return "smooth";
+        case '5':
+            return "window";
+        case '6':
+            return "check";
+        default:
+            return "report";
+    }
+}
+
+std::string values_text(const std::string& old_value, const std::string& new_value) {
+    return fmt::format("{} in the folder, {} recomputed", old_value, new_value);
+}
+
+/// A value with the largest ratio.
+void widen(FileComparison& file, const std::optional<double>& ratio, const std::string& where) {
+    // What the search for the noise found may differ by more.
+    if (!ratio || *ratio <= file.largest_ratio || *ratio > tolerated_fraction_of_uncertainty)
+        return;
+    file.largest_ratio = *ratio;
+    file.where_largest = where;
+}
+
+void judge_values(FileComparison& file, const std::vector<ValueDifference>& values,
+                  const std::string& in) {
+    for (const ValueDifference& value : values) {
+        if (value.tolerated)
+            widen(file, value.ratio, fmt::format("{}, {}{}", file.file, in, value.path));
+        else if (!file.first)
+            file.first = fmt::format("{}{}: {}", in, value.path, values_text(value.a, value.b));
+    }
+}
+
+std::optional<std::string> missing_part(const TableComparison& table) {
+    if (!table.columns_only_a.empty())
+        return fmt::format("column {}: not there when recomputed", table.columns_only_a.front());
+    if (!table.columns_only_b.empty())
+        return fmt::format("column {}: not there in the folder", table.columns_only_b.front());
+    const auto& cell = table.first_not_tolerated;
+    const auto comes_first = [&](const std::optional<std::size_t>& line, std::size_t of_cell) {
+        return line && (!cell || *line < of_cell);
+    };
+    if (comes_first(table.only_a_line, cell ? cell->row.line_a : 0))
+        return fmt::format("line {}, column time: no row of that time when recomputed",
+                           *table.only_a_line);
+    if (comes_first(table.only_b_line, cell ? cell->row.line_b : 0))
+        return fmt::format("column time: no row in the folder like line {} recomputed",
+                           *table.only_b_line);
+    return std::nullopt;
+}
+
+void judge_table(FileComparison& file, const TableComparison& table) {
+    for (const ColumnDifference& column : table.columns) {
+        const CellDifference& cell = column.largest;
+        if (cell.tolerated)
+            widen(file, cell.ratio,
+                  fmt::format("{}, line {}, column {}", file.file, cell.row.line_a, cell.column));
+    }
+    file.first = missing_part(table);
+    if (const auto& cell = table.first_not_tolerated; cell && !file.first)
+        file.first = fmt::format("line {}, column {}: {}", cell->row.line_a, cell->column,
+                                 values_text(cell->a, cell->b));
+    judge_values(file, table.header, "header ");
+}
+
+/// What the report says of the measurement, without what names programs and bytes.
+Json measurement_of(const std::string& text, const std::string& where) {
+    const Json report = Json::parse(text, nullptr, false);
+    if (!report.is_object() || !report.contains("predicate") || !report["predicate"].is_object())
+        throw Failure(where, "this is not a measurement report", "Take the original");
+    Json predicate = report["predicate"];
+    for (const char* member : {"program", "report_id", "files"})
+        predicate.erase(member);
+    if (predicate.contains("method") && predicate["method"].is_object())
+        for (Json& stage : predicate["method"]["stages"]) {
+            stage.erase("stage_version");
+            stage.erase("stage_revision");
+        }
+    return predicate;
+}
+
+std::string maker_of(const std::string& text, const std::string& where) {
+    const Json header = header_of(text, where);
+    const Json stage = header.value("stage", Json::object());
+    const std::string version = stage.value("version", "");
+    const std::string revision = stage.value("source_revision", "");
+    if (version == program_version() && revision == source_revision()) return {};
+    return fmt::format("runcert {}, source {}", version, revision);
+}
+
+void judge(FileComparison& file, const std::string& old_text, const std::string& new_text,
+           const std::string& old_where, const std::string& new_where) {
+    if (file.file == report_file)
+        return judge_values(file,
+                            value_differences(measurement_of(old_text, old_where),
+                                              measurement_of(new_text, new_where)),
+                            "");
+    file.maker = maker_of(old_text, old_where);
+    if (file.file.ends_with(".ecsv"))
+        judge_table(file, compare_tables(old_text, new_text, old_where, new_where));
+    else
+        judge_values(
+            file,
+            value_differences(results_of(old_text, old_where), results_of(new_text, new_where)),
+            "");
+    // Who made it does not count; by which parameters does.
+    const auto parameters = [](const std::string& text, const std::string& where) {
+        return header_of(text, where).value("parameters", Json::object());
+    };
+    judge_values(
+        file, value_differences(parameters(old_text, old_where), parameters(new_text, new_where)),
+        "parameter ");
+}
+
+}  // namespace
+
+FileComparison compare_file(const fs::path& run_dir, const fs::path& recomputed,
+                            const std::string& name) {
+    FileComparison file{.file = name, .stage = stage_of(name)};
+    if (!fs::exists(run_dir / name)) {
+        file.first = "missing in the folder";
+        return file;
+    }
+    if (!fs::exists(recomputed / name)) {
+        file.first = "not made when recomputed";
+        return file;
+    }
+    const std::string old_text = read_file(run_dir / name);
+    const std::string new_text = read_file(recomputed / name);
+    file.identical = old_text == new_text;
+    if (file.identical) return file;
+    try {
+        judge(file, old_text, new_text, (run_dir / name).string(), (recomputed / name).string());
+    } catch (const Failure& failure) {
+        file.first = fmt::format("cannot be read: {}", failure.problem());
+    }
+    return file;
+}
+
+}  // namespace runcert

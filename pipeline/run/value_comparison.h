@@ -1,0 +1,40 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace runcert {
+
+/// The part of a stated uncertainty by which two computations of the same may differ: another
+/// processor's sines do not make other results.
+inline constexpr double tolerated_fraction_of_uncertainty = 1e-3;
+
+/// A value that two documents do not have in common.
+struct ValueDifference {
+    std::string path;  ///< "profiles.0.best.speed_m_s"
+    std::string a;     ///< as JSON; "absent" where it is not there
+    std::string b;
+    std::optional<double> difference = {};  ///< b less a, of numbers
+    /// Its size as a part of the standard uncertainty that the document states for it.
+    std::optional<double> ratio = {};
+    /// Within what another processor may make of it, see below.
+    bool tolerated = false;
+};
+
+/// Every value of two documents that differs, in the order of the first; what only the second has
+/// comes after. Lists are compared place by place.
+///
+/// The uncertainty of a speed is that which its own map or the nearest above it states in m/s, that
+/// of a `value` the one that stands beside it. Tolerated are: a thousandth of it; of what is itself
+/// an uncertainty a thousandth of itself; of a probability what a thousandth makes of one; of what
+/// the search for the noise found 1 %, because likelihoods are flat; and one unit of the last digit
+/// written, in texts too. Other texts, whole numbers, and what only one document has, never.
+std::vector<ValueDifference> value_differences(const nlohmann::ordered_json& a,
+                                               const nlohmann::ordered_json& b);
+
+/// The tolerance of a number written with so many decimals.
+double last_digit_tolerance(int decimals);
+
+}  // namespace runcert

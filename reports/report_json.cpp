@@ -5,6 +5,7 @@
 #include "core/failure.h"
 #include "files/program.h"
 #include "files/sha256.h"
+#include "files/yaml_output.h"
 #include "reports/json_certificate.h"
 #include "reports/json_parts.h"
 #include "reports/json_text.h"
@@ -71,21 +72,10 @@ void check_inputs(const ReportInputs& inputs) {
                                inputs.verdict.profiles[i].profile, inputs.profiles[i].id));
 }
 
-/// The same with letters of ASCII alone: what a text holds is not the field tables' affair.
-void make_plain(Json& json) {
-    if (json.is_string()) {
-        for (char& c : json.get_ref<std::string&>())
-            if (c < ' ' || c == '\x7f') c = 'x';
-        return;
-    }
-    for (Json& part : json)
-        if (part.is_structured() || part.is_string()) make_plain(part);
-}
-
-/// JSON is YAML, so the field tables of the stages' products serve for the report too. Of a curve's
-/// many points a few stand for all: they are made by one line of code.
+/// As YAML, so that the field tables of the stages' products serve for the report too; not as JSON,
+/// which leaves marks of the direction of writing in names as they are. Of a curve's many points a
+/// few stand for all: they are made by one line of code.
 void check_predicate(Json predicate, const std::string& where) {
-    make_plain(predicate);
     for (Json& figure : predicate["figures"]) {
         if (!figure.contains("curves")) continue;  // of revision 1.3 or before
         for (Json& curve : figure["curves"])
@@ -93,8 +83,7 @@ void check_predicate(Json predicate, const std::string& where) {
                 if (curve.contains(values) && curve[values].size() > 3)
                     curve[values].erase(curve[values].begin() + 3, curve[values].end());
     }
-    (void)read_document(predicate.dump(2, ' ', false, Json::error_handler_t::replace), where,
-                        report_schema());
+    (void)read_document(to_yaml_text(predicate), where, report_schema());
 }
 
 }  // namespace

@@ -55,11 +55,16 @@ SignatureRules read_rules(const VerifyOptions& options) {
 }
 
 int verify(const VerifyOptions& options) {
-    const std::filesystem::path run_dir = options.run_dir;
+    std::filesystem::path run_dir = options.run_dir;
+    std::optional<UnpackedBundle> bundle;
+    if (std::filesystem::is_regular_file(run_dir)) {
+        bundle = unpack_bundle(run_dir);
+        run_dir = bundle->run_dir;
+    }
     const SignatureRules rules = read_rules(options);
     const ReportFacts report = read_report_facts(run_dir);
     VerificationResult result;
-    if (auto bundle = verify_bundle(run_dir)) result.layers.push_back(std::move(*bundle));
+    if (auto sums = verify_bundle(run_dir)) result.layers.push_back(std::move(*sums));
     result.layers.push_back(verify_files(run_dir, report));
     result.layers.push_back(verify_chain(run_dir, report));
     result.layers.push_back(verify_schemas(run_dir, report));
@@ -74,7 +79,10 @@ int verify(const VerifyOptions& options) {
 }
 
 void add_options(CLI::App& command, VerifyOptions& options) {
-    command.add_option("RUN_DIR", options.run_dir, "the folder of a certified run")->required();
+    command
+        .add_option("RUN_DIR", options.run_dir,
+                    "the folder of a certified run, or a bundle of one (.tar.zst)")
+        ->required();
     // One value each time, so that a folder may follow it.
     CLI::Option* keys =
         command

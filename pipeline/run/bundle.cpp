@@ -14,6 +14,7 @@
 #include "files/sha256.h"
 #include "files/signature.h"
 #include "run/bundle_text.h"
+#include "run/report_facts.h"
 #include "run/verification.h"
 
 namespace runcert {
@@ -117,7 +118,7 @@ void require_whole(const fs::path& run_dir, const FolderContents& contents) {
                                   listed(contents.unknown)),
                       "Move it out of the folder. What belongs to the attempt (a recording, wind) "
                       "is named in the attempt and certified again");
-    const VerificationStep files = verify_files(run_dir);
+    const VerificationStep files = verify_files(run_dir, read_report_facts(run_dir));
     if (!files.passed)
         throw Failure(run_dir.string(),
                       fmt::format("{}: {}", files.finding, fmt::join(files.details, "; ")),

@@ -1,0 +1,155 @@
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <regex>
+
+#include "core/failure.h"
+#include "stages/audit/record.h"
+#include "stages/audit/report_record.h"
+
+namespace runcert {
+namespace {
+
+const std::string hash_a(64, 'a');
+const std::string hash_b(64, 'b');
+
+/// A run of which import alone is there, made of one recording with a record that is cut short.
+RunRecord record_of(const std::string& parameters = {}) {
+    RunRecord record;
+    record.attempt = read_attempt(
+        "schema: attempt/1.4\nid: small\ncraft: {name: yacht, class: land-yacht}\n"
+        "receivers: [{id: primary, recording: a.pos}]\nprofiles: [nalsa]\n" +
+            parameters,
+        "attempt.yaml");
+    record.verdict_file = "6-verdict.yaml";
+    ReceiverRecord& one = record.receivers.emplace_back();
+    one.receiver = record.attempt.receivers.front();
+    one.recording = "a.pos";
+    one.observations_file = "1-observations.ecsv";
+    one.enu_file = "2-enu.ecsv";
+    one.screened_file = "3-screened.ecsv";
+    one.trajectory_file = "4-trajectory.ecsv";
+    one.windows_file = "5-windows.yaml";
+    Observations& observations = one.observations.emplace();
+    observations.header.stage = "import";
+    observations.header.program_version = "1.0.0";
+    observations.header.source_revision = "abc";
+    observations.header.inputs = {{"recording", "recording.primary.pos", hash_a, 1234, "a.pos"}};
+    observations.header.parameters = nlohmann::ordered_json::object();
+    observations.format = "rtklib-pos";
+    observations.frame = "geodetic";
+    observations.time_scale = "gps";
+    observations.accuracy_source = "recording";
+    observations.records = {
+        .total = 3, .bad = 1, .bad_records = {{.line = 7, .byte = 400, .epoch = 2, .what = "cut"}}};
+    observations.rows.resize(2);
+    record.files["1-observations.ecsv"] = {"observations", "1-observations.ecsv", hash_b, 99, ""};
+    record.files["recording.primary.pos"] = {"recording", "recording.primary.pos", hash_a, 1234,
+                                             ""};
+    record.named_by["recording.primary.pos"] = {"1-observations.ecsv"};
+    return record;
+}
+
+std::string text_of(const RunRecord& record, const WalkOptions& options = {}) {
+    return std::regex_replace(walk_text(walk_through(record, options)), std::regex("\n {4,}"), " ");
+}
+
+void expect_in(const std::string& text, const std::vector<std::string>& all) {
+    for (const std::string& said : all)
+        EXPECT_NE(text.find(said), std::string::npos) << said << "\n" << text;
+}
+
+TEST(WalkThrough, WhatIsThereIsShownAndWhatIsNotIsNamed) {
+    const std::string text = text_of(record_of());
+    expect_in(text, {"Audit of the attempt small", "yacht, class land-yacht",
+                     "recording.primary.pos (handed in as a.pos)", "aaaaaaaaaaaa  yes",
+                     "1-observations.ecsv: 2 epochs, 99 bytes",
+                     "by no file of the folder: nothing shows that it was not changed",
+                     "line 7 (at epoch 2): cut", "1 of 3 could not be read",
+                     "rtklib-pos, recognised by the recording's content",
+                     "MISSING from the folder: 2-enu.ecsv (enu)", "2-enu.ecsv is MISSING",
+                     "6-verdict.yaml is MISSING", "report.json is not in the folder",
+                     "All of them were made by the same program."});
+    EXPECT_EQ(text.find(hash_a), std::string::npos);
+    EXPECT_NE(text_of(record_of(), {.all = true}).find(hash_a), std::string::npos);
+}
+
+TEST(WalkThrough, TheStagesAskedForAndNoOthers) {
+    const Walk walk = walk_through(record_of(), {.stages = {"enu", "import"}});
+    ASSERT_EQ(walk.sections.size(), 2U);
+    EXPECT_EQ(walk.sections[0].title, "1. import, receiver primary");
+    EXPECT_EQ(walk.sections[1].title, "2. enu, receiver primary");
+    EXPECT_TRUE(
+        walk_through(record_of(), {.stages = {"enu"}, .receiver = "other"}).sections.empty());
+    EXPECT_EQ(walk_through(record_of(), {}).sections.size(), 7U);
+}
+
+TEST(WalkThrough, AFileThatIsNotThereAndAnotherProgramAreSaid) {
+    RunRecord record = record_of();
+    record.files.erase("recording.primary.pos");
+    record.report.emplace();
+    record.report->program_version = "2.0.0";
+    record.report_id = "0123456789abcdef";
+    const std::string text = text_of(record);
+    expect_in(text, {"aaaaaaaaaaaa  NO", "made by 2 DIFFERENT versions", "id 0123456789abcdef",
+                     "UNSIGNED"});
+    record.signatures = {"report.json.minisig"};
+    expect_in(text_of(record), {"report.json.minisig: whether they hold, `runcert verify` says"});
+}
+
+TEST(WalkThrough, ParametersAgainstTheDefaultsOfTheClass) {
+    RunRecord record = record_of("parameters: {smooth: {robust_scale: 3}}\n");
+    TrajectoryTable& table = record.receivers.front().trajectory.emplace();
+    table.header.stage = "smooth";
+    table.header.parameters = record.attempt.parameters.at("smooth");
+    record.files["4-trajectory.ecsv"] = {"trajectory", "4-trajectory.ecsv", hash_b, 1, ""};
+    const WalkOptions smooth{.stages = {"smooth"}};
+    // The defaults are those of schemas/attempt/v1.yaml.
+    std::string text = text_of(record, smooth);
+    expect_in(text, {"Parameters, 1 of 7 not the default of the class land-yacht",
+                     "smooth.robust_scale  3     2              the attempt\n"});
+    EXPECT_EQ(text.find("smooth.jerk_density"), std::string::npos) << text;
+    expect_in(text_of(record, {.stages = {"smooth"}, .all = true}),
+              {"smooth.jerk_density              0.6     0.6      m s-2.5  default"});
+    // A file whose figure nobody asked for.
+    table.header.parameters["jerk_density"] = 0.9;
+    text = text_of(record, smooth);
+    expect_in(text, {"2 of 7 not the default", "NOT THE ATTEMPT"});
+}
+
+TEST(WalkThrough, NoMoreThanTwentyRecordsLeftOutUnlessAll) {
+    RunRecord record = record_of();
+    RecordCount& records = record.receivers.front().observations->records;
+    records.total = 5000;
+    records.bad = 2000;
+    records.bad_records.clear();
+    for (std::int64_t i = 1; i <= 1000; ++i)
+        records.bad_records.push_back({.line = i, .byte = i, .epoch = 0, .what = "cut"});
+    const auto listed = [&](bool all) {
+        const std::string text = text_of(record, {.stages = {"import"}, .all = all});
+        std::ptrdiff_t count = 0;
+        for (std::size_t at = text.find("(before the first epoch): cut"); at != std::string::npos;
+             at = text.find("(before the first epoch): cut", at + 1))
+            ++count;
+        return count;
+    };
+    EXPECT_EQ(listed(false), 20);
+    EXPECT_EQ(listed(true), 1000);
+}
+
+TEST(ReportRecord, IsReadOrRefused) {
+    const std::string text = R"({"subject": [{"name": "a", "digest": {"sha256": "00"}}],
+        "predicate": {"report_id": "77", "schema": {"version": "1.0"},
+                      "program": {"version": "1.0.0", "source_revision": "abc"}}})";
+    const ReportRecord report = read_report_record(text, "report.json");
+    EXPECT_EQ(report.id, "77");
+    EXPECT_EQ(report.header.source_revision, "abc");
+    ASSERT_EQ(report.header.inputs.size(), 1U);
+    EXPECT_EQ(report.header.inputs[0].sha256, "00");
+    for (const std::string& bad :
+         {std::string(), std::string("[]"), std::string("{\"predicate\": 1}"), text.substr(0, 90)})
+        EXPECT_THROW((void)read_report_record(bad, "report.json"), Failure) << bad;
+}
+
+}  // namespace
+}  // namespace runcert

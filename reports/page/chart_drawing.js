@@ -129,6 +129,8 @@ function drawMarks(plot, figure, colours) {
     const pixel = devicePixelRatio;
     drawLevels(ctx, bbox, plot, figure, colours);
     ctx.font = `${12 * pixel}px system-ui, sans-serif`;
+    ctx.textAlign = "left";
+    ctx.textBaseline = "alphabetic";
     ctx.lineJoin = "round";
     const label = (text, x, y) => {
       ctx.strokeStyle = colours.of("paper");

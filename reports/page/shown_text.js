@@ -106,7 +106,9 @@ function besideReport(body) {
     (node.nodeType === Node.ELEMENT_NODE && (node.matches("script, noscript, main#report") ||
       (node.matches("div#self-check") && node.childNodes.length === 0)));
   const stranger = Array.from(body.childNodes).find((node) => !known(node));
-  if (!stranger) return null;
+  if (!stranger)
+    return body.querySelector("main").attributes.length === 1 ? null
+      : "the report as a whole is shown otherwise than it was made";
   const text = (stranger.textContent || "").trim() || `<${stranger.localName}>`;
   return `something stands beside the report that was not signed: “${text.slice(0, 60)}”`;
 }

@@ -6,7 +6,9 @@ const unitFactors = { mm: 1e-3, cm: 1e-2, m: 1, km: 1e3, ns: 1e-9, µs: 1e-6, ms
 
 /** The number with which a cell begins, in the base unit where its unit has one; NaN where none. */
 function leadingNumber(text) {
-  const match = /^[<>≤≥≈~]?\s*([+\-−]?\d[\d\u00a0\u2009\u202f]*(?:\.\d+)?(?:[eE][+-]?\d+)?)(?![\d.:/T-])\s*(?:±\s*[\d.]+\s*)?(\p{L}*)/u.exec(text);
+  if (text.startsWith("∞")) return Infinity;
+  const form = /^[<>≤≥≈~]?\s*([+\-−]?\d[\d\u00a0\u2009\u202f]*(?:\.\d+)?(?:[eE][+-]?\d+)?)(?![\d.:/T-])\s*(?:±\s*[\d.]+\s*)?(\S*)/;
+  const match = form.exec(text);
   if (!match) return NaN;
   const number = Number(match[1].replace("−", "-").replace(/[\u00a0\u2009\u202f]/g, ""));
   return number * (Object.hasOwn(unitFactors, match[2]) ? unitFactors[match[2]] : 1);

@@ -1,0 +1,247 @@
+// The page checks itself: what it says of whole, changed, unsigned and foreign pages.
+import assert from "node:assert/strict";
+import fs from "node:fs";
+import path from "node:path";
+import { describe, test } from "node:test";
+import { checkPage, outcomeOf, withPage } from "./browser.mjs";
+import * as pages from "./pages.mjs";
+import { run, workFolder } from "./programs.mjs";
+
+async function expectTampered(file, words, options) {
+  const outcome = await checkPage(file, options);
+  assert.equal(outcome.state, "tampered", outcome.words);
+  assert.match(outcome.words, /DO NOT TRUST THIS PAGE/);
+  assert.match(outcome.words, words);
+  assert.doesNotMatch(outcome.words, /shows what was signed/);
+}
+
+/** The line of an OpenSSH public key with the 32 bytes of a minisign key. */
+function sshLineOf(minisignLine) {
+  const string = (bytes) => Buffer.concat([Buffer.from([0, 0, 0, bytes.length]), bytes]);
+  const bytes = Buffer.from(minisignLine, "base64").subarray(10);
+  return `ssh-ed25519 ${Buffer.concat([string(Buffer.from("ssh-ed25519")), string(bytes)]).toString("base64")}\n`;
+}
+
+const fingerprintOf = (file) => run("ssh-keygen", "-l", "-f", file).split(" ")[1];
+
+describe("a signed page", () => {
+  test("says that it shows what was signed, by which key, and who decides", async () => {
+    const { state, words } = await checkPage(pages.pageOf(pages.signedRun()));
+    assert.equal(state, "valid", words);
+    const { line } = pages.key("measurer");
+    const sshFile = path.join(workFolder, "measurer-as-ssh.pub");
+    fs.writeFileSync(sshFile, sshLineOf(line));
+    const comment = fs.readFileSync(pages.key("measurer").public, "utf8").split("\n")[0];
+    assert.ok(words.includes(line), "the public key");
+    assert.ok(words.includes(fingerprintOf(sshFile)), "the fingerprint that ssh-keygen gives");
+    assert.ok(words.includes(/[0-9A-F]{16}/.exec(comment)[0]), "the key id");
+    assert.match(words, /This page shows what was signed/);
+    assert.match(words, /\bmeasurer\b/);
+    assert.match(words, /Only you can know whose key this is/);
+    assert.match(words, /runcert verify decides/);
+  });
+
+  test("with several signers, one of them over ssh, names each", async () => {
+    const { state, words } = await checkPage(pages.pageOf(pages.manySignersRun()));
+    assert.equal(state, "valid", words);
+    for (const role of ["measurer", "judge", "observer"]) assert.match(words, new RegExp(`\\b${role}\\b`));
+    assert.ok(words.includes(pages.key("judge").line));
+    assert.ok(words.includes(fingerprintOf(pages.sshPublicKey())));
+    assert.ok(words.includes(fs.readFileSync(pages.sshPublicKey(), "utf8").trim()));
+  });
+
+  test("of a rejected attempt is as valid as any other", async () => {
+    const { state, words } = await checkPage(pages.pageOf(pages.rejectedRun()));
+    assert.equal(state, "valid", words);
+  });
+
+  test("shows markup in free fields as text", async () => {
+    await withPage(pages.pageOf(pages.hostileRun()), async (page) => {
+      const { state, words } = await outcomeOf(page);
+      assert.equal(state, "valid", words);
+      assert.notEqual(await page.title(), "taken");
+      const text = await page.evaluate(() => document.querySelector("main").textContent);
+      assert.ok(text.includes(pages.hostileText), "the name as it was written");
+      assert.ok(text.includes("W".repeat(10000)), "a word of ten thousand letters");
+    });
+  });
+});
+
+describe("a changed page", () => {
+  const edited = (name, change) => pages.editedPage(pages.signedRun(), name, change);
+
+  test("one digit of the speed", async () => {
+    const speed = pages.reportOf(pages.signedRun()).predicate.profiles[0].headline.headline_speed;
+    const false_speed = pages.anotherLetter(speed[0]) + speed.slice(1);
+    const file = edited("speed", (text) => pages.changeMain(text, (main) => main.replace(speed, false_speed)));
+    await expectTampered(file, new RegExp(`${false_speed}.* where .*${speed}.* was signed`));
+    await withPage(file, async (page) => {
+      const frame = await page.evaluate(() => {
+        const [frame, marks] = ["::after", "::before"].map((part) => getComputedStyle(document.documentElement, part));
+        return { width: parseFloat(frame.borderTopWidth), position: frame.position, marks: marks.backgroundImage,
+                 height: parseFloat(marks.height), whole: document.documentElement.scrollHeight };
+      });
+      assert.ok(frame.width > 5 && frame.position === "fixed", "a frame around whatever is seen");
+      assert.match(frame.marks, /DO(%20| )NOT(%20| )TRUST/);
+      assert.ok(frame.height >= frame.whole - 1, "words over the whole page");
+      await page.emulateMedia({ media: "print" });
+      assert.ok(await page.locator("#self-check").isVisible(), "printed, too, it says so");
+    });
+  });
+
+  test("any letter of its text", async () => {
+    // Places spread over the page by a linear congruential generator (Numerical Recipes, 7.1).
+    let state = 20260314;
+    for (let round = 0; round < 15; ++round) {
+      const file = edited(`letter-${round}`, (text) => pages.changeMain(text, (main) => {
+        const places = [...main.replace(/<[^>]*>|&[a-z#0-9]+;|\s/g, (skipped) => "\0".repeat(skipped.length))
+          .matchAll(/[^\0]/g)].map(({ index }) => index);
+        state = (1664525 * state + 1013904223) % 2 ** 32;
+        const at = places[Math.floor(state / 2 ** 32 * places.length)];
+        return main.slice(0, at) + pages.anotherLetter(main[at]) + main.slice(at + 1);
+      }));
+      await expectTampered(file, /other text than was signed/);
+    }
+  });
+
+  test("a row of a table left out", async () => {
+    await expectTampered(edited("row", (text) => pages.changeMain(text, (main) => main.replace(/<tr[^>]*>[^]*?<\/tr>/, ""))),
+      /other text than was signed/);
+  });
+
+  test("text beside the report", async () => {
+    await expectTampered(edited("beside", (text) => text.replace("<main", "<p>Checked by the board.</p><main")),
+      /Checked by the board/);
+    await expectTampered(edited("box", (text) => text.replace(/(id="self-check"[^>]*>)/, "$1This page is valid")),
+      /This page is valid/);
+  });
+
+  test("an attribute that hides a part of it", async () => {
+    await expectTampered(edited("hidden-main", (text) => text.replace("<main ", "<main style=\"color: transparent\" ")),
+      /shown otherwise than it was made/);
+    await expectTampered(edited("hidden", (text) => pages.changeMain(text, (main) => main.replace(/<p\b/, "<p hidden"))),
+      /other text than was signed/);
+  });
+
+  test("one digit of the report inside it", async () => {
+    await expectTampered(edited("json", (text) => pages.changePart(text, "report-json", (json) =>
+      json.replace(/("speed_m_s": ?\d)(\d)/, (all, begin, digit) => begin + pages.anotherLetter(digit)))),
+    /report\.json\.minisig: the signature of report\.json does not hold/);
+  });
+
+  test("white space in the report inside it", async () => {
+    await expectTampered(edited("space", (text) => pages.changePart(text, "report-json", (json) => json + " ")),
+      /the signature of report\.json does not hold/);
+  });
+
+  test("a report inside it that is none", async () => {
+    await expectTampered(edited("no-json", (text) => pages.changePart(text, "report-json", (json) => json.slice(0, -9))),
+      /is not JSON/);
+    await expectTampered(edited("twice", (text) => text.replace("<main", "<script type=\"application/json\" id=\"report-json\">{}</script><main")),
+      /2 parts “report-json”/);
+  });
+
+  test("a letter of the signature", async () => {
+    const changeLine = (line, change) => (text) => pages.changePart(text, "signature-files", (json) => {
+      const files = JSON.parse(json);
+      const lines = files[0].text.split("\n");
+      lines[line] = change(lines[line]);
+      files[0].text = lines.join("\n");
+      return JSON.stringify(files);
+    });
+    const at = (place) => (line) => line.slice(0, place) + pages.anotherLetter(line[place]) + line.slice(place + 1);
+    await expectTampered(edited("signature", changeLine(1, at(50))), /signature of report\.json does not hold/);
+    await expectTampered(edited("global", changeLine(3, at(50))), /trusted comment .*was changed/);
+    await expectTampered(edited("comment", changeLine(2, (line) => line.replace(/role=\w+/, "role=director"))),
+      /trusted comment .*was changed/);
+    await expectTampered(edited("key", changeLine(2, (line) => line.replace(/(key=.{30})(.)/, (all, begin, letter) =>
+      begin + pages.anotherLetter(letter)))), /does not hold/);
+    await expectTampered(edited("cut", changeLine(1, (line) => line.slice(4))), /report\.json\.minisig/);
+  });
+
+  test("a drawing", async () => {
+    const changePicture = (change) => (text) => pages.changeMain(text, (main) => {
+      const [picture, source] = /<img[^>]* src="(data:image\/svg[^"]*)"/.exec(main);
+      return main.replace(picture, picture.replace(source, change(source)));
+    });
+    const swapped = (source) => source.slice(0, 400) + pages.anotherLetter(source[400]) + source.slice(401);
+    await expectTampered(edited("drawing", changePicture(swapped)), /drawing 1 was changed/);
+    await expectTampered(edited("over", (text) => pages.changeMain(text, (main) =>
+      main.replace("<div class=\"drawing\">", "<div class=\"drawing\">99 km/h"))), /drawing 1 was changed/);
+    await expectTampered(edited("hashes", (text) => pages.changePart(text, "drawing-hashes", () => "[]")),
+      /drawings, but 0 were made/);
+  });
+
+  test("the signed report of another attempt under this text", async () => {
+    const other = fs.readFileSync(pages.pageOf(pages.rejectedRun()), "utf8");
+    const taken = (text, id) => pages.changePart(text, id, () => pages.partOf(other, id));
+    await expectTampered(edited("replaced", (text) => taken(taken(text, "report-json"), "signature-files")),
+      /other text than was signed/);
+    await expectTampered(edited("replayed", (text) => taken(text, "signature-files")),
+      /a signature of another report/);
+  });
+
+  test("trouble in the check itself is not silent", async () => {
+    await expectTampered(pages.pageOf(pages.signedRun()), /could not be finished: broken/,
+      { before: "DOMParser.prototype.parseFromString = () => { throw new Error('broken'); };" });
+  });
+});
+
+describe("a page that nobody signed, or whose signature it cannot check", () => {
+  test("unsigned", async () => {
+    const { state, words } = await checkPage(pages.pageOf(pages.unsignedRun()));
+    assert.equal(state, "unsigned", words);
+    assert.match(words, /UNSIGNED: nobody answers for this report/);
+  });
+
+  test("unsigned and changed", async () => {
+    await expectTampered(pages.editedPage(pages.unsignedRun(), "unsigned", (text) => pages.changeMain(text, (main) =>
+      main.replace("measurer", "director"))), /other text than was signed/);
+  });
+
+  test("a signed page from which the signature was taken", async () => {
+    await expectTampered(pages.editedPage(pages.signedRun(), "stripped", (text) =>
+      pages.changePart(text, "signature-files", () => "[]")), /other text than was signed/);
+  });
+
+  test("signed by another program, without its key", async () => {
+    const { state, words } = await checkPage(pages.pageOf(pages.foreignSignatureRun()));
+    assert.equal(state, "unchecked", words);
+    assert.match(words, /made by another program.*minisign -Vm/);
+  });
+
+  test("signed by a key of another type", async () => {
+    const { state, words } = await checkPage(pages.pageOf(pages.ecdsaRun()));
+    assert.equal(state, "unchecked", words);
+    assert.match(words, /ecdsa-sha2-nistp256.*ssh-keygen -Y verify or runcert verify/);
+  });
+
+  for (const [name, before] of [
+    ["that does not know Ed25519",
+      "SubtleCrypto.prototype.importKey = async () => { throw new DOMException('', 'NotSupportedError'); };"],
+    ["without WebCrypto", "Object.defineProperty(Crypto.prototype, 'subtle', { get: () => undefined });"],
+  ])
+    test(`in a browser ${name}`, async () => {
+      const { state, words } = await checkPage(pages.pageOf(pages.signedRun()), { before });
+      assert.equal(state, "unchecked", words);
+      assert.match(words, /UNCHECKED/);
+      assert.match(words, /cannot verify Ed25519/);
+      await expectTampered(pages.editedPage(pages.signedRun(), "old-browser", (text) => pages.changeMain(text, (main) =>
+        main.replace("measurer", "director"))), /other text than was signed/, { before });
+    });
+
+  test("without scripts it shows everything and says that it was not checked", async () => {
+    const file = pages.pageOf(pages.signedRun());
+    const withScripts = await withPage(file, (page) => page.evaluate(() =>
+      Array.from(document.querySelectorAll("main h2, main h3"), (heading) => heading.textContent)));
+    await withPage(file, async (page) => {
+      const shown = await page.locator("main").innerText();
+      for (const heading of withScripts) assert.ok(shown.includes(heading), heading);
+      const beside = await page.locator("body").innerText();
+      assert.match(beside.replace(shown, ""), /not checked itself|cannot check itself/);
+      const pictures = page.locator(".drawing img");
+      assert.equal(await pictures.count(), pages.reportOf(pages.signedRun()).predicate.figures.length);
+      for (const picture of await pictures.all()) assert.ok(await picture.isVisible());
+    }, { javaScriptEnabled: false });
+  });
+});

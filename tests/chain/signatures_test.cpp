@@ -74,6 +74,22 @@ TEST_F(Signatures, ThatTheReportNeedsAreCountedByRole) {
     EXPECT_EQ(layer(verify_json({"--roster", all}), "signatures")["passed"], true);
 }
 
+TEST_F(Signatures, RequiredInAWayThatMakesNoSenseAreRefused) {
+    const std::string report = read_file(run() / "report.json");
+    for (const char* entry :
+         {R"({"role": "judge", "count": 0})", R"({"role": "judge", "count": -1})",
+          R"({"role": "judge", "count": "1"})", R"({"role": "chief judge"})", R"({"count": 1})",
+          "7"}) {
+        change("report.json", "\"predicate\": {",
+               fmt::format("\"predicate\": {{\"signatures_required\": [{}],", entry));
+        const ProcessResult result = verify({"--roster", roster()});
+        EXPECT_EQ(result.exit_status, 2) << entry << result.output;
+        EXPECT_NE(result.errors.find("report.json"), std::string::npos) << result.errors;
+        EXPECT_EQ(result.errors.find("fault of the program"), std::string::npos) << result.errors;
+        write_file_atomically(run() / "report.json", report);
+    }
+}
+
 TEST_F(Signatures, AKeyCountsForOneRole) {
     change("report.json", "\"predicate\": {",
            "\"predicate\": {\"signatures_required\": [{\"role\": \"measurer\", \"count\": 1}, "

@@ -146,8 +146,8 @@ std::vector<const TrajectoryEpoch*> rows_around(const TrajectoryTable& table, do
 std::string window_caption(const Json& profile) {
     return std::string(
                "Smoothed speed with a band of twice its standard uncertainty, and the speeds by "
-               "other methods. Shaded: the window. Black: the speed that counts. Dashed: the "
-               "speed to reach, where it is within the figure.") +
+               "other methods. Shaded: the window. Straight across it: the speed that counts. "
+               "Dashed: the speed to reach, where it is within the figure.") +
            (is_horizontal(profile)
                 ? ""
                 : " The rule counts another than the horizontal speed, so that neither is drawn.");

@@ -61,9 +61,10 @@ ReportInputs gather(StageRun& run) {
 
 /// The signatures that go with the report. Whether they hold is for `runcert verify` to say.
 std::vector<SignatureText> signatures_of(const std::filesystem::path& run_dir) {
-    const std::filesystem::path file = run_dir / "report.json.minisig";
-    if (!std::filesystem::exists(file)) return {};
-    return {{"report.json.minisig", read_file(file)}};
+    std::vector<SignatureText> signatures;
+    for (const SignatureFile& file : signature_files(run_dir))
+        signatures.push_back({.file = file.name, .text = file.text});
+    return signatures;
 }
 
 /// A new report makes the signatures of an earlier one void.

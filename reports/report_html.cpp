@@ -9,7 +9,8 @@
 #include "files/base64.h"
 #include "files/sha256.h"
 #include "files/signature.h"
-#include "files/signature_text.h"
+#include "files/ssh_signature.h"
+#include "files/trusted_comment.h"
 #include "reports/json_text.h"
 
 namespace runcert {
@@ -44,17 +45,6 @@ constexpr std::string_view page_scripts[] = {"page/vendor/mustache.min.js",
                                              "page/chart_drawing.js",
                                              "page/charts.js",
                                              "page/page.js"};
-
-/// The word that follows `name` in a trusted comment; empty where there is none.
-std::string word_after(const std::string& comment, std::string_view name) {
-    for (std::size_t begin = 0; begin < comment.size();) {
-        const std::size_t end = std::min(comment.find(' ', begin), comment.size());
-        const std::string_view word = std::string_view(comment).substr(begin, end - begin);
-        if (word.starts_with(name)) return std::string(word.substr(name.size()));
-        begin = end + 1;
-    }
-    return {};
-}
 
 /// Escaped for HTML, and very long words with places where a line may end: WeasyPrint takes minutes
 /// over a word of ten thousand letters. Nothing of that is seen or copied.
@@ -169,21 +159,21 @@ std::string page_script() {
 }  // namespace
 
 ReportSigner read_signer(const SignatureText& signature) {
-    const auto lines = signature_text::lines_of(signature.text);
-    constexpr std::string_view mark = "trusted comment: ";
-    if (lines.size() != 4 || !lines[2].starts_with(mark))
-        throw Failure(signature.file, "this is not a signature file",
-                      "Give the file that `runcert sign` or `minisign -S` made");
-    // Algorithm (2 bytes), key id (8), signature (64).
-    const std::string bytes =
-        signature_text::bytes_of_base64(lines[1], 74, "signature", signature.file);
-    PublicKey key;
-    std::copy_n(bytes.begin() + 2, key.key_id.size(), key.key_id.begin());
-    const std::string comment(lines[2].substr(mark.size()));
+    if (signature.text.starts_with("-----BEGIN SSH SIGNATURE-----")) {
+        const SshSignature ssh = parse_ssh_signature(signature.text, signature.file);
+        constexpr std::string_view of_runcert = "@runcert";
+        const bool ours = ssh.name_space.ends_with(of_runcert);
+        return {
+            .file = signature.file,
+            .key_id = ssh_fingerprint(ssh.key),
+            .role = ours ? ssh.name_space.substr(0, ssh.name_space.size() - of_runcert.size()) : "",
+            .trusted_comment = ""};
+    }
+    const SignatureClaims claims = read_signature_claims(signature.text, signature.file);
     return {.file = signature.file,
-            .key_id = key_id_text(key),
-            .role = word_after(comment, "role="),
-            .trusted_comment = comment};
+            .key_id = key_id_text({.key_id = claims.key_id}),
+            .role = parse_trusted_comment(claims.trusted_comment).role,
+            .trusted_comment = claims.trusted_comment};
 }
 
 std::string report_page(const std::string& report_text_bytes, const Json& report,

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "core/failure.h"
+#include "files/base64.h"
 
 namespace runcert::signature_text {
 namespace {
@@ -78,10 +79,7 @@ bool is_printable_line(std::string_view text) {
 }
 
 std::string base64_of(const unsigned char* bytes, std::size_t count) {
-    std::string text(sodium_base64_encoded_len(count, sodium_base64_VARIANT_ORIGINAL), '\0');
-    sodium_bin2base64(text.data(), text.size(), bytes, count, sodium_base64_VARIANT_ORIGINAL);
-    text.pop_back();  // the terminating zero
-    return text;
+    return base64({reinterpret_cast<const char*>(bytes), count});
 }
 
 std::string bytes_of_base64(std::string_view line, std::size_t count, const std::string& what,

@@ -5,7 +5,7 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "files/ssh_signature.h"
-#include "run/trusted_comment.h"
+#include "files/trusted_comment.h"
 
 namespace runcert {
 namespace {

@@ -12,10 +12,10 @@
 #include "core/failure.h"
 #include "files/atomic_file.h"
 #include "files/roster.h"
+#include "files/trusted_comment.h"
 #include "files/utc_second.h"
 #include "run/report_facts.h"
 #include "run/signature_files.h"
-#include "run/trusted_comment.h"
 
 namespace runcert {
 namespace {

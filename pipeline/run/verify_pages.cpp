@@ -6,6 +6,7 @@
 #include "core/text.h"
 #include "files/atomic_file.h"
 #include "files/process.h"
+#include "run/seal.h"
 #include "run/verification.h"
 
 namespace runcert {
@@ -84,7 +85,10 @@ PageFinding check_pdf(const fs::path& file, const ReportFacts& report) {
     if (save.exit_status != 0 || !fs::exists(saved) || read_file(saved) != report.text)
         return {.words =
                     fmt::format("the report attached to it is not report.json: {}", render_again)};
-    return {.passed = true, .words = "report.json is attached to it, byte for byte"};
+    std::string words = "report.json is attached to it, byte for byte";
+    const SealCheck seal = check_seal(file);
+    if (seal.present) words += "; " + seal.words;
+    return {.passed = !seal.present || seal.holds(), .words = std::move(words)};
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "run/trusted_comment.h"
+#include "files/trusted_comment.h"
 
 #include <fmt/format.h>
 

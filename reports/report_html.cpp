@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <kainjow/mustache.hpp>
+#include <set>
 
 #include "core/failure.h"
 #include "files/base64.h"
@@ -112,6 +113,21 @@ Json signers_json(const std::vector<SignatureText>& signatures) {
     return list;
 }
 
+/// For each role that the report needs, how many keys more must sign in it.
+Json missing_signatures_json(const Json& predicate, const Json& signers) {
+    Json missing = Json::array();
+    for (const Json& needed : predicate.value("signatures_required", Json::array())) {
+        std::set<std::string> keys;
+        for (const Json& signer : signers)
+            if (signer["role"] == needed["role"]) keys.insert(signer["key_id"]);
+        const auto short_of =
+            needed["count"].get<std::int64_t>() - static_cast<std::int64_t>(keys.size());
+        if (short_of > 0)
+            missing.push_back({{"missing_role", needed["role"]}, {"missing_count", short_of}});
+    }
+    return missing;
+}
+
 std::string image_source(const std::string& svg) {
     return "data:image/svg+xml;base64," + base64(svg);
 }
@@ -122,6 +138,7 @@ std::string content_of(const Json& report, const std::vector<std::string>& drawi
     Json shown = report["predicate"];
     shown["signed"] = !signatures.empty();
     shown["signers"] = signers_json(signatures);
+    shown["missing_signatures"] = missing_signatures_json(shown, shown["signers"]);
     shown["two_receivers"] = shown["receivers"].size() > 1;
     for (std::size_t i = 0; i < shown["figures"].size(); ++i) {
         Json& figure = shown["figures"][i];

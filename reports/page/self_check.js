@@ -78,15 +78,18 @@ function makeElement(name, className, ...inside) {
   return element;
 }
 
+function listFacts(facts) {
+  return makeElement("dl", "", ...facts.map(([name, value]) => makeElement("div", "",
+    makeElement("dt", "", name), makeElement("dd", "", makeElement("bdi", "", withoutControls(value))))));
+}
+
 function describeSigner({ role, time, keyId, fingerprint, publicKey, file }) {
-  const facts = [["Role", role || "not stated"], ["Time, as the signer states it", time || "not stated"]];
-  if (keyId) facts.push(["Key id", keyId]);
-  facts.push(["Fingerprint of the key", fingerprint], ["Public key", publicKey], ["Signature file", file]);
-  const list = makeElement("dl", "check-signer");
-  for (const [name, value] of facts)
-    list.append(makeElement("div", "", makeElement("dt", "", name),
-      makeElement("dd", "", makeElement("bdi", "", withoutControls(value)))));
-  return list;
+  const more = [["Public key", publicKey], ["Signature file", file]];
+  if (keyId) more.unshift(["Key id", keyId]);
+  return makeElement("div", "check-signer",
+    listFacts([["Role", role || "not stated"], ["Time, as the signer states it", time || "not stated"],
+      ["Fingerprint of the key", fingerprint]]),
+    makeElement("details", "", makeElement("summary", "", "The key, to compare it"), listFacts(more)));
 }
 
 function showFindings({ state, faults, notes, valid }) {

@@ -32,12 +32,23 @@ const htmlEscapes = { "&": "&amp;", "<": "&lt;", ">": "&gt;", "\"": "&quot;", "'
 const escapeHtml = (value) => typeof value === "string"
   ? value.replace(/[&<>"']/g, (letter) => htmlEscapes[letter]) : "";
 
+/** For each role that the report needs, how many keys more must sign in it. */
+function missingSignatures(required, signers) {
+  const missing = [];
+  for (const { role, count } of required) {
+    const keys = new Set(signers.filter((signer) => signer.role === role).map(({ key_id }) => key_id));
+    if (keys.size < count) missing.push({ missing_role: role, missing_count: count - keys.size });
+  }
+  return missing;
+}
+
 /** The data of the whole template: the report's predicate, who signed, and a picture in each figure. */
 function pageData(predicate, signers) {
-  const data = templateData({ ...predicate, signed: signers.length > 0, signers });
+  const data = templateData({ ...predicate, signed: signers.length > 0, signers,
+    missing_signatures: missingSignatures(predicate.signatures_required || [], signers) });
   data.two_receivers = (data.receivers || []).length > 1;
   for (const figure of data.figures || [])
-    figure.image = `<img alt="${escapeHtml(figure.figure_title)}">`;  // its source is checked by its hash
+    if (figure.curves) figure.image = `<img alt="${escapeHtml(figure.figure_title)}">`;  // its source is checked by its hash
   return data;
 }
 

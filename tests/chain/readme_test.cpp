@@ -1,0 +1,96 @@
+#include <gtest/gtest.h>
+
+#include "chain_support.h"
+
+// The README's commands to sign and verify, each as it stands there, by this and other programs.
+
+namespace runcert::chain {
+namespace {
+
+/// The lines of the blocks of code under a heading of the README, without their remarks.
+std::vector<std::string> commands_under(const std::string& heading) {
+    const std::string readme = read_file(fs::path(RUNCERT_SOURCE_DIR) / "README.md");
+    const std::size_t begin = readme.find("## " + heading + "\n");
+    EXPECT_NE(begin, std::string::npos);
+    const std::string section = readme.substr(begin, readme.find("\n## ", begin + 3) - begin);
+    std::vector<std::string> commands;
+    bool code = false;
+    for (std::size_t from = 0; from < section.size();) {
+        const std::size_t end = std::min(section.find('\n', from), section.size());
+        const std::string line = section.substr(from, end - from);
+        from = end + 1;
+        if (line.starts_with("```"))
+            code = !code;
+        else if (code)
+            commands.push_back(line.substr(0, line.find("  ")));
+    }
+    return commands;
+}
+
+class Readme : public testing::Test {
+  protected:
+    ProcessResult shell(const std::string& command) const {
+        return run_process({"sh", "-c", "cd '" + folder_.path().string() + "' && " + command},
+                           {{"LC_ALL", "C.UTF-8"}});
+    }
+    void must(const std::string& command) const {
+        const ProcessResult result = shell(command);
+        EXPECT_EQ(result.exit_status, 0) << command << "\n" << result.output << result.errors;
+        last_said_ = result.output;
+    }
+    /// What the README takes to be there.
+    void prepare() const {
+        const std::string curve = "-newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes";
+        must("ln -s " RUNCERT_PROGRAMS "/runcert runcert");
+        must("cp -r " + (examples / "salt_lake").string() + " attempt && cp attempt/* . && mv " +
+             "attempt.yaml ATTEMPT.yaml");
+        must(
+            "./runcert keygen --no-password --out judge --role judge | sed -n 's/^roster *//p' "
+            "> roster");
+        must(
+            "ssh-keygen -q -t ed25519 -N '' -C observer -f observer && printf 'observer "
+            "namespaces=\"*@runcert\" %s\\n' \"$(cat observer.pub)\" >> roster");
+        must("openssl req -x509 " + curve + " -keyout seal.pem -out seal.crt -subj /CN=seal");
+        must("openssl req -x509 " + curve + " -keyout ca.key -out ca.pem -subj /CN=root");
+        must("openssl req " + curve + " -keyout tsa.key -out tsa.csr -subj /CN=stamps");
+        must(
+            "printf 'extendedKeyUsage=critical,timeStamping\\n' > ext && openssl x509 -req -in "
+            "tsa.csr -CA ca.pem -CAkey ca.key -CAcreateserial -extfile ext -out tsa.pem");
+        must(
+            "printf '[a]\\nserial=serial\\nsigner_digest=sha256\\ndefault_policy=1.2.3\\n"
+            "digests=sha512\\n' > tsa.cnf && echo 1000 > serial && chmod 600 *.pem");
+    }
+    void answer_query() const {
+        must(
+            "openssl ts -reply -config tsa.cnf -section a -queryfile "
+            "RUN/report.json.minisig.tsq -signer tsa.pem -inkey tsa.key -out reply.tsr");
+    }
+
+    TemporaryFolder folder_;
+    mutable std::string last_said_;
+};
+
+TEST_F(Readme, ItsCommandsToSignAndVerifyWork) {
+    prepare();
+    const std::vector<std::string> commands = commands_under("Sign and verify");
+    ASSERT_EQ(commands.size(), 15U);
+    for (const std::string& command : commands) {
+        SCOPED_TRACE(command);
+        if (command.find("--reply") != std::string::npos) answer_query();
+        // The password, where one is asked for, twice where it is new.
+        must("printf 'correct horse\\ncorrect horse\\n' | " + command);
+        if (command.find(" keygen ") != std::string::npos)
+            write_file_atomically(folder_.path() / "roster",
+                                  read_file(folder_.path() / "roster") +
+                                      last_said_.substr(last_said_.find("measurer namespaces")));
+    }
+    // The last one asked pdfsig for its words.
+    EXPECT_NE(last_said_.find("Signature is Valid"), std::string::npos) << last_said_;
+    EXPECT_NE(last_said_.find("Total document signed"), std::string::npos);
+    must("./runcert verify RUN --roster roster --tsa-ca ca.pem");
+    EXPECT_NE(last_said_.find("3 signers"), std::string::npos) << last_said_;
+    must("./runcert verify run.tar.zst --roster roster --tsa-ca ca.pem");
+}
+
+}  // namespace
+}  // namespace runcert::chain

@@ -78,6 +78,7 @@ void write_report(const StageRun& run, const std::string& report) {
 int main(int argc, char** argv) {
     std::string key;
     bool no_render = false;
+    bool no_pdf = false;
     bool render_only = false;
     return stage_main(
         argc, argv, "report", "The measurement report: report.json, and from it HTML and PDF",
@@ -90,12 +91,13 @@ int main(int argc, char** argv) {
                 return;
             }
             render_report(run.run_dir(), read_file(run.run_dir() / "report.json"),
-                          {.signatures = signatures_of(run.run_dir())});
-            run.say("report.json, report.html, report.pdf");
+                          {.signatures = signatures_of(run.run_dir()), .pdf = !no_pdf});
+            run.say(no_pdf ? "report.json, report.html" : "report.json, report.html, report.pdf");
         },
         [&](CLI::App& app) {
             app.add_option("--key", key, "secret key to sign report.json with");
             app.add_flag("--no-render", no_render, "stop after report.json");
+            app.add_flag("--no-pdf", no_pdf, "no PDF, which takes longest");
             app.add_flag("--render-only", render_only, "HTML and PDF of the report.json there is");
         });
 }

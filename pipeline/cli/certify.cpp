@@ -27,6 +27,7 @@ struct CertifyOptions {
     std::string out;
     std::string key;
     bool no_render = false;
+    bool no_pdf = false;
 };
 
 /// run.yaml: when and how long; no other file depends on it.
@@ -204,7 +205,9 @@ int certify(const CertifyOptions& options) {
         StageDone written = run_stage("report", with("--no-render"));
         if (key) sign_report(workshop.path(), *key, role);
         if (!options.no_render) {
-            const StageDone rendered = run_stage("report", with("--render-only"));
+            auto arguments = with("--render-only");
+            if (options.no_pdf) arguments.emplace_back("--no-pdf");
+            const StageDone rendered = run_stage("report", arguments);
             written.seconds += rendered.seconds;
             written.said = rendered.said;
         }
@@ -227,6 +230,7 @@ void add_certify(CLI::App& app, Command& chosen) {
     command->add_option("ATTEMPT", options->attempt, "the attempt's file (YAML)")->required();
     command->add_option("--out", options->out, "run folder to write (default: out/ID)");
     command->add_option("--key", options->key, "secret key to sign the report with");
+    command->add_flag("--no-pdf", options->no_pdf, "report.json and HTML alone");
     command->add_flag("--no-render", options->no_render, "stop after report.json: no HTML, no PDF");
     command->footer(fmt::format(
         "Exit status: 0 every profile says beaten, 1 one does not, 2 it could not be done.\n\n"

@@ -99,6 +99,9 @@ Json measurement_of(const std::string& text, const std::string& where) {
     Json predicate = report["predicate"];
     for (const char* member : {"program", "report_id", "files"})
         predicate.erase(member);
+    if (predicate.contains("certificate") && predicate["certificate"].is_object())
+        for (const char* member : {"unique_identifier", "software"})
+            predicate["certificate"].erase(member);
     if (predicate.contains("method") && predicate["method"].is_object())
         for (Json& stage : predicate["method"]["stages"]) {
             stage.erase("stage_version");

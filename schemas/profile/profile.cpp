@@ -255,7 +255,7 @@ Profile read_profile(std::string_view text, const std::string& where) {
     const std::optional<std::int64_t> revision = written_revision(document, profile_schema());
     if (!revision)
         document.fail("this is not a profile, or not one of " + known_revisions(profile_schema()),
-                      "A profile begins with \"schema: profile/1.3\"");
+                      "A profile begins with \"schema: profile/1.4\"");
     validate_revision(document, profile_schema(), *revision);
     Profile profile;
     profile.id = document["id"].text();

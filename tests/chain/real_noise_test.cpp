@@ -74,7 +74,8 @@ TEST(RealRecordings, TheReferenceIsInsideTheStatedIntervalsOfTheUrbanCar) {
         for (const EpochPair& window : certifiable(screened, arc)) {
             const std::size_t first = arc.rows[window.first];
             const std::size_t last = arc.rows[window.last];
-            const ErrorBound bound = error_bound<2>(screened, first, last, noise, nalsa.uncertainty);
+            const ErrorBound bound =
+                error_bound<2>(screened, first, last, noise, nalsa.uncertainty);
             const WindowStretch stretch = cut_stretch(arc, window, 30.0);
             const SpeedEstimate speed =
                 displacement_speed(smooth<2>(stretch.epochs, bounded_model(noise, bound)),

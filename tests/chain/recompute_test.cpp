@@ -103,7 +103,7 @@ TemporaryFolder* Recompute::folder_ = nullptr;
 
 TEST_F(Recompute, FilesReportAndPagesAreIdentical) {
     bring_pages();
-    expect_in(recomputed(), {"yes  recompute    identical: all 7 files, byte for byte",
+    expect_in(recomputed(), {"yes  recompute     identical: all 7 files, byte for byte",
                              "report.html: identical when rendered again",
                              "report.pdf: identical when rendered again"});
 }
@@ -125,7 +125,7 @@ TEST_F(Recompute, AForgedCellIsNamedByStageLineAndColumn) {
         const std::string text = recomputed();
         expect_in(text,
                   {"yes  files", "yes  chain",
-                   fmt::format("NO   recompute    different, first at the stage {}: {}, line {}, "
+                   fmt::format("NO   recompute     different, first at the stage {}: {}, line {}, "
                                "column {}: {} in the folder, {} recomputed",
                                forgery.stage, forgery.file, edited.line, forgery.column, forgery.to,
                                edited.before)});
@@ -170,7 +170,7 @@ TEST_F(Recompute, AReportThatDoesNotFollowFromTheFilesIsFound) {
     ASSERT_NE(at, std::string::npos);
     forge("report.json", text.replace(at, 23, "\"outcome\": \"beaten\""));
     expect_in(recomputed(), {"yes  files",
-                             "NO   recompute    different, first at the stage report: "
+                             "NO   recompute     different, first at the stage report: "
                              "report.json, profiles.0.",
                              "\"beaten\" in the folder, \"not_beaten\" recomputed"});
 }
@@ -178,7 +178,7 @@ TEST_F(Recompute, AReportThatDoesNotFollowFromTheFilesIsFound) {
 TEST_F(Recompute, APageOfAnotherVersionIsANoteOnly) {
     bring_pages();
     write_file_atomically(run() / "report.html", read_file(run() / "report.html") + "\n");
-    expect_in(recomputed(), {"yes  recompute    identical", "report.html: note: not what this",
+    expect_in(recomputed(), {"yes  recompute     identical", "report.html: note: not what this",
                              "report.pdf: identical"});
 }
 
@@ -190,7 +190,7 @@ TEST_F(Recompute, FilesOfAnotherProgramThatSayTheSameAreEqual) {
         ASSERT_NE(at, std::string::npos) << name;
         forge(name, text.replace(at, 16, "version: \"0.9.9\""));
     }
-    expect_in(recomputed(), {"yes  recompute    equal within 1/1000 of the stated uncertainty",
+    expect_in(recomputed(), {"yes  recompute     equal within 1/1000 of the stated uncertainty",
                              "note: the folder's files were made by runcert 0.9.9"});
 }
 

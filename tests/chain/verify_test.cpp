@@ -40,7 +40,8 @@ TEST_F(Verify, AWholeRunIsVerified) {
     const ProcessResult result = verify();
     EXPECT_EQ(result.exit_status, 0) << result.output << result.errors;
     EXPECT_NE(result.output.find("\nVERIFIED"), std::string::npos);
-    EXPECT_NE(result.output.find("report.json.minisig: measurer"), std::string::npos) << result.output;
+    EXPECT_NE(result.output.find("report.json.minisig: measurer"), std::string::npos)
+        << result.output;
 }
 
 TEST_F(Verify, RecomputationIsIdentical) {

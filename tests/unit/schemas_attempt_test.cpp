@@ -237,9 +237,9 @@ TEST(Attempt, BadInputIsNamedWithItsPlace) {
         {"[nalsa]", "[nalsa]\nparameters.smooth: {jerk_density: 1}", "f:7:1", "unknown key"},
         {"schema: attempt/1.0\n", "", "f:1:1", "does not say that it follows attempt/1.0"},
         {"attempt/1.0", "attempt/2.0", "f:1:9", "does not say that it follows attempt/1.0"},
-        {"attempt/1.0", "attempt/1.5", "f:1:9",
-         "follows attempt/1.0 or attempt/1.1 or attempt/1.2 or attempt/1.3 or attempt/1.4. An "
-         "attempt begins with \"schema: attempt/1.4\""},
+        {"attempt/1.0", "attempt/1.6", "f:1:9",
+         "follows attempt/1.0 or attempt/1.1 or attempt/1.2 or attempt/1.3 or attempt/1.4 or "
+         "attempt/1.5. An attempt begins with \"schema: attempt/1.5\""},
         {"attempt/1.0", "attempt/1.01", "f:1:9", "does not say that it follows attempt/1.0"},
         {"attempt/1.0", "profile/1.0", "f:1:9", "does not say that it follows attempt/1.0"},
         {"attempt/1.0", "{name: attempt}", "f:1:9", "is a map, not text"},
@@ -294,7 +294,7 @@ TEST(Attempt, ParametersAreTheClassesDefaults) {
 }
 
 TEST(Attempt, EveryParameterHasADefaultOfItsTypeForEveryClass) {
-    const std::string newest = replaced(least, "attempt/1.0", "attempt/1.4");
+    const std::string newest = replaced(least, "attempt/1.0", "attempt/1.5");
     const DocumentSchema& schema = attempt_schema();
     for (const std::string& name : schema.find("craft.class")->values) {
         const Attempt attempt =

@@ -71,9 +71,9 @@ TEST(Profile, BadInputIsNamedWithItsPlace) {
          "  []\n", "p:10:3", "the rule requires nothing"},
         {"id: my-rule\n", "", "p:1:1", "\"id\" is missing"},
         {"profile/1.0", "profile/2.0", "p:1:1", "this is not a profile"},
-        {"profile/1.0", "profile/1.4", "p:1:1",
-         "not one of profile/1.0 or profile/1.1 or profile/1.2 or profile/1.3. A profile begins "
-         "with \"schema: profile/1.3\""},
+        {"profile/1.0", "profile/1.5", "p:1:1",
+         "not one of profile/1.0 or profile/1.1 or profile/1.2 or profile/1.3 or profile/1.4. A "
+         "profile begins with \"schema: profile/1.4\""},
         {"schema: profile/1.0\n", "", "p:1:1", "this is not a profile"},
     };
     ASSERT_NO_THROW(read_profile(sample, "p"));

@@ -7,12 +7,28 @@
 #include <cstdio>
 #include <filesystem>
 #include <new>
+#include <optional>
 
 #include "core/failure.h"
 #include "core/text.h"
 #include "files/program.h"
 
 namespace runcert {
+
+namespace {
+
+/// Reads the command line; the exit status where it asked for help or the version.
+std::optional<int> parsed(CLI::App& app, int argc, char** argv) {
+    app.set_version_flag("--version", fmt::format("{} {}", program_version(), source_revision()));
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::Success& help) {
+        return app.exit(help);
+    }
+    return std::nullopt;
+}
+
+}  // namespace
 
 int guarded_main(const std::function<int()>& body) {
     // A file-size limit is then an error of the write, with a message, and not a sudden end.
@@ -42,6 +58,16 @@ int guarded_main(const std::function<int()>& body) {
     return 2;
 }
 
+int reader_main(int argc, char** argv, const std::string& name, const std::string& summary,
+                const std::function<void(CLI::App&)>& options, const std::function<int()>& run) {
+    return guarded_main([&]() -> int {
+        CLI::App app(summary, "runcert-" + name);
+        options(app);
+        const auto status = parsed(app, argc, argv);
+        return status ? *status : run();
+    });
+}
+
 int stage_main(int argc, char** argv, const std::string& stage, const std::string& summary,
                const std::function<void(StageRun&)>& body,
                const std::function<void(CLI::App&)>& options) {
@@ -51,14 +77,8 @@ int stage_main(int argc, char** argv, const std::string& stage, const std::strin
         std::string run_dir;
         app.add_option("--attempt", attempt, "the attempt (schema attempt/1.5)")->required();
         app.add_option("--run-dir", run_dir, "folder of the run's files")->required();
-        app.set_version_flag("--version",
-                             fmt::format("{} {}", program_version(), source_revision()));
         if (options) options(app);
-        try {
-            app.parse(argc, argv);
-        } catch (const CLI::Success& help) {
-            return app.exit(help);
-        }
+        if (const auto status = parsed(app, argc, argv)) return *status;
         StageRun run(stage, attempt, run_dir);
         body(run);
         for (const std::string& line : run.said())

@@ -21,4 +21,9 @@ int stage_main(int argc, char** argv, const std::string& stage, const std::strin
                const std::function<void(StageRun&)>& body,
                const std::function<void(CLI::App&)>& options = {});
 
+/// Main of a program that looks at what the stages wrote: `options` adds to its command line, `run`
+/// gives its exit status.
+int reader_main(int argc, char** argv, const std::string& name, const std::string& summary,
+                const std::function<void(CLI::App&)>& options, const std::function<int()>& run);
+
 }  // namespace runcert

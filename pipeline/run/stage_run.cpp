@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "core/failure.h"
+#include "core/text.h"
 #include "files/atomic_file.h"
 #include "files/program.h"
 #include "files/sha256.h"
@@ -90,6 +91,25 @@ Header StageRun::header() const {
 
 void StageRun::write(const std::string& file, std::string_view text) const {
     write_file_atomically(run_dir_ / file, text);
+}
+
+StageRun open_run(const std::string& program, const std::filesystem::path& run_dir) {
+    if (!std::filesystem::is_directory(run_dir))
+        throw Failure(run_dir.string(), "there is no such run folder",
+                      "Name a folder that `runcert certify` wrote");
+    return StageRun(program, run_dir / evidence_attempt_file, run_dir);
+}
+
+const Receiver& receiver_of(const Attempt& attempt, const std::string& id) {
+    if (id.empty()) return attempt.receivers.front();
+    std::string known;
+    for (const Receiver& receiver : attempt.receivers) {
+        if (receiver.id == id) return receiver;
+        known += (known.empty() ? "" : ", ") + receiver.id;
+    }
+    throw Failure("--receiver",
+                  fmt::format("the attempt has no receiver \"{}\"", escape_for_message(id)),
+                  "Choose one of: " + known);
 }
 
 std::string product_file(const Attempt& attempt, const Receiver& receiver, std::string_view stem,

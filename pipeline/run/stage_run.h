@@ -80,6 +80,13 @@ class StageRun {
     std::vector<std::string> said_;
 };
 
+/// A run folder as a program reads it that writes nothing there. Failure where there is none.
+StageRun open_run(const std::string& program, const std::filesystem::path& run_dir);
+
+/// The receiver of that id, the first where it is empty. Failure (at "--receiver") where there is
+/// none.
+const Receiver& receiver_of(const Attempt& attempt, const std::string& id);
+
 /// The name of a product: "2-enu.ecsv" for the first receiver of an attempt,
 /// "2-enu.secondary.ecsv" for the receiver of that id otherwise.
 std::string product_file(const Attempt& attempt, const Receiver& receiver, std::string_view stem,

@@ -122,10 +122,7 @@ std::vector<std::string> signatures_in(const std::filesystem::path& run_dir) {
 }
 
 RunRecord read_run(const std::filesystem::path& run_dir) {
-    if (!std::filesystem::is_directory(run_dir))
-        throw Failure(run_dir.string(), "there is no such run folder",
-                      "Name a folder that `runcert certify` wrote");
-    Witnesses witnesses(StageRun("audit", run_dir / evidence_attempt_file, run_dir));
+    Witnesses witnesses(open_run("audit", run_dir));
     RunRecord record{.attempt = witnesses.run().attempt(),
                      .receivers = {},
                      .verdict_file = "6-verdict.yaml",
@@ -167,29 +164,25 @@ Walk audit(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    return guarded_main([&]() -> int {
-        CLI::App app("A walk through a run: every input, decision and result", "runcert-audit");
-        Options options;
-        app.add_option("RUN_DIR", options.run_dir, "folder of a certified run")->required();
-        app.add_option("--stage", options.stages, "this stage alone (may be repeated)")
-            ->allow_extra_args(false);
-        app.add_option("--receiver", options.receiver, "which receiver (default: all)");
-        app.add_flag("--all", options.all, "hashes, parameters and epochs used in full");
-        app.add_option("--html", options.html, "write the walk to this file, as one page");
-        app.set_version_flag("--version",
-                             fmt::format("{} {}", program_version(), source_revision()));
-        try {
-            app.parse(argc, argv);
-        } catch (const CLI::Success& help) {
-            return app.exit(help);
-        }
-        const Walk walk = audit(options);
-        if (options.html.empty()) {
-            fmt::print("{}", walk_text(walk));
+    Options options;
+    return reader_main(
+        argc, argv, "audit", "A walk through a run: every input, decision and result",
+        [&](CLI::App& app) {
+            app.add_option("RUN_DIR", options.run_dir, "folder of a certified run")->required();
+            app.add_option("--stage", options.stages, "this stage alone (may be repeated)")
+                ->allow_extra_args(false);
+            app.add_option("--receiver", options.receiver, "which receiver (default: all)");
+            app.add_flag("--all", options.all, "hashes, parameters and epochs used in full");
+            app.add_option("--html", options.html, "write the walk to this file, as one page");
+        },
+        [&]() -> int {
+            const Walk walk = audit(options);
+            if (options.html.empty()) {
+                fmt::print("{}", walk_text(walk));
+                return 0;
+            }
+            write_file_atomically(options.html, walk_html(walk));
+            fmt::print("{}\n", escape_for_message(options.html, options.html.size()));
             return 0;
-        }
-        write_file_atomically(options.html, walk_html(walk));
-        fmt::print("{}\n", escape_for_message(options.html, options.html.size()));
-        return 0;
-    });
+        });
 }

@@ -20,25 +20,10 @@ struct Options {
     std::string receiver;
 };
 
-const Receiver& chosen_receiver(const Attempt& attempt, const Options& options) {
-    if (options.receiver.empty()) return attempt.receivers.front();
-    std::string known;
-    for (const Receiver& receiver : attempt.receivers) {
-        if (receiver.id == options.receiver) return receiver;
-        known += (known.empty() ? "" : ", ") + receiver.id;
-    }
-    throw Failure("--receiver", "the attempt has no receiver \"" + options.receiver + "\"",
-                  "Choose one of: " + known);
-}
-
 std::string compare_run(const Options& options) {
-    if (!std::filesystem::is_directory(options.run_dir))
-        throw Failure(options.run_dir, "there is no such run folder",
-                      "Name a folder that `runcert certify` wrote");
-    StageRun run("compare", std::filesystem::path(options.run_dir) / evidence_attempt_file,
-                 options.run_dir);
+    StageRun run = open_run("compare", options.run_dir);
     const Attempt& attempt = run.attempt();
-    const Receiver& receiver = chosen_receiver(attempt, options);
+    const Receiver& receiver = receiver_of(attempt, options.receiver);
     const auto file = [&](std::string_view stem, std::string_view extension) {
         return product_file(attempt, receiver, stem, extension);
     };
@@ -57,21 +42,18 @@ std::string compare_run(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    return guarded_main([&]() -> int {
-        CLI::App app("All estimators' best windows side by side, for every profile of a run",
-                     "runcert-compare");
-        Options options;
-        app.add_option("RUN_DIR", options.run_dir, "folder of a certified run")->required();
-        app.add_option("--truth", options.truth, "the true run (CSV, as runcert simulate writes)");
-        app.add_option("--receiver", options.receiver, "which receiver (default: the first)");
-        app.set_version_flag("--version",
-                             fmt::format("{} {}", program_version(), source_revision()));
-        try {
-            app.parse(argc, argv);
-        } catch (const CLI::Success& help) {
-            return app.exit(help);
-        }
-        fmt::print("{}", compare_run(options));
-        return 0;
-    });
+    Options options;
+    return reader_main(
+        argc, argv, "compare",
+        "All estimators' best windows side by side, for every profile of a run",
+        [&](CLI::App& app) {
+            app.add_option("RUN_DIR", options.run_dir, "folder of a certified run")->required();
+            app.add_option("--truth", options.truth,
+                           "the true run (CSV, as runcert simulate writes)");
+            app.add_option("--receiver", options.receiver, "which receiver (default: the first)");
+        },
+        [&]() -> int {
+            fmt::print("{}", compare_run(options));
+            return 0;
+        });
 }

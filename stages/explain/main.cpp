@@ -36,10 +36,7 @@ std::vector<std::string> check_inputs(StageRun& run, const Verdict& verdict) {
 
 std::string explain_run(const Options& options) {
     const std::filesystem::path run_dir(options.run_dir);
-    if (!std::filesystem::exists(run_dir / "6-verdict.yaml"))
-        throw Failure(options.run_dir, "there is no run folder with a verdict here",
-                      "Name a folder that `runcert certify` wrote");
-    StageRun run("explain", run_dir / evidence_attempt_file, run_dir);
+    StageRun run = open_run("explain", run_dir);
     run.note_attempt();
     const Verdict verdict = run.read("verdict", "6-verdict.yaml", read_verdict);
     std::vector<Profile> profiles;
@@ -66,25 +63,23 @@ std::string builtin_profiles_text() {
 }  // namespace
 
 int main(int argc, char** argv) {
-    return guarded_main([&]() -> int {
-        CLI::App app("What decides a verdict, clause by clause, in plain words", "runcert-explain");
-        Options options;
-        auto* run_dir = app.add_option("RUN_DIR", options.run_dir, "folder of a certified run");
-        app.add_option("CLAUSE", options.what.clause, "clause, or outcome (default: all in short)");
-        app.add_option("--profile", options.what.profile, "which profile (default: all)");
-        app.add_flag("--profiles", options.profiles, "list the profiles that come with the program")
-            ->excludes(run_dir);
-        app.set_version_flag("--version",
-                             fmt::format("{} {}", program_version(), source_revision()));
-        try {
-            app.parse(argc, argv);
-        } catch (const CLI::Success& help) {
-            return app.exit(help);
-        }
-        if (!options.profiles && options.run_dir.empty())
-            throw Failure("the command line", "no run folder is named",
-                          "Name a folder that `runcert certify` wrote, or give --profiles");
-        fmt::print("{}", options.profiles ? builtin_profiles_text() : explain_run(options));
-        return 0;
-    });
+    Options options;
+    return reader_main(
+        argc, argv, "explain", "What decides a verdict, clause by clause, in plain words",
+        [&](CLI::App& app) {
+            auto* run_dir = app.add_option("RUN_DIR", options.run_dir, "folder of a certified run");
+            app.add_option("CLAUSE", options.what.clause,
+                           "clause, or outcome (default: all in short)");
+            app.add_option("--profile", options.what.profile, "which profile (default: all)");
+            app.add_flag("--profiles", options.profiles,
+                         "list the profiles that come with the program")
+                ->excludes(run_dir);
+        },
+        [&]() -> int {
+            if (!options.profiles && options.run_dir.empty())
+                throw Failure("the command line", "no run folder is named",
+                              "Name a folder that `runcert certify` wrote, or give --profiles");
+            fmt::print("{}", options.profiles ? builtin_profiles_text() : explain_run(options));
+            return 0;
+        });
 }

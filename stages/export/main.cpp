@@ -24,17 +24,6 @@ struct Options {
     bool force = false;
 };
 
-const Receiver& chosen_receiver(const Attempt& attempt, const Options& options) {
-    if (options.receiver.empty()) return attempt.receivers.front();
-    std::string known;
-    for (const Receiver& receiver : attempt.receivers) {
-        if (receiver.id == options.receiver) return receiver;
-        known += (known.empty() ? "" : ", ") + receiver.id;
-    }
-    throw Failure("--receiver", "the attempt has no receiver \"" + options.receiver + "\"",
-                  "Choose one of: " + known);
-}
-
 /// The stem of a table's file; the trajectory's where none was asked for.
 std::string table_stem(const std::string& table) {
     if (table == "observations") return "1-observations";
@@ -88,16 +77,12 @@ void check_options(const Options& options) {
     if (options.every != 1 && options.format == "csv")
         throw Failure("--every", "a table is exported with all its rows",
                       "Leave it out, or export a map");
-    if (!std::filesystem::is_directory(options.run_dir))
-        throw Failure(options.run_dir, "there is no such run folder",
-                      "Name a folder that `runcert certify` wrote");
 }
 
 int export_run(const Options& options) {
     check_options(options);
-    StageRun run("export", std::filesystem::path(options.run_dir) / evidence_attempt_file,
-                 options.run_dir);
-    const Receiver& receiver = chosen_receiver(run.attempt(), options);
+    StageRun run = open_run("export", options.run_dir);
+    const Receiver& receiver = receiver_of(run.attempt(), options.receiver);
     const std::filesystem::path out = out_file(run.attempt(), receiver, options);
     const bool printed = out == "-";
     if (!printed && !options.force && std::filesystem::exists(out))
@@ -117,27 +102,21 @@ int export_run(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    return guarded_main([&]() -> int {
-        CLI::App app("A run for maps and spreadsheets", "runcert-export");
-        Options options;
-        app.add_option("RUN_DIR", options.run_dir, "folder of a certified run")->required();
-        app.add_option("--format", options.format, "kml, geojson, gpx or csv")
-            ->required()
-            ->check(CLI::IsMember({"kml", "geojson", "gpx", "csv"}));
-        app.add_option("--out", options.out, "file to write, - for standard output");
-        app.add_option("--table", options.table, "of csv: which table")
-            ->check(CLI::IsMember({"observations", "enu", "screened", "trajectory"}));
-        app.add_option("--receiver", options.receiver, "which receiver (default: the first)");
-        app.add_option("--every", options.every, "of a map: every so many epochs")
-            ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000}));
-        app.add_flag("--force", options.force, "replace the file if it exists");
-        app.set_version_flag("--version",
-                             fmt::format("{} {}", program_version(), source_revision()));
-        try {
-            app.parse(argc, argv);
-        } catch (const CLI::Success& help) {
-            return app.exit(help);
-        }
-        return export_run(options);
-    });
+    Options options;
+    return reader_main(
+        argc, argv, "export", "A run for maps and spreadsheets",
+        [&](CLI::App& app) {
+            app.add_option("RUN_DIR", options.run_dir, "folder of a certified run")->required();
+            app.add_option("--format", options.format, "kml, geojson, gpx or csv")
+                ->required()
+                ->check(CLI::IsMember({"kml", "geojson", "gpx", "csv"}));
+            app.add_option("--out", options.out, "file to write, - for standard output");
+            app.add_option("--table", options.table, "of csv: which table")
+                ->check(CLI::IsMember({"observations", "enu", "screened", "trajectory"}));
+            app.add_option("--receiver", options.receiver, "which receiver (default: the first)");
+            app.add_option("--every", options.every, "of a map: every so many epochs")
+                ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000}));
+            app.add_flag("--force", options.force, "replace the file if it exists");
+        },
+        [&]() -> int { return export_run(options); });
 }

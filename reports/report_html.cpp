@@ -7,6 +7,7 @@
 #include <set>
 
 #include "core/failure.h"
+#include "core/plain_text.h"
 #include "files/base64.h"
 #include "files/sha256.h"
 #include "files/signature.h"
@@ -23,16 +24,6 @@ using TemplateData = kainjow::mustache::data;
 
 namespace {
 
-/// Control characters have no place in a page; line ends and tabs do.
-std::string printable(const std::string& text) {
-    std::string out;
-    for (const char c : text) {
-        const bool control = (c >= 0 && c < ' ' && c != '\n' && c != '\t') || c == '\x7f';
-        out += control ? "\xEF\xBF\xBD" : std::string(1, c);
-    }
-    return out;
-}
-
 /// Libraries first; the last one begins.
 constexpr std::string_view page_scripts[] = {"page/vendor/mustache.min.js",
                                              "page/vendor/noble-hashes.min.js",
@@ -47,20 +38,32 @@ constexpr std::string_view page_scripts[] = {"page/vendor/mustache.min.js",
                                              "page/charts.js",
                                              "page/page.js"};
 
+/// What stands before and after each piece of a very long word, so that a line may end there. A
+/// browser takes <wbr> and copies nothing of it. WeasyPrint 57 passes many of them over, but not a
+/// zero-width space, which the PDF does not hold; pieces in elements of their own it lays out
+/// faster.
+struct WordPieces {
+    std::string_view before, after;
+};
+constexpr WordPieces on_screen{"", "<wbr>"}, on_paper{"<span>", "\u200B</span>"};
+
 /// Escaped for HTML, and very long words with places where a line may end: WeasyPrint takes minutes
-/// over a word of ten thousand letters. Nothing of that is seen or copied.
-std::string escaped(const std::string& text) {
-    constexpr std::size_t long_word = 100;  // longer than any hash
+/// over a word of ten thousand letters. Shorter ones stay whole, since letters that belong together
+/// (Thai, emoji) must not be parted.
+std::string escaped(const std::string& text, const WordPieces& pieces) {
+    constexpr std::size_t long_word = 400, piece_bytes = 50;
     std::string out;
     std::size_t begin = 0;
     while (begin < text.size()) {
         const std::size_t end = std::min(text.find_first_of(" \n\t", begin), text.size());
         for (std::size_t piece = begin; piece < end;) {
-            std::size_t next = end - begin > long_word ? std::min(piece + long_word / 2, end) : end;
+            std::size_t next = end - begin > long_word ? std::min(piece + piece_bytes, end) : end;
             while (next < end && (static_cast<unsigned char>(text[next]) & 0xC0) == 0x80)
                 ++next;
+            const bool last = next == end;
+            if (!last) out += pieces.before;
             out += kainjow::mustache::html_escape(text.substr(piece, next - piece));
-            if (next < end) out += "<wbr>";
+            if (!last) out += pieces.after;
             piece = next;
         }
         if (end < text.size()) out += text[end];
@@ -89,15 +92,16 @@ TemplateData template_data(const Json& value) {
     if (!value.is_string()) return TemplateData(value.dump());
     // As in the page's own script, an empty text is nothing.
     if (value.get_ref<const std::string&>().empty()) return TemplateData(false);
-    return TemplateData(printable(value.get<std::string>()));
+    return TemplateData(plain_text(value.get<std::string>()));
 }
 
-std::string rendered(std::string_view name, const TemplateData& data) {
+std::string rendered(std::string_view name, const TemplateData& data,
+                     const WordPieces& pieces = on_screen) {
     kainjow::mustache::mustache page{std::string(report_text(name))};
     if (!page.is_valid())
         throw Failure(std::string(name), page.error_message(),
                       "This is a fault of the program; please report it");
-    page.set_custom_escape(escaped);
+    page.set_custom_escape([&pieces](const std::string& text) { return escaped(text, pieces); });
     return page.render(data);
 }
 
@@ -134,7 +138,7 @@ std::string image_source(const std::string& svg) {
 
 /// The inside of the page's <main>: what stands in the report, and its drawings.
 std::string content_of(const Json& report, const std::vector<std::string>& drawings,
-                       const std::vector<SignatureText>& signatures) {
+                       const std::vector<SignatureText>& signatures, const WordPieces& pieces) {
     Json shown = report["predicate"];
     shown["signed"] = !signatures.empty();
     shown["signers"] = signers_json(signatures);
@@ -149,7 +153,7 @@ std::string content_of(const Json& report, const std::vector<std::string>& drawi
                 "<img src=\"{}\" alt=\"{}\">", image_source(drawings.at(i)),
                 kainjow::mustache::html_escape(figure["figure_title"].get<std::string>()));
     }
-    return rendered("template/report.html", template_data(shown));
+    return rendered("template/report.html", template_data(shown), pieces);
 }
 
 /// What the head of every page holds.
@@ -157,10 +161,10 @@ TemplateData page_data(const Json& report, bool is_signed) {
     const Json& predicate = report["predicate"];
     const std::string id = predicate["report_id"].get<std::string>();
     TemplateData data{TemplateData::type::object};
-    data.set("version", printable(predicate["program"]["version"].get<std::string>()));
-    data.set("title", printable("Measurement report " + id + ": " +
-                                predicate["attempt"]["id"].get<std::string>()));
-    data.set("report_id", printable(id));
+    data.set("version", plain_text(predicate["program"]["version"].get<std::string>()));
+    data.set("title", plain_text("Measurement report " + id + ": " +
+                                 predicate["attempt"]["id"].get<std::string>()));
+    data.set("report_id", plain_text(id));
     data.set("signed", TemplateData(is_signed));
     return data;
 }
@@ -207,7 +211,7 @@ std::string report_page(const std::string& report_text_bytes, const Json& report
     data.set("style", std::string(report_text("template/report.css")) +
                           std::string(report_text("page/vendor/uPlot.min.css")) +
                           std::string(report_text("page/page.css")));
-    data.set("content", content_of(report, drawings, signatures));
+    data.set("content", content_of(report, drawings, signatures, on_screen));
     data.set("report_json", report_text_bytes);
     data.set("signature_files", report_text_of(files));
     data.set("drawing_hashes", report_text_of(hashes));
@@ -221,7 +225,7 @@ std::string report_print_page(const Json& report, const std::vector<std::string>
                               const std::vector<SignatureText>& signatures) {
     TemplateData data = page_data(report, !signatures.empty());
     data.set("style", std::string(report_text("template/report.css")));
-    data.set("content", content_of(report, drawings, signatures));
+    data.set("content", content_of(report, drawings, signatures, on_paper));
     return rendered("template/page.html", data);
 }
 

@@ -7,6 +7,7 @@
 
 #include "commands.h"
 #include "core/failure.h"
+#include "core/plain_text.h"
 #include "files/atomic_file.h"
 
 namespace runcert {
@@ -35,7 +36,7 @@ int bundle(const BundleOptions& options) {
     fmt::print("bundle    {}\nfiles     {}, {} bytes packed\n", out.string(), made.files,
                made.bytes.size());
     for (const std::string& name : made.left_out)
-        fmt::print("left out  {}\n", name);
+        fmt::print("left out  {}\n", plain_text(name));
     return 0;
 }
 

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -8,6 +9,7 @@
 #include <filesystem>
 
 #include "commands.h"
+#include "core/plain_text.h"
 #include "core/text.h"
 #include "files/atomic_file.h"
 #include "files/program.h"
@@ -53,13 +55,6 @@ std::string in_capitals(std::string word) {
 /// A speed of the verdict in km/h, rounded once, from the figure with the most digits.
 std::string in_km_h(const YamlValue& speed_mps) {
     return format_fixed(speed_mps.real() * 3.6, 3);
-}
-
-/// Without what would steer a terminal.
-std::string printable(std::string text) {
-    for (char& c : text)
-        if ((c >= 0 && c < ' ') || c == '\x7f') c = '?';
-    return text;
 }
 
 /// In per cent, rounded to the side of doubt.
@@ -109,7 +104,7 @@ void print_refused(const YamlValue& indicated) {
     for (const YamlValue& refusal : indicated["refusals"].list())
         refusals += (refusals.empty() ? "" : "; ") + refusal.text();
     fmt::print("  refused  {} km/h at {} s: {}\n", in_km_h(indicated["speed_m_s"]),
-               format_fixed(indicated["start_time_s"].real(), 3), printable(refusals));
+               format_fixed(indicated["start_time_s"].real(), 3), plain_text(refusals));
 }
 
 /// What must be read with the verdict, the first of it.
@@ -118,19 +113,19 @@ void print_notes(const YamlValue& profile, const fs::path& run_dir) {
     if (!profile["notes"].exists()) return;
     const std::vector<YamlValue> notes = profile["notes"].list();
     for (std::size_t i = 0; i < std::min(most, notes.size()); ++i)
-        fmt::print("  note     {}\n", printable(notes[i].text()));
+        fmt::print("  note     {}\n", plain_text(notes[i].text()));
     if (notes.size() > most)
         fmt::print("  ... and {} more: runcert explain {}\n", notes.size() - most,
                    run_dir.string());
 }
 
-/// Clauses of that status, with commas between them.
-std::string clauses_of(const YamlValue& profile, const std::string& status) {
-    std::string clauses;
+/// Clauses of that status.
+std::vector<std::string> clauses_of(const YamlValue& profile, const std::string& status) {
+    std::vector<std::string> clauses;
     for (const YamlValue& requirement : profile["requirements"].list())
         if (requirement["status"].text() == status)
-            clauses += (clauses.empty() ? "" : ", ") + requirement["clause"].text();
-    return printable(clauses);
+            clauses.push_back(plain_text(requirement["clause"].text()));
+    return clauses;
 }
 
 /// Prints one profile's verdict, to be read in five seconds. Returns whether the record is beaten.
@@ -139,14 +134,15 @@ bool print_verdict(const YamlValue& profile, const fs::path& run_dir) {
     fmt::print("\n{}  {}\n", in_capitals(outcome), profile["profile"].text());
     print_speed(profile);
     print_window(profile["window"]);
-    fmt::print("  why      {}\n", printable(profile["reason"].text()));
+    fmt::print("  why      {}\n", plain_text(profile["reason"].text()));
     print_refused(profile["indicated"]);
     print_notes(profile, run_dir);
-    if (const std::string attest = clauses_of(profile, "attest"); !attest.empty())
-        fmt::print("  attest   {}\n", attest);
-    if (const std::string failed = clauses_of(profile, "not_met"); !failed.empty())
-        fmt::print("  not met  {}\n  explain  runcert explain {} {}/{}\n", failed, run_dir.string(),
-                   profile["profile"].text(), failed.substr(0, failed.find(',')));
+    if (const auto attest = clauses_of(profile, "attest"); !attest.empty())
+        fmt::print("  attest   {}\n", fmt::join(attest, ", "));
+    if (const auto failed = clauses_of(profile, "not_met"); !failed.empty())
+        fmt::print("  not met  {}\n  explain  runcert explain {} {}\n", fmt::join(failed, ", "),
+                   shell_word(run_dir.string()),
+                   shell_word(profile["profile"].text() + "/" + failed.front()));
     return outcome == "beaten";
 }
 
@@ -166,10 +162,10 @@ bool print_verdicts(const fs::path& run_dir, bool signed_report, bool rendered) 
 }
 
 void print_stage(const StageDone& stage) {
-    const std::string said = stage.said.empty() ? "" : stage.said.front();
+    const std::string said = stage.said.empty() ? "" : plain_text(stage.said.front());
     fmt::print("{:<8} {:<72} {:>6.2f} s\n", stage.name, said, stage.seconds);
     for (std::size_t i = 1; i < stage.said.size(); ++i)
-        fmt::print("{:<8} {}\n", "", stage.said[i]);
+        fmt::print("{:<8} {}\n", "", plain_text(stage.said[i]));
     std::fflush(stdout);
 }
 

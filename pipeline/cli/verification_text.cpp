@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "core/plain_text.h"
+
 namespace runcert {
 namespace {
 
@@ -48,9 +50,10 @@ bool VerificationResult::passed() const {
 std::string verification_text(const VerificationResult& result) {
     std::string text;
     for (const VerificationStep& step : result.layers) {
-        text += fmt::format("{:<4} {:<13} {}\n", mark_of(step), step.what, step.finding);
+        text +=
+            fmt::format("{:<4} {:<13} {}\n", mark_of(step), step.what, plain_text(step.finding));
         for (const std::string& detail : step.details)
-            text += fmt::format("     {:<13} {}\n", "", detail);
+            text += fmt::format("     {:<13} {}\n", "", plain_text(detail));
     }
     return text + (result.passed() ? "\nVERIFIED\n" : "\nNOT VERIFIED\n");
 }
@@ -66,7 +69,7 @@ std::string verification_json(const VerificationResult& result) {
         json["layers"].push_back(layer_json(step));
     for (const Signer& signer : result.signers)
         json["signers"].push_back(signer_json(signer));
-    return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
+    return json.dump(2, ' ', true, Json::error_handler_t::replace) + '\n';
 }
 
 }  // namespace runcert

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/plain_text.h"
 #include "core/text.h"
 
 namespace runcert {
@@ -32,11 +33,11 @@ std::size_t bytes_of(std::string_view text, std::size_t count) {
 
 std::vector<std::string> words_of(std::string_view text) {
     std::vector<std::string> words{""};
-    for (const char c : text) {
-        if (c == ' ' || c == '\t' || c == '\r' || c == '\n')
+    for (const char c : plain_text(text)) {
+        if (c == ' ')
             words.emplace_back();
         else
-            words.back() += (c >= 0 && c < ' ') || c == '\x7f' ? '?' : c;
+            words.back() += c;
     }
     std::erase(words, "");
     return words;

@@ -11,7 +11,7 @@ namespace runcert {
 
 /// The text as lines of at most 100 characters, broken at blanks; every line but the first begins
 /// with `indent` blanks, and the first has `used` characters before it. A word longer than a line
-/// is cut; a control character is a "?". Ends with a line end.
+/// is cut; what would steer a terminal is taken out (core/plain_text.h). Ends with a line end.
 std::string wrapped(std::string_view text, std::size_t indent = 4, std::size_t used = 0);
 
 /// 1587 as "1,587".

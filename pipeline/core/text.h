@@ -35,4 +35,8 @@ bool is_printable_ascii(std::string_view text);
 /// \xNN, and "..." where more than `max` bytes of input were cut to `max`.
 std::string escape_for_message(std::string_view bytes, std::size_t max = 40);
 
+/// A text as one word of a command line to be pasted into a shell: in single quotes unless it is
+/// made of letters, digits and . _ - / alone. What would steer a terminal must be taken out before.
+std::string shell_word(std::string_view text);
+
 }  // namespace runcert

@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "core/failure.h"
+#include "core/plain_text.h"
 #include "core/text.h"
 #include "files/program.h"
 
@@ -36,11 +37,12 @@ int guarded_main(const std::function<int()>& body) {
     try {
         return body();
     } catch (const Failure& failure) {
-        fmt::print(stderr, "error: {}\n  where: {}\n  what to do: {}\n", failure.problem(),
-                   failure.where(), failure.remedy());
+        fmt::print(stderr, "error: {}\n  where: {}\n  what to do: {}\n",
+                   plain_text(failure.problem()), plain_text(failure.where()),
+                   plain_text(failure.remedy()));
     } catch (const CLI::Error& error) {
         fmt::print(stderr, "error: {}\n  where: the command line\n  what to do: see --help\n",
-                   error.what());
+                   plain_text(error.what()));
     } catch (const std::bad_alloc&) {
         fmt::print(stderr,
                    "error: there is not enough memory\n  where: this computer\n  what to do: close "
@@ -53,7 +55,7 @@ int guarded_main(const std::function<int()>& body) {
         fmt::print(stderr,
                    "error: {}\n  where: inside the program\n  what to do: this is a fault of the "
                    "program; please report it with the attempt and its recordings\n",
-                   fault.what());
+                   plain_text(fault.what()));
     }
     return 2;
 }
@@ -82,7 +84,7 @@ int stage_main(int argc, char** argv, const std::string& stage, const std::strin
         StageRun run(stage, attempt, run_dir);
         body(run);
         for (const std::string& line : run.said())
-            fmt::print("{}\n", line);
+            fmt::print("{}\n", plain_text(line));
         return 0;
     });
 }

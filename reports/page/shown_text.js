@@ -8,8 +8,13 @@ function parseWithNumbersAsWritten(json) {
     (token) => token.startsWith("\"") ? token : `"${token}"`));
 }
 
-/** A text without the control characters that have no place in a page. */
-const withoutControls = (text) => text.replace(/[\u0000-\u0008\u000b-\u001f\u007f]/g, "\ufffd");
+/**
+ * A text without what has no place in a page: control characters, what turns the direction of writing
+ * and could do so beyond its own end, and what is no character. As plain_text of the program.
+ */
+const withoutControls = (text) => text.replace(/[\r\n\t]/g, " ")
+  .replace(/[\u0000-\u001f\u007f-\u009f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069]/g, "\ufffd")
+  .replace(/\p{Noncharacter_Code_Point}/gu, "\ufffd");
 
 /** What the template gets for a value of the JSON; objects have has_NAME beside each list. */
 function templateData(value) {
@@ -37,7 +42,7 @@ function missingSignatures(required, signers) {
   const missing = [];
   for (const { role, count } of required) {
     const keys = new Set(signers.filter((signer) => signer.role === role).map(({ key_id }) => key_id));
-    if (keys.size < count) missing.push({ missing_role: role, missing_count: count - keys.size });
+    if (keys.size < count) missing.push({ missing_role: role, missing_count: String(count - keys.size) });
   }
   return missing;
 }

@@ -7,6 +7,7 @@
 #include <array>
 
 #include "core/failure.h"
+#include "core/plain_text.h"
 #include "core/text.h"
 #include "stages/explain/parts.h"
 #include "stages/explain/words.h"
@@ -118,7 +119,8 @@ std::string explain_text(const Verdict& verdict, const std::vector<Profile>& pro
                                "was decided: runcert explain RUN_DIR decision.",
                                first.verdict.requirements.empty()
                                    ? "CLAUSE"
-                                   : full_name(first, first.verdict.requirements.front().clause)),
+                                   : shell_word(plain_text(full_name(
+                                         first, first.verdict.requirements.front().clause)))),
                    0);
 }
 

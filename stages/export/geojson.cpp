@@ -1,8 +1,8 @@
 #include <nlohmann/json.hpp>
 
+#include "core/plain_text.h"
 #include "core/text.h"
 #include "stages/export/export.h"
-#include "stages/export/plain_text.h"
 #include "stages/export/window_words.h"
 
 namespace runcert {

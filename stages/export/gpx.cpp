@@ -4,9 +4,9 @@
 #include <pugixml.hpp>
 #include <sstream>
 
+#include "core/plain_text.h"
 #include "core/text.h"
 #include "stages/export/export.h"
-#include "stages/export/plain_text.h"
 #include "stages/export/window_words.h"
 
 namespace runcert {

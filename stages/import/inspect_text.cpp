@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/plain_text.h"
 #include "core/text.h"
 #include "stages/import/inspect.h"
 
@@ -200,14 +201,14 @@ void add_speed_concerns(const Inspection& it, std::vector<std::string>& concerns
 }  // namespace
 
 std::string inspection_text(const Inspection& it, const std::string& file_name) {
-    std::string text =
-        fmt::format("{}: {}, {}, {}\n", file_name,
-                    it.variant.empty() ? it.format : fmt::format("{} ({})", it.format, it.variant),
-                    frame_text(it.frame), time_scale_text(it.time_scale));
+    std::string text = fmt::format(
+        "{}: {}, {}, {}\n", plain_text(file_name),
+        it.variant.empty() ? it.format : fmt::format("{} ({})", it.format, plain_text(it.variant)),
+        frame_text(it.frame), time_scale_text(it.time_scale));
     const auto line = [&](std::string_view title, const std::string& value) {
         text += fmt::format("  {:<10}{}\n", title, value);
     };
-    if (!it.device.empty()) line("Made by", it.device);
+    if (!it.device.empty()) line("Made by", plain_text(it.device));
     line("Time", span_text(it));
     line("Epochs", epochs_text(it));
     line("Gaps", gaps_text(it));
@@ -234,7 +235,7 @@ std::string inspection_text(const Inspection& it, const std::string& file_name) 
         concerns.end(), it.notes.begin(),
         it.notes.begin() + static_cast<std::ptrdiff_t>(std::min(it.notes.size(), most_notes)));
     for (const std::string& concern : concerns)
-        text += "  - " + concern + "\n";
+        text += "  - " + plain_text(concern) + "\n";
     if (concerns.empty()) text += "  Nothing in it looks wrong at first sight.\n";
     return text;
 }

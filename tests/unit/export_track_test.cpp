@@ -3,10 +3,10 @@
 #include <pugixml.hpp>
 
 #include "core/failure.h"
+#include "core/plain_text.h"
 #include "files/atomic_file.h"
 #include "files/process.h"
 #include "stages/export/export.h"
-#include "stages/export/plain_text.h"
 
 namespace runcert {
 namespace {

@@ -46,11 +46,18 @@ export const hostileRun = () => {
   fs.cpSync(path.dirname(example("salt_lake")), folder, { recursive: true });
   const attempt = fs.readFileSync(path.join(folder, "attempt.yaml"), "utf8")
     .replace(/name: [^,}\n]+/, () => `name: ${inYaml(hostileText)}`)
-    .replace(/^place: .*$/m, `place: ${"W".repeat(10000)}`);
+    .replace(/^place: .*$/m, `place: ${"W".repeat(10000)}`)
+    .replace("attempt/1.3", "attempt/1.5")
+    .replace(/^ {2}source: .*$/m, `  source: ${inYaml(steering + hostileText)}`)
+    .replace(/^profiles:/m, () => `signatures: [{role: judge, count: 2}]\nprofiles:`);
   fs.writeFileSync(path.join(folder, "attempt.yaml"), attempt);
   return certify("hostile", path.join(folder, "attempt.yaml"), ["--key", key("measurer").secret]);
 };
-export const hostileText = "</script><script>document.title='taken'</script><!-- {{report_id}} & \"'<b>⛵\u202e";
+export const hostileText = "</script><script>document.title='taken'</script><!-- {{report_id}} &amp; & \"'<b>⛵\\u003c";
+/** Marks that close what isolates them and turn what follows, line ends, control characters, no characters. */
+const steering = "\u2069\u202e\u200f\u061c\u2028\r\n\t\u0000\u001b\u009b\u007f\ufdd0\uffff";
+/** As the page shows them. */
+export const steeringShown = "\ufffd".repeat(5) + "   " + "\ufffd".repeat(6);
 
 /** A copy of a run folder, to be signed again. */
 function copyOf(run_folder, name) {

@@ -62,6 +62,9 @@ describe("a signed page", () => {
       assert.notEqual(await page.title(), "taken");
       const text = await page.evaluate(() => document.querySelector("main").textContent);
       assert.ok(text.includes(pages.hostileText), "the name as it was written");
+      assert.ok(text.includes(pages.steeringShown + pages.hostileText), "what steers is shown as such");
+      assert.match(text, /2 in the role “judge”/);
+      assert.equal(await page.locator("main script, main b, main style").count(), 0);
       assert.ok(text.includes("W".repeat(10000)), "a word of ten thousand letters");
     });
   });

@@ -37,10 +37,10 @@ inline std::string endless(const std::string& tag) {
     return fmt::format("{}{}", tag, long_word);
 }
 
-/// Words of the fields that hold the markup, as the report must show them.
-inline const std::vector<std::string> tags{
-    "CRAFT",   "ROLE",   "NAME",         "KEY",  "RECORD", "REASON", "AMENDS",     "WIND",
-    "CURRENT", "METHOD", "METHODSOURCE", "BODY", "TITLE",  "CLAUSE", "CLAUSETEXT", "CLAUSESOURCE"};
+/// Words of the fields that the report shows, with the markup.
+inline const std::vector<std::string> tags{"CRAFT",  "ROLE",       "NAME",        "KEY",  "RECORD",
+                                           "REASON", "AMENDS",     "METHOD",      "BODY", "TITLE",
+                                           "CLAUSE", "CLAUSETEXT", "CLAUSESOURCE"};
 inline const std::vector<std::string> endless_tags{"PLACE", "OTHERNAME", "OTHERREASON",
                                                    "ATTESTTEXT"};
 

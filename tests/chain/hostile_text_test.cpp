@@ -49,13 +49,14 @@ std::string found_in(const fs::path& page, const std::string& xpath) {
 TEST_F(HostileText, IsTextOnThePage) {
     if (!has_program("xmllint")) GTEST_SKIP() << "xmllint is not installed";
     const fs::path page = run() / "report.html";
-    const std::string shown = without_blanks(found_in(page, "string(//main)"));
+    const std::string main = found_in(page, "string(//main)");
+    const std::string shown = without_blanks(main);
+    EXPECT_EQ(steering_in(main), std::vector<std::string>{});
     for (const std::string& tag : tags)
         EXPECT_TRUE(holds(shown, without_blanks("cmd() " + tag + " " + markup + letters))) << tag;
     for (const std::string& tag : endless_tags)
         EXPECT_TRUE(holds(shown, tag + long_word)) << tag;
     EXPECT_TRUE(holds(shown, without_blanks(hostile_recording)));
-    EXPECT_EQ(steering_in(read_file(page)), std::vector<std::string>{});
     // No element or attribute came of it: the page's own scripts are its only ones.
     EXPECT_EQ(found_in(page, "count(//script)"), "5");
     EXPECT_EQ(found_in(page, "count(//main//script | //b | //main//style | //@onmouseover)"), "0");
@@ -71,8 +72,10 @@ TEST_F(HostileText, IsWithinTheMarginsOnPaper) {
         EXPECT_TRUE(holds(text.output, "cmd() " + tag)) << tag;
     const std::string words = without_blanks(text.output);
     EXPECT_TRUE(holds(words, without_blanks("cmd() CRAFT " + markup)));
-    EXPECT_EQ(steering_in(replaced(text.output, "\f", "")).size(),
-              static_cast<std::size_t>(std::ranges::count(text.output, '\f')) - 1);
+    std::string unbroken = text.output;
+    std::ranges::replace(unbroken, '\f', '\n');  // pages
+    // pdftotext itself puts two of them around Hebrew and Arabic.
+    EXPECT_EQ(steering_in(unbroken), (std::vector<std::string>{"\u202B", "\u202C"}));
     // All letters of every long word are on paper, some of the words more than once.
     EXPECT_GE(std::ranges::count(words, 'W'),
               static_cast<std::ptrdiff_t>(endless_tags.size() * long_word.size()));
@@ -169,9 +172,10 @@ TEST_F(HostileText, IsTextInTablesAndOnMaps) {
         static const std::regex number("-?[0-9]+([.][0-9]+)?(e[-+][0-9]+)?");
         for (std::string row; std::getline(rows, row);) {
             std::istringstream cells(row);
-            for (std::string cell; std::getline(cells, cell, ',');)
-                if (!cell.empty() && std::string("=+-@\t").find(cell.front()) != std::string::npos)
-                    ASSERT_TRUE(std::regex_match(cell, number)) << table << ": " << cell;
+            for (std::string cell; std::getline(cells, cell, ',');) {
+                if (std::string("=+-@\t").find(cell.substr(0, 1)) == std::string::npos) continue;
+                ASSERT_TRUE(cell.empty() || std::regex_match(cell, number)) << table << cell;
+            }
         }
     }
     for (const std::string format : {"kml", "gpx"}) {

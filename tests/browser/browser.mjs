@@ -51,10 +51,11 @@ export async function withPage(file, look, { before, ...options } = {}) {
 }
 
 /** The outcome of the page's own check: {state, words}. */
-export const outcomeOf = (page) => page.evaluate(() => ({
-  state: document.documentElement.dataset.check,
-  words: document.getElementById("self-check").innerText,
-}));
+export const outcomeOf = (page) => page.evaluate(() => {
+  const check = document.getElementById("self-check");
+  for (const folded of check.querySelectorAll("details")) folded.open = true;
+  return { state: document.documentElement.dataset.check, words: check.innerText };
+});
 
 /** The outcome of a page file. */
 export const checkPage = (file, options) => withPage(file, outcomeOf, options);

@@ -135,11 +135,12 @@ class Unpacking {
                                shown));
         if (archive_entry_sparse_count(entry) > 0)
             refuse(fmt::format("\"{}\" is a sparse file, which hides its size", shown));
+        // Folders too: they compress to nothing, and reading them takes time.
+        if (++entries_ > limits_.files)
+            refuse(fmt::format("it holds more than {} files", limits_.files));
         if (folder) return;
         if (!seen_.insert(name).second)
             refuse(fmt::format("it holds \"{}\" twice: which one counts?", shown));
-        if (seen_.size() > limits_.files)
-            refuse(fmt::format("it holds more than {} files", limits_.files));
         const la_int64_t size = archive_entry_size(entry);
         if (size < 0 || static_cast<std::uint64_t>(size) > limits_.bytes - unpacked_)
             refuse(
@@ -180,6 +181,7 @@ class Unpacking {
     std::set<std::string> seen_;
     std::vector<std::string> names_;
     std::uint64_t unpacked_ = 0;
+    std::uint64_t entries_ = 0;
 };
 
 }  // namespace

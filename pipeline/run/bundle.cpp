@@ -4,13 +4,13 @@
 #include <fmt/ranges.h>
 
 #include <map>
-#include <nlohmann/json.hpp>
 #include <set>
 
 #include "core/failure.h"
 #include "core/text.h"
 #include "files/archive.h"
 #include "files/atomic_file.h"
+#include "files/roster.h"
 #include "files/sha256.h"
 #include "files/signature.h"
 #include "run/bundle_text.h"
@@ -33,25 +33,16 @@ struct BundledReport {
 
 BundledReport bundled_report(const fs::path& run_dir) {
     const fs::path file = run_dir / "report.json";
-    try {
-        const auto report = nlohmann::json::parse(read_file(file));
-        const auto& predicate = report.at("predicate");
-        BundledReport facts{.attempt = predicate.at("attempt").at("id").get<std::string>(),
-                            .report_id = predicate.at("report_id").get<std::string>()};
-        for (const auto& subject : report.at("subject"))
-            facts.subjects.insert(subject.at("name").get<std::string>());
-        if (!is_plain_name(facts.attempt) || facts.attempt.find('/') != std::string::npos)
-            throw Failure(file.string(),
-                          fmt::format("the attempt's id \"{}\" cannot be the name of a folder",
-                                      escape_for_message(facts.attempt)),
-                          "Certify again under an id that begins with a letter or digit");
-        facts.report_id = escape_for_message(facts.report_id, 200);
-        return facts;
-    } catch (const nlohmann::json::exception& error) {
+    const ReportFacts report = read_report_facts(run_dir);
+    BundledReport facts{.attempt = report.attempt_id, .report_id = report.report_id};
+    for (const auto& [name, sha256] : report.subjects)
+        facts.subjects.insert(name);
+    if (!is_plain_name(facts.attempt) || facts.attempt.find('/') != std::string::npos)
         throw Failure(file.string(),
-                      fmt::format("not a report: {}", escape_for_message(error.what(), 200)),
-                      "The file was changed or cut off; take the original, or certify again");
-    }
+                      fmt::format("the attempt's id \"{}\" cannot be the name of a folder",
+                                  escape_for_message(facts.attempt)),
+                      "Certify again under an id that begins with a letter or digit");
+    return facts;
 }
 
 bool is_written_beside_the_report(const std::string& name) {
@@ -118,8 +109,11 @@ void require_whole(const fs::path& run_dir, const FolderContents& contents) {
                                   listed(contents.unknown)),
                       "Move it out of the folder. What belongs to the attempt (a recording, wind) "
                       "is named in the attempt and certified again");
-    const VerificationStep files = verify_files(run_dir, read_report_facts(run_dir));
-    if (!files.passed)
+    VerificationStep files = verify_files(run_dir, read_report_facts(run_dir));
+    // These stay behind.
+    std::erase_if(files.details,
+                  [](const std::string& detail) { return detail.starts_with(program_leftover); });
+    if (!files.details.empty())
         throw Failure(run_dir.string(),
                       fmt::format("{}: {}", files.finding, fmt::join(files.details, "; ")),
                       "Bundle the folder as `runcert certify` left it, or certify again");
@@ -160,9 +154,13 @@ std::map<std::string, std::string> given_keys(const BundleInput& input) {
                           fmt::format("two different keys have the id {}", key_id_text(key)),
                           "Ask the two owners which of them is genuine");
     }
-    if (input.roster)
-        keys[bundle_roster_file] =
+    if (input.roster) {
+        const std::string text =
             public_text(*input.roster, "a roster in the form of OpenSSH's allowed signers", " ");
+        // Whatever else it may be, a secret key whose comment was changed among it, is no roster.
+        (void)parse_roster(text, input.roster->string());
+        keys[bundle_roster_file] = text;
+    }
     if (input.tsa_ca)
         keys[bundle_tsa_file] =
             public_text(*input.tsa_ca, "a certificate in PEM form", "-----BEGIN CERTIFICATE-----");

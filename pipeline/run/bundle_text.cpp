@@ -116,9 +116,11 @@ std::string signatures(const BundleFacts& facts) {
 
 std::string by_runcert(const BundleFacts& facts) {
     std::string options;
-    for (const std::string& key : with_ending(facts, "keys/", ".pub"))
-        options += fmt::format(" --pubkey {}/{}", facts.attempt, key);
-    if (has(facts, bundle_roster_file))
+    // A roster says more than keys alone; verify takes one or the other.
+    if (!has(facts, bundle_roster_file))
+        for (const std::string& key : with_ending(facts, "keys/", ".pub"))
+            options += fmt::format(" --pubkey {}/{}", facts.attempt, key);
+    else
         options += fmt::format(" --roster {}/{}", facts.attempt, bundle_roster_file);
     if (has(facts, bundle_tsa_file))
         options += fmt::format(" --tsa-ca {}/{}", facts.attempt, bundle_tsa_file);

@@ -109,7 +109,8 @@ TEST_F(BundleTest, ABundleUnpackedAndBundledAgainIsTheSame) {
 TEST_F(BundleTest, RosterAndAuthorityGoAlong) {
     const TemporaryFolder there;
     ASSERT_EQ(shell(there.path(),
-                    "echo 'measurer ssh-ed25519 AAAA someone' > r; openssl req -x509 -newkey "
+                    "ssh-keygen -q -t ed25519 -N '' -C someone -f s; (printf 'measurer '; cat "
+                    "s.pub) > r; openssl req -x509 -newkey "
                     "ed25519 -nodes -keyout k.pem -out ca.pem -subj /CN=authority")
                   .exit_status,
               0);
@@ -129,7 +130,21 @@ TEST_F(BundleTest, RosterAndAuthorityGoAlong) {
     expect_refused(bundle(signed_->run(), there.path() / "p.tar.zst",
                           {"--pubkey", (signed_->path() / "measurer.key").string()}),
                    {"secret key", "measurer.key"});
+    // A secret key whose comment was changed.
+    std::string secret = read_file(signed_->path() / "measurer.key");
+    write_quickly(there.path() / "list", "# roster of" + secret.substr(secret.find('\n')));
+    expect_refused(bundle(signed_->run(), there.path() / "p.tar.zst",
+                          {"--roster", (there.path() / "list").string()}),
+                   {"list, line 2"});
     EXPECT_FALSE(fs::exists(there.path() / "p.tar.zst"));
+    // verify takes keys or a roster.
+    const fs::path with_both = there.path() / "both.tar.zst";
+    ASSERT_EQ(
+        bundle(signed_->run(), with_both, {"--roster", roster, "--pubkey", signed_->public_key()})
+            .exit_status,
+        0);
+    EXPECT_FALSE(
+        holds(read_file(unpack_bundle(with_both).run_dir / "VERIFY.txt"), "--pubkey salt-lake"));
 }
 
 constexpr const char* sign_and_stamp =

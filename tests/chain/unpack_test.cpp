@@ -107,6 +107,10 @@ TEST(Unpack, RefusesWhatWouldFillTheDisk) {
     EXPECT_EQ(refusal(big, {.bytes = 1200}), "");
     EXPECT_TRUE(holds(refusal(big, {.bytes = 1199}), "more than 1199 bytes"));
     EXPECT_TRUE(holds(refusal(big, {.files = 1}), "more than 1 files"));
+    const std::string folders = archive_of(
+        {{"a", "", AE_IFDIR}, {"b", "", AE_IFDIR}, {"c", "", AE_IFDIR}, {"d/report.json"}});
+    EXPECT_EQ(refusal(folders, {.files = 4}), "");
+    EXPECT_TRUE(holds(refusal(folders, {.files = 3}), "more than 3 files"));
     EXPECT_EQ(UnpackLimits{}.bytes, std::uint64_t{4} << 30);
     // A hole of 5 GiB takes a few hundred bytes, in each way that tar writes it.
     const TemporaryFolder there;

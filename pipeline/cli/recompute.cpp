@@ -11,6 +11,7 @@
 #include "files/process.h"
 #include "files/program.h"
 #include "recompute_file.h"
+#include "recompute_pages.h"
 #include "run/chain.h"
 
 namespace runcert {
@@ -113,32 +114,6 @@ std::string finding_of(const Comparisons& all) {
     return fmt::format("equal within 1/1000 of the stated uncertainty: {}, {}", count, largest);
 }
 
-/// Whether the pages of the folder are what this program makes of the folder's own report.
-std::vector<std::string> page_notes(const fs::path& run_dir, const fs::path& folder) {
-    std::vector<std::string> pages;
-    for (const char* page : {"report.html", "report.pdf"})
-        if (fs::exists(run_dir / page)) pages.emplace_back(page);
-    if (pages.empty() || !fs::exists(run_dir / report_file)) return {};
-    for (const auto& entry : fs::directory_iterator(run_dir))
-        if (entry.path().filename().string().starts_with(report_file))
-            fs::copy_file(entry.path(), folder / entry.path().filename(),
-                          fs::copy_options::overwrite_existing);
-    try {
-        run_stage("report", report_arguments(folder, "--render-only"));
-    } catch (const StageFailed& failed) {
-        return {"note: the pages could not be made again: " + failed.errors};
-    }
-    std::vector<std::string> notes;
-    for (const std::string& page : pages) {
-        const bool same =
-            fs::exists(folder / page) && read_file(folder / page) == read_file(run_dir / page);
-        notes.push_back(page + (same ? ": identical when rendered again"
-                                     : ": note: not what this program renders of report.json; "
-                                       "another version may have, report.json is what counts"));
-    }
-    return notes;
-}
-
 }  // namespace
 
 VerificationStep verify_recomputation(const fs::path& run_dir) {
@@ -165,8 +140,13 @@ VerificationStep verify_recomputation(const fs::path& run_dir) {
             fmt::format("note: the folder's files were made by {}, recomputed by runcert {}, "
                         "source {}",
                         maker, program_version(), source_revision())));
-    for (std::string& note : page_notes(run_dir, own.path()))
-        step.details.push_back(std::move(note));
+    PageComparison pages = compare_pages(run_dir, own.path());
+    if (!pages.passed && step.passed) {
+        step.passed = false;
+        step.finding = "the files are as recomputed, the page is not";
+    }
+    for (std::string& detail : pages.details)
+        step.details.push_back(std::move(detail));
     return step;
 }
 

@@ -35,6 +35,13 @@ std::size_t count_of(std::string_view text, std::string_view part) {
     return count;
 }
 
+std::string lower(std::string_view text) {
+    std::string result(text);
+    for (char& c : result)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return result;
+}
+
 PageFinding check_html(const fs::path& file, const ReportFacts& report) {
     const std::string page = read_file(file);
     const std::size_t begin = page.find(script_begin);
@@ -42,15 +49,25 @@ PageFinding check_html(const fs::path& file, const ReportFacts& report) {
         return {.words = fmt::format("it does not carry the report, as pages of an earlier version "
                                      "of the program: {}",
                                      render_again)};
-    // A browser would take the first of several, whichever of them is checked here.
-    if (count_of(page, script_id) != 1)
+    // A browser would take the first of several, whichever of them is checked here; it ends a
+    // comment where this program looks for none.
+    const std::string_view before = std::string_view(page).substr(0, begin);
+    if (count_of(before, "<!--") > 0 || count_of(before, "<plaintext") > 0)
+        return {.words = fmt::format("what it carries stands in a comment: {}", render_again)};
+    if (count_of(page, script_id) != 1 || count_of(lower(before), "report-json") > 0)
         return {.words = fmt::format("it carries more than one report: {}", render_again)};
     const std::size_t text = begin + script_begin.size();
     const std::size_t end = page.find(script_end, text);
     if (end == std::string::npos || page.compare(text, end - text, report.text) != 0)
         return {.words =
                     fmt::format("the report that it carries is not report.json: {}", render_again)};
-    return {.passed = true, .words = "it carries report.json, byte for byte"};
+    // What ends a script or begins a comment would make a browser read on elsewhere.
+    if (report.text.find_first_of("<>&") != std::string::npos)
+        return {.words = "report.json holds <, > or &, which a page cannot carry as they are"};
+    return {.passed = true,
+            .words =
+                "it carries report.json, byte for byte; what it shows was not compared "
+                "(--recompute does)"};
 }
 
 PageFinding check_pdf(const fs::path& file, const ReportFacts& report) {
@@ -70,6 +87,9 @@ PageFinding check_pdf(const fs::path& file, const ReportFacts& report) {
         return {.words = fmt::format("it cannot be read as a PDF: {}",
                                      escape_for_message(trim(list.errors), 100))};
     const std::size_t named = count_of(list.output, ": report.json\n");
+    if (named == 1 && !list.output.starts_with("1 embedded files\n"))
+        return {.words = fmt::format("there are other files attached to it beside report.json: {}",
+                                     render_again)};
     if (named == 0)
         return {.words = fmt::format("report.json is not attached to it, as in pages of an earlier "
                                      "version of the program: {}",
@@ -85,7 +105,8 @@ PageFinding check_pdf(const fs::path& file, const ReportFacts& report) {
     if (save.exit_status != 0 || !fs::exists(saved) || read_file(saved) != report.text)
         return {.words =
                     fmt::format("the report attached to it is not report.json: {}", render_again)};
-    std::string words = "report.json is attached to it, byte for byte";
+    std::string words =
+        "report.json is attached to it, byte for byte; what it shows was not compared";
     const SealCheck seal = check_seal(file);
     if (seal.present) words += "; " + seal.words;
     return {.passed = !seal.present || seal.holds(), .words = std::move(words)};

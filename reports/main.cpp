@@ -85,7 +85,8 @@ int main(int argc, char** argv) {
         [&](StageRun& run) {
             if (!render_only) write_report(run, write_report_json(gather(run)));
             if (!key.empty())
-                sign_report(run.run_dir(), load_secret_key(key), signing_role(run.attempt()));
+                sign_report(run.run_dir(), read_report_facts(run.run_dir()), load_secret_key(key),
+                            signing_role(run.attempt()));
             if (no_render) {
                 run.say("report.json");
                 return;

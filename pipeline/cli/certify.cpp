@@ -199,7 +199,7 @@ int certify(const CertifyOptions& options) {
             return arguments;
         };
         StageDone written = run_stage("report", with("--no-render"));
-        if (key) sign_report(workshop.path(), *key, role);
+        if (key) sign_report(workshop.path(), read_report_facts(workshop.path()), *key, role);
         if (!options.no_render) {
             auto arguments = with("--render-only");
             if (options.no_pdf) arguments.emplace_back("--no-pdf");

@@ -54,8 +54,9 @@ int sign_run(const SignOptions& options) {
     require_role(options.role, "--role");
     require_passed(run_dir, verify_files(run_dir, report));
     require_passed(run_dir, verify_chain(run_dir, report));
+    require_passed(run_dir, verify_report(run_dir, report));
     const SecretKey key = load_secret_key(options.key);
-    const std::string file = sign_report(run_dir, key, options.role);
+    const std::string file = sign_report(run_dir, report, key, options.role);
     fmt::print("signed  report {} of {}, as {}, by the key {}\nfile    {}\n", report.report_id,
                report.attempt_id, options.role, key_id_text(public_key_of(key)),
                (run_dir / file).string());

@@ -43,7 +43,8 @@ std::optional<Roster> read_keys(const VerifyOptions& options) {
 SignatureRules read_rules(const VerifyOptions& options) {
     SignatureRules rules{.roster = read_keys(options), .by_public_keys = options.roster.empty()};
     rules.time_stamp_cas.assign(options.time_stamp_cas.begin(), options.time_stamp_cas.end());
-    rules.at = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+    rules.present = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
+    rules.at = rules.present;
     if (options.at.empty()) return rules;
     const auto at = parse_iso_utc(options.at);
     if (!at)
@@ -68,6 +69,7 @@ int verify(const VerifyOptions& options) {
     result.layers.push_back(verify_files(run_dir, report));
     result.layers.push_back(verify_chain(run_dir, report));
     result.layers.push_back(verify_schemas(run_dir, report));
+    result.layers.push_back(verify_report(run_dir, report));
     SignatureLayers signatures = verify_signatures(run_dir, report, rules);
     result.layers.push_back(std::move(signatures.signatures));
     result.layers.push_back(std::move(signatures.time_stamps));

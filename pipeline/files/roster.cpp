@@ -189,6 +189,10 @@ Roster roster_of_public_key(std::string_view text, const std::string& who,
                             const std::string& where) {
     signature_text::start_libsodium();
     const std::string_view line = trim(text);
+    if (is_ssh_key_type(line.substr(0, line.find(' '))) &&
+        line.find('\n') != std::string_view::npos)
+        refuse(where, "a public key is one line; what else stands there would count as well",
+               "Give each key a file of its own, or give them as a roster");
     if (is_ssh_key_type(line.substr(0, line.find(' '))))
         return parse_roster("* " + std::string(line) + "\n", where);
     const PublicKey key = parse_public_key(text, where);

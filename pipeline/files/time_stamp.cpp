@@ -127,6 +127,13 @@ TimeStamp read_token(const std::string& token, const fs::path& reply) {
     return stamp;
 }
 
+/// Whether nobody can make two files with one hash of that kind.
+bool is_strong(std::string_view algorithm) {
+    constexpr std::array<std::string_view, 6> strong{"sha256",   "sha384",   "sha512",
+                                                     "sha3-256", "sha3-384", "sha3-512"};
+    return std::ranges::find(strong, algorithm) != strong.end();
+}
+
 /// All certificates in one file, for openssl.
 std::string joined_certificates(const std::vector<fs::path>& cas, const fs::path& folder) {
     std::string certificates;
@@ -178,7 +185,13 @@ TimeStampCheck check_time_stamp(const fs::path& file, const fs::path& reply,
     TimeStampCheck check;
     try {
         const std::string token = token_of(reply, folder.path());
-        check.time = read_token(token, reply).time;
+        const TimeStamp stamp = read_token(token, reply);
+        check.time = stamp.time;
+        if (!is_strong(stamp.hash.algorithm)) {
+            check.reason = fmt::format("it is over a {} hash, which another file can share",
+                                       escape_for_message(stamp.hash.algorithm));
+            return check;
+        }
         const ProcessResult verified = openssl_ts(
             {"-verify", "-data", fs::absolute(file).string(), "-in", token, "-token_in", "-CAfile",
              certificates, "-attime", std::to_string(check.time.time_since_epoch().count())});

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
 #include <utility>
 
 namespace runcert {
@@ -30,6 +31,7 @@ std::string trusted_comment_text(const TrustedComment& comment) {
 
 TrustedComment parse_trusted_comment(std::string_view text) {
     TrustedComment comment;
+    std::set<std::string_view> seen;
     const auto take_word = [&text] {
         const std::string_view word = text.substr(0, text.find(' '));
         text.remove_prefix(std::min(word.size() + 1, text.size()));
@@ -40,9 +42,10 @@ TrustedComment parse_trusted_comment(std::string_view text) {
         const std::string_view word = take_word();
         const std::size_t equals = std::min(word.find('='), word.size());
         for (const auto& [name, member] : fields)
-            // The first of two counts.
-            if (word.substr(0, equals) == name && (comment.*member).empty() && equals < word.size())
+            if (word.substr(0, equals) == name && equals < word.size()) {
+                if (!seen.insert(name).second) comment.repeated = name;
                 comment.*member = word.substr(equals + 1);
+            }
     }
     return comment;
 }

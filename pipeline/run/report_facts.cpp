@@ -6,6 +6,7 @@
 
 #include "core/failure.h"
 #include "core/text.h"
+#include "files/archive.h"
 #include "files/atomic_file.h"
 #include "files/roster.h"
 #include "schemas/common/revision.h"
@@ -17,7 +18,9 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-constexpr std::size_t longest_report = std::size_t{256} << 20U;  // bytes
+constexpr std::size_t longest_report = std::size_t{64} << 20U;  // bytes
+constexpr std::size_t most_subjects = 10'000;
+constexpr std::string_view statement_type = "https://in-toto.io/Statement/v1";
 constexpr std::string_view predicate_prefix = "urn:runcert:measurement-report:";
 
 const char* const take_original = "The file was changed or cut off; take the original";
@@ -28,7 +31,12 @@ std::string read_report(const fs::path& file) {
                       "Give the folder that runcert certify wrote");
     if (fs::is_regular_file(file) && fs::file_size(file) > longest_report)
         throw Failure(file.string(), "the file is longer than any report", take_original);
-    return read_file(file);
+    std::string text = read_file(file);
+    // Some programs read past a byte order mark, others refuse the file.
+    if (text.starts_with("\xEF\xBB\xBF"))
+        throw Failure(file.string(), "it begins with a byte order mark, as no report does",
+                      take_original);
+    return text;
 }
 
 /// Refuses a second member of the same name in one object, and nesting so deep that reading it
@@ -73,6 +81,9 @@ std::string read_id(const Json& value, const std::string& what, const std::strin
 
 /// The model's own version has to be known before anything else of the report can be understood.
 void require_known_version(const Json& json, const std::string& where) {
+    if (json.at("_type").get<std::string>() != statement_type)
+        throw Failure(where, "this is no in-toto statement of version 1, as every report is",
+                      take_original);
     const std::string type = json.at("predicateType").get<std::string>();
     if (!type.starts_with(predicate_prefix))
         throw Failure(where,
@@ -99,21 +110,41 @@ void require_known_version(const Json& json, const std::string& where) {
     }
 }
 
-std::map<std::string, std::string> subjects_of(const Json& json, const std::string& where) {
-    std::map<std::string, std::string> subjects;
-    for (const Json& subject : json.at("subject")) {
+/// Names that one system tells apart and another does not are the same.
+std::string in_lower_case(std::string name) {
+    for (char& c : name)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return name;
+}
+
+struct Subjects {
+    std::map<std::string, std::string> sha256{};
+    std::vector<std::string> names{};
+};
+
+Subjects subjects_of(const Json& json, const std::string& where) {
+    Subjects subjects;
+    const Json& list = json.at("subject");
+    if (!list.is_array() || list.size() > most_subjects)
+        throw Failure(where,
+                      fmt::format("its subjects are no list of at most {} files", most_subjects),
+                      take_original);
+    std::set<std::string> seen;
+    for (const Json& subject : list) {
         const std::string name = subject.at("name").get<std::string>();
-        if (name.empty() || name.find('/') != std::string::npos || name == "." || name == "..")
+        if (!is_plain_name(name) || name.find('/') != std::string::npos)
             throw Failure(where,
                           fmt::format("the subject \"{}\" is not a file of the run folder",
                                       escape_for_message(name)),
                           "This is not a report of this program, or it was changed");
-        if (!subjects.emplace(name, subject.at("digest").at("sha256").get<std::string>()).second)
+        if (!seen.insert(in_lower_case(name)).second)
             throw Failure(
                 where, fmt::format("the subject \"{}\" is named twice", escape_for_message(name)),
                 take_original);
+        subjects.sha256[name] = subject.at("digest").at("sha256").get<std::string>();
+        subjects.names.push_back(name);
     }
-    if (subjects.empty()) throw Failure(where, "the report names no files", take_original);
+    if (subjects.names.empty()) throw Failure(where, "the report names no files", take_original);
     return subjects;
 }
 
@@ -155,7 +186,9 @@ ReportFacts read_report_facts(const fs::path& run_dir) {
         facts.attempt_id = read_id(predicate.at("attempt").at("id"), "id of an attempt", where);
         facts.program_version = predicate.at("program").at("version").get<std::string>();
         facts.source_revision = predicate.at("program").at("source_revision").get<std::string>();
-        facts.subjects = subjects_of(facts.json, where);
+        Subjects subjects = subjects_of(facts.json, where);
+        facts.subjects = std::move(subjects.sha256);
+        facts.subject_names = std::move(subjects.names);
         facts.required = required_of(predicate, where);
     } catch (const nlohmann::json::exception& error) {
         throw Failure(where, fmt::format("not a report: {}", escape_for_message(error.what(), 200)),

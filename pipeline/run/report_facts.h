@@ -24,11 +24,13 @@ struct ReportFacts {
     std::string program_version{};
     std::string source_revision{};
     std::map<std::string, std::string> subjects{};  ///< file name to SHA-256
+    std::vector<std::string> subject_names{};       ///< in the report's own order
     std::vector<RequiredSignatures> required{};     ///< empty: one signature, in any role
 };
 
 /// Reads RUN_DIR/report.json. Failure where it is missing, longer than any report, not JSON, holds
-/// a key twice (programs differ in which of the two they read), is no measurement report, or
+/// a key twice or begins with a byte order mark (programs differ in how they read these), names a
+/// file that is none of a run folder on every system, is no measurement report, or
 /// follows a version of the report's schema that is newer than this program's: what it asks for
 /// could not be known.
 ReportFacts read_report_facts(const std::filesystem::path& run_dir);

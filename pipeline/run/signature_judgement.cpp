@@ -10,9 +10,6 @@
 namespace runcert {
 namespace {
 
-/// Clocks of signers and authorities may differ by that much.
-constexpr std::chrono::minutes clock_tolerance{5};
-
 Signer broken(Signer signer, std::string reason) {
     signer.broken = true;
     signer.reason = std::move(reason);
@@ -58,6 +55,8 @@ std::string objection_of(const RosterEntry& entry, const Signer& signer, const S
     if (signer.stated_time.empty()) return {};
     const auto stated = parse_iso_utc(signer.stated_time);
     if (!stated) return "the time that its signer states cannot be read";
+    if (*stated > rules.present + clock_tolerance)
+        return fmt::format("its signer states {}, which is yet to come", iso_text(*stated));
     if (!entry.is_valid_at(*stated))
         return out_of_validity(entry, *stated, signer.role, "the time that its signer states");
     if (one.stamped && *stated > *one.stamped + clock_tolerance)
@@ -130,6 +129,8 @@ std::optional<TriedKey> find_signing_key(const SignatureFile& file, const Signat
 /// What is wrong between a comment that its key vouches for and the report it lies beside.
 std::string contradiction(const TrustedComment& comment, const PublicKey& key,
                           const ReportFacts& report) {
+    if (!comment.repeated.empty())
+        return fmt::format("its trusted comment states \"{}=\" twice", comment.repeated);
     if ((!comment.report_id.empty() && comment.report_id != report.report_id) ||
         (!comment.attempt_id.empty() && comment.attempt_id != report.attempt_id))
         return fmt::format("it was made for another report ({}, attempt {}), and is replayed here",

@@ -41,13 +41,12 @@ class Matching {
     std::vector<bool> filled_;
 };
 
-/// The same text for the same key, whether a signature is in minisign's or in OpenSSH's form.
-std::string identity(const Signer& signer) {
+}  // namespace
+
+std::string key_identity(const Signer& signer) {
     if (signer.key.find(' ') != std::string::npos) return signer.key;
     return ssh_key_text(ssh_key_of(parse_public_key(signer.key, signer.file).key));
 }
-
-}  // namespace
 
 std::vector<RoleState> fill_roles(const std::vector<RequiredSignatures>& required,
                                   const std::vector<Signer>& signers) {
@@ -57,7 +56,7 @@ std::vector<RoleState> fill_roles(const std::vector<RequiredSignatures>& require
     for (const RequiredSignatures& one : required) {
         std::set<std::string> keys;
         for (const Signer& signer : signers)
-            if (signer.valid && signer.role == one.role) keys.insert(identity(signer));
+            if (signer.valid && signer.role == one.role) keys.insert(key_identity(signer));
         keys_of_slot.insert(keys_of_slot.end(), one.count, keys);
         state_of_slot.insert(state_of_slot.end(), one.count, states.size());
         states.push_back({.role = one.role, .needed = one.count});

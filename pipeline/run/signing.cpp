@@ -14,7 +14,6 @@
 #include "files/roster.h"
 #include "files/trusted_comment.h"
 #include "files/utc_second.h"
-#include "run/report_facts.h"
 #include "run/signature_files.h"
 
 namespace runcert {
@@ -126,10 +125,9 @@ std::string signing_role(const Attempt& attempt) {
     return attempt.officials.front().role;
 }
 
-std::string sign_report(const std::filesystem::path& run_dir, const SecretKey& key,
-                        const std::string& role) {
+std::string sign_report(const std::filesystem::path& run_dir, const ReportFacts& report,
+                        const SecretKey& key, const std::string& role) {
     require_role(role, "the role to sign in");
-    const ReportFacts report = read_report_facts(run_dir);
     const PublicKey public_key = public_key_of(key);
     const std::string name = place_for(run_dir, public_key, role);
     const auto now = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
@@ -138,6 +136,11 @@ std::string sign_report(const std::filesystem::path& run_dir, const SecretKey& k
                                                       .role = role,
                                                       .key = public_key_line(public_key),
                                                       .signed_at = iso_text(now)});
+    // While a password was typed, another report could have been put in this one's place.
+    if (read_file(run_dir / "report.json") != report.text)
+        throw Failure((run_dir / "report.json").string(),
+                      "the report was changed after it was checked; nothing was signed",
+                      "Find out who writes into the folder, and sign again");
     // What was stamped is the signature that is replaced.
     std::filesystem::remove(run_dir / time_stamp_name(name));
     std::filesystem::remove(run_dir / time_stamp_query_name(name));

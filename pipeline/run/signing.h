@@ -4,6 +4,7 @@
 #include <string>
 
 #include "files/signature.h"
+#include "run/report_facts.h"
 #include "schemas/attempt/attempt.h"
 
 namespace runcert {
@@ -25,8 +26,9 @@ std::string signing_role(const Attempt& attempt);
 /// where another signer has that, report.json.ROLE.minisig, report.json.ROLE.2.minisig and so on.
 /// The same key signing in the same role again replaces its own. The trusted comment names the
 /// report, the role and the key of the signer and the time of signing. Failure where the role is
-/// none, and where the report is none that this program knows.
-std::string sign_report(const std::filesystem::path& run_dir, const SecretKey& key,
-                        const std::string& role);
+/// none, and where report.json is no longer the `report` that was read, and perhaps checked,
+/// before.
+std::string sign_report(const std::filesystem::path& run_dir, const ReportFacts& report,
+                        const SecretKey& key, const std::string& role);
 
 }  // namespace runcert

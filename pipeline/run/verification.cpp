@@ -3,11 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
+#include <set>
 
 #include "core/failure.h"
 #include "core/text.h"
 #include "files/atomic_file.h"
 #include "files/sha256.h"
+#include "run/bundle.h"
+#include "run/evidence.h"
+#include "run/run_inventory.h"
 #include "run/signature_files.h"
 #include "schemas/products/products.h"
 
@@ -44,9 +49,26 @@ std::optional<std::string> fault_of_subject(const fs::path& file, const std::str
     return std::nullopt;
 }
 
+/// What does not belong into the folder of keys that a bundle brings.
+std::vector<std::string> extra_keys(const fs::path& keys) {
+    std::vector<std::string> extras;
+    if (!fs::is_directory(fs::symlink_status(keys))) return extras;
+    for (const auto& entry : fs::directory_iterator(keys)) {
+        const std::string name =
+            std::string(bundle_keys_folder) + "/" + entry.path().filename().string();
+        const bool known =
+            name == bundle_roster_file || name == bundle_tsa_file || name.ends_with(".pub");
+        if (!known || !fs::is_regular_file(entry.symlink_status()))
+            extras.push_back(shown(name) +
+                             ": neither a public key, a roster nor a certificate of "
+                             "an authority: move it away");
+    }
+    return extras;
+}
+
 /// What does not belong into a run folder, in words; by name, so that the order is always the same.
 std::vector<std::string> extra_files(const fs::path& run_dir, const ReportFacts& report) {
-    std::vector<std::string> extras;
+    std::vector<std::string> extras = extra_keys(run_dir / bundle_keys_folder);
     for (const auto& entry : fs::directory_iterator(run_dir)) {
         const std::string name = entry.path().filename().string();
         if (report.subjects.contains(name) || is_known_companion(entry)) continue;
@@ -61,7 +83,11 @@ std::vector<std::string> extra_files(const fs::path& run_dir, const ReportFacts&
 /// The hashes of the predicate's own list of files, which is what the pages show.
 void compare_shown_files(const ReportFacts& report, VerificationStep& step) {
     const auto& predicate = report.json.at("predicate");
-    if (!predicate.contains("files") || !predicate.at("files").is_array()) return;
+    if (predicate.at("files").size() != report.subjects.size()) {
+        step.passed = false;
+        step.details.push_back(fmt::format("report.json: shows {} files, it is signed for {}",
+                                           predicate.at("files").size(), report.subjects.size()));
+    }
     for (const auto& file : predicate.at("files")) {
         const std::string name = file.value("file", "");
         const auto subject = report.subjects.find(name);
@@ -71,6 +97,22 @@ void compare_shown_files(const ReportFacts& report, VerificationStep& step) {
         step.details.push_back(
             fmt::format("report.json: shows another {} than it is signed for", shown(name)));
     }
+}
+
+/// A stage file that does not name all that its stage reads is tied to nothing.
+std::vector<std::string> missing_inputs(
+    const fs::path& run_dir, const std::map<std::string, std::set<std::string>>& inputs_of) {
+    const fs::path file = run_dir / evidence_attempt_file;
+    const Attempt attempt = read_attempt(read_handwritten(file), file.string());
+    std::vector<std::string> missing;
+    for (const auto& [name, needed] : inventory_of(attempt).made_from) {
+        const auto stated = inputs_of.find(name);
+        for (const std::string& input : needed)
+            if (stated == inputs_of.end() || !stated->second.contains(input))
+                missing.push_back(
+                    fmt::format("{}: does not say from which {} it was made", name, input));
+    }
+    return missing;
 }
 
 }  // namespace
@@ -95,7 +137,7 @@ VerificationStep verify_files(const fs::path& run_dir, const ReportFacts& report
 
 VerificationStep verify_chain(const fs::path& run_dir, const ReportFacts& report) {
     VerificationStep step{.passed = true, .what = "chain", .finding = {}, .details = {}};
-    std::size_t products = 0;
+    std::map<std::string, std::set<std::string>> inputs_of;
     const auto fail = [&](std::string detail) {
         step.passed = false;
         step.details.push_back(std::move(detail));
@@ -105,9 +147,9 @@ VerificationStep verify_chain(const fs::path& run_dir, const ReportFacts& report
         // Those that are not there are said by verify_files.
         if (!is_product_name(name) || !fs::is_regular_file(fs::symlink_status(file))) continue;
         try {
-            ++products;
             for (const InputFile& input :
                  read_product_header(read_file(file), name, file.string()).inputs) {
+                inputs_of[name].insert(input.file);
                 const auto subject = report.subjects.find(input.file);
                 if (subject == report.subjects.end())
                     fail(fmt::format("{}: made from {}, which the report does not name",
@@ -121,13 +163,19 @@ VerificationStep verify_chain(const fs::path& run_dir, const ReportFacts& report
         }
     }
     try {
+        for (std::string& detail : missing_inputs(run_dir, inputs_of))
+            fail(std::move(detail));
+    } catch (const Failure& failure) {
+        fail(fmt::format("attempt.yaml: cannot be read: {}", failure.problem()));
+    }
+    try {
         compare_shown_files(report, step);
     } catch (const nlohmann::json::exception&) {
         fail("report.json: its list of files cannot be read");
     }
-    step.finding =
-        step.passed ? fmt::format("each of {} stage files was made from the files named", products)
-                    : "the stage files do not belong together";
+    step.finding = step.passed ? fmt::format("each of {} stage files was made from the files named",
+                                             inputs_of.size())
+                               : "the stage files do not belong together";
     return step;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -34,8 +35,14 @@ std::optional<VerificationStep> verify_bundle(const std::filesystem::path& run_d
 VerificationStep verify_files(const std::filesystem::path& run_dir, const ReportFacts& report);
 
 /// Whether every stage file was made from the very files that the report names: the inputs in its
-/// header against the report's subjects.
+/// header against the report's subjects, and against what its stage reads.
 VerificationStep verify_chain(const std::filesystem::path& run_dir, const ReportFacts& report);
+
+/// Whether report.json says what the files say that it vouches for: all the files that the attempt
+/// makes and no others, the id that is made of them, the outcome, speeds, limits and requirements
+/// of 6-verdict.yaml, and no fewer signatures than attempt and rules ask for. Who signs vouches for
+/// it all; this finds what nobody need vouch for.
+VerificationStep verify_report(const std::filesystem::path& run_dir, const ReportFacts& report);
 
 /// Whether attempt, rules, stage files and report follow schemas that this program knows, in every
 /// field and row, and none says that it is of an earlier version than the program that made it
@@ -45,11 +52,15 @@ VerificationStep verify_schemas(const std::filesystem::path& run_dir, const Repo
 /// Whether report.html and report.pdf, where they are there, carry this very report.json.
 VerificationStep verify_pages(const std::filesystem::path& run_dir, const ReportFacts& report);
 
+/// Clocks of signers, authorities and of who verifies may differ by that much.
+inline constexpr std::chrono::minutes clock_tolerance{5};
+
 /// What signatures are judged by.
 struct SignatureRules {
     /// Keys and their roles; nothing where no key is known, so that no signature can count.
     std::optional<Roster> roster{};
     bool by_public_keys = false;  ///< the roster was made of public keys given, not of a file
+    UtcSecond present{};          ///< the clock: nothing was signed after it
     UtcSecond at{};               ///< the time that counts where no time stamp does
     bool at_was_given = false;    ///< by --at; else it is the present
     std::vector<std::filesystem::path> time_stamp_cas{};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <set>
 
 #include "core/failure.h"
 #include "core/prose.h"
@@ -51,8 +52,10 @@ void check_stamp(Stamps& stamps, const fs::path& run_dir, const std::string& nam
             shown + ": there, unchecked and not counted; give --tsa-ca to check it");
         return;
     }
-    const TimeStampCheck check =
+    TimeStampCheck check =
         check_time_stamp(run_dir / signature, run_dir / name, rules.time_stamp_cas);
+    if (check.valid && check.time > rules.present + clock_tolerance)
+        check = {.reason = fmt::format("it is of {}, which is yet to come", iso_text(check.time))};
     stamps.step.checked = true;
     stamps.step.passed = stamps.step.passed && check.valid;
     stamps.step.details.push_back(
@@ -96,6 +99,14 @@ std::string signer_line(const Signer& signer) {
     return fmt::format("{}: {}{}: not counted: {}", file, role, who, signer.reason);
 }
 
+/// One key that signed in two roles, or in two forms, is one signer.
+std::int64_t signers_that_count(const std::vector<Signer>& signers) {
+    std::set<std::string> keys;
+    for (const Signer& signer : signers)
+        if (signer.valid) keys.insert(key_identity(signer));
+    return static_cast<std::int64_t>(keys.size());
+}
+
 /// What the report needs, in words; sets whether it has it.
 void judge_policy(const ReportFacts& report, const std::vector<Signer>& signers,
                   VerificationStep& step) {
@@ -116,7 +127,35 @@ void judge_policy(const ReportFacts& report, const std::vector<Signer>& signers,
     else if (!missing.empty())
         step.finding = "report.json: signatures are missing: " + listed(missing);
     else
-        step.finding = fmt::format("report.json was signed by {}", counted(valid, "signer"));
+        step.finding = fmt::format("report.json was signed by {}",
+                                   counted(signers_that_count(signers), "signer"));
+}
+
+/// Different keys of one holder count as different signers; the reader is told.
+std::vector<std::string> shared_holders(const std::vector<Signer>& signers) {
+    std::map<std::string, std::set<std::string>> keys_of;
+    for (const Signer& signer : signers)
+        if (signer.valid && !signer.who.empty()) keys_of[signer.who].insert(key_identity(signer));
+    std::vector<std::string> notes;
+    for (const auto& [who, keys] : keys_of)
+        if (keys.size() > 1)
+            notes.push_back(
+                fmt::format("note: {} keys that count are called \"{}\": is that one "
+                            "person?",
+                            keys.size(), who));
+    return notes;
+}
+
+constexpr std::size_t most_signatures = 200;
+
+/// Each costs a hash of the report, or two runs of ssh-keygen.
+void require_few(const std::vector<SignatureFile>& files, const fs::path& run_dir) {
+    if (files.size() > most_signatures)
+        throw Failure(run_dir.string(),
+                      fmt::format("there are {} signatures in this folder, more than the {} that "
+                                  "are looked at",
+                                  files.size(), most_signatures),
+                      "Move away those that are not needed");
 }
 
 }  // namespace
@@ -128,13 +167,22 @@ SignatureLayers verify_signatures(const fs::path& run_dir, const ReportFacts& re
         .time_stamps = std::move(stamps.step),
         .signatures = {.passed = false, .what = "signatures", .finding = {}, .details = {}}};
     VerificationStep& step = layers.signatures;
-    for (const SignatureFile& file : signature_files(run_dir)) {
+    const std::vector<SignatureFile> files = signature_files(run_dir);
+    require_few(files, run_dir);
+    for (const SignatureFile& file : files) {
         SignatureCase one{.run_dir = run_dir, .file = file};
         const auto stamped = stamps.times.find(file.name);
         if (stamped != stamps.times.end()) one.stamped = stamped->second;
         layers.signers.push_back(judge_signature(one, report, rules));
         step.details.push_back(signer_line(layers.signers.back()));
     }
+    if (rules.at_was_given)
+        step.details.push_back(
+            fmt::format("keys without a checked time stamp were judged as of {} (--at), not as of "
+                        "the present, {}",
+                        iso_text(rules.at), iso_text(rules.present)));
+    for (std::string& note : shared_holders(layers.signers))
+        step.details.push_back(std::move(note));
     judge_policy(report, layers.signers, step);
     if (layers.signers.empty())
         step.finding = "the report is UNSIGNED: nobody answers for it";

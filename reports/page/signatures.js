@@ -70,14 +70,20 @@ const ed25519Blob = (key) => joinBytes(sshString(utf8Bytes("ssh-ed25519")), sshS
 /** A minisign key id as people write it: most significant byte first. */
 const keyIdText = (id) => hexOf(Uint8Array.from(id).reverse()).toUpperCase();
 
-/** report, attempt, role, key and signed of a trusted comment of runcert; empty for any other. */
+/**
+ * report, attempt, role, key and signed of a trusted comment of runcert; empty for any other.
+ * PageFault where one is there twice: programs differ in which of the two they read.
+ */
 function commentFields(comment) {
   const [program, ...words] = comment.split(" ");
   const fields = Object.create(null);
   if (program !== "runcert") return fields;
   for (const word of words) {
     const equals = word.indexOf("=");
-    if (equals > 0) fields[word.slice(0, equals)] = word.slice(equals + 1);
+    if (equals <= 0) continue;
+    const name = word.slice(0, equals);
+    if (name in fields) throw new PageFault(`its trusted comment states “${name}=” twice`);
+    fields[name] = word.slice(equals + 1);
   }
   return fields;
 }

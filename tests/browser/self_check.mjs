@@ -157,6 +157,8 @@ describe("a changed page", () => {
     await expectTampered(edited("global", changeLine(3, at(50))), /trusted comment .*was changed/);
     await expectTampered(edited("comment", changeLine(2, (line) => line.replace(/role=\w+/, "role=director"))),
       /trusted comment .*was changed/);
+    await expectTampered(edited("two-roles", changeLine(2, (line) => line + " role=director")),
+      /states “role=” twice/);
     await expectTampered(edited("key", changeLine(2, (line) => line.replace(/(key=.{30})(.)/, (all, begin, letter) =>
       begin + pages.anotherLetter(letter)))), /does not hold/);
     await expectTampered(edited("cut", changeLine(1, (line) => line.slice(4))), /report\.json\.minisig/);

@@ -111,6 +111,11 @@ class SignedRuns : public testing::Test {
         ASSERT_NE(at, std::string::npos) << file << ": " << from;
         write_file_atomically(run() / file, text.replace(at, from.size(), to));
     }
+    /// Lets the report ask for these signatures.
+    void require_signatures(const std::string& entries) const {
+        change("report.json", "\"signatures_required\": []",
+               "\"signatures_required\": [" + entries + "]");
+    }
     /// Lets the report name the file as it is now.
     void fix_hash(const std::string& file) const {
         const auto report = nlohmann::json::parse(read_file(run() / "report.json"));

@@ -5,8 +5,6 @@
 namespace runcert::chain {
 namespace {
 
-const std::string none_required = "\"signatures_required\": []";
-
 using Signatures = SignedRuns;
 
 TEST_F(Signatures, OfTwoSignersAreKeptApartAndBothCount) {
@@ -57,9 +55,7 @@ TEST_F(Signatures, MinisignAcceptsEach) {
 }
 
 TEST_F(Signatures, ThatTheReportNeedsAreCountedByRole) {
-    change("report.json", none_required,
-           "\"signatures_required\": [{\"role\": \"measurer\", \"count\": 1}, "
-           "{\"role\": \"judge\", \"count\": 2}]");
+    require_signatures(R"({"role": "measurer", "count": 1}, {"role": "judge", "count": 2})");
     must_sign("measurer", "measurer");
     auto found = layer(verify_json({"--roster", roster()}), "signatures");
     EXPECT_EQ(found["passed"], false);
@@ -82,7 +78,7 @@ TEST_F(Signatures, RequiredInAWayThatMakesNoSenseAreRefused) {
          {R"({"role": "judge", "count": 0})", R"({"role": "judge", "count": -1})",
           R"({"role": "judge", "count": "1"})", R"({"role": "chief judge"})", R"({"count": 1})",
           "7"}) {
-        change("report.json", none_required, fmt::format("\"signatures_required\": [{}]", entry));
+        require_signatures(entry);
         const ProcessResult result = verify({"--roster", roster()});
         EXPECT_EQ(result.exit_status, 2) << entry << result.output;
         EXPECT_NE(result.errors.find("report.json"), std::string::npos) << result.errors;
@@ -92,9 +88,7 @@ TEST_F(Signatures, RequiredInAWayThatMakesNoSenseAreRefused) {
 }
 
 TEST_F(Signatures, AKeyCountsForOneRole) {
-    change("report.json", none_required,
-           "\"signatures_required\": [{\"role\": \"measurer\", \"count\": 1}, "
-           "{\"role\": \"judge\", \"count\": 1}]");
+    require_signatures(R"({"role": "measurer", "count": 1}, {"role": "judge", "count": 1})");
     must_sign("measurer", "measurer");
     must_sign("measurer", "judge");
     const std::string both = line_for("measurer", "measurer,judge");

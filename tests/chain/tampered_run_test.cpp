@@ -145,13 +145,14 @@ TEST_F(TamperedRun, OfABundleTheListItselfIsChecked) {
         EXPECT_TRUE(says(bundle, said)) << said << bundle.dump(1);
     };
     const std::string first = sums.substr(0, sums.find('\n') + 1);
-    expect_said(sums.substr(first.size()), "1-observations.ecsv is not named");
-    expect_said(sums + first, "is there twice or out of order");
+    expect_said(sums.substr(first.size()), "1-observations.ecsv is not named in SHA256SUMS");
+    expect_said(sums + first, "1-observations.ecsv is there twice or out of order");
     expect_said(first.substr(0, 64) + " *" + first.substr(66) + sums.substr(first.size()),
                 "SHA256SUMS line 1 is not a hash");
-    expect_said(sums + std::string(64, 'a') + "  ../away\n", "is not a hash of 64 digits");
+    expect_said(sums + std::string(64, 'a') + "  ../away\n",
+                "is not a hash of 64 digits, two blanks and a name");
     expect_said(sums + std::string(64, 'a') + "  keys/b\n", "keys/b is missing");
-    expect_said(sums.substr(0, sums.size() - 1), "is not a hash of 64 digits");
+    expect_said(sums.substr(0, sums.size() - 1), "run.yaml is not named");
     write_file_atomically(run() / "SHA256SUMS", sums);
     write_file_atomically(run() / "keys" / "b", "b");
     EXPECT_TRUE(says(layer(found(), "bundle"), "keys/b is not named"));

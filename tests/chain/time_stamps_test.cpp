@@ -2,6 +2,7 @@
 
 #include "files/time_stamp.h"
 #include "files/utc_second.h"
+#include "run/verification.h"
 #include "signatures_support.h"
 
 // Time stamps, by an authority that openssl is.
@@ -234,6 +235,37 @@ TEST_F(TimeStamps, WithoutTheProgramsThatCheckItIsSaidWhatToInstall) {
     must({"ssh-keygen", "-q", "-Y", "sign", "-n", "judge@runcert", "-f", path("k").string(),
           (run() / "report.json").string()});
     expect_said({}, "openssh-client");
+}
+
+TEST_F(TimeStamps, OverAHashThatTwoFilesCanShareAreRefused) {
+    write_file_atomically(path("ca.cnf"), read_file(path("ca.cnf")) + "digests=sha1,sha256\n");
+    for (const auto& [hash, holds] : {std::pair("-sha1", false), {"-sha256", true}}) {
+        must({"openssl", "ts", "-query", "-data", (run() / "report.json.minisig").string(), hash,
+              "-cert", "-out", (run() / "report.json.minisig.tsq").string()});
+        fs::copy_file(reply("ca", "report.json.minisig"), run() / "report.json.minisig.tsr",
+                      fs::copy_options::overwrite_existing);
+        const auto stamps =
+            layer(verify_json({"--roster", roster(), "--tsa-ca", ca()}), "time stamps");
+        EXPECT_EQ(stamps["passed"], holds) << stamps;
+        EXPECT_EQ(says(stamps, "which another file can share"), !holds) << stamps;
+    }
+}
+
+TEST_F(TimeStamps, FromTheFutureDoNotHold) {
+    must_stamp("report.json.minisig");
+    const ReportFacts report = read_report_facts(run());
+    const auto stamps_at = [&](UtcSecond present) {
+        return verify_signatures(run(), report,
+                                 {.roster = parse_roster(read_file(roster()), "roster"),
+                                  .present = present,
+                                  .at = in({}),
+                                  .time_stamp_cas = {ca()}})
+            .time_stamps;
+    };
+    EXPECT_TRUE(stamps_at(in({})).passed);
+    const VerificationStep early = stamps_at(in(-std::chrono::hours(1)));
+    EXPECT_FALSE(early.passed);
+    EXPECT_NE(early.details.front().find("yet to come"), std::string::npos);
 }
 
 TEST_F(TimeStamps, OfAnUnsignedRunCannotBeMade) {

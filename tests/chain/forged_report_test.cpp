@@ -1,0 +1,209 @@
+#include <functional>
+
+#include "core/failure.h"
+#include "files/sha256.h"
+#include "files/signature.h"
+#include "run/signing.h"
+#include "signatures_support.h"
+
+// Reports that a dishonest signer wrote by hand: their signatures hold, what they say does not.
+
+namespace runcert::chain {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+class ForgedReport : public SignedRuns {
+  protected:
+    Json report() const { return Json::parse(read_file(run() / "report.json")); }
+    void write_signed(const std::string& text, const std::string& comment = "of no form") const {
+        write_file_atomically(run() / "report.json", text);
+        const SecretKey secret = parse_secret_key(read_file(key("measurer")), std::nullopt, "key");
+        write_file_atomically(run() / "report.json.minisig", runcert::sign(text, secret, comment));
+    }
+    /// Writes the report with the id that belongs to its subjects.
+    void forge(Json report) const {
+        std::string lines;
+        for (const Json& subject : report["subject"])
+            lines += fmt::format("{}  {}\n", subject["digest"]["sha256"].get<std::string>(),
+                                 subject["name"].get<std::string>());
+        report["predicate"]["report_id"] = sha256_hex(lines).substr(0, 16);
+        write_signed(report.dump(2) + "\n");
+    }
+    void forge_predicate(const std::function<void(Json&)>& change) const {
+        Json changed = report();
+        change(changed["predicate"]);
+        forge(changed);
+    }
+    /// Rewrites a file of the folder, and the report's hash of it.
+    void forge_file(const std::string& file, const std::string& text) const {
+        write_file_atomically(run() / file, text);
+        Json changed = report();
+        const std::string sha256 = sha256_hex(text);
+        for (Json& subject : changed["subject"])
+            if (subject["name"] == file) subject["digest"]["sha256"] = sha256;
+        for (Json& shown : changed["predicate"]["files"])
+            if (shown["file"] == file) shown["sha256"] = sha256;
+        forge(changed);
+    }
+    nlohmann::json found() const { return verify_json({"--pubkey", public_key("measurer")}); }
+    void expect_no(const std::string& layer_name, const std::string& said) const {
+        const auto result = found();
+        EXPECT_EQ(result["exit_status"], 1) << said;
+        EXPECT_EQ(layer(result, layer_name)["passed"], false) << result.dump(1);
+        EXPECT_TRUE(says(layer(result, layer_name), said)) << said << result.dump(1);
+        EXPECT_EQ(layer(result, "signatures")["passed"], true) << "the signature holds";
+    }
+    void expect_refused(const std::string& said) const {
+        const ProcessResult result = verify({"--pubkey", public_key("measurer")});
+        EXPECT_EQ(result.exit_status, 2) << result.output;
+        EXPECT_NE(result.errors.find(said), std::string::npos) << result.errors;
+    }
+};
+
+TEST_F(ForgedReport, AsItWasMadeIsVerified) {
+    forge(report());
+    const auto result = found();
+    EXPECT_EQ(result["exit_status"], 0) << result.dump(1);
+    EXPECT_EQ(layer(result, "report")["passed"], true);
+}
+
+TEST_F(ForgedReport, ThatSaysOtherThanItsVerdictIsFound) {
+    const std::string whole = read_file(run() / "report.json");
+    const auto expect_found = [&](const std::string& said,
+                                  const std::function<void(Json&)>& change) {
+        forge_predicate([&](Json& predicate) { change(predicate["profiles"][0]); });
+        expect_no("report", said);
+        write_file_atomically(run() / "report.json", whole);
+    };
+    expect_found("nalsa, speed_km_h is 255.5", [](Json& rule) { rule["speed_km_h"] = 255.5; });
+    expect_found("nalsa, speed_mph is absent", [](Json& rule) { rule.erase("speed_mph"); });
+    expect_found("expanded_uncertainty_m_s",
+                 [](Json& rule) { rule["expanded_uncertainty_m_s"] = 0.01; });
+    expect_found("target_km_h", [](Json& rule) { rule["target_km_h"] = 100.0; });
+    expect_found("coverage_factor", [](Json& rule) { rule["coverage_factor"] = 1.0; });
+    expect_found("headline_speed is \\\"255.5\\\"",
+                 [](Json& rule) { rule["headline"]["headline_speed"] = "255.5"; });
+    expect_found("outcome is \\\"not_proven\\\"",
+                 [](Json& rule) { rule["outcome"] = "not_proven"; });
+    expect_found("outcome_title", [](Json& rule) { rule["outcome_title"] = "World record"; });
+    expect_found("reason", [](Json& rule) { rule["reason"] = "Everybody saw it."; });
+    expect_found("requirement 1, status",
+                 [](Json& rule) { rule["requirements"][0]["status"] = "attest"; });
+    expect_found("requirements, in 6-verdict.yaml",
+                 [](Json& rule) { rule["requirements"].erase(0); });
+}
+
+TEST_F(ForgedReport, ThatLeavesARuleOutIsFound) {
+    forge_predicate([](Json& predicate) { predicate["profiles"].erase(1); });
+    expect_no("report", "results by 1 rules, 6-verdict.yaml has 2");
+}
+
+TEST_F(ForgedReport, ThatLeavesAFileOutIsFound) {
+    for (const char* file : {"recording.primary.pos", "6-verdict.yaml", "profile.fisly.yaml"}) {
+        Json changed = report();
+        const std::string text = read_file(run() / file);
+        for (auto* list : {&changed["subject"], &changed["predicate"]["files"]})
+            for (std::size_t i = list->size(); i-- > 0;)
+                if (list->at(i).value("name", list->at(i).value("file", "")) == file)
+                    list->erase(i);
+        const std::string whole = read_file(run() / "report.json");
+        forge(changed);
+        fs::remove(run() / file);
+        expect_no("report", std::string(file) + ": the attempt needs it");
+        write_file_atomically(run() / file, text);
+        write_file_atomically(run() / "report.json", whole);
+    }
+}
+
+TEST_F(ForgedReport, ThatVouchesForATextAloneIsFound) {
+    Json changed = report();
+    for (const Json& subject : changed["subject"])
+        fs::remove(run() / subject["name"].get<std::string>());
+    write_file_atomically(run() / "x.txt", "x");
+    changed["subject"] =
+        Json::array({{{"name", "x.txt"}, {"digest", {{"sha256", sha256_hex("x")}}}}});
+    changed["predicate"]["files"] = Json::array();
+    forge(changed);
+    expect_no("report", "attempt.yaml: the report does not name it");
+    expect_no("chain", "attempt.yaml");
+}
+
+TEST_F(ForgedReport, ThatTakesInFilesOfAnotherRunIsFound) {
+    Json changed = report();
+    const std::string text = read_file(run() / "6-verdict.yaml");
+    write_file_atomically(run() / "6-verdict.other.yaml", text);
+    changed["subject"].push_back(
+        {{"name", "6-verdict.other.yaml"}, {"digest", {{"sha256", sha256_hex(text)}}}});
+    forge(changed);
+    expect_no("report", "6-verdict.other.yaml: the report names it, nothing");
+    expect_no("chain", "shows 10 files, it is signed for 11");
+}
+
+TEST_F(ForgedReport, WithAnIdOfItsOwnIsFound) {
+    Json changed = report();
+    changed["predicate"]["report_id"] = "0123456789abcdef";
+    write_signed(changed.dump(2));
+    expect_no("report", "its id is \\\"0123456789abcdef\\\"");
+}
+
+TEST_F(ForgedReport, OfAStageFileThatDoesNotSayWhatItWasMadeFromIsFound) {
+    std::string text = read_file(run() / "6-verdict.yaml");
+    const std::size_t begin = text.find("inputs:\n");
+    const std::size_t end = text.find("\nparameters:", begin);
+    ASSERT_NE(end, std::string::npos);
+    forge_file("6-verdict.yaml", text.replace(begin, end - begin, "inputs: []"));
+    expect_no("chain", "6-verdict.yaml: does not say from which 4-trajectory.ecsv");
+}
+
+TEST_F(ForgedReport, ThatAsksForFewerSignaturesThanItsRulesIsFound) {
+    std::string rule = read_file(run() / "profile.nalsa.yaml");
+    rule.replace(rule.find("profile/1."), 11, "profile/1.4");
+    forge_file("profile.nalsa.yaml", rule + "signatures: [{role: judge, count: 2}]\n");
+    expect_no("report", "asks for 0 signatures in the role judge, attempt and rules ask for 2");
+    require_signatures(R"({"role": "judge", "count": 2})");
+    EXPECT_FALSE(says(layer(found(), "report"), "role judge"));
+}
+
+TEST_F(ForgedReport, ThatProgramsReadDifferentlyIsRefused) {
+    const std::string whole = read_file(run() / "report.json");
+    write_signed("\xEF\xBB\xBF" + whole);
+    expect_refused("byte order mark");
+    Json changed = Json::parse(whole);
+    changed["_type"] = "another";
+    forge(changed);
+    expect_refused("in-toto");
+    for (const std::string& name :
+         {std::string("attempt.yaml\0x", 14), std::string("Attempt.yaml"), std::string(".hidden"),
+          std::string("caf\xC3\xA9"), std::string("a\\b")}) {
+        changed = Json::parse(whole);
+        changed["subject"].push_back(
+            {{"name", name}, {"digest", {{"sha256", std::string(64, '0')}}}});
+        forge(changed);
+        expect_refused("the subject \"");
+    }
+}
+
+TEST_F(ForgedReport, LongerThanAnyIsRefusedAtOnce) {
+    fs::resize_file(run() / "report.json", std::uintmax_t{65} << 20U);
+    expect_refused("longer than any report");
+}
+
+TEST_F(ForgedReport, IsNotSigned) {
+    forge_predicate([](Json& predicate) { predicate["profiles"][0]["speed_km_h"] = 255.5; });
+    const ProcessResult result = sign("judge", "judge");
+    EXPECT_EQ(result.exit_status, 2);
+    EXPECT_NE(result.errors.find("speed_km_h is 255.5"), std::string::npos) << result.errors;
+}
+
+TEST_F(ForgedReport, PutInPlaceOfTheCheckedOneIsNotSigned) {
+    const ReportFacts checked = read_report_facts(run());
+    forge_predicate([](Json& predicate) { predicate["profiles"][0]["speed_km_h"] = 255.5; });
+    fs::remove(run() / "report.json.minisig");
+    const SecretKey secret = parse_secret_key(read_file(key("judge")), std::nullopt, "key");
+    EXPECT_THROW(sign_report(run(), checked, secret, "judge"), Failure);
+    EXPECT_FALSE(fs::exists(run() / "report.json.minisig"));
+}
+
+}  // namespace
+}  // namespace runcert::chain

@@ -16,8 +16,8 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-constexpr std::size_t points_of_a_line = 1500;
-constexpr std::size_t points_of_a_window = 500;
+constexpr std::size_t points_of_a_line = 1000;
+constexpr std::size_t points_of_a_window = 400;
 constexpr std::size_t unused_bins = 400;  ///< as narrow as can be seen over the width of a page
 
 bool is_horizontal(const Json& profile) {

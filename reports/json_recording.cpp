@@ -123,6 +123,16 @@ Json estimation_facts(const Json& estimation) {
     return facts;
 }
 
+/// Who says what the recordings do not.
+void add_sources(Json& facts, const Attempt& attempt) {
+    if (attempt.wind) facts.push_back(fact("Wind, by", attempt.wind->source));
+    if (attempt.current) facts.push_back(fact("Current, by", attempt.current->source));
+    if (attempt.secondary_method)
+        facts.push_back(
+            fact("Second method", fmt::format("{} ({})", attempt.secondary_method->method,
+                                              attempt.secondary_method->source)));
+}
+
 }  // namespace
 
 Json attempt_json(const Attempt& attempt, const Verdict& verdict) {
@@ -147,6 +157,7 @@ Json attempt_json(const Attempt& attempt, const Verdict& verdict) {
                                                verdict.record->unit, verdict.record->source)));
     else
         facts.push_back(fact("Record to beat", "none is named"));
+    add_sources(facts, attempt);
     json["facts"] = std::move(facts);
     return json;
 }

@@ -12,7 +12,7 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-constexpr std::size_t bins_of_a_figure = 300;
+constexpr std::size_t bins_of_a_figure = 250;
 constexpr std::size_t rejections_shown = 400;
 constexpr double largest_ratio_shown = 5.0;
 

@@ -175,11 +175,12 @@ TEST_F(Recompute, AReportThatDoesNotFollowFromTheFilesIsFound) {
                              "\"beaten\" in the folder, \"not_beaten\" recomputed"});
 }
 
-TEST_F(Recompute, APageOfAnotherVersionIsANoteOnly) {
+TEST_F(Recompute, APageThatIsNotRenderedFromTheReportIsFound) {
     bring_pages();
     write_file_atomically(run() / "report.html", read_file(run() / "report.html") + "\n");
-    expect_in(recomputed(), {"yes  recompute     identical", "report.html: note: not what this",
-                             "report.pdf: identical"});
+    expect_in(recomputed(),
+              {"NO   recompute     the files are as recomputed, the page is not",
+               "report.html: it is not what this program renders", "report.pdf: identical"});
 }
 
 TEST_F(Recompute, FilesOfAnotherProgramThatSayTheSameAreEqual) {

@@ -215,7 +215,9 @@ TEST(Course, RunsAreListedAndTheOneWithTheWindowMarked) {
     EXPECT_EQ(runs[1]["top_speed_m_s"], 60.012345);
     EXPECT_EQ(runs[1]["run_heading"], "45.0°");
     EXPECT_EQ(runs[1]["run_words"], "begins after a turn, ends at a standstill");
-    expect_in(page_of(run), "<tr class=\"holds\"><td>2</td><td>18.700 s</td>");
+    expect_in(page_of(run),
+              "<tr class=\"holds\"><td data-label=\"Run\">2</td><td data-label=\"Begins at\">"
+              "18.700 s</td>");
 }
 
 TEST(Windows, OverACourseNoneOfTheFourDefinitionsIsTheRules) {

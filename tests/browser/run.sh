@@ -22,7 +22,11 @@ if [ -z "${RUNCERT_NODE_MODULES:-}" ]; then
         rm -rf "$RUNCERT_NODE_MODULES"
         mkdir -p "$RUNCERT_NODE_MODULES"
         cp "$here/package.json" "$here/package-lock.json" "$RUNCERT_NODE_MODULES"
-        (cd "$RUNCERT_NODE_MODULES" && npm ci --ignore-scripts --no-audit --no-fund)
+        (cd "$RUNCERT_NODE_MODULES" && npm ci --ignore-scripts --no-audit --no-fund) || {
+            echo "run.sh: npm could not fetch what package-lock.json lists. Give the machine a network, or" \
+                "name a folder with these modules in RUNCERT_NODE_MODULES" >&2
+            exit 2
+        }
         cp "$here/package-lock.json" "$RUNCERT_NODE_MODULES/installed-lock.json"
     fi
 fi

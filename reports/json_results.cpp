@@ -40,13 +40,6 @@ std::string certainty_words(const std::string& certainty) {
     return certainty == "secondary" ? "as told by others" : "not confirmed";
 }
 
-const ProfileWindows* windows_of(const Windows& windows, const std::string& profile) {
-    const auto found =
-        std::find_if(windows.profiles.begin(), windows.profiles.end(),
-                     [&](const ProfileWindows& entry) { return entry.profile == profile; });
-    return found == windows.profiles.end() ? nullptr : &*found;
-}
-
 /// The record that the verdict is about; that of the whole attempt in a file of revision 1.0.
 std::optional<double> record_mps(const ReportInputs& inputs, const ProfileVerdict& verdict) {
     if (verdict.record) return verdict.record->speed_mps;
@@ -121,7 +114,7 @@ Json by_receiver_json(const ReportInputs& inputs, const Profile& profile) {
     if (inputs.receivers.size() < 2) return list;
     for (const ReceiverResults& results : inputs.receivers) {
         Json entry{{"receiver", results.windows.receiver}};
-        const ProfileWindows* windows = windows_of(results.windows, profile.id);
+        const ProfileWindows* windows = results.windows.of(profile.id);
         if (const auto figure = windows == nullptr ? std::nullopt : windows->figure()) {
             const double u = figure->standard_uncertainty_mps *
                              equivalent_coverage_factor(profile.coverage_factor,
@@ -173,7 +166,7 @@ Json profile_json(const ReportInputs& inputs, std::size_t index) {
     set_decision(json, verdict, profile);
     set_reservations(json, verdict);
     set_results(json, inputs, verdict, profile);
-    const ProfileWindows* windows = windows_of(inputs.receivers.front().windows, verdict.profile);
+    const ProfileWindows* windows = inputs.receivers.front().windows.of(verdict.profile);
     if (windows != nullptr && !windows->missing.empty())
         json["missing_words"] = fmt::format("What is missing: {}.", windows->missing);
     if (verdict.window) json["window"] = window_json(verdict, windows, profile);

@@ -1,9 +1,7 @@
-#include <fmt/format.h>
-
 #include <CLI/CLI.hpp>
 
 #include "commands.h"
-#include "files/process.h"
+#include "run_reader.h"
 
 namespace runcert {
 namespace {
@@ -17,17 +15,14 @@ struct AuditOptions {
 };
 
 int audit(const AuditOptions& options) {
-    std::vector<std::string> command{(program_folder() / "runcert-audit").string(),
-                                     options.run_dir};
+    std::vector<std::string> arguments{options.run_dir};
     for (const std::string& stage : options.stages)
-        command.insert(command.end(), {"--stage", stage});
-    if (!options.receiver.empty()) command.insert(command.end(), {"--receiver", options.receiver});
-    if (!options.html.empty()) command.insert(command.end(), {"--html", options.html});
-    if (options.all) command.emplace_back("--all");
-    const ProcessResult result = run_process(command);
-    fmt::print("{}", result.output);
-    fmt::print(stderr, "{}", result.errors);
-    return result.exit_status;
+        arguments.insert(arguments.end(), {"--stage", stage});
+    if (!options.receiver.empty())
+        arguments.insert(arguments.end(), {"--receiver", options.receiver});
+    if (!options.html.empty()) arguments.insert(arguments.end(), {"--html", options.html});
+    if (options.all) arguments.emplace_back("--all");
+    return run_reader("audit", arguments);
 }
 
 }  // namespace

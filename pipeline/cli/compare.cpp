@@ -1,9 +1,7 @@
-#include <fmt/format.h>
-
 #include <CLI/CLI.hpp>
 
 #include "commands.h"
-#include "files/process.h"
+#include "run_reader.h"
 
 namespace runcert {
 namespace {
@@ -15,14 +13,11 @@ struct CompareOptions {
 };
 
 int compare(const CompareOptions& options) {
-    std::vector<std::string> command{(program_folder() / "runcert-compare").string(),
-                                     options.run_dir};
-    if (!options.truth.empty()) command.insert(command.end(), {"--truth", options.truth});
-    if (!options.receiver.empty()) command.insert(command.end(), {"--receiver", options.receiver});
-    const ProcessResult result = run_process(command);
-    fmt::print("{}", result.output);
-    fmt::print(stderr, "{}", result.errors);
-    return result.exit_status;
+    std::vector<std::string> arguments{options.run_dir};
+    if (!options.truth.empty()) arguments.insert(arguments.end(), {"--truth", options.truth});
+    if (!options.receiver.empty())
+        arguments.insert(arguments.end(), {"--receiver", options.receiver});
+    return run_reader("compare", arguments);
 }
 
 }  // namespace

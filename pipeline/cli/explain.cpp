@@ -1,9 +1,7 @@
-#include <fmt/format.h>
-
 #include <CLI/CLI.hpp>
 
 #include "commands.h"
-#include "files/process.h"
+#include "run_reader.h"
 
 namespace runcert {
 namespace {
@@ -16,15 +14,12 @@ struct ExplainOptions {
 };
 
 int explain(const ExplainOptions& options) {
-    std::vector<std::string> command{(program_folder() / "runcert-explain").string()};
-    if (options.profiles) command.emplace_back("--profiles");
-    if (!options.profile.empty()) command.insert(command.end(), {"--profile", options.profile});
+    std::vector<std::string> arguments;
+    if (options.profiles) arguments.emplace_back("--profiles");
+    if (!options.profile.empty()) arguments.insert(arguments.end(), {"--profile", options.profile});
     for (const std::string& word : {options.run_dir, options.clause})
-        if (!word.empty()) command.push_back(word);
-    const ProcessResult result = run_process(command);
-    fmt::print("{}", result.output);
-    fmt::print(stderr, "{}", result.errors);
-    return result.exit_status;
+        if (!word.empty()) arguments.push_back(word);
+    return run_reader("explain", arguments);
 }
 
 }  // namespace

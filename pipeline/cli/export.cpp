@@ -1,9 +1,7 @@
-#include <fmt/format.h>
-
 #include <CLI/CLI.hpp>
 
 #include "commands.h"
-#include "files/process.h"
+#include "run_reader.h"
 
 namespace runcert {
 namespace {
@@ -19,17 +17,14 @@ struct ExportOptions {
 };
 
 int export_run(const ExportOptions& options) {
-    std::vector<std::string> command{(program_folder() / "runcert-export").string(),
-                                     options.run_dir, "--format", options.format};
-    if (!options.out.empty()) command.insert(command.end(), {"--out", options.out});
-    if (!options.table.empty()) command.insert(command.end(), {"--table", options.table});
-    if (!options.receiver.empty()) command.insert(command.end(), {"--receiver", options.receiver});
-    if (!options.every.empty()) command.insert(command.end(), {"--every", options.every});
-    if (options.force) command.emplace_back("--force");
-    const ProcessResult result = run_process(command);
-    fmt::print("{}", result.output);
-    fmt::print(stderr, "{}", result.errors);
-    return result.exit_status;
+    std::vector<std::string> arguments{options.run_dir, "--format", options.format};
+    if (!options.out.empty()) arguments.insert(arguments.end(), {"--out", options.out});
+    if (!options.table.empty()) arguments.insert(arguments.end(), {"--table", options.table});
+    if (!options.receiver.empty())
+        arguments.insert(arguments.end(), {"--receiver", options.receiver});
+    if (!options.every.empty()) arguments.insert(arguments.end(), {"--every", options.every});
+    if (options.force) arguments.emplace_back("--force");
+    return run_reader("export", arguments);
 }
 
 }  // namespace

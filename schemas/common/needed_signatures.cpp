@@ -2,18 +2,9 @@
 
 #include <algorithm>
 
+#include "files/roster.h"
+
 namespace runcert {
-namespace {
-
-bool is_role(const std::string& text) {
-    return !text.empty() && text.size() <= 64 && std::ranges::all_of(text, [](char c) {
-        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-               c == '-' || c == '_';
-    });
-}
-
-}  // namespace
-
 std::vector<NeededSignatures> read_needed_signatures(const YamlValue& list) {
     std::vector<NeededSignatures> needed;
     if (!list.exists()) return needed;

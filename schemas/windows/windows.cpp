@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/failure.h"
 #include "schemas/common/document.h"
 #include "schemas/common/members.h"
@@ -223,6 +225,11 @@ std::optional<RuleFigure> ProfileWindows::figure() const {
     figure.speed_mps /= count;
     figure.standard_uncertainty_mps /= count;
     return figure;
+}
+
+const ProfileWindows* Windows::of(std::string_view profile) const {
+    const auto found = std::ranges::find(profiles, profile, &ProfileWindows::profile);
+    return found == profiles.end() ? nullptr : &*found;
 }
 
 std::string write_windows(const Windows& windows) {

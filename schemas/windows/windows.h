@@ -192,6 +192,9 @@ struct Windows {
     std::optional<GpsTime> first_epoch;
     bool georeferenced = true;
     std::vector<ProfileWindows> profiles;
+
+    /// Those of the profile of that id; null where there are none.
+    const ProfileWindows* of(std::string_view profile) const;
 };
 
 std::string write_windows(const Windows& windows);

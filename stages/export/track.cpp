@@ -111,12 +111,6 @@ std::vector<TrackPoint> points_between(const TrajectoryTable& trajectory, const 
     return points;
 }
 
-const ProfileWindows* windows_of(const Windows& windows, const std::string& profile) {
-    for (const ProfileWindows& one : windows.profiles)
-        if (one.profile == profile) return &one;
-    return nullptr;
-}
-
 /// The windows of one rule, in the order in which they are to be drawn.
 void add_windows(const TrackInput& input, std::size_t rule, const ToTheEarth& earth,
                  std::vector<TrackWindow>& windows) {
@@ -139,7 +133,7 @@ void add_windows(const TrackInput& input, std::size_t rule, const ToTheEarth& ea
         refused.speed_mps = verdict.indicated->speed_mps;
         refused.refusals = verdict.indicated->refusals;
     }
-    if (const ProfileWindows* found = windows_of(*input.windows, verdict.profile))
+    if (const ProfileWindows* found = input.windows->of(verdict.profile))
         for (const FurtherWindow& further : found->further) {
             TrackWindow& window = add(WindowKind::further, further.span);
             window.speed_mps = further.speed_mps;

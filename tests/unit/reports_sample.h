@@ -1,13 +1,11 @@
 #pragma once
 
 #include <cmath>
-#include <filesystem>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "core/random.h"
-#include "files/atomic_file.h"
 #include "files/program.h"
 #include "files/sha256.h"
 #include "reports/report_data.h"
@@ -467,12 +465,6 @@ inline nlohmann::ordered_json of_revision(nlohmann::ordered_json report,
                   {"caption", figure["caption"]},
                   {"every", 1}};
     return report;
-}
-
-inline void write_files(const Run& run, const std::filesystem::path& folder) {
-    make_directory(folder);
-    for (const auto& [name, contents] : run.files)
-        write_file_atomically(folder / name, contents);
 }
 
 }  // namespace runcert::sample

@@ -24,11 +24,14 @@ Json parameter_json(const std::string& stage, const std::string& name, const Jso
                     const std::vector<std::string>& overrides) {
     const std::string path = stage + "." + name;
     Json json{{"parameter", path}, {"value", value}, {"value_text", value_text(value)}};
-    if (const FieldRule* rule = attempt_schema().find("parameters." + path)) {
+    const bool import = stage == "import";  // what the attempt states of the receiver
+    if (const FieldRule* rule =
+            attempt_schema().find(import ? "receivers[]." + name : "parameters." + path)) {
         if (!rule->unit.empty()) json["value_unit"] = rule->unit;
         json["meaning"] = rule->description;
     }
-    json["set_by_attempt"] = std::find(overrides.begin(), overrides.end(), path) != overrides.end();
+    json["set_by_attempt"] =
+        import || std::find(overrides.begin(), overrides.end(), path) != overrides.end();
     return json;
 }
 

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <system_error>
 
 #include "core/failure.h"
@@ -28,13 +29,13 @@ std::string plain_extension(const std::string& original) {
 }
 
 /// The path of a file that the attempt names, which must be inside the attempt's folder.
-fs::path inside_folder(const std::string& named, const fs::path& attempt_file,
+fs::path inside_folder(const std::string& named, const AttemptSource& source,
                        const std::string& place) {
     if (named.find('\0') != std::string::npos)  // where the system takes a path to end
         throw Failure(
             place, fmt::format("\"{}\" is not a path: it holds a NUL", escape_for_message(named)),
             "Write the file's name as it is");
-    const fs::path folder = fs::weakly_canonical(fs::absolute(attempt_file).parent_path());
+    const fs::path folder = fs::weakly_canonical(fs::absolute(source.folder));
     std::error_code error;
     const fs::path path = fs::weakly_canonical(folder / named, error);
     if (error)
@@ -43,7 +44,7 @@ fs::path inside_folder(const std::string& named, const fs::path& attempt_file,
                                   escape_for_message(named), error.message()),
                       "Correct its name, which is relative to the attempt's folder");
     const auto [end, rest] = std::mismatch(folder.begin(), folder.end(), path.begin(), path.end());
-    if (end == folder.end()) return attempt_file.parent_path() / named;
+    if (end == folder.end()) return source.folder / named;
     throw Failure(
         place,
         fmt::format("\"{}\" is outside of the attempt's folder{}", escape_for_message(named),
@@ -51,6 +52,23 @@ fs::path inside_folder(const std::string& named, const fs::path& attempt_file,
                         ? ""
                         : ", by a symbolic link"),
         "Copy the file into the attempt's folder, and name it relative to that");
+}
+
+/// A rule over a course needs one, of its length.
+void require_course(const Profile& profile, const Attempt& attempt, const AttemptSource& source) {
+    if (profile.window_kind != "course") return;
+    const auto& course = attempt.course;
+    if (!course)
+        throw Failure(source.file.string(),
+                      fmt::format("the profile {} needs a surveyed course, and the attempt gives "
+                                  "none",
+                                  profile.id),
+                      "Add course: {start, finish, length_m, length_expanded_uncertainty_m}");
+    if (std::abs(course->length_m - profile.distance_m) > 0.02 * profile.distance_m)
+        throw Failure(course->place,
+                      fmt::format("the profile {} is for a course of {:g} m, this one has {:g} m",
+                                  profile.id, profile.distance_m, course->length_m),
+                      "Use a profile of that length, or correct length_m");
 }
 
 }  // namespace
@@ -84,10 +102,9 @@ std::string evidence_profile_file(const std::string& claimed) {
 }
 
 FileView open_evidence(const EvidenceFile& file, const Receiver& receiver,
-                       const std::filesystem::path& attempt_file,
-                       const std::optional<std::filesystem::path>& evidence) {
-    const fs::path path = evidence ? *evidence / file.name
-                                   : inside_folder(file.original, attempt_file, receiver.place);
+                       const AttemptSource& source) {
+    const fs::path path = source.evidence ? *source.evidence / file.name
+                                          : inside_folder(file.original, source, receiver.place);
     if (!fs::exists(path))
         throw Failure(
             receiver.place,
@@ -98,14 +115,13 @@ FileView open_evidence(const EvidenceFile& file, const Receiver& receiver,
     return FileView(path);
 }
 
-std::string find_profile(const std::string& claimed, const std::filesystem::path& attempt_file,
-                         const std::optional<std::filesystem::path>& evidence) {
-    if (evidence) return read_handwritten(*evidence / evidence_profile_file(claimed));
+std::string find_profile(const std::string& claimed, const AttemptSource& source) {
+    if (source.evidence) return read_handwritten(*source.evidence / evidence_profile_file(claimed));
     if (const std::string_view text = builtin_profile(claimed); !text.empty())
         return std::string(text);
-    const fs::path path = inside_folder(claimed, attempt_file, attempt_file.string());
+    const fs::path path = inside_folder(claimed, source, source.file.string());
     if (!claimed.ends_with(".yaml") || !std::filesystem::exists(path))
-        throw Failure(attempt_file.string(), fmt::format("there is no profile \"{}\"", claimed),
+        throw Failure(source.file.string(), fmt::format("there is no profile \"{}\"", claimed),
                       fmt::format("Use one of {}; or give the path of a profile file (.yaml) "
                                   "relative to the attempt's folder",
                                   fmt::join(builtin_profiles(), ", ")));
@@ -125,17 +141,29 @@ std::vector<EvidenceFile> flow_files(const Attempt& attempt) {
 }
 
 std::string find_flow(const EvidenceFile& file, const Attempt& attempt,
-                      const std::filesystem::path& attempt_file,
-                      const std::optional<std::filesystem::path>& evidence) {
+                      const AttemptSource& source) {
     const std::string& place = (file.role == "wind" ? attempt.wind : attempt.current)->place;
-    const fs::path path =
-        evidence ? *evidence / file.name : inside_folder(file.original, attempt_file, place);
+    const fs::path path = source.evidence ? *source.evidence / file.name
+                                          : inside_folder(file.original, source, place);
     if (!fs::exists(path))
         throw Failure(place,
                       fmt::format("the file \"{}\" does not exist (looked for {})",
                                   escape_for_message(file.original), path.string()),
                       "Correct its name, which is relative to the attempt's folder");
     return read_file(path);
+}
+
+void bring_in_claim(const Attempt& attempt, std::string_view text, const AttemptSource& source,
+                    const fs::path& run_dir) {
+    for (const std::string& claimed : attempt.profiles) {
+        const std::string profile = find_profile(claimed, source);
+        require_course(with_replaced_figures(read_profile(profile, claimed), attempt), attempt,
+                       source);
+        write_file_atomically(run_dir / evidence_profile_file(claimed), profile);
+    }
+    for (const EvidenceFile& file : flow_files(attempt))
+        write_file_atomically(run_dir / file.name, find_flow(file, attempt, source));
+    write_file_atomically(run_dir / evidence_attempt_file, text);
 }
 
 Profile with_replaced_figures(Profile profile, const Attempt& attempt) {

@@ -35,16 +35,23 @@ std::vector<EvidenceFile> solution_files(const Receiver& receiver);
 /// A claimed profile in a run folder: "profile.NAME.yaml".
 std::string evidence_profile_file(const std::string& claimed);
 
-/// What the attempt names, found where it says or, with `evidence`, in a run folder made earlier.
+/// Where an attempt was read, and where what it names is.
+struct AttemptSource {
+    std::filesystem::path file;
+    /// What the attempt names is relative to this folder, and must be inside it.
+    std::filesystem::path folder = file.parent_path();
+    /// A run folder made earlier whose copies are taken instead.
+    std::optional<std::filesystem::path> evidence = std::nullopt;
+};
+
+/// What the attempt names, found where it says or in the run folder made earlier.
 ///
 /// A missing file is a Failure that names the place in the attempt; so is one outside of the
 /// attempt's folder, by its path or by a symbolic link: whoever sends an attempt must not learn
 /// what else is on the machine, nor have it published in a run folder.
 FileView open_evidence(const EvidenceFile& file, const Receiver& receiver,
-                       const std::filesystem::path& attempt_file,
-                       const std::optional<std::filesystem::path>& evidence);
-std::string find_profile(const std::string& claimed, const std::filesystem::path& attempt_file,
-                         const std::optional<std::filesystem::path>& evidence);
+                       const AttemptSource& source);
+std::string find_profile(const std::string& claimed, const AttemptSource& source);
 
 /// The series of wind and current that the attempt names, with the roles "wind" and "current" and
 /// the names "wind.csv" and "current.csv" in a run folder.
@@ -52,8 +59,13 @@ std::vector<EvidenceFile> flow_files(const Attempt& attempt);
 
 /// The text of one of them, found and refused as above.
 std::string find_flow(const EvidenceFile& file, const Attempt& attempt,
-                      const std::filesystem::path& attempt_file,
-                      const std::optional<std::filesystem::path>& evidence);
+                      const AttemptSource& source);
+
+/// Brings what is neither a recording nor made of one into a run folder: the series of wind and
+/// current, the claimed profiles, and the attempt itself, whose `text` is given. Failure where one
+/// cannot be found, and where a profile needs a course that the attempt does not give.
+void bring_in_claim(const Attempt& attempt, std::string_view text, const AttemptSource& source,
+                    const std::filesystem::path& run_dir);
 
 /// The profile with the figures that the attempt puts in place of its own. Failure at their place
 /// in the attempt as `override_figure`.

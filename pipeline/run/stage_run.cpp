@@ -31,6 +31,8 @@ StageRun::StageRun(std::string stage, const std::filesystem::path& attempt_file,
       attempt_text_(read_handwritten(attempt_file)),
       attempt_(read_attempt(attempt_text_, attempt_file.string())) {
     make_directory(run_dir_);
+    const auto parameters = attempt_.parameters.find(stage_);
+    if (parameters != attempt_.parameters.end()) parameters_ = parameters->second;
 }
 
 void StageRun::note(const InputFile& input) {
@@ -84,8 +86,7 @@ Header StageRun::header() const {
     header.program_version = program_version();
     header.source_revision = source_revision();
     header.inputs = inputs_;
-    const auto parameters = attempt_.parameters.find(stage_);
-    if (parameters != attempt_.parameters.end()) header.parameters = parameters->second;
+    header.parameters = parameters_;
     return header;
 }
 

@@ -29,6 +29,8 @@ class StageRun {
     /// The attempt as an input of the stage; a stage that uses more of it than its parameters calls
     /// this to have it named in its header.
     void note_attempt();
+    /// What the stage uses in place of the attempt's parameters of its name.
+    void use_parameters(nlohmann::ordered_json parameters) { parameters_ = std::move(parameters); }
     /// Notes bytes that do not come from the run folder's products.
     void note_input(const std::string& role, const std::string& file, std::string_view bytes,
                     const std::string& original = {});
@@ -75,6 +77,7 @@ class StageRun {
     std::filesystem::path run_dir_;
     std::string attempt_text_;
     Attempt attempt_;
+    nlohmann::ordered_json parameters_ = nlohmann::ordered_json::object();
     std::vector<InputFile> inputs_;
     std::map<std::string, Claim> claims_;
     std::vector<std::string> said_;

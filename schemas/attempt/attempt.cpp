@@ -116,6 +116,15 @@ std::string read_date(const YamlValue& value) {
     return date;
 }
 
+/// What of a receiver's description says how its recording is read.
+nlohmann::ordered_json reading_of(const YamlValue& entry) {
+    nlohmann::ordered_json stated = json_from_yaml(entry);
+    for (const char* other : {"id", "recording", "base", "navigation", "antenna_height_m",
+                              "lever_arm_m", "rotation_bound_deg"})
+        stated.erase(other);
+    return stated;
+}
+
 Receiver read_receiver(const YamlValue& entry) {
     Receiver receiver;
     receiver.id = read_id(entry["id"]);
@@ -151,6 +160,7 @@ Receiver read_receiver(const YamlValue& entry) {
         entry["rotation_bound_deg"].fail(
             "the craft's rotation is bounded, but no lever arm is given for it to act on",
             "Add lever_arm_m: {forward, right, down}, or remove rotation_bound_deg");
+    receiver.stated = reading_of(entry);
     receiver.place = entry.place();
     return receiver;
 }

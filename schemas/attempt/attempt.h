@@ -56,6 +56,9 @@ struct Receiver {
     std::optional<Eigen::Vector3d> lever_arm;
     /// Largest change of the craft's attitude, about any axis, between the ends of a window.
     std::optional<double> rotation_bound_deg = std::nullopt;
+    /// How the recording is to be read, as the attempt has it: all but the names of receiver and
+    /// files, and what is said of the antenna's place on the craft.
+    nlohmann::ordered_json stated = nlohmann::ordered_json::object();
     std::string place;  ///< "file:line:column" of this receiver in the attempt, for messages
 };
 

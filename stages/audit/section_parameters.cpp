@@ -12,6 +12,7 @@ using Json = nlohmann::ordered_json;
 
 /// The field table's rule of a stage's parameter; null where it has none.
 const FieldRule* rule_of(const std::string& stage, const std::string& name) {
+    if (stage == "import") return attempt_schema().find("receivers[]." + name);
     return attempt_schema().find(fmt::format("parameters.{}.{}", stage, name));
 }
 
@@ -35,7 +36,8 @@ bool is_same(const Json& a, const Json& b) {
 }
 
 std::string set_by(const Attempt& attempt, const std::string& path, bool is_default) {
-    const bool stated = std::ranges::find(attempt.overrides, path) != attempt.overrides.end();
+    const bool stated = path.starts_with("import.") ||  // which has what the attempt states, alone
+                        std::ranges::find(attempt.overrides, path) != attempt.overrides.end();
     if (stated) return is_default ? "the attempt, to the default" : "the attempt";
     return is_default ? "default" : "NOT THE ATTEMPT: another program's default, or changed";
 }

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <cmath>
 #include <filesystem>
 
 #include "files/atomic_file.h"
@@ -31,11 +30,10 @@ struct OpenFiles {
     }
 };
 
-OpenFiles open_files(const StageRun& run, const Receiver& receiver,
-                     const std::optional<std::filesystem::path>& evidence) {
+OpenFiles open_files(const Receiver& receiver, const AttemptSource& source) {
     OpenFiles open{.files = evidence_files(receiver), .views = {}};
     for (const EvidenceFile& file : open.files)
-        open.views.push_back(open_evidence(file, receiver, run.attempt_path(), evidence));
+        open.views.push_back(open_evidence(file, receiver, source));
     return open;
 }
 
@@ -82,11 +80,11 @@ Observations read_receiver(StageRun& run, const Receiver& receiver, const OpenFi
     return import_recordings(receiver, recordings, read_recording);
 }
 
-void import_receiver(StageRun& run, const Receiver& receiver,
-                     const std::optional<std::filesystem::path>& evidence) {
+void import_receiver(StageRun& run, const Receiver& receiver, const AttemptSource& source) {
     StageRun one = run;
-    const OpenFiles open = open_files(run, receiver, evidence);
-    one.note_attempt();
+    const OpenFiles open = open_files(receiver, source);
+    // Not the attempt as a whole: a claim that changes elsewhere leaves the positions as they are.
+    one.use_parameters(receiver.stated);
     Observations observations = read_receiver(one, receiver, open);
     for (std::size_t i = 0; i < open.files.size(); ++i) {
         const EvidenceFile& file = open.files[i];
@@ -101,36 +99,11 @@ void import_receiver(StageRun& run, const Receiver& receiver,
                         recording_names(receiver), observations.format));
 }
 
-/// A rule over a course needs one, of its length.
-void require_course(const Profile& profile, const StageRun& run) {
-    if (profile.window_kind != "course") return;
-    const auto& course = run.attempt().course;
-    if (!course)
-        throw Failure(run.attempt_path().string(),
-                      fmt::format("the profile {} needs a surveyed course, and the attempt gives "
-                                  "none",
-                                  profile.id),
-                      "Add course: {start, finish, length_m, length_expanded_uncertainty_m}");
-    if (std::abs(course->length_m - profile.distance_m) > 0.02 * profile.distance_m)
-        throw Failure(course->place,
-                      fmt::format("the profile {} is for a course of {:g} m, this one has {:g} m",
-                                  profile.id, profile.distance_m, course->length_m),
-                      "Use a profile of that length, or correct length_m");
-}
-
 /// Brings everything from outside into the run folder: after this stage nothing else is read.
-void import_attempt(StageRun& run, const std::optional<std::filesystem::path>& evidence) {
-    const Attempt& attempt = run.attempt();
-    for (const std::string& claimed : attempt.profiles) {
-        const std::string text = find_profile(claimed, run.attempt_path(), evidence);
-        require_course(with_replaced_figures(read_profile(text, claimed), attempt), run);
-        run.write(evidence_profile_file(claimed), text);
-    }
-    for (const EvidenceFile& file : flow_files(attempt))
-        run.write(file.name, find_flow(file, attempt, run.attempt_path(), evidence));
-    run.write(std::string(evidence_attempt_file), run.attempt_text());
-    for (const Receiver& receiver : attempt.receivers)
-        import_receiver(run, receiver, evidence);
+void import_attempt(StageRun& run, const AttemptSource& source) {
+    bring_in_claim(run.attempt(), run.attempt_text(), source, run.run_dir());
+    for (const Receiver& receiver : run.attempt().receivers)
+        import_receiver(run, receiver, source);
 }
 
 int inspect_file(const std::string& path) {
@@ -150,15 +123,21 @@ int inspect_file(const std::string& path) {
 int main(int argc, char** argv) {
     if (argc == 3 && std::string_view(argv[1]) == "--inspect")
         return guarded_main([&] { return inspect_file(argv[2]); });
+    std::string folder;
     std::string evidence;
     return stage_main(
         argc, argv, "import",
         "Any supported recording to one table of WGS 84 positions in GPS time",
         [&](StageRun& run) {
-            import_attempt(run, evidence.empty() ? std::nullopt
-                                                 : std::optional<std::filesystem::path>(evidence));
+            AttemptSource source{.file = run.attempt_path()};
+            if (!folder.empty()) source.folder = folder;
+            if (!evidence.empty()) source.evidence = evidence;
+            import_attempt(run, source);
         },
         [&](CLI::App& app) {
+            app.add_option("--folder", folder,
+                           "folder that what the attempt names is relative to and must be inside "
+                           "of (default: the attempt's)");
             app.add_option("--evidence", evidence,
                            "take recordings and profiles from this run folder's copies instead of "
                            "where the attempt says");

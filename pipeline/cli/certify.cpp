@@ -14,8 +14,8 @@
 #include "files/atomic_file.h"
 #include "files/program.h"
 #include "files/yaml_input.h"
-#include "files/yaml_output.h"
 #include "run/chain.h"
+#include "run/run_times.h"
 #include "run/signing.h"
 #include "schemas/attempt/attempt.h"
 
@@ -31,18 +31,6 @@ struct CertifyOptions {
     bool no_render = false;
     bool no_pdf = false;
 };
-
-/// run.yaml: when and how long; no other file depends on it.
-std::string run_record(std::time_t started, const std::vector<StageDone>& stages) {
-    nlohmann::ordered_json record;
-    record["program"] = program_version();
-    record["source_revision"] = source_revision();
-    record["started_unix_s"] = started;
-    for (const StageDone& stage : stages)
-        record["stages"].push_back(
-            {{"stage", stage.name}, {"seconds", rounded(stage.seconds, 3)}, {"said", stage.said}});
-    return to_yaml_text(record);
-}
 
 std::string in_capitals(std::string word) {
     for (char& c : word) {
@@ -212,7 +200,7 @@ int certify(const CertifyOptions& options) {
         fmt::print(stderr, "{}", failed.errors);
         return 2;
     }
-    write_file_atomically(workshop.path() / "run.yaml", run_record(started, stages));
+    write_file_atomically(workshop.path() / "run.yaml", run_times_text(started, stages));
     workshop.publish();
     return print_verdicts(run_dir, key.has_value(), !options.no_render) ? 0 : 1;
 }

@@ -13,6 +13,7 @@ namespace runcert {
 using Command = std::function<int()>;
 
 void add_certify(CLI::App& app, Command& chosen);
+void add_batch(CLI::App& app, Command& chosen);
 void add_verify(CLI::App& app, Command& chosen);
 void add_sign(CLI::App& app, Command& chosen);
 void add_timestamp(CLI::App& app, Command& chosen);

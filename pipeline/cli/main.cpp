@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
         app.footer("Exit status: 0 yes or done, 1 the answer is no, 2 it could not be done.");
         Command chosen;
         add_certify(app, chosen);
+        add_batch(app, chosen);
         add_verify(app, chosen);
         add_sign(app, chosen);
         add_timestamp(app, chosen);

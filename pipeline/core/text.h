@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace runcert {
 
@@ -38,5 +39,8 @@ std::string escape_for_message(std::string_view bytes, std::size_t max = 40);
 /// A text as one word of a command line to be pasted into a shell: in single quotes unless it is
 /// made of letters, digits and . _ - / alone. What would steer a terminal must be taken out before.
 std::string shell_word(std::string_view text);
+
+/// The lines of a text, without their ends.
+std::vector<std::string> lines_of(const std::string& text);
 
 }  // namespace runcert

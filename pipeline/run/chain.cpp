@@ -20,16 +20,6 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view workshop_prefix = ".runcert-";
 
-std::vector<std::string> lines_of(const std::string& text) {
-    std::vector<std::string> lines;
-    for (std::size_t begin = 0; begin < text.size();) {
-        const std::size_t end = std::min(text.find('\n', begin), text.size());
-        lines.push_back(text.substr(begin, end - begin));
-        begin = end + 1;
-    }
-    return lines;
-}
-
 /// Opens a folder and takes its lock, which ends with the process however that ends; -1 where
 /// another has it.
 int lock_folder(const fs::path& folder) {

@@ -58,7 +58,9 @@ Parameters parameters_of(const Attempt& attempt, const Header& header, bool all)
         found.replaced += is_default ? 0 : 1;
         if (!is_default || all)
             found.table.rows.push_back({header.stage + "." + name, value_text(used),
-                                        rule ? value_text(fallback) : "not known",
+                                        !rule                ? "not known"
+                                        : fallback.is_null() ? "none"
+                                                             : value_text(fallback),
                                         rule ? rule->unit : "",
                                         set_by(attempt, header.stage + "." + name, is_default)});
     }

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "batch/progress.h"
+#include "batch/run_update.h"
+
+namespace runcert {
+
+/// A share of the attempts: those whose place, modulo `of`, is `part`.
+struct Share {
+    std::size_t part = 0;
+    std::size_t of = 1;
+};
+
+/// What a batch is asked to do.
+struct BatchOrder {
+    std::vector<std::filesystem::path> day;  ///< a folder, a day file, or attempt files
+    BatchContext context;
+    ProgressOptions progress = {};
+    std::size_t jobs = 1;
+    std::uint64_t memory_bytes = 0;
+    std::vector<std::string> only = {};  ///< patterns of ids; empty for all
+    bool wait = false;                   ///< for another batch on the same folder to end
+};
+
+/// Certifies the attempts of a day on this computer, and writes its results. The exit status: 0
+/// where all that were to be processed were, 2 where one could not be, or the batch was
+/// interrupted. Failure for what concerns the day as a whole.
+int run_batch(const BatchOrder& order);
+
+/// Certifies the attempts of a share, of those whose ids `pending` lists, one a line; no results.
+int run_share(const BatchOrder& order, const Share& share, const std::filesystem::path& pending);
+
+/// Writes the day's results of what is there.
+int gather_day(const BatchOrder& order);
+
+/// Submits what is to be done to a Slurm cluster: an array job, and one after it that gathers.
+/// `task_options` are passed on to their calls. Where nothing is to be done, gathers at once; where
+/// earlier jobs are still under way, says how they stand.
+int submit_day(const BatchOrder& order, const std::vector<std::string>& task_options,
+               const std::vector<std::string>& slurm_args);
+
+/// Says how the day stands: what is done, failed and to do, and how its jobs on a cluster are.
+int say_status(const BatchOrder& order);
+
+}  // namespace runcert

@@ -1,0 +1,60 @@
+#include "batch/claim.h"
+
+#include <fmt/format.h>
+
+#include "core/failure.h"
+#include "files/atomic_file.h"
+#include "files/sha256.h"
+#include "files/yaml_input.h"
+#include "schemas/common/header.h"
+
+namespace runcert {
+namespace {
+
+nlohmann::ordered_json json_of_yaml(const std::string& text, const std::string& where) {
+    return json_from_yaml(YamlValue(parse_yaml(text, where), where));
+}
+
+}  // namespace
+
+Claim read_claim(const DayAttempt& given, const std::filesystem::path& composed) {
+    Claim claim;
+    claim.source.file = given.file.empty() ? composed : given.file;
+    claim.source.folder = given.folder;
+    claim.text = given.file.empty() ? given.text : read_handwritten(given.file);
+    const std::string where = claim.source.file.string();
+    claim.attempt = read_attempt(claim.text, where);
+    if (claim.attempt.id != given.id)
+        throw Failure(where,
+                      fmt::format("the id is \"{}\", and was \"{}\" when the day was listed",
+                                  claim.attempt.id, given.id),
+                      "Leave the attempt as it is while the batch runs, and run it again");
+    claim.document = json_of_yaml(claim.text, where);
+    for (const std::string& claimed : claim.attempt.profiles) {
+        const std::string profile = find_profile(claimed, claim.source);
+        claim.profiles.push_back(json_of_yaml(profile, claimed));
+        claim.files[evidence_profile_file(claimed)] = sha256_hex(profile);
+    }
+    for (const EvidenceFile& file : flow_files(claim.attempt))
+        claim.files[file.name] = sha256_hex(find_flow(file, claim.attempt, claim.source));
+    claim.files[std::string(evidence_attempt_file)] = sha256_hex(claim.text);
+    return claim;
+}
+
+FileHashes recording_hashes(const Claim& claim) {
+    FileHashes hashes;
+    for (const Receiver& receiver : claim.attempt.receivers)
+        for (const EvidenceFile& file : evidence_files(receiver))
+            hashes[file.name] = sha256_hex(open_evidence(file, receiver, claim.source).bytes());
+    return hashes;
+}
+
+std::uint64_t recording_bytes(const Claim& claim) {
+    std::uint64_t bytes = 0;
+    for (const Receiver& receiver : claim.attempt.receivers)
+        for (const EvidenceFile& file : evidence_files(receiver))
+            bytes += open_evidence(file, receiver, claim.source).bytes().size();
+    return bytes;
+}
+
+}  // namespace runcert

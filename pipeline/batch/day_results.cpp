@@ -1,0 +1,95 @@
+#include "batch/day_results.h"
+
+#include <algorithm>
+
+#include "batch/batch_folders.h"
+#include "batch/run_files.h"
+#include "batch/step_reason.h"
+#include "core/failure.h"
+#include "files/atomic_file.h"
+#include "files/process.h"
+#include "files/sha256.h"
+
+namespace runcert {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* results_step = "results";
+
+Json file_json(const DayAttempt& attempt, const FileHashes& files, const std::string& name,
+               const fs::path& out) {
+    const std::string file = attempt.id + "/" + name;
+    return {{"file", file}, {"sha256", files.at(name)}, {"bytes", fs::file_size(out / file)}};
+}
+
+void add_done(Json& json, const DayAttempt& attempt, const FileHashes& files, const fs::path& out) {
+    json["verdict"] = file_json(attempt, files, "6-verdict.yaml", out);
+    json["report"] = file_json(attempt, files, "report.json", out);
+    json["pages"] = Json::array();
+    for (const char* page : {"report.html", "report.pdf"})
+        if (files.contains(page)) json["pages"].push_back(attempt.id + "/" + page);
+    json["notes"] = Json::array();
+}
+
+Json attempt_json(const DayAttempt& attempt, const AttemptOutcome& outcome, const fs::path& out) {
+    Json json{{"id", attempt.id}, {"source", attempt.source}, {"state", outcome.state}};
+    if (outcome.state == "done") add_done(json, attempt, outcome.files, out);
+    if (outcome.failure) {
+        json["step"] = outcome.failure->step;
+        json["problem"] = outcome.failure->problem;
+        json["where"] = outcome.failure->where;
+        json["remedy"] = outcome.failure->remedy;
+    }
+    if (outcome.state == "not_processed") json["reason"] = outcome.reason;
+    return json;
+}
+
+bool are_as_written(const fs::path& out, const FileHashes& files) {
+    return std::ranges::all_of(files, [&](const auto& file) {
+        return fs::is_regular_file(out / file.first) &&
+               digest_file(out / file.first).sha256 == file.second;
+    });
+}
+
+}  // namespace
+
+std::string results_list_text(const Day& day, const std::vector<AttemptOutcome>& outcomes,
+                              const fs::path& out) {
+    Json list{{"day", day.name}, {"attempts", Json::array()}, {"notes", day.notes}};
+    for (std::size_t i = 0; i < outcomes.size(); ++i)
+        list["attempts"].push_back(attempt_json(day.attempts[i], outcomes[i], out));
+    return list.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+void write_day_results(const Day& day, const std::vector<AttemptOutcome>& outcomes,
+                       const BatchContext& context) {
+    const BatchFolders folders(context.out);
+    const std::string list = results_list_text(day, outcomes, context.out);
+    const std::string program = (context.program_folder / "runcert-day").string();
+    StepRecord now{.programs = {{"runcert-day", program_hash(program)}},
+                   .settings = Json::object(),
+                   .inputs = {{"list", sha256_hex(list)}},
+                   .outputs = {},
+                   .said = {}};
+    RunRecord record = read_run_record(folders.results_record());
+    const auto known = record.steps.find(results_step);
+    if (known != record.steps.end() && what_changed(known->second, now).empty() &&
+        are_as_written(context.out, known->second.outputs))
+        return;
+    write_file_atomically(folders.results_list(), list);
+    const ProcessResult result = run_process(
+        {program, "--out", context.out.string(), "--list", folders.results_list().string()},
+        {.time_limit = context.time_limit, .own_group = true});
+    if (result.end != ProcessEnd::by_itself || result.exit_status != 0) {
+        const RunFailure failure = failure_of_program(results_step, result, context.time_limit, {});
+        throw Failure(failure.where, failure.problem, failure.remedy);
+    }
+    for (const char* name : {"day.yaml", "day.csv", "day.html"})
+        now.outputs[name] = digest_file(context.out / name).sha256;
+    record.steps[results_step] = std::move(now);
+    write_run_record(folders.results_record(), record);
+}
+
+}  // namespace runcert

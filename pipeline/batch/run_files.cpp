@@ -1,0 +1,138 @@
+#include "batch/run_files.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "core/failure.h"
+#include "files/atomic_file.h"
+#include "files/sha256.h"
+
+namespace runcert {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view temporary_prefix = ".runcert-";
+
+bool is_regular(const fs::path& file) {
+    std::error_code error;
+    return fs::is_regular_file(fs::symlink_status(file, error)) && !error;
+}
+
+[[noreturn]] void fail(const fs::path& file, const std::error_code& error) {
+    throw Failure(file.string(), "the file could not be put in place: " + error.message(),
+                  "Check that the folder can be written and has space, and run again");
+}
+
+/// Takes away what a killed program left half written.
+void remove_temporaries(const fs::path& folder) {
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(folder, ignored))
+        if (entry.path().filename().string().starts_with(temporary_prefix))
+            fs::remove_all(entry.path(), ignored);
+}
+
+/// Gives `to` the contents of `from`, at once: a link under a temporary name, renamed; a copy where
+/// the file system has no links.
+void place(const fs::path& from, const fs::path& to) {
+    const fs::path temporary =
+        to.parent_path() / fmt::format("{}{}.tmp", temporary_prefix, to.filename().string());
+    std::error_code error;
+    fs::remove(temporary, error);
+    fs::create_hard_link(from, temporary, error);
+    if (error) {
+        write_file_atomically(to, FileView(from).bytes());
+        return;
+    }
+    fs::rename(temporary, to, error);
+    if (error) fail(to, error);
+    fs::remove(temporary, error);  // rename does nothing where both are the same file already
+}
+
+void sync_folder(const fs::path& folder) {
+    const int file = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (file < 0) return;
+    fsync(file);
+    close(file);
+}
+
+}  // namespace
+
+RunFiles::RunFiles(fs::path run_dir, fs::path work_dir)
+    : run_dir_(std::move(run_dir)), work_dir_(std::move(work_dir)) {}
+
+std::optional<std::string> RunFiles::hash_of(const fs::path& file) {
+    const auto known = hashes_.find(file.string());
+    if (known != hashes_.end()) return known->second;
+    std::optional<std::string> hash;
+    if (is_regular(file)) hash = digest_file(file).sha256;
+    return hashes_[file.string()] = hash;
+}
+
+std::optional<fs::path> RunFiles::find(const std::string& name, const std::string& sha256) {
+    for (const fs::path& folder : {work_dir_, run_dir_})
+        if (hash_of(folder / name) == sha256) return folder / name;
+    return std::nullopt;
+}
+
+bool RunFiles::is_published(const std::string& name, const std::string& sha256) {
+    return hash_of(run_dir_ / name) == sha256;
+}
+
+bool RunFiles::exists(const std::string& name) const {
+    return is_regular(work_dir_ / name) || is_regular(run_dir_ / name);
+}
+
+void RunFiles::open_work() {
+    make_directory(work_dir_);
+    remove_temporaries(work_dir_);
+}
+
+void RunFiles::bring_to_work(const std::string& name, const std::string& sha256) {
+    const auto found = find(name, sha256);
+    if (!found)
+        throw Failure((run_dir_ / name).string(), "the file changed while the run was made",
+                      "Run the batch again");
+    if (*found == work_dir_ / name) return;
+    place(*found, work_dir_ / name);
+    hashes_[(work_dir_ / name).string()] = sha256;
+}
+
+std::string RunFiles::written(const std::string& name) {
+    hashes_.erase((work_dir_ / name).string());
+    const auto hash = hash_of(work_dir_ / name);
+    if (!hash)
+        throw Failure((work_dir_ / name).string(), "the program ended well without this file",
+                      "This is a fault of the program; please report it with the attempt");
+    return *hash;
+}
+
+void RunFiles::publish(const std::vector<std::string>& names) {
+    make_directory(run_dir_);
+    remove_temporaries(run_dir_);
+    for (const std::string& name : names) {
+        const auto hash = hash_of(work_dir_ / name);
+        if (!hash || hash_of(run_dir_ / name) == hash) continue;
+        place(work_dir_ / name, run_dir_ / name);
+        hashes_[(run_dir_ / name).string()] = hash;
+    }
+    sync_folder(run_dir_);
+}
+
+void RunFiles::withdraw(const std::vector<std::string>& names) {
+    for (const std::string& name : names) {
+        std::error_code error;
+        fs::remove(run_dir_ / name, error);
+        if (error) fail(run_dir_ / name, error);
+        hashes_.erase((run_dir_ / name).string());
+    }
+}
+
+void RunFiles::close_work() {
+    std::error_code ignored;
+    fs::remove_all(work_dir_, ignored);
+    hashes_.clear();
+}
+
+}  // namespace runcert

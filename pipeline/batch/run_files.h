@@ -1,0 +1,60 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace runcert {
+
+/// The files of a run while it is made: those of its run folder, and those of a work folder in
+/// which new ones are made, so that the run folder stays whole until all are. A file counts by its
+/// contents alone: whatever a name promises, it is hashed before it is used.
+class RunFiles {
+  public:
+    /// Neither folder need exist.
+    RunFiles(std::filesystem::path run_dir, std::filesystem::path work_dir);
+
+    const std::filesystem::path& run_dir() const { return run_dir_; }
+    const std::filesystem::path& work_dir() const { return work_dir_; }
+
+    /// Where a file of that name and SHA-256 is; nothing where neither folder holds it.
+    std::optional<std::filesystem::path> find(const std::string& name, const std::string& sha256);
+
+    /// Whether the run folder holds a file of that name and SHA-256.
+    bool is_published(const std::string& name, const std::string& sha256);
+
+    /// Whether either folder holds a regular file of that name.
+    bool exists(const std::string& name) const;
+
+    /// Makes the work folder, and takes away what a killed program left half written there.
+    void open_work();
+
+    /// Has the file of that SHA-256 in the work folder, as a link to the run folder's where the
+    /// file system has links. It must be in one of the two.
+    void bring_to_work(const std::string& name, const std::string& sha256);
+
+    /// The SHA-256 of a file of the work folder that was just written there. Failure where it is
+    /// not there.
+    std::string written(const std::string& name);
+
+    /// Puts files of the work folder into the run folder, each whole or not at all, in the order
+    /// given; those that are there already with the same contents stay.
+    void publish(const std::vector<std::string>& names);
+
+    /// Takes files out of the run folder; one that is not there is passed over.
+    void withdraw(const std::vector<std::string>& names);
+
+    /// Takes the work folder away.
+    void close_work();
+
+  private:
+    std::optional<std::string> hash_of(const std::filesystem::path& file);
+
+    std::filesystem::path run_dir_;
+    std::filesystem::path work_dir_;
+    std::map<std::string, std::optional<std::string>> hashes_;
+};
+
+}  // namespace runcert

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <stop_token>
+#include <string>
+#include <vector>
+
+#include "batch/batch_folders.h"
+#include "batch/run_files.h"
+#include "batch/run_update.h"
+
+namespace runcert {
+
+/// Thrown where a stop was requested; the run is as it was left.
+struct Interrupted {};
+
+/// Thrown where a step's program did not end well.
+struct StepError {
+    RunFailure failure;
+};
+
+/// A run that is looked at or made, step by step.
+class RunMaking {
+  public:
+    RunMaking(const DayAttempt& given, const BatchContext& context, const StepWatch& watch,
+              const std::stop_token& stop);
+
+    RunState update();
+    RunState inspect();
+
+  private:
+    /// run_update.cpp: which steps, and why.
+    StepRecord expected(const std::string& step) const;
+    std::string why(const std::string& step, const StepRecord& now);
+    bool keeps(const std::string& step, const StepRecord& now);
+    bool is_published();
+    RunState ended(const RunFailure& failure);
+
+    /// run_steps.cpp: doing one.
+    void prepare();
+    void do_step(const std::string& step, StepRecord record);
+    void execute(const std::string& step, StepRecord& record);
+    std::vector<std::string> command_of(const std::string& step) const;
+    void run_program(const std::string& step, StepRecord& record);
+
+    /// run_publishing.cpp: the way from and into the run folder.
+    FileHashes standing_signatures() const;
+    void bring_signatures();
+    void withdraw_void();
+    void publish();
+    void write_record() const;
+
+    const DayAttempt& given_;
+    const BatchContext& context_;
+    const StepWatch& watch_;
+    const std::stop_token& stop_;
+    BatchFolders folders_;
+    mutable RunFiles files_;
+    RunRecord record_;
+    Claim claim_;
+    FileHashes current_;  ///< every file that the steps so far made or kept
+    RunState state_;
+    std::time_t started_ = 0;
+    bool prepared_ = false;  ///< the work folder is open
+};
+
+}  // namespace runcert

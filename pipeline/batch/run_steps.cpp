@@ -1,0 +1,86 @@
+#include <chrono>
+
+#include "batch/run_making.h"
+#include "batch/step_reason.h"
+#include "core/text.h"
+#include "files/atomic_file.h"
+#include "files/process.h"
+#include "run/signing.h"
+
+namespace runcert {
+
+/// Opens the work folder, with all files that are kept: the steps to come read them there.
+void RunMaking::prepare() {
+    if (prepared_) return;
+    if (!watch_.admitted(recording_bytes(claim_))) throw Interrupted{};
+    files_.open_work();
+    for (const auto& [name, hash] : current_)
+        files_.bring_to_work(name, hash);
+    prepared_ = true;
+}
+
+std::vector<std::string> RunMaking::command_of(const std::string& step) const {
+    const bool first = step == "import";
+    const auto attempt =
+        first ? claim_.source.file : files_.work_dir() / std::string(evidence_attempt_file);
+    std::vector<std::string> command{(context_.program_folder / program_of_step(step)).string(),
+                                     "--attempt", attempt.string(), "--run-dir",
+                                     files_.work_dir().string()};
+    if (first) command.insert(command.end(), {"--folder", claim_.source.folder.string()});
+    if (step == "report") command.emplace_back("--no-render");
+    if (step == "render") command.emplace_back("--render-only");
+    if (step == "render" && !context_.report.pdf) command.emplace_back("--no-pdf");
+    return command;
+}
+
+void RunMaking::run_program(const std::string& step, StepRecord& record) {
+    const ProcessResult result = run_process(
+        command_of(step), {.time_limit = context_.time_limit, .stop = stop_, .own_group = true});
+    if (result.end == ProcessEnd::stopped) throw Interrupted{};
+    if (result.end != ProcessEnd::by_itself || result.exit_status != 0) {
+        const auto copy = files_.work_dir() / std::string(evidence_attempt_file);
+        throw StepError{
+            failure_of_program(step, result, context_.time_limit,
+                               {{copy.string(), claim_.source.file.string()},
+                                {files_.work_dir().string(), files_.run_dir().string()}})};
+    }
+    record.said = lines_of(result.output);
+}
+
+/// Does a step in the work folder; the record then has what it said and wrote.
+void RunMaking::execute(const std::string& step, StepRecord& record) {
+    std::vector<std::string> outputs = outputs_of_step(step, claim_.attempt, context_.report);
+    if (step == "claim") {
+        // Import reads the attempt where messages about it say that it is.
+        if (given_.file.empty()) write_file_atomically(claim_.source.file, claim_.text);
+        bring_in_claim(claim_.attempt, claim_.text, claim_.source, files_.work_dir());
+    } else if (step == "sign") {
+        bring_signatures();
+        outputs = {sign_report(files_.work_dir(), read_report_facts(files_.work_dir()),
+                               *context_.key, signing_role(claim_.attempt))};
+    } else {
+        if (step == "render") bring_signatures();
+        run_program(step, record);
+    }
+    for (const std::string& name : outputs)
+        record.outputs[name] = files_.written(name);
+}
+
+void RunMaking::do_step(const std::string& step, StepRecord record) {
+    if (stop_.stop_requested()) throw Interrupted{};
+    watch_.begins(step);
+    const auto begin = std::chrono::steady_clock::now();
+    prepare();
+    execute(step, record);
+    record.seconds =
+        std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    for (const auto& [name, hash] : record.outputs)
+        current_[name] = hash;
+    state_.steps.back().seconds = record.seconds;
+    record_.steps[step] = std::move(record);
+    record_.failure.reset();
+    write_record();
+    watch_.ends(state_.steps.back());
+}
+
+}  // namespace runcert

@@ -1,0 +1,163 @@
+#include "batch/run_update.h"
+
+#include <algorithm>
+#include <ctime>
+
+#include "batch/run_making.h"
+#include "batch/step_reason.h"
+#include "core/failure.h"
+#include "files/folder_lock.h"
+#include "run/signature_files.h"
+
+namespace runcert {
+namespace {
+
+RunFailure failure_of(const std::string& step, const Failure& failure) {
+    return {.step = step,
+            .problem = failure.problem(),
+            .where = failure.where(),
+            .remedy = failure.remedy()};
+}
+
+}  // namespace
+
+RunMaking::RunMaking(const DayAttempt& given, const BatchContext& context, const StepWatch& watch,
+                     const std::stop_token& stop)
+    : given_(given),
+      context_(context),
+      watch_(watch),
+      stop_(stop),
+      folders_(context.out),
+      files_(folders_.run(given.id), folders_.work(given.id)),
+      record_(read_run_record(folders_.record(given.id))),
+      started_(std::time(nullptr)) {}
+
+/// What a step would now be made from.
+StepRecord RunMaking::expected(const std::string& step) const {
+    StepRecord record{.programs = context_.programs.at(step),
+                      .settings = settings_of_step(step, claim_.attempt, claim_.document,
+                                                   claim_.profiles, context_.report),
+                      .inputs = {},
+                      .outputs = {},
+                      .said = {}};
+    for (const std::string& name : inputs_of_step(step, claim_.attempt))
+        record.inputs[name] = current_.at(name);
+    if (step == "claim") record.inputs = claim_.files;
+    if (step == "import") record.inputs = recording_hashes(claim_);
+    if (step == "render") {
+        record.inputs.merge(standing_signatures());
+        for (const auto& [name, hash] : current_)
+            if (is_signature_name(name)) record.inputs[name] = hash;
+    }
+    return record;
+}
+
+/// Why a step must be done again; empty where it need not.
+std::string RunMaking::why(const std::string& step, const StepRecord& now) {
+    const auto& names = step_names();
+    if (context_.force) return "--force";
+    if (!context_.from.empty() &&
+        std::ranges::find(names, step) >= std::ranges::find(names, context_.from))
+        return "--from " + context_.from;
+    const auto known = record_.steps.find(step);
+    if (known == record_.steps.end()) return "not done yet";
+    if (std::string reason = what_changed(known->second, now); !reason.empty()) return reason;
+    for (const auto& [name, hash] : known->second.outputs)
+        if (!files_.find(name, hash))
+            return files_.exists(name) ? name + " is not as it was written" : name + " is missing";
+    return {};
+}
+
+/// Whether a step's files can stay. The state's last step says why they cannot.
+bool RunMaking::keeps(const std::string& step, const StepRecord& now) {
+    const std::string reason = why(step, now);
+    state_.steps.push_back({.step = step,
+                            .ran = !reason.empty(),
+                            .reason = reason.empty() ? "nothing changed" : reason});
+    if (!reason.empty()) return false;
+    for (const auto& [name, hash] : record_.steps.at(step).outputs)
+        current_[name] = hash;
+    watch_.ends(state_.steps.back());
+    return true;
+}
+
+RunState RunMaking::ended(const RunFailure& failure) {
+    state_.failure = failure;
+    const std::string composed = folders_.composed(given_.id).string();
+    if (given_.file.empty() && failure.where.find(composed) != std::string::npos)
+        state_.failure->where += " (made from " + given_.source + ")";
+    record_.failure = state_.failure;
+    write_record();
+    return state_;
+}
+
+RunState RunMaking::update() {
+    std::string step = step_names().front();
+    try {
+        claim_ = read_claim(given_, folders_.composed(given_.id));
+        for (const std::string& name : step_names()) {
+            step = name;
+            if (!is_step_of(step, context_.report)) continue;
+            StepRecord now = expected(step);
+            if (!keeps(step, now)) do_step(step, std::move(now));
+        }
+        publish();
+    } catch (const Interrupted&) {
+        state_.interrupted = true;
+        return state_;
+    } catch (const StepError& error) {
+        return ended(error.failure);
+    } catch (const Failure& failure) {
+        return ended(failure_of(step, failure));
+    }
+    state_.complete = true;
+    state_.said = record_.steps.at("check").said;
+    state_.files = current_;
+    return state_;
+}
+
+bool RunMaking::is_published() {
+    return std::ranges::all_of(
+        current_, [&](const auto& file) { return files_.is_published(file.first, file.second); });
+}
+
+RunState RunMaking::inspect() {
+    std::string step = step_names().front();
+    try {
+        claim_ = read_claim(given_, folders_.composed(given_.id));
+        for (const std::string& name : step_names()) {
+            step = name;
+            if (is_step_of(step, context_.report) && !keeps(step, expected(step))) break;
+        }
+    } catch (const Failure& failure) {
+        state_.failure = failure_of(step, failure);
+        return state_;
+    }
+    if (state_.steps.back().ran) {
+        if (record_.failure && record_.failure->step == step) state_.failure = record_.failure;
+        return state_;
+    }
+    state_.complete = is_published();
+    state_.said = record_.steps.at("check").said;
+    state_.files = current_;
+    return state_;
+}
+
+RunState update_run(const DayAttempt& attempt, const BatchContext& context, const StepWatch& watch,
+                    const std::stop_token& stop) {
+    const auto taken =
+        FolderLock::try_lock(BatchFolders(context.out).lock(attempt.id), LockKind::exclusive);
+    if (!taken.lock)
+        return {.failure = RunFailure{.step = step_names().front(),
+                                      .problem = "another batch makes this run: " + taken.holder,
+                                      .where = (context.out / attempt.id).string(),
+                                      .remedy = "Wait until it has ended, and run this again"}};
+    return RunMaking(attempt, context, watch, stop).update();
+}
+
+RunState inspect_run(const DayAttempt& attempt, const BatchContext& context) {
+    const StepWatch nobody;
+    return RunMaking(attempt, context, nobody, {}).inspect();
+}
+
+}  // namespace runcert

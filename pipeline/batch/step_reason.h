@@ -1,0 +1,25 @@
+#pragma once
+
+#include <chrono>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "batch/run_record.h"
+#include "files/process.h"
+
+namespace runcert {
+
+/// What a step would now be made from that it was not made from before, in words ("parameters:
+/// seed 1 -> 2"); empty where all is as it was. What was written is not looked at.
+std::string what_changed(const StepRecord& before, const StepRecord& now);
+
+/// The failure of a step whose program did not end well: its own three lines where it said them,
+/// else how it ended. `names` are texts to be replaced in what it said: paths of the work folder by
+/// those that the user knows.
+RunFailure failure_of_program(const std::string& step, const ProcessResult& result,
+                              std::chrono::milliseconds time_limit,
+                              const std::vector<std::pair<std::string, std::string>>& names);
+
+}  // namespace runcert

@@ -1,0 +1,100 @@
+#include <algorithm>
+#include <array>
+#include <string>
+
+#include "batch/steps.h"
+#include "run/evidence.h"
+
+namespace runcert {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Keys of an attempt whose effect is in what follows by other ways: the first group is read by
+/// "claim", "check" and "report" alone, which depend on the whole text; the second by the steps
+/// that name them below.
+constexpr std::array attempt_elsewhere{
+    "schema", "id",     "craft",   "place",    "date",      "officials", "signatures",
+    "amends", "record", "records", "wind",     "current",   "secondary", "receivers",
+    "origin", "course", "rules",   "profiles", "parameters"};
+
+/// Keys of a profile that only "check" and "report" read.
+constexpr std::array profile_of_check{"schema",  "body",       "title",  "accuracy",
+                                      "margin",  "rounding",   "result", "decision",
+                                      "current", "signatures", "clauses"};
+
+/// Figures of a profile that the attempt may replace and that only "check" and "report" read.
+bool is_figure_of_check(const std::string& figure) {
+    return figure.starts_with("margin.") || figure.starts_with("accuracy.") ||
+           figure.starts_with("decision.") || figure.starts_with("clauses.");
+}
+
+Json without(Json document, auto&& keys) {
+    for (const char* key : keys)
+        document.erase(key);
+    return document;
+}
+
+Json files_of(const Receiver& receiver) {
+    Json files = Json::array();
+    for (const EvidenceFile& file : evidence_files(receiver))
+        files.push_back(file.original);
+    return files;
+}
+
+/// The receiver as import reads it.
+Json import_settings(const Receiver& receiver) {
+    return {{"id", receiver.id}, {"files", files_of(receiver)}, {"stated", receiver.stated}};
+}
+
+Json receiver_ids(const Attempt& attempt) {
+    Json ids = Json::array();
+    for (const Receiver& receiver : attempt.receivers)
+        ids.push_back(receiver.id);
+    return ids;
+}
+
+Json window_rules(const Json& document) {
+    Json rules = Json::array();
+    for (const Json& rule : document.value("rules", Json::array()))
+        if (!is_figure_of_check(rule.value("figure", ""))) rules.push_back(rule);
+    return rules;
+}
+
+void add_window_settings(Json& settings, const Json& document, const std::vector<Json>& profiles) {
+    settings["course"] = document.value("course", Json());
+    settings["rules"] = window_rules(document);
+    for (const Json& receiver : document.at("receivers"))
+        settings["antennas"].push_back(
+            {{"lever_arm_m", receiver.value("lever_arm_m", Json())},
+             {"rotation_bound_deg", receiver.value("rotation_bound_deg", Json())}});
+    settings["profiles"] = Json::array();
+    for (const Json& profile : profiles)
+        settings["profiles"].push_back(without(profile, profile_of_check));
+}
+
+}  // namespace
+
+Json settings_of_step(std::string_view step, const Attempt& attempt, const Json& document,
+                      const std::vector<Json>& profiles, const ReportChoice& choice) {
+    if (step == "claim" || step == "report") return Json::object();  // inputs are all they use
+    if (step == "sign") return {{"signer", choice.signer}};
+    if (step == "render") return {{"pdf", choice.pdf}};
+    Json settings = without(document, attempt_elsewhere);
+    if (step == "import") {
+        for (const Receiver& receiver : attempt.receivers)
+            settings["receivers"].push_back(import_settings(receiver));
+        return settings;
+    }
+    settings["receivers"] = receiver_ids(attempt);
+    if (step == "enu") settings["origin"] = document.value("origin", Json());
+    const auto parameters = attempt.parameters.find(std::string(step));
+    if (parameters != attempt.parameters.end()) settings["parameters"] = parameters->second;
+    if (step == "screen")
+        for (const char* shared : {"error_time_min_s", "error_time_max_s"})
+            settings["smooth"][shared] = attempt.parameters.at("smooth").at(shared);
+    if (step == "window") add_window_settings(settings, document, profiles);
+    return settings;
+}
+
+}  // namespace runcert

@@ -1,0 +1,221 @@
+#include "batch/batch.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <thread>
+
+#include "batch/compare_days.h"
+#include "batch/memory_budget.h"
+#include "batch/slurm_args.h"
+#include "commands.h"
+#include "core/failure.h"
+#include "core/text.h"
+#include "files/process.h"
+#include "run/signing.h"
+
+namespace runcert {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct BatchOptions {
+    std::vector<std::string> day;
+    std::string out;
+    std::int64_t jobs = 0;
+    std::int64_t memory_mib = 0;
+    double time_limit_s = 600.0;
+    bool force = false;
+    std::string from;
+    std::vector<std::string> only;
+    bool explain = false;
+    bool quiet = false;
+    bool json = false;
+    bool no_pdf = false;
+    bool no_render = false;
+    std::string key;
+    std::string engine = "local";
+    std::string slurm_args;
+    bool wait = false;
+    bool status = false;
+    std::string compare;
+    std::string share;
+    std::string pending;
+    bool gather = false;
+};
+
+/// Steps that a user may name: the stages, report and render.
+std::vector<std::string> nameable_steps() {
+    std::vector<std::string> steps = step_names();
+    std::erase(steps, "claim");
+    std::erase(steps, "sign");
+    return steps;
+}
+
+/// out/NAME, NAME being that of the folder, of the day file, or of the folder it is in.
+fs::path default_out(const std::string& first) {
+    const fs::path given = fs::weakly_canonical(fs::absolute(first));
+    const bool names_itself = fs::is_directory(given) || given.stem() != "day";
+    const fs::path name = names_itself ? given.stem() : given.parent_path().filename();
+    return fs::path("out") / (name.empty() ? "day" : name);
+}
+
+ProgressStyle style_of(const BatchOptions& options) {
+    if (options.json) return ProgressStyle::json;
+    return options.quiet ? ProgressStyle::quiet : progress_style_for(stdout);
+}
+
+BatchOrder order_of(const BatchOptions& options) {
+    BatchOrder order;
+    order.day.assign(options.day.begin(), options.day.end());
+    BatchContext& context = order.context;
+    context.out = options.out.empty() ? default_out(options.day.front()) : fs::path(options.out);
+    context.program_folder = program_folder();
+    context.programs = programs_of_steps(context.program_folder);
+    context.report = {.render = !options.no_render, .pdf = !options.no_pdf};
+    if (!options.key.empty()) {
+        context.key = load_secret_key(options.key);
+        context.report.signer = key_id_text({.key_id = context.key->key_id()});
+    }
+    context.force = options.force;
+    context.from = options.from;
+    context.time_limit = std::chrono::milliseconds(std::llround(options.time_limit_s * 1e3));
+    order.progress = {.style = style_of(options), .explain = options.explain};
+    order.jobs = options.jobs > 0 ? static_cast<std::size_t>(options.jobs)
+                                  : std::max(1U, std::thread::hardware_concurrency());
+    order.memory_bytes = options.memory_mib > 0
+                             ? static_cast<std::uint64_t>(options.memory_mib) << 20
+                             : available_memory();
+    order.only = options.only;
+    order.wait = options.wait;
+    return order;
+}
+
+/// What the tasks on a cluster must be told as this call was.
+std::vector<std::string> task_options(const BatchOptions& options) {
+    std::vector<std::string> words{"--time-limit", fmt::format("{}", options.time_limit_s),
+                                   "--jobs", "1"};
+    if (options.no_pdf) words.emplace_back("--no-pdf");
+    if (options.no_render) words.emplace_back("--no-render");
+    return words;
+}
+
+Share share_of(const std::string& text) {
+    const std::size_t slash = text.find('/');
+    const auto part = parse_integer(text.substr(0, slash));
+    const auto of =
+        slash == std::string::npos ? std::nullopt : parse_integer(text.substr(slash + 1));
+    if (!part || !of || *part < 0 || *of < 1 || *part >= *of)
+        throw Failure("--share", fmt::format("\"{}\" is not a share", escape_for_message(text)),
+                      "Write I/N, I counting from 0 to N - 1");
+    return {.part = static_cast<std::size_t>(*part), .of = static_cast<std::size_t>(*of)};
+}
+
+void check(const BatchOptions& options) {
+    if (options.engine != "slurm") return;
+    if (!options.key.empty())
+        throw Failure("--key",
+                      "a day on a cluster is not signed there: the key would leave this "
+                      "computer",
+                      "Sign the runs here when they are done: runcert sign RUN_DIR, or the same "
+                      "batch with --key and without --engine");
+    if (options.force || !options.from.empty())
+        throw Failure("--engine slurm",
+                      "--force and --from are for this computer alone: the tasks "
+                      "of an array find out by themselves what is to be done",
+                      "Give another --out, or remove the runs that are to be made anew");
+}
+
+int batch(const BatchOptions& options) {
+    check(options);
+    const BatchOrder order = order_of(options);
+    if (options.status) return say_status(order);
+    if (!options.share.empty()) return run_share(order, share_of(options.share), options.pending);
+    if (options.engine == "slurm")
+        return submit_day(order, task_options(options), split_slurm_args(options.slurm_args));
+    const int status = options.gather ? gather_day(order) : run_batch(order);
+    if (!options.compare.empty())
+        fmt::print("{}", comparison_text(compare_days(options.compare, order.context.out)));
+    return status;
+}
+
+void add_choices(CLI::App* command, BatchOptions& options) {
+    command->add_option("--out", options.out,
+                        "folder of the results and run folders (default: out/NAME of the day)");
+    command->add_option("--jobs", options.jobs, "runs side by side (default: one for each core)")
+        ->check(CLI::Range(1, 1024));
+    command
+        ->add_option("--memory", options.memory_mib,
+                     "MiB that runs may be expected to need together; a run beyond it runs alone "
+                     "(default: four fifths of what is free)")
+        ->check(CLI::Range(1, 1 << 30));
+    command
+        ->add_option("--time-limit", options.time_limit_s,
+                     "seconds after which a step is ended and its run has failed (default: 600)")
+        ->check(CLI::Range(0.1, 1e7));
+    command->add_flag("--force", options.force, "make every step again");
+    command->add_option("--from", options.from, "make this step and those after it again")
+        ->check(CLI::IsMember(nameable_steps()));
+    command->add_option(
+        "--only", options.only,
+        "only attempts with such an id (* and ? as in file names); may be repeated");
+    command->add_flag("--no-pdf", options.no_pdf, "report.json and HTML alone");
+    command->add_flag("--no-render", options.no_render, "stop after report.json: no HTML, no PDF");
+    command->add_option("--key", options.key, "secret key to sign the reports with");
+}
+
+void add_display(CLI::App* command, BatchOptions& options) {
+    command->add_flag("--explain", options.explain, "say of each step why it ran or not");
+    command->add_flag("--quiet", options.quiet, "failures and the end alone");
+    command->add_flag("--json", options.json, "one event a line, for programs");
+    command->add_option("--compare", options.compare,
+                        "at the end, what differs from the results in this folder, and why");
+    command->add_flag("--status", options.status,
+                      "only say what is done and what is not (exit status 1 where not all is)");
+    command->add_flag("--wait", options.wait, "wait for another batch on the same folder to end");
+}
+
+void add_cluster(CLI::App* command, BatchOptions& options) {
+    command->add_option("--engine", options.engine, "local, or slurm for a cluster")
+        ->check(CLI::IsMember({"local", "slurm"}));
+    command->add_option("--slurm-args", options.slurm_args,
+                        "more arguments for sbatch, as in a shell: \"--partition=lake --mem=2G\"");
+    auto* pending = command->add_option("--pending", options.pending,
+                                        "with --share: a file of ids, one a line");
+    auto* share = command->add_option("--share", options.share,
+                                      "I/N: of these ids every N-th from the I-th, counted from 0, "
+                                      "and no results; a task of a cluster's array");
+    share->needs(pending);
+    pending->needs(share);
+    command->add_flag("--gather", options.gather,
+                      "make no run, only the day's results of those that are there");
+}
+
+}  // namespace
+
+void add_batch(CLI::App& app, Command& chosen) {
+    auto options = std::make_shared<BatchOptions>();
+    CLI::App* command = app.add_subcommand(
+        "batch", "Certify a day's attempts: those that changed are made again, results ranked");
+    command
+        ->add_option("DAY", options->day,
+                     "a folder of attempts, a day file (schema day/1.0), or attempt files")
+        ->required();
+    add_choices(command, *options);
+    add_display(command, *options);
+    add_cluster(command, *options);
+    command->footer(
+        "Each attempt has a run folder OUT/ID, as certify writes it; day.html, day.csv and "
+        "day.yaml\n"
+        "in OUT have the ranking. A step runs again only if its program, its parameters or its "
+        "inputs\n"
+        "changed, by SHA-256, or if what it wrote is not there as it was written. Ctrl-C once "
+        "finishes\n"
+        "what is running, twice stops it; the same command again goes on.\n"
+        "Exit status: 0 all were processed, whatever their verdicts; 2 one could not be.");
+    command->callback([&chosen, options] { chosen = [options] { return batch(*options); }; });
+}
+
+}  // namespace runcert

@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <array>
+#include <csignal>
+#include <cstring>
 #include <set>
 
 #include "core/plain_text.h"

@@ -82,7 +82,7 @@ bool holds_points(const Json& figure) {
 void run_gnuplot(const std::filesystem::path& script) {
     const ProcessResult result =
         run_process({"gnuplot", "-d", script.string()},
-                    {{"LC_ALL", "C.UTF-8"}, {"GNUTERM", "svg"}, {"TZ", "UTC"}});
+                    {.environment = {{"LC_ALL", "C.UTF-8"}, {"GNUTERM", "svg"}, {"TZ", "UTC"}}});
     if (result.exit_status != 0)
         throw Failure(
             "gnuplot",

@@ -17,10 +17,10 @@ std::string report_pdf(const std::string& html, const std::string& report_text) 
     write_file_atomically(page, html);
     write_file_atomically(attachment, report_text);
     // WeasyPrint writes the time of making into the file unless it is told another.
-    const ProcessResult result =
-        run_process({"weasyprint", "--quiet", "--encoding", "utf-8", "--attachment",
-                     attachment.string(), page.string(), pdf.string()},
-                    {{"SOURCE_DATE_EPOCH", "0"}, {"LC_ALL", "C.UTF-8"}, {"TZ", "UTC"}});
+    const ProcessResult result = run_process(
+        {"weasyprint", "--quiet", "--encoding", "utf-8", "--attachment", attachment.string(),
+         page.string(), pdf.string()},
+        {.environment = {{"SOURCE_DATE_EPOCH", "0"}, {"LC_ALL", "C.UTF-8"}, {"TZ", "UTC"}}});
     if (result.exit_status != 0 || !std::filesystem::exists(pdf)) {
         // Of a traceback, the last line says what was wrong.
         const std::string_view said = trim(result.errors);

@@ -1,158 +1,197 @@
 #include "files/process.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
 #include <signal.h>
-#include <sys/prctl.h>
+#include <sys/eventfd.h>
+#include <sys/ioctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
-#include <utility>
+#include <limits>
 
 #include "core/failure.h"
+#include "files/process_start.h"
 
 namespace runcert {
 namespace {
 
-[[noreturn]] void fail_to_start(int error) {
-    throw Failure("starting a program", std::strerror(error), "Close other programs");
+using Clock = std::chrono::steady_clock;
+
+/// How long output of those that a program left behind is waited for after its end.
+constexpr std::chrono::milliseconds patience{1000};
+
+/// The longest time limit, far from what a clock can hold.
+constexpr std::chrono::hours longest{24 * 365};
+
+/// The milliseconds until a moment, as poll takes them: -1 for none.
+int milliseconds_until(const std::optional<Clock::time_point>& moment) {
+    if (!moment) return -1;
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(*moment - Clock::now()).count();
+    return static_cast<int>(std::clamp<decltype(left)>(left, 0, std::numeric_limits<int>::max()));
 }
 
-/// A pipe whose ends are closed when it goes out of scope, and in a program that is started.
-class Pipe {
+/// A running program, watched to its end. None outlives this object.
+class Watch {
   public:
-    Pipe() {
-        if (pipe2(ends_.data(), O_CLOEXEC) != 0) fail_to_start(errno);
-        // Where the caller has closed standard input or output, its number may be given to an
-        // end, and the child would overwrite it before it is used.
-        for (int& end : ends_)
-            if (end <= STDERR_FILENO) {
-                const int moved = fcntl(end, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
-                if (moved < 0) fail_to_start(errno);
-                close(end);
-                end = moved;
-            }
+    Watch(StartedProgram program, bool own_group)
+        : program_(std::move(program)),
+          own_group_(own_group),
+          files_{{{program_.output.number(), POLLIN, 0},
+                  {program_.errors.number(), POLLIN, 0},
+                  {program_.ended.number(), POLLIN, 0},
+                  {-1, POLLIN, 0}}} {}
+    ~Watch() {
+        if (reaped_) return;
+        kill_all();
+        reap();
     }
-    ~Pipe() {
-        for (const int end : ends_)
-            if (end >= 0) close(end);
-    }
-    Pipe(const Pipe&) = delete;
-    Pipe& operator=(const Pipe&) = delete;
+    Watch(const Watch&) = delete;
+    Watch& operator=(const Watch&) = delete;
 
-    int read_end() const { return ends_[0]; }
-    int write_end() const { return ends_[1]; }
-    void close_write_end() { close(std::exchange(ends_[1], -1)); }
+    /// `stop` is the number of a file that becomes readable when the program is to be ended.
+    ProcessResult to_end(std::optional<Clock::time_point> deadline, int stop) {
+        files_[stop_file].fd = stop;
+        deadline_ = deadline;
+        while (!has_ended_ || (is_open(0) || is_open(1))) {
+            if (has_ended_ && Clock::now() >= *deadline_) break;
+            if (poll(files_.data(), files_.size(), milliseconds_until(deadline_)) < 0) {
+                if (errno != EINTR) fail_to_start(errno);
+                continue;
+            }
+            for (const std::size_t i : {0U, 1U})
+                if (is_open(i) && files_[i].revents != 0) read_from(i, buffer_.size());
+            judge();
+        }
+        finish();
+        return std::move(result_);
+    }
+
+    /// The error number of a program that could not be started, 0 of one that was.
+    int problem() const {
+        int error = 0;
+        ssize_t count = 0;
+        do
+            count = read(program_.problem.number(), &error, sizeof error);
+        while (count < 0 && errno == EINTR);
+        return count == sizeof error ? error : 0;
+    }
 
   private:
-    std::array<int, 2> ends_{-1, -1};
-};
+    static constexpr std::size_t end_file = 2;
+    static constexpr std::size_t stop_file = 3;
 
-/// The pipes between a program and its caller. `problem` brings the error of a program that could
-/// not be started, and nothing where it could.
-struct Pipes {
-    Pipe out;
-    Pipe err;
-    Pipe problem;
-};
+    bool is_open(std::size_t i) const { return files_[i].fd >= 0; }
 
-/// What the child does between fork and exec: only calls that are safe there.
-[[noreturn]] void become(char* const* arguments, char* const* environment, const Pipes& pipes,
-                         const char* standard_input, pid_t parent) {
-    prctl(PR_SET_PDEATHSIG, SIGTERM);
-    if (getppid() != parent) _exit(127);
-    const int input = open(standard_input, O_RDONLY);
-    dup2(input, STDIN_FILENO);
-    dup2(pipes.out.write_end(), STDOUT_FILENO);
-    dup2(pipes.err.write_end(), STDERR_FILENO);
-    execvpe(arguments[0], arguments, environment);
-    const int error = errno;
-    [[maybe_unused]] const ssize_t written = write(pipes.problem.write_end(), &error, sizeof error);
-    _exit(127);
-}
+    void read_from(std::size_t i, std::size_t bytes) {
+        const ssize_t count = read(files_[i].fd, buffer_.data(), std::min(bytes, buffer_.size()));
+        if (count > 0)
+            (i == 0 ? result_.output : result_.errors)
+                .append(buffer_.data(), static_cast<std::size_t>(count));
+        else if (count == 0 || errno != EINTR)
+            files_[i].fd = -1;
+    }
 
-/// Reads both pipes until the child has closed them.
-void drain(const Pipes& pipes, ProcessResult& result) {
-    std::array<pollfd, 2> files{
-        {{pipes.out.read_end(), POLLIN, 0}, {pipes.err.read_end(), POLLIN, 0}}};
-    const std::array<std::string*, 2> texts{&result.output, &result.errors};
-    std::array<char, 65536> buffer{};
-    int open_files = 2;
-    while (open_files > 0) {
-        if (poll(files.data(), files.size(), -1) < 0) {
-            if (errno == EINTR) continue;
-            break;
+    /// Whether the program has ended, or is to.
+    void judge() {
+        if (has_ended_) return;
+        if (files_[end_file].revents != 0) {
+            has_ended_ = true;
+            files_[end_file].fd = files_[stop_file].fd = -1;
+            // Those that were ended are not listened to: one that left the group might never end.
+            deadline_ = ended_by_us_ ? Clock::now() : Clock::now() + patience;
+        } else if (files_[stop_file].revents != 0) {
+            end_it(ProcessEnd::stopped);
+        } else if (deadline_ && Clock::now() >= *deadline_) {
+            end_it(ProcessEnd::over_time);
         }
-        for (std::size_t i = 0; i < files.size(); ++i) {
-            if (files[i].fd < 0 || files[i].revents == 0) continue;
-            const ssize_t count = read(files[i].fd, buffer.data(), buffer.size());
-            if (count > 0) {
-                texts[i]->append(buffer.data(), static_cast<std::size_t>(count));
-            } else if (count == 0 || errno != EINTR) {
-                files[i].fd = -1;
-                --open_files;
+    }
+
+    void end_it(ProcessEnd why) {
+        ended_by_us_ = why;
+        files_[stop_file].fd = -1;
+        deadline_.reset();
+        kill_all();
+    }
+
+    /// Only before the program is reaped: its number may be another's afterwards.
+    void kill_all() const { kill(own_group_ ? -program_.process : program_.process, SIGKILL); }
+
+    /// Reads what is left in the pipes, ends what is left of the group, and takes the status.
+    void finish() {
+        if (own_group_) kill_all();
+        for (const std::size_t i : {0U, 1U}) {
+            int waiting = 0;
+            if (!is_open(i) || ioctl(files_[i].fd, FIONREAD, &waiting) != 0) continue;
+            // Never more than was there: who still writes might never end.
+            for (std::string& text = i == 0 ? result_.output : result_.errors; waiting > 0;) {
+                const std::size_t before = text.size();
+                read_from(i, static_cast<std::size_t>(waiting));
+                if (text.size() == before) break;
+                waiting -= static_cast<int>(text.size() - before);
             }
         }
+        reap();
     }
-}
 
-std::vector<std::string> merged_environment(
-    const std::vector<std::pair<std::string, std::string>>& additions) {
-    std::vector<std::string> merged;
-    for (char** entry = environ; *entry != nullptr; ++entry) {
-        const std::string text = *entry;
-        bool replaced = false;
-        for (const auto& [name, value] : additions)
-            replaced = replaced || text.starts_with(name + "=");
-        if (!replaced) merged.push_back(text);
+    void reap() {
+        int status = 0;
+        rusage usage{};
+        while (wait4(program_.process, &status, 0, &usage) < 0 && errno == EINTR) {
+        }
+        reaped_ = true;
+        result_.peak_memory_bytes = static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+        if (WIFSIGNALED(status)) {
+            result_.signal = WTERMSIG(status);
+            result_.exit_status = 128 + result_.signal;
+            const bool ours = ended_by_us_ && result_.signal == SIGKILL;
+            result_.end = ours ? *ended_by_us_ : ProcessEnd::by_signal;
+        } else {
+            // Even where it was to be ended: it was faster.
+            result_.exit_status = WEXITSTATUS(status);
+        }
     }
-    for (const auto& [name, value] : additions)
-        merged.push_back(name + "=" + value);
-    return merged;
-}
 
-std::vector<char*> pointers(std::vector<std::string>& texts) {
-    std::vector<char*> list;
-    for (std::string& text : texts)
-        list.push_back(text.data());
-    list.push_back(nullptr);
-    return list;
-}
+    StartedProgram program_;
+    bool own_group_;
+    bool has_ended_ = false;
+    bool reaped_ = false;
+    std::optional<ProcessEnd> ended_by_us_;
+    std::optional<Clock::time_point> deadline_;
+    std::array<pollfd, 4> files_;
+    std::vector<char> buffer_ = std::vector<char>(65536);
+    ProcessResult result_;
+};
 
 }  // namespace
 
 ProcessResult run_process(const std::vector<std::string>& arguments,
-                          const std::vector<std::pair<std::string, std::string>>& environment,
-                          const std::filesystem::path& standard_input) {
-    const std::string input = standard_input.empty() ? "/dev/null" : standard_input.string();
-    std::vector<std::string> argument_texts = arguments;
-    std::vector<std::string> environment_texts = merged_environment(environment);
-    const std::vector<char*> argument_list = pointers(argument_texts);
-    const std::vector<char*> environment_list = pointers(environment_texts);
-    Pipes pipes;
-    const pid_t parent = getpid();
-    const pid_t child = fork();
-    if (child < 0) fail_to_start(errno);
-    if (child == 0)
-        become(argument_list.data(), environment_list.data(), pipes, input.c_str(), parent);
-    for (Pipe* pipe : {&pipes.out, &pipes.err, &pipes.problem})
-        pipe->close_write_end();
-    int error = 0;
-    ssize_t count = 0;
-    while ((count = read(pipes.problem.read_end(), &error, sizeof error)) < 0 && errno == EINTR) {
+                          const ProcessOptions& options) {
+    if (options.stop.stop_requested())
+        return {.exit_status = 128 + SIGKILL, .end = ProcessEnd::stopped, .signal = SIGKILL};
+    const bool own_group = options.own_group || options.time_limit || options.stop.stop_possible();
+    std::optional<Clock::time_point> deadline;
+    if (options.time_limit)
+        deadline = Clock::now() + std::min<std::chrono::milliseconds>(*options.time_limit, longest);
+    Descriptor stop;
+    if (options.stop.stop_possible()) {
+        stop = Descriptor(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
+        if (stop.number() < 0) fail_to_start(errno);
     }
-    ProcessResult result;
-    drain(pipes, result);
-    int status = 0;
-    while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-    }
-    result.exit_status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-    if (count == sizeof error)
+    const std::stop_callback wake(options.stop, [&stop] { eventfd_write(stop.number(), 1); });
+    Watch watch(start_program({.arguments = arguments,
+                               .environment = options.environment,
+                               .standard_input = options.standard_input.string(),
+                               .own_group = own_group}),
+                own_group);
+    const ProcessResult result = watch.to_end(deadline, stop.number());
+    if (const int error = watch.problem(); error != 0)
         throw Failure(arguments[0],
                       fmt::format("the program could not be started: {}", std::strerror(error)),
                       "Install it (see packages.txt), or build the program again");

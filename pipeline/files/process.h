@@ -1,27 +1,63 @@
 #pragma once
 
+#include <chrono>
+#include <cstdint>
 #include <filesystem>
-#include <functional>
+#include <optional>
+#include <stop_token>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
 namespace runcert {
 
-struct ProcessResult {
-    int exit_status = 0;  ///< of the program; 128 + signal where it was ended by one
-    std::string output;   ///< what it wrote on standard output
-    std::string errors;   ///< what it wrote on standard error
+/// How a program is run.
+struct ProcessOptions {
+    /// Added to the caller's environment, or in place of what has the same name there.
+    std::vector<std::pair<std::string, std::string>> environment = {};
+    /// The file that is the program's standard input; none for an empty one.
+    std::filesystem::path standard_input = {};
+    /// After this time the program is ended.
+    std::optional<std::chrono::milliseconds> time_limit = {};
+    /// Where a stop is requested, the program is ended; it is not begun where one was before.
+    std::stop_token stop = {};
+    /// Runs the program in a process group of its own, so that the terminal's Ctrl-C does not reach
+    /// it and what it leaves running is ended after it. Always so with a time limit or a stop.
+    bool own_group = false;
 };
 
-/// Runs a program (searched in PATH unless it holds a slash) to its end, with the contents of a
-/// file as standard input (empty where none is named), and returns what it said. `environment` is
-/// added to the caller's. The program is ended if its caller dies. A program that cannot be started
-/// is a Failure that names it.
+/// Why a program ended.
+enum class ProcessEnd {
+    by_itself,  ///< it ended, with an exit status
+    by_signal,  ///< a signal ended it that its caller did not send: a crash, or want of memory
+    over_time,  ///< it was ended because it reached its time limit
+    stopped,    ///< it was ended, or not begun, because a stop was requested
+};
+
+struct ProcessResult {
+    int exit_status = 0;      ///< of the program; 128 + signal where it was ended by one
+    std::string output = {};  ///< what it wrote on standard output
+    std::string errors = {};  ///< what it wrote on standard error
+    ProcessEnd end = ProcessEnd::by_itself;
+    int signal = 0;  ///< the number of the signal that ended it; 0 where none did
+    /// The largest resident memory of the program and of those it waited for. The system counts the
+    /// copy of its caller that the program begins as, so it is never less than the caller's own.
+    std::uint64_t peak_memory_bytes = 0;
+};
+
+/// Runs a program (searched in PATH unless it holds a slash) to its end, and returns what it said.
+/// May be called from several threads at once. A program that cannot be started is a Failure that
+/// names it, and so is a standard input that cannot be read.
+///
+/// The program starts with no signal blocked. It gets SIGTERM when the *thread* that called this
+/// ends, however it ends; as this waits for the program, that is when the caller's process dies.
+///
+/// To end a program is to send SIGKILL to its process group: to itself and to all it started that
+/// did not take a group of their own. Programs run by this function that do have one still die with
+/// the program that ran them. Output is read until the program has ended and nobody can write any
+/// more, but for no longer than a second after its end, whoever still holds it open.
 ProcessResult run_process(const std::vector<std::string>& arguments,
-                          const std::vector<std::pair<std::string, std::string>>& environment = {},
-                          const std::filesystem::path& standard_input = {});
+                          const ProcessOptions& options = {});
 
 /// The folder that holds the running program, where its companions are.
 std::filesystem::path program_folder();

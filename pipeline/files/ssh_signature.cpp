@@ -83,7 +83,7 @@ SshCheck check_ssh_signature(const std::filesystem::path& signed_file,
         result = run_process(
             {"ssh-keygen", "-Y", "verify", "-f", allowed.string(), "-I", principal, "-n",
              name_space, "-Overify-time=" + compact_text(time), "-s", copy.string()},
-            {{"LC_ALL", "C"}}, signed_file);
+            {.environment = {{"LC_ALL", "C"}}, .standard_input = signed_file});
     } catch (const Failure& failure) {
         throw Failure(signature_file.string(),
                       "ssh signatures are checked by ssh-keygen, which cannot be started: " +

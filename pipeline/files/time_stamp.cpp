@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 ProcessResult openssl_ts(std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), {"openssl", "ts"});
     try {
-        return run_process(arguments, {{"LC_ALL", "C"}});
+        return run_process(arguments, {.environment = {{"LC_ALL", "C"}}});
     } catch (const Failure& failure) {
         throw Failure(
             "time stamps",

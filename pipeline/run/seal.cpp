@@ -31,7 +31,7 @@ std::string first_words(const std::string& said) {
 }
 
 ProcessResult run_words(const std::vector<std::string>& command) {
-    return run_process(command, {{"LC_ALL", "C"}, {"TZ", "UTC"}});
+    return run_process(command, {.environment = {{"LC_ALL", "C"}, {"TZ", "UTC"}}});
 }
 
 std::string require_openssl(const std::vector<std::string>& command, const fs::path& file,

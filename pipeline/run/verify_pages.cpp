@@ -77,7 +77,7 @@ PageFinding check_pdf(const fs::path& file, const ReportFacts& report) {
     const std::string pdf = fs::absolute(file).string();
     ProcessResult list;
     try {
-        list = run_process({"pdfdetach", "-list", pdf}, {{"LC_ALL", "C"}});
+        list = run_process({"pdfdetach", "-list", pdf}, {.environment = {{"LC_ALL", "C"}}});
     } catch (const Failure&) {
         return {.checked = false,
                 .words = "not checked: pdfdetach is missing (install poppler-utils)"};
@@ -101,7 +101,8 @@ PageFinding check_pdf(const fs::path& file, const ReportFacts& report) {
     const std::size_t line = list.output.rfind('\n', at) + 1;
     const std::string number = list.output.substr(line, at - line);
     const ProcessResult save =
-        run_process({"pdfdetach", "-save", number, "-o", saved.string(), pdf}, {{"LC_ALL", "C"}});
+        run_process({"pdfdetach", "-save", number, "-o", saved.string(), pdf},
+                    {.environment = {{"LC_ALL", "C"}}});
     if (save.exit_status != 0 || !fs::exists(saved) || read_file(saved) != report.text)
         return {.words =
                     fmt::format("the report attached to it is not report.json: {}", render_again)};

@@ -20,7 +20,8 @@ const std::vector<std::pair<std::string, std::string>> environment{{"LC_ALL", "C
 
 std::string read_version() {
     try {
-        const std::string output = run_process({"gpsbabel", "-V"}, environment).output;
+        const std::string output =
+            run_process({"gpsbabel", "-V"}, {.environment = environment}).output;
         const std::size_t digit = output.find_first_of("0123456789");
         if (digit == std::string::npos) return "of an unknown version";
         return output.substr(digit, output.find_first_not_of("0123456789.", digit) - digit);
@@ -55,7 +56,7 @@ Converted convert(const std::string& type, const RecordingBytes& recording) {
         run_process({"timeout", "--kill-after=5", std::string(seconds), "prlimit",
                      fmt::format("--as={}", bytes), fmt::format("--fsize={}", bytes), "gpsbabel",
                      "-t", "-i", type, "-f", from, "-o", "gpx,gpxver=1.0", "-F", to},
-                    environment);
+                    {.environment = environment});
     if (result.exit_status != 0) refuse(result, type, recording);
     converted.gpx = read_file(to);
     return converted;

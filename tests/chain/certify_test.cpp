@@ -97,7 +97,8 @@ TEST(Certify, AGermanLocaleGivesTheSameBytes) {
         GTEST_SKIP() << "localedef cannot make a German locale here";
     const Environment german{{"LC_ALL", "de_DE.UTF-8"}, {"LOCPATH", folder.path().string()}};
     // The locale must really have a decimal comma.
-    ASSERT_EQ(run_process({"bash", "-c", "printf '%.1f' 1,5"}, german).output, "1,5");
+    ASSERT_EQ(run_process({"bash", "-c", "printf '%.1f' 1,5"}, {.environment = german}).output,
+              "1,5");
     const fs::path attempt = examples / "land_yacht" / "attempt.yaml";
     certify(attempt, folder.path() / "plain");
     certify(attempt, folder.path() / "german", {}, german);

@@ -24,7 +24,7 @@ using Environment = std::vector<std::pair<std::string, std::string>>;
 /// Runs `runcert` with these arguments.
 inline ProcessResult runcert(std::vector<std::string> arguments, const Environment& more = {}) {
     arguments.insert(arguments.begin(), RUNCERT_PROGRAMS "/runcert");
-    return run_process(arguments, more);
+    return run_process(arguments, {.environment = more});
 }
 
 inline ProcessResult certify(const fs::path& attempt, const fs::path& out,

@@ -31,7 +31,7 @@ class Readme : public testing::Test {
   protected:
     ProcessResult shell(const std::string& command) const {
         return run_process({"sh", "-c", "cd '" + folder_.path().string() + "' && " + command},
-                           {{"LC_ALL", "C.UTF-8"}});
+                           {.environment = {{"LC_ALL", "C.UTF-8"}}});
     }
     void must(const std::string& command) const {
         const ProcessResult result = shell(command);

@@ -208,7 +208,7 @@ TEST_F(Signatures, BySshKeygenCountByTheSameRoster) {
         const ProcessResult theirs =
             run_process({"ssh-keygen", "-Y", "verify", "-f", listed, "-I", "measurer", "-n",
                          "measurer@runcert", "-s", (run() / "report.json.sig").string()},
-                        {}, run() / "report.json");
+                        {.standard_input = run() / "report.json"});
         EXPECT_EQ(theirs.exit_status, 0) << theirs.output << theirs.errors;
         found = verify_json({"--roster", roster()});
         EXPECT_TRUE(says(signer(found, "report.json.sig")["reason"], "not on the roster"));

@@ -130,19 +130,19 @@ TEST_F(Signing, SaysWhatAnotherKeyIs) {
 
 TEST_F(Signing, NeedsTheRightPassword) {
     write_file_atomically(path("passwords"), "läuft schnell\nläuft schnell\n");
-    ASSERT_EQ(run_process({RUNCERT_PROGRAMS "/runcert", "keygen", "--out", path("k").string()}, {},
-                          path("passwords"))
+    ASSERT_EQ(run_process({RUNCERT_PROGRAMS "/runcert", "keygen", "--out", path("k").string()},
+                          {.standard_input = path("passwords")})
                   .exit_status,
               0);
     const std::vector<std::string> command{
         RUNCERT_PROGRAMS "/runcert", "sign",   run().string(), "--key",
         path("k.key").string(),      "--role", "measurer",     "--no-render"};
     write_file_atomically(path("wrong"), "lief schnell\n");
-    const ProcessResult wrong = run_process(command, {}, path("wrong"));
+    const ProcessResult wrong = run_process(command, {.standard_input = path("wrong")});
     expect_refused(wrong, {"password is wrong"});
     EXPECT_EQ((wrong.output + wrong.errors).find("lief schnell"), std::string::npos);
     expect_refused(run_process(command), {"no password to read"});
-    const ProcessResult right = run_process(command, {}, path("passwords"));
+    const ProcessResult right = run_process(command, {.standard_input = path("passwords")});
     EXPECT_EQ(right.exit_status, 0) << right.errors;
     EXPECT_EQ((right.output + right.errors).find("schnell"), std::string::npos);
     EXPECT_EQ(verify({"--pubkey", path("k.pub").string()}).exit_status, 0);

@@ -18,7 +18,7 @@ using test::failure_of;
 
 ProcessResult shell(const std::string& script,
                     const std::vector<std::pair<std::string, std::string>>& environment = {}) {
-    return run_process({"sh", "-c", script}, environment);
+    return run_process({"sh", "-c", script}, {.environment = environment});
 }
 
 TEST(RunProcess, ReturnsWhatTheProgramSaidAndItsStatus) {

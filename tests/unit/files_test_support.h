@@ -71,7 +71,8 @@ inline bool python_has(const std::string& module) {
 inline std::string python(const std::string& script, const std::vector<std::string>& files) {
     std::vector<std::string> command{"/usr/bin/python3", "-W", "error", "-c", script};
     command.insert(command.end(), files.begin(), files.end());
-    const ProcessResult result = run_process(command, {{"PYTHONIOENCODING", "utf-8"}});
+    const ProcessResult result =
+        run_process(command, {.environment = {{"PYTHONIOENCODING", "utf-8"}}});
     EXPECT_EQ(result.exit_status, 0) << result.errors;
     return result.output;
 }

@@ -1,0 +1,278 @@
+#include <gtest/gtest.h>
+#include <linux/filter.h>
+#include <linux/seccomp.h>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <csignal>
+#include <cstddef>
+#include <fstream>
+#include <functional>
+#include <regex>
+#include <string>
+#include <thread>
+
+#include "core/failure.h"
+#include "files/atomic_file.h"
+#include "files/folder_lock.h"
+#include "files/process.h"
+#include "files_test_support.h"
+
+namespace runcert {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+
+/// Runs a function in a process of its own, which says "ready" by a byte and then sleeps.
+class OtherProcess {
+  public:
+    explicit OtherProcess(const std::function<void()>& work) {
+        EXPECT_EQ(pipe(ready_.data()), 0);
+        process_ = fork();
+        if (process_ == 0) {
+            work();
+            [[maybe_unused]] const ssize_t written = write(ready_[1], "x", 1);
+            pause();
+            _exit(0);
+        }
+        close(ready_[1]);
+        char byte = 0;
+        EXPECT_EQ(read(ready_[0], &byte, 1), 1);
+    }
+    ~OtherProcess() { end(); }
+    OtherProcess(const OtherProcess&) = delete;
+    OtherProcess& operator=(const OtherProcess&) = delete;
+    pid_t number() const { return process_; }
+    void end() {
+        if (process_ <= 0) return;
+        kill(process_, SIGKILL);
+        waitpid(process_, nullptr, 0);
+        close(ready_[0]);
+        process_ = -1;
+    }
+
+  private:
+    std::array<int, 2> ready_{};
+    pid_t process_ = -1;
+};
+
+class FolderLocks : public testing::Test {
+  protected:
+    FolderLock::Attempt attempt(LockKind kind = LockKind::exclusive) const {
+        return FolderLock::try_lock(file_, kind);
+    }
+    TemporaryFolder folder_;
+    fs::path file_ = folder_.path() / "locks" / "day";
+};
+
+/// Holds a lock for as long as its process lives.
+std::function<void()> holder_of(const fs::path& file, LockKind kind) {
+    return [file, kind] {
+        static std::optional<FolderLock> held;
+        FolderLock::Attempt taken = FolderLock::try_lock(file, kind);
+        if (!taken.lock) _exit(1);
+        held.emplace(std::move(*taken.lock));
+    };
+}
+
+TEST_F(FolderLocks, SaysWhoHasIt) {
+    const OtherProcess other(holder_of(file_, LockKind::exclusive));
+    for (const LockKind kind : {LockKind::exclusive, LockKind::shared}) {
+        const FolderLock::Attempt refused = attempt(kind);
+        EXPECT_FALSE(refused.lock);
+        std::array<char, 256> host{};
+        gethostname(host.data(), host.size() - 1);
+        const std::string begin =
+            "process " + std::to_string(other.number()) + " on " + host.data() + ", since ";
+        ASSERT_TRUE(refused.holder.starts_with(begin)) << refused.holder;
+        EXPECT_TRUE(std::regex_match(refused.holder.substr(begin.size()),
+                                     std::regex(R"(20\d\d-\d\d-\d\d \d\d:\d\d:\d\d UTC)")))
+            << refused.holder;
+    }
+}
+
+TEST_F(FolderLocks, AnotherLockOfTheSameProcessWaitsToo) {
+    const FolderLock::Attempt first = attempt();
+    ASSERT_TRUE(first.lock);
+    EXPECT_FALSE(attempt().lock);
+}
+
+TEST_F(FolderLocks, IsFreeAfterItsHolder) {
+    {
+        const FolderLock::Attempt first = attempt();
+        ASSERT_TRUE(first.lock);
+        EXPECT_EQ(first.lock->left_by(), "");
+    }
+    const FolderLock::Attempt second = attempt();
+    ASSERT_TRUE(second.lock);
+    EXPECT_EQ(second.lock->left_by(), "");
+}
+
+TEST_F(FolderLocks, OneLeftByADeadProcessIsTakenOverAndRecognised) {
+    OtherProcess other(holder_of(file_, LockKind::exclusive));
+    const std::string holder = attempt().holder;
+    other.end();
+    {
+        const FolderLock::Attempt taken = attempt();
+        ASSERT_TRUE(taken.lock);
+        EXPECT_EQ(taken.lock->left_by(), holder);
+        const std::string text = read_file(file_);
+        EXPECT_EQ(text.find(holder), std::string::npos) << text;
+        EXPECT_TRUE(text.starts_with("held by process " + std::to_string(getpid()) + " on "));
+    }
+    EXPECT_EQ(attempt().lock->left_by(), "");
+}
+
+TEST_F(FolderLocks, SharedOnesGoTogetherAndExcludeAnExclusiveOne) {
+    OtherProcess first(holder_of(file_, LockKind::shared));
+    OtherProcess second(holder_of(file_, LockKind::shared));
+    {
+        const FolderLock::Attempt third = attempt(LockKind::shared);
+        ASSERT_TRUE(third.lock);
+    }
+    std::string holder = attempt().holder;
+    EXPECT_TRUE(holder.starts_with("process " + std::to_string(second.number()) + " "));
+    EXPECT_TRUE(holder.ends_with(" and 1 more")) << holder;
+    // One that died is not named any more.
+    second.end();
+    holder = attempt().holder;
+    EXPECT_TRUE(holder.starts_with("process " + std::to_string(first.number()) + " ")) << holder;
+    EXPECT_TRUE(holder.ends_with(" UTC")) << holder;
+    first.end();
+    EXPECT_TRUE(attempt().lock);
+}
+
+TEST_F(FolderLocks, ProgramsThatAreStartedDoNotInheritIt) {
+    std::optional<FolderLock::Attempt> taken = attempt();
+    ASSERT_TRUE(taken->lock);
+    std::stop_source stop;
+    std::thread runs([&] { run_process({"sleep", "600"}, {.stop = stop.get_token()}); });
+    std::this_thread::sleep_for(200ms);
+    taken.reset();
+    EXPECT_TRUE(attempt().lock);
+    stop.request_stop();
+    runs.join();
+}
+
+TEST_F(FolderLocks, OneAtATimeOfManyProcesses) {
+    // Each adds one to a number in steps that another would disturb.
+    const fs::path count = folder_.path() / "count";
+    test::spill(count, "0");
+    std::array<pid_t, 8> processes{};
+    for (pid_t& process : processes) {
+        process = fork();
+        if (process != 0) continue;
+        for (int i = 0; i < 5; ++i) {
+            const auto lock =
+                FolderLock::wait_lock(file_, LockKind::exclusive, std::stop_source().get_token());
+            const int before = std::stoi(read_file(count));
+            std::this_thread::sleep_for(1ms);
+            test::spill(count, std::to_string(before + 1));
+        }
+        _exit(0);
+    }
+    for (const pid_t process : processes) {
+        int status = 0;
+        waitpid(process, &status, 0);
+        EXPECT_EQ(status, 0);
+    }
+    EXPECT_EQ(read_file(count), "40");
+}
+
+TEST_F(FolderLocks, WaitingSaysForWhomAndEndsWhenItIsFree) {
+    OtherProcess other(holder_of(file_, LockKind::exclusive));
+    std::vector<std::string> told;
+    std::thread ends([&] {
+        std::this_thread::sleep_for(700ms);
+        other.end();
+    });
+    const auto lock =
+        FolderLock::wait_lock(file_, LockKind::exclusive, std::stop_source().get_token(),
+                              [&](const std::string& who) { told.push_back(who); });
+    ends.join();
+    EXPECT_TRUE(lock);
+    ASSERT_EQ(told.size(), 1U);
+    EXPECT_TRUE(told[0].starts_with("process ")) << told[0];
+}
+
+TEST_F(FolderLocks, WaitingCanBeStopped) {
+    const OtherProcess other(holder_of(file_, LockKind::exclusive));
+    std::stop_source source;
+    std::thread asks([&] {
+        std::this_thread::sleep_for(100ms);
+        source.request_stop();
+    });
+    const auto lock = FolderLock::wait_lock(file_, LockKind::exclusive, source.get_token());
+    asks.join();
+    EXPECT_FALSE(lock);
+}
+
+TEST_F(FolderLocks, TheTextOfAnotherIsPrintedHarmlessly) {
+    const OtherProcess other(holder_of(file_, LockKind::exclusive));
+    test::spill(file_, "held by \x1b[31m process\n");
+    EXPECT_EQ(attempt().holder, "\\x1b[31m process");
+    for (const std::string& text :
+         {std::string(), std::string(300000, 'x'), std::string("\0\n", 2)}) {
+        test::spill(file_, text);
+        EXPECT_EQ(attempt().holder, "another process");
+    }
+}
+
+TEST_F(FolderLocks, AFileThatWasReplacedIsLockedAnew) {
+    const FolderLock::Attempt old = attempt();
+    fs::remove_all(file_.parent_path());
+    const FolderLock::Attempt anew = attempt();
+    ASSERT_TRUE(anew.lock);
+    EXPECT_FALSE(attempt().lock);
+}
+
+TEST_F(FolderLocks, AFolderOfThatNameIsAFailure) {
+    fs::create_directories(file_);
+    const auto said = test::failure_of([&] { attempt(); });
+    EXPECT_EQ(said.where, file_.string());
+    EXPECT_TRUE(said.contains("Is a directory")) << said.problem;
+}
+
+/// Makes flock fail in this process with an error number, as file systems without locks do.
+void refuse_flock(int error) {
+    std::array<sock_filter, 4> program{{
+        BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)),
+        BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SYS_flock, 0, 1),
+        BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | static_cast<unsigned>(error)),
+        BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW),
+    }};
+    const sock_fprog filter{program.size(), program.data()};
+    if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 ||
+        prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &filter) != 0)
+        _exit(9);
+}
+
+TEST_F(FolderLocks, AFileSystemWithoutLocksIsAFailureWithARemedy) {
+    for (const int error : {ENOLCK, EOPNOTSUPP, ENOSYS}) {
+        const pid_t process = fork();
+        if (process == 0) {
+            refuse_flock(error);
+            try {
+                attempt();
+            } catch (const Failure& failure) {
+                _exit(failure.where() == file_.string() &&
+                              failure.problem().find("has no locks") != std::string::npos &&
+                              failure.remedy().find("local disk") != std::string::npos
+                          ? 0
+                          : 1);
+            }
+            _exit(2);
+        }
+        int status = 0;
+        waitpid(process, &status, 0);
+        EXPECT_EQ(WEXITSTATUS(status), 0) << error;
+    }
+}
+
+}  // namespace
+}  // namespace runcert

@@ -1,0 +1,130 @@
+#include <cmath>
+#include <map>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <string_view>
+
+#include "batch/progress_order.h"
+#include "batch/progress_styles.h"
+#include "batch/progress_text.h"
+
+namespace runcert {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// One line, in ASCII. Bytes that are not UTF-8 become U+FFFD.
+std::string line_of(const Json& event) {
+    return event.dump(-1, ' ', true, Json::error_handler_t::replace) + "\n";
+}
+
+double in_milliseconds(double seconds) {
+    return std::round(seconds * 1000.0) / 1000.0;
+}
+
+Json step_event(std::size_t index, const StepReport& step) {
+    return {{"event", "step"}, {"index", index},        {"step", step.step},
+            {"ran", step.ran}, {"reason", step.reason}, {"seconds", in_milliseconds(step.seconds)}};
+}
+
+Json attempt_event(std::size_t index, const AttemptReport& attempt) {
+    const std::size_t ran = steps_run(attempt);
+    return {{"event", "attempt"},
+            {"index", index},
+            {"id", attempt.id},
+            {"source", attempt.source},
+            {"state", attempt.state},
+            {"steps_run", ran},
+            {"steps_kept", attempt.steps.size() - ran},
+            {"said", attempt.said},
+            {"error", attempt.error},
+            {"seconds", in_milliseconds(attempt.seconds)}};
+}
+
+Json end_event(const DaySummary& summary) {
+    return {{"event", "end"},
+            {"attempts", summary.attempts},
+            {"done", summary.done},
+            {"failed", summary.failed},
+            {"not_processed", summary.not_processed},
+            {"steps_run", summary.steps_run},
+            {"steps_kept", summary.steps_kept},
+            {"seconds", in_milliseconds(summary.seconds)},
+            {"results", summary.results},
+            {"closing", summary.closing}};
+}
+
+class JsonProgress : public Progress {
+  public:
+    explicit JsonProgress(const ProgressOptions& options) : to_(options.to) {}
+    ~JsonProgress() override { print(order_.rest()); }
+    JsonProgress(const JsonProgress&) = delete;
+    JsonProgress& operator=(const JsonProgress&) = delete;
+
+    void attempt_begins(std::size_t index, const std::string& id) override {
+        const std::lock_guard lock(mutex_);
+        say(index, {{"event", "begin"}, {"index", index}, {"id", id}});
+    }
+
+    void step_begins(std::size_t, const std::string&) override {}
+
+    void step_ends(std::size_t index, const StepReport& step) override {
+        const std::lock_guard lock(mutex_);
+        steps_said_[index].insert(step.step);
+        say(index, step_event(index, step));
+    }
+
+    void attempt_ends(std::size_t index, const AttemptReport& attempt) override {
+        const std::lock_guard lock(mutex_);
+        // Steps that were kept may never have been told by themselves.
+        const std::set<std::string> said = std::move(steps_said_[index]);
+        steps_said_.erase(index);
+        for (const StepReport& step : attempt.steps)
+            if (!said.contains(step.step)) say(index, step_event(index, step));
+        say(index, attempt_event(index, attempt));
+        print(order_.end(index));
+    }
+
+    void attempt_skipped(std::size_t index) override {
+        const std::lock_guard lock(mutex_);
+        print(order_.end(index));
+    }
+
+    void note(const std::string& text) override {
+        const std::lock_guard lock(mutex_);
+        print(line_of({{"event", "note"}, {"text", text}}));
+    }
+
+    void ends(const DaySummary& summary) override {
+        const std::lock_guard lock(mutex_);
+        print(order_.rest() + line_of(end_event(summary)));
+    }
+
+  private:
+    void say(std::size_t index, const Json& event) { print(order_.say(index, line_of(event))); }
+
+    /// Line by line, so that whoever reads never waits for the rest of one.
+    void print(std::string_view text) {
+        while (!text.empty()) {
+            const std::size_t end = text.find('\n') + 1;
+            std::fwrite(text.data(), 1, end, to_);
+            std::fflush(to_);
+            text.remove_prefix(end);
+        }
+    }
+
+    std::FILE* to_;
+    std::mutex mutex_;
+    ReportOrder order_;
+    std::map<std::size_t, std::set<std::string>> steps_said_;
+};
+
+}  // namespace
+
+std::unique_ptr<Progress> make_json_progress(const ProgressOptions& options) {
+    return std::make_unique<JsonProgress>(options);
+}
+
+}  // namespace runcert

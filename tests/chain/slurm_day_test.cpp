@@ -1,0 +1,139 @@
+// A day of 40 attempts on a cluster of three nodes, one of which fails: the results must be those
+// of one machine, to the byte.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <map>
+#include <string>
+
+#include "batch/slurm.h"
+#include "chain_support.h"
+#include "day_support.h"
+#include "slurm_support.h"
+
+namespace runcert::chain {
+namespace {
+
+/// Name and bytes of every file of a day's results but those that tell when and where they were
+/// made, which nothing depends on.
+std::map<std::string, std::string> results_of(const fs::path& out) {
+    std::map<std::string, std::string> results = contents_of(out);
+    std::erase_if(results, [](const auto& file) {
+        return file.first.starts_with(".runcert/") || file.first.ends_with("/run.yaml");
+    });
+    return results;
+}
+
+void expect_same(const fs::path& cluster, const fs::path& local) {
+    const auto made = results_of(cluster);
+    const auto expected = results_of(local);
+    EXPECT_TRUE(expected.contains("day.yaml"));
+    EXPECT_TRUE(expected.contains("day.csv"));
+    EXPECT_TRUE(expected.contains("day.html"));
+    for (const auto& [name, bytes] : expected) {
+        ASSERT_TRUE(made.contains(name)) << name << " was not made";
+        EXPECT_TRUE(made.at(name) == bytes) << name << " differs";
+    }
+    EXPECT_EQ(made.size(), expected.size());
+}
+
+class SlurmDay : public testing::Test {
+  protected:
+    void SetUp() override {
+        if (!cluster.why_not().empty()) GTEST_SKIP() << cluster.why_not();
+        make_day(day, 40, 600);
+    }
+
+    ProcessResult batch(const std::vector<std::string>& more) const {
+        std::vector<std::string> arguments{"batch", day.string(), "--out", out.string()};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        return runcert(arguments);
+    }
+    ProcessResult submitted() const {
+        return batch({"--engine", "slurm", "--slurm-args", "--comment='a day of forty'"});
+    }
+    SlurmJobs jobs() const {
+        return read_slurm_jobs(out / ".runcert" / "slurm" / "job.json").value();
+    }
+    JobState state() const {
+        const SlurmJobs known = jobs();
+        return job_state(known.array, known.cluster, known.tasks);
+    }
+    bool is_over() const {
+        return state().is_over() && job_state(jobs().gatherer, jobs().cluster, 1).is_over();
+    }
+
+    TemporaryFolder folder;
+    fs::path day = folder.path() / "the day's attempts";
+    fs::path out = folder.path() / "on the cluster";
+    fs::path local = folder.path() / "local";
+    SlurmCluster cluster;
+};
+
+bool holds(const std::string& text, std::string_view part) {
+    return text.find(part) != std::string::npos;
+}
+
+TEST_F(SlurmDay, EndsWithTheBytesOfALocalRunThoughANodeFails) {
+    const ProcessResult first = submitted();
+    ASSERT_EQ(first.exit_status, 0) << first.errors;
+    EXPECT_TRUE(holds(first.output, "submitted job ")) << first.output;
+    EXPECT_TRUE(holds(first.output, "40 tasks for 40 runs")) << first.output;
+    ASSERT_TRUE(holds_within(60, [&] { return state().over >= 8 && state().running == 6; }));
+
+    cluster.take_down("n2");
+    ASSERT_TRUE(holds_within(30, [&] { return state().requeued > 0; }));
+    const ProcessResult status = batch({"--status"});
+    EXPECT_EQ(status.exit_status, 0) << status.errors;
+    EXPECT_TRUE(holds(status.output, "begun again by Slurm")) << status.output;
+    const std::string array = jobs().array;
+    submitted();
+    EXPECT_EQ(jobs().array, array) << "submitted twice while the first still runs";
+
+    ASSERT_TRUE(holds_within(200, [&] { return is_over(); }));
+    EXPECT_EQ(cluster.count_nodes("down"), 1U);
+    const ProcessResult here =
+        runcert({"batch", day.string(), "--out", local.string(), "--engine", "local"});
+    ASSERT_EQ(here.exit_status, 0) << here.errors;
+    expect_same(out, local);
+
+    submitted();
+    EXPECT_EQ(jobs().array, array) << "submitted again though nothing is left to do";
+}
+
+TEST_F(SlurmDay, OnlyTheRestIsSubmitted) {
+    const ProcessResult here = batch({"--engine", "local"});
+    ASSERT_EQ(here.exit_status, 0) << here.errors;
+    const auto expected = results_of(out);
+    std::vector<fs::path> runs;
+    for (const auto& entry : fs::directory_iterator(out))
+        if (fs::exists(entry.path() / "6-verdict.yaml")) runs.push_back(entry.path());
+    ASSERT_EQ(runs.size(), 40U);
+    fs::remove_all(runs[7]);
+    const fs::path edited = runs[21] / "4-trajectory.ecsv";
+    const auto time = fs::last_write_time(edited);
+    std::string bytes = read_file(edited);
+    bytes[bytes.size() / 2] ^= 1;
+    write_file_atomically(edited, bytes);
+    fs::last_write_time(edited, time);
+
+    const ProcessResult rest = submitted();
+    ASSERT_EQ(rest.exit_status, 0) << rest.errors;
+    EXPECT_TRUE(holds(rest.output, "2 tasks for 2 runs")) << rest.output;
+    ASSERT_TRUE(holds_within(60, [&] { return is_over(); }));
+    EXPECT_TRUE(results_of(out) == expected);
+}
+
+TEST(SlurmDayWithoutSlurm, SaysWhatToInstall) {
+    const TemporaryFolder folder;
+    make_day(folder.path() / "day", 1, 600);
+    const ProcessResult result = runcert({"batch", (folder.path() / "day").string(), "--out",
+                                          (folder.path() / "out").string(), "--engine", "slurm"},
+                                         {{"PATH", folder.path().string()}});
+    EXPECT_EQ(result.exit_status, 2);
+    EXPECT_TRUE(holds(result.errors, "slurm-client")) << result.errors;
+}
+
+}  // namespace
+}  // namespace runcert::chain

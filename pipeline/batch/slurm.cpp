@@ -74,7 +74,7 @@ std::int64_t configured_number(std::string_view configuration, std::string_view 
     const auto number = text ? parse_integer(*text) : std::nullopt;
     if (!number || *number < 0)
         throw Failure("Slurm", fmt::format("`scontrol show config` states no {}", name),
-                      fmt::format("Use Slurm 20.11 or newer, or {}", run_here));
+                      fmt::format("Check that scontrol is Slurm's, or {}", run_here));
     return *number;
 }
 
@@ -278,7 +278,7 @@ SlurmJobs submit(const ArrayJob& job) {
 JobState job_state(const std::string& id, const std::string& cluster, std::size_t tasks) {
     std::vector<std::string> words{"squeue"};
     append(words, on_cluster(cluster));
-    append(words, {"--noheader", "--array", "--states=all", "--jobs=" + id,
+    append(words, {"--noheader", "--array", "--me", "--states=all", "--jobs=" + id,
                    "--Format=State:32,RestartCnt:12,Reason:200"});
     const ProcessResult result = run_slurm(words);
     JobState state;

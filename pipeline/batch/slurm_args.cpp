@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <wordexp.h>
 
-#include <algorithm>
 #include <array>
 #include <span>
 

@@ -137,7 +137,8 @@ int batch(const BatchOptions& options) {
         return submit_day(order, task_options(options), split_slurm_args(options.slurm_args));
     const int status = options.gather ? gather_day(order) : run_batch(order);
     if (!options.compare.empty())
-        fmt::print("{}", comparison_text(compare_days(options.compare, order.context.out)));
+        fmt::print("{}", comparison_text(compare_days(options.compare, order.context.out),
+                                         options.compare, order.context.out, options.explain));
     return status;
 }
 

@@ -7,6 +7,7 @@
 
 #include "core/failure.h"
 #include "core/text.h"
+#include "schemas/attempt/attempt_id.h"
 #include "schemas/attempt/rule_input.h"
 #include "schemas/common/enum_text.h"
 #include "schemas/common/revision.h"
@@ -25,15 +26,6 @@ constexpr EnumWords<CoordinateFrame, 4> frame_words{
 
 std::string default_text(std::string_view field) {
     return attempt_schema().find(field)->default_value.text();
-}
-
-/// An id names files: nothing that a file system or a shell could read otherwise.
-bool is_id(std::string_view text) {
-    return !text.empty() && text.size() <= 64 && text.front() != '-' &&
-           std::all_of(text.begin(), text.end(), [](char c) {
-               return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-                      c == '-' || c == '_';
-           });
 }
 
 std::string read_id(const YamlValue& value) {
@@ -239,6 +231,14 @@ std::vector<std::string> read_profiles(const YamlValue& list) {
 }
 
 }  // namespace
+
+bool is_id(std::string_view text) {
+    return !text.empty() && text.size() <= 64 && text.front() != '-' &&
+           std::all_of(text.begin(), text.end(), [](char c) {
+               return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                      c == '-' || c == '_';
+           });
+}
 
 std::string_view to_text(CoordinateFrame frame) {
     return word_of(frame_words, frame);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "schemas/attempt/attempt.h"
+#include "schemas/day/day.h"
 #include "schemas/enu/enu.h"
 #include "schemas/observations/observations.h"
 #include "schemas/profile/profile.h"
@@ -93,6 +94,12 @@ inline constexpr GoldenKind kinds[] = {
     {"simulation.yaml", "simulation",
      [](const std::string& text, const std::string& where) {
          (void)read_simulation(text, where);
+         return std::string();
+     }},
+    {"day.yaml", "day",
+     [](const std::string& text, const std::string& where) {
+         for (const DayEntry& entry : read_day_file(text, where).entries)
+             if (entry.refused) throw Failure(*entry.refused);
          return std::string();
      }},
 };

@@ -1,0 +1,208 @@
+#include "schemas/day/day.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <set>
+
+#include "core/text.h"
+#include "files/yaml_output.h"
+#include "schemas/attempt/attempt.h"
+#include "schemas/attempt/attempt_id.h"
+#include "schemas/common/revision.h"
+#include "schemas/day/merge.h"
+
+namespace runcert {
+
+std::string_view day_schema_text(std::string_view name);
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Names = std::vector<std::string_view>;
+
+/// The keys of the field table of attempt that follow on a prefix, but those of its own.
+Names attempt_names(std::string_view prefix, const std::set<std::string_view>& but) {
+    Names names;
+    for (const FieldRule& rule : attempt_schema().fields()) {
+        const std::string_view path = rule.path;
+        if (!path.starts_with(prefix)) continue;
+        const std::string_view name = path.substr(prefix.size());
+        if (name.find_first_of(".[") == std::string_view::npos && !but.contains(name))
+            names.push_back(name);
+    }
+    return names;
+}
+
+bool holds(const Names& names, std::string_view name) {
+    return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+/// "file:line:column" of a key itself: its value may be on another line, or missing.
+std::string place_of_key(const YamlValue& map, const std::string& key) {
+    for (const auto& pair : map.node())
+        if (pair.first.Scalar() == key) return yaml_place(map.where(), pair.first);
+    return map.place();
+}
+
+[[noreturn]] void refuse_key(const YamlValue& map, const std::string& key, const Names& known) {
+    throw Failure(place_of_key(map, key),
+                  fmt::format("unknown key \"{}\"", escape_for_message(key)),
+                  fmt::format("Did you mean \"{}\"? Known keys here: {}", nearest(key, known),
+                              fmt::join(known, ", ")));
+}
+
+void require_known_defaults(const YamlValue& defaults) {
+    static const Names known = attempt_names("", {"schema", "id"});
+    for (const std::string& key : defaults.keys()) {
+        if (key == "id" || key == "schema")
+            throw Failure(place_of_key(defaults, key),
+                          fmt::format("\"{}\" cannot be the same for all attempts", key),
+                          "Remove it from the defaults");
+        if (!holds(known, key)) refuse_key(defaults, key, known);
+    }
+    for (const YamlValue& receiver : defaults["receivers"].list())
+        if (!receiver.is_map() || receiver["id"].text_or("").empty())
+            receiver.fail("a receiver of the defaults has no id to be known by",
+                          "Give it the id that the attempts' receivers have");
+}
+
+/// A receiver of the keys that stand beside `recording`, which are taken out of the entry.
+Json receiver_of(Json& entry, const Json& defaults, const Names& receiver_names) {
+    const Json known = defaults.value("receivers", Json::array());
+    Json receiver = {{"id", known.empty() ? Json("primary") : known[0]["id"]}};
+    for (const std::string_view name : receiver_names)
+        if (const std::string key(name); entry.contains(key)) {
+            receiver[key] = entry[key];
+            entry.erase(key);
+        }
+    return receiver;
+}
+
+/// The keys of an attempt that is written in the day file.
+Json written_keys(const YamlValue& entry, const Json& defaults) {
+    static const Names own = attempt_names("", {"schema"});
+    static const Names receiver_names = attempt_names("receivers[].", {"id"});
+    static const Names known = [] {
+        Names all = own;
+        all.insert(all.end(), receiver_names.begin(), receiver_names.end());
+        return all;
+    }();
+    const bool short_form = entry["recording"].exists();
+    for (const std::string& key : entry.keys()) {
+        if (holds(own, key)) continue;
+        if (!holds(receiver_names, key)) refuse_key(entry, key, known);
+        if (!short_form)
+            throw Failure(place_of_key(entry, key),
+                          fmt::format("\"{}\" belongs to a receiver, and no recording is named "
+                                      "beside it",
+                                      key),
+                          "Add recording:, or write it in one of the receivers");
+    }
+    if (short_form && entry["receivers"].exists())
+        entry.fail("the entry has a recording and receivers",
+                   "Write the recording in one of the receivers");
+    Json keys = Json::object();
+    for (const std::string& key : entry.keys())
+        keys[key] = attempt_keys(entry[key], holds(own, key) ? key : "receivers[]." + key);
+    if (short_form) keys["receivers"] = Json::array({receiver_of(keys, defaults, receiver_names)});
+    return over_defaults(defaults, keys);
+}
+
+/// Checks one entry by its lines of the field table. (`DocumentSchema` takes the first fault for
+/// the whole document's; here the other entries go on.)
+void validate_entry(const YamlValue& value) {
+    const auto require_map = [](const YamlValue& part) {
+        if (!part.exists()) part.fail("is empty", "Give it a value, or remove it");
+        if (!part.is_map()) part.fail("is not a map", "Write {key: value}; see the field table");
+    };
+    require_map(value);
+    for (const char* key : {"attempt", "id"})
+        (void)value[key].text_or("");
+    const YamlValue recording = value["recording"];
+    if (!recording.is_list()) (void)recording.text_or("");
+    if (recording.is_list())
+        for (const YamlValue& file : recording.list())
+            (void)file.text();
+    for (const YamlValue& receiver : value["receivers"].list()) {
+        require_map(receiver);
+        if (receiver["id"].text_or("").empty())
+            receiver.fail("the key \"id\" is missing", "Add it: letters, digits, - and _");
+    }
+}
+
+void read_entry(const YamlValue& value, const Json& defaults, DayEntry& entry) {
+    validate_entry(value);
+    if (!value["attempt"].exists()) {
+        entry.short_form = value["recording"].exists();
+        entry.keys = written_keys(value, defaults);
+        return;
+    }
+    for (const std::string& key : value.keys())
+        if (key != "attempt")
+            throw Failure(place_of_key(value, key),
+                          fmt::format("\"{}\" stands beside the file of an attempt, which is taken "
+                                      "as it is",
+                                      escape_for_message(key)),
+                          "Remove it, or write the attempt here in place of its file");
+    entry.attempt = value["attempt"].text();
+    if (entry.attempt.empty() || entry.attempt.find('\0') != std::string::npos)
+        value["attempt"].fail("is not the name of a file", "Name the attempt's file");
+}
+
+/// Checks all of a day's document but its entries.
+void validate_around_entries(const YamlValue& document) {
+    YAML::Node rest(YAML::NodeType::Map);
+    for (const auto& pair : document.node())
+        if (pair.first.Scalar() != "attempts") rest[pair.first] = pair.second;
+    if (document["attempts"].exists()) rest["attempts"] = YAML::Node(YAML::NodeType::Sequence);
+    day_schema().validate(YamlValue(rest, document.where()));
+}
+
+}  // namespace
+
+const DocumentSchema& day_schema() {
+    static const DocumentSchema schema =
+        DocumentSchema::parse(day_schema_text("v1.yaml"), "schemas/day/v1.yaml");
+    return schema;
+}
+
+DayFile read_day_file(std::string_view text, const std::string& where) {
+    const YamlValue document(parse_yaml(text, where), where);
+    if (!document.is_map() || !written_revision(document, day_schema()))
+        (document["schema"].exists() ? document["schema"] : document)
+            .fail("the file does not say that it follows " + known_revisions(day_schema()),
+                  "A day begins with \"schema: day/1.0\"");
+    validate_around_entries(document);
+    DayFile day{.id = document["id"].text_or(""), .entries = {}};
+    if (document["id"].exists() && !is_id(day.id))
+        document["id"].fail(fmt::format("\"{}\" cannot be an id", escape_for_message(day.id)),
+                            "Use 1 to 64 letters, digits, - and _, not beginning with -");
+    require_known_defaults(document["defaults"]);
+    Json defaults = attempt_keys(document["defaults"]);
+    if (defaults.is_null()) defaults = Json::object();
+    for (const YamlValue& value : document["attempts"].list()) {
+        DayEntry entry{.line = value.node().Mark().line + 1, .place = value.place()};
+        try {
+            read_entry(value, defaults, entry);
+        } catch (const Failure& failure) {
+            entry.refused = failure;
+        }
+        day.entries.push_back(std::move(entry));
+    }
+    if (day.entries.empty())
+        document["attempts"].fail("no attempt is listed",
+                                  "List at least one, e.g. - {recording: \"*.pos\"}");
+    return day;
+}
+
+std::string attempt_text(const Json& keys, const std::string& comment) {
+    Json attempt = {{"schema", attempt_schema().name() + "/" + attempt_schema().version()}};
+    const Json ordered = in_table_order(keys);
+    for (const auto& [key, value] : ordered.items())
+        attempt[key] = value;
+    return "# " + comment + "\n" + to_yaml_text(attempt);
+}
+
+}  // namespace runcert

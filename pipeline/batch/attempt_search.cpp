@@ -1,0 +1,147 @@
+#include "batch/attempt_search.h"
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <set>
+#include <system_error>
+#include <utility>
+
+#include "batch/attempt_text_scan.h"
+#include "core/failure.h"
+#include "core/plain_text.h"
+#include "core/prose.h"
+#include "files/atomic_file.h"
+#include "run/evidence.h"
+
+namespace runcert {
+namespace {
+
+namespace fs = std::filesystem;
+
+using FolderIdentity = std::pair<dev_t, ino_t>;
+
+std::optional<FolderIdentity> identity_of(const fs::path& folder) {
+    struct stat status {};
+    if (::stat(folder.c_str(), &status) != 0) return std::nullopt;
+    return FolderIdentity{status.st_dev, status.st_ino};
+}
+
+bool is_yaml_name(std::string name) {
+    for (char& c : name)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return name.ends_with(".yaml") || name.ends_with(".yml");
+}
+
+std::string shown(const std::string& name) {
+    return fmt::format("\"{}\"", plain_text(name.empty() ? "." : name));
+}
+
+class Search {
+  public:
+    Search(fs::path root, const fs::path& out) : root_(std::move(root)), out_(identity_of(out)) {}
+
+    AttemptSearch run() {
+        enter("");
+        // Folders before links to folders, so that one that is reached both ways has its own name.
+        while (!folders_.empty() || !links_.empty()) {
+            std::set<std::string>& next = folders_.empty() ? links_ : folders_;
+            enter(next.extract(next.begin()).value());
+        }
+        std::sort(found_.files.begin(), found_.files.end());
+        if (run_folders_ > 0)
+            note(fmt::format("passed over {} of earlier results",
+                             counted(run_folders_, "run folder")));
+        return std::move(found_);
+    }
+
+  private:
+    void note(std::string text) { found_.notes.push_back(std::move(text)); }
+
+    /// Whether a folder is to be searched; what is passed over is noted.
+    bool is_new(const std::string& folder) {
+        const auto identity = identity_of(root_ / folder);
+        if (identity && identity == out_) {
+            note("the folder " + shown(folder) + " of the results was not searched");
+            return false;
+        }
+        if (!identity) return true;  // reading it says why
+        const auto [known, added] = searched_.emplace(*identity, folder);
+        if (!added)
+            note("the folder " + shown(folder) + " leads to " + shown(known->second) +
+                 ", which is searched already: not searched twice");
+        return added;
+    }
+
+    void enter(const std::string& folder) {
+        if (!is_new(folder)) return;
+        std::error_code error;
+        std::vector<fs::directory_entry> entries;
+        for (fs::directory_iterator entry(root_ / folder, error);
+             !error && entry != fs::directory_iterator(); entry.increment(error))
+            entries.push_back(*entry);
+        if (error)
+            note("the folder " + shown(folder) + " cannot be read (" + error.message() +
+                 "): attempts in it are not in the day");
+        const auto holds = [&](std::string_view name) {
+            return std::any_of(entries.begin(), entries.end(),
+                               [&](const auto& entry) { return entry.path().filename() == name; });
+        };
+        if (holds(evidence_attempt_file) && holds("1-observations.ecsv")) {
+            ++run_folders_;
+            return;
+        }
+        std::sort(entries.begin(), entries.end());
+        for (const fs::directory_entry& entry : entries)
+            look_at(folder, entry);
+    }
+
+    void look_at(const std::string& folder, const fs::directory_entry& entry) {
+        const std::string name = entry.path().filename().string();
+        if (name.starts_with('.')) return;
+        const std::string path = folder.empty() ? name : folder + "/" + name;
+        std::error_code error;
+        if (entry.is_directory(error))
+            (entry.is_symlink(error) ? links_ : folders_).insert(path);
+        else if (is_yaml_name(name))
+            look_at_file(path, name == evidence_attempt_file);
+    }
+
+    void look_at_file(const std::string& path, bool named_attempt) {
+        if (named_attempt) {
+            found_.files.push_back(path);
+            return;
+        }
+        std::error_code error;
+        const std::uintmax_t size = fs::file_size(root_ / path, error);
+        if (!error && size > longest_handwritten) return;  // what a program wrote
+        try {
+            const std::string schema = written_schema(read_handwritten(root_ / path));
+            if (schema.starts_with("attempt/")) found_.files.push_back(path);
+            if (schema.starts_with("day/"))
+                note("the file " + shown(path) +
+                     " is a day of its own: its attempts are not in this one");
+        } catch (const Failure& failure) {
+            note("the file " + shown(path) +
+                 " may be an attempt and cannot be read: " + plain_text(failure.problem()));
+        }
+    }
+
+    fs::path root_;
+    std::optional<FolderIdentity> out_;
+    std::map<FolderIdentity, std::string> searched_;
+    std::set<std::string> folders_, links_;
+    std::int64_t run_folders_ = 0;
+    AttemptSearch found_;
+};
+
+}  // namespace
+
+AttemptSearch find_attempts(const fs::path& folder, const fs::path& out) {
+    return Search(folder, out).run();
+}
+
+}  // namespace runcert

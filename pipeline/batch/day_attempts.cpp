@@ -1,0 +1,136 @@
+#include "batch/day_attempts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <system_error>
+
+#include "batch/attempt_search.h"
+#include "batch/attempt_text_scan.h"
+#include "batch/day_entries.h"
+#include "batch/day_ids.h"
+#include "core/plain_text.h"
+#include "core/prose.h"
+#include "files/atomic_file.h"
+#include "schemas/day/day.h"
+
+namespace runcert {
+namespace {
+
+namespace fs = std::filesystem;
+using Paths = std::vector<fs::path>;
+
+constexpr const char* day_file_name = "day.yaml";
+
+/// The name of a day that gives none: that of its folder.
+std::string name_of_folder(const fs::path& folder) {
+    std::error_code error;
+    const fs::path path = fs::weakly_canonical(fs::absolute(folder, error), error);
+    return id_from_name((path.has_filename() ? path : path.parent_path()).filename().string());
+}
+
+fs::path folder_of(const fs::path& file) {
+    return file.has_parent_path() ? file.parent_path() : fs::path(".");
+}
+
+void require_other_folder(const fs::path& folder, const fs::path& out) {
+    std::error_code error;
+    if (fs::equivalent(folder, out, error))
+        throw Failure(out.string(),
+                      "the results' folder is the day's own: results and attempts would stand "
+                      "among each other, and day.yaml over day.yaml",
+                      "Name another folder with --out");
+}
+
+Day listed_day(std::string name, ListedAttempts listed) {
+    return {.name = std::move(name),
+            .attempts = with_own_ids(std::move(listed.attempts)),
+            .notes = std::move(listed.notes)};
+}
+
+Day day_of_file(const fs::path& file, const std::string& text, const fs::path& out) {
+    require_other_folder(folder_of(file), out);
+    const DayFile day = read_day_file(text, file.string());
+    return listed_day(day.id.empty() ? name_of_folder(folder_of(file)) : day.id,
+                      attempts_of_day(day, file));
+}
+
+/// The text of the day file of a folder; nothing where none stands there, or one of another schema.
+/// Where it cannot be told what it is, it is the day: to search the folder would make another.
+std::optional<std::string> day_text_in(const fs::path& folder) {
+    std::error_code error;
+    const fs::path file = folder / day_file_name;
+    if (!fs::exists(fs::symlink_status(file, error))) return std::nullopt;
+    std::string text = read_handwritten(file);
+    if (!written_schema(text).starts_with("day/")) {
+        (void)parse_yaml(text, file.string());
+        return std::nullopt;
+    }
+    return text;
+}
+
+Day day_of_folder(const fs::path& folder, const fs::path& out) {
+    require_other_folder(folder, out);
+    if (const auto text = day_text_in(folder)) {
+        Day day = day_of_file(folder / day_file_name, *text, out);
+        day.notes.insert(day.notes.begin(),
+                         "the day is what its day.yaml says; the folder was not "
+                         "searched for other attempts");
+        return day;
+    }
+    AttemptSearch search = find_attempts(folder, out);
+    if (search.files.empty()) {
+        std::string notes;
+        for (const std::string& note : search.notes)
+            notes += "; " + note;
+        throw Failure(
+            folder.string(),
+            "no attempt was found: neither a day.yaml of the schema day, nor at any depth "
+            "a file *.yaml or *.yml that says \"schema: attempt/...\"" +
+                notes,
+            "Name a folder with attempts, a day file, or attempt files");
+    }
+    ListedAttempts listed{.notes = std::move(search.notes)};
+    for (const std::string& file : search.files)
+        listed.attempts.push_back(attempt_of_file(folder / file, plain_text(file)));
+    return listed_day(name_of_folder(folder), std::move(listed));
+}
+
+/// Attempt files as they were named; the same one named twice is taken once.
+Day day_of_files(const Paths& given) {
+    std::map<std::string, fs::path> files;  // in the order of their bytes
+    ListedAttempts listed;
+    for (const fs::path& file : given) {
+        if (fs::is_directory(file))
+            throw Failure(file.string(), "a folder is named beside other folders or files",
+                          "Name one folder, one day file, or attempt files alone");
+        if (!files.emplace(file.lexically_normal().string(), file).second)
+            listed.notes.push_back(fmt::format("\"{}\" is named twice, and taken once",
+                                               plain_text(file.lexically_normal().string())));
+    }
+    for (const auto& [path, file] : files)
+        listed.attempts.push_back(attempt_of_file(file, plain_text(path)));
+    const fs::path folder = folder_of(given[0]);
+    const bool one_folder = std::all_of(given.begin(), given.end(), [&](const fs::path& file) {
+        return folder_of(file) == folder;
+    });
+    return listed_day(one_folder ? name_of_folder(folder) : "day", std::move(listed));
+}
+
+}  // namespace
+
+Day read_day(const std::vector<fs::path>& given, const fs::path& out) {
+    if (given.empty())
+        throw Failure("batch", "no day is named",
+                      "Name a folder of attempts, a day file, or attempt files");
+    if (given.size() > 1) return day_of_files(given);
+    const fs::path& day = given[0];
+    std::error_code error;
+    if (fs::is_directory(day, error)) return day_of_folder(day, out);
+    const std::string text = read_handwritten(day);
+    if (written_schema(text).starts_with("attempt/")) return day_of_files({day});
+    return day_of_file(day, text, out);
+}
+
+}  // namespace runcert

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/failure.h"
+
+namespace runcert {
+
+/// One attempt of a day.
+struct DayAttempt {
+    /// Names the run folder. Where it could not be read it is a label made of the file's name, as
+    /// which no other attempt of the day is known.
+    std::string id;
+    std::string source;               ///< for people: "heats/run-1.yaml", "day.yaml:14"
+    std::filesystem::path file = {};  ///< the attempt's own; empty where the day file made the text
+    std::string text = {};            ///< the attempt, as `read_attempt` takes it
+    std::filesystem::path folder = {};  ///< that its recordings are relative to
+    std::optional<Failure> refused = {};
+};
+
+struct Day {
+    /// Of letters, digits, - and _: the day file's id, else made of the name of the folder.
+    std::string name;
+    std::vector<DayAttempt> attempts;
+    std::vector<std::string> notes;  ///< what people should know of the list, each a sentence
+};
+
+/// Lists the attempts of a day. `given` is one folder (its `day.yaml`, where that follows the
+/// schema day; else every attempt in it, at any depth), one day file, or attempt files; `out` is
+/// the folder of the results, which is not searched. The list is in the order of the day file, else
+/// of the bytes of the paths.
+///
+/// What is wrong with one attempt is in its `refused`: a file that cannot be read, an entry of the
+/// day file that no attempt can be made of, an id that two attempts have (letters compared without
+/// regard to case, as some file systems do). Not all is looked at: of an attempt's own file only
+/// what its id needs, and that quickly, so that who uses it must compare the id that `read_attempt`
+/// reads. Failure where there is no day: nothing given, no attempt found, a day file that is not
+/// one, the results' folder being the day's own.
+Day read_day(const std::vector<std::filesystem::path>& given, const std::filesystem::path& out);
+
+}  // namespace runcert

@@ -52,7 +52,10 @@ void RunMaking::execute(const std::string& step, StepRecord& record) {
     std::vector<std::string> outputs = outputs_of_step(step, claim_.attempt, context_.report);
     if (step == "claim") {
         // Import reads the attempt where messages about it say that it is.
-        if (given_.file.empty()) write_file_atomically(claim_.source.file, claim_.text);
+        if (given_.file.empty()) {
+            make_directory(claim_.source.file.parent_path());
+            write_file_atomically(claim_.source.file, claim_.text);
+        }
         bring_in_claim(claim_.attempt, claim_.text, claim_.source, files_.work_dir());
     } else if (step == "sign") {
         bring_signatures();

@@ -37,8 +37,15 @@ ReceiverEvidence gather(StageRun& run, const Receiver& receiver) {
 }
 
 void say_verdict(StageRun& run, const Verdict& verdict) {
-    for (const ProfileVerdict& profile : verdict.profiles)
-        run.say(fmt::format("{}: {}: {}", profile.profile, profile.outcome, profile.reason));
+    for (const ProfileVerdict& profile : verdict.profiles) {
+        const std::string speed =
+            profile.speed_mps && profile.expanded_uncertainty_mps
+                ? fmt::format(", {:.3f} km/h +/- {:.3f} km/h", *profile.speed_mps * 3.6,
+                              *profile.expanded_uncertainty_mps * 3.6)
+                : "";
+        run.say(
+            fmt::format("{}: {}{}: {}", profile.profile, profile.outcome, speed, profile.reason));
+    }
 }
 
 /// A series that the attempt names, of that role. It is spoken of by the attempt's name for it:

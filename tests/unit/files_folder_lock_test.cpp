@@ -1,22 +1,18 @@
 #include <gtest/gtest.h>
-#include <linux/filter.h>
-#include <linux/seccomp.h>
-#include <sys/prctl.h>
-#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
 #include <chrono>
 #include <csignal>
-#include <cstddef>
+#include <cstdlib>
 #include <fstream>
 #include <functional>
 #include <regex>
 #include <string>
 #include <thread>
+#include <vector>
 
-#include "core/failure.h"
 #include "files/atomic_file.h"
 #include "files/folder_lock.h"
 #include "files/process.h"
@@ -148,40 +144,69 @@ TEST_F(FolderLocks, SharedOnesGoTogetherAndExcludeAnExclusiveOne) {
 }
 
 TEST_F(FolderLocks, ProgramsThatAreStartedDoNotInheritIt) {
-    std::optional<FolderLock::Attempt> taken = attempt();
-    ASSERT_TRUE(taken->lock);
-    std::stop_source stop;
-    std::thread runs([&] { run_process({"sleep", "600"}, {.stop = stop.get_token()}); });
-    std::this_thread::sleep_for(200ms);
-    taken.reset();
+    const fs::path number = folder_.path() / "number";
+    OtherProcess other([&] {
+        holder_of(file_, LockKind::exclusive)();
+        const std::string command =
+            "sleep 600 > /dev/null 2>&1 & echo $! > '" + number.string() + "'";
+        if (std::system(command.c_str()) != 0) _exit(1);
+    });
+    const pid_t started = std::stoi(read_file(number));
+    EXPECT_FALSE(attempt().lock);
+    other.end();
     EXPECT_TRUE(attempt().lock);
-    stop.request_stop();
-    runs.join();
+    EXPECT_EQ(kill(started, SIGKILL), 0);
 }
 
-TEST_F(FolderLocks, OneAtATimeOfManyProcesses) {
-    // Each adds one to a number in steps that another would disturb.
-    const fs::path count = folder_.path() / "count";
-    test::spill(count, "0");
-    std::array<pid_t, 8> processes{};
-    for (pid_t& process : processes) {
-        process = fork();
-        if (process != 0) continue;
-        for (int i = 0; i < 5; ++i) {
-            const auto lock =
-                FolderLock::wait_lock(file_, LockKind::exclusive, std::stop_source().get_token());
-            const int before = std::stoi(read_file(count));
-            std::this_thread::sleep_for(1ms);
-            test::spill(count, std::to_string(before + 1));
+/// Runs a function in several processes at once, and waits for them all.
+void in_processes(int count, const std::function<void()>& work) {
+    std::vector<pid_t> processes(static_cast<std::size_t>(count));
+    for (pid_t& process : processes)
+        if ((process = fork()) == 0) {
+            work();
+            _exit(0);
         }
-        _exit(0);
-    }
     for (const pid_t process : processes) {
         int status = 0;
         waitpid(process, &status, 0);
         EXPECT_EQ(status, 0);
     }
+}
+
+/// Adds one to the number in a file, in steps that another would disturb.
+void add_one(const fs::path& count) {
+    const int before = std::stoi(read_file(count));
+    std::this_thread::sleep_for(100us);
+    test::spill(count, std::to_string(before + 1));
+}
+
+TEST_F(FolderLocks, OneAtATimeOfManyProcesses) {
+    const fs::path count = folder_.path() / "count";
+    test::spill(count, "0");
+    in_processes(8, [&] {
+        for (int i = 0; i < 5; ++i) {
+            const auto lock =
+                FolderLock::wait_lock(file_, LockKind::exclusive, std::stop_source().get_token());
+            add_one(count);
+        }
+    });
     EXPECT_EQ(read_file(count), "40");
+}
+
+TEST_F(FolderLocks, OneAtATimeEvenWhereEachRemovesTheFileAtItsEnd) {
+    // Whoever opened the file before it was removed holds nothing that others would see.
+    const fs::path count = folder_.path() / "count";
+    test::spill(count, "0");
+    in_processes(4, [&] {
+        for (int taken = 0; taken < 200;) {
+            const FolderLock::Attempt now = attempt();
+            if (!now.lock) continue;
+            add_one(count);
+            fs::remove(file_);
+            ++taken;
+        }
+    });
+    EXPECT_EQ(read_file(count), "800");
 }
 
 TEST_F(FolderLocks, WaitingSaysForWhomAndEndsWhenItIsFree) {
@@ -236,42 +261,6 @@ TEST_F(FolderLocks, AFolderOfThatNameIsAFailure) {
     const auto said = test::failure_of([&] { attempt(); });
     EXPECT_EQ(said.where, file_.string());
     EXPECT_TRUE(said.contains("Is a directory")) << said.problem;
-}
-
-/// Makes flock fail in this process with an error number, as file systems without locks do.
-void refuse_flock(int error) {
-    std::array<sock_filter, 4> program{{
-        BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)),
-        BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SYS_flock, 0, 1),
-        BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ERRNO | static_cast<unsigned>(error)),
-        BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW),
-    }};
-    const sock_fprog filter{program.size(), program.data()};
-    if (prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 ||
-        prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &filter) != 0)
-        _exit(9);
-}
-
-TEST_F(FolderLocks, AFileSystemWithoutLocksIsAFailureWithARemedy) {
-    for (const int error : {ENOLCK, EOPNOTSUPP, ENOSYS}) {
-        const pid_t process = fork();
-        if (process == 0) {
-            refuse_flock(error);
-            try {
-                attempt();
-            } catch (const Failure& failure) {
-                _exit(failure.where() == file_.string() &&
-                              failure.problem().find("has no locks") != std::string::npos &&
-                              failure.remedy().find("local disk") != std::string::npos
-                          ? 0
-                          : 1);
-            }
-            _exit(2);
-        }
-        int status = 0;
-        waitpid(process, &status, 0);
-        EXPECT_EQ(WEXITSTATUS(status), 0) << error;
-    }
 }
 
 }  // namespace

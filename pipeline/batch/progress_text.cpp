@@ -42,6 +42,14 @@ std::string step_text(const StepReport& step) {
                        duration_text(step.seconds));
 }
 
+/// Of "nalsa: beaten, 232.172 km/h +/- 0.164 km/h: The speed reaches ..." all but the sentence.
+std::string_view headline(std::string_view said) {
+    constexpr std::string_view between = ": ";
+    const std::size_t first = said.find(between);
+    if (first == std::string_view::npos) return said;
+    return said.substr(0, said.find(between, first + between.size()));
+}
+
 std::string first_line(const AttemptReport& attempt, const AttemptTextOptions& options) {
     const std::size_t digits = std::to_string(options.total).size();
     const std::size_t for_id = std::max<std::size_t>(options.columns / 3, 8);
@@ -55,7 +63,7 @@ std::string first_line(const AttemptReport& attempt, const AttemptTextOptions& o
     line += "  " + duration_text(attempt.seconds);
     std::string_view between = "  ";
     for (const std::string& said : attempt.said) {
-        line += fmt::format("{}{}", between, plain_text(said));
+        line += fmt::format("{}{}", between, plain_text(std::string(headline(said))));
         between = "; ";
     }
     line = fitted(line, options.columns);

@@ -82,7 +82,9 @@ BatchOrder order_of(const BatchOptions& options) {
     context.force = options.force;
     context.from = options.from;
     context.time_limit = std::chrono::milliseconds(std::llround(options.time_limit_s * 1e3));
-    order.progress = {.style = style_of(options), .explain = options.explain};
+    constexpr int columns_of_a_log = 160;  // a terminal says its own
+    order.progress = {
+        .style = style_of(options), .explain = options.explain, .columns = columns_of_a_log};
     order.jobs = options.jobs > 0 ? static_cast<std::size_t>(options.jobs)
                                   : std::max(1U, std::thread::hardware_concurrency());
     order.memory_bytes = options.memory_mib > 0

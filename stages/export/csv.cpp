@@ -1,25 +1,8 @@
-#include "core/text.h"
+#include "core/csv_cell.h"
 #include "files/ecsv.h"
 #include "stages/export/export.h"
 
 namespace runcert {
-namespace {
-
-/// The characters that make a spreadsheet take a cell for a formula (OWASP, "CSV Injection").
-constexpr std::string_view formula_begins = "=+-@\t\r";
-
-}  // namespace
-
-std::string csv_cell(std::string_view text) {
-    std::string cell;
-    if (!text.empty() && formula_begins.find(text.front()) != std::string_view::npos) cell = "'";
-    cell += text;
-    if (cell.find_first_of(",\"\r\n") == std::string::npos) return cell;
-    std::string quoted = "\"";
-    for (const char c : cell)
-        quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
-    return quoted + "\"";
-}
 
 std::string csv_text(std::string_view table, const std::string& where) {
     EcsvReader reader(table, where);

@@ -25,7 +25,4 @@ std::string gpx_text(const Track& track);
 /// messages.
 std::string csv_text(std::string_view table, const std::string& where);
 
-/// One text cell of such a CSV, quoted where it must be.
-std::string csv_cell(std::string_view text);
-
 }  // namespace runcert

@@ -2,6 +2,7 @@
 
 #include <pugixml.hpp>
 
+#include "core/csv_cell.h"
 #include "core/failure.h"
 #include "core/plain_text.h"
 #include "files/atomic_file.h"

@@ -70,14 +70,6 @@ async function findingsOfPage() {
   return { state, faults, notes, valid };
 }
 
-/** An element with a class, and text or elements inside. */
-function makeElement(name, className, ...inside) {
-  const element = document.createElement(name);
-  if (className) element.className = className;
-  element.append(...inside);
-  return element;
-}
-
 function listFacts(facts) {
   return makeElement("dl", "", ...facts.map(([name, value]) => makeElement("div", "",
     makeElement("dt", "", name), makeElement("dd", "", makeElement("bdi", "", withoutControls(value))))));

@@ -16,14 +16,8 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-/// A run folder, and what of it is compared.
-struct Run {
-    fs::path folder;
-    Attempt attempt;
-    Json attempt_document;
-    std::map<std::string, std::string> evidence;  ///< file to SHA-256, or "missing"
-    std::vector<std::string> products;            ///< those that are there
-};
+/// File to SHA-256, or "missing".
+using Evidence = std::map<std::string, std::string>;
 
 constexpr const char* missing = "missing";
 
@@ -42,40 +36,12 @@ std::vector<std::string> evidence_names(const Attempt& attempt) {
     return names;
 }
 
-std::vector<std::string> product_names(const Attempt& attempt) {
-    std::vector<std::string> names;
-    for (const auto& [stem, extension] :
-         {std::pair("1-observations", "ecsv"), std::pair("2-enu", "ecsv"),
-          std::pair("3-screened", "ecsv"), std::pair("4-trajectory", "ecsv"),
-          std::pair("5-windows", "yaml")})
-        for (const Receiver& receiver : attempt.receivers)
-            names.push_back(product_file(attempt, receiver, stem, extension));
-    names.emplace_back("6-verdict.yaml");
-    return names;
-}
-
-Run read_run(const fs::path& folder) {
-    const fs::path attempt_file = folder / evidence_attempt_file;
-    if (!fs::is_directory(folder) || !fs::exists(attempt_file))
-        throw Failure(folder.string(), "this is not the folder of a run",
-                      "Name two folders that `runcert certify` wrote");
-    const std::string text = read_handwritten(attempt_file);
-    Run run{.folder = folder,
-            .attempt = read_attempt(text, attempt_file.string()),
-            .attempt_document = json_from_yaml(
-                YamlValue(parse_yaml(text, attempt_file.string()), attempt_file.string())),
-            .evidence = {},
-            .products = {}};
-    run.attempt_document.erase("parameters");
+Evidence evidence_of(const RunFolder& run) {
+    Evidence evidence;
     for (const std::string& name : evidence_names(run.attempt))
-        run.evidence[name] =
-            fs::exists(folder / name) ? digest_file(folder / name).sha256 : missing;
-    for (const std::string& name : product_names(run.attempt))
-        if (fs::exists(folder / name)) run.products.push_back(name);
-    if (run.products.empty())
-        throw Failure(folder.string(), "the folder holds no file of any stage",
-                      "Name two folders that `runcert certify` wrote");
-    return run;
+        evidence[name] =
+            fs::exists(run.folder / name) ? digest_file(run.folder / name).sha256 : missing;
+    return evidence;
 }
 
 bool holds(const std::vector<std::string>& names, const std::string& name) {
@@ -91,36 +57,25 @@ std::vector<std::string> in_either(const std::vector<std::string>& a,
     return names;
 }
 
-std::vector<Change> input_changes(const Run& a, const Run& b) {
+std::vector<Change> input_changes(const RunFolder& run_a, const RunFolder& run_b) {
+    const Evidence a = evidence_of(run_a);
+    const Evidence b = evidence_of(run_b);
     std::vector<Change> changes;
-    const auto hash = [](const Run& run, const std::string& name) {
-        const auto found = run.evidence.find(name);
-        return found == run.evidence.end() ? std::string("not named") : found->second;
+    const auto hash = [](const Evidence& evidence, const std::string& name) {
+        const auto found = evidence.find(name);
+        return found == evidence.end() ? std::string("not named") : found->second;
     };
-    auto names = a.evidence;
-    names.insert(b.evidence.begin(), b.evidence.end());
+    Evidence names = a;
+    names.insert(b.begin(), b.end());
     for (const auto& [name, unused] : names)
         if (hash(a, name) != hash(b, name)) changes.push_back({name, hash(a, name), hash(b, name)});
     return changes;
 }
 
-std::vector<Change> as_changes(const std::vector<ValueDifference>& values) {
-    std::vector<Change> changes;
-    for (const ValueDifference& value : values)
-        changes.push_back({value.path, value.a, value.b});
-    return changes;
-}
-
-std::string maker_of(const Json& header) {
-    const Json& stage = header.at("stage");
-    return fmt::format("runcert {}, source {}", stage.value("version", "unknown"),
-                       stage.value("source_revision", "unknown"));
-}
-
 /// One product in both runs.
 class ProductPair {
   public:
-    ProductPair(const Run& a, const Run& b, const std::string& name)
+    ProductPair(const RunFolder& a, const RunFolder& b, const std::string& name)
         : name_(name),
           where_a_((a.folder / name).string()),
           where_b_((b.folder / name).string()),
@@ -130,36 +85,12 @@ class ProductPair {
           header_b_(header_of(text_b_, where_b_)) {}
 
     void add_to(RunDifference& difference) const {
-        add_makers(difference);
-        add_parameters(difference);
+        add_header_changes(difference, name_, header_a_, header_b_);
         add_results(difference);
     }
 
   private:
     std::string stage() const { return header_a_.at("stage").value("name", ""); }
-
-    /// Files of the same two programs together.
-    void add_makers(RunDifference& difference) const {
-        const Change change{name_, maker_of(header_a_), maker_of(header_b_)};
-        if (change.a == change.b) return;
-        for (Change& known : difference.programs)
-            if (known.a == change.a && known.b == change.b) {
-                known.what += ", " + name_;
-                return;
-            }
-        difference.programs.push_back(change);
-    }
-
-    void add_parameters(RunDifference& difference) const {
-        for (Change& change :
-             as_changes(value_differences(header_a_.value("parameters", Json::object()),
-                                          header_b_.value("parameters", Json::object())))) {
-            change.what = fmt::format("{}.{}", stage(), change.what);
-            // All receivers' files of a stage hold the same.
-            if (std::ranges::find(difference.parameters, change) == difference.parameters.end())
-                difference.parameters.push_back(std::move(change));
-        }
-    }
 
     void add_results(RunDifference& difference) const {
         ProductDifference product{.file = name_, .stage = stage(), .table = {}, .values = {}};
@@ -203,18 +134,17 @@ std::map<std::string, std::int64_t> EpochDifference::counts() const {
 }
 
 bool RunDifference::equal() const {
-    return programs.empty() && inputs.empty() && parameters.empty() && attempt.empty() &&
-           windows.empty() && verdicts.empty() &&
+    return none() && windows.empty() && verdicts.empty() &&
            std::ranges::all_of(epochs, &EpochDifference::equal) &&
            std::ranges::all_of(products, &ProductDifference::equal);
 }
 
 RunDifference difference_of_runs(const fs::path& folder_a, const fs::path& folder_b) {
-    const Run a = read_run(folder_a);
-    const Run b = read_run(folder_b);
+    const RunFolder a = read_run_folder(folder_a);
+    const RunFolder b = read_run_folder(folder_b);
     RunDifference difference;
     difference.inputs = input_changes(a, b);
-    difference.attempt = as_changes(value_differences(a.attempt_document, b.attempt_document));
+    difference.attempt = attempt_changes(a, b);
     for (const std::string& name : in_either(a.products, b.products)) {
         if (holds(a.products, name) && holds(b.products, name)) {
             ProductPair(a, b, name).add_to(difference);

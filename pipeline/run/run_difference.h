@@ -7,19 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "run/run_causes.h"
 #include "run/table_comparison.h"
 
 namespace runcert {
-
-/// Something that two runs have otherwise.
-struct Change {
-    std::string what;  ///< "smooth.robust_scale", "recording.primary.pos"
-    std::string a;
-    std::string b;
-    std::string note = {};  ///< how large it is, where that can be said
-
-    bool operator==(const Change&) const = default;
-};
 
 /// What became of an epoch.
 struct EpochChange {
@@ -54,11 +45,7 @@ struct ProductDifference {
 
 /// All that differs between two run folders. Nothing but what is told apart here decides whether
 /// they are equal: not run.yaml, signatures or pages.
-struct RunDifference {
-    std::vector<Change> programs;
-    std::vector<Change> inputs;
-    std::vector<Change> parameters;
-    std::vector<Change> attempt;  ///< but for its parameters
+struct RunDifference : RunCauses {
     std::vector<EpochDifference> epochs;
     std::vector<Change> windows;
     std::vector<Change> verdicts;

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <deque>
+#include <mutex>
 
 #include "core/failure.h"
 #include "core/text.h"
@@ -21,7 +23,7 @@ YamlValue entry_of(const DocumentSchema& schema, const std::string& path) {
 }
 
 /// The field table as an earlier revision had it.
-DocumentSchema as_of(const DocumentSchema& schema, std::int64_t revision) {
+DocumentSchema table_of(const DocumentSchema& schema, std::int64_t revision) {
     Json table = {{"schema", schema.name()},
                   {"version", fmt::format("{}.{}", version_of(schema).model, revision)},
                   {"fields", Json::object()}};
@@ -29,6 +31,23 @@ DocumentSchema as_of(const DocumentSchema& schema, std::int64_t revision) {
         if (since_of(schema, rule.path) <= revision)
             table["fields"][rule.path] = json_from_yaml(entry_of(schema, rule.path));
     return DocumentSchema::parse(to_yaml_text(table), schema.source().where());
+}
+
+/// The same, made once: making it takes far longer than reading a document. Tables are told apart
+/// by the text that they were parsed from.
+const DocumentSchema& as_of(const DocumentSchema& schema, std::int64_t revision) {
+    struct Made {
+        YAML::Node source;
+        std::int64_t revision;
+        DocumentSchema schema;
+    };
+    static std::mutex mutex;
+    static std::deque<Made> all;  // references to its elements stay valid
+    const std::lock_guard lock(mutex);
+    for (const Made& made : all)
+        if (made.revision == revision && made.source.is(schema.source().node())) return made.schema;
+    all.push_back({schema.source().node(), revision, table_of(schema, revision)});
+    return all.back().schema;
 }
 
 /// Refuses every key of a document that stands for a field of a later revision.

@@ -18,8 +18,8 @@ const Names without_unit{
     "correlation_east_north", "correlation_east_up",
     "correlation_north_up",  // a column each
     "ratio", "statistic", "threshold", "summary.variance_factor", "estimation.variance_factor",
-    "estimation.variance_factor_applied", "profiles[].coverage_factor", "accuracy.coverage_factor",
-    "accuracy.limit", "margin.value", "record.speed",
+    "estimation.variance_factor_applied", "profiles[].coverage_factor", "results[].coverage_factor",
+    "accuracy.coverage_factor", "accuracy.limit", "margin.value", "record.speed",
     "attempt.record.speed",  // unit beside it
     "parameters.screen.gap_factor", "parameters.screen.false_alarm_rate",
     "parameters.screen.family_false_alarm_rate", "parameters.screen.power",
@@ -54,9 +54,9 @@ bool may_lack_unit(const std::string& path) {
 
 /// Each schema's newest revision; 1.1 where none is named.
 const std::map<std::string, std::string> newest_versions{
-    {"common", "1.0"},     {"verdict", "1.2"},      {"simulation", "1.0"}, {"day", "1.0"},
-    {"attempt", "1.5"},    {"profile", "1.4"},      {"screened", "1.3"},   {"windows", "1.3"},
-    {"trajectory", "1.2"}, {"observations", "1.2"}, {"enu", "1.2"}};
+    {"common", "1.0"},      {"verdict", "1.2"},    {"simulation", "1.0"},   {"day", "1.0"},
+    {"day_results", "1.0"}, {"attempt", "1.5"},    {"profile", "1.4"},      {"screened", "1.3"},
+    {"windows", "1.3"},     {"trajectory", "1.2"}, {"observations", "1.2"}, {"enu", "1.2"}};
 
 const Names known_types{"text", "integer", "real", "boolean", "map", "list", "any"};
 const Names known_keys{"type", "unit",     "required", "values", "min",

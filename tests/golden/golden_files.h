@@ -10,6 +10,7 @@
 
 #include "schemas/attempt/attempt.h"
 #include "schemas/day/day.h"
+#include "schemas/day_results/day_results.h"
 #include "schemas/enu/enu.h"
 #include "schemas/observations/observations.h"
 #include "schemas/profile/profile.h"
@@ -70,6 +71,10 @@ inline constexpr GoldenKind kinds[] = {
     {"6-verdict.yaml", "verdict",
      [](const std::string& text, const std::string& where) {
          return write_verdict(read_verdict(text, where));
+     }},
+    {"day_results.yaml", "day_results",
+     [](const std::string& text, const std::string& where) {
+         return write_day_results(read_day_results(text, where));
      }},
     {"attempt.yaml", "attempt",
      [](const std::string& text, const std::string& where) {

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "schemas/day_results/day_results.h"
+
+namespace runcert {
+
+/// The attempts that claim a rule, in order: by outcome (beaten, not_proven, not_beaten,
+/// not_certifiable), then the faster, then the one whose speed is less uncertain, then by id.
+///
+/// What is equal but for its id shares a rank, and the next rank counts all of them. What is not
+/// certifiable, or has no speed, has no rank. Each rank says how far up and down the speeds are not
+/// told apart from its own, without a gap: |v1 - v2| < sqrt(U1^2 + U2^2), the expanded uncertainty
+/// of the difference of two independent speeds ([GUM] 5.1.2).
+std::vector<DayPlace> ranking_by(std::string_view profile, const std::vector<DayAttempt>& attempts);
+
+/// How many of them have which outcome by that rule.
+OutcomeCounts outcomes_by(std::string_view profile, const std::vector<DayAttempt>& attempts);
+
+/// How many attempts are of which state, and how many beat a record.
+DayCounts counts_of(const std::vector<DayAttempt>& attempts);
+
+}  // namespace runcert

@@ -1,0 +1,232 @@
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <regex>
+#include <set>
+
+#include "day_support.h"
+#include "files/atomic_file.h"
+#include "files/process.h"
+#include "stages/day/day.h"
+#include "stages/day/page_words.h"
+
+// The page and the table of a day: complete, escaped, and of the results' own numbers.
+
+namespace runcert {
+namespace {
+
+using day::attempt;
+using day::results_of;
+
+std::size_t count_of(const std::string& text, const std::string& part) {
+    std::size_t count = 0;
+    for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1))
+        ++count;
+    return count;
+}
+
+/// libxml2's complaints about a page, but for elements that it does not know.
+std::string complaints_of(const std::string& page) {
+    const TemporaryFolder folder;
+    write_file_atomically(folder.path() / "day.html", page);
+    const ProcessResult result = run_process(
+        {"xmllint", "--html", "--noout", "--nonet", (folder.path() / "day.html").string()});
+    std::string complaints;
+    std::istringstream lines(result.errors);
+    for (std::string line; std::getline(lines, line);)
+        if (line.find("error :") != std::string::npos && line.find("Tag ") == std::string::npos)
+            complaints += line + "\n";
+    return complaints;
+}
+
+DayAttempt failed(const std::string& id) {
+    return {.id = id,
+            .source = id + ".yaml",
+            .state = "failed",
+            .failure = DayFailure{.step = "import",
+                                  .problem = "line 7 is cut off",
+                                  .where = "r.pos:7",
+                                  .remedy = "Give the whole recording"}};
+}
+
+TEST(DayPage, SaysWhatFailedBeforeAnyRanking) {
+    const std::string page = day_page(results_of({attempt("a", "beaten", 52.0, 0.1), failed("b")}));
+    const std::size_t failure = page.find("line 7 is cut off");
+    const std::size_t ranking = page.find("because of a");
+    ASSERT_NE(failure, std::string::npos);
+    ASSERT_NE(ranking, std::string::npos);
+    EXPECT_LT(failure, ranking);
+    EXPECT_NE(page.find("Give the whole recording"), std::string::npos);
+    EXPECT_NE(page.find("r.pos:7"), std::string::npos);
+    EXPECT_EQ(day_page(results_of({attempt("a", "beaten", 52.0, 0.1)})).find("not be processed"),
+              std::string::npos);
+}
+
+TEST(DayPage, MarksRanksThatAreNotToldApart) {
+    const std::string page = day_page(
+        results_of({attempt("a", "beaten", 52.00, 0.1), attempt("b", "beaten", 51.95, 0.1),
+                    attempt("c", "beaten", 51.90, 0.1), attempt("d", "beaten", 51.00, 0.1)}));
+    EXPECT_EQ(count_of(page, "not told apart from ranks 2 to 3<"), 1U);
+    EXPECT_EQ(count_of(page, "not told apart from ranks 1 and 3<"), 1U);
+    EXPECT_EQ(count_of(page, "not told apart from ranks 1 to 2<"), 1U);
+    EXPECT_EQ(count_of(page, ">≈ not told apart"), 3U);
+}
+
+TEST(DayPage, WordsOfRanksNotToldApart) {
+    const auto words = [](std::optional<std::int64_t> up, std::optional<std::int64_t> down) {
+        return told_apart_words(
+            {.rank = 4, .id = "x", .not_told_apart_up_to = up, .not_told_apart_down_to = down}, 3,
+            6);
+    };
+    EXPECT_EQ(words({}, {}), "");
+    EXPECT_EQ(words(3, {}), "not told apart from rank 3");
+    EXPECT_EQ(words(1, {}), "not told apart from ranks 1 to 3");
+    EXPECT_EQ(words({}, 6), "not told apart from rank 6");
+    EXPECT_EQ(words({}, 9), "not told apart from ranks 6 to 9");
+    EXPECT_EQ(words(3, 6), "not told apart from ranks 3 and 6");
+    EXPECT_EQ(words(1, 9), "not told apart from ranks 1 to 9");
+}
+
+TEST(DayPage, DrawsEverySpeedOfAFewAndSaysHowManyOfMany) {
+    std::vector<DayAttempt> attempts;
+    for (int i = 0; i < 4; ++i)
+        attempts.push_back(attempt(fmt::format("run-{}", i), "beaten", 52.0 + i, 0.1));
+    const std::string few = day_page(results_of(attempts));
+    EXPECT_EQ(count_of(few, "<svg class=\"mark\""), 4U);
+    EXPECT_EQ(few.find("speeds are drawn"), std::string::npos);
+    for (int i = 4; i < 300; ++i)
+        attempts.push_back(attempt(fmt::format("run-{}", i), "beaten", 52.0 + 0.01 * i, 0.1));
+    const std::string many = day_page(results_of(attempts));
+    EXPECT_EQ(count_of(many, "<svg class=\"mark\""), 24U);
+    EXPECT_NE(many.find("The first 24 of 300 speeds are drawn"), std::string::npos);
+    EXPECT_EQ(count_of(many, "<th scope=\"row\" class=\"attempt\">"), 300U);
+    EXPECT_EQ(complaints_of(many), "");
+}
+
+TEST(DayPage, DrawsBarsInTheScaleOfItsTicks) {
+    // Between 40 and 60 the bar of 50 ± 5 covers a quarter of what two speeds of 10 apart cover.
+    const std::string page = day_page(
+        results_of({attempt("a", "not_beaten", 40.0, 0.0), attempt("b", "not_beaten", 50.0, 5.0)}));
+    std::smatch found;
+    ASSERT_TRUE(std::regex_search(page, found,
+                                  std::regex("class=\"bar\" x1=\"([0-9.]+)%\" x2=\"([0-9.]+)%\"")));
+    const double from = std::stod(found[1]), to = std::stod(found[2]);
+    std::vector<double> marks;
+    const std::regex mark("class=\"mark\" x=\"([0-9.]+)%\"");
+    for (std::sregex_iterator at(page.begin(), page.end(), mark), end; at != end; ++at)
+        marks.push_back(std::stod((*at)[1]));
+    ASSERT_EQ(marks.size(), 2U);
+    EXPECT_NEAR(to - from, std::abs(marks[0] - marks[1]), 0.01);
+    EXPECT_NEAR((from + to) / 2.0, std::max(marks[0], marks[1]), 0.01);
+}
+
+const std::vector<std::string> hostile{"<script>alert(1)</script>",
+                                       "\"><img src=x onerror=alert(1)>",
+                                       "' onclick='alert(1)",
+                                       "{{{script}}}",
+                                       "{{#attempts}}",
+                                       "</style><script>",
+                                       "\x1b[2J\nline",
+                                       "a\u202Eb",
+                                       "=HYPERLINK(\"http://x\")",
+                                       "@SUM(1)",
+                                       "+1",
+                                       "-1",
+                                       "\xff\xfe",
+                                       "Bj\u00f8rn's \u8239"};
+
+DayResults hostile_day(const std::string& text) {
+    DayAttempt done = attempt("a", "beaten", 52.0, 0.1);
+    done.source = done.craft->name = done.craft->craft_class = text;
+    done.notes = {text};
+    done.pages = {text + ".html"};
+    done.results[0].reason = text;
+    done.results[0].replaced = {text};
+    DayAttempt bad = failed(text);
+    bad.failure = DayFailure{.step = text, .problem = text, .where = text, .remedy = text};
+    bad.notes = {text};
+    DayAttempt left{.id = text, .source = text, .state = "not_processed", .reason = text};
+    DayResults results = results_of({done, bad, left});
+    results.day = text;
+    results.notes = {text};
+    results.profiles[0].body = results.profiles[0].title = text;
+    return results;
+}
+
+TEST(DayPage, WhatComesFromOutsideIsTextAlone) {
+    const std::string plain = day_page(hostile_day("plain"));
+    for (const std::string& text : hostile) {
+        SCOPED_TRACE(text);
+        const std::string page = day_page(hostile_day(text));
+        // Nothing adds or takes an element, a script, a rule of style or an attribute of events.
+        for (const char* part :
+             {"<script", "</script", "<style", "</style", "<img", "<svg", "<tr", "<article"})
+            EXPECT_EQ(count_of(page, part), count_of(plain, part)) << part;
+        for (const char* part : {"onerror=alert(1)>", "onclick='", "\x1b", "\u202E", "\xff"})
+            EXPECT_EQ(page.find(part), std::string::npos) << part;
+        EXPECT_EQ(complaints_of(page), "");
+        static const std::regex link("href=\"([^\"]*)\"");
+        for (std::sregex_iterator at(page.begin(), page.end(), link), end; at != end; ++at)
+            EXPECT_TRUE(std::regex_match(at->str(1), std::regex("[-A-Za-z0-9._~/%#]+")))
+                << at->str(1);
+    }
+}
+
+TEST(DayCsv, WhatComesFromOutsideIsACellAndNoFormula) {
+    for (const std::string& text : hostile) {
+        SCOPED_TRACE(text);
+        const TemporaryFolder folder;
+        write_file_atomically(folder.path() / "day.csv", day_csv(hostile_day(text)));
+        // Python's reader says how many cells there are, and how they begin.
+        const ProcessResult result =
+            run_process({"python3", "-c",
+                         "import csv,sys\n"
+                         "rows=list(csv.reader(open(sys.argv[1],encoding='utf-8',errors='replace',"
+                         "newline='')))\n"
+                         "texts=[c for r in rows[1:] for c in r]\n"
+                         "print(sorted({len(r) for r in rows}), len(rows),"
+                         " sum(c[:1] in '=+@\\t\\r-' for c in texts if c))",
+                         (folder.path() / "day.csv").string()});
+        EXPECT_EQ(result.output, "[30] 4 0\n") << result.errors;
+    }
+}
+
+TEST(DayCsv, HoldsEveryFigureInTheColumnOfItsName) {
+    DayResults results = results_of({attempt("a", "beaten", 52.25, 0.125), failed("b")});
+    results.attempts[0].results[0].start_utc = "2022-03-18T08:51:22.300Z";
+    EXPECT_EQ(
+        day_csv(results),
+        "attempt,source,state,craft,class,profile,rank,not_told_apart_up_to_rank,"
+        "not_told_apart_down_to_rank,outcome,speed_m_s,expanded_uncertainty_m_s,coverage_factor,"
+        "target_m_s,shown_unit,shown_speed,shown_expanded_uncertainty,shown_target,"
+        "window_start_utc,window_start_time_s,window_duration_s,reason,replaced_figures,"
+        "failed_step,problem,where,remedy,notes,report_id,report\n"
+        "a,day.yaml:1,done,craft of a,land-yacht,nalsa,1,,,beaten,52.250000,0.125000,2.000000,"
+        "50.000000,,,,,2022-03-18T08:51:22.300Z,,,because of a,,,,,,,0123456789abcdef,"
+        "a/report.json\n"
+        "b,b.yaml,failed,,,,,,,,,,,,,,,,,,,,,import,line 7 is cut off,r.pos:7,"
+        "Give the whole recording,,,\n");
+}
+
+TEST(DayPage, IsItsOwnAndNeedsNoScript) {
+    const std::string page = day_page(results_of({attempt("a", "beaten", 52.0, 0.1)}));
+    // The namespace of SVG is a name, not a place.
+    EXPECT_EQ(count_of(page, "http://"), count_of(page, "'http://www.w3.org/2000/svg'"));
+    EXPECT_EQ(page.find("https://"), std::string::npos);
+    EXPECT_EQ(page.find(" src="), std::string::npos);
+    EXPECT_EQ(page.find(" style="), std::string::npos);
+    EXPECT_NE(page.find("default-src 'none'"), std::string::npos);
+    // The policy's hash is that of the script, by another program.
+    const TemporaryFolder folder;
+    const std::size_t begin = page.find("<script>") + 8;
+    write_file_atomically(folder.path() / "script",
+                          page.substr(begin, page.find("</script>") - begin));
+    const ProcessResult hash =
+        run_process({"sh", "-c", "openssl dgst -sha256 -binary \"$0\" | base64",
+                     (folder.path() / "script").string()});
+    ASSERT_EQ(hash.output.size(), 45U) << hash.errors;
+    EXPECT_NE(page.find("'sha256-" + hash.output.substr(0, 44) + "'"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace runcert

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "stages/day/ranking.h"
+
+namespace runcert::day {
+
+/// An attempt that is done, with one result by the rule "nalsa".
+inline DayAttempt attempt(const std::string& id, const std::string& outcome, double speed_mps,
+                          double expanded_mps) {
+    DayResult result{.profile = "nalsa",
+                     .outcome = outcome,
+                     .reason = "because of " + id,
+                     .speed_mps = speed_mps,
+                     .expanded_uncertainty_mps = expanded_mps,
+                     .target_mps = 50.0};
+    return {.id = id,
+            .source = "day.yaml:1",
+            .state = "done",
+            .craft = DayCraft{"craft of " + id, "land-yacht"},
+            .report_id = "0123456789abcdef",
+            .report = id + "/report.json",
+            .results = {result}};
+}
+
+inline DayAttempt without_speed(const std::string& id, const std::string& outcome) {
+    DayAttempt made = attempt(id, outcome, 0.0, 0.0);
+    made.results.front().speed_mps.reset();
+    made.results.front().expanded_uncertainty_mps.reset();
+    return made;
+}
+
+/// The results of such attempts, counted and ranked.
+inline DayResults results_of(std::vector<DayAttempt> attempts) {
+    DayResults results{.header = {}, .day = "a day"};
+    results.header.stage = "day";
+    results.header.program_version = "1.0.0";
+    results.header.source_revision = "0123456789ab";
+    results.attempts = std::move(attempts);
+    results.counts = counts_of(results.attempts);
+    for (const DayAttempt& each : results.attempts)
+        if (each.by("nalsa") && results.profiles.empty())
+            results.profiles.push_back({.profile = "nalsa",
+                                        .body = "the body",
+                                        .title = "the title",
+                                        .counts = outcomes_by("nalsa", results.attempts),
+                                        .ranking = ranking_by("nalsa", results.attempts)});
+    return results;
+}
+
+}  // namespace runcert::day

@@ -108,7 +108,7 @@ int run_selected(const BatchOrder& order, const Day& day, const std::vector<bool
                                                          *progress);
     DaySummary summary = summary_of(outcomes, selected);
     if (results == Results::written && !interrupts.stop().stop_requested()) {
-        write_day_results(day, outcomes, order.context);
+        make_day_results(day, outcomes, order.context);
         summary.results = (order.context.out / "day.html").string();
     }
     if (interrupts.finish().stop_requested())
@@ -129,7 +129,7 @@ std::size_t write_results_of(const BatchOrder& order, const Day& day,
     std::vector<AttemptOutcome> outcomes;
     for (std::size_t i = 0; i < states.size(); ++i)
         outcomes.push_back(outcome_of(day.attempts[i], states[i], "it was not run to its end"));
-    write_day_results(day, outcomes, order.context);
+    make_day_results(day, outcomes, order.context);
     return static_cast<std::size_t>(std::ranges::count_if(
         outcomes, [](const AttemptOutcome& outcome) { return outcome.state != "done"; }));
 }

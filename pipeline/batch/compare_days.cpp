@@ -15,18 +15,18 @@ namespace fs = std::filesystem;
 constexpr const char* day_file = "day.yaml";
 
 /// By id; of equal ids the one that is done.
-using Attempts = std::map<std::string, const DayAttempt*>;
+using Attempts = std::map<std::string, const AttemptResult*>;
 
 Attempts by_id(const DayResults& day) {
     Attempts attempts;
-    for (const DayAttempt& attempt : day.attempts) {
-        const DayAttempt*& known = attempts[attempt.id];
+    for (const AttemptResult& attempt : day.attempts) {
+        const AttemptResult*& known = attempts[attempt.id];
         if (known == nullptr || attempt.state == "done") known = &attempt;
     }
     return attempts;
 }
 
-const DayAttempt* find(const Attempts& attempts, const std::string& id) {
+const AttemptResult* find(const Attempts& attempts, const std::string& id) {
     const auto found = attempts.find(id);
     return found == attempts.end() ? nullptr : found->second;
 }
@@ -62,8 +62,8 @@ void compare_speeds(ResultChange& change) {
     change.uncertainty_moved = std::abs(*u_new - *u_old) > moved_fraction_of_uncertainty * smaller;
 }
 
-void compare_rule(DayComparison& comparison, const std::string& profile, const DayAttempt& from,
-                  const DayAttempt& to) {
+void compare_rule(DayComparison& comparison, const std::string& profile, const AttemptResult& from,
+                  const AttemptResult& to) {
     ResultChange change{.id = from.id, .profile = profile};
     if (const DayResult* result = from.by(profile)) change.old_result = *result;
     if (const DayResult* result = to.by(profile)) change.new_result = *result;
@@ -77,7 +77,8 @@ void compare_rule(DayComparison& comparison, const std::string& profile, const D
         comparison.results.push_back(std::move(change));
 }
 
-void compare_attempt(DayComparison& comparison, const DayAttempt& from, const DayAttempt& to) {
+void compare_attempt(DayComparison& comparison, const AttemptResult& from,
+                     const AttemptResult& to) {
     const std::size_t before = comparison.states.size() + comparison.results.size();
     if (from.state != to.state || !same_failure(from.failure, to.failure)) {
         comparison.states.push_back({.id = from.id,
@@ -119,12 +120,12 @@ DayComparison compare_results(const DayResults& old_day, const DayResults& new_d
     const Attempts then = by_id(old_day);
     const Attempts now = by_id(new_day);
     DayComparison comparison;
-    for (const DayAttempt& attempt : old_day.attempts)
+    for (const AttemptResult& attempt : old_day.attempts)
         if (find(then, attempt.id) == &attempt && !now.contains(attempt.id))
             comparison.only_old.push_back(attempt.id);
-    for (const DayAttempt& attempt : new_day.attempts) {
+    for (const AttemptResult& attempt : new_day.attempts) {
         if (find(now, attempt.id) != &attempt) continue;
-        if (const DayAttempt* before = find(then, attempt.id))
+        if (const AttemptResult* before = find(then, attempt.id))
             compare_attempt(comparison, *before, attempt);
         else
             comparison.only_new.push_back(attempt.id);

@@ -63,8 +63,8 @@ std::string results_list_text(const Day& day, const std::vector<AttemptOutcome>&
     return list.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-void write_day_results(const Day& day, const std::vector<AttemptOutcome>& outcomes,
-                       const BatchContext& context) {
+void make_day_results(const Day& day, const std::vector<AttemptOutcome>& outcomes,
+                      const BatchContext& context) {
     const BatchFolders folders(context.out);
     const std::string list = results_list_text(day, outcomes, context.out);
     const std::string program = (context.program_folder / "runcert-day").string();

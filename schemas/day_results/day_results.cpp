@@ -44,17 +44,18 @@ inline constexpr auto members<DayResult> =
                Member{"replaced", &DayResult::replaced}};
 
 template <>
-inline constexpr auto members<DayAttempt> = std::tuple{Member{"id", &DayAttempt::id},
-                                                       Member{"source", &DayAttempt::source},
-                                                       Member{"state", &DayAttempt::state},
-                                                       Member{"failure", &DayAttempt::failure},
-                                                       Member{"reason", &DayAttempt::reason},
-                                                       Member{"craft", &DayAttempt::craft},
-                                                       Member{"report_id", &DayAttempt::report_id},
-                                                       Member{"report", &DayAttempt::report},
-                                                       Member{"pages", &DayAttempt::pages},
-                                                       Member{"notes", &DayAttempt::notes},
-                                                       Member{"results", &DayAttempt::results}};
+inline constexpr auto members<AttemptResult> =
+    std::tuple{Member{"id", &AttemptResult::id},
+               Member{"source", &AttemptResult::source},
+               Member{"state", &AttemptResult::state},
+               Member{"failure", &AttemptResult::failure},
+               Member{"reason", &AttemptResult::reason},
+               Member{"craft", &AttemptResult::craft},
+               Member{"report_id", &AttemptResult::report_id},
+               Member{"report", &AttemptResult::report},
+               Member{"pages", &AttemptResult::pages},
+               Member{"notes", &AttemptResult::notes},
+               Member{"results", &AttemptResult::results}};
 
 template <>
 inline constexpr auto members<DayPlace> =
@@ -96,7 +97,7 @@ const DocumentSchema& day_results_schema() {
 
 }  // namespace
 
-const DayResult* DayAttempt::by(std::string_view profile) const {
+const DayResult* AttemptResult::by(std::string_view profile) const {
     const auto found = std::ranges::find(results, profile, &DayResult::profile);
     return found == results.end() ? nullptr : &*found;
 }

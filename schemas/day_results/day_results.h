@@ -47,7 +47,7 @@ struct DayCraft {
     std::string craft_class = {};
 };
 
-struct DayAttempt {
+struct AttemptResult {
     std::string id;
     std::string source;
     std::string state;  ///< "done", "failed", "not_processed"
@@ -102,7 +102,7 @@ struct DayResults {
     Header header;
     std::string day;
     DayCounts counts = {};
-    std::vector<DayAttempt> attempts = {};
+    std::vector<AttemptResult> attempts = {};
     std::vector<DayProfile> profiles = {};
     std::vector<std::string> notes = {};
 };

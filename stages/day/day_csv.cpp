@@ -47,7 +47,7 @@ std::string result_cells(const DayResult& result, const DayPlace& place) {
         csv_cell(result.start_utc), cell(result.start_time_s, 9), cell(result.duration_s, 9));
 }
 
-std::string row(const DayAttempt& attempt, const DayResult* result, const DayPlace* place) {
+std::string row(const AttemptResult& attempt, const DayResult* result, const DayPlace* place) {
     const DayCraft craft = attempt.craft.value_or(DayCraft{});
     const DayFailure failure = attempt.failure.value_or(DayFailure{});
     constexpr std::string_view no_result = ",,,,,,,,,,,,,,,";
@@ -69,7 +69,7 @@ std::string day_csv(const DayResults& results) {
         for (const DayPlace& place : profile.ranking)
             places[profile.profile][place.id] = &place;
     std::string csv(columns);
-    for (const DayAttempt& attempt : results.attempts) {
+    for (const AttemptResult& attempt : results.attempts) {
         if (attempt.results.empty()) csv += row(attempt, nullptr, nullptr);
         for (const DayResult& result : attempt.results)
             csv += row(attempt, &result, places.at(result.profile).at(attempt.id));

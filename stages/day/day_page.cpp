@@ -34,7 +34,7 @@ TemplateData texts_of(const std::vector<std::string>& texts) {
     return data;
 }
 
-TemplateData failure_data(const DayAttempt& attempt) {
+TemplateData failure_data(const AttemptResult& attempt) {
     const DayFailure failure = attempt.failure.value_or(DayFailure{});
     TemplateData data = template_map();
     set_text(data, "id", attempt.id);
@@ -51,7 +51,7 @@ void set_failures(TemplateData& data, const DayResults& results) {
     TemplateData first = list();
     TemplateData more = list();
     std::size_t count = 0;
-    for (const DayAttempt& attempt : results.attempts)
+    for (const AttemptResult& attempt : results.attempts)
         if (attempt.state == "failed")
             (count++ < failures_shown ? first : more).push_back(failure_data(attempt));
     set_list(data, "failures", first, count > 0);
@@ -75,7 +75,7 @@ void set_counts(TemplateData& data, const DayCounts& counts) {
 
 void set_left_out(TemplateData& data, const DayResults& results) {
     TemplateData rows = list();
-    for (const DayAttempt& attempt : results.attempts) {
+    for (const AttemptResult& attempt : results.attempts) {
         if (attempt.state != "not_processed") continue;
         TemplateData row = template_map();
         set_text(row, "id", attempt.id);
@@ -90,7 +90,7 @@ void set_left_out(TemplateData& data, const DayResults& results) {
 void set_notes(TemplateData& data, const DayResults& results) {
     TemplateData notes = texts_of(results.notes);
     bool any = !results.notes.empty();
-    for (const DayAttempt& attempt : results.attempts) {
+    for (const AttemptResult& attempt : results.attempts) {
         if (attempt.state == "failed") continue;
         for (const std::string& text : attempt.notes) {
             TemplateData item = template_map();

@@ -43,7 +43,7 @@ std::string read_listed(const Options& options, const ListedFile& listed, const 
 }
 
 /// An attempt that is done: its verdict and its report are read, and let go of.
-DayAttempt read_done(const Options& options, const ListedAttempt& listed, DayResults& results) {
+AttemptResult read_done(const Options& options, const ListedAttempt& listed, DayResults& results) {
     const auto where = [&](const ListedFile& file) { return (options.out / file.file).string(); };
     const Verdict verdict = read_verdict(
         read_listed(options, *listed.verdict, "verdict", results.header), where(*listed.verdict));

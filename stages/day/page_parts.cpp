@@ -20,7 +20,7 @@ TemplateData list() {
 }
 
 /// The page of a report to go to, or the report itself.
-std::string main_page(const DayAttempt& attempt) {
+std::string main_page(const AttemptResult& attempt) {
     const auto html = std::ranges::find_if(
         attempt.pages, [](const std::string& page) { return page.ends_with(".html"); });
     return html == attempt.pages.end() ? attempt.report : *html;
@@ -51,7 +51,7 @@ void set_speed(TemplateData& row, const DayResult& result) {
     set_text(row, "target", speed->target);
 }
 
-TemplateData place_data(const DayProfile& profile, std::size_t i, const DayAttempt& attempt) {
+TemplateData place_data(const DayProfile& profile, std::size_t i, const AttemptResult& attempt) {
     const DayPlace& place = profile.ranking[i];
     const DayResult& result = *attempt.by(profile.profile);
     const OutcomeWords outcome = outcome_words(result);
@@ -121,7 +121,7 @@ TemplateData tally_of(const DayProfile& profile, const AttemptsById& attempts) {
 
 AttemptsById attempts_by_id(const DayResults& results) {
     AttemptsById attempts;
-    for (const DayAttempt& attempt : results.attempts)
+    for (const AttemptResult& attempt : results.attempts)
         if (const auto [found, added] = attempts.try_emplace(attempt.id, &attempt);
             !added && attempt.state == "done")
             found->second = &attempt;

@@ -12,7 +12,7 @@ namespace runcert {
 using TemplateData = kainjow::mustache::data;
 
 /// Attempts by their id; of equal ids the one that is done.
-using AttemptsById = std::map<std::string_view, const DayAttempt*>;
+using AttemptsById = std::map<std::string_view, const AttemptResult*>;
 AttemptsById attempts_by_id(const DayResults& results);
 
 /// A map for a template, and a list with its `has_NAME` beside it.

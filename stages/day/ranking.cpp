@@ -51,9 +51,9 @@ std::optional<std::int64_t> not_told_apart(const std::vector<Entry>& entries,
 }  // namespace
 
 std::vector<DayPlace> ranking_by(std::string_view profile,
-                                 const std::vector<DayAttempt>& attempts) {
+                                 const std::vector<AttemptResult>& attempts) {
     std::vector<Entry> entries;
-    for (const DayAttempt& attempt : attempts)
+    for (const AttemptResult& attempt : attempts)
         if (const DayResult* result = attempt.by(profile)) entries.push_back({attempt.id, result});
     std::ranges::stable_sort(entries, [](const Entry& a, const Entry& b) {
         return std::tuple(a.merit(), a.id) < std::tuple(b.merit(), b.id);
@@ -75,9 +75,9 @@ std::vector<DayPlace> ranking_by(std::string_view profile,
     return places;
 }
 
-OutcomeCounts outcomes_by(std::string_view profile, const std::vector<DayAttempt>& attempts) {
+OutcomeCounts outcomes_by(std::string_view profile, const std::vector<AttemptResult>& attempts) {
     OutcomeCounts counts;
-    for (const DayAttempt& attempt : attempts) {
+    for (const AttemptResult& attempt : attempts) {
         const DayResult* result = attempt.by(profile);
         if (!result) continue;
         if (result->outcome == "beaten") ++counts.beaten;
@@ -88,15 +88,15 @@ OutcomeCounts outcomes_by(std::string_view profile, const std::vector<DayAttempt
     return counts;
 }
 
-DayCounts counts_of(const std::vector<DayAttempt>& attempts) {
+DayCounts counts_of(const std::vector<AttemptResult>& attempts) {
     const auto of_state = [&](std::string_view state) {
-        return std::ranges::count(attempts, state, &DayAttempt::state);
+        return std::ranges::count(attempts, state, &AttemptResult::state);
     };
     return {.attempts = std::ssize(attempts),
             .done = of_state("done"),
             .failed = of_state("failed"),
             .not_processed = of_state("not_processed"),
-            .beaten = std::ranges::count_if(attempts, [](const DayAttempt& attempt) {
+            .beaten = std::ranges::count_if(attempts, [](const AttemptResult& attempt) {
                 return std::ranges::count(attempt.results, "beaten", &DayResult::outcome) > 0;
             })};
 }

@@ -15,12 +15,13 @@ namespace runcert {
 /// certifiable, or has no speed, has no rank. Each rank says how far up and down the speeds are not
 /// told apart from its own, without a gap: |v1 - v2| < sqrt(U1^2 + U2^2), the expanded uncertainty
 /// of the difference of two independent speeds ([GUM] 5.1.2).
-std::vector<DayPlace> ranking_by(std::string_view profile, const std::vector<DayAttempt>& attempts);
+std::vector<DayPlace> ranking_by(std::string_view profile,
+                                 const std::vector<AttemptResult>& attempts);
 
 /// How many of them have which outcome by that rule.
-OutcomeCounts outcomes_by(std::string_view profile, const std::vector<DayAttempt>& attempts);
+OutcomeCounts outcomes_by(std::string_view profile, const std::vector<AttemptResult>& attempts);
 
 /// How many attempts are of which state, and how many beat a record.
-DayCounts counts_of(const std::vector<DayAttempt>& attempts);
+DayCounts counts_of(const std::vector<AttemptResult>& attempts);
 
 }  // namespace runcert

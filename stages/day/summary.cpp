@@ -77,8 +77,8 @@ ReportIdentity read_report_identity(std::string_view text, const std::string& wh
     }
 }
 
-DayAttempt summary_of(const ListedAttempt& listed, const Verdict& verdict,
-                      const ReportIdentity& report) {
+AttemptResult summary_of(const ListedAttempt& listed, const Verdict& verdict,
+                         const ReportIdentity& report) {
     if (verdict.attempt != listed.id)
         throw Failure(listed.verdict->file,
                       fmt::format("the verdict is on the attempt \"{}\", not on \"{}\"",
@@ -88,25 +88,25 @@ DayAttempt summary_of(const ListedAttempt& listed, const Verdict& verdict,
         throw Failure(listed.report->file,
                       fmt::format("the report is not on the verdict {}", listed.verdict->file),
                       again);
-    DayAttempt attempt{.id = listed.id,
-                       .source = listed.source,
-                       .state = listed.state,
-                       .craft = DayCraft{report.craft_name, report.craft_class},
-                       .report_id = report.report_id,
-                       .report = listed.report->file,
-                       .pages = listed.pages,
-                       .notes = listed.notes};
+    AttemptResult attempt{.id = listed.id,
+                          .source = listed.source,
+                          .state = listed.state,
+                          .craft = DayCraft{report.craft_name, report.craft_class},
+                          .report_id = report.report_id,
+                          .report = listed.report->file,
+                          .pages = listed.pages,
+                          .notes = listed.notes};
     for (const ProfileVerdict& profile : verdict.profiles)
         attempt.results.push_back(result_of(profile));
     return attempt;
 }
 
-DayAttempt summary_of(const ListedAttempt& listed) {
-    DayAttempt attempt{.id = listed.id,
-                       .source = listed.source,
-                       .state = listed.state,
-                       .reason = listed.reason,
-                       .notes = listed.notes};
+AttemptResult summary_of(const ListedAttempt& listed) {
+    AttemptResult attempt{.id = listed.id,
+                          .source = listed.source,
+                          .state = listed.state,
+                          .reason = listed.reason,
+                          .notes = listed.notes};
     if (listed.state == "failed")
         attempt.failure = DayFailure{.step = listed.step,
                                      .problem = listed.problem,

@@ -25,11 +25,11 @@ ReportIdentity read_report_identity(std::string_view text, const std::string& wh
 
 /// An attempt that is done, from its verdict and its report. Failure where the two, or the id under
 /// which the day lists it, do not belong together.
-DayAttempt summary_of(const ListedAttempt& listed, const Verdict& verdict,
-                      const ReportIdentity& report);
+AttemptResult summary_of(const ListedAttempt& listed, const Verdict& verdict,
+                         const ReportIdentity& report);
 
 /// An attempt that is not done.
-DayAttempt summary_of(const ListedAttempt& listed);
+AttemptResult summary_of(const ListedAttempt& listed);
 
 /// Adds the rules of a verdict that are not among these, without counts and ranking.
 void add_rules(std::vector<DayProfile>& profiles, const Verdict& verdict);

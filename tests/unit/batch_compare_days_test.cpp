@@ -21,18 +21,18 @@ DayResult result(double speed_mps, const std::string& outcome = "beaten", double
             .coverage_factor = 2.0};
 }
 
-DayAttempt done(const std::string& id, std::vector<DayResult> results) {
+AttemptResult done(const std::string& id, std::vector<DayResult> results) {
     return {.id = id, .source = "s", .state = "done", .results = std::move(results)};
 }
 
-DayAttempt failed(const std::string& id, const std::string& problem) {
+AttemptResult failed(const std::string& id, const std::string& problem) {
     return {.id = id,
             .source = "s",
             .state = "failed",
             .failure = DayFailure{.step = "import", .problem = problem}};
 }
 
-DayComparison compared(std::vector<DayAttempt> then, std::vector<DayAttempt> now) {
+DayComparison compared(std::vector<AttemptResult> then, std::vector<AttemptResult> now) {
     return compare_results({.header = {}, .day = "d", .attempts = std::move(then)},
                            {.header = {}, .day = "d", .attempts = std::move(now)});
 }
@@ -103,13 +103,13 @@ TEST(CompareDays, OutcomesStatesAndAttemptsThatCameOrWent) {
 }
 
 TEST(CompareDays, OfEqualIdsTheOneThatIsDoneCounts) {
-    const std::vector<DayAttempt> day{done("a", {result(64.0)}), failed("a", "id taken")};
+    const std::vector<AttemptResult> day{done("a", {result(64.0)}), failed("a", "id taken")};
     EXPECT_TRUE(compared(day, day).equal());
     EXPECT_EQ(compared(day, day).in_both, 1);
 }
 
 TEST(CompareDays, AttemptsThatChangedForTheSameReasonsStandTogetherAndListsAreCut) {
-    std::vector<DayAttempt> then, now;
+    std::vector<AttemptResult> then, now;
     for (int i = 0; i < 50; ++i) {
         then.push_back(done("run-" + std::to_string(i), {result(64.0)}));
         now.push_back(done("run-" + std::to_string(i), {result(65.0)}));

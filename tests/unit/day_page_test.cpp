@@ -39,7 +39,7 @@ std::string complaints_of(const std::string& page) {
     return complaints;
 }
 
-DayAttempt failed(const std::string& id) {
+AttemptResult failed(const std::string& id) {
     return {.id = id,
             .source = id + ".yaml",
             .state = "failed",
@@ -88,7 +88,7 @@ TEST(DayPage, WordsOfRanksNotToldApart) {
 }
 
 TEST(DayPage, DrawsEverySpeedOfAFewAndSaysHowManyOfMany) {
-    std::vector<DayAttempt> attempts;
+    std::vector<AttemptResult> attempts;
     for (int i = 0; i < 4; ++i)
         attempts.push_back(attempt(fmt::format("run-{}", i), "beaten", 52.0 + i, 0.1));
     const std::string few = day_page(results_of(attempts));
@@ -136,16 +136,16 @@ const std::vector<std::string> hostile{"<script>alert(1)</script>",
                                        "Bj\u00f8rn's \u8239"};
 
 DayResults hostile_day(const std::string& text) {
-    DayAttempt done = attempt("a", "beaten", 52.0, 0.1);
+    AttemptResult done = attempt("a", "beaten", 52.0, 0.1);
     done.source = done.craft->name = done.craft->craft_class = text;
     done.notes = {text};
     done.pages = {text + ".html"};
     done.results[0].reason = text;
     done.results[0].replaced = {text};
-    DayAttempt bad = failed(text);
+    AttemptResult bad = failed(text);
     bad.failure = DayFailure{.step = text, .problem = text, .where = text, .remedy = text};
     bad.notes = {text};
-    DayAttempt left{.id = text, .source = text, .state = "not_processed", .reason = text};
+    AttemptResult left{.id = text, .source = text, .state = "not_processed", .reason = text};
     DayResults results = results_of({done, bad, left});
     results.day = text;
     results.notes = {text};

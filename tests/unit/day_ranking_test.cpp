@@ -14,7 +14,7 @@ using day::attempt;
 using day::without_speed;
 
 /// "2 sail-3 [1,4]": rank, id, and how far up and down it is not told apart; "-" for nothing.
-std::vector<std::string> lines_of(const std::vector<DayAttempt>& attempts) {
+std::vector<std::string> lines_of(const std::vector<AttemptResult>& attempts) {
     const auto text = [](const std::optional<std::int64_t>& rank) {
         return rank ? std::to_string(*rank) : std::string("-");
     };
@@ -71,7 +71,7 @@ TEST(Ranking, NotToldApartReachesAsFarAsThereIsNoGap) {
 
 TEST(Ranking, DoesNotDependOnTheOrderInWhichAttemptsCome) {
     RandomGenerator random(7);
-    std::vector<DayAttempt> attempts;
+    std::vector<AttemptResult> attempts;
     constexpr const char* outcomes[] = {"beaten", "not_proven", "not_beaten", "not_certifiable"};
     for (int i = 0; i < 200; ++i)
         attempts.push_back(attempt("run-" + std::to_string(i), outcomes[random.next() % 4],
@@ -87,11 +87,11 @@ TEST(Ranking, DoesNotDependOnTheOrderInWhichAttemptsCome) {
 }
 
 TEST(Ranking, CountsAreThoseOfStatesAndOutcomes) {
-    std::vector<DayAttempt> attempts{attempt("a", "beaten", 52.0, 0.1),
-                                     attempt("b", "not_beaten", 49.0, 0.1),
-                                     without_speed("c", "not_certifiable"),
-                                     {.id = "d", .source = "d.yaml", .state = "failed"},
-                                     {.id = "e", .source = "e.yaml", .state = "not_processed"}};
+    std::vector<AttemptResult> attempts{attempt("a", "beaten", 52.0, 0.1),
+                                        attempt("b", "not_beaten", 49.0, 0.1),
+                                        without_speed("c", "not_certifiable"),
+                                        {.id = "d", .source = "d.yaml", .state = "failed"},
+                                        {.id = "e", .source = "e.yaml", .state = "not_processed"}};
     const DayCounts counts = counts_of(attempts);
     EXPECT_EQ(counts.attempts, 5);
     EXPECT_EQ(counts.done, 3);

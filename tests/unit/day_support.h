@@ -8,8 +8,8 @@
 namespace runcert::day {
 
 /// An attempt that is done, with one result by the rule "nalsa".
-inline DayAttempt attempt(const std::string& id, const std::string& outcome, double speed_mps,
-                          double expanded_mps) {
+inline AttemptResult attempt(const std::string& id, const std::string& outcome, double speed_mps,
+                             double expanded_mps) {
     DayResult result{.profile = "nalsa",
                      .outcome = outcome,
                      .reason = "because of " + id,
@@ -25,22 +25,22 @@ inline DayAttempt attempt(const std::string& id, const std::string& outcome, dou
             .results = {result}};
 }
 
-inline DayAttempt without_speed(const std::string& id, const std::string& outcome) {
-    DayAttempt made = attempt(id, outcome, 0.0, 0.0);
+inline AttemptResult without_speed(const std::string& id, const std::string& outcome) {
+    AttemptResult made = attempt(id, outcome, 0.0, 0.0);
     made.results.front().speed_mps.reset();
     made.results.front().expanded_uncertainty_mps.reset();
     return made;
 }
 
 /// The results of such attempts, counted and ranked.
-inline DayResults results_of(std::vector<DayAttempt> attempts) {
+inline DayResults results_of(std::vector<AttemptResult> attempts) {
     DayResults results{.header = {}, .day = "a day"};
     results.header.stage = "day";
     results.header.program_version = "1.0.0";
     results.header.source_revision = "0123456789ab";
     results.attempts = std::move(attempts);
     results.counts = counts_of(results.attempts);
-    for (const DayAttempt& each : results.attempts)
+    for (const AttemptResult& each : results.attempts)
         if (each.by("nalsa") && results.profiles.empty())
             results.profiles.push_back({.profile = "nalsa",
                                         .body = "the body",

@@ -72,11 +72,6 @@ DayComparison compare_results(const DayResults& old_day, const DayResults& new_d
 std::string comparison_text(const DayComparison& comparison, const std::filesystem::path& old_out,
                             const std::filesystem::path& new_out, bool all = false);
 
-/// Compares two days' folders and prints what they have otherwise on standard output: for people,
-/// or as JSON. Returns the comparison. Failures as `compare_days`.
-DayComparison print_comparison(const std::filesystem::path& old_out,
-                               const std::filesystem::path& new_out, bool json);
-
 /// For machines, complete.
 nlohmann::ordered_json comparison_json(const DayComparison& comparison);
 

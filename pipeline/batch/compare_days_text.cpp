@@ -156,16 +156,4 @@ std::string comparison_text(const DayComparison& comparison, const std::filesyst
     return text + (comparison.equal() ? "Nothing changed.\n" : "");
 }
 
-DayComparison print_comparison(const std::filesystem::path& old_out,
-                               const std::filesystem::path& new_out, bool json) {
-    DayComparison comparison = compare_days(old_out, new_out);
-    if (json)
-        fmt::print("{}\n",
-                   comparison_json(comparison)
-                       .dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
-    else
-        fmt::print("{}", comparison_text(comparison, old_out, new_out));
-    return comparison;
-}
-
 }  // namespace runcert

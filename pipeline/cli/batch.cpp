@@ -116,6 +116,9 @@ Share share_of(const std::string& text) {
 }
 
 void check(const BatchOptions& options) {
+    if (!options.compare.empty() && !fs::exists(fs::path(options.compare) / "day.yaml"))
+        throw Failure(options.compare, "the folder holds no day.yaml to compare with",
+                      "Name the --out of an earlier batch");
     if (options.engine != "slurm") return;
     if (!options.key.empty())
         throw Failure("--key",
@@ -130,6 +133,18 @@ void check(const BatchOptions& options) {
                       "Give another --out, or remove the runs that are to be made anew");
 }
 
+/// What the results have otherwise than those of the folder to compare with.
+void say_difference(const BatchOptions& options, const fs::path& out) {
+    const DayComparison found = compare_days(options.compare, out);
+    if (options.json)
+        fmt::print(
+            "{}\n",
+            nlohmann::ordered_json{{"event", "comparison"}, {"comparison", comparison_json(found)}}
+                .dump(-1, ' ', true, nlohmann::ordered_json::error_handler_t::replace));
+    else
+        fmt::print("{}", comparison_text(found, options.compare, out, options.explain));
+}
+
 int batch(const BatchOptions& options) {
     check(options);
     const BatchOrder order = order_of(options);
@@ -138,9 +153,7 @@ int batch(const BatchOptions& options) {
     if (options.engine == "slurm")
         return submit_day(order, task_options(options), split_slurm_args(options.slurm_args));
     const int status = options.gather ? gather_day(order) : run_batch(order);
-    if (!options.compare.empty())
-        fmt::print("{}", comparison_text(compare_days(options.compare, order.context.out),
-                                         options.compare, order.context.out, options.explain));
+    if (!options.compare.empty()) say_difference(options, order.context.out);
     return status;
 }
 

@@ -40,9 +40,10 @@ int milliseconds_until(const std::optional<Clock::time_point>& moment) {
 /// A running program, watched to its end. None outlives this object.
 class Watch {
   public:
-    Watch(StartedProgram program, bool own_group)
+    Watch(StartedProgram program, bool own_group, std::optional<std::size_t> most_output)
         : program_(std::move(program)),
           own_group_(own_group),
+          most_output_(most_output),
           files_{{{program_.output.number(), POLLIN, 0},
                   {program_.errors.number(), POLLIN, 0},
                   {program_.ended.number(), POLLIN, 0},
@@ -106,6 +107,9 @@ class Watch {
             files_[end_file].fd = files_[stop_file].fd = -1;
             // Those that were ended are not listened to: one that left the group might never end.
             deadline_ = ended_by_us_ ? Clock::now() : Clock::now() + patience;
+        } else if (most_output_ &&
+                   std::max(result_.output.size(), result_.errors.size()) > *most_output_) {
+            end_it(ProcessEnd::over_output);
         } else if (files_[stop_file].revents != 0) {
             end_it(ProcessEnd::stopped);
         } else if (deadline_ && Clock::now() >= *deadline_) {
@@ -160,6 +164,7 @@ class Watch {
 
     StartedProgram program_;
     bool own_group_;
+    std::optional<std::size_t> most_output_;
     bool has_ended_ = false;
     bool reaped_ = false;
     std::optional<ProcessEnd> ended_by_us_;
@@ -175,7 +180,8 @@ ProcessResult run_process(const std::vector<std::string>& arguments,
                           const ProcessOptions& options) {
     if (options.stop.stop_requested())
         return {.exit_status = 128 + SIGKILL, .end = ProcessEnd::stopped, .signal = SIGKILL};
-    const bool own_group = options.own_group || options.time_limit || options.stop.stop_possible();
+    const bool own_group = options.own_group || options.time_limit || options.most_output ||
+                           options.stop.stop_possible();
     std::optional<Clock::time_point> deadline;
     if (options.time_limit)
         deadline = Clock::now() + std::min<std::chrono::milliseconds>(*options.time_limit, longest);
@@ -189,7 +195,7 @@ ProcessResult run_process(const std::vector<std::string>& arguments,
                                .environment = options.environment,
                                .standard_input = options.standard_input.string(),
                                .own_group = own_group}),
-                own_group);
+                own_group, options.most_output);
     const ProcessResult result = watch.to_end(deadline, stop.number());
     if (const int error = watch.problem(); error != 0)
         throw Failure(arguments[0],

@@ -21,17 +21,20 @@ struct ProcessOptions {
     std::optional<std::chrono::milliseconds> time_limit = {};
     /// Where a stop is requested, the program is ended; it is not begun where one was before.
     std::stop_token stop = {};
+    /// Where it writes more bytes than this on either output, the program is ended.
+    std::optional<std::size_t> most_output = {};
     /// Runs the program in a process group of its own, so that the terminal's Ctrl-C does not reach
-    /// it and what it leaves running is ended after it. Always so with a time limit or a stop.
+    /// it and what it leaves running is ended after it. Always so with a limit or a stop.
     bool own_group = false;
 };
 
 /// Why a program ended.
 enum class ProcessEnd {
-    by_itself,  ///< it ended, with an exit status
-    by_signal,  ///< a signal ended it that its caller did not send: a crash, or want of memory
-    over_time,  ///< it was ended because it reached its time limit
-    stopped,    ///< it was ended, or not begun, because a stop was requested
+    by_itself,    ///< it ended, with an exit status
+    by_signal,    ///< a signal ended it that its caller did not send: a crash, or want of memory
+    over_time,    ///< it was ended because it reached its time limit
+    over_output,  ///< it was ended because it wrote more than it may
+    stopped,      ///< it was ended, or not begun, because a stop was requested
 };
 
 struct ProcessResult {

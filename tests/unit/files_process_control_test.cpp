@@ -101,6 +101,20 @@ TEST_F(ProcessControl, ATimeLimitOfNothingEndsItAtOnce) {
     EXPECT_EQ(shell("exit 3", {.time_limit = std::chrono::milliseconds::max()}).exit_status, 3);
 }
 
+TEST_F(ProcessControl, OutputWithoutEndEndsTheProgram) {
+    for (const char* script : {"yes", "yes >&2", "sleep 600 & yes"}) {
+        const ProcessResult result = shell(script, {.most_output = 100'000});
+        EXPECT_EQ(result.end, ProcessEnd::over_output) << script;
+        EXPECT_EQ(result.signal, SIGKILL);
+        EXPECT_GT(result.output.size() + result.errors.size(), 100'000U);
+        // And no more than the pipe and one reading of it beyond.
+        EXPECT_LT(result.output.size() + result.errors.size(), 500'000U);
+    }
+    const ProcessResult result = shell("head -c 100000 /dev/zero", {.most_output = 100'000});
+    EXPECT_EQ(result.end, ProcessEnd::by_itself);
+    EXPECT_EQ(result.output.size(), 100'000U);
+}
+
 TEST_F(ProcessControl, AProgramThatIgnoresSigtermIsEndedToo) {
     EXPECT_EQ(shell("trap '' TERM INT HUP; sleep 600; sleep 600", {.time_limit = 300ms}).end,
               ProcessEnd::over_time);

@@ -15,6 +15,7 @@
 #include <condition_variable>
 #include <cstring>
 #include <mutex>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -32,6 +33,10 @@ constexpr std::string_view held = "held by ";
 constexpr std::string_view free_again = "free of ";
 constexpr std::size_t longest_text = 65536;
 constexpr std::chrono::milliseconds poll_interval{200};
+
+// A program that a killed process was just starting has its lock until it has begun or ended.
+constexpr std::chrono::seconds longest_inheritance{1};
+constexpr std::chrono::milliseconds inheritance_interval{5};
 
 std::string host_name() {
     std::array<char, 256> name{};
@@ -89,6 +94,12 @@ std::string holder_in(const std::string& text) {
     return fmt::format("{} and {} more", alive.front(), alive.size() - 1);
 }
 
+/// Whether all who wrote that they hold the lock have died.
+bool have_died(const std::string& text) {
+    const std::vector<std::string> list = entries(text);
+    return !list.empty() && std::ranges::all_of(list, has_died);
+}
+
 [[noreturn]] void refuse(const std::string& path, int error) {
     const bool no_locks = error == ENOLCK || error == ENOTSUP || error == EOPNOTSUPP ||
                           error == ENOSYS || error == EINVAL;
@@ -99,8 +110,10 @@ std::string holder_in(const std::string& text) {
                                   std::strerror(error)),
                       "Name a folder on a local disk, or have the network folder mounted with "
                       "locks (NFS version 4; NFS 3 with its lock daemon; CIFS without nobrl)");
+    const bool full = error == ENOSPC || error == EDQUOT;
     throw Failure(path, fmt::format("the lock cannot be taken: {}", std::strerror(error)),
-                  "Check that the folder is there and that you may write in it");
+                  full ? "Free some space there, or choose another place"
+                       : "Check that the folder is there and that you may write in it");
 }
 
 int open_lock_file(const std::string& path) {
@@ -123,6 +136,7 @@ bool is_still_named(int file, const std::string& path) {
 
 FolderLock::Attempt FolderLock::try_lock(const fs::path& file, LockKind kind) {
     const int operation = kind == LockKind::exclusive ? LOCK_EX : LOCK_SH;
+    const auto last_try = std::chrono::steady_clock::now() + longest_inheritance;
     while (true) {
         const int number = open_lock_file(file.string());
         FolderLock lock(number);
@@ -130,7 +144,11 @@ FolderLock::Attempt FolderLock::try_lock(const fs::path& file, LockKind kind) {
             const int error = errno;
             if (error == EINTR) continue;
             if (error != EWOULDBLOCK) refuse(file.string(), error);
-            return {.lock = {}, .holder = holder_in(text_of(number))};
+            const std::string text = text_of(number);
+            if (!have_died(text) || std::chrono::steady_clock::now() > last_try)
+                return {.lock = {}, .holder = holder_in(text)};
+            std::this_thread::sleep_for(inheritance_interval);
+            continue;
         }
         // Whoever held it may have removed the folder meanwhile.
         if (!is_still_named(number, file.string())) continue;

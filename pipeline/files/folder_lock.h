@@ -22,7 +22,8 @@ class FolderLock {
   public:
     struct Attempt;
 
-    /// Takes the lock at once, or says who has it. The file and its folder are made where they are
+    /// Takes the lock at once, or says who has it; where all who had it have died, waits up to a
+    /// second for what they were just starting. The file and its folder are made where they are
     /// missing. Failure where the file cannot be made, and where the file system has no locks.
     static Attempt try_lock(const std::filesystem::path& file, LockKind kind);
 

@@ -124,6 +124,20 @@ TEST_F(FolderLocks, OneLeftByADeadProcessIsTakenOverAndRecognised) {
     EXPECT_EQ(attempt().lock->left_by(), "");
 }
 
+TEST_F(FolderLocks, WhatADeadProcessWasJustStartingIsWaitedFor) {
+    OtherProcess other([file = file_] {
+        holder_of(file, LockKind::exclusive)();
+        // A program that is started has the lock until it has replaced its caller's copy.
+        if (fork() == 0) {
+            usleep(300'000);
+            _exit(0);
+        }
+    });
+    EXPECT_FALSE(attempt().lock);
+    other.end();
+    EXPECT_TRUE(attempt().lock);
+}
+
 TEST_F(FolderLocks, SharedOnesGoTogetherAndExcludeAnExclusiveOne) {
     OtherProcess first(holder_of(file_, LockKind::shared));
     OtherProcess second(holder_of(file_, LockKind::shared));

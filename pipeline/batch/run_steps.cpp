@@ -9,14 +9,17 @@
 
 namespace runcert {
 
-/// Opens the work folder, with all files that are kept: the steps to come read them there.
+/// Opens the work folder, and has all files there that were made or kept so far: the next step
+/// reads them there.
 void RunMaking::prepare() {
-    if (prepared_) return;
-    if (!watch_.admitted(recording_bytes(claim_))) throw Interrupted{};
-    files_.open_work();
+    if (!prepared_) {
+        if (!watch_.admitted(recording_bytes(claim_))) throw Interrupted{};
+        files_.open_work();
+        prepared_ = true;
+    }
+    // Steps between two that are done may have been kept.
     for (const auto& [name, hash] : current_)
         files_.bring_to_work(name, hash);
-    prepared_ = true;
 }
 
 std::vector<std::string> RunMaking::command_of(const std::string& step) const {

@@ -89,6 +89,22 @@ DaySummary summary_of(const std::vector<AttemptOutcome>& outcomes,
 /// Whether the results are to be written.
 enum class Results { written, left };
 
+/// The day's page, or why there is none: to be thrown when the runs have been told of.
+struct ResultsWritten {
+    std::string page = {};
+    std::optional<Failure> trouble = std::nullopt;
+};
+
+ResultsWritten results_written(const BatchOrder& order, const Day& day,
+                               const std::vector<AttemptOutcome>& outcomes) {
+    try {
+        make_day_results(day, outcomes, order.context);
+        return {.page = (order.context.out / "day.html").string()};
+    } catch (const Failure& failure) {
+        return {.trouble = failure};
+    }
+}
+
 int run_selected(const BatchOrder& order, const Day& day, const std::vector<bool>& selected,
                  LockKind lock_kind, Results results) {
     const auto begin = std::chrono::steady_clock::now();
@@ -98,6 +114,14 @@ int run_selected(const BatchOrder& order, const Day& day, const std::vector<bool
     const Interrupts interrupts(
         [&](Interruption wanted, int) { progress->note(interruption_words(wanted)); });
     const auto lock = lock_day(order, lock_kind, interrupts.finish());
+    if (!lock) {
+        progress->ends({.closing = {"Interrupted while waiting for another batch."}});
+        return 2;
+    }
+    if (!lock->left_by().empty())
+        progress->note("the batch before this one was ended in its midst (" + lock->left_by() +
+                       "): going on from there");
+    if (lock_kind == LockKind::exclusive) remove_half_written(BatchFolders(order.context.out));
     for (const std::string& note : day.notes)
         progress->note(note);
     const std::vector<AttemptOutcome> outcomes = run_day(day, selected, order.context,
@@ -107,11 +131,16 @@ int run_selected(const BatchOrder& order, const Day& day, const std::vector<bool
                                                           .stop = interrupts.stop()},
                                                          *progress);
     DaySummary summary = summary_of(outcomes, selected);
-    if (results == Results::written && !interrupts.stop().stop_requested()) {
-        make_day_results(day, outcomes, order.context);
-        summary.results = (order.context.out / "day.html").string();
-    }
-    if (interrupts.finish().stop_requested())
+    ResultsWritten written;
+    if (results == Results::written && !interrupts.stop().stop_requested())
+        written = results_written(order, day, outcomes);
+    summary.results = written.page;
+    if (written.trouble)
+        summary.closing.push_back("The day's results could not be written: " +
+                                  written.trouble->problem());
+    const bool unfinished =
+        summary.not_processed > 0 || (results == Results::written && written.page.empty());
+    if (interrupts.finish().stop_requested() && unfinished)
         summary.closing.emplace_back(
             "Interrupted. The same command again goes on from here: what was made is kept.");
     else if (summary.failed > 0)
@@ -120,7 +149,8 @@ int run_selected(const BatchOrder& order, const Day& day, const std::vector<bool
     summary.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     progress->ends(summary);
-    return summary.failed + summary.not_processed == 0 ? 0 : 2;
+    if (written.trouble) throw Failure(*written.trouble);
+    return summary.failed == 0 && !unfinished ? 0 : 2;
 }
 
 /// Writes the day's results of what is there. The number of attempts that are not done.
@@ -156,6 +186,8 @@ int gather_day(const BatchOrder& order) {
     const Day day = read_day(order.day, order.context.out);
     const Interrupts interrupts;
     const auto lock = lock_day(order, LockKind::exclusive, interrupts.finish());
+    if (!lock) return 2;
+    remove_half_written(BatchFolders(order.context.out));
     const std::size_t missing =
         write_results_of(order, day, inspect_day(day, order.context, order.jobs));
     fmt::print("{} of {} attempts done; results {}\n", day.attempts.size() - missing,
@@ -206,6 +238,7 @@ int submit_day(const BatchOrder& order, const std::vector<std::string>& task_opt
     const BatchFolders folders(order.context.out);
     const Interrupts interrupts;
     const auto lock = lock_day(order, LockKind::exclusive, interrupts.finish());
+    if (!lock) return 2;
     if (const auto status = jobs_under_way(folders)) {
         fmt::print("nothing was submitted: the jobs of an earlier call are under way\n{}", *status);
         return 0;

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "batch/memory_budget.h"
+#include "batch/run_files.h"
 
 namespace runcert {
 namespace {
@@ -56,7 +57,12 @@ class AttemptRun {
                        MemoryBudget& budget) {
         if (engine.finish.stop_requested()) {
             progress_.attempt_skipped(index_);
-            return {.reason = "the batch was interrupted before"};
+            // What is there from before counts, unless not even looking for it is wanted.
+            return outcome_of(attempt_,
+                              attempt_.refused || engine.stop.stop_requested()
+                                  ? RunState{}
+                                  : inspect_run(attempt_, context),
+                              "the batch was interrupted before");
         }
         progress_.attempt_begins(index_, attempt_.id);
         const auto begin = std::chrono::steady_clock::now();
@@ -115,6 +121,12 @@ AttemptOutcome outcome_of(const DayAttempt& attempt, const RunState& state,
     if (state.complete) return {.state = "done", .files = named_in_results(state.files)};
     if (state.failure) return {.state = "failed", .failure = state.failure};
     return {.reason = otherwise};
+}
+
+void remove_half_written(const BatchFolders& folders) {
+    for (const auto& folder : {folders.out, folders.own(), folders.record("").parent_path(),
+                               folders.composed("").parent_path(), folders.slurm()})
+        remove_temporaries(folder);
 }
 
 std::vector<AttemptOutcome> run_day(const Day& day, const std::vector<bool>& selected,

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "batch/batch_folders.h"
 #include "batch/day_attempts.h"
 #include "batch/progress.h"
 #include "batch/run_update.h"
@@ -28,6 +29,10 @@ struct AttemptOutcome {
     FileHashes files = {};    ///< report, pages and verdict, where done
     std::size_t steps_run = 0, steps_kept = 0;
 };
+
+/// Takes away what killed programs left half written beside the run folders. Only for who holds the
+/// day's lock alone.
+void remove_half_written(const BatchFolders& folders);
 
 /// Runs the attempts of a day whose place in `selected` is true, and looks at how the others stand.
 /// The outcomes are in the order of the day.

@@ -13,7 +13,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// The names of files half written, those of write_file_atomically and of `place`.
 constexpr std::string_view temporary_prefix = ".runcert-";
+constexpr std::string_view temporary_suffix = ".tmp";
 
 bool is_regular(const fs::path& file) {
     std::error_code error;
@@ -25,19 +27,12 @@ bool is_regular(const fs::path& file) {
                   "Check that the folder can be written and has space, and run again");
 }
 
-/// Takes away what a killed program left half written.
-void remove_temporaries(const fs::path& folder) {
-    std::error_code ignored;
-    for (const auto& entry : fs::directory_iterator(folder, ignored))
-        if (entry.path().filename().string().starts_with(temporary_prefix))
-            fs::remove_all(entry.path(), ignored);
-}
-
 /// Gives `to` the contents of `from`, at once: a link under a temporary name, renamed; a copy where
 /// the file system has no links.
 void place(const fs::path& from, const fs::path& to) {
     const fs::path temporary =
-        to.parent_path() / fmt::format("{}{}.tmp", temporary_prefix, to.filename().string());
+        to.parent_path() /
+        fmt::format("{}{}{}", temporary_prefix, to.filename().string(), temporary_suffix);
     std::error_code error;
     fs::remove(temporary, error);
     fs::create_hard_link(from, temporary, error);
@@ -58,6 +53,15 @@ void sync_folder(const fs::path& folder) {
 }
 
 }  // namespace
+
+void remove_temporaries(const fs::path& folder) {
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+        const std::string name = entry.path().filename().string();
+        if (name.starts_with(temporary_prefix) && name.ends_with(temporary_suffix))
+            fs::remove_all(entry.path(), ignored);
+    }
+}
 
 RunFiles::RunFiles(fs::path run_dir, fs::path work_dir)
     : run_dir_(std::move(run_dir)), work_dir_(std::move(work_dir)) {}
@@ -84,9 +88,13 @@ bool RunFiles::exists(const std::string& name) const {
     return is_regular(work_dir_ / name) || is_regular(run_dir_ / name);
 }
 
+void RunFiles::remove_left() const {
+    for (const fs::path& folder : {run_dir_, work_dir_})
+        remove_temporaries(folder);
+}
+
 void RunFiles::open_work() {
     make_directory(work_dir_);
-    remove_temporaries(work_dir_);
 }
 
 void RunFiles::bring_to_work(const std::string& name, const std::string& sha256) {
@@ -110,7 +118,6 @@ std::string RunFiles::written(const std::string& name) {
 
 void RunFiles::publish(const std::vector<std::string>& names) {
     make_directory(run_dir_);
-    remove_temporaries(run_dir_);
     for (const std::string& name : names) {
         const auto hash = hash_of(work_dir_ / name);
         if (!hash || hash_of(run_dir_ / name) == hash) continue;

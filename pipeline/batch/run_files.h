@@ -28,7 +28,10 @@ class RunFiles {
     /// Whether either folder holds a regular file of that name.
     bool exists(const std::string& name) const;
 
-    /// Makes the work folder, and takes away what a killed program left half written there.
+    /// Takes away what a killed program left half written in either folder.
+    void remove_left() const;
+
+    /// Makes the work folder.
     void open_work();
 
     /// Has the file of that SHA-256 in the work folder, as a link to the run folder's where the
@@ -56,5 +59,8 @@ class RunFiles {
     std::filesystem::path work_dir_;
     std::map<std::string, std::optional<std::string>> hashes_;
 };
+
+/// Takes away what killed programs left half written in a folder. Nobody may be writing there.
+void remove_temporaries(const std::filesystem::path& folder);
 
 }  // namespace runcert

@@ -68,8 +68,9 @@ void RunMaking::publish() {
         write_file_atomically(files_.run_dir() / times_file, run_times_text(started_, stages));
         files_.publish(names);
     }
-    if (record_.published != names) {
+    if (record_.published != names || record_.failure) {
         record_.published = names;
+        record_.failure.reset();
         write_record();
     }
     files_.close_work();

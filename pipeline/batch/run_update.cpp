@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <ctime>
+#include <exception>
+#include <functional>
 
 #include "batch/run_making.h"
 #include "batch/step_reason.h"
@@ -12,11 +14,34 @@
 namespace runcert {
 namespace {
 
+namespace fs = std::filesystem;
+
+/// What a failure calls the last thing that is done, which is no step: the files come into the run
+/// folder.
+constexpr const char* publishing = "publish";
+
 RunFailure failure_of(const std::string& step, const Failure& failure) {
     return {.step = step,
             .problem = failure.problem(),
             .where = failure.where(),
             .remedy = failure.remedy()};
+}
+
+/// Does what a run comes to. What no step foresaw, a lock that cannot be taken or memory that is
+/// not there, is a failure of this run too, and stops no other.
+RunState guarded(const fs::path& run_dir, const std::function<RunState()>& work) {
+    const std::string& step = step_names().front();
+    try {
+        return work();
+    } catch (const Failure& failure) {
+        return {.failure = failure_of(step, failure)};
+    } catch (const std::exception& fault) {
+        return {.failure = RunFailure{.step = step,
+                                      .problem = fault.what(),
+                                      .where = run_dir.string(),
+                                      .remedy = "Check that the folder can be read and written and "
+                                                "that there is memory, and run again"}};
+    }
 }
 
 }  // namespace
@@ -87,13 +112,19 @@ RunState RunMaking::ended(const RunFailure& failure) {
     if (given_.file.empty() && failure.where.find(composed) != std::string::npos)
         state_.failure->where += " (made from " + given_.source + ")";
     record_.failure = state_.failure;
-    write_record();
+    try {
+        write_record();
+    } catch (const Failure&) {
+        // On a full disk this fails for the reason that is being told; the next call finds out
+        // anew.
+    }
     return state_;
 }
 
 RunState RunMaking::update() {
     std::string step = step_names().front();
     try {
+        files_.remove_left();
         claim_ = read_claim(given_, folders_.composed(given_.id));
         for (const std::string& name : step_names()) {
             step = name;
@@ -101,6 +132,7 @@ RunState RunMaking::update() {
             StepRecord now = expected(step);
             if (!keeps(step, now)) do_step(step, std::move(now));
         }
+        step = publishing;
         publish();
     } catch (const Interrupted&) {
         state_.interrupted = true;
@@ -138,6 +170,8 @@ RunState RunMaking::inspect() {
         return state_;
     }
     state_.complete = is_published();
+    if (!state_.complete && record_.failure && record_.failure->step == publishing)
+        state_.failure = record_.failure;
     state_.said = record_.steps.at("check").said;
     state_.files = current_;
     return state_;
@@ -145,19 +179,25 @@ RunState RunMaking::inspect() {
 
 RunState update_run(const DayAttempt& attempt, const BatchContext& context, const StepWatch& watch,
                     const std::stop_token& stop) {
-    const auto taken =
-        FolderLock::try_lock(BatchFolders(context.out).lock(attempt.id), LockKind::exclusive);
-    if (!taken.lock)
-        return {.failure = RunFailure{.step = step_names().front(),
-                                      .problem = "another batch makes this run: " + taken.holder,
-                                      .where = (context.out / attempt.id).string(),
-                                      .remedy = "Wait until it has ended, and run this again"}};
-    return RunMaking(attempt, context, watch, stop).update();
+    const fs::path run_dir = context.out / attempt.id;
+    return guarded(run_dir, [&]() -> RunState {
+        const auto taken =
+            FolderLock::try_lock(BatchFolders(context.out).lock(attempt.id), LockKind::exclusive);
+        if (!taken.lock)
+            return {.failure =
+                        RunFailure{.step = step_names().front(),
+                                   .problem = "another batch makes this run: " + taken.holder,
+                                   .where = run_dir.string(),
+                                   .remedy = "Wait until it has ended, and run this again"}};
+        return RunMaking(attempt, context, watch, stop).update();
+    });
 }
 
 RunState inspect_run(const DayAttempt& attempt, const BatchContext& context) {
-    const StepWatch nobody;
-    return RunMaking(attempt, context, nobody, {}).inspect();
+    return guarded(context.out / attempt.id, [&] {
+        const StepWatch nobody;
+        return RunMaking(attempt, context, nobody, {}).inspect();
+    });
 }
 
 }  // namespace runcert

@@ -93,6 +93,9 @@ std::string how_it_ended(const ProcessResult& result, std::chrono::milliseconds 
     if (result.end == ProcessEnd::over_time)
         return fmt::format("did not end within {:g} s, and was ended",
                            std::chrono::duration<double>(time_limit).count());
+    if (result.end == ProcessEnd::over_output)
+        return fmt::format("wrote more than {} MiB of messages, and was ended",
+                           most_output_of_step >> 20);
     if (result.end == ProcessEnd::by_signal)
         return fmt::format("was ended by signal {} ({})", result.signal, strsignal(result.signal));
     return fmt::format("ended with status {}", result.exit_status);

@@ -11,6 +11,10 @@
 
 namespace runcert {
 
+/// A step's program says a few lines; beyond so many bytes it says nonsense without end, and is
+/// ended before it fills the memory.
+inline constexpr std::size_t most_output_of_step = std::size_t{16} << 20;
+
 /// What a step would now be made from that it was not made from before, in words ("parameters:
 /// seed 1 -> 2"); empty where all is as it was. What was written is not looked at.
 std::string what_changed(const StepRecord& before, const StepRecord& now);

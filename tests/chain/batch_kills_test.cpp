@@ -1,0 +1,118 @@
+// kill -9 at random moments: of the batch, of its group, of one of its programs.
+#include <gtest/gtest.h>
+
+#include "batch_crash_support.h"
+#include "core/random.h"
+
+namespace runcert::chain {
+namespace {
+
+enum class Victim { batch, group, program, batch_when_a_run_ends };
+
+/// A day that is killed again and again, always by the same seed.
+class KilledDay {
+  public:
+    KilledDay(DisturbedDay& day, std::uint64_t seed, std::string last_step)
+        : day_(day), random_(seed), last_step_(std::move(last_step)) {}
+
+    /// Starts the batch and kills at a moment.
+    void kill_once(Victim victim, double longest_s) {
+        Started batch(day_.command(day_.programs.runcert(), day_.out, {"--jobs", "2"}), log_);
+        if (victim == Victim::batch_when_a_run_ends)
+            wait_for_last_step(batch);
+        else
+            sleep(0.03 + (longest_s - 0.03) * random_.uniform());
+        if (batch.has_ended()) return;
+        ++kills;
+        if (victim == Victim::program) {
+            for (const pid_t process : processes_with(day_.out.string()))
+                if (process != batch.number()) ::kill(process, SIGKILL);
+            sleep(0.2 * random_.uniform());
+        }
+        victim == Victim::group ? batch.send_to_group(SIGKILL) : batch.send(SIGKILL);
+        EXPECT_NE(batch.exit_status(10), -1) << "it hangs";
+        EXPECT_TRUE(gone_within_a_second(day_.out.string())) << "a program outlived the batch";
+    }
+
+    int kills = 0;
+
+  private:
+    static void sleep(double seconds) {
+        std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+    }
+
+    /// Until the files of a run are about to come into its folder, and a moment more.
+    void wait_for_last_step(Started& batch) {
+        const std::string done = "\"step\":\"" + last_step_ + "\",\"ran\":true";
+        while (!batch.has_ended() && !holds(batch.output(), done))
+            sleep(0.0005);
+        sleep(0.004 * random_.uniform());
+    }
+
+    DisturbedDay& day_;
+    RandomGenerator random_;
+    std::string last_step_;
+    fs::path log_ = day_.folder.path() / "log";
+};
+
+void expect_the_same_in_the_end(DisturbedDay& day, int most_steps) {
+    const ProcessResult last = day.batch();
+    EXPECT_EQ(last.exit_status, 0) << last.errors << last.output;
+    const Event end = events_in(last.output).back();
+    EXPECT_LT(end.at("steps_run").get<int>(), most_steps) << "begun from the start";
+    EXPECT_EQ(day.differing(), Words{});
+    EXPECT_EQ(half_written(day.out), Words{});
+    EXPECT_TRUE(fs::is_empty(day.out / ".runcert" / "work"));
+}
+
+TEST(BatchKills, AtRandomMomentsEndWithTheUndisturbedBytes) {
+    DisturbedDay day(12, 100);
+    KilledDay killed(day, 20260314, "report");
+    for (int i = 0; killed.kills < 16 && i < 40; ++i)
+        killed.kill_once(static_cast<Victim>(i % 4), 0.5);
+    EXPECT_GE(killed.kills, 12);
+    expect_the_same_in_the_end(day, 12 * 8);
+}
+
+TEST(BatchKills, WhilePagesAreMadeEndWithTheUndisturbedBytes) {
+    DisturbedDay day(3, 100, {});
+    KilledDay killed(day, 20260315, "render");
+    for (int i = 0; killed.kills < 6 && i < 12; ++i)
+        killed.kill_once(static_cast<Victim>(i % 4), 2.0);
+    EXPECT_GE(killed.kills, 4);
+    expect_the_same_in_the_end(day, 3 * 9);
+}
+
+std::map<std::string, std::string> run_in(const std::map<std::string, std::string>& results,
+                                          const std::string& id) {
+    std::map<std::string, std::string> run;
+    for (const auto& [name, bytes] : results)
+        if (name.starts_with(id + "/") && !name.ends_with(".tmp")) run[name] = bytes;
+    return run;
+}
+
+TEST(BatchKills, WhileADayIsMadeAnewLeaveNoReportAmongFilesOfAnother) {
+    constexpr int attempts = 6;
+    DisturbedDay day(attempts, 100);
+    ASSERT_EQ(day.batch().exit_status, 0);
+    const auto old = results_of(day.out);
+    day.change_record();
+    ASSERT_NE(day.expected(), old);
+
+    KilledDay killed(day, 20260316, "report");
+    for (int i = 0; i < 6; ++i) {
+        killed.kill_once(Victim::batch_when_a_run_ends, 0.0);
+        const auto now = results_of(day.out);
+        for (int k = 1; k <= attempts; ++k) {
+            const std::string id = fmt::format("run-{:04}", k);
+            const auto run = run_in(now, id);
+            const bool whole = run == run_in(old, id) || run == run_in(day.expected(), id);
+            EXPECT_TRUE(whole || !run.contains(id + "/report.json")) << id;
+        }
+    }
+    EXPECT_GE(killed.kills, 2);
+    expect_the_same_in_the_end(day, attempts * 3);
+}
+
+}  // namespace
+}  // namespace runcert::chain

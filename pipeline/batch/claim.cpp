@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "batch/epoch_estimate.h"
 #include "core/failure.h"
 #include "files/atomic_file.h"
 #include "files/sha256.h"
@@ -49,12 +50,13 @@ FileHashes recording_hashes(const Claim& claim) {
     return hashes;
 }
 
-std::uint64_t recording_bytes(const Claim& claim) {
-    std::uint64_t bytes = 0;
+std::uint64_t estimated_epochs(const Claim& claim) {
+    std::uint64_t epochs = 0;
     for (const Receiver& receiver : claim.attempt.receivers)
         for (const EvidenceFile& file : evidence_files(receiver))
-            bytes += open_evidence(file, receiver, claim.source).bytes().size();
-    return bytes;
+            if (file.role == "recording")
+                epochs += estimated_epochs(open_evidence(file, receiver, claim.source).bytes());
+    return epochs;
 }
 
 }  // namespace runcert

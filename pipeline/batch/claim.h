@@ -31,7 +31,7 @@ Claim read_claim(const DayAttempt& given, const std::filesystem::path& composed)
 /// The hashes of a claim's recordings, and of what else import reads, by name in the run folder.
 FileHashes recording_hashes(const Claim& claim);
 
-/// How many bytes these have together.
-std::uint64_t recording_bytes(const Claim& claim);
+/// About how many epochs a claim's recordings hold together, without reading them.
+std::uint64_t estimated_epochs(const Claim& claim);
 
 }  // namespace runcert

@@ -82,8 +82,8 @@ class AttemptRun {
         std::optional<std::uint64_t> held;
         const StepWatch watch{
             .admitted =
-                [&](std::uint64_t recording_bytes) {
-                    const std::uint64_t need = expected_memory(recording_bytes);
+                [&](std::uint64_t epochs) {
+                    const std::uint64_t need = expected_memory(epochs);
                     if (!budget.acquire(need, engine.finish)) return false;
                     held = need;
                     return true;

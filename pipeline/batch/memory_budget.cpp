@@ -7,12 +7,19 @@ namespace runcert {
 
 bool MemoryBudget::acquire(std::uint64_t bytes, const std::stop_token& stop) {
     std::unique_lock lock(mutex_);
-    const bool granted =
-        changed_.wait(lock, stop, [&] { return running_ == 0 || used_ + bytes <= budget_; });
-    if (!granted) return false;
-    used_ += bytes;
-    ++running_;
-    return true;
+    const std::uint64_t ticket = next_ticket_++;
+    waiting_.push_back(ticket);
+    const bool granted = changed_.wait(lock, stop, [&] {
+        return waiting_.front() == ticket && (running_ == 0 || used_ + bytes <= budget_);
+    });
+    std::erase(waiting_, ticket);
+    if (granted) {
+        used_ += bytes;
+        ++running_;
+    }
+    lock.unlock();
+    changed_.notify_all();  // whoever is next
+    return granted;
 }
 
 void MemoryBudget::release(std::uint64_t bytes) {
@@ -24,10 +31,10 @@ void MemoryBudget::release(std::uint64_t bytes) {
     changed_.notify_all();
 }
 
-std::uint64_t expected_memory(std::uint64_t recording_bytes) {
+std::uint64_t expected_memory(std::uint64_t epochs) {
     constexpr std::uint64_t programs = std::uint64_t{150} << 20;  // the page's and the PDF's
-    constexpr std::uint64_t for_each_byte = 60;
-    return programs + for_each_byte * recording_bytes;
+    constexpr std::uint64_t for_each_epoch = 16 << 10;            // smoothing
+    return programs + for_each_epoch * epochs;
 }
 
 std::uint64_t available_memory() {

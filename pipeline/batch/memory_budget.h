@@ -2,6 +2,7 @@
 
 #include <condition_variable>
 #include <cstdint>
+#include <deque>
 #include <mutex>
 #include <stop_token>
 
@@ -13,7 +14,8 @@ class MemoryBudget {
   public:
     explicit MemoryBudget(std::uint64_t bytes) : budget_(bytes) {}
 
-    /// Waits until a run of that need fits; false where a stop is requested first.
+    /// Waits until a run of that need fits; false where a stop is requested first. Runs are let in
+    /// in the order in which they come: a large one is not passed by small ones for ever.
     bool acquire(std::uint64_t bytes, const std::stop_token& stop);
     void release(std::uint64_t bytes);
 
@@ -23,11 +25,24 @@ class MemoryBudget {
     std::uint64_t budget_;
     std::uint64_t used_ = 0;
     std::size_t running_ = 0;
+    std::deque<std::uint64_t> waiting_;  ///< tickets, the next to be let in first
+    std::uint64_t next_ticket_ = 0;
 };
 
-/// What a run needs at its peak, for recordings of that many bytes in all: measured on recordings
-/// of 70 kB to 100 MB, and rounded up.
-std::uint64_t expected_memory(std::uint64_t recording_bytes);
+/// What the programs of a run need at their peak (bytes), for recordings of so many epochs in all:
+/// about 1.3 to 2 times what was measured, which is (MiB, the largest of import, enu, screen,
+/// window, check and report; smooth; pages and PDF with gnuplot and WeasyPrint):
+///
+///     epochs                 others  smooth  pages
+///        451  .pos               22      19    116
+///      3,000  .pos, CSV          25      53    116
+///      3,000  NMEA               25      42    117
+///     28,200  .pos, CSV         113     377    117
+///     28,200  NMEA               97     293    117
+///    100,000  .pos (100 Hz)    381     878    120
+///
+/// Where heights are recorded, smoothing takes some 13 KiB for each epoch.
+std::uint64_t expected_memory(std::uint64_t epochs);
 
 /// Four fifths of the memory that the computer has available now.
 std::uint64_t available_memory();

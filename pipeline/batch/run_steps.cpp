@@ -13,7 +13,7 @@ namespace runcert {
 /// reads them there.
 void RunMaking::prepare() {
     if (!prepared_) {
-        if (!watch_.admitted(recording_bytes(claim_))) throw Interrupted{};
+        if (!watch_.admitted(estimated_epochs(claim_))) throw Interrupted{};
         files_.open_work();
         prepared_ = true;
     }
@@ -76,9 +76,9 @@ void RunMaking::execute(const std::string& step, StepRecord& record) {
 
 void RunMaking::do_step(const std::string& step, StepRecord record) {
     if (stop_.stop_requested()) throw Interrupted{};
+    prepare();  // which may wait for memory; a step's time is its own
     watch_.begins(step);
     const auto begin = std::chrono::steady_clock::now();
-    prepare();
     execute(step, record);
     record.seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

@@ -40,12 +40,10 @@ struct RunState {
     FileHashes files = {};  ///< of the run folder, where it is complete
 };
 
-/// Asked before the first step of a run that is done, with the bytes of its recordings: false
-/// leaves the run as it is. Told when a step begins, and when it has ended or is kept.
+/// Asked before the first step of a run that is done, with about how many epochs its recordings
+/// hold: false leaves the run as it is. Told when a step begins, and when it has ended or is kept.
 struct StepWatch {
-    std::function<bool(std::uint64_t recording_bytes)> admitted = [](std::uint64_t) {
-        return true;
-    };
+    std::function<bool(std::uint64_t epochs)> admitted = [](std::uint64_t) { return true; };
     std::function<void(const std::string& step)> begins = [](const std::string&) {};
     std::function<void(const StepReport& step)> ends = [](const StepReport&) {};
 };

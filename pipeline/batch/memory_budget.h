@@ -41,7 +41,7 @@ class MemoryBudget {
 ///     28,200  NMEA               97     293    117
 ///    100,000  .pos (100 Hz)    381     878    120
 ///
-/// Where heights are recorded, smoothing takes some 13 KiB for each epoch.
+/// So smoothing takes 9 to 15 KiB for each epoch, and decides from some 10,000 on.
 std::uint64_t expected_memory(std::uint64_t epochs);
 
 /// Four fifths of the memory that the computer has available now.

@@ -2,6 +2,7 @@
 
 #include "core/failure.h"
 #include "files/atomic_file.h"
+#include "files/sha256.h"
 
 namespace runcert {
 namespace {
@@ -9,6 +10,11 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr const char* form = "runcert-record/1";
+constexpr const char* checksum = "sha256";
+
+std::string text_of(const Json& json) {
+    return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
 
 Json json_of(const StepRecord& step) {
     return {{"programs", step.programs}, {"settings", step.settings}, {"inputs", step.inputs},
@@ -25,12 +31,20 @@ StepRecord step_of(const Json& json) {
             .seconds = json.at("seconds").get<double>()};
 }
 
-RunRecord record_of(const Json& json) {
+/// A record says what need not be made again, and which files are to be taken away: one that is not
+/// what was written is not to be read at all.
+RunRecord record_of(Json json) {
     RunRecord record;
-    if (json.at("form") != form) return record;
+    const std::string written = json.at(checksum).get<std::string>();
+    json.erase(checksum);
+    if (json.at("form") != form || sha256_hex(text_of(json)) != written) return record;
     for (const auto& [name, step] : json.at("steps").items())
         record.steps[name] = step_of(step);
-    record.published = json.at("published").get<std::vector<std::string>>();
+    for (const std::string name : json.at("published")) {
+        // These are taken away one day: nothing outside of the run folder may be among them.
+        if (std::filesystem::path(name).filename() != name) return {};
+        record.published.push_back(name);
+    }
     if (json.contains("failure")) {
         const Json& failure = json.at("failure");
         record.failure = RunFailure{.step = failure.at("step"),
@@ -61,7 +75,8 @@ void write_run_record(const std::filesystem::path& file, const RunRecord& record
                            {"problem", record.failure->problem},
                            {"where", record.failure->where},
                            {"remedy", record.failure->remedy}};
-    write_file_atomically(file, json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+    json[checksum] = sha256_hex(text_of(json));
+    write_file_atomically(file, text_of(json));
 }
 
 }  // namespace runcert

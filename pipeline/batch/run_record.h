@@ -40,8 +40,8 @@ struct RunRecord {
     std::vector<std::string> published;
 };
 
-/// Reads a record. One that is missing, or is not a whole record of this form, is as good as none:
-/// the run is then made anew.
+/// Reads a record. One that is missing, or is not, byte for byte, what was written, is as good as
+/// none: the run is then made anew.
 RunRecord read_run_record(const std::filesystem::path& file);
 
 void write_run_record(const std::filesystem::path& file, const RunRecord& record);

@@ -39,6 +39,7 @@ class RunMaking {
     void prepare();
     void do_step(const std::string& step, StepRecord record);
     void execute(const std::string& step, StepRecord& record);
+    void require_as_hashed(const std::string& step, const StepRecord& record);
     std::vector<std::string> command_of(const std::string& step) const;
     void run_program(const std::string& step, StepRecord& record);
 

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <chrono>
 
 #include "batch/run_making.h"
@@ -23,13 +25,13 @@ void RunMaking::prepare() {
 }
 
 std::vector<std::string> RunMaking::command_of(const std::string& step) const {
-    const bool first = step == "import";
-    const auto attempt =
-        first ? claim_.source.file : files_.work_dir() / std::string(evidence_attempt_file);
+    // Every step reads the attempt that was hashed, and not the file, which may change meanwhile.
+    const auto attempt = files_.work_dir() / std::string(evidence_attempt_file);
     std::vector<std::string> command{(context_.program_folder / program_of_step(step)).string(),
                                      "--attempt", attempt.string(), "--run-dir",
                                      files_.work_dir().string()};
-    if (first) command.insert(command.end(), {"--folder", claim_.source.folder.string()});
+    if (step == "import")
+        command.insert(command.end(), {"--folder", claim_.source.folder.string()});
     if (step == "report") command.emplace_back("--no-render");
     if (step == "render") command.emplace_back("--render-only");
     if (step == "render" && !context_.report.pdf) command.emplace_back("--no-pdf");
@@ -56,7 +58,7 @@ void RunMaking::run_program(const std::string& step, StepRecord& record) {
 void RunMaking::execute(const std::string& step, StepRecord& record) {
     std::vector<std::string> outputs = outputs_of_step(step, claim_.attempt, context_.report);
     if (step == "claim") {
-        // Import reads the attempt where messages about it say that it is.
+        // Messages about the attempt name this file.
         if (given_.file.empty()) {
             make_directory(claim_.source.file.parent_path());
             write_file_atomically(claim_.source.file, claim_.text);
@@ -72,6 +74,22 @@ void RunMaking::execute(const std::string& step, StepRecord& record) {
     }
     for (const std::string& name : outputs)
         record.outputs[name] = files_.written(name);
+    if (step == "claim" || step == "import") require_as_hashed(step, record);
+}
+
+/// That what a step brought in from outside is what was hashed before. Else the record would have
+/// the run made from files that it was not made from, and trust it when they are put back.
+void RunMaking::require_as_hashed(const std::string& step, const StepRecord& record) {
+    FileHashes brought_in = claim_.files;  // which import brings in once more
+    brought_in.insert(record.inputs.begin(), record.inputs.end());
+    for (const auto& [name, hash] : brought_in)
+        if (files_.written(name) != hash)
+            throw StepError{
+                {.step = step,
+                 .problem = fmt::format("what the run keeps as {} changed while it was read", name),
+                 .where = claim_.source.file.string(),
+                 .remedy = "Leave the files of the attempt as they are while the batch runs, and "
+                           "run it again"}};
 }
 
 void RunMaking::do_step(const std::string& step, StepRecord record) {

@@ -50,6 +50,15 @@ std::string value_text(const Json& value) {
                                     longest);
 }
 
+/// Whether two values are written the same way: a step prints a parameter as it is written, and
+/// 2 and 2.0 are one figure.
+bool same_text(const Json& a, const Json& b) {
+    const auto text = [](const Json& value) {
+        return value.dump(-1, ' ', false, Json::error_handler_t::replace);
+    };
+    return text(a) == text(b);
+}
+
 /// "/parameters/seed" as people write it: "parameters.seed".
 std::string dotted(const std::string& pointer) {
     std::string text = pointer.substr(pointer.empty() ? 0 : 1);
@@ -64,7 +73,7 @@ std::vector<std::string> different_settings(const Json& a, const Json& b) {
     const Json flat_b = b.flatten();
     std::vector<std::string> different;
     for (const auto& [pointer, value] : flat_a.items())
-        if (const Json other = flat_b.value(pointer, Json()); other != value)
+        if (const Json other = flat_b.value(pointer, Json()); !same_text(other, value))
             different.push_back(
                 fmt::format("{} {} -> {}", dotted(pointer), value_text(value), value_text(other)));
     for (const auto& [pointer, value] : flat_b.items())
@@ -115,7 +124,7 @@ std::string remedy_for(const ProcessResult& result) {
 std::string what_changed(const StepRecord& before, const StepRecord& now) {
     if (before.programs != now.programs)
         return "program changed: " + listed(different_keys(before.programs, now.programs));
-    if (before.settings != now.settings)
+    if (!same_text(before.settings, now.settings))
         return "parameters: " + listed(different_settings(before.settings, now.settings));
     if (before.inputs != now.inputs)
         return "input changed: " + listed(different_keys(before.inputs, now.inputs));

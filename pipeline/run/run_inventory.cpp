@@ -14,7 +14,6 @@ void add_receiver(RunInventory& inventory, const Attempt& attempt, const Receive
     const std::string trajectory = product_file(attempt, receiver, "4-trajectory", "ecsv");
     const std::string windows = product_file(attempt, receiver, "5-windows", "yaml");
     auto& recorded = inventory.made_from[observations];
-    recorded.emplace_back(evidence_attempt_file);
     for (const auto& files : {evidence_files(receiver), solution_files(receiver)})
         for (const EvidenceFile& file : files) {
             inventory.files.push_back(file.name);

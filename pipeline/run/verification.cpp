@@ -14,6 +14,7 @@
 #include "run/evidence.h"
 #include "run/run_inventory.h"
 #include "run/signature_files.h"
+#include "run/stage_run.h"
 #include "schemas/products/products.h"
 
 namespace runcert {
@@ -99,12 +100,21 @@ void compare_shown_files(const ReportFacts& report, VerificationStep& step) {
     }
 }
 
-/// A stage file that does not name all that its stage reads is tied to nothing.
+/// A stage file that does not name all that its stage reads is tied to nothing. Observations do not
+/// name the attempt, most of which import does not read, but repeat what they need of it.
 std::vector<std::string> missing_inputs(
-    const fs::path& run_dir, const std::map<std::string, std::set<std::string>>& inputs_of) {
+    const fs::path& run_dir, const std::map<std::string, std::set<std::string>>& inputs_of,
+    const std::map<std::string, nlohmann::ordered_json>& parameters_of) {
     const fs::path file = run_dir / evidence_attempt_file;
     const Attempt attempt = read_attempt(read_handwritten(file), file.string());
     std::vector<std::string> missing;
+    for (const Receiver& receiver : attempt.receivers) {
+        const std::string name = product_file(attempt, receiver, "1-observations", "ecsv");
+        const auto read = parameters_of.find(name);
+        if (read != parameters_of.end() && read->second != receiver.stated)
+            missing.push_back(
+                fmt::format("{}: the recording was not read as attempt.yaml has it", name));
+    }
     for (const auto& [name, needed] : inventory_of(attempt).made_from) {
         const auto stated = inputs_of.find(name);
         for (const std::string& input : needed)
@@ -138,6 +148,7 @@ VerificationStep verify_files(const fs::path& run_dir, const ReportFacts& report
 VerificationStep verify_chain(const fs::path& run_dir, const ReportFacts& report) {
     VerificationStep step{.passed = true, .what = "chain", .finding = {}, .details = {}};
     std::map<std::string, std::set<std::string>> inputs_of;
+    std::map<std::string, nlohmann::ordered_json> parameters_of;
     const auto fail = [&](std::string detail) {
         step.passed = false;
         step.details.push_back(std::move(detail));
@@ -147,8 +158,9 @@ VerificationStep verify_chain(const fs::path& run_dir, const ReportFacts& report
         // Those that are not there are said by verify_files.
         if (!is_product_name(name) || !fs::is_regular_file(fs::symlink_status(file))) continue;
         try {
-            for (const InputFile& input :
-                 read_product_header(read_file(file), name, file.string()).inputs) {
+            const Header header = read_product_header(read_file(file), name, file.string());
+            parameters_of[name] = header.parameters;
+            for (const InputFile& input : header.inputs) {
                 inputs_of[name].insert(input.file);
                 const auto subject = report.subjects.find(input.file);
                 if (subject == report.subjects.end())
@@ -163,7 +175,7 @@ VerificationStep verify_chain(const fs::path& run_dir, const ReportFacts& report
         }
     }
     try {
-        for (std::string& detail : missing_inputs(run_dir, inputs_of))
+        for (std::string& detail : missing_inputs(run_dir, inputs_of, parameters_of))
             fail(std::move(detail));
     } catch (const Failure& failure) {
         fail(fmt::format("attempt.yaml: cannot be read: {}", failure.problem()));

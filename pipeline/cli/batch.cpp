@@ -41,7 +41,7 @@ struct BatchOptions {
     bool wait = false;
     bool status = false;
     std::string compare;
-    std::string share;
+    std::optional<std::string> share;  ///< an empty one is none, and not the whole day
     std::string pending;
     bool gather = false;
 };
@@ -149,7 +149,7 @@ int batch(const BatchOptions& options) {
     check(options);
     const BatchOrder order = order_of(options);
     if (options.status) return say_status(order);
-    if (!options.share.empty()) return run_share(order, share_of(options.share), options.pending);
+    if (options.share) return run_share(order, share_of(*options.share), options.pending);
     if (options.engine == "slurm")
         return submit_day(order, task_options(options), split_slurm_args(options.slurm_args));
     const int status = options.gather ? gather_day(order) : run_batch(order);

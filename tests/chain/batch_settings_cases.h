@@ -1,0 +1,248 @@
+#pragma once
+
+// An attempt in which every key has an effect, and another value for each key.
+
+namespace runcert::chain {
+
+/// A sailing boat over a course, seen by two receivers.
+inline constexpr const char* course_case = R"yaml(
+attempt:
+  schema: attempt/1.5
+  id: base
+  craft: {name: sloop, class: sail-boat}
+  place: canal
+  date: "2026-10-20"
+  officials: [{role: measurer, name: A. Person}, {role: timekeeper}]
+  signatures: [{role: measurer, count: 1}]
+  amends: {report_id: 0123456789abcdef, sha256: 0123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef, reason: a slip}
+  receivers:
+    - id: primary
+      recording: a.pos
+      antenna_height_m: 1.5
+      lever_arm_m: {forward: 0.5, right: 0.1, down: -1.2}
+      rotation_bound_deg: 4
+    - {id: second, recording: b.pos}
+  origin: {latitude_deg: -22.92, longitude_deg: 14.41, height_m: 30.0}
+  record: {speed: 50, unit: kn, source: a list}
+  rules:
+    - {profile: time, figure: margin.value, value: 0.9, reason: agreed}
+    - {profile: time, figure: window.duration_s, value: 2.5}
+  profiles: [time.yaml, course.yaml]
+  course:
+    length_m: 500
+    length_expanded_uncertainty_m: 0.02
+    start:
+      left: {latitude_deg: -22.919728996, longitude_deg: 14.415848892}
+      right: {latitude_deg: -22.920270789, longitude_deg: 14.415848915}
+    finish:
+      left: {latitude_deg: -22.919728742, longitude_deg: 14.420722968}
+      right: {latitude_deg: -22.920270534, longitude_deg: 14.420723010}
+  wind: {file: wind.csv, source: anemometer}
+  current: {file: current.csv, source: float, expanded_uncertainty_m_s: 0.01}
+  secondary: {method: video, source: a sheet, start_utc: "2026-10-20T11:00:41.435", finish_utc: "2026-10-20T11:00:59.297", time_expanded_uncertainty_s: 0.010}
+  parameters: {window: {selection_samples: 100, monte_carlo_trials_max: 100000}}
+rules:
+  time:
+    schema: profile/1.4
+    id: time
+    body: a body
+    title: a title
+    window: {kind: time, duration_s: 3, definition: displacement, dimension: horizontal, source: position, ends: epochs, exact: false, count: 1, repaired_steps: false}
+    runs: {start_m_s: 2, stop_m_s: 1, stop_s: 5, turn_deg: 90}
+    accuracy: {limit: 0.8, unit: km/h, coverage_factor: 2}
+    margin: {kind: absolute, value: 1, unit: mph, above: value}
+    rounding: {mode: truncate, unit: km/h, decimals: 2}
+    result: {mode: nearest, unit: km/h, decimals: 2}
+    decision: {probability: 0.975}
+    current: ignored
+    uncertainty: {correlation_time_min_s: 0.5, correlation_time_max_s: 10, selection_bias: covered, error_floor_m: {fixed: 0.02, float: 0.2}}
+    signatures: [{role: measurer, count: 1}]
+    clauses:
+      - {id: window, text: an average, source: a book, certainty: quoted, decided_by: window_complete}
+      - {id: accuracy, text: a limit, source: a book, certainty: quoted, decided_by: accuracy}
+      - {id: rate, text: enough samples, source: a book, certainty: quoted, decided_by: sampling_rate, limit: 5, unit: Hz}
+      - {id: wind, text: little wind, source: a book, certainty: quoted, decided_by: wind_mean, limit: 20, unit: kn}
+      - {id: margin, text: more than the record, source: a book, certainty: quoted, decided_by: margin}
+  course:
+    schema: profile/1.4
+    id: course
+    body: a body
+    title: a title
+    window: {kind: course, distance_m: 500, definition: elapsed_time}
+    margin: {kind: elapsed_time, value: 0.01, unit: s}
+    current: subtracted
+    clauses:
+      - {id: window, text: an average, source: a book, certainty: quoted, decided_by: window_complete}
+)yaml";
+
+/// More rules, of the other kinds of window.
+inline constexpr const char* more_rules = R"yaml(
+alpha:
+  schema: profile/1.4
+  id: alpha
+  body: a body
+  title: a title
+  window: {kind: alpha, distance_m: 200, definition: path_length, proximity_m: 50, turn_deg: 90}
+  margin: {kind: absolute, value: 0, unit: km/h}
+  clauses: [{id: window, text: an average, source: a book, certainty: quoted, decided_by: window_complete}]
+pair:
+  schema: profile/1.4
+  id: pair
+  body: a body
+  title: a title
+  window: {duration_s: 2, definition: path_length}
+  opposite_runs: {within_s: 600}
+  margin: {kind: relative, value: 0.002}
+  clauses: [{id: window, text: an average, source: a book, certainty: quoted, decided_by: window_complete}]
+)yaml";
+
+/// Keys that stand in place of others of the case above.
+inline constexpr const char* other_way = R"yaml(
+/attempt/record: null
+/attempt/records: [{profile: time, speed: 50, unit: kn, source: a list, expanded_uncertainty: 0.1}]
+/attempt/secondary: {method: video, source: a sheet, speed: 54, unit: kn, expanded_uncertainty: 0.2}
+)yaml";
+
+inline constexpr const char* other_way_changes = R"yaml(
+- {key: "records[].profile", set: {/attempt/records/0/profile: course}}
+- {key: "records[].speed", set: {/attempt/records/0/speed: 51}}
+- {key: "records[].unit", set: {/attempt/records/0/unit: mph}}
+- {key: "records[].source", set: {/attempt/records/0/source: another list}}
+- {key: "records[].expanded_uncertainty", set: {/attempt/records/0/expanded_uncertainty: 0.5}}
+- {key: secondary.speed, set: {/attempt/secondary/speed: 53}}
+- {key: secondary.unit, set: {/attempt/secondary/unit: mph}}
+- {key: secondary.expanded_uncertainty, set: {/attempt/secondary/expanded_uncertainty: 0.4}}
+)yaml";
+
+inline constexpr const char* claim_changes = R"yaml(
+- {key: id, set: {/attempt/id: other}}
+- {key: craft.name, set: {/attempt/craft/name: ketch}}
+- {key: craft.class, set: {/attempt/craft/class: car}, redoes: screen smooth}
+- {key: place, set: {/attempt/place: another canal}}
+- {key: date, set: {/attempt/date: "2026-10-21"}}
+- {key: "officials[].role", set: {/attempt/officials/1/role: judge}}
+- {key: "officials[].name", set: {/attempt/officials/0/name: B. Person}}
+- {key: "officials[].key", set: {/attempt/officials/0/key: a key}}
+- {key: "signatures[].role", set: {/attempt/signatures/0/role: judge}}
+- {key: "signatures[].count", set: {/attempt/signatures/0/count: 2}}
+- {key: amends.report_id, set: {/attempt/amends/report_id: 0123456789abcdee}}
+- {key: amends.sha256, set: {/attempt/amends/sha256: 1123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef}}
+- {key: amends.reason, set: {/attempt/amends/reason: another slip}}
+- {key: record.speed, set: {/attempt/record/speed: 51}}
+- {key: record.unit, set: {/attempt/record/unit: mph}}
+- {key: record.source, set: {/attempt/record/source: another list}}
+- {key: record.expanded_uncertainty, set: {/attempt/record/expanded_uncertainty: 0.3}}
+- {key: "rules[].profile", set: {/attempt/rules/0/profile: course}}
+- {key: "rules[].figure", set: {/attempt/rules/0/figure: decision.probability}}
+- {key: "rules[].value", set: {/attempt/rules/0/value: 0.8}}
+- {key: "rules[].reason", set: {/attempt/rules/0/reason: settled}}
+- {key: "rules[].value", set: {/attempt/rules/1/value: 2.4}, redoes: window}
+- {key: "rules[].figure", set: {/attempt/rules/1/figure: accuracy.limit}, redoes: window}
+- {key: rules, set: {/attempt/rules: null}, redoes: window}
+- {key: wind.file, set: {/attempt/wind/file: current.csv}}
+- {key: wind.source, set: {/attempt/wind/source: another anemometer}}
+- {key: current.file, set: {/attempt/current/file: wind.csv}}
+- {key: current.source, set: {/attempt/current/source: another float}}
+- {key: current.expanded_uncertainty_m_s, set: {/attempt/current/expanded_uncertainty_m_s: 0.02}}
+- {key: secondary.method, set: {/attempt/secondary/method: light barrier}}
+- {key: secondary.source, set: {/attempt/secondary/source: another sheet}}
+- {key: secondary.start_utc, set: {/attempt/secondary/start_utc: "2026-10-20T11:00:41.535"}}
+- {key: secondary.finish_utc, set: {/attempt/secondary/finish_utc: "2026-10-20T11:00:59.397"}}
+- {key: secondary.time_expanded_uncertainty_s, set: {/attempt/secondary/time_expanded_uncertainty_s: 0.02}}
+- {key: "profiles[]", set: {/attempt/profiles/1: null, /attempt/rules/1: null}, redoes: window}
+- {key: course.length_m, set: {/attempt/course/length_m: 500.1}, redoes: window}
+- {key: course.length_expanded_uncertainty_m, set: {/attempt/course/length_expanded_uncertainty_m: 0.03}, redoes: window}
+- {key: origin.latitude_deg, set: {/attempt/origin/latitude_deg: -22.93}, redoes: enu}
+- {key: origin.longitude_deg, set: {/attempt/origin/longitude_deg: 14.42}, redoes: enu}
+- {key: origin.height_m, set: {/attempt/origin/height_m: 31}, redoes: enu}
+- {key: origin, set: {/attempt/origin: null}, redoes: enu}
+- {key: "parameters.screen.allowed_fixes", set: {/attempt/parameters/screen/allowed_fixes: [fixed, float]}, redoes: screen}
+- {key: "parameters.screen.allowed_fixes[]", set: {/attempt/parameters/screen/allowed_fixes: [float]}, redoes: screen}
+)yaml";
+
+inline constexpr const char* receiver_changes = R"yaml(
+- {key: "receivers[].id", set: {/attempt/receivers/1/id: third}, redoes: import enu screen smooth window}
+- {key: receivers, set: {/attempt/receivers/1: null}, redoes: import enu screen smooth window}
+- {key: "receivers[].recording", set: {/attempt/receivers/0/recording: b.pos}, redoes: import}
+- {key: "receivers[].recording[]", set: {/attempt/receivers/0/recording: [a.pos, b.pos]}, redoes: import}
+- {key: "receivers[].format", set: {/attempt/receivers/0/format: csv}, redoes: import}
+- {key: "receivers[].gpsbabel_type", set: {/attempt/receivers/0/gpsbabel_type: kml}, redoes: import}
+- {key: "receivers[].base", set: {/attempt/receivers/0/base: b.pos}, redoes: import}
+- {key: "receivers[].navigation", set: {/attempt/receivers/0/navigation: b.pos}, redoes: import}
+- {key: "receivers[].navigation[]", set: {/attempt/receivers/0/navigation: [b.pos, a.pos]}, redoes: import}
+- {key: "receivers[].base_position.latitude_deg", set: {/attempt/receivers/0/base_position: {latitude_deg: 1, longitude_deg: 2, height_m: 3}}, redoes: import}
+- {key: "receivers[].base_position.longitude_deg", set: {/attempt/receivers/0/base_position: {latitude_deg: 1, longitude_deg: 3, height_m: 3}}, redoes: import}
+- {key: "receivers[].base_position.height_m", set: {/attempt/receivers/0/base_position: {latitude_deg: 1, longitude_deg: 2, height_m: 4}}, redoes: import}
+- {key: "receivers[].solution_pass", set: {/attempt/receivers/0/solution_pass: backward}, redoes: import}
+- {key: "receivers[].utc_offset_h", set: {/attempt/receivers/0/utc_offset_h: 2}, redoes: import}
+- {key: "receivers[].start_date", set: {/attempt/receivers/0/start_date: "2026-10-20"}, redoes: import}
+- {key: "receivers[].frame", set: {/attempt/receivers/0/frame: ecef}, redoes: import}
+- {key: "receivers[].frame.utm.zone", set: {/attempt/receivers/0/frame: {utm: {zone: 33, hemisphere: south}}}, redoes: import}
+- {key: "receivers[].frame.utm.hemisphere", set: {/attempt/receivers/0/frame: {utm: {zone: 33, hemisphere: north}}}, redoes: import}
+- {key: "receivers[].time_format", set: {/attempt/receivers/0/time_format: iso}, redoes: import}
+- {key: "receivers[].time_scale", set: {/attempt/receivers/0/time_scale: utc}, redoes: import}
+- {key: "receivers[].delimiter", set: {/attempt/receivers/0/delimiter: tab}, redoes: import}
+- {key: "receivers[].start_gps", set: {/attempt/receivers/0/start_gps: "2026-10-20T11:00:00.000"}, redoes: import}
+- {key: "receivers[].height_m", set: {/attempt/receivers/0/height_m: 30}, redoes: import}
+- {key: "receivers[].accuracy.horizontal_m", set: {/attempt/receivers/0/accuracy: {horizontal_m: 0.02}}, redoes: import}
+- {key: "receivers[].accuracy.vertical_m", set: {/attempt/receivers/0/accuracy: {horizontal_m: 0.02, vertical_m: 0.03}}, redoes: import}
+- {key: "receivers[].antenna_height_m", set: {/attempt/receivers/0/antenna_height_m: 1.6}}
+- {key: "receivers[].lever_arm_m.forward", set: {/attempt/receivers/0/lever_arm_m/forward: 0.6}, redoes: window}
+- {key: "receivers[].lever_arm_m.right", set: {/attempt/receivers/0/lever_arm_m/right: 0.2}, redoes: window}
+- {key: "receivers[].lever_arm_m.down", set: {/attempt/receivers/0/lever_arm_m/down: -1.3}, redoes: window}
+- {key: "receivers[].rotation_bound_deg", set: {/attempt/receivers/0/rotation_bound_deg: 5}, redoes: window}
+)yaml";
+
+/// All but those of `window`, `runs`, `opposite_runs` and `uncertainty`, which the window step
+/// depends on key by key.
+inline constexpr const char* profile_changes = R"yaml(
+- {key: body, set: {/rules/time/body: another body}}
+- {key: title, set: {/rules/time/title: another title}}
+- {key: accuracy.limit, set: {/rules/time/accuracy/limit: 0.9}}
+- {key: accuracy.unit, set: {/rules/time/accuracy/unit: kn}}
+- {key: accuracy.coverage_factor, set: {/rules/time/accuracy/coverage_factor: 3}}
+- {key: margin.kind, set: {/rules/course/margin: {kind: absolute, value: 0.01, unit: kn}}}
+- {key: margin.value, set: {/rules/time/margin/value: 2}}
+- {key: margin.unit, set: {/rules/time/margin/unit: kn}}
+- {key: margin.above, set: {/rules/time/margin/above: upper_limit}}
+- {key: rounding.mode, set: {/rules/time/rounding/mode: nearest}}
+- {key: rounding.unit, set: {/rules/time/rounding/unit: kn}}
+- {key: rounding.decimals, set: {/rules/time/rounding/decimals: 1}}
+- {key: result.mode, set: {/rules/time/result/mode: truncate}}
+- {key: result.unit, set: {/rules/time/result/unit: kn}}
+- {key: result.decimals, set: {/rules/time/result/decimals: 3}}
+- {key: decision.probability, set: {/rules/time/decision/probability: 0.95}}
+- {key: current, set: {/rules/time/current: subtracted}}
+- {key: current, set: {/rules/course/current: ignored}}
+- {key: "signatures[].role", set: {/rules/time/signatures/0/role: judge}}
+- {key: "signatures[].count", set: {/rules/time/signatures/0/count: 2}}
+- {key: "clauses[].id", set: {/rules/time/clauses/0/id: stretch}}
+- {key: "clauses[].text", set: {/rules/time/clauses/0/text: another average}}
+- {key: "clauses[].source", set: {/rules/time/clauses/0/source: another book}}
+- {key: "clauses[].certainty", set: {/rules/time/clauses/0/certainty: secondary}}
+- {key: "clauses[].decided_by", set: {/rules/alpha/clauses/0/decided_by: attest}}
+- {key: "clauses[].limit", set: {/rules/time/clauses/2/limit: 6}}
+- {key: "clauses[].unit", set: {/rules/time/clauses/3/unit: m/s}}
+- {key: window.kind, set: {/rules/time/window: {kind: distance, distance_m: 100, definition: displacement}, /attempt/rules: null}, redoes: window}
+- {key: window.duration_s, set: {/rules/time/window/duration_s: 4}, redoes: window}
+- {key: window.distance_m, set: {/rules/alpha/window/distance_m: 250}, redoes: window}
+- {key: window.definition, set: {/rules/time/window/definition: path_length}, redoes: window}
+- {key: window.dimension, set: {/rules/time/window/dimension: space, /rules/time/window/definition: displacement}, redoes: window}
+- {key: window.source, set: {/rules/pair/window/source: velocity}, redoes: window}
+- {key: window.ends, set: {/rules/time/window/ends: any, /rules/time/window/exact: false}, redoes: window}
+- {key: window.exact, set: {/rules/time/window/exact: true}, redoes: window}
+- {key: window.count, set: {/rules/time/window/count: 2}, redoes: window}
+- {key: window.proximity_m, set: {/rules/alpha/window/proximity_m: 40}, redoes: window}
+- {key: window.turn_deg, set: {/rules/alpha/window/turn_deg: 80}, redoes: window}
+- {key: window.repaired_steps, set: {/rules/time/window/repaired_steps: true}, redoes: window}
+- {key: runs.start_m_s, set: {/rules/time/runs/start_m_s: 3}, redoes: window}
+- {key: runs.stop_m_s, set: {/rules/time/runs/stop_m_s: 1.5}, redoes: window}
+- {key: runs.stop_s, set: {/rules/time/runs/stop_s: 6}, redoes: window}
+- {key: runs.turn_deg, set: {/rules/time/runs/turn_deg: 80}, redoes: window}
+- {key: opposite_runs.within_s, set: {/rules/pair/opposite_runs/within_s: 700}, redoes: window}
+- {key: uncertainty.correlation_time_min_s, set: {/rules/time/uncertainty/correlation_time_min_s: 0.6}, redoes: window}
+- {key: uncertainty.correlation_time_max_s, set: {/rules/time/uncertainty/correlation_time_max_s: 11}, redoes: window}
+- {key: uncertainty.selection_bias, set: {/rules/time/uncertainty/selection_bias: subtracted}, redoes: window}
+)yaml";
+
+}  // namespace runcert::chain

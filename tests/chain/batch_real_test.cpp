@@ -50,9 +50,9 @@ TEST(BatchOfRealRecordings, IsProcessedWithAllItsFormats) {
     EXPECT_EQ(said.exit_status, 2);
     EXPECT_EQ(said.states.size(), 11u) << said.text;
     for (const auto& [id, state] : said.states)
-        EXPECT_EQ(state, id == "jump-flysight1_bad_header" ? "failed" : "done")
+        EXPECT_EQ(state, id == "jump-1_bad_header" ? "failed" : "done")
             << id << said.problems.at(id);
-    EXPECT_NE(said.problems.at("jump-flysight1_bad_header").find("timeXXX"), std::string::npos);
+    EXPECT_NE(said.problems.at("jump-1_bad_header").find("timeXXX"), std::string::npos);
     // The true best three seconds of the car, by README.md of the recordings.
     const YamlValue verdict = read_yaml(out / "urban-car-reference/6-verdict.yaml");
     EXPECT_NEAR(verdict["profiles"].list().at(0)["speed_km_h"].real(), 50.88, 0.05);

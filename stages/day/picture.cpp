@@ -120,6 +120,8 @@ std::string line_svg(const Axis& axis, const PictureLine& line, int top) {
                                   line.tone, top + text_at, escaped(shortened(line.label)));
     svg += fmt::format("<text class=\"number\" x=\"100%\" y=\"{}\" text-anchor=\"end\">{}</text>\n",
                        top + text_at, escaped(line.figure));
+    // A rule above, so that the mark is seen to belong to the words over it.
+    svg += fmt::format("<line class=\"rule\" x1=\"0\" x2=\"100%\" y1=\"{0}\" y2=\"{0}\"/>\n", top);
     const std::string from = axis.at(line.speed - line.expanded_uncertainty);
     const std::string to = axis.at(line.speed + line.expanded_uncertainty);
     svg += fmt::format("<line class=\"bar\" x1=\"{}\" x2=\"{}\" y1=\"{}\" y2=\"{}\"/>\n", from, to,

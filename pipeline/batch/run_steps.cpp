@@ -31,7 +31,9 @@ std::vector<std::string> RunMaking::command_of(const std::string& step) const {
                                      "--attempt", attempt.string(), "--run-dir",
                                      files_.work_dir().string()};
     if (step == "import")
-        command.insert(command.end(), {"--folder", claim_.source.folder.string()});
+        command.insert(command.end(),
+                       {"--folder", claim_.source.folder.empty() ? std::string(".")
+                                                                 : claim_.source.folder.string()});
     if (step == "report") command.emplace_back("--no-render");
     if (step == "render") command.emplace_back("--render-only");
     if (step == "render" && !context_.report.pdf) command.emplace_back("--no-pdf");

@@ -35,7 +35,8 @@ fs::path inside_folder(const std::string& named, const AttemptSource& source,
         throw Failure(
             place, fmt::format("\"{}\" is not a path: it holds a NUL", escape_for_message(named)),
             "Write the file's name as it is");
-    const fs::path folder = fs::weakly_canonical(fs::absolute(source.folder));
+    const fs::path folder =
+        fs::weakly_canonical(fs::absolute(source.folder.empty() ? "." : source.folder));
     std::error_code error;
     const fs::path path = fs::weakly_canonical(folder / named, error);
     if (error)

@@ -38,7 +38,8 @@ std::string evidence_profile_file(const std::string& claimed);
 /// Where an attempt was read, and where what it names is.
 struct AttemptSource {
     std::filesystem::path file;
-    /// What the attempt names is relative to this folder, and must be inside it.
+    /// What the attempt names is relative to this folder, and must be inside it. Empty for the
+    /// current one.
     std::filesystem::path folder = file.parent_path();
     /// A run folder made earlier whose copies are taken instead.
     std::optional<std::filesystem::path> evidence = std::nullopt;

@@ -150,7 +150,7 @@ TEST(Audit, WhatIsMissingIsNamedAndTheRestIsShown) {
          {"MISSING from the folder: 4-trajectory.ecsv (smooth), 5-windows.yaml (window), "
           "6-verdict.yaml (check) and report.json (report).",
           "4-trajectory.ecsv is MISSING", "6-verdict.yaml is MISSING",
-          "names its hash: 3-screened.ecsv.", "before epoch 541", "rtklib-pos"})
+          "names its hash: attempt.yaml and 3-screened.ecsv.", "before epoch 541", "rtklib-pos"})
         EXPECT_NE(text.find(said), std::string::npos) << said << "\n" << text;
     fs::remove(run / "3-screened.ecsv");
     result = runcert({"audit", run.string()});

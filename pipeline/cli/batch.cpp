@@ -15,6 +15,7 @@
 #include "core/text.h"
 #include "files/process.h"
 #include "run/signing.h"
+#include "schemas/day/day.h"
 
 namespace runcert {
 namespace {
@@ -174,9 +175,10 @@ void add_choices(CLI::App* command, BatchOptions& options) {
     command->add_flag("--force", options.force, "make every step again");
     command->add_option("--from", options.from, "make this step and those after it again")
         ->check(CLI::IsMember(nameable_steps()));
-    command->add_option(
-        "--only", options.only,
-        "only attempts with such an id (* and ? as in file names); may be repeated");
+    command
+        ->add_option("--only", options.only,
+                     "only attempts with such an id (* and ? as in file names); may be repeated")
+        ->allow_extra_args(false);
     command->add_flag("--no-pdf", options.no_pdf, "report.json and HTML alone");
     command->add_flag("--no-render", options.no_render, "stop after report.json: no HTML, no PDF");
     command->add_option("--key", options.key, "secret key to sign the reports with");
@@ -209,6 +211,33 @@ void add_cluster(CLI::App* command, BatchOptions& options) {
                       "make no run, only the day's results of those that are there");
 }
 
+std::string footer() {
+    return fmt::format(
+        "Each attempt has a run folder OUT/ID, as certify writes it; day.html, day.csv and "
+        "day.yaml\n"
+        "in OUT have the ranking. A step runs again only if its program, its parameters or its "
+        "inputs\n"
+        "changed, by SHA-256, or if what it wrote is not there as it was written. Ctrl-C once "
+        "finishes\n"
+        "what is running, twice stops it; the same command again goes on.\n"
+        "Exit status: 0 all were processed, whatever their verdicts; 2 one could not be.\n\n"
+        "A day file (examples/day has one that runs as it is):\n\n"
+        "  schema: day/1.0\n"
+        "  id: lake-day\n"
+        "  defaults:\n"
+        "    craft: {{name: yacht, class: land-yacht}}\n"
+        "    officials: [{{role: measurer}}]\n"
+        "    record: {{speed: 202.9, unit: km/h, source: where it is published}}\n"
+        "    profiles: [nalsa]\n"
+        "  attempts:\n"
+        "    - recording: \"morning/*.pos\"     # one attempt for each file\n"
+        "    - {{id: final, recording: final.pos, craft: {{name: other yacht}}}}\n"
+        "    - {{attempt: heats/attempt.yaml}}  # as it is\n\n"
+        "Every key (defaults and attempts beside have the keys of an attempt: runcert certify "
+        "--help):\n{}",
+        day_schema().field_table());
+}
+
 }  // namespace
 
 void add_batch(CLI::App& app, Command& chosen) {
@@ -222,15 +251,7 @@ void add_batch(CLI::App& app, Command& chosen) {
     add_choices(command, *options);
     add_display(command, *options);
     add_cluster(command, *options);
-    command->footer(
-        "Each attempt has a run folder OUT/ID, as certify writes it; day.html, day.csv and "
-        "day.yaml\n"
-        "in OUT have the ranking. A step runs again only if its program, its parameters or its "
-        "inputs\n"
-        "changed, by SHA-256, or if what it wrote is not there as it was written. Ctrl-C once "
-        "finishes\n"
-        "what is running, twice stops it; the same command again goes on.\n"
-        "Exit status: 0 all were processed, whatever their verdicts; 2 one could not be.");
+    command->footer(footer());
     command->callback([&chosen, options] { chosen = [options] { return batch(*options); }; });
 }
 

@@ -61,6 +61,7 @@ class RunMaking {
     FileHashes current_;  ///< every file that the steps so far made or kept
     RunState state_;
     std::time_t started_ = 0;
+    bool looking_ = false;   ///< nothing is done: how the run stands
     bool prepared_ = false;  ///< the work folder is open
 };
 

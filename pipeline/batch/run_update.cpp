@@ -80,8 +80,8 @@ StepRecord RunMaking::expected(const std::string& step) const {
 /// Why a step must be done again; empty where it need not.
 std::string RunMaking::why(const std::string& step, const StepRecord& now) {
     const auto& names = step_names();
-    if (context_.force) return "--force";
-    if (!context_.from.empty() &&
+    if (!looking_ && context_.force) return "--force";
+    if (!looking_ && !context_.from.empty() &&
         std::ranges::find(names, step) >= std::ranges::find(names, context_.from))
         return "--from " + context_.from;
     const auto known = record_.steps.find(step);
@@ -154,6 +154,7 @@ bool RunMaking::is_published() {
 }
 
 RunState RunMaking::inspect() {
+    looking_ = true;
     std::string step = step_names().front();
     try {
         claim_ = read_claim(given_, folders_.composed(given_.id));

@@ -200,6 +200,9 @@ TEST_F(Batches, StepsAndAttemptsCanBeChosen) {
     EXPECT_EQ(said.ran.at("two").at("smooth"), "--force");
     EXPECT_FALSE(said.states.contains("one"));
     EXPECT_EQ(made("two"), first_made("two"));
+    // The one that is left out is still among the results.
+    EXPECT_NE(read_file(out() / "day.yaml").find("done: 2"), std::string::npos)
+        << read_file(out() / "day.yaml");
     said = again({"--no-render", "--only", "one", "--only", "thre?"});
     EXPECT_EQ(said.exit_status, 2);
     EXPECT_NE(said.errors.find("thre?"), std::string::npos) << said.errors;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
 
 #include "core/failure.h"
@@ -119,6 +120,20 @@ std::string maker_of(const std::string& text, const std::string& where) {
     return fmt::format("runcert {}, source {}", version, revision);
 }
 
+Json parameters_of(const Json& header) {
+    return header.value("parameters", Json::object());
+}
+
+/// Whether observations name the whole attempt as what they were made from and repeat nothing of
+/// it, as programs before this one wrote them.
+bool names_the_attempt_instead(const Json& header) {
+    const Json inputs = header.value("inputs", Json::array());
+    return header.value("stage", Json::object()).value("name", "") == "import" &&
+           parameters_of(header).empty() &&
+           std::any_of(inputs.begin(), inputs.end(),
+                       [](const Json& input) { return input.value("role", "") == "attempt"; });
+}
+
 void judge(FileComparison& file, const std::string& old_text, const std::string& new_text,
            const std::string& old_where, const std::string& new_where) {
     if (file.file == report_file)
@@ -135,11 +150,11 @@ void judge(FileComparison& file, const std::string& old_text, const std::string&
             value_differences(results_of(old_text, old_where), results_of(new_text, new_where)),
             "");
     // Who made it does not count; by which parameters does.
-    const auto parameters = [](const std::string& text, const std::string& where) {
-        return header_of(text, where).value("parameters", Json::object());
-    };
+    const Json old_header = header_of(old_text, old_where);
+    if (names_the_attempt_instead(old_header)) return;
     judge_values(
-        file, value_differences(parameters(old_text, old_where), parameters(new_text, new_where)),
+        file,
+        value_differences(parameters_of(old_header), parameters_of(header_of(new_text, new_where))),
         "parameter ");
 }
 

@@ -197,6 +197,44 @@ TEST_F(Recompute, FilesOfAnotherProgramThatSayTheSameAreEqual) {
 
 /// The C library of a processor without fused multiply-add and AVX2 has other last bits in sin, exp
 /// and log. Nothing on the way may make more of that than the tolerance.
+/// The observations with another text between their inputs and what follows the parameters.
+std::string with_origin(const std::string& text, const std::string& inputs,
+                        const std::string& parameters) {
+    const std::string at_inputs = "#   inputs:\n";
+    const std::string at_parameters = "#   parameters:\n#     format: rtklib-pos\n";
+    std::string changed = text;
+    EXPECT_NE(changed.find(at_inputs), std::string::npos);
+    EXPECT_NE(changed.find(at_parameters), std::string::npos);
+    changed.replace(changed.find(at_parameters), at_parameters.size(), parameters);
+    return changed.insert(changed.find(at_inputs) + at_inputs.size(), inputs);
+}
+
+TEST_F(Recompute, ObservationsOfEarlierProgramsNameTheAttemptAndRepeatNothingOfIt) {
+    const std::string observations = read_file(run() / "1-observations.ecsv");
+    const FileDigest attempt = digest_file(run() / "attempt.yaml");
+    const std::string named = fmt::format(
+        "#     - role: attempt\n#       file: attempt.yaml\n#       sha256: \"{}\"\n#       bytes: "
+        "{}\n",
+        attempt.sha256, attempt.bytes);
+    const auto verified = [&](const std::string& inputs, const std::string& parameters) {
+        forge("1-observations.ecsv", with_origin(observations, inputs, parameters));
+        EXPECT_EQ(run_process({RUNCERT_PROGRAMS "/runcert-report", "--attempt",
+                               (run() / "attempt.yaml").string(), "--run-dir", run().string(),
+                               "--no-render"})
+                      .exit_status,
+                  0);
+        return recomputed();
+    };
+    expect_in(verified(named, "#   parameters: {}\n"), {"yes  chain", "yes  recompute"});
+    // What names neither, or repeats something else, does not say how the recording was read.
+    expect_in(
+        verified("", "#   parameters: {}\n"),
+        {"NO   chain", "the recording was not read as attempt.yaml has it", "NO   recompute"});
+    expect_in(
+        verified(named, "#   parameters:\n#     format: csv\n"),
+        {"NO   chain", "the recording was not read as attempt.yaml has it", "NO   recompute"});
+}
+
 TEST_F(Recompute, AnotherProcessorsLastBitsAreWithinTheTolerance) {
     const auto data = recordings();
     if (!data) GTEST_SKIP() << "RUNCERT_DATA is not set";

@@ -14,6 +14,7 @@
 #include <cstring>
 
 #include "core/failure.h"
+#include "files/process.h"
 
 namespace runcert {
 
@@ -56,21 +57,6 @@ Descriptor open_standard_input(const std::string& name) {
 /// glibc 2.36 declares a function of its own for this that C++ cannot link.
 Descriptor open_pidfd(pid_t process) {
     return Descriptor(static_cast<int>(syscall(SYS_pidfd_open, process, 0)));
-}
-
-/// The files a program's name may stand for, as a shell looks for them.
-std::vector<std::string> candidates(const std::string& name) {
-    if (name.find('/') != std::string::npos) return {name};
-    const char* variable = std::getenv("PATH");
-    const std::string path = variable ? variable : "/usr/local/bin:/usr/bin:/bin";
-    std::vector<std::string> files;
-    for (std::size_t begin = 0; begin <= path.size();) {
-        const std::size_t end = std::min(path.find(':', begin), path.size());
-        const std::string folder = path.substr(begin, end - begin);
-        files.push_back(folder.empty() ? name : folder + "/" + name);
-        begin = end + 1;
-    }
-    return files;
 }
 
 std::vector<std::string> merged_environment(
@@ -161,8 +147,22 @@ pid_t fork_quietly(const Child& child) {
 
 }  // namespace
 
+std::vector<std::string> program_candidates(const std::string& name) {
+    if (name.find('/') != std::string::npos) return {name};
+    const char* variable = std::getenv("PATH");
+    const std::string path = variable ? variable : "/usr/local/bin:/usr/bin:/bin";
+    std::vector<std::string> files;
+    for (std::size_t begin = 0; begin <= path.size();) {
+        const std::size_t end = std::min(path.find(':', begin), path.size());
+        const std::string folder = path.substr(begin, end - begin);
+        files.push_back(folder.empty() ? name : folder + "/" + name);
+        begin = end + 1;
+    }
+    return files;
+}
+
 StartedProgram start_program(const ProgramStart& program) {
-    std::vector<std::string> files = candidates(program.arguments[0]);
+    std::vector<std::string> files = program_candidates(program.arguments[0]);
     std::vector<std::string> arguments = program.arguments;
     std::vector<std::string> environment = merged_environment(program.environment);
     const std::vector<char*> file_list = pointers(files);

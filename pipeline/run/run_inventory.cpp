@@ -31,12 +31,13 @@ void add_receiver(RunInventory& inventory, const Attempt& attempt, const Receive
 
 RunInventory inventory_of(const Attempt& attempt) {
     const std::string verdict = "6-verdict.yaml";
-    RunInventory inventory{.files = {std::string(evidence_attempt_file)}};
+    RunInventory inventory{.claim = {std::string(evidence_attempt_file)}};
     for (const std::string& claimed : attempt.profiles)
-        inventory.files.push_back(evidence_profile_file(claimed));
+        inventory.claim.push_back(evidence_profile_file(claimed));
     for (const EvidenceFile& file : flow_files(attempt))
-        inventory.files.push_back(file.name);
-    std::vector<std::string> judged = inventory.files;
+        inventory.claim.push_back(file.name);
+    inventory.files = inventory.claim;
+    std::vector<std::string> judged = inventory.claim;
     for (const Receiver& receiver : attempt.receivers) {
         add_receiver(inventory, attempt, receiver);
         for (const char* stem : {"1-observations", "2-enu", "3-screened", "4-trajectory"})

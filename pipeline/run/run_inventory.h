@@ -10,7 +10,8 @@ namespace runcert {
 
 /// What a whole run folder holds beside its report.
 struct RunInventory {
-    std::vector<std::string> files{};  ///< attempt, rules, recordings, stage files
+    std::vector<std::string> claim{};  ///< attempt, rules, series of wind and current
+    std::vector<std::string> files{};  ///< these, recordings, stage files
     /// For each stage file those that it is made from at least; its header may name more.
     std::map<std::string, std::vector<std::string>> made_from{};
 };

@@ -9,7 +9,7 @@
 
 #include "core/failure.h"
 #include "core/uncertainty.h"
-#include "parallel.h"
+#include "core/parallel.h"
 #include "stages/smooth/smooth.h"
 #include "stages/window/window.h"
 

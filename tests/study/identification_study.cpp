@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "parallel.h"
+#include "core/parallel.h"
 
 namespace runcert {
 namespace {

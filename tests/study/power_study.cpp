@@ -8,7 +8,7 @@
 
 #include "arcs/screening_noise.h"
 #include "core/random.h"
-#include "parallel.h"
+#include "core/parallel.h"
 #include "stages/screen/adaptation.h"
 
 namespace runcert {

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <exception>
+#include <functional>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+namespace runcert {
+
+/// How many threads a run may use: as many as the environment's RUNCERT_THREADS says (1 to 1024),
+/// or, where it says nothing of the kind, as there are processors for this process. No result
+/// depends on it.
+unsigned threads_allowed();
+
+/// run(0) to run(runs - 1), by so many threads (0: as many as the machine has). The first exception
+/// of a run is thrown again here, after the runs under way have ended; others are not begun.
+template <class Run>
+void for_each_run(std::int64_t runs, unsigned threads, const Run& run) {
+    std::atomic<std::int64_t> next = 0;
+    std::exception_ptr failure;
+    std::mutex failing;
+    const auto work = [&] {
+        for (std::int64_t i = next++; i < runs; i = next++) {
+            try {
+                run(i);
+            } catch (...) {
+                const std::lock_guard lock(failing);
+                if (!failure) failure = std::current_exception();
+                next = runs;
+            }
+        }
+    };
+    std::vector<std::jthread> others;
+    const std::int64_t wanted = std::min<std::int64_t>(
+        runs, threads > 0 ? threads : std::max(1U, std::thread::hardware_concurrency()));
+    for (std::int64_t i = 1; i < wanted; ++i)
+        others.emplace_back(work);
+    work();
+    others.clear();
+    if (failure) std::rethrow_exception(failure);
+}
+
+/// The results of run(0) to run(runs - 1), in this order, by so many threads. A run may depend on
+/// its number alone, so that the results are the same with any number of threads.
+template <class Run>
+auto results_of(std::int64_t runs, unsigned threads, const Run& run) {
+    std::vector<decltype(run(std::int64_t{}))> results(static_cast<std::size_t>(runs));
+    for_each_run(runs, threads,
+                 [&](std::int64_t i) { results[static_cast<std::size_t>(i)] = run(i); });
+    return results;
+}
+
+/// Does tasks that do not depend on one another, beside one another where more than one thread is
+/// allowed. Exceptions as with `for_each_run`.
+template <class... Task>
+void do_together(const Task&... task) {
+    const std::array<std::function<void()>, sizeof...(Task)> tasks{std::cref(task)...};
+    for_each_run(std::ssize(tasks), threads_allowed(),
+                 [&](std::int64_t i) { tasks[static_cast<std::size_t>(i)](); });
+}
+
+}  // namespace runcert

@@ -1,0 +1,61 @@
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <numeric>
+#include <stdexcept>
+#include <string>
+
+#include "core/parallel.h"
+
+namespace runcert {
+namespace {
+
+/// The environment's RUNCERT_THREADS for the time of a test.
+class Threads {
+  public:
+    explicit Threads(const char* said) { setenv("RUNCERT_THREADS", said, 1); }
+    ~Threads() { unsetenv("RUNCERT_THREADS"); }
+};
+
+TEST(Parallel, ResultsStandInTheOrderOfTheRunsWithAnyNumberOfThreads) {
+    std::vector<std::int64_t> squares(1000);
+    std::iota(squares.begin(), squares.end(), 0);
+    for (std::int64_t& i : squares)
+        i *= i;
+    for (const unsigned threads : {0U, 1U, 2U, 7U})
+        EXPECT_EQ(results_of(1000, threads, [](std::int64_t i) { return i * i; }), squares);
+    EXPECT_TRUE(results_of(0, 2, [](std::int64_t i) { return i; }).empty());
+}
+
+TEST(Parallel, AnExceptionOfARunIsThrownAgainAndLaterRunsAreNotBegun) {
+    std::atomic<std::int64_t> begun = 0;
+    const auto run = [&](std::int64_t i) {
+        ++begun;
+        if (i == 3) throw std::runtime_error("run 3");
+    };
+    EXPECT_THROW(for_each_run(1'000'000, 2, run), std::runtime_error);
+    EXPECT_LT(begun, 1'000'000);
+}
+
+TEST(Parallel, TasksAreAllDoneOnOneThreadOrMore) {
+    for (const char* const threads : {"1", "2", "64"}) {
+        const Threads said(threads);
+        int first = 0;
+        int second = 0;
+        int third = 0;
+        do_together([&] { first = 1; }, [&] { second = 2; }, [&] { third = 3; });
+        EXPECT_EQ(first + second + third, 6);
+    }
+}
+
+TEST(Parallel, TheEnvironmentSaysHowManyThreadsAndNonsenseIsNotHeard) {
+    const unsigned processors = std::max(1U, std::thread::hardware_concurrency());
+    unsetenv("RUNCERT_THREADS");
+    EXPECT_EQ(threads_allowed(), processors);
+    for (const char* const nonsense : {"", "0", "-1", "two", "3 ", "99999999999"})
+        EXPECT_EQ((Threads(nonsense), threads_allowed()), processors) << nonsense;
+    EXPECT_EQ((Threads("3"), threads_allowed()), 3U);
+}
+
+}  // namespace
+}  // namespace runcert

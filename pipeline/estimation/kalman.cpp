@@ -30,8 +30,8 @@ void KalmanFilter<Axes>::prepare(double dt_s) {
     if (step_ns == step_ns_) return;
     step_ns_ = step_ns;
     step_ = axis_step(model_, static_cast<double>(step_ns) * 1e-9);
+    kernel_step_ = kernel::Transition(step_);
     transition_ = runcert::transition<Axes>(step_);
-    process_noise_ = runcert::process_noise<Axes>(step_);
 }
 
 template <int Axes>
@@ -46,43 +46,36 @@ const StateMatrix<Axes>& KalmanFilter<Axes>::transition_over(double dt_s) {
     return transition_;
 }
 
-namespace {
-
-/// F times a matrix of the state's height, in place. The transition acts on whole blocks of rows,
-/// which costs a small part of the general product.
-template <int Axes, class Matrix>
-void apply_transition(const AxisStep& step, Matrix& matrix) {
-    const Eigen::Matrix3d& f = step.transition;
-    matrix.template topRows<Axes>() += f(0, 1) * matrix.template middleRows<Axes>(Axes) +
-                                       f(0, 2) * matrix.template middleRows<Axes>(2 * Axes);
-    matrix.template middleRows<Axes>(Axes) += f(1, 2) * matrix.template middleRows<Axes>(2 * Axes);
-    matrix.template middleRows<Axes>(2 * Axes) *= f(2, 2);
-    matrix.template bottomRows<Axes>() *= step.error_transition;
+template <int Axes>
+void KalmanFilter<Axes>::carry(StateEstimate<Axes>& estimate, double dt_s) {
+    prepare(dt_s);
+    kernel::carry<Axes, 4>(kernel_step_, estimate.mean.data());
+    kernel::carry_covariance<Axes, 4>(kernel_step_, estimate.covariance.data());
+    kernel::add_noise<Axes, 4>(step_, estimate.covariance.data());
 }
-
-}  // namespace
 
 template <int Axes>
 StateEstimate<Axes> KalmanFilter<Axes>::predict(const StateEstimate<Axes>& estimate, double dt_s) {
-    prepare(dt_s);
     StateEstimate<Axes> predicted = estimate;
-    apply_transition<Axes>(step_, predicted.mean);
-    // F P, then F (F P)' = F P F' for a symmetric P.
-    apply_transition<Axes>(step_, predicted.covariance);
-    StateMatrix<Axes> covariance = predicted.covariance.transpose();
-    apply_transition<Axes>(step_, covariance);
-    predicted.covariance = 0.5 * (covariance + covariance.transpose()) + process_noise_;
+    carry(predicted, dt_s);
     return predicted;
+}
+
+template <int Axes>
+void KalmanFilter<Axes>::carry_to(StateEstimate<Axes>& estimate, const ArcEpoch<Axes>& from,
+                                  const ArcEpoch<Axes>& to) {
+    carry(estimate, to.time_s - from.time_s);
+    if (to.step_before)
+        estimate.covariance.diagonal().template head<Axes>().array() +=
+            vague_position_sigma_m * vague_position_sigma_m;
 }
 
 template <int Axes>
 StateEstimate<Axes> KalmanFilter<Axes>::predict_to(const StateEstimate<Axes>& estimate,
                                                    const ArcEpoch<Axes>& from,
                                                    const ArcEpoch<Axes>& to) {
-    StateEstimate<Axes> predicted = predict(estimate, to.time_s - from.time_s);
-    if (to.step_before)
-        predicted.covariance.diagonal().template head<Axes>().array() +=
-            vague_position_sigma_m * vague_position_sigma_m;
+    StateEstimate<Axes> predicted = estimate;
+    carry_to(predicted, from, to);
     return predicted;
 }
 
@@ -97,7 +90,10 @@ Innovation<Axes> KalmanFilter<Axes>::innovation(
                         p.template topRightCorner<Axes, Axes>() +
                         p.template bottomLeftCorner<Axes, Axes>() +
                         p.template bottomRightCorner<Axes, Axes>() + scale * measurement.covariance;
-    result.statistic = result.residual.dot(result.covariance.llt().solve(result.residual));
+    const PositionMatrix<Axes> noise = scale * measurement.covariance;
+    result.statistic = kernel::see<Axes, 4>(predicted.mean.data(), p.data(),
+                                            measurement.position.data(), noise.data())
+                           .statistic;
     return result;
 }
 
@@ -111,29 +107,27 @@ typename KalmanFilter<Axes>::GainMatrix KalmanFilter<Axes>::gain(
 }
 
 template <int Axes>
-StateEstimate<Axes> KalmanFilter<Axes>::update(const StateEstimate<Axes>& predicted,
-                                               const PositionMeasurement<Axes>& measurement,
-                                               const Innovation<Axes>& seen) const {
+kernel::Seen<Axes, 4> KalmanFilter<Axes>::take_in(
+    StateEstimate<Axes>& estimate, const PositionMeasurement<Axes>& measurement) const {
     const double scale = model_.measurement_scale * model_.measurement_scale;
-    const GainMatrix gain = this->gain(predicted, seen);
-    StateEstimate<Axes> updated;
-    updated.mean = predicted.mean + gain * seen.residual;
-    // (I - K H) P (I - K H)' + K R K', one side after the other: H only adds columns.
-    using Wide = Eigen::Matrix<double, Axes, state_size<Axes>>;
-    const Wide seen_rows = predicted.covariance.template topRows<Axes>() +
-                           predicted.covariance.template bottomRows<Axes>();
-    const StateMatrix<Axes> one_side = predicted.covariance - gain * seen_rows;
-    const GainMatrix seen_columns =
-        one_side.template leftCols<Axes>() + one_side.template rightCols<Axes>();
-    const GainMatrix noise = gain * (scale * measurement.covariance);
-    const StateMatrix<Axes> covariance = one_side + (noise - seen_columns) * gain.transpose();
-    updated.covariance = 0.5 * (covariance + covariance.transpose());
+    const PositionMatrix<Axes> noise = scale * measurement.covariance;
+    const auto seen = kernel::see<Axes, 4>(estimate.mean.data(), estimate.covariance.data(),
+                                           measurement.position.data(), noise.data());
+    kernel::take_in<Axes, 4>(seen, noise.data(), estimate.mean.data(), estimate.covariance.data());
+    return seen;
+}
+
+template <int Axes>
+StateEstimate<Axes> KalmanFilter<Axes>::update(const StateEstimate<Axes>& predicted,
+                                               const PositionMeasurement<Axes>& measurement) const {
+    StateEstimate<Axes> updated = predicted;
+    take_in(updated, measurement);
     return updated;
 }
 
 template <int Axes>
 void require_positive_definite(const PositionMatrix<Axes>& covariance, double time_s) {
-    if (covariance.allFinite() && covariance.llt().info() == Eigen::Success) return;
+    if (kernel::is_positive_definite<Axes>(covariance.data())) return;
     throw Failure(fmt::format("time {:.3f} s", time_s),
                   "the stated covariance of the position is not positive definite",
                   "Check the stated accuracies and correlations of this epoch");

@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 
+#include "estimation/filter_kernel.h"
 #include "estimation/motion_model.h"
 
 namespace runcert {
@@ -68,6 +69,13 @@ class KalmanFilter {
     StateEstimate<Axes> predict_to(const StateEstimate<Axes>& estimate, const ArcEpoch<Axes>& from,
                                    const ArcEpoch<Axes>& to);
 
+    /// The same two in place, for passes in which every epoch counts: carries an estimate on to the
+    /// arc's next epoch, and takes a measurement in.
+    void carry_to(StateEstimate<Axes>& estimate, const ArcEpoch<Axes>& from,
+                  const ArcEpoch<Axes>& to);
+    kernel::Seen<Axes, 4> take_in(StateEstimate<Axes>& estimate,
+                                  const PositionMeasurement<Axes>& measurement) const;
+
     /// The step over `dt` seconds for one axis, and its transition for all.
     const AxisStep& step_over(double dt_s);
     const StateMatrix<Axes>& transition_over(double dt_s);
@@ -85,24 +93,21 @@ class KalmanFilter {
     using GainMatrix = Eigen::Matrix<double, state_size<Axes>, Axes>;
     GainMatrix gain(const StateEstimate<Axes>& predicted, const Innovation<Axes>& seen) const;
 
-    /// The estimate with the measurement taken in: Joseph form, one side after the other,
-    /// symmetrised.
+    /// The estimate with the measurement taken in: P - P H' inverse(S) H P, or, where the
+    /// measurement is so much better than the prediction that this would lose digits, Joseph's
+    /// form, one side after the other.
     StateEstimate<Axes> update(const StateEstimate<Axes>& predicted,
-                               const PositionMeasurement<Axes>& measurement) const {
-        return update(predicted, measurement, innovation(predicted, measurement));
-    }
-    StateEstimate<Axes> update(const StateEstimate<Axes>& predicted,
-                               const PositionMeasurement<Axes>& measurement,
-                               const Innovation<Axes>& seen) const;
+                               const PositionMeasurement<Axes>& measurement) const;
 
   private:
     void prepare(double dt_s);
+    void carry(StateEstimate<Axes>& estimate, double dt_s);
 
     EstimationModel model_;
     std::int64_t step_ns_ = -1;
     AxisStep step_;
+    kernel::Transition kernel_step_;
     StateMatrix<Axes> transition_;
-    StateMatrix<Axes> process_noise_;
 };
 
 /// How many of an arc's first measurements a vague prior makes worthless as a test of the model.
@@ -151,7 +156,7 @@ void filter_along(KalmanFilter<Axes>& filter, std::span<const ArcEpoch<Axes>> ar
             require_positive_definite<Axes>(arc[k].measurement->covariance, arc[k].time_s);
             Innovation<Axes> seen = filter.innovation(predicted, *arc[k].measurement);
             seen.tests_model = !unknowns.told_by_measurement();
-            estimate = filter.update(predicted, *arc[k].measurement, seen);
+            estimate = filter.update(predicted, *arc[k].measurement);
             visit(k, predicted, &seen, estimate);
         } else {
             estimate = predicted;

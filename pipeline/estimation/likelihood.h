@@ -26,4 +26,11 @@ template <int Axes>
 InnovationSums innovation_sums(std::span<const std::span<const ArcEpoch<Axes>>> arcs,
                                const EstimationModel& model);
 
+/// The same for several models, in their order: two at a time in one pass, and the passes beside
+/// one another on as many threads as are allowed. Bit for bit what `innovation_sums` gives for
+/// each.
+template <int Axes>
+std::vector<InnovationSums> innovation_sums_of(
+    std::span<const std::span<const ArcEpoch<Axes>>> arcs, std::span<const EstimationModel> models);
+
 }  // namespace runcert

@@ -3,57 +3,92 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <functional>
 #include <limits>
-#include <nlopt.hpp>
 #include <optional>
+#include <utility>
+
+#include "core/parallel.h"
+#include "estimation/noise_search.h"
 
 namespace runcert {
 namespace {
 
-using Point = std::vector<double>;  // natural logarithms of parameters
-
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// In units of the measurement scale: what jerk density and error size are searched in.
-constexpr double jerk_min = 3e-3;
-constexpr double jerk_max = 1e4;
-constexpr double sigma_min_m = 1e-5;
-constexpr double sigma_max_of_stated = 100.0;      // in units of the stated accuracy
-constexpr double log_ratio = 0.34657359027997264;  // ln(2) / 2: sigma to diffusion
-constexpr double scale_min = 1e-3;                 // of the stated standard deviations
-constexpr double acceleration_time_min_s = 0.2;
-constexpr double acceleration_time_max_s = 1e3;
 
 /// Half the 95 % quantile of chi-squared: what a log-likelihood must gain by one or two parameters.
 constexpr double gain_of_one_parameter = 1.9207;
 constexpr double gain_of_two_parameters = 2.9957;
 
-/// The model of a point, its variances in units of the measurement scale squared:
-/// ln jerk density; then ln sigma and ln tau of the error; then ln acceleration time.
-EstimationModel model_at(const Point& x) {
-    EstimationModel model;
-    model.motion.jerk_density = std::exp(x[0]);
-    if (x.size() > 2) model.error = GaussMarkovError::steady(std::exp(x[1]), std::exp(x[2]));
-    if (x.size() > 3) model.motion.acceleration_time_s = std::exp(x[3]);
-    return model;
+/// Of a long recording, a part is searched first: so many stretches of so many epochs.
+constexpr std::size_t stretches_of_part = 4;
+constexpr std::size_t epochs_of_stretch = 512;
+/// What is no longer than so many parts is searched whole.
+constexpr std::size_t parts_of_long_recording = 4;
+
+template <int Axes>
+using Spans = std::vector<std::span<const ArcEpoch<Axes>>>;
+
+/// The epochs of all arcs from a place on, as if these were one: as many as wanted, or as there
+/// are.
+template <int Axes>
+void append_from(std::span<const std::span<const ArcEpoch<Axes>>> arcs, std::size_t place,
+                 std::size_t wanted, Spans<Axes>& part) {
+    for (const auto arc : arcs) {
+        if (place >= arc.size()) {
+            place -= arc.size();
+            continue;
+        }
+        while (place < arc.size() && !arc[place].measurement)
+            ++place;
+        const auto stretch = arc.subspan(place).first(std::min(wanted, arc.size() - place));
+        if (!stretch.empty()) part.push_back(stretch);
+        wanted -= stretch.size();
+        if (wanted == 0) return;
+        place = 0;
+    }
 }
 
-/// The same model with its variances multiplied by the square of a scale.
-EstimationModel scaled(const EstimationModel& relative, double scale) {
-    EstimationModel model = relative;
-    model.measurement_scale *= scale;
-    model.motion.jerk_density *= scale;
-    model.error.process_density *= scale;
-    model.error.initial_sigma_m *= scale;
-    return model;
+/// Stretches that are spread evenly over a long recording; none of a short one.
+template <int Axes>
+Spans<Axes> part_of(std::span<const std::span<const ArcEpoch<Axes>>> arcs) {
+    std::size_t epochs = 0;
+    for (const auto arc : arcs)
+        epochs += arc.size();
+    Spans<Axes> part;
+    if (epochs <= parts_of_long_recording * stretches_of_part * epochs_of_stretch) return part;
+    for (std::size_t i = 0; i < stretches_of_part; ++i)
+        append_from<Axes>(arcs,
+                          epochs * (2 * i + 1) / (2 * stretches_of_part) - epochs_of_stretch / 2,
+                          epochs_of_stretch, part);
+    return part;
 }
+
+/// The maxima of the kinds of models.
+struct Maxima {
+    Best white;
+    Best error;  ///< with an error
+    std::optional<Best> singer;
+    bool error_told = false;
+    bool converged = false;
+
+    /// That of white noise alone unless an error is told.
+    const Best& of_persistent() const { return error_told ? error : white; }
+    void tell() {
+        error_told = error.log_likelihood - white.log_likelihood > gain_of_two_parameters;
+    }
+};
 
 template <int Axes>
 class Fit {
   public:
     Fit(std::span<const std::span<const ArcEpoch<Axes>>> arcs, const NoiseFitOptions& options)
-        : arcs_(arcs), options_(options) {}
+        : arcs_(arcs),
+          options_(options),
+          part_arcs_(part_of<Axes>(arcs)),
+          whole_(arcs, options, stated_sigma()),
+          part_(part_arcs_, options, stated_sigma()) {}
 
     NoiseFit run() {
         NoiseFit fit;
@@ -63,7 +98,7 @@ class Fit {
         fit.acceleration_time.value = infinity;
         fit.epochs = count_epochs();
         fit.posterior = {{fit.model, 1.0}};
-        if (count_tested() < options_.epochs_needed) {
+        if (count_tested(arcs_) < options_.epochs_needed) {
             fit.status = NoiseFit::Status::too_few_epochs;
             return fit;
         }
@@ -71,41 +106,100 @@ class Fit {
             fit.status = NoiseFit::Status::constant_positions;
             return fit;
         }
-        stated_sigma_m_ = stated_sigma();
-        const Best white = fit_white();
-        fit.white_scale = white.scale;
-        std::vector<GridPoint> grid = evaluate_grid(white, infinity);
-        Best best = refine(best_of(grid));
-        fit.error_gain = best.log_likelihood - white.log_likelihood;
-        fit.error_told = fit.error_gain > gain_of_two_parameters;
-        if (!fit.error_told) best = white;
-        if (options_.motion != NoiseFitOptions::Motion::constant_acceleration) {
-            const Best singer = refine_singer(best);
-            fit.singer_gain = singer.log_likelihood - best.log_likelihood;
+        const bool by_part = count_tested(part_arcs_) >=
+                             std::max<std::int64_t>(options_.epochs_needed, epochs_of_stretch);
+        const Maxima maxima = by_part ? near(find(part_)) : find(whole_);
+        fit.white_scale = maxima.white.scale;
+        fit.error_gain = maxima.error.log_likelihood - maxima.white.log_likelihood;
+        fit.error_told = maxima.error_told;
+        Best best = maxima.of_persistent();
+        double acceleration_time_s = infinity;
+        if (maxima.singer) {
+            fit.singer_gain = maxima.singer->log_likelihood - best.log_likelihood;
             if (fit.singer_gain > gain_of_one_parameter ||
                 options_.motion == NoiseFitOptions::Motion::singer) {
-                best = singer;
-                grid = evaluate_grid(best, std::exp(best.x[3]));
+                best = *maxima.singer;
+                acceleration_time_s = std::exp(best.x[3]);
             }
         }
         describe(best, fit);
-        set_posterior(grid, fit);
-        fit.converged = converged_;
-        fit.evaluations = evaluations_;
+        set_posterior(grid_about(std::isfinite(acceleration_time_s) ? best : maxima.white,
+                                 acceleration_time_s, by_part),
+                      fit);
+        fit.converged = maxima.converged;
+        fit.evaluations = whole_.evaluations() + part_.evaluations();
         return fit;
     }
 
   private:
-    struct Best {
-        Point x;
-        double log_likelihood = -infinity;
-        double scale = 1.0;
-    };
-    struct GridPoint {
-        Best best;
-        double tau_s = 0.0;
-        double sigma = 0.0;  // in units of the white noise
-    };
+    bool with_singer() const {
+        return options_.motion != NoiseFitOptions::Motion::constant_acceleration;
+    }
+
+    /// The maxima from the grid, whatever they are.
+    Maxima find(NoiseSearch<Axes>& search) {
+        Maxima maxima;
+        maxima.white = search.fit_white();
+        grid_ = search.evaluate_grid(maxima.white, infinity);
+        const Best start = best_of(grid_);
+        maxima.error = search.maximise(start.x, 0.3);
+        if (!(maxima.error.log_likelihood > start.log_likelihood)) maxima.error = start;
+        maxima.tell();
+        if (with_singer()) maxima.singer = find_singer(search, maxima.of_persistent());
+        maxima.converged = search.converged();
+        return maxima;
+    }
+
+    /// Adds the acceleration's correlation time; without an error told, that stays away.
+    Best find_singer(NoiseSearch<Axes>& search, const Best& persistent) {
+        Point x = persistent.x;
+        if (x.size() == 1) {
+            x.push_back(std::log(error_sigma_min_m));
+            x.push_back(std::log(options_.tau_min_s));
+        }
+        x.push_back(std::log(3.0));
+        return search.maximise(x, 0.5, free_of_singer(persistent.x.size() > 1));
+    }
+    static std::vector<bool> free_of_singer(bool error_told) {
+        return {true, error_told, error_told, true};
+    }
+
+    /// The maxima of the whole recording, near those of its part.
+    Maxima near(const Maxima& part) {
+        constexpr double step = 0.1;
+        Maxima maxima;
+        std::array<NoiseSearch<Axes>, 3> searches{whole_, whole_, whole_};
+        do_together(
+            [&] {
+                if (part.singer)
+                    maxima.singer =
+                        searches[0].maximise(part.singer->x, step, free_of_singer(part.error_told));
+            },
+            [&] { maxima.error = searches[1].maximise(part.error.x, step); },
+            [&] { maxima.white = searches[2].maximise(part.white.x, step); });
+        maxima.converged = searches[part.singer ? 0 : 1].converged();
+        for (const NoiseSearch<Axes>& search : searches)
+            whole_.add_evaluations(search);
+        maxima.tell();
+        if (part.singer && part.error_told != maxima.error_told) {
+            maxima.singer = find_singer(whole_, maxima.of_persistent());
+            maxima.converged = whole_.converged();
+        }
+        return maxima;
+    }
+
+    /// The grid for the posterior. What the part of a long recording says is out of the question,
+    /// all of it says the more.
+    std::vector<GridPoint> grid_about(const Best& best, double acceleration_time_s, bool by_part) {
+        const bool again = by_part || std::isfinite(acceleration_time_s);
+        if (again) grid_ = (by_part ? part_ : whole_).evaluate_grid(best, acceleration_time_s);
+        if (!by_part) return grid_;
+        const double highest = best_of(grid_).log_likelihood;
+        std::erase_if(grid_, [&](const GridPoint& point) {
+            return point.best.log_likelihood < highest - hopeless_below;
+        });
+        return whole_.evaluate_at(grid_);
+    }
 
     std::int64_t count_epochs() const {
         std::int64_t count = 0;
@@ -115,9 +209,9 @@ class Fit {
     }
 
     /// Those whose innovations can be tested.
-    std::int64_t count_tested() const {
+    static std::int64_t count_tested(std::span<const std::span<const ArcEpoch<Axes>>> arcs) {
         std::int64_t count = 0;
-        for (const auto arc : arcs_)
+        for (const auto arc : arcs)
             count += std::max<std::int64_t>(0, measured_in(arc) - measurements_of_the_prior);
         return count;
     }
@@ -150,196 +244,36 @@ class Fit {
         return std::sqrt(sum / static_cast<double>(count));
     }
 
-    Best evaluate(const Point& x) {
-        ++evaluations_;
-        const InnovationSums sums = innovation_sums<Axes>(arcs_, model_at(x));
-        const double log_likelihood = sums.log_likelihood_at_best_scale();
-        return {.x = x,
-                .log_likelihood = std::isfinite(log_likelihood) ? log_likelihood : -1e12,
-                .scale = std::max(scale_min,
-                                  std::sqrt(sums.statistic / static_cast<double>(sums.values)))};
-    }
-
-    /// Maximum from a starting point, by Powell's BOBYQA within bounds.
-    Best maximise(const Point& start, double step, const std::vector<bool>& free) {
-        Point from;
-        Point lower;
-        Point upper;
-        for (std::size_t i = 0; i < start.size(); ++i) {
-            if (!free[i]) continue;
-            from.push_back(std::clamp(start[i], lower_bound(i), upper_bound(i)));
-            lower.push_back(lower_bound(i));
-            upper.push_back(upper_bound(i));
-        }
-        const auto whole = [&](const Point& part) {
-            Point x = start;
-            std::size_t next = 0;
-            for (std::size_t i = 0; i < x.size(); ++i)
-                if (free[i]) x[i] = part[next++];
-            return x;
-        };
-        Best best;
-        std::function<double(const Point&)> objective = [&](const Point& part) {
-            const Best one = evaluate(whole(part));
-            if (one.log_likelihood > best.log_likelihood) best = one;
-            return -one.log_likelihood;
-        };
-        // BOBYQA needs two variables at least.
-        nlopt::opt search(from.size() == 1 ? nlopt::LN_COBYLA : nlopt::LN_BOBYQA,
-                          static_cast<unsigned>(from.size()));
-        search.set_min_objective(
-            [](const Point& x, Point&, void* function) {
-                return (*static_cast<std::function<double(const Point&)>*>(function))(x);
-            },
-            &objective);
-        search.set_lower_bounds(lower);
-        search.set_upper_bounds(upper);
-        search.set_initial_step(step);
-        search.set_ftol_abs(1e-3);
-        search.set_xtol_abs(1e-3);
-        search.set_maxeval(evaluations_allowed);
-        double value = 0.0;
-        try {
-            converged_ = search.optimize(from, value) != nlopt::MAXEVAL_REACHED;
-        } catch (const nlopt::roundoff_limited&) {
-            converged_ = true;  // no better point can be told from this one
-        }
-        return best;
-    }
-    Best maximise(const Point& start, double step) {
-        return maximise(start, step, std::vector<bool>(start.size(), true));
-    }
-
-    double lower_bound(std::size_t i) const {
-        const double bounds[] = {jerk_min, sigma_min_m, options_.tau_min_s,
-                                 acceleration_time_min_s};
-        return std::log(bounds[i]);
-    }
-    double upper_bound(std::size_t i) const {
-        const double bounds[] = {jerk_max, sigma_max_of_stated * stated_sigma_m_,
-                                 options_.tau_max_s, acceleration_time_max_s};
-        return std::log(bounds[i]);
-    }
-
-    /// White noise alone: the jerk density first over its whole range, then closely.
-    Best fit_white() {
-        Best best;
-        for (double x = lower_bound(0); x <= upper_bound(0); x += 1.0)
-            if (const Best one = evaluate({x}); one.log_likelihood > best.log_likelihood)
-                best = one;
-        return maximise(best.x, 0.5);
-    }
-
-    /// The likelihood's maximum over the jerk density alone, from its parabola through three
-    /// points about `start`.
-    Best with_best_jerk(Point x) {
-        constexpr double h = 0.4;
-        const double centre = x[0];
-        const auto at = [&](double jerk) {
-            x[0] = std::clamp(jerk, lower_bound(0), upper_bound(0));
-            return evaluate(x);
-        };
-        const Best middle = at(centre);
-        const Best left = at(centre - h);
-        const Best right = at(centre + h);
-        const double curvature =
-            left.log_likelihood - 2.0 * middle.log_likelihood + right.log_likelihood;
-        const double slope = right.log_likelihood - left.log_likelihood;
-        const double move = curvature < 0.0 ? std::clamp(-0.5 * h * slope / curvature, -1.5, 1.5)
-                                            : std::copysign(1.5, slope);
-        Best best = at(centre + move);
-        for (const Best& one : {middle, left, right})
-            if (one.log_likelihood > best.log_likelihood) best = one;
-        return best;
-    }
-
-    std::vector<GridPoint> evaluate_grid(const Best& start, double acceleration_time_s) {
-        std::vector<GridPoint> grid;
-        double highest = -infinity;
-        for (int t = 0; t < 4; ++t) {
-            const double tau_s =
-                options_.tau_min_s * std::pow(options_.tau_max_s / options_.tau_min_s, t / 3.0);
-            double jerk = start.x[0];
-            int hopeless = 0;
-            for (const double sigma :
-                 {0.0, 0.5, 1.0, 1.4, 2.0, 2.8, 4.0, 5.7, 8.0, 16.0, 32.0, 64.0}) {
-                if (sigma == 0.0 && t > 0) continue;
-                Point x{jerk, std::log(std::max(sigma * stated_sigma_m_, sigma_min_m)),
-                        std::log(tau_s)};
-                if (std::isfinite(acceleration_time_s)) x.push_back(std::log(acceleration_time_s));
-                const Best best = with_best_jerk(x);
-                jerk = best.x[0];
-                grid.push_back({best, tau_s, sigma});
-                highest = std::max(highest, best.log_likelihood);
-                // The likelihood has one maximum along the size: beyond it nothing comes back.
-                hopeless = best.log_likelihood < highest - 12.0 ? hopeless + 1 : 0;
-                if (hopeless == 3) break;
-            }
-        }
-        return grid;
-    }
-
-    static Best best_of(const std::vector<GridPoint>& grid) {
-        return std::max_element(grid.begin(), grid.end(),
-                                [](const GridPoint& a, const GridPoint& b) {
-                                    return a.best.log_likelihood < b.best.log_likelihood;
-                                })
-            ->best;
-    }
-
-    Best refine(const Best& start) {
-        const Best best = maximise(start.x, 0.3);
-        return best.log_likelihood > start.log_likelihood ? best : start;
-    }
-
-    /// Adds the acceleration's correlation time; without an error told, that stays away.
-    Best refine_singer(const Best& start) {
-        Point x = start.x;
-        std::vector<bool> free(4, true);
-        if (x.size() == 1) {
-            x.push_back(std::log(sigma_min_m));
-            x.push_back(std::log(options_.tau_min_s));
-            free[1] = free[2] = false;
-        }
-        x.push_back(std::log(3.0));
-        return maximise(x, 0.5, free);
-    }
-
-    /// Log-likelihood at the absolute logarithms of jerk density, error diffusion, error tau and
-    /// acceleration time (those that the point has) and, last, of the scale.
-    double absolute_log_likelihood(const Point& y) {
-        ++evaluations_;
-        const double log_scale = y.back();
-        Point relative(y.begin(), y.end() - 1);
-        relative[0] -= log_scale;
-        if (relative.size() > 1) relative[1] += 0.5 * relative[2] - log_ratio - log_scale;
-        return innovation_sums<Axes>(arcs_, scaled(model_at(relative), std::exp(log_scale)))
-            .log_likelihood();
-    }
-
     /// Covariance of the logarithms of the free parameters (indices into y) by the inverse of the
     /// likelihood's curvature, from central differences; empty where that is not positive definite.
     std::optional<Eigen::MatrixXd> covariance_at(const Point& y,
                                                  const std::vector<std::size_t>& free) {
         constexpr double h = 0.05;
-        const auto at = [&](std::size_t i, double di, std::size_t j, double dj) {
-            Point moved = y;
+        std::vector<Point> points{y};
+        const auto add = [&](std::size_t i, double di, std::size_t j, double dj) {
+            Point& moved = points.emplace_back(y);
             moved[i] += di;
             moved[j] += dj;
-            return absolute_log_likelihood(moved);
         };
-        const double middle = absolute_log_likelihood(y);
         const auto n = static_cast<Eigen::Index>(free.size());
+        for (std::size_t a = 0; a < free.size(); ++a) {
+            const std::size_t i = free[a];
+            add(i, h, i, 0.0);
+            add(i, -h, i, 0.0);
+            for (std::size_t b = 0; b < a; ++b)
+                for (const auto& [di, dj] : {std::pair(h, h), {h, -h}, {-h, h}, {-h, -h}})
+                    add(i, di, free[b], dj);
+        }
+        const std::vector<double> seen = whole_.absolute_log_likelihoods(points);
+        auto next = seen.begin();
+        const double middle = *next++;
         Eigen::MatrixXd information(n, n);
         for (Eigen::Index a = 0; a < n; ++a) {
-            const std::size_t i = free[static_cast<std::size_t>(a)];
-            information(a, a) = -(at(i, h, i, 0.0) - 2.0 * middle + at(i, -h, i, 0.0)) / (h * h);
-            for (Eigen::Index b = 0; b < a; ++b) {
-                const std::size_t j = free[static_cast<std::size_t>(b)];
+            information(a, a) = -(next[0] - 2.0 * middle + next[1]) / (h * h);
+            next += 2;
+            for (Eigen::Index b = 0; b < a; ++b, next += 4)
                 information(a, b) = information(b, a) =
-                    -(at(i, h, j, h) - at(i, h, j, -h) - at(i, -h, j, h) + at(i, -h, j, -h)) /
-                    (4.0 * h * h);
-            }
+                    -(next[0] - next[1] - next[2] + next[3]) / (4.0 * h * h);
         }
         const Eigen::LLT<Eigen::MatrixXd> factor(information);
         if (factor.info() != Eigen::Success) return std::nullopt;
@@ -369,9 +303,9 @@ class Fit {
             const bool is_scale = i + 1 == parameters.size();
             const bool of_error = !is_scale && (i == 1 || i == 2);
             constexpr double near = 0.01;
-            parameter.at_bound =
-                is_scale ? best.scale <= scale_min
-                         : best.x[i] < lower_bound(i) + near || best.x[i] > upper_bound(i) - near;
+            parameter.at_bound = is_scale ? best.scale <= scale_min
+                                          : best.x[i] < whole_.lower_bound(i) + near ||
+                                                best.x[i] > whole_.upper_bound(i) - near;
             if (!parameter.at_bound && (!of_error || fit.error_told)) free.push_back(i);
         }
         auto covariance = covariance_at(y, free);
@@ -430,12 +364,12 @@ class Fit {
             one.weight /= sum;
     }
 
-    static constexpr int evaluations_allowed = 200;
     std::span<const std::span<const ArcEpoch<Axes>>> arcs_;
     NoiseFitOptions options_;
-    double stated_sigma_m_ = 0.0;
-    std::int64_t evaluations_ = 0;
-    bool converged_ = false;
+    Spans<Axes> part_arcs_;
+    NoiseSearch<Axes> whole_;
+    NoiseSearch<Axes> part_;
+    std::vector<GridPoint> grid_;
 };
 
 }  // namespace

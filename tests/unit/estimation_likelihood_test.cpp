@@ -100,6 +100,52 @@ TEST(Likelihood, IsTheDensityOfTheMeasurementsGivenTheFirstThree) {
         }
 }
 
+/// The same sums from the filter in plain form.
+template <int Axes>
+InnovationSums plain_sums(const std::vector<ArcEpoch<Axes>>& arc, const EstimationModel& model) {
+    InnovationSums sums;
+    KalmanFilter<Axes> filter(model);
+    filter_along<Axes>(filter, std::span<const ArcEpoch<Axes>>(arc),
+                       [&](std::size_t, const StateEstimate<Axes>&, const Innovation<Axes>* seen,
+                           const StateEstimate<Axes>&) {
+                           if (!seen || !seen->tests_model) return;
+                           sums.statistic +=
+                               seen->residual.dot(seen->covariance.inverse() * seen->residual);
+                           sums.log_determinant += std::log(seen->covariance.determinant());
+                           sums.values += Axes;
+                       });
+    return sums;
+}
+
+template <int Axes>
+void expect_as_plain(std::vector<ArcEpoch<Axes>> arc) {
+    arc[arc.size() / 2].step_before = true;
+    std::vector<EstimationModel> models(5, singer_with_error);
+    models[1].motion = {.jerk_density = 0.01};
+    models[2].measurement_scale = 0.02;
+    models[3].error = GaussMarkovError::steady(0.0, 0.5);
+    models[4].error = GaussMarkovError::bounding(0.5, 0.5, 10.0);
+    const std::span<const ArcEpoch<Axes>> arcs[] = {arc};
+    const std::vector<InnovationSums> together = innovation_sums_of<Axes>(arcs, models);
+    ASSERT_EQ(together.size(), models.size());
+    for (std::size_t i = 0; i < models.size(); ++i) {
+        const InnovationSums alone = innovation_sums<Axes>(arcs, models[i]);
+        EXPECT_EQ(together[i].statistic, alone.statistic);
+        EXPECT_EQ(together[i].log_determinant, alone.log_determinant);
+        EXPECT_EQ(together[i].values, alone.values);
+        const InnovationSums plain = plain_sums(arc, models[i]);
+        EXPECT_NEAR(alone.statistic / plain.statistic, 1.0, 1e-9);
+        EXPECT_NEAR(alone.log_determinant / plain.log_determinant, 1.0, 1e-10);
+        EXPECT_EQ(alone.values, plain.values);
+    }
+}
+
+TEST(Likelihood, OfSeveralModelsTogetherIsThatOfEachAndOfTheFilterInPlainForm) {
+    expect_as_plain(sample_arc<1>(400));
+    expect_as_plain(sample_arc<2>(400));
+    expect_as_plain(sample_arc<3>(400));
+}
+
 TEST(Likelihood, LeavesOutThreeMeasurementsOfEachArc) {
     EXPECT_EQ(sums_of(sample_arc<2>(3), singer_with_error).values, 0);
     EXPECT_EQ(sums_of(sample_arc<2>(3), singer_with_error).statistic, 0.0);

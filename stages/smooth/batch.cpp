@@ -4,7 +4,9 @@
 #include <cassert>
 
 #include "core/failure.h"
+#include "core/parallel.h"
 #include "stages/smooth/robust_batch.h"
+#include "stages/smooth/robust_chain.h"
 
 namespace runcert {
 namespace {
@@ -116,17 +118,26 @@ RobustSolution<Axes> solve_robust(std::span<const ArcEpoch<Axes>> arc, const Est
     solution.stretches = static_cast<std::int64_t>(stretches.size());
     solution.states.resize(arc.size());
     solution.weights.resize(arc.size());
-    for (const Stretch& stretch : stretches) {
-        BatchProblem<Axes> robust(stretch.of(arc), model, stretch.of(start), scale);
-        const Convergence end = robust.solve(robust_iterations_allowed, function_tolerance);
-        solution.iterations += end.iterations;
-        if (!end.converged) {
-            solution.states.clear();
-            solution.weights.clear();
-            solution.converged = false;
-            return solution;
-        }
-        take<Axes>(stretch, robust.states(), solution.states);
+    struct Ended {
+        bool converged = false;
+        std::int64_t iterations = 0;
+    };
+    const auto ended = results_of(std::ssize(stretches), threads_allowed(), [&](std::int64_t i) {
+        const Stretch& stretch = stretches[static_cast<std::size_t>(i)];
+        RobustChain<Axes> chain(stretch.of(arc), model, stretch.of(start), scale);
+        const bool converged = chain.solve(robust_iterations_allowed);
+        for (std::size_t k = stretch.take_from; k < stretch.take_to; ++k)
+            solution.states[k] = start[k] + chain.move(k - stretch.first);
+        return Ended{.converged = converged, .iterations = chain.iterations()};
+    });
+    for (const Ended& one : ended) {
+        solution.iterations += one.iterations;
+        solution.converged = solution.converged && one.converged;
+    }
+    if (!solution.converged) {
+        solution.states.clear();
+        solution.weights.clear();
+        return solution;
     }
     for (std::size_t k = 0; k < arc.size(); ++k) {
         if (!arc[k].measurement) continue;

@@ -69,8 +69,8 @@ struct RobustSolution {
 
 /// The same problem with a Cauchy loss on each measurement's whitened residual r (all axes of an
 /// epoch as one block): scale^2 ln(1 + r'r / scale^2) in place of r'r, `scale` in standard
-/// deviations. Not linear: iterated from `start` (one state for each epoch, such as the solution
-/// of the screened arc) until the cost changes by less than 1e-12 of itself.
+/// deviations. Not linear: iterated along the chain of states (RobustChain) from `start` (one state
+/// for each epoch, such as the solution of the screened arc) until nothing is left to gain.
 ///
 /// Not converged where that takes more than `robust_iterations_allowed`.
 template <int Axes>

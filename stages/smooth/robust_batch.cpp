@@ -46,13 +46,6 @@ class OneStateCost : public ceres::SizedCostFunction<Rows, States> {
     Vector<Rows> offset_;
 };
 
-template <int Axes>
-PositionMatrix<Axes> whitener(const PositionMeasurement<Axes>& measurement,
-                              const EstimationModel& model) {
-    const PositionMatrix<Axes> factor = measurement.covariance.llt().matrixL();
-    return factor.inverse() / model.measurement_scale;
-}
-
 ceres::Solver::Options solver_options(int iterations, double function_tolerance) {
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
@@ -73,6 +66,13 @@ ceres::Solver::Options solver_options(int iterations, double function_tolerance)
 }
 
 }  // namespace
+
+template <int Axes>
+PositionMatrix<Axes> whitener(const PositionMeasurement<Axes>& measurement,
+                              const EstimationModel& model) {
+    const PositionMatrix<Axes> factor = measurement.covariance.llt().matrixL();
+    return factor.inverse() / model.measurement_scale;
+}
 
 template <int Axes>
 PositionVector<Axes> whitened_residual(const PositionMeasurement<Axes>& measurement,
@@ -285,6 +285,8 @@ std::string BatchProblem<Axes>::where() const {
 }
 
 #define RUNCERT_INSTANTIATE(AXES)                                                            \
+    template PositionMatrix<AXES> whitener<AXES>(const PositionMeasurement<AXES>&,           \
+                                                 const EstimationModel&);                    \
     template PositionVector<AXES> whitened_residual<AXES>(                                   \
         const PositionMeasurement<AXES>&, const EstimationModel&, const StateVector<AXES>&); \
     template class BatchProblem<AXES>;

@@ -14,8 +14,14 @@
 
 namespace runcert {
 
-/// A measurement's difference from the position and error of a state, in standard deviations of its
-/// scaled stated covariance P = L L', by inverse(L).
+/// What makes the errors of a measurement, of scaled stated covariance P = L L', independent with
+/// unit variances: inverse(L).
+template <int Axes>
+PositionMatrix<Axes> whitener(const PositionMeasurement<Axes>& measurement,
+                              const EstimationModel& model);
+
+/// A measurement's difference from the position and error of a state, in standard deviations by its
+/// whitener.
 template <int Axes>
 PositionVector<Axes> whitened_residual(const PositionMeasurement<Axes>& measurement,
                                        const EstimationModel& model,

@@ -1,0 +1,346 @@
+#include "stages/smooth/robust_chain.h"
+
+#include <Eigen/Cholesky>
+#include <cassert>
+#include <cmath>
+
+#include "stages/smooth/robust_batch.h"
+
+namespace runcert {
+namespace {
+
+constexpr double newton_below = 1e-4;  // of the cost: what a reweighted step still gains
+constexpr double nothing_gained = 1e-14;
+constexpr double rounding_of_cost = 1e-13;
+/// Newton's curvature of a far measurement is negative. Where little else is known of the state it
+/// would be left with less than this part of its information: there the step is a reweighted one.
+constexpr double least_information = 0.05;
+
+/// A prediction is vague where the measurement says so many times more of the position.
+constexpr double vague_before = 1e3;
+
+/// The blocks of positions, velocities, accelerations and errors, in place, carried over a step.
+template <int Axes, class Rows>
+void carry_rows(const AxisStep& axis, Rows& rows) {
+    const Eigen::Matrix3d& f = axis.transition;
+    rows.template topRows<Axes>() += f(0, 1) * rows.template middleRows<Axes>(Axes) +
+                                     f(0, 2) * rows.template middleRows<Axes>(2 * Axes);
+    rows.template middleRows<Axes>(Axes) += f(1, 2) * rows.template middleRows<Axes>(2 * Axes);
+    rows.template middleRows<Axes>(2 * Axes) *= f(2, 2);
+    rows.template bottomRows<Axes>() *= axis.error_transition;
+}
+
+/// What a measurement sees of a state, and what it says to one.
+template <int Axes>
+PositionVector<Axes> seen(const StateVector<Axes>& state) {
+    return state.template head<Axes>() + state.template tail<Axes>();
+}
+template <int Axes>
+void add_seen(const PositionVector<Axes>& said, StateVector<Axes>& state) {
+    state.template head<Axes>() += said;
+    state.template tail<Axes>() += said;
+}
+
+}  // namespace
+
+template <int Axes>
+RobustChain<Axes>::RobustChain(std::span<const ArcEpoch<Axes>> stretch,
+                               const EstimationModel& model,
+                               std::span<const StateVector<Axes>> start, double scale)
+    : stretch_(stretch), model_(model), scale_squared_(scale * scale), links_(stretch.size()) {
+    assert(start.size() == stretch.size() && stretch.front().measurement);
+    const StateEstimate<Axes> prior =
+        KalmanFilter<Axes>(model).prior(stretch.front().measurement->position);
+    prior_variance_ = prior.covariance.diagonal();  // all of the covariance: it is diagonal
+    for (std::size_t k = 0; k < stretch.size(); ++k) {
+        Link& link = links_[k];
+        if (k > 0) {
+            link.step =
+                &step_over(stretch[k].time_s - stretch[k - 1].time_s, stretch[k].step_before);
+            link.defect = start[k] - carried(link.step->axis, start[k - 1]);
+        } else {
+            link.defect = start[k] - prior.mean;
+        }
+        link.measured = stretch[k].measurement.has_value();
+        if (!link.measured) continue;
+        link.whitener = whitener<Axes>(*stretch[k].measurement, model);
+        link.missed = link.whitener *
+                      KalmanFilter<Axes>::residual(start[k], stretch[k].measurement->position);
+    }
+}
+
+/// Across a bridged step the position may move by its offset, of which the prior says next to
+/// nothing: the offset need be no unknown beside the states.
+template <int Axes>
+const typename RobustChain<Axes>::Step& RobustChain<Axes>::step_over(double dt_s, bool bridged) {
+    const std::int64_t step_ns = std::llround(dt_s * 1e9);
+    const auto [at, is_new] = steps_.try_emplace({step_ns, bridged});
+    Step& kept = at->second;
+    if (!is_new) return kept;
+    kept.axis = axis_step(model_, static_cast<double>(step_ns) * 1e-9);
+    if (bridged) kept.axis.process_noise(0, 0) += vague_position_sigma_m * vague_position_sigma_m;
+    kept.motion_whitener = axis_process_whitener(kept.axis);
+    kept.error_whitener = 1.0 / std::sqrt(kept.axis.error_noise);
+    kept.noise = process_noise<Axes>(kept.axis);
+    return kept;
+}
+
+template <int Axes>
+StateVector<Axes> RobustChain<Axes>::carried(const AxisStep& axis, const State& state) {
+    State after = state;
+    carry_rows<Axes>(axis, after);
+    return after;
+}
+
+/// The transposed transition.
+template <int Axes>
+StateVector<Axes> RobustChain<Axes>::carried_back(const AxisStep& axis, const State& state) {
+    const Eigen::Matrix3d& f = axis.transition;
+    State before = state;
+    before.template segment<Axes>(2 * Axes) *= f(2, 2);
+    before.template segment<Axes>(2 * Axes) +=
+        f(1, 2) * state.template segment<Axes>(Axes) + f(0, 2) * state.template head<Axes>();
+    before.template segment<Axes>(Axes) += f(0, 1) * state.template head<Axes>();
+    before.template tail<Axes>() *= axis.error_transition;
+    return before;
+}
+
+template <int Axes>
+StateMatrix<Axes> RobustChain<Axes>::predicted(const Step& step,
+                                               const StateMatrix<Axes>& covariance) {
+    StateMatrix<Axes> one_side = covariance;
+    carry_rows<Axes>(step.axis, one_side);
+    StateMatrix<Axes> both = one_side.transpose();
+    carry_rows<Axes>(step.axis, both);
+    return both + step.noise;
+}
+
+template <int Axes>
+StateVector<Axes> RobustChain<Axes>::whitened(const Step& step, const State& defect) {
+    const Eigen::Matrix3d& w = step.motion_whitener;
+    const auto block = [&](int i) { return defect.template segment<Axes>(i * Axes); };
+    State white;
+    white << w(0, 0) * block(0) + w(0, 1) * block(1) + w(0, 2) * block(2),
+        w(1, 1) * block(1) + w(1, 2) * block(2), w(2, 2) * block(2), step.error_whitener * block(3);
+    return white;
+}
+
+/// The transposed of `whitened`.
+template <int Axes>
+StateVector<Axes> RobustChain<Axes>::unwhitened(const Step& step, const State& white) {
+    const Eigen::Matrix3d& w = step.motion_whitener;
+    const auto block = [&](int i) { return white.template segment<Axes>(i * Axes); };
+    State result;
+    result << w(0, 0) * block(0), w(0, 1) * block(0) + w(1, 1) * block(1),
+        w(0, 2) * block(0) + w(1, 2) * block(1) + w(2, 2) * block(2),
+        step.error_whitener * block(3);
+    return result;
+}
+
+template <int Axes>
+StateVector<Axes> RobustChain<Axes>::defect_gradient(std::size_t k) const {
+    const Link& link = links_[k];
+    if (!link.step) return link.defect.cwiseQuotient(prior_variance_);
+    return unwhitened(*link.step, whitened(*link.step, link.defect));
+}
+
+template <int Axes>
+void RobustChain<Axes>::set_gradients() {
+    State by_defect = defect_gradient(0);
+    for (std::size_t k = 0; k < links_.size(); ++k) {
+        Link& link = links_[k];
+        link.gradient = by_defect;
+        if (link.measured) {
+            const double weight = 1.0 / (1.0 + link.missed.squaredNorm() / scale_squared_);
+            const Position said = -weight * (link.whitener.transpose() * link.missed);
+            add_seen<Axes>(said, link.gradient);
+        }
+        if (k + 1 == links_.size()) break;
+        by_defect = defect_gradient(k + 1);
+        link.gradient -= carried_back(links_[k + 1].step->axis, by_defect);
+    }
+}
+
+/// What the measurement adds to the information on the position seen: by its weight w alone, or
+/// with what changing the state changes of the weight, w I - 2 (w / scale)^2 r r' in whitened
+/// terms.
+template <int Axes>
+PositionMatrix<Axes> RobustChain<Axes>::information_of(const Link& link,
+                                                       Curvature curvature) const {
+    const double weight = 1.0 / (1.0 + link.missed.squaredNorm() / scale_squared_);
+    PositionSquare white = weight * PositionSquare::Identity();
+    if (curvature == Curvature::newton)
+        white -= (2.0 * weight * weight / scale_squared_) * link.missed * link.missed.transpose();
+    return link.whitener.transpose() * white * link.whitener;
+}
+
+/// From the first epoch to the last: each state's change and covariance given all that comes
+/// before it and at it.
+template <int Axes>
+void RobustChain<Axes>::pass_along(Curvature curvature) {
+    StateMatrix<Axes> covariance = prior_variance_.asDiagonal();
+    State change = State::Zero();
+    for (Link& link : links_) {
+        if (link.step) {
+            covariance = predicted(*link.step, covariance);
+            change = carried(link.step->axis, change);
+        }
+        State pull = -link.gradient;
+        if (link.measured) {
+            const Eigen::Matrix<double, state_size<Axes>, Axes> columns =
+                covariance.template leftCols<Axes>() + covariance.template rightCols<Axes>();
+            const PositionSquare known =
+                columns.template topRows<Axes>() + columns.template bottomRows<Axes>();
+            // With known = L L' and information M, inverse(inverse(M) + known) is
+            // inverse(L') inverse(C) L' M, C = I + L' M L: M need have no inverse, and nothing
+            // large is subtracted where little is known.
+            const PositionSquare factor = known.llt().matrixL();
+            const auto gained = [&](const PositionSquare& information) {
+                return Eigen::LLT<PositionSquare>(PositionSquare::Identity() +
+                                                  factor.transpose() * information * factor);
+            };
+            link.information = information_of(link, curvature);
+            link.was_vague =
+                (factor.transpose() * link.information * factor).trace() > vague_before;
+            Eigen::LLT<PositionSquare> gain = gained(link.information);
+            if (gain.info() != Eigen::Success ||
+                gain.matrixLLT().diagonal().cwiseAbs2().minCoeff() < least_information) {
+                link.information = information_of(link, Curvature::reweighted);
+                gain = gained(link.information);
+            }
+            const PositionSquare through = factor.transpose() * link.information;
+            const PositionSquare joint =
+                factor.transpose().template triangularView<Eigen::Upper>().solve(
+                    gain.solve(through));
+            covariance -= columns * joint * columns.transpose();
+            add_seen<Axes>(-link.information * seen<Axes>(change), pull);
+        }
+        covariance = (0.5 * (covariance + covariance.transpose())).eval();
+        change += covariance * pull;
+        link.covariance = covariance;
+        link.change = change;
+    }
+}
+
+/// What the measurements of epoch k and after say to the state predicted there, whose covariance
+/// times it is the change they make. That is what comes after, and what is said at k itself; where
+/// the prediction was vague the latter all but cancels the former, and the change they made says
+/// it.
+template <int Axes>
+StateVector<Axes> RobustChain<Axes>::pull_on_prediction(std::size_t k, const State& after) const {
+    const Link& link = links_[k];
+    if (link.was_vague) {
+        const StateMatrix<Axes> covariance = predicted(*link.step, links_[k - 1].covariance);
+        const State inverse_sigma = covariance.diagonal().cwiseSqrt().cwiseInverse();
+        const StateMatrix<Axes> scaled =
+            inverse_sigma.asDiagonal() * covariance * inverse_sigma.asDiagonal();
+        const State made = link.change - carried(link.step->axis, links_[k - 1].change);
+        return inverse_sigma.cwiseProduct(scaled.llt().solve(inverse_sigma.cwiseProduct(made)));
+    }
+    State pull = after - link.gradient;
+    if (link.measured) add_seen<Axes>(-link.information * seen<Axes>(link.change), pull);
+    return pull;
+}
+
+/// From the last epoch to the first: each state's change given all; how much half the cost's linear
+/// part falls by these changes, which is twice what is gained where the quadratic problem is right.
+template <int Axes>
+double RobustChain<Axes>::pass_back() {
+    State pull = State::Zero();  // of all that comes after
+    double falls = 0.0;
+    for (std::size_t k = links_.size(); k-- > 0;) {
+        Link& link = links_[k];
+        link.change += link.covariance * pull;
+        falls -= link.gradient.dot(link.change);
+        if (k == 0) break;
+        pull = carried_back(link.step->axis, pull_on_prediction(k, pull));
+    }
+    return falls;
+}
+
+template <int Axes>
+PositionVector<Axes> RobustChain<Axes>::missed_after(const Link& link) const {
+    return link.missed - link.whitener * seen<Axes>(link.change);
+}
+
+template <int Axes>
+StateVector<Axes> RobustChain<Axes>::defect_after(std::size_t k) const {
+    const Link& link = links_[k];
+    if (!link.step) return link.defect + link.change;
+    return link.defect + (link.change - carried(link.step->axis, links_[k - 1].change));
+}
+
+template <int Axes>
+double RobustChain<Axes>::loss(const Position& missed) const {
+    return scale_squared_ * std::log1p(missed.squaredNorm() / scale_squared_);
+}
+
+template <int Axes>
+double RobustChain<Axes>::defect_cost(std::size_t k, const State& defect) const {
+    const Step* step = links_[k].step;
+    return step ? whitened(*step, defect).squaredNorm()
+                : defect.cwiseAbs2().cwiseQuotient(prior_variance_).sum();
+}
+
+template <int Axes>
+double RobustChain<Axes>::cost() const {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < links_.size(); ++k) {
+        sum += defect_cost(k, links_[k].defect);
+        if (links_[k].measured) sum += loss(links_[k].missed);
+    }
+    return sum;
+}
+
+template <int Axes>
+double RobustChain<Axes>::cost_after() const {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < links_.size(); ++k) {
+        sum += defect_cost(k, defect_after(k));
+        if (links_[k].measured) sum += loss(missed_after(links_[k]));
+    }
+    return sum;
+}
+
+template <int Axes>
+void RobustChain<Axes>::take_changes() {
+    for (std::size_t k = 0; k < links_.size(); ++k) {
+        Link& link = links_[k];
+        link.defect = defect_after(k);
+        if (link.measured) link.missed = missed_after(link);
+        link.move += link.change;
+    }
+}
+
+template <int Axes>
+bool RobustChain<Axes>::solve(std::int64_t iterations_allowed) {
+    Curvature curvature = Curvature::reweighted;
+    double stands = cost();
+    while (iterations_ < iterations_allowed) {
+        ++iterations_;
+        set_gradients();
+        pass_along(curvature);
+        const double falls = pass_back();
+        const double then = cost_after();
+        if (!std::isfinite(then) || !std::isfinite(falls)) return false;
+        if (then > stands * (1.0 + rounding_of_cost)) {
+            // Too far for Newton's: the reweighted step of the same place cannot be.
+            if (curvature == Curvature::reweighted) return false;
+            curvature = Curvature::reweighted;
+            continue;
+        }
+        take_changes();
+        const bool done = falls <= nothing_gained * stands;
+        curvature =
+            stands - then < newton_below * stands ? Curvature::newton : Curvature::reweighted;
+        stands = then;
+        if (done) return true;
+    }
+    return false;
+}
+
+template class RobustChain<1>;
+template class RobustChain<2>;
+template class RobustChain<3>;
+
+}  // namespace runcert

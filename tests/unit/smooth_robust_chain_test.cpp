@@ -1,0 +1,171 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/random.h"
+#include "estimation/smoother.h"
+#include "estimation_test_support.h"
+#include "smooth_test_support.h"
+#include "stages/smooth/robust_batch.h"
+#include "stages/smooth/robust_chain.h"
+
+// The robust solution along the chain of states against the general program for sparse problems
+// (Ceres), as which it is stated in its plainest form.
+
+namespace runcert {
+namespace {
+
+using test::models;
+using test::NamedModel;
+using test::stated_sigma_m;
+
+constexpr double scale = 2.0;
+
+/// A run drawn from the model some kilometres from the origin; measurements that are missing, one
+/// in fifty that is an outlier, and a long gap.
+template <int Axes>
+std::vector<ArcEpoch<Axes>> draw_arc(const EstimationModel& model, double rate_hz,
+                                     std::uint64_t seed) {
+    RandomGenerator random(seed);
+    auto arc = test::simulate_arc<Axes>(model, 500, 1.0 / rate_hz, stated_sigma_m, random).arc;
+    for (std::size_t k = 0; k < arc.size(); ++k) {
+        arc[k].measurement->position.array() += 3000.0;
+        if (random.uniform() < 0.02) arc[k].measurement->position(0) += 20.0 * stated_sigma_m;
+        if (k > 0 && (random.uniform() < 0.05 || (k > 350 && k < 380))) arc[k].measurement.reset();
+    }
+    return arc;
+}
+
+template <int Axes>
+std::vector<StateVector<Axes>> smoothed_states(const std::vector<ArcEpoch<Axes>>& arc,
+                                               const EstimationModel& model) {
+    std::vector<StateVector<Axes>> states;
+    for (const StateEstimate<Axes>& state : smooth<Axes>(arc, model).states)
+        states.push_back(state.mean);
+    return states;
+}
+
+/// By Ceres, begun again at where it ended: its last step within the tolerance is not taken, and
+/// what the cost still changes by is found about a nearer reference.
+template <int Axes>
+std::vector<StateVector<Axes>> solved_by_ceres(const std::vector<ArcEpoch<Axes>>& arc,
+                                               const EstimationModel& model,
+                                               std::vector<StateVector<Axes>> states) {
+    for (int times = 0; times < 3; ++times) {
+        BatchProblem<Axes> plain(arc, model, states, scale);
+        EXPECT_TRUE(plain.solve(500, times == 0 ? 1e-12 : 1e-18).usable);
+        states = plain.states();
+    }
+    return states;
+}
+
+template <int Axes>
+std::vector<StateVector<Axes>> solved_by_chain(const std::vector<ArcEpoch<Axes>>& arc,
+                                               const EstimationModel& model,
+                                               std::vector<StateVector<Axes>> states) {
+    RobustChain<Axes> chain(arc, model, states, scale);
+    EXPECT_TRUE(chain.solve(100));
+    for (std::size_t k = 0; k < states.size(); ++k)
+        states[k] += chain.move(k);
+    return states;
+}
+
+/// The largest difference of each of positions, velocities, accelerations and errors.
+template <int Axes>
+Eigen::Vector4d largest_difference(const std::vector<StateVector<Axes>>& a,
+                                   const std::vector<StateVector<Axes>>& b) {
+    Eigen::Vector4d largest = Eigen::Vector4d::Zero();
+    for (std::size_t k = 0; k < a.size(); ++k)
+        for (int block = 0; block < 4; ++block)
+            largest(block) =
+                std::max(largest(block),
+                         (a[k] - b[k]).template segment<Axes>(block * Axes).cwiseAbs().maxCoeff());
+    return largest;
+}
+
+template <int Axes>
+void expect_the_same(const std::vector<ArcEpoch<Axes>>& arc, const NamedModel& one) {
+    const auto start = smoothed_states<Axes>(arc, one.model);
+    const Eigen::Vector4d difference = largest_difference<Axes>(
+        solved_by_chain<Axes>(arc, one.model, start), solved_by_ceres<Axes>(arc, one.model, start));
+    // As far as Ceres gets before rounding hides what the cost still changes by.
+    EXPECT_LT(difference(0), 2e-7) << one.name;
+    EXPECT_LT(difference(1), 1e-6) << one.name;
+    EXPECT_LT(difference(2), 5e-6) << one.name;
+    EXPECT_LT(difference(3), 2e-7) << one.name;
+}
+
+template <int Axes>
+void expect_the_same_with_and_without_steps(double rate_hz) {
+    for (const NamedModel& one : models()) {
+        auto arc = draw_arc<Axes>(one.model, rate_hz, 41);
+        expect_the_same<Axes>(arc, one);
+        for (const std::size_t at : {100U, 101U, 360U}) {
+            arc[at].step_before = true;
+            for (std::size_t k = at; k < arc.size(); ++k)
+                if (arc[k].measurement) arc[k].measurement->position.array() += 0.4;
+        }
+        expect_the_same<Axes>(arc, one);
+    }
+}
+
+TEST(RobustChain, IsCeresSolutionOnALine) {
+    expect_the_same_with_and_without_steps<1>(10.0);
+    expect_the_same_with_and_without_steps<1>(20.0);
+}
+TEST(RobustChain, IsCeresSolutionInThePlane) {
+    expect_the_same_with_and_without_steps<2>(20.0);
+}
+TEST(RobustChain, IsCeresSolutionInSpace) {
+    expect_the_same_with_and_without_steps<3>(20.0);
+}
+
+TEST(RobustChain, IsCeresSolutionAtIrregularTimes) {
+    RandomGenerator random(5);
+    for (const NamedModel& one : models()) {
+        auto arc = draw_arc<2>(one.model, 10.0, 43);
+        for (auto& epoch : arc)
+            epoch.time_s = std::round((epoch.time_s + 0.0001 * random.uniform()) * 1e9) * 1e-9;
+        expect_the_same<2>(arc, one);
+    }
+}
+
+TEST(RobustChain, OfAFewEpochsIsCeresSolution) {
+    for (const NamedModel& one : models())
+        for (const std::size_t epochs : {1U, 2U, 3U, 5U}) {
+            auto arc = draw_arc<2>(one.model, 10.0, 47);
+            arc.resize(epochs);
+            const auto start = smoothed_states<2>(arc, one.model);
+            const Eigen::Vector4d difference =
+                largest_difference<2>(solved_by_chain<2>(arc, one.model, start),
+                                      solved_by_ceres<2>(arc, one.model, start));
+            EXPECT_LT(difference(0), 1e-8) << one.name << " " << epochs;
+        }
+}
+
+TEST(RobustChain, StaysAtItsSolution) {
+    for (const NamedModel& one : models()) {
+        const auto arc = draw_arc<2>(one.model, 20.0, 59);
+        const auto solved = solved_by_chain<2>(arc, one.model, smoothed_states<2>(arc, one.model));
+        const Eigen::Vector4d difference =
+            largest_difference<2>(solved_by_chain<2>(arc, one.model, solved), solved);
+        EXPECT_LT(difference(0), 1e-8) << one.name;
+        EXPECT_LT(difference(1), 1e-7) << one.name;
+    }
+}
+
+TEST(RobustChain, DoesNotEndBeforeItsSolution) {
+    const NamedModel one = models().front();
+    const auto arc = draw_arc<2>(one.model, 10.0, 53);
+    const auto start = smoothed_states<2>(arc, one.model);
+    RobustChain<2> chain(arc, one.model, start, scale);
+    EXPECT_FALSE(chain.solve(2));
+    EXPECT_EQ(chain.iterations(), 2);
+    EXPECT_TRUE(chain.solve(100));
+    EXPECT_GT(chain.iterations(), 4);
+}
+
+}  // namespace
+}  // namespace runcert

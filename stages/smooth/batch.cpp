@@ -11,8 +11,6 @@
 namespace runcert {
 namespace {
 
-constexpr double function_tolerance = 1e-12;
-
 /// Epochs [first, last) of an arc, and those of them [take_from, take_to) whose states are taken.
 struct Stretch {
     std::size_t first = 0;
@@ -70,28 +68,52 @@ void take(const Stretch& stretch, const std::vector<StateVector<Axes>>& solved,
         states[k] = solved[k - stretch.first];
 }
 
+/// A path through measured positions at least a while apart, straight from one to the next, and
+/// straight on after the last; begun anew after a bridged step. Far enough from the solution for
+/// the agreement with the smoother to be a check, near enough to lose no digits that count.
+template <int Axes>
+std::vector<StateVector<Axes>> straight_between_measurements(
+    std::span<const ArcEpoch<Axes>> stretch) {
+    constexpr double while_s = 1.0;
+    std::vector<StateVector<Axes>> states(stretch.size(), StateVector<Axes>::Zero());
+    std::size_t from = 0;  // a measured epoch
+    bool begun_anew = false;
+    PositionVector<Axes> velocity = PositionVector<Axes>::Zero();
+    const auto fill = [&](std::size_t to) {
+        for (std::size_t k = from; k < to; ++k) {
+            states[k].template head<Axes>() = stretch[from].measurement->position +
+                                              (stretch[k].time_s - stretch[from].time_s) * velocity;
+            states[k].template segment<Axes>(Axes) = velocity;
+        }
+    };
+    for (std::size_t k = 1; k < stretch.size(); ++k) {
+        begun_anew = begun_anew || stretch[k].step_before;
+        if (!stretch[k].measurement) continue;
+        const double dt_s = stretch[k].time_s - stretch[from].time_s;
+        if (dt_s < while_s && !begun_anew) continue;
+        if (!begun_anew)
+            velocity =
+                (stretch[k].measurement->position - stretch[from].measurement->position) / dt_s;
+        fill(k);
+        from = k;
+        begun_anew = false;
+    }
+    fill(stretch.size());
+    return states;
+}
+
 template <int Axes>
 std::vector<StateVector<Axes>> solve_stretch(std::span<const ArcEpoch<Axes>> stretch,
                                              const EstimationModel& model) {
-    // At rest where the stretch begins: far enough from the solution for the agreement with the
-    // smoother to be a check.
-    StateVector<Axes> rest = StateVector<Axes>::Zero();
-    rest.template head<Axes>() = stretch.front().measurement->position;
-    std::vector<StateVector<Axes>> states(stretch.size(), rest);
-    {
-        BatchProblem<Axes> coarse(stretch, model, states);
-        coarse.solve(1, 0.0);
-        states = coarse.states();
-    }
-    BatchProblem<Axes> fine(stretch, model, states);
-    // One step whatever it gains, for the precision; then until nothing is left to gain, or nothing
-    // but rounding. Whether that was enough is for the comparison with the smoother to say.
-    fine.solve(1, 0.0);
-    const Convergence end = fine.solve(8, function_tolerance);
+    BatchProblem<Axes> problem(stretch, model, straight_between_measurements<Axes>(stretch));
+    // Linear: one step, and one more for the digits that the normal equations of the first lost.
+    // Whether that was enough is for the comparison with the smoother to say.
+    const Convergence end = problem.solve(2, 0.0);
     if (!end.usable)
-        throw Failure(fine.where(), "the batch least squares could not be solved: " + end.message,
+        throw Failure(problem.where(),
+                      "the batch least squares could not be solved: " + end.message,
                       "Check the stated accuracies and the time steps of this stretch");
-    return fine.states();
+    return problem.states();
 }
 
 }  // namespace
@@ -103,8 +125,19 @@ BatchSolution<Axes> solve_batch(std::span<const ArcEpoch<Axes>> arc, const Estim
     BatchSolution<Axes> solution;
     solution.stretches = static_cast<std::int64_t>(stretches.size());
     solution.states.resize(arc.size());
-    for (const Stretch& stretch : stretches)
-        take<Axes>(stretch, solve_stretch<Axes>(stretch.of(arc), model), solution.states);
+    const auto failures = results_of(
+        solution.stretches, threads_allowed(), [&](std::int64_t i) -> std::optional<Failure> {
+            const Stretch& stretch = stretches[static_cast<std::size_t>(i)];
+            try {
+                take<Axes>(stretch, solve_stretch<Axes>(stretch.of(arc), model), solution.states);
+            } catch (const Failure& failure) {
+                return failure;
+            }
+            return std::nullopt;
+        });
+    // That of the first stretch, whichever was found first.
+    for (const std::optional<Failure>& failure : failures)
+        if (failure) throw *failure;
     return solution;
 }
 

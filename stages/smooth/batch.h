@@ -45,7 +45,7 @@ struct BatchSolution {
 /// The smoother's problem as one batch least squares, solved by Ceres (sparse normal equations on
 /// one thread): the whitened residuals of prior, measurements and process noise of one arc. The
 /// offset of a bridged step is an unknown beside the states, with a weak prior of its own. The
-/// problem is linear; the solver iterates only to refine.
+/// problem is linear; the solver iterates only to refine, from a path through measured positions.
 ///
 /// Longer arcs are solved in overlapping stretches, each begun with the vague prior at a measured
 /// epoch; each state is taken from the stretch in which it lies farthest from a cut.

@@ -5,46 +5,20 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <array>
 #include <cassert>
 #include <cmath>
+
+#include "stages/smooth/batch_costs.h"
 
 namespace runcert {
 namespace {
 
-template <int Size>
-using Vector = Eigen::Matrix<double, Size, 1>;
-
-/// Memory of Ceres seen as a matrix.
-template <class Matrix>
-Eigen::Map<Matrix> view(double* memory) {
-    return Eigen::Map<Matrix>(memory);
+ceres::Problem::Options problem_options() {
+    ceres::Problem::Options options;
+    options.disable_all_safety_checks = true;  // each block is added once
+    return options;
 }
-template <class Matrix>
-Eigen::Map<const Matrix> view(const double* memory) {
-    return Eigen::Map<const Matrix>(memory);
-}
-
-/// Residual `offset + jacobian * unknown`: of a prior or of a measurement.
-template <int Rows, int States>
-class OneStateCost : public ceres::SizedCostFunction<Rows, States> {
-  public:
-    using Jacobian =
-        Eigen::Matrix<double, Rows, States, States == 1 ? Eigen::ColMajor : Eigen::RowMajor>;
-
-    OneStateCost(const Jacobian& jacobian, const Vector<Rows>& offset)
-        : jacobian_(jacobian), offset_(offset) {}
-
-    bool Evaluate(double const* const* parameters, double* residuals,
-                  double** jacobians) const override {
-        view<Vector<Rows>>(residuals) = offset_ + jacobian_ * view<Vector<States>>(parameters[0]);
-        if (jacobians && jacobians[0]) view<Jacobian>(jacobians[0]) = jacobian_;
-        return true;
-    }
-
-  private:
-    Jacobian jacobian_;
-    Vector<Rows> offset_;
-};
 
 ceres::Solver::Options solver_options(int iterations, double function_tolerance) {
     ceres::Solver::Options options;
@@ -62,6 +36,8 @@ ceres::Solver::Options solver_options(int iterations, double function_tolerance)
     options.function_tolerance = function_tolerance;
     options.gradient_tolerance = 1e-12;  // for unknowns in their units; above rounding
     options.parameter_tolerance = 0.0;
+    // The unknowns are in their units already.
+    options.jacobi_scaling = false;
     return options;
 }
 
@@ -82,50 +58,6 @@ PositionVector<Axes> whitened_residual(const PositionMeasurement<Axes>& measurem
            (measurement.position - state.template head<Axes>() - state.template tail<Axes>());
 }
 
-/// Residual `offset + before * unknown + after * next unknown`: of whitened process noise.
-template <int Axes>
-class BatchProblem<Axes>::ProcessCost : public ceres::SizedCostFunction<n, n, n> {
-  public:
-    /// The step must outlive the cost.
-    ProcessCost(const Step& step, const State& offset) : step_(step), offset_(offset) {}
-
-    bool Evaluate(double const* const* parameters, double* residuals,
-                  double** jacobians) const override {
-        view<State>(residuals) = offset_ + step_.before_unknown * view<State>(parameters[0]) +
-                                 step_.after_unknown * view<State>(parameters[1]);
-        if (jacobians && jacobians[0]) view<RowMajor>(jacobians[0]) = step_.before_unknown;
-        if (jacobians && jacobians[1]) view<RowMajor>(jacobians[1]) = step_.after_unknown;
-        return true;
-    }
-
-  private:
-    const Step& step_;
-    State offset_;
-};
-
-/// The same less what the offset of a bridged step makes of the position.
-template <int Axes>
-class BatchProblem<Axes>::BridgedProcessCost : public ceres::SizedCostFunction<n, n, n, Axes> {
-  public:
-    using OffsetJacobian =
-        Eigen::Matrix<double, n, Axes, Axes == 1 ? Eigen::ColMajor : Eigen::RowMajor>;
-
-    BridgedProcessCost(const Step& step, const State& offset, const OffsetJacobian& jacobian)
-        : process_(step, offset), jacobian_(jacobian) {}
-
-    bool Evaluate(double const* const* parameters, double* residuals,
-                  double** jacobians) const override {
-        process_.Evaluate(parameters, residuals, jacobians);
-        view<State>(residuals) += jacobian_ * view<PositionVector<Axes>>(parameters[2]);
-        if (jacobians && jacobians[2]) view<OffsetJacobian>(jacobians[2]) = jacobian_;
-        return true;
-    }
-
-  private:
-    ProcessCost process_;
-    OffsetJacobian jacobian_;
-};
-
 template <int Axes>
 BatchProblem<Axes>::BatchProblem(std::span<const ArcEpoch<Axes>> stretch,
                                  const EstimationModel& model,
@@ -134,12 +66,13 @@ BatchProblem<Axes>::BatchProblem(std::span<const ArcEpoch<Axes>> stretch,
     : stretch_(stretch),
       model_(model),
       reference_(reference.begin(), reference.end()),
-      unit_(State::Ones()),
-      unknowns_(stretch.size(), State::Zero()) {
+      unit_(AxisState::Ones()),
+      unknowns_(stretch.size(), AxisStates::Zero()),
+      problem_(problem_options()) {
     assert(reference.size() == stretch.size() && stretch.front().measurement);
     if (stretch.size() > 1) {
         const AxisStep step = axis_step(model, stretch[1].time_s - stretch[0].time_s);
-        unit_ = process_noise<Axes>(step).diagonal().cwiseSqrt();
+        unit_ << step.process_noise.diagonal().cwiseSqrt(), std::sqrt(step.error_noise);
     }
     // The problem owns losses and costs.
     ceres::LossFunction* loss = cauchy_scale ? new ceres::CauchyLoss(*cauchy_scale) : nullptr;
@@ -152,34 +85,40 @@ BatchProblem<Axes>::BatchProblem(std::span<const ArcEpoch<Axes>> stretch,
 }
 
 template <int Axes>
+typename BatchProblem<Axes>::AxisStates BatchProblem<Axes>::by_axis(const State& state) {
+    return Eigen::Map<const Eigen::Matrix<double, Axes, axis_size>>(state.data()).transpose();
+}
+
+template <int Axes>
 void BatchProblem<Axes>::add_prior() {
     const StateEstimate<Axes> prior =
         KalmanFilter<Axes>(model_).prior(stretch_.front().measurement->position);
-    // The prior's covariance is diagonal.
-    const State weight = prior.covariance.diagonal().cwiseSqrt().cwiseInverse();
-    const State offset = weight.cwiseProduct(reference_.front() - prior.mean);
-    const RowMajor jacobian = weight.cwiseProduct(unit_).asDiagonal();
-    problem_.AddResidualBlock(new OneStateCost<n, n>(jacobian, offset), nullptr,
-                              unknowns_.front().data());
+    // The prior's covariance is diagonal, and the same for each axis.
+    const AxisStates weights = by_axis(prior.covariance.diagonal().cwiseSqrt().cwiseInverse());
+    const AxisStates offset = weights.cwiseProduct(by_axis(reference_.front() - prior.mean));
+    prior_unknown_ = weights.col(0).cwiseProduct(unit_).asDiagonal();
+    for (int axis = 0; axis < Axes; ++axis)
+        problem_.AddResidualBlock(
+            new LinearCost<axis_size, axis_size>(offset.col(axis), {prior_unknown_.data()}),
+            nullptr, unknowns_.front().col(axis).data());
 }
 
 template <int Axes>
 void BatchProblem<Axes>::add_measurement(std::size_t k, ceres::LossFunction* loss) {
-    using Cost = OneStateCost<Axes, n>;
     const PositionMeasurement<Axes>& measurement = *stretch_[k].measurement;
-    const PositionMatrix<Axes> white = whitener<Axes>(measurement, model_);
-    typename Cost::Jacobian jacobian = Cost::Jacobian::Zero();
-    jacobian.template leftCols<Axes>() = -white * unit_.template head<Axes>().asDiagonal();
-    jacobian.template rightCols<Axes>() = -white * unit_.template tail<Axes>().asDiagonal();
-    const PositionVector<Axes> offset = whitened_residual<Axes>(measurement, model_, reference_[k]);
-    problem_.AddResidualBlock(new Cost(jacobian, offset), loss, unknowns_[k].data());
+    std::array<double*, Axes> unknowns;
+    for (int axis = 0; axis < Axes; ++axis)
+        unknowns[static_cast<std::size_t>(axis)] = unknowns_[k].col(axis).data();
+    problem_.AddResidualBlock(
+        new MeasurementCost<Axes>(whitened_residual<Axes>(measurement, model_, reference_[k]),
+                                  whitener<Axes>(measurement, model_), unit_(0), unit_(3)),
+        loss, unknowns.data(), Axes);
 }
 
 /// The offsets that the stretch determines, with their prior. A step that no measurement follows
 /// has none: its expected size is zero, and it changes no state.
 template <int Axes>
 void BatchProblem<Axes>::add_offsets() {
-    using Cost = OneStateCost<Axes, Axes>;
     std::vector<std::size_t> open;
     for (std::size_t k = 1; k < stretch_.size(); ++k) {
         if (stretch_[k].step_before) open.push_back(k);
@@ -193,9 +132,12 @@ void BatchProblem<Axes>::add_offsets() {
             offset.reference += (reference_[at] - moved).template head<Axes>() / steps;
         }
         const double weight = std::sqrt(steps) / vague_position_sigma_m;
-        problem_.AddResidualBlock(
-            new Cost(weight * unit_.template head<Axes>().asDiagonal(), weight * offset.reference),
-            nullptr, offset.unknown.data());
+        offset.weight = weight * unit_(0);
+        for (int axis = 0; axis < Axes; ++axis)
+            problem_.AddResidualBlock(
+                new LinearCost<1, 1>(Eigen::Matrix<double, 1, 1>(weight * offset.reference(axis)),
+                                     {&offset.weight}),
+                nullptr, &offset.unknown(axis));
         open.clear();
     }
 }
@@ -203,19 +145,26 @@ void BatchProblem<Axes>::add_offsets() {
 template <int Axes>
 void BatchProblem<Axes>::add_process(std::size_t k) {
     const Step& step = step_over(stretch_[k].time_s - stretch_[k - 1].time_s);
-    const State noise = step.before * reference_[k - 1] + step.after * reference_[k];
-    double* const before = unknowns_[k - 1].data();
-    double* const after = unknowns_[k].data();
+    const AxisStates noise =
+        step.before * by_axis(reference_[k - 1]) + step.after * by_axis(reference_[k]);
     const auto bridged = offset_before_.find(k);
-    if (bridged == offset_before_.end()) {
-        problem_.AddResidualBlock(new ProcessCost(step, noise), nullptr, before, after);
-        return;
+    for (int axis = 0; axis < Axes; ++axis) {
+        double* const before = unknowns_[k - 1].col(axis).data();
+        double* const after = unknowns_[k].col(axis).data();
+        if (bridged == offset_before_.end()) {
+            problem_.AddResidualBlock(
+                new LinearCost<axis_size, axis_size, axis_size>(
+                    noise.col(axis), {step.before_unknown.data(), step.after_unknown.data()}),
+                nullptr, before, after);
+            continue;
+        }
+        Offset& offset = *bridged->second;
+        const AxisState known = noise.col(axis) - step.after.col(0) * offset.reference(axis);
+        problem_.AddResidualBlock(new LinearCost<axis_size, axis_size, axis_size, 1>(
+                                      known, {step.before_unknown.data(), step.after_unknown.data(),
+                                              step.offset_unknown.data()}),
+                                  nullptr, before, after, &offset.unknown(axis));
     }
-    Offset& offset = *bridged->second;
-    const State known = noise - step.after.template leftCols<Axes>() * offset.reference;
-    problem_.AddResidualBlock(
-        new BridgedProcessCost(step, known, -step.after_unknown.template leftCols<Axes>()), nullptr,
-        before, after, offset.unknown.data());
 }
 
 template <int Axes>
@@ -225,18 +174,16 @@ const typename BatchProblem<Axes>::Step& BatchProblem<Axes>::step_over(double dt
     Step& kept = at->second;
     if (!is_new) return kept;
     const AxisStep step = axis_step(model_, static_cast<double>(step_ns) * 1e-9);
-    const Eigen::Matrix3d motion = axis_process_whitener(step);
+    Eigen::Matrix4d moved = Eigen::Matrix4d::Zero();
+    moved.topLeftCorner<3, 3>() = step.transition;
+    moved(3, 3) = step.error_transition;
     kept.after.setZero();
-    for (int row = 0; row < 3; ++row)
-        for (int column = 0; column < 3; ++column)
-            kept.after.template block<Axes, Axes>(row * Axes, column * Axes)
-                .diagonal()
-                .setConstant(motion(row, column));
-    kept.after.template bottomRightCorner<Axes, Axes>().diagonal().setConstant(
-        1.0 / std::sqrt(step.error_noise));
-    kept.before = -kept.after * transition<Axes>(step);
+    kept.after.template topLeftCorner<3, 3>() = axis_process_whitener(step);
+    kept.after(3, 3) = 1.0 / std::sqrt(step.error_noise);
+    kept.before = -kept.after * moved;
     kept.before_unknown = kept.before * unit_.asDiagonal();
     kept.after_unknown = kept.after * unit_.asDiagonal();
+    kept.offset_unknown = -kept.after_unknown.col(0);
     return kept;
 }
 
@@ -254,7 +201,9 @@ template <int Axes>
 std::vector<StateVector<Axes>> BatchProblem<Axes>::states() const {
     std::vector<State> states = reference_;
     for (std::size_t k = 0; k < states.size(); ++k)
-        states[k] += unknowns_[k].cwiseProduct(unit_);
+        for (int axis = 0; axis < Axes; ++axis)
+            for (int i = 0; i < axis_size; ++i)
+                states[k](i * Axes + axis) += unknowns_[k](i, axis) * unit_(i);
     return states;
 }
 
@@ -266,16 +215,29 @@ std::optional<TwoStateCovariance<Axes>> BatchProblem<Axes>::covariance(std::size
     options.sparse_linear_algebra_library_type = ceres::SUITE_SPARSE;
     options.num_threads = 1;
     ceres::Covariance covariance(options);
-    const double* first = unknowns_[s].data();
-    const double* last = unknowns_[e].data();
-    if (!covariance.Compute({{first, first}, {last, last}, {first, last}}, &problem_)) return {};
-    const auto block = [&](const double* row, const double* column) {
-        RowMajor scaled;
-        covariance.GetCovarianceBlock(row, column, scaled.data());
-        return StateMatrix<Axes>(unit_.asDiagonal() * scaled * unit_.asDiagonal());
+    std::vector<const double*> blocks;
+    for (const std::size_t k : {s, e})
+        for (int axis = 0; axis < Axes; ++axis)
+            blocks.push_back(unknowns_[k].col(axis).data());
+    if (!covariance.Compute(blocks, &problem_)) return {};
+    constexpr int n = state_size<Axes>;
+    Eigen::Matrix<double, 2 * n, 2 * n, Eigen::RowMajor> scaled;
+    covariance.GetCovarianceMatrix(blocks, scaled.data());
+    const auto block = [&](int rows, int columns) {
+        StateMatrix<Axes> result;
+        for (int row = 0; row < n; ++row)
+            for (int column = 0; column < n; ++column) {
+                // By axis in the problem, by position, velocity and so on in a state.
+                const int i = row / Axes;
+                const int j = column / Axes;
+                result(row, column) = unit_(i) * unit_(j) *
+                                      scaled(rows * n + row % Axes * axis_size + i,
+                                             columns * n + column % Axes * axis_size + j);
+            }
+        return result;
     };
     return TwoStateCovariance<Axes>{
-        .first = block(first, first), .last = block(last, last), .cross = block(first, last)};
+        .first = block(0, 0), .last = block(1, 1), .cross = block(0, 1)};
 }
 
 template <int Axes>

@@ -43,7 +43,8 @@ struct Convergence {
 /// standard deviation of one step's process noise. In metres and seconds the Jacobian's columns
 /// would differ by many orders of magnitude, and a factorisation would take the small ones for
 /// rounding; about a near reference, rounding of large coordinates does not hide what the cost
-/// still changes by.
+/// still changes by. Each axis of an epoch is a block of its own: axes move independently, and
+/// blocks of zeros would be multiplied and factorised like others.
 template <int Axes>
 class BatchProblem {
   public:
@@ -67,27 +68,33 @@ class BatchProblem {
     std::string where() const;
 
   private:
-    static constexpr int n = state_size<Axes>;
+    /// Position, velocity, acceleration and error of one axis.
+    static constexpr int axis_size = 4;
+    using AxisState = Eigen::Matrix<double, axis_size, 1>;
+    using AxisJacobian = Eigen::Matrix<double, axis_size, axis_size, Eigen::RowMajor>;
     using State = StateVector<Axes>;
-    using RowMajor = Eigen::Matrix<double, n, n, Eigen::RowMajor>;
-
-    class ProcessCost;
-    class BridgedProcessCost;
+    /// A state with a column for each axis, which is a block of unknowns.
+    using AxisStates = Eigen::Matrix<double, axis_size, Axes>;
 
     /// The offset of a bridged step. Of several without a measurement between them only the sum of
     /// the offsets is determined, and least squares shares it equally: they have one.
     struct Offset {
         PositionVector<Axes> reference = PositionVector<Axes>::Zero();
         PositionVector<Axes> unknown = PositionVector<Axes>::Zero();
+        double weight = 0.0;  ///< of the unknown in its prior
     };
 
-    /// One length of step: what makes whitened process noise of two states, and of two unknowns.
+    /// One length of step: what makes whitened process noise of two states of an axis, and of two
+    /// unknowns.
     struct Step {
-        RowMajor before;
-        RowMajor after;
-        RowMajor before_unknown;
-        RowMajor after_unknown;
+        AxisJacobian before;
+        AxisJacobian after;
+        AxisJacobian before_unknown;
+        AxisJacobian after_unknown;
+        AxisState offset_unknown;
     };
+
+    static AxisStates by_axis(const State& state);
 
     void add_prior();
     void add_measurement(std::size_t k, ceres::LossFunction* loss);
@@ -98,8 +105,9 @@ class BatchProblem {
     std::span<const ArcEpoch<Axes>> stretch_;
     EstimationModel model_;
     std::vector<State> reference_;
-    State unit_;
-    std::vector<State> unknowns_;
+    AxisState unit_;
+    std::vector<AxisStates> unknowns_;
+    AxisJacobian prior_unknown_;
     std::deque<Offset> offsets_;
     std::map<std::size_t, Offset*> offset_before_;  ///< by the epoch that follows the step
     std::map<std::int64_t, Step> steps_;  ///< by nanoseconds; the problem's costs refer to them

@@ -3,11 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <exception>
+#include <tuple>
 
 #include "arcs/arcs.h"
 #include "arcs/noise_models.h"
 #include "core/failure.h"
+#include "core/parallel.h"
 #include "estimation/speed.h"
 #include "stages/smooth/batch.h"
 #include "stages/smooth/dhd22.h"
@@ -105,30 +109,43 @@ std::int64_t offsets_told(const Arc<2>& arc) {
     return told;
 }
 
+/// How well batch and smoother agree.
+struct Agreement {
+    std::int64_t stretches = 0;  ///< of the batch
+    double largest_position_difference_m = 0.0;
+    double largest_velocity_difference_mps = 0.0;
+
+    void add(const Agreement& other) {
+        stretches += other.stretches;
+        largest_position_difference_m =
+            std::max(largest_position_difference_m, other.largest_position_difference_m);
+        largest_velocity_difference_mps =
+            std::max(largest_velocity_difference_mps, other.largest_velocity_difference_mps);
+    }
+};
+
 /// Compares the batch solution with the smoothed one.
 template <int Axes>
-void compare_batch(const Arc<Axes>& arc, const SmoothedArc<Axes>& smoothed,
-                   const BatchSolution<Axes>& batch, TrajectoryTable& table) {
-    EstimationSummary& summary = table.estimation;
-    summary.batch_stretches += batch.stretches;
+Agreement compare_batch(const Arc<Axes>& arc, const SmoothedArc<Axes>& smoothed,
+                        const BatchSolution<Axes>& batch,
+                        const std::vector<TrajectoryEpoch>& rows) {
+    Agreement agreement{.stretches = batch.stretches};
     for (std::size_t k = 0; k < batch.states.size(); ++k) {
         const StateVector<Axes> difference = batch.states[k] - smoothed.states[k].mean;
         const double position_m = difference.template head<Axes>().norm();
         const double velocity_mps = difference.template segment<Axes>(Axes).norm();
-        summary.largest_position_difference_m =
-            std::max(summary.largest_position_difference_m, position_m);
-        summary.largest_velocity_difference_mps =
-            std::max(summary.largest_velocity_difference_mps, velocity_mps);
+        agreement.add({.largest_position_difference_m = position_m,
+                       .largest_velocity_difference_mps = velocity_mps});
         if (!(position_m <= agreement_position_m && velocity_mps <= agreement_velocity_mps))
             throw Failure(
-                fmt::format("epoch {}, {:.3f} s", table.rows[arc.rows[k]].epoch,
-                            arc.epochs[k].time_s),
+                fmt::format("epoch {}, {:.3f} s", rows[arc.rows[k]].epoch, arc.epochs[k].time_s),
                 fmt::format("smoother and batch least squares differ by {:.2e} m and {:.2e} m/s, "
                             "more than {:.0e} m and {:.0e} m/s",
                             position_m, velocity_mps, agreement_position_m, agreement_velocity_mps),
                 "The estimate cannot be trusted here; check stated accuracies and time steps, and "
                 "report it with the run folder");
     }
+    return agreement;
 }
 
 /// The batch with a robust loss over the epochs that the innovation test kept and rejected.
@@ -149,55 +166,85 @@ void set_robust(const Arc<2>& arc, const SmoothedArc<2>& smoothed, const Estimat
     }
 }
 
+/// Does tasks beside one another; of several that fail, the failure is that of the first in this
+/// order, whichever was first in time.
+template <class... Task>
+void do_together_in_order(const Task&... task) {
+    std::array<std::exception_ptr, sizeof...(Task)> failures;
+    std::size_t next = 0;
+    const auto guarded = [&](const auto& one) {
+        return [&one, &failure = failures[next++]] {
+            try {
+                one();
+            } catch (...) {
+                failure = std::current_exception();
+            }
+        };
+    };
+    std::tuple tasks{guarded(task)...};
+    std::apply([](const auto&... one) { do_together(one...); }, tasks);
+    for (const std::exception_ptr& failure : failures)
+        if (failure) std::rethrow_exception(failure);
+}
+
 template <int Axes>
 struct AxesResult {
     AxesEstimation estimation;
     std::vector<Arc<Axes>> arcs;
     std::vector<SmoothedArc<Axes>> smoothed;
+    Agreement agreement;
 };
 
-/// Learns the noise, smooths every arc with it and compares with the batch.
+/// Solves every arc as a batch, and compares.
 template <int Axes>
+Agreement check_by_batch(const AxesResult<Axes>& result, const EstimationModel& model,
+                         std::vector<TrajectoryEpoch>& rows) {
+    Agreement agreement;
+    for (std::size_t a = 0; a < result.arcs.size(); ++a) {
+        const Arc<Axes>& arc = result.arcs[a];
+        const BatchSolution<Axes> batch = solve_batch<Axes>(arc.epochs, model);
+        agreement.add(compare_batch(arc, result.smoothed[a], batch, rows));
+        if constexpr (Axes == 2)
+            for (std::size_t k = 0; k < batch.states.size(); ++k)
+                rows[arc.rows[k]].speed_batch_mps = batch.states[k].template segment<2>(2).norm();
+    }
+    return agreement;
+}
+
+/// Learns the noise, smooths every arc with it and compares with the batch; beside that does what
+/// else is to be done with the arcs and what they are smoothed to, `also(result, model)`, which may
+/// write other columns of the table.
+template <int Axes, class Also>
 AxesResult<Axes> estimate(const ScreenedTable& screened, const SmoothConfig& config,
-                          TrajectoryTable& table) {
+                          TrajectoryTable& table, const Also& also) {
     AxesResult<Axes> result;
     result.arcs = arcs_of<Axes>(screened);
     result.estimation.noise = learn_noise<Axes>(result.arcs, config);
     const EstimationModel model = model_of(result.estimation.noise);
-    for (const Arc<Axes>& arc : result.arcs) {
+    for (const Arc<Axes>& arc : result.arcs)
         result.smoothed.push_back(smooth<Axes>(arc.epochs, model));
-        const BatchSolution<Axes> batch = solve_batch<Axes>(arc.epochs, model);
-        compare_batch(arc, result.smoothed.back(), batch, table);
-        if constexpr (Axes == 2)
-            for (std::size_t k = 0; k < batch.states.size(); ++k)
-                table.rows[arc.rows[k]].speed_batch_mps =
-                    batch.states[k].template segment<2>(2).norm();
-    }
     EstimationModel as_stated;
     as_stated.motion.jerk_density = config.fit.initial_jerk_density;
-    result.estimation.health = filter_health(result.arcs, result.smoothed, model, as_stated);
+    do_together_in_order(
+        [&] { result.agreement = check_by_batch<Axes>(result, model, table.rows); },
+        [&] { also(result, model); },
+        [&] {
+            result.estimation.health =
+                filter_health(result.arcs, result.smoothed, model, as_stated);
+        });
     return result;
 }
 
-void estimate_horizontal(const ScreenedTable& screened, const SmoothConfig& config,
-                         TrajectoryTable& table) {
-    const AxesResult<2> result = estimate<2>(screened, config, table);
-    const EstimationModel model = model_of(result.estimation.noise);
-    const auto robust_arcs = arcs_of<2>(screened, Measurements::before_rejection);
-    EstimationSummary& summary = table.estimation;
+/// What of the summary is the horizontal estimate's alone.
+void summarise_horizontal(const AxesResult<2>& result, EstimationSummary& summary) {
     summary.arcs = static_cast<std::int64_t>(result.arcs.size());
     double innovation_sum = 0.0;
     for (std::size_t a = 0; a < result.arcs.size(); ++a) {
-        const Arc<2>& arc = result.arcs[a];
         innovation_sum += result.smoothed[a].innovation_sum;
         // The vague prior leaves position, velocity and acceleration of each axis to the data, and
         // so are the offsets of bridged steps.
         summary.degrees_of_freedom +=
-            2 * result.smoothed[a].measurements - 6 - 2 * offsets_told(arc);
-        for (std::size_t k = 0; k < arc.rows.size(); ++k)
-            set_horizontal(result.smoothed[a].states[k], table.rows[arc.rows[k]]);
-        set_robust(robust_arcs[a], result.smoothed[a], model, config, table);
-        set_paper_methods(arc, config, table.rows);
+            2 * result.smoothed[a].measurements - 6 - 2 * offsets_told(result.arcs[a]);
     }
     if (summary.degrees_of_freedom > 0)
         summary.variance_factor = innovation_sum / static_cast<double>(summary.degrees_of_freedom);
@@ -206,13 +253,33 @@ void estimate_horizontal(const ScreenedTable& screened, const SmoothConfig& conf
     summary.horizontal = result.estimation;
 }
 
-void estimate_vertical(const ScreenedTable& screened, const SmoothConfig& config,
-                       TrajectoryTable& table) {
-    const AxesResult<1> result = estimate<1>(screened, config, table);
+Agreement estimate_horizontal(const ScreenedTable& screened, const SmoothConfig& config,
+                              TrajectoryTable& table) {
+    const AxesResult<2> result = estimate<2>(
+        screened, config, table, [&](const AxesResult<2>& smoothed, const EstimationModel& model) {
+            const auto robust_arcs = arcs_of<2>(screened, Measurements::before_rejection);
+            for (std::size_t a = 0; a < robust_arcs.size(); ++a)
+                set_robust(robust_arcs[a], smoothed.smoothed[a], model, config, table);
+        });
+    for (std::size_t a = 0; a < result.arcs.size(); ++a) {
+        const Arc<2>& arc = result.arcs[a];
+        for (std::size_t k = 0; k < arc.rows.size(); ++k)
+            set_horizontal(result.smoothed[a].states[k], table.rows[arc.rows[k]]);
+        set_paper_methods(arc, config, table.rows);
+    }
+    summarise_horizontal(result, table.estimation);
+    return result.agreement;
+}
+
+Agreement estimate_vertical(const ScreenedTable& screened, const SmoothConfig& config,
+                            TrajectoryTable& table) {
+    const AxesResult<1> result =
+        estimate<1>(screened, config, table, [](const AxesResult<1>&, const EstimationModel&) {});
     for (std::size_t a = 0; a < result.arcs.size(); ++a)
         for (std::size_t k = 0; k < result.arcs[a].rows.size(); ++k)
             set_vertical(result.smoothed[a].states[k], table.rows[result.arcs[a].rows[k]]);
     table.estimation.vertical = result.estimation;
+    return result.agreement;
 }
 
 }  // namespace
@@ -247,8 +314,18 @@ TrajectoryTable smooth_trajectory(const ScreenedTable& screened, const SmoothCon
         epoch.usable = row.usable;
         if (row.arc) epoch.step_before = row.break_before == ArcBreak::bridged;
     }
-    estimate_horizontal(screened, config, table);
-    if (screened.facts.vertical_measured) estimate_vertical(screened, config, table);
+    // Beside one another: each sets its own columns, and its own part of the summary.
+    Agreement agreement;
+    Agreement of_heights;
+    do_together_in_order([&] { agreement = estimate_horizontal(screened, config, table); },
+                         [&] {
+                             if (screened.facts.vertical_measured)
+                                 of_heights = estimate_vertical(screened, config, table);
+                         });
+    agreement.add(of_heights);
+    table.estimation.batch_stretches = agreement.stretches;
+    table.estimation.largest_position_difference_m = agreement.largest_position_difference_m;
+    table.estimation.largest_velocity_difference_mps = agreement.largest_velocity_difference_mps;
     return table;
 }
 

@@ -16,7 +16,10 @@ namespace {
 
 ceres::Problem::Options problem_options() {
     ceres::Problem::Options options;
-    options.disable_all_safety_checks = true;  // each block is added once
+    // Each block is added once, and none is shared: Ceres need keep no books of them.
+    options.disable_all_safety_checks = true;
+    options.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
+    options.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
     return options;
 }
 
@@ -74,19 +77,24 @@ BatchProblem<Axes>::BatchProblem(std::span<const ArcEpoch<Axes>> stretch,
         const AxisStep step = axis_step(model, stretch[1].time_s - stretch[0].time_s);
         unit_ << step.process_noise.diagonal().cwiseSqrt(), std::sqrt(step.error_noise);
     }
-    // The problem owns losses and costs.
-    ceres::LossFunction* loss = cauchy_scale ? new ceres::CauchyLoss(*cauchy_scale) : nullptr;
+    if (cauchy_scale) loss_ = std::make_unique<ceres::CauchyLoss>(*cauchy_scale);
     add_prior();
     add_offsets();
     for (std::size_t k = 0; k < stretch.size(); ++k) {
         if (k > 0) add_process(k);
-        if (stretch[k].measurement) add_measurement(k, loss);
+        if (stretch[k].measurement) add_measurement(k);
     }
 }
 
 template <int Axes>
 typename BatchProblem<Axes>::AxisStates BatchProblem<Axes>::by_axis(const State& state) {
     return Eigen::Map<const Eigen::Matrix<double, Axes, axis_size>>(state.data()).transpose();
+}
+
+template <int Axes>
+ceres::CostFunction* BatchProblem<Axes>::keep(ceres::CostFunction* cost) {
+    costs_.emplace_back(cost);
+    return cost;
 }
 
 template <int Axes>
@@ -99,20 +107,20 @@ void BatchProblem<Axes>::add_prior() {
     prior_unknown_ = weights.col(0).cwiseProduct(unit_).asDiagonal();
     for (int axis = 0; axis < Axes; ++axis)
         problem_.AddResidualBlock(
-            new LinearCost<axis_size, axis_size>(offset.col(axis), {prior_unknown_.data()}),
+            keep(new LinearCost<axis_size, axis_size>(offset.col(axis), {prior_unknown_.data()})),
             nullptr, unknowns_.front().col(axis).data());
 }
 
 template <int Axes>
-void BatchProblem<Axes>::add_measurement(std::size_t k, ceres::LossFunction* loss) {
+void BatchProblem<Axes>::add_measurement(std::size_t k) {
     const PositionMeasurement<Axes>& measurement = *stretch_[k].measurement;
     std::array<double*, Axes> unknowns;
     for (int axis = 0; axis < Axes; ++axis)
         unknowns[static_cast<std::size_t>(axis)] = unknowns_[k].col(axis).data();
     problem_.AddResidualBlock(
-        new MeasurementCost<Axes>(whitened_residual<Axes>(measurement, model_, reference_[k]),
-                                  whitener<Axes>(measurement, model_), unit_(0), unit_(3)),
-        loss, unknowns.data(), Axes);
+        keep(new MeasurementCost<Axes>(whitened_residual<Axes>(measurement, model_, reference_[k]),
+                                       whitener<Axes>(measurement, model_), unit_(0), unit_(3))),
+        loss_.get(), unknowns.data(), Axes);
 }
 
 /// The offsets that the stretch determines, with their prior. A step that no measurement follows
@@ -135,8 +143,9 @@ void BatchProblem<Axes>::add_offsets() {
         offset.weight = weight * unit_(0);
         for (int axis = 0; axis < Axes; ++axis)
             problem_.AddResidualBlock(
-                new LinearCost<1, 1>(Eigen::Matrix<double, 1, 1>(weight * offset.reference(axis)),
-                                     {&offset.weight}),
+                keep(new LinearCost<1, 1>(
+                    Eigen::Matrix<double, 1, 1>(weight * offset.reference(axis)),
+                    {&offset.weight})),
                 nullptr, &offset.unknown(axis));
         open.clear();
     }
@@ -153,16 +162,16 @@ void BatchProblem<Axes>::add_process(std::size_t k) {
         double* const after = unknowns_[k].col(axis).data();
         if (bridged == offset_before_.end()) {
             problem_.AddResidualBlock(
-                new LinearCost<axis_size, axis_size, axis_size>(
-                    noise.col(axis), {step.before_unknown.data(), step.after_unknown.data()}),
+                keep(new LinearCost<axis_size, axis_size, axis_size>(
+                    noise.col(axis), {step.before_unknown.data(), step.after_unknown.data()})),
                 nullptr, before, after);
             continue;
         }
         Offset& offset = *bridged->second;
         const AxisState known = noise.col(axis) - step.after.col(0) * offset.reference(axis);
-        problem_.AddResidualBlock(new LinearCost<axis_size, axis_size, axis_size, 1>(
+        problem_.AddResidualBlock(keep(new LinearCost<axis_size, axis_size, axis_size, 1>(
                                       known, {step.before_unknown.data(), step.after_unknown.data(),
-                                              step.offset_unknown.data()}),
+                                              step.offset_unknown.data()})),
                                   nullptr, before, after, &offset.unknown(axis));
     }
 }

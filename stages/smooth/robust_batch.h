@@ -1,10 +1,13 @@
 #pragma once
 
+#include <ceres/cost_function.h>
+#include <ceres/loss_function.h>
 #include <ceres/problem.h>
 
 #include <cstdint>
 #include <deque>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -96,8 +99,9 @@ class BatchProblem {
 
     static AxisStates by_axis(const State& state);
 
+    ceres::CostFunction* keep(ceres::CostFunction* cost);
     void add_prior();
-    void add_measurement(std::size_t k, ceres::LossFunction* loss);
+    void add_measurement(std::size_t k);
     void add_process(std::size_t k);
     void add_offsets();
     const Step& step_over(double dt_s);
@@ -111,6 +115,8 @@ class BatchProblem {
     std::deque<Offset> offsets_;
     std::map<std::size_t, Offset*> offset_before_;  ///< by the epoch that follows the step
     std::map<std::int64_t, Step> steps_;  ///< by nanoseconds; the problem's costs refer to them
+    std::unique_ptr<ceres::LossFunction> loss_;  ///< of the measurements
+    std::vector<std::unique_ptr<ceres::CostFunction>> costs_;
     ceres::Problem problem_;
 };
 

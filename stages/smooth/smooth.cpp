@@ -12,11 +12,10 @@
 #include "arcs/noise_models.h"
 #include "core/failure.h"
 #include "core/parallel.h"
-#include "estimation/speed.h"
 #include "stages/smooth/batch.h"
-#include "stages/smooth/dhd22.h"
 #include "stages/smooth/health.h"
 #include "stages/smooth/noise.h"
+#include "stages/smooth/trajectory_rows.h"
 
 namespace runcert {
 namespace {
@@ -24,76 +23,9 @@ namespace {
 constexpr double agreement_position_m = 1e-6;
 constexpr double agreement_velocity_mps = 1e-5;
 
-void set_horizontal(const StateEstimate<2>& state, TrajectoryEpoch& row) {
-    const StateVector<2>& mean = state.mean;
-    const StateVector<2> sigma = state.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
-    row.east_m = mean(0);
-    row.north_m = mean(1);
-    row.velocity_east_mps = mean(2);
-    row.velocity_north_mps = mean(3);
-    row.acceleration_east_mps2 = mean(4);
-    row.acceleration_north_mps2 = mean(5);
-    row.sigma_east_m = sigma(0);
-    row.sigma_north_m = sigma(1);
-    row.sigma_velocity_east_mps = sigma(2);
-    row.sigma_velocity_north_mps = sigma(3);
-    row.sigma_acceleration_east_mps2 = sigma(4);
-    row.sigma_acceleration_north_mps2 = sigma(5);
-    const SpeedEstimate speed =
-        horizontal_speed(mean.segment<2>(2), state.covariance.block<2, 2>(2, 2));
-    row.speed_mps = speed.speed_mps;
-    row.sigma_speed_mps = speed.standard_uncertainty_mps;
-}
-
-void set_vertical(const StateEstimate<1>& state, TrajectoryEpoch& row) {
-    const StateVector<1> sigma = state.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
-    row.up_m = state.mean(0);
-    row.velocity_up_mps = state.mean(1);
-    row.acceleration_up_mps2 = state.mean(2);
-    row.sigma_up_m = sigma(0);
-    row.sigma_velocity_up_mps = sigma(1);
-    row.sigma_acceleration_up_mps2 = sigma(2);
-}
-
-/// Positions that may be differenced: no bridged step lies between them.
-struct PositionRun {
-    std::vector<PlanePosition> positions;
-    std::vector<std::size_t> rows;  ///< of the table
-    bool after_step = false;
-};
-
-/// The usable positions of an arc.
-std::vector<PositionRun> position_runs(const Arc<2>& arc) {
-    std::vector<PositionRun> runs(1);
-    for (std::size_t k = 0; k < arc.epochs.size(); ++k) {
-        if (k > 0 && arc.epochs[k].step_before) runs.push_back({{}, {}, true});
-        const auto& measurement = arc.epochs[k].measurement;
-        if (!measurement) continue;
-        runs.back().positions.push_back(
-            {.time_s = arc.epochs[k].time_s,
-             .position = measurement->position,
-             .sigma_m = std::sqrt(measurement->covariance.trace() / 2.0)});
-        runs.back().rows.push_back(arc.rows[k]);
-    }
-    return runs;
-}
-
-/// The methods of [DHD22], on either side of a bridged step by itself. The filter begins at rest:
-/// after a step the craft is not, and at the first position the filter has nothing to say yet.
-void set_paper_methods(const Arc<2>& arc, const SmoothConfig& config,
-                       std::vector<TrajectoryEpoch>& rows) {
-    for (const PositionRun& run : position_runs(arc)) {
-        const auto v1 = speed_v1(run.positions);
-        const auto v2 = speed_v2(run.positions);
-        const auto filtered = filter_dhd22(run.positions, config.dhd22_acceleration_sigma_mps2);
-        for (std::size_t k = 0; k < run.rows.size(); ++k) {
-            TrajectoryEpoch& row = rows[run.rows[k]];
-            row.speed_v1_mps = v1[k];
-            row.speed_v2_mps = v2[k];
-            if (k > 0 || !run.after_step) row.speed_kalman_mps = filtered[k].speed_mps();
-        }
-    }
-}
+/// How the batch is cut at first, and what part of the agreement asked for must then be reached.
+constexpr BatchOptions short_stretches{.epochs_at_once = 12'000, .overlap = 2'000};
+constexpr double near_the_smoother = 0.1;
 
 /// How many offsets of bridged steps the measurements of an arc tell: of steps without a
 /// measurement between them only the sum.
@@ -115,6 +47,11 @@ struct Agreement {
     double largest_position_difference_m = 0.0;
     double largest_velocity_difference_mps = 0.0;
 
+    bool within(double position_m, double velocity_mps) const {
+        return largest_position_difference_m <= position_m &&
+               largest_velocity_difference_mps <= velocity_mps;
+    }
+
     void add(const Agreement& other) {
         stretches += other.stretches;
         largest_position_difference_m =
@@ -124,6 +61,14 @@ struct Agreement {
     }
 };
 
+template <int Axes>
+Agreement agreement_at(const SmoothedArc<Axes>& smoothed, const BatchSolution<Axes>& batch,
+                       std::size_t k) {
+    const StateVector<Axes> difference = batch.states[k] - smoothed.states[k].mean;
+    return {.largest_position_difference_m = difference.template head<Axes>().norm(),
+            .largest_velocity_difference_mps = difference.template segment<Axes>(Axes).norm()};
+}
+
 /// Compares the batch solution with the smoothed one.
 template <int Axes>
 Agreement compare_batch(const Arc<Axes>& arc, const SmoothedArc<Axes>& smoothed,
@@ -131,21 +76,38 @@ Agreement compare_batch(const Arc<Axes>& arc, const SmoothedArc<Axes>& smoothed,
                         const std::vector<TrajectoryEpoch>& rows) {
     Agreement agreement{.stretches = batch.stretches};
     for (std::size_t k = 0; k < batch.states.size(); ++k) {
-        const StateVector<Axes> difference = batch.states[k] - smoothed.states[k].mean;
-        const double position_m = difference.template head<Axes>().norm();
-        const double velocity_mps = difference.template segment<Axes>(Axes).norm();
-        agreement.add({.largest_position_difference_m = position_m,
-                       .largest_velocity_difference_mps = velocity_mps});
-        if (!(position_m <= agreement_position_m && velocity_mps <= agreement_velocity_mps))
+        const Agreement here = agreement_at(smoothed, batch, k);
+        agreement.add(here);
+        if (!here.within(agreement_position_m, agreement_velocity_mps))
             throw Failure(
                 fmt::format("epoch {}, {:.3f} s", rows[arc.rows[k]].epoch, arc.epochs[k].time_s),
                 fmt::format("smoother and batch least squares differ by {:.2e} m and {:.2e} m/s, "
                             "more than {:.0e} m and {:.0e} m/s",
-                            position_m, velocity_mps, agreement_position_m, agreement_velocity_mps),
+                            here.largest_position_difference_m,
+                            here.largest_velocity_difference_mps, agreement_position_m,
+                            agreement_velocity_mps),
                 "The estimate cannot be trusted here; check stated accuracies and time steps, and "
                 "report it with the run folder");
     }
     return agreement;
+}
+
+/// The batch in short stretches, which take less memory and can be solved beside one another;
+/// where that is not near the smoother, because the states of this arc remember longer, in longer
+/// ones, and at last as a whole, so that no difference is the cuts'.
+template <int Axes>
+BatchSolution<Axes> solve_in_stretches(const Arc<Axes>& arc, const SmoothedArc<Axes>& smoothed,
+                                       const EstimationModel& model) {
+    for (const BatchOptions& cuts : {short_stretches, BatchOptions{}}) {
+        BatchSolution<Axes> batch = solve_batch<Axes>(arc.epochs, model, cuts);
+        bool near = true;
+        for (std::size_t k = 0; k < batch.states.size() && near; ++k)
+            near = agreement_at(smoothed, batch, k)
+                       .within(near_the_smoother * agreement_position_m,
+                               near_the_smoother * agreement_velocity_mps);
+        if (near || batch.stretches == 1) return batch;
+    }
+    return solve_batch<Axes>(arc.epochs, model, {.epochs_at_once = arc.epochs.size()});
 }
 
 /// The batch with a robust loss over the epochs that the innovation test kept and rejected.
@@ -202,7 +164,7 @@ Agreement check_by_batch(const AxesResult<Axes>& result, const EstimationModel& 
     Agreement agreement;
     for (std::size_t a = 0; a < result.arcs.size(); ++a) {
         const Arc<Axes>& arc = result.arcs[a];
-        const BatchSolution<Axes> batch = solve_batch<Axes>(arc.epochs, model);
+        const BatchSolution<Axes> batch = solve_in_stretches<Axes>(arc, result.smoothed[a], model);
         agreement.add(compare_batch(arc, result.smoothed[a], batch, rows));
         if constexpr (Axes == 2)
             for (std::size_t k = 0; k < batch.states.size(); ++k)
@@ -265,7 +227,7 @@ Agreement estimate_horizontal(const ScreenedTable& screened, const SmoothConfig&
         const Arc<2>& arc = result.arcs[a];
         for (std::size_t k = 0; k < arc.rows.size(); ++k)
             set_horizontal(result.smoothed[a].states[k], table.rows[arc.rows[k]]);
-        set_paper_methods(arc, config, table.rows);
+        set_paper_methods(arc, config.dhd22_acceleration_sigma_mps2, table.rows);
     }
     summarise_horizontal(result, table.estimation);
     return result.agreement;

@@ -19,17 +19,6 @@ constexpr double least_information = 0.05;
 /// A prediction is vague where the measurement says so many times more of the position.
 constexpr double vague_before = 1e3;
 
-/// The blocks of positions, velocities, accelerations and errors, in place, carried over a step.
-template <int Axes, class Rows>
-void carry_rows(const AxisStep& axis, Rows& rows) {
-    const Eigen::Matrix3d& f = axis.transition;
-    rows.template topRows<Axes>() += f(0, 1) * rows.template middleRows<Axes>(Axes) +
-                                     f(0, 2) * rows.template middleRows<Axes>(2 * Axes);
-    rows.template middleRows<Axes>(Axes) += f(1, 2) * rows.template middleRows<Axes>(2 * Axes);
-    rows.template middleRows<Axes>(2 * Axes) *= f(2, 2);
-    rows.template bottomRows<Axes>() *= axis.error_transition;
-}
-
 /// What a measurement sees of a state, and what it says to one.
 template <int Axes>
 PositionVector<Axes> seen(const StateVector<Axes>& state) {
@@ -57,7 +46,7 @@ RobustChain<Axes>::RobustChain(std::span<const ArcEpoch<Axes>> stretch,
         if (k > 0) {
             link.step =
                 &step_over(stretch[k].time_s - stretch[k - 1].time_s, stretch[k].step_before);
-            link.defect = start[k] - carried(link.step->axis, start[k - 1]);
+            link.defect = start[k] - link.step->carried(start[k - 1]);
         } else {
             link.defect = start[k] - prior.mean;
         }
@@ -69,79 +58,18 @@ RobustChain<Axes>::RobustChain(std::span<const ArcEpoch<Axes>> stretch,
     }
 }
 
-/// Across a bridged step the position may move by its offset, of which the prior says next to
-/// nothing: the offset need be no unknown beside the states.
 template <int Axes>
-const typename RobustChain<Axes>::Step& RobustChain<Axes>::step_over(double dt_s, bool bridged) {
+const ChainStep<Axes>& RobustChain<Axes>::step_over(double dt_s, bool bridged) {
     const std::int64_t step_ns = std::llround(dt_s * 1e9);
-    const auto [at, is_new] = steps_.try_emplace({step_ns, bridged});
-    Step& kept = at->second;
-    if (!is_new) return kept;
-    kept.axis = axis_step(model_, static_cast<double>(step_ns) * 1e-9);
-    if (bridged) kept.axis.process_noise(0, 0) += vague_position_sigma_m * vague_position_sigma_m;
-    kept.motion_whitener = axis_process_whitener(kept.axis);
-    kept.error_whitener = 1.0 / std::sqrt(kept.axis.error_noise);
-    kept.noise = process_noise<Axes>(kept.axis);
-    return kept;
-}
-
-template <int Axes>
-StateVector<Axes> RobustChain<Axes>::carried(const AxisStep& axis, const State& state) {
-    State after = state;
-    carry_rows<Axes>(axis, after);
-    return after;
-}
-
-/// The transposed transition.
-template <int Axes>
-StateVector<Axes> RobustChain<Axes>::carried_back(const AxisStep& axis, const State& state) {
-    const Eigen::Matrix3d& f = axis.transition;
-    State before = state;
-    before.template segment<Axes>(2 * Axes) *= f(2, 2);
-    before.template segment<Axes>(2 * Axes) +=
-        f(1, 2) * state.template segment<Axes>(Axes) + f(0, 2) * state.template head<Axes>();
-    before.template segment<Axes>(Axes) += f(0, 1) * state.template head<Axes>();
-    before.template tail<Axes>() *= axis.error_transition;
-    return before;
-}
-
-template <int Axes>
-StateMatrix<Axes> RobustChain<Axes>::predicted(const Step& step,
-                                               const StateMatrix<Axes>& covariance) {
-    StateMatrix<Axes> one_side = covariance;
-    carry_rows<Axes>(step.axis, one_side);
-    StateMatrix<Axes> both = one_side.transpose();
-    carry_rows<Axes>(step.axis, both);
-    return both + step.noise;
-}
-
-template <int Axes>
-StateVector<Axes> RobustChain<Axes>::whitened(const Step& step, const State& defect) {
-    const Eigen::Matrix3d& w = step.motion_whitener;
-    const auto block = [&](int i) { return defect.template segment<Axes>(i * Axes); };
-    State white;
-    white << w(0, 0) * block(0) + w(0, 1) * block(1) + w(0, 2) * block(2),
-        w(1, 1) * block(1) + w(1, 2) * block(2), w(2, 2) * block(2), step.error_whitener * block(3);
-    return white;
-}
-
-/// The transposed of `whitened`.
-template <int Axes>
-StateVector<Axes> RobustChain<Axes>::unwhitened(const Step& step, const State& white) {
-    const Eigen::Matrix3d& w = step.motion_whitener;
-    const auto block = [&](int i) { return white.template segment<Axes>(i * Axes); };
-    State result;
-    result << w(0, 0) * block(0), w(0, 1) * block(0) + w(1, 1) * block(1),
-        w(0, 2) * block(0) + w(1, 2) * block(1) + w(2, 2) * block(2),
-        step.error_whitener * block(3);
-    return result;
+    const auto at = steps_.try_emplace({step_ns, bridged}, model_, step_ns, bridged).first;
+    return at->second;
 }
 
 template <int Axes>
 StateVector<Axes> RobustChain<Axes>::defect_gradient(std::size_t k) const {
     const Link& link = links_[k];
     if (!link.step) return link.defect.cwiseQuotient(prior_variance_);
-    return unwhitened(*link.step, whitened(*link.step, link.defect));
+    return link.step->unwhitened(link.step->whitened(link.defect));
 }
 
 template <int Axes>
@@ -157,7 +85,7 @@ void RobustChain<Axes>::set_gradients() {
         }
         if (k + 1 == links_.size()) break;
         by_defect = defect_gradient(k + 1);
-        link.gradient -= carried_back(links_[k + 1].step->axis, by_defect);
+        link.gradient -= links_[k + 1].step->carried_back(by_defect);
     }
 }
 
@@ -182,8 +110,8 @@ void RobustChain<Axes>::pass_along(Curvature curvature) {
     State change = State::Zero();
     for (Link& link : links_) {
         if (link.step) {
-            covariance = predicted(*link.step, covariance);
-            change = carried(link.step->axis, change);
+            covariance = link.step->predicted(covariance);
+            change = link.step->carried(change);
         }
         State pull = -link.gradient;
         if (link.measured) {
@@ -230,11 +158,11 @@ template <int Axes>
 StateVector<Axes> RobustChain<Axes>::pull_on_prediction(std::size_t k, const State& after) const {
     const Link& link = links_[k];
     if (link.was_vague) {
-        const StateMatrix<Axes> covariance = predicted(*link.step, links_[k - 1].covariance);
+        const StateMatrix<Axes> covariance = link.step->predicted(links_[k - 1].covariance);
         const State inverse_sigma = covariance.diagonal().cwiseSqrt().cwiseInverse();
         const StateMatrix<Axes> scaled =
             inverse_sigma.asDiagonal() * covariance * inverse_sigma.asDiagonal();
-        const State made = link.change - carried(link.step->axis, links_[k - 1].change);
+        const State made = link.change - link.step->carried(links_[k - 1].change);
         return inverse_sigma.cwiseProduct(scaled.llt().solve(inverse_sigma.cwiseProduct(made)));
     }
     State pull = after - link.gradient;
@@ -253,7 +181,7 @@ double RobustChain<Axes>::pass_back() {
         link.change += link.covariance * pull;
         falls -= link.gradient.dot(link.change);
         if (k == 0) break;
-        pull = carried_back(link.step->axis, pull_on_prediction(k, pull));
+        pull = link.step->carried_back(pull_on_prediction(k, pull));
     }
     return falls;
 }
@@ -267,7 +195,7 @@ template <int Axes>
 StateVector<Axes> RobustChain<Axes>::defect_after(std::size_t k) const {
     const Link& link = links_[k];
     if (!link.step) return link.defect + link.change;
-    return link.defect + (link.change - carried(link.step->axis, links_[k - 1].change));
+    return link.defect + (link.change - link.step->carried(links_[k - 1].change));
 }
 
 template <int Axes>
@@ -277,8 +205,8 @@ double RobustChain<Axes>::loss(const Position& missed) const {
 
 template <int Axes>
 double RobustChain<Axes>::defect_cost(std::size_t k, const State& defect) const {
-    const Step* step = links_[k].step;
-    return step ? whitened(*step, defect).squaredNorm()
+    const ChainStep<Axes>* step = links_[k].step;
+    return step ? step->whitened(defect).squaredNorm()
                 : defect.cwiseAbs2().cwiseQuotient(prior_variance_).sum();
 }
 

@@ -1,13 +1,13 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <map>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "estimation/kalman.h"
+#include "stages/smooth/chain_step.h"
 
 namespace runcert {
 
@@ -45,17 +45,9 @@ class RobustChain {
     using Position = PositionVector<Axes>;
     using PositionSquare = PositionMatrix<Axes>;
 
-    /// One length of step, across a bridged step or not.
-    struct Step {
-        AxisStep axis;
-        Eigen::Matrix3d motion_whitener;
-        double error_whitener = 0.0;
-        StateMatrix<Axes> noise;
-    };
-
     /// One epoch: where the iteration stands, and what the passes of one iteration leave there.
     struct Link {
-        const Step* step = nullptr;  ///< from the epoch before; none at the first
+        const ChainStep<Axes>* step = nullptr;  ///< from the epoch before; none at the first
         bool measured = false;
         bool was_vague = false;  ///< before the measurement
         PositionSquare whitener = PositionSquare::Zero();
@@ -70,13 +62,7 @@ class RobustChain {
 
     enum class Curvature { reweighted, newton };
 
-    static State carried(const AxisStep& axis, const State& state);
-    static State carried_back(const AxisStep& axis, const State& state);
-    static StateMatrix<Axes> predicted(const Step& step, const StateMatrix<Axes>& covariance);
-    static State whitened(const Step& step, const State& defect);
-    static State unwhitened(const Step& step, const State& white);
-
-    const Step& step_over(double dt_s, bool bridged);
+    const ChainStep<Axes>& step_over(double dt_s, bool bridged);
     State defect_gradient(std::size_t k) const;
     void set_gradients();
     PositionSquare information_of(const Link& link, Curvature curvature) const;
@@ -95,7 +81,8 @@ class RobustChain {
     EstimationModel model_;
     double scale_squared_;
     State prior_variance_;
-    std::map<std::pair<std::int64_t, bool>, Step> steps_;  ///< by nanoseconds; links refer to them
+    std::map<std::pair<std::int64_t, bool>, ChainStep<Axes>>
+        steps_;  ///< by nanoseconds; links refer to them
     std::vector<Link> links_;
     std::int64_t iterations_ = 0;
 };

@@ -26,6 +26,7 @@ constexpr double agreement_velocity_mps = 1e-5;
 /// How the batch is cut at first, and what part of the agreement asked for must then be reached.
 constexpr BatchOptions short_stretches{.epochs_at_once = 12'000, .overlap = 2'000};
 constexpr double near_the_smoother = 0.1;
+constexpr double memories_from_a_cut = 15.0;  // exp(-15) of millimetres is rounding
 
 /// How many offsets of bridged steps the measurements of an arc tell: of steps without a
 /// measurement between them only the sum.
@@ -92,14 +93,31 @@ Agreement compare_batch(const Arc<Axes>& arc, const SmoothedArc<Axes>& smoothed,
     return agreement;
 }
 
+/// Whether what a cut of short stretches does to states has died away where they are taken from:
+/// it does with the motion's memory, which is about the time in which the uncertain velocity would
+/// move the position by its own uncertainty, and with the error's correlation time.
+template <int Axes>
+bool forgets_soon(const Arc<Axes>& arc, const SmoothedArc<Axes>& smoothed,
+                  const EstimationModel& model) {
+    const StateMatrix<Axes>& middle = smoothed.states[arc.epochs.size() / 2].covariance;
+    const double memory_s =
+        std::max(std::sqrt(middle(0, 0) / middle(Axes, Axes)), model.error.tau_s);
+    const double interval_s = (arc.epochs.back().time_s - arc.epochs.front().time_s) /
+                              static_cast<double>(arc.epochs.size());
+    return memories_from_a_cut * memory_s <=
+           0.5 * static_cast<double>(short_stretches.overlap) * interval_s;
+}
+
 /// The batch in short stretches, which take less memory and can be solved beside one another;
 /// where that is not near the smoother, because the states of this arc remember longer, in longer
 /// ones, and at last as a whole, so that no difference is the cuts'.
 template <int Axes>
 BatchSolution<Axes> solve_in_stretches(const Arc<Axes>& arc, const SmoothedArc<Axes>& smoothed,
                                        const EstimationModel& model) {
-    for (const BatchOptions& cuts : {short_stretches, BatchOptions{}}) {
-        BatchSolution<Axes> batch = solve_batch<Axes>(arc.epochs, model, cuts);
+    std::vector<BatchOptions> cuts{BatchOptions{}};
+    if (forgets_soon(arc, smoothed, model)) cuts.insert(cuts.begin(), short_stretches);
+    for (const BatchOptions& options : cuts) {
+        BatchSolution<Axes> batch = solve_batch<Axes>(arc.epochs, model, options);
         bool near = true;
         for (std::size_t k = 0; k < batch.states.size() && near; ++k)
             near = agreement_at(smoothed, batch, k)

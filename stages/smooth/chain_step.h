@@ -1,0 +1,94 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+
+#include "estimation/kalman.h"
+
+namespace runcert {
+
+/// The blocks of positions, velocities, accelerations and errors, in place, carried over a step.
+template <int Axes, class Rows>
+void carry_rows(const AxisStep& axis, Rows& rows) {
+    const Eigen::Matrix3d& f = axis.transition;
+    rows.template topRows<Axes>() += f(0, 1) * rows.template middleRows<Axes>(Axes) +
+                                     f(0, 2) * rows.template middleRows<Axes>(2 * Axes);
+    rows.template middleRows<Axes>(Axes) += f(1, 2) * rows.template middleRows<Axes>(2 * Axes);
+    rows.template middleRows<Axes>(2 * Axes) *= f(2, 2);
+    rows.template bottomRows<Axes>() *= axis.error_transition;
+}
+
+/// One length of step of a chain of states, across a bridged step or not: the transition F of all
+/// axes, its noise Q, and the whitener W of that noise, W' W = inverse(Q), by their structure.
+template <int Axes>
+class ChainStep {
+  public:
+    using State = StateVector<Axes>;
+
+    /// Across a bridged step the position may move by its offset, of which the prior says next to
+    /// nothing: the offset need be no unknown beside the states.
+    ChainStep(const EstimationModel& model, std::int64_t step_ns, bool bridged)
+        : axis_(axis_step(model, static_cast<double>(step_ns) * 1e-9)) {
+        if (bridged) axis_.process_noise(0, 0) += vague_position_sigma_m * vague_position_sigma_m;
+        motion_whitener_ = axis_process_whitener(axis_);
+        error_whitener_ = 1.0 / std::sqrt(axis_.error_noise);
+        noise_ = process_noise<Axes>(axis_);
+    }
+
+    /// F x.
+    State carried(const State& state) const {
+        State after = state;
+        carry_rows<Axes>(axis_, after);
+        return after;
+    }
+
+    /// F' x.
+    State carried_back(const State& state) const {
+        const Eigen::Matrix3d& f = axis_.transition;
+        State before = state;
+        before.template segment<Axes>(2 * Axes) *= f(2, 2);
+        before.template segment<Axes>(2 * Axes) +=
+            f(1, 2) * state.template segment<Axes>(Axes) + f(0, 2) * state.template head<Axes>();
+        before.template segment<Axes>(Axes) += f(0, 1) * state.template head<Axes>();
+        before.template tail<Axes>() *= axis_.error_transition;
+        return before;
+    }
+
+    /// F P F' + Q.
+    StateMatrix<Axes> predicted(const StateMatrix<Axes>& covariance) const {
+        StateMatrix<Axes> one_side = covariance;
+        carry_rows<Axes>(axis_, one_side);
+        StateMatrix<Axes> both = one_side.transpose();
+        carry_rows<Axes>(axis_, both);
+        return both + noise_;
+    }
+
+    /// W x.
+    State whitened(const State& defect) const {
+        const Eigen::Matrix3d& w = motion_whitener_;
+        const auto block = [&](int i) { return defect.template segment<Axes>(i * Axes); };
+        State white;
+        white << w(0, 0) * block(0) + w(0, 1) * block(1) + w(0, 2) * block(2),
+            w(1, 1) * block(1) + w(1, 2) * block(2), w(2, 2) * block(2), error_whitener_ * block(3);
+        return white;
+    }
+
+    /// W' x.
+    State unwhitened(const State& white) const {
+        const Eigen::Matrix3d& w = motion_whitener_;
+        const auto block = [&](int i) { return white.template segment<Axes>(i * Axes); };
+        State result;
+        result << w(0, 0) * block(0), w(0, 1) * block(0) + w(1, 1) * block(1),
+            w(0, 2) * block(0) + w(1, 2) * block(1) + w(2, 2) * block(2),
+            error_whitener_ * block(3);
+        return result;
+    }
+
+  private:
+    AxisStep axis_;
+    Eigen::Matrix3d motion_whitener_;
+    double error_whitener_ = 0.0;
+    StateMatrix<Axes> noise_;
+};
+
+}  // namespace runcert

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/failure.h"
@@ -68,6 +69,12 @@ std::size_t interval_span(std::size_t count, double probability) {
     return static_cast<std::size_t>(span);
 }
 
+/// Where the symmetric interval begins among the sorted values. The r of the standard counts from
+/// 1.
+std::size_t first_of_symmetric(std::size_t count, std::size_t span) {
+    return (count - span + 1) / 2 - 1;
+}
+
 /// The four figures of each block, [GUM-S1] 7.9.4 e).
 struct BlockFigures {
     std::vector<double> mean;
@@ -76,18 +83,40 @@ struct BlockFigures {
     std::vector<double> upper;
 };
 
+/// Brings the values in an order in which both ends of every interval of the probability stand
+/// where they would if all were sorted upwards: below the span of the lowest such interval and
+/// above that of the highest each value is in its place.
+void sort_ends(std::vector<double>& values, double probability) {
+    const std::size_t span = interval_span(values.size(), probability);
+    const std::size_t beyond = values.size() - span;
+    if (beyond >= span) {
+        std::sort(values.begin(), values.end());
+        return;
+    }
+    const auto lower = values.begin() + static_cast<std::ptrdiff_t>(beyond);
+    const auto upper = values.begin() + static_cast<std::ptrdiff_t>(span);
+    std::nth_element(values.begin(), lower, values.end());
+    std::nth_element(lower, upper, values.end());
+    std::sort(values.begin(), lower);
+    std::sort(upper, values.end());
+}
+
 /// Means and deviations are taken from `origin`, a value of the distribution: a result of a
 /// large value and a small spread keeps its digits, and one without any spread has none.
 void add_block(BlockFigures& figures, std::vector<double> values, double origin,
                double probability) {
-    std::sort(values.begin(), values.end());
-    const CoverageInterval interval = symmetric_interval(values, probability);
-    figures.lower.push_back(interval.lower - origin);
-    figures.upper.push_back(interval.upper - origin);
     for (double& value : values)
         value -= origin;
     figures.mean.push_back(mean(values));
     figures.standard_uncertainty.push_back(standard_deviation(values));
+    const std::size_t span = interval_span(values.size(), probability);
+    const std::size_t first = first_of_symmetric(values.size(), span);
+    const auto lower = values.begin() + static_cast<std::ptrdiff_t>(first);
+    const auto upper = lower + static_cast<std::ptrdiff_t>(span);
+    std::nth_element(values.begin(), lower, values.end());
+    std::nth_element(lower + 1, upper, values.end());
+    figures.lower.push_back(*lower);
+    figures.upper.push_back(*upper);
 }
 
 /// Standard deviation of all values: the pooled squares within and between the blocks.
@@ -108,6 +137,20 @@ bool stable(const BlockFigures& figures, double limit) {
          {&figures.mean, &figures.standard_uncertainty, &figures.lower, &figures.upper})
         if (!(2.0 * standard_deviation(*figure) / root <= limit)) return false;
     return true;
+}
+
+/// Whether a Cauchy variate of this square is accepted as one of Student's t by a uniform number.
+bool accepts_student_t(double square, double nu, double uniform) {
+    // The densities' quotient, (1 + t^2) (1 + t^2 / nu)^(-(nu + 1) / 2), is largest at t = 1. With
+    // two logarithms in place of four, where their rounding cannot decide.
+    const double of_cauchy = std::log((1.0 + square) / (2.0 * uniform));
+    const double of_t = (nu + 1.0) / 2.0 * std::log((nu + square) / (nu + 1.0));
+    const double rounding = 1e-13 * (nu + std::abs(of_cauchy) + std::abs(of_t));
+    if (std::abs(of_cauchy - of_t) > rounding) return of_cauchy > of_t;
+    const double log_acceptance =
+        std::log((1.0 + square) / 2.0) -
+        (nu + 1.0) / 2.0 * (std::log1p(square / nu) - std::log1p(1.0 / nu));
+    return std::log(uniform) <= log_acceptance;
 }
 
 std::vector<double> draw_block(RandomGenerator& random, std::int64_t block,
@@ -133,9 +176,9 @@ MonteCarloResult propagate(const MonteCarloOptions& options,
     BlockFigures figures;
     std::vector<double> all;
     while (!result.converged && result.trials + block <= options.trials_max) {
-        const std::vector<double> values = draw_block(random, block, draw);
+        std::vector<double> values = draw_block(random, block, draw);
         all.insert(all.end(), values.begin(), values.end());
-        add_block(figures, values, all.front(), options.probability);
+        add_block(figures, std::move(values), all.front(), options.probability);
         result.trials += block;
         if (result.trials < options.blocks_min * block) continue;
         result.standard_uncertainty = overall_uncertainty(figures, block);
@@ -144,7 +187,7 @@ MonteCarloResult propagate(const MonteCarloOptions& options,
         result.converged = stable(figures, options.tolerance_fraction * result.tolerance);
     }
     result.mean = all.front() + mean(figures.mean);
-    std::sort(all.begin(), all.end());
+    sort_ends(all, options.probability);
     result.symmetric = symmetric_interval(all, options.probability);
     result.shortest = shortest_interval(all, options.probability);
     return result;
@@ -168,8 +211,7 @@ double numerical_tolerance(double standard_uncertainty, int significant_digits) 
 
 CoverageInterval symmetric_interval(std::span<const double> sorted, double probability) {
     const std::size_t span = interval_span(sorted.size(), probability);
-    // The r of the standard counts from 1.
-    const std::size_t first = (sorted.size() - span + 1) / 2 - 1;
+    const std::size_t first = first_of_symmetric(sorted.size(), span);
     return {sorted[first], sorted[first + span]};
 }
 
@@ -210,11 +252,7 @@ double draw_student_t(RandomGenerator& random, std::optional<double> degrees_of_
         if (x * x + y * y >= 1.0 || y == 0.0) continue;
         const double cauchy = x / y;
         const double square = cauchy * cauchy;
-        // The densities' quotient, (1 + t^2) (1 + t^2 / nu)^(-(nu + 1) / 2), is largest at t = 1.
-        const double log_acceptance =
-            std::log((1.0 + square) / 2.0) -
-            (nu + 1.0) / 2.0 * (std::log1p(square / nu) - std::log1p(1.0 / nu));
-        if (std::log(random.uniform()) <= log_acceptance) return cauchy;
+        if (accepts_student_t(square, nu, random.uniform())) return cauchy;
     }
 }
 

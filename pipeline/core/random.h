@@ -1,8 +1,11 @@
 #pragma once
 
 #include <array>
+#include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 namespace runcert {
 
@@ -15,8 +18,24 @@ std::uint64_t splitmix64(std::uint64_t& state);
 struct Xoshiro256StarStar {
     std::array<std::uint64_t, 4> state;
 
-    std::uint64_t next();
+    std::uint64_t next() {
+        const std::uint64_t result = std::rotl(state[1] * 5, 7) * 9;
+        const std::uint64_t shifted = state[1] << 17;
+        state[2] ^= state[0];
+        state[3] ^= state[1];
+        state[1] ^= state[2];
+        state[0] ^= state[3];
+        state[2] ^= shifted;
+        state[3] = std::rotl(state[3], 45);
+        return result;
+    }
 };
+
+/// The next 52 bits and a half of a generator, uniform in (0, 1): with 53 the largest would round
+/// to 1.
+inline double uniform_of(Xoshiro256StarStar& bits) {
+    return (static_cast<double>(static_cast<std::int64_t>(bits.next() >> 12)) + 0.5) * 0x1p-52;
+}
 
 /// Seeded random numbers, the same on every platform: integer arithmetic, and for the rest only
 /// operations that IEEE 754 rounds correctly (the C library's logarithm is not one of them).
@@ -29,10 +48,14 @@ class RandomGenerator {
     std::uint64_t next() { return bits_.next(); }
 
     /// Uniform in (0, 1), both ends excluded, in steps of 2^-52.
-    double uniform();
+    double uniform() { return uniform_of(bits_); }
 
     /// Standard normal, by Marsaglia's polar method (Marsaglia & Bray 1964).
     double normal();
+
+    /// `count` standard normal numbers: what so many calls of `normal` would have given, to the
+    /// bit, several times as fast.
+    std::vector<double> normals(std::size_t count);
 
   private:
     Xoshiro256StarStar bits_;

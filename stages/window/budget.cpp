@@ -7,7 +7,6 @@
 #include <numbers>
 
 #include "core/geodesy.h"
-#include "core/monte_carlo.h"
 #include "core/tangent_plane.h"
 #include "stages/window/reliability.h"
 
@@ -230,20 +229,6 @@ BudgetRow selection_row(const BudgetInput& input) {
     return row;
 }
 
-const BudgetRow& row_of(const std::vector<BudgetRow>& rows, std::string_view symbol) {
-    return *std::find_if(rows.begin(), rows.end(),
-                         [&](const BudgetRow& row) { return row.symbol == symbol; });
-}
-
-/// One deviation of a row's quantity.
-double draw_deviation(RandomGenerator& random, const BudgetRow& row) {
-    if (row.contribution_mps == 0.0) return 0.0;
-    const double unit = row.distribution == "rectangular"
-                            ? draw_rectangular(random, std::numbers::sqrt3)
-                            : draw_student_t(random, row.degrees_of_freedom);
-    return unit * row.standard_uncertainty;
-}
-
 }  // namespace
 
 BudgetRow speed_row(std::string symbol, std::string source, std::string type,
@@ -282,38 +267,6 @@ CombinedUncertainty combine(const std::vector<BudgetRow>& rows) {
                           .sensitivity = row.sensitivity,
                           .degrees_of_freedom = row.degrees_of_freedom});
     return combine(std::span<const InputQuantity>(inputs));
-}
-
-MonteCarloCheck monte_carlo(const BudgetInput& input, const std::vector<BudgetRow>& rows,
-                            double speed_mps) {
-    const Eigen::Matrix2d& covariance = input.noise.velocity_covariance;
-    // Across the direction of travel the positions alone disturb; their variance there is what the
-    // trace holds beyond that along it.
-    const double along = input.noise.speed.standard_uncertainty_mps;
-    const double across = std::sqrt(std::max(0.0, covariance.trace() - along * along));
-    const double duration_s = input.duration_s;
-    const BudgetRow& time = row_of(rows, "t");
-    const BudgetRow& scale = row_of(rows, "m");
-    const MonteCarloOptions options{.seed = static_cast<std::uint64_t>(input.config.seed),
-                                    .trials_max = input.config.monte_carlo_trials_max};
-    const MonteCarloResult result = propagate(options, [&](RandomGenerator& random) {
-        double along_mps = speed_mps;
-        for (const BudgetRow& row : rows)
-            if (&row != &time && (&row != &scale || input.vertical))
-                along_mps += draw_deviation(random, row) * row.sensitivity;
-        const double across_mps = across * random.normal();
-        const double time_s = duration_s + draw_deviation(random, time);
-        const double factor = input.vertical ? 1.0 : 1.0 + draw_deviation(random, scale);
-        return std::hypot(along_mps, across_mps) * duration_s / time_s * factor;
-    });
-    return {.seed = input.config.seed,
-            .trials = result.trials,
-            .mean_mps = result.mean,
-            .standard_uncertainty_mps = result.standard_uncertainty,
-            .lower_mps = result.symmetric.lower,
-            .upper_mps = result.symmetric.upper,
-            .tolerance_mps = result.tolerance,
-            .converged = result.converged};
 }
 
 }  // namespace runcert

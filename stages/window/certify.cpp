@@ -15,12 +15,11 @@
 #include "stages/window/reliability.h"
 #include "stages/window/robust.h"
 #include "stages/window/selection.h"
+#include "stages/window/trajectory_part.h"
 
 namespace runcert {
 namespace {
 
-// Beyond a minute nothing measured changes the speed of a window.
-constexpr double stretch_margin_s = 60.0;
 // A window that many standard uncertainties slower than the best could not have been it.
 constexpr double selection_width = 4.0;
 
@@ -34,33 +33,6 @@ std::optional<double> mean_over(const TrajectoryTable& trajectory, const ArcRows
         sum += *value;
     }
     return sum / static_cast<double>(window.last - window.first + 1);
-}
-
-/// The arc smoothed anew with the trajectory's own model, and found to be the trajectory at the
-/// window's epochs.
-template <int Axes>
-SmoothedArc<Axes> checked_estimate(const AxesEvidence<Axes>& evidence, const FoundWindow& found) {
-    const Arc<Axes>& arc = evidence.arcs[found.series];
-    SmoothedArc<Axes> smoothed = smooth<Axes>(arc.epochs, evidence.model);
-    constexpr double tolerance_m = 2e-6;  // coordinates are written to a micrometre
-    for (const std::size_t k : {found.first, found.last}) {
-        const TrajectoryEpoch& row = evidence.trajectory.rows[arc.rows[k]];
-        const CountedVector<Axes> position =
-            smoothed.states[k].mean.template head<counted_axes<Axes>>();
-        CountedVector<Axes> written;
-        if constexpr (Axes == 1)
-            written << *row.up_m;
-        else
-            written << *row.east_m, *row.north_m;
-        const double difference_m = (position - written).norm();
-        if (difference_m > tolerance_m)
-            throw Failure(fmt::format("epoch {}", row.epoch),
-                          fmt::format("the trajectory is {:.1e} m from the estimate of the same "
-                                      "screened epochs",
-                                      difference_m),
-                          "Run runcert-smooth again, with the same attempt");
-    }
-    return smoothed;
 }
 
 /// The windows that could have been the best, those close to one another together.
@@ -259,28 +231,29 @@ AxesEvidence<Axes> evidence_of(const ScreenedTable& screened, const TrajectoryTa
 template <int Axes>
 CertifiableWindow certified(const AxesEvidence<Axes>& evidence, const WindowChoice& choice) {
     const FoundWindow& found = choice.found;
-    const ArcWithInstants<Axes> at = with_instants(
-        evidence.arcs[found.series], evidence.times[found.series], found.start, found.end);
+    const auto [part, smoothed] = checked_estimate(evidence, found);
+    const ArcWithInstants<Axes> at = with_instants(part.arc, part.times, found.start, found.end);
     const WindowStretch<Axes> stretch = cut_stretch(at.arc, at.window, stretch_margin_s);
-    const SmoothedArc<Axes> smoothed = checked_estimate(evidence, found);
-    const bool between_epochs = at.arc.epochs.size() != evidence.arcs[found.series].epochs.size();
-    const SmoothedArc<Axes> smoothed_at =
-        between_epochs ? smooth<Axes>(at.arc.epochs, evidence.model) : smoothed;
+    const bool between_epochs = at.arc.epochs.size() != part.arc.epochs.size();
+    const SmoothedArc<Axes> between =
+        between_epochs ? smooth<Axes>(at.arc.epochs, evidence.model) : SmoothedArc<Axes>{};
+    const SmoothedArc<Axes>& smoothed_at = between_epochs ? between : smoothed;
 
     CertifiableWindow window;
     set_place(evidence, found, window);
     window.methods = methods_of(evidence, found);
     window.definitions = definitions_of(smoothed_at, at.window, stretch.duration_s);
     window.fitted = fitted_speed(stretch, evidence.models, choice.quantity);
-    if constexpr (Axes == 2) window.robust = robust_speed(evidence, found, smoothed);
-    window.repaired_steps = std::ssize(smoothed.bridged_between(found.first, found.last));
+    if constexpr (Axes == 2) window.robust = robust_speed(evidence.trajectory, part, smoothed);
+    window.repaired_steps =
+        std::ssize(smoothed.bridged_between(part.window.first, part.window.last));
 
     const ErrorBound bound = bound_of(evidence, choice);
     const EstimationModel bounded = bounded_model(evidence.noise, bound);
     PositionNoise noise = position_noise(stretch, bounded, choice.quantity);
     if constexpr (Axes == 1) correct_for_curvature(evidence, found, noise, window);
     set_bound(bound, noise, window);
-    window.position_r95_m = position_r95_m(smoothed, EpochPair{found.first, found.last}, bound);
+    window.position_r95_m = position_r95_m(smoothed, part.window, bound);
     if (evidence.screened.evidence) {
         window.detection_power = evidence.screened.evidence->power;
         window.reliability =

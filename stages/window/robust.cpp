@@ -9,12 +9,12 @@ namespace {
 
 /// Displacement (m) of the robust batch. It keeps positions alone: the motion over a bridged step
 /// is that of the screened solution.
-std::optional<Eigen::Vector2d> robust_displacement(const AxesEvidence<2>& evidence,
-                                                   const Arc<2>& arc,
-                                                   const SmoothedArc<2>& smoothed,
-                                                   EpochPair window) {
+std::optional<Eigen::Vector2d> robust_displacement(const TrajectoryTable& trajectory,
+                                                   const ArcPart<2>& part,
+                                                   const SmoothedArc<2>& smoothed) {
+    const EpochPair& window = part.window;
     const auto row = [&](std::size_t k) -> const TrajectoryEpoch& {
-        return evidence.trajectory.rows[arc.rows[k]];
+        return trajectory.rows[part.arc.rows[k]];
     };
     if (!row(window.first).robust_east_m || !row(window.last).robust_east_m) return std::nullopt;
     const auto difference = [&](std::size_t first, std::size_t last) {
@@ -31,15 +31,15 @@ std::optional<Eigen::Vector2d> robust_displacement(const AxesEvidence<2>& eviden
 
 }  // namespace
 
-std::optional<RobustSpeed> robust_speed(const AxesEvidence<2>& evidence, const FoundWindow& found,
+std::optional<RobustSpeed> robust_speed(const TrajectoryTable& trajectory, const ArcPart<2>& part,
                                         const SmoothedArc<2>& smoothed) {
     constexpr double coverage_factor = 2.0;
-    const Arc<2>& arc = evidence.arcs[found.series];
-    const EpochPair window{found.first, found.last};
+    const Arc<2>& arc = part.arc;
+    const EpochPair& window = part.window;
     const double duration_s = arc.epochs[window.last].time_s - arc.epochs[window.first].time_s;
     const SpeedEstimate screened =
         displacement_speed(smoothed, window.first, window.last, duration_s);
-    const auto displacement = robust_displacement(evidence, arc, smoothed, window);
+    const auto displacement = robust_displacement(trajectory, part, smoothed);
     if (!displacement) return std::nullopt;
     RobustSpeed robust;
     robust.speed_mps = std::hypot(displacement->x(), displacement->y()) / duration_s;
@@ -47,7 +47,7 @@ std::optional<RobustSpeed> robust_speed(const AxesEvidence<2>& evidence, const F
     robust.limit_mps = coverage_factor * screened.standard_uncertainty_mps;
     robust.agrees = std::abs(robust.difference_mps) <= robust.limit_mps;
     for (std::size_t k = window.first; k <= window.last; ++k) {
-        const auto& weight = evidence.trajectory.rows[arc.rows[k]].robust_weight;
+        const auto& weight = trajectory.rows[arc.rows[k]].robust_weight;
         if (weight && *weight < 0.5) ++robust.downweighted;
     }
     return robust;

@@ -1,13 +1,15 @@
 #pragma once
 
-#include "stages/window/certify.h"
+#include "schemas/trajectory/trajectory.h"
+#include "schemas/windows/windows.h"
+#include "stages/window/arc_part.h"
 
 namespace runcert {
 
 /// The robust batch's speed between the epochs that enclose a window against the screened
-/// solution's (`smoothed`, of the window's arc), whose noise model is the same. Empty where the
+/// solution's (`smoothed`, of the part of the arc), whose noise model is the same. Empty where the
 /// trajectory has none there.
-std::optional<RobustSpeed> robust_speed(const AxesEvidence<2>& evidence, const FoundWindow& found,
+std::optional<RobustSpeed> robust_speed(const TrajectoryTable& trajectory, const ArcPart<2>& part,
                                         const SmoothedArc<2>& smoothed);
 
 }  // namespace runcert

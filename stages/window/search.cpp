@@ -72,15 +72,21 @@ WindowSearch free_beside(const std::vector<SummedSeries>& sums, const SearchRule
     return beside;
 }
 
-WindowSearch fastest_of_all(const std::vector<SummedSeries>& sums, const SearchRule& rule,
-                            std::size_t count) {
-    WindowSearch left;
+WindowSearch all_windows(const std::vector<SummedSeries>& sums, const SearchRule& rule) {
+    WindowSearch all;
     for (const SummedSeries& series : sums)
-        append(windows_in(series, rule), left);
+        append(windows_in(series, rule), all);
+    return all;
+}
+
+/// The fastest of what is allowed (`left`).
+WindowSearch fastest_of(WindowSearch left, const std::vector<SummedSeries>& sums,
+                        const SearchRule& rule, std::size_t count) {
     std::vector<FoundWindow> found;
     while (found.size() < count && !left.windows.empty()) {
         left.steps += static_cast<std::int64_t>(left.windows.size());
         found.push_back(*std::min_element(left.windows.begin(), left.windows.end(), preferred));
+        if (found.size() == count) break;
         std::erase_if(left.windows,
                       [&](const FoundWindow& window) { return overlap(window, found.back()); });
         if (rule.ends == WindowEnds::any) append(free_beside(sums, rule, found), left);
@@ -99,7 +105,8 @@ bool preferred(const FoundWindow& one, const FoundWindow& other) {
 WindowSearch search_windows(const std::vector<SearchSeries>& series, const SearchRule& rule,
                             std::size_t count) {
     check_rule(rule);
-    return fastest_of_all(summed_all(series), rule, count);
+    const std::vector<SummedSeries> sums = summed_all(series);
+    return fastest_of(all_windows(sums, rule), sums, rule, count);
 }
 
 std::vector<FoundWindow> best_windows(const std::vector<SearchSeries>& series,
@@ -110,10 +117,20 @@ std::vector<FoundWindow> best_windows(const std::vector<SearchSeries>& series,
 std::vector<FoundWindow> allowed_windows(const std::vector<SearchSeries>& series,
                                          const SearchRule& rule) {
     check_rule(rule);
-    WindowSearch all;
-    for (const SummedSeries& one : summed_all(series))
-        append(windows_in(one, rule), all);
-    return all.windows;
+    return all_windows(summed_all(series), rule).windows;
+}
+
+AllowedWindows allowed_and_best(const std::vector<SearchSeries>& series, const SearchRule& rule,
+                                std::size_t count) {
+    check_rule(rule);
+    const std::vector<SummedSeries> sums = summed_all(series);
+    AllowedWindows windows{.all = all_windows(sums, rule).windows, .best = {}};
+    // Without a copy of all where only one is wanted.
+    if (count == 1 && !windows.all.empty())
+        windows.best = {*std::ranges::min_element(windows.all, preferred)};
+    else
+        windows.best = fastest_of({windows.all, 0}, sums, rule, count).windows;
+    return windows;
 }
 
 }  // namespace runcert

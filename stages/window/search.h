@@ -117,4 +117,12 @@ WindowSearch search_windows(const std::vector<SearchSeries>& series, const Searc
 std::vector<FoundWindow> allowed_windows(const std::vector<SearchSeries>& series,
                                          const SearchRule& rule);
 
+/// Both of them from one search.
+struct AllowedWindows {
+    std::vector<FoundWindow> all;
+    std::vector<FoundWindow> best;
+};
+AllowedWindows allowed_and_best(const std::vector<SearchSeries>& series, const SearchRule& rule,
+                                std::size_t count);
+
 }  // namespace runcert

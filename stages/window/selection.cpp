@@ -1,237 +1,81 @@
 #include "stages/window/selection.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
+#include "core/parallel.h"
 #include "core/random.h"
 #include "core/statistics.h"
-#include "estimation/likelihood.h"
-#include "estimation/linear_smoother.h"
+#include "core/turnstile.h"
+#include "stages/window/selection_cluster.h"
 
 namespace runcert {
 namespace {
 
-template <int Axes>
-using Positions = std::vector<PositionVector<Axes>>;
-
-/// The measured epochs of a cluster. A bridged step before one without a measurement stands before
-/// the next that has one.
-template <int Axes>
-struct Stretch {
-    std::vector<ArcEpoch<Axes>> epochs;
-    std::vector<EpochPair> windows;   // indices into the epochs
-    std::vector<double> durations_s;  // of each window
-};
-
-template <int Axes>
-Stretch<Axes> stretch_of(const WindowCluster<Axes>& cluster) {
-    const auto& epochs = cluster.arc->epochs;
-    std::size_t last = 0;
-    for (const EpochPair& window : cluster.windows)
-        last = std::max(last, window.last);
-    const std::size_t from = cluster.windows.front().first;
-    Stretch<Axes> stretch;
-    std::vector<std::size_t> index(last + 1, 0);
-    bool step = false;
-    for (std::size_t k = from; k <= last; ++k) {
-        index[k] = stretch.epochs.size();
-        step = step || epochs[k].step_before;
-        if (!epochs[k].measurement) continue;
-        stretch.epochs.push_back(epochs[k]);
-        stretch.epochs.back().step_before = step;
-        step = false;
-    }
-    for (const EpochPair& window : cluster.windows) {
-        stretch.windows.push_back({index[window.first], index[window.last]});
-        stretch.durations_s.push_back(epochs[window.last].time_s - epochs[window.first].time_s);
-    }
-    return stretch;
-}
-
-/// The model with the jerk density that is most likely on this stretch alone.
-template <int Axes>
-EstimationModel local_model(const Stretch<Axes>& stretch, EstimationModel model) {
-    const std::span<const ArcEpoch<Axes>> arc(stretch.epochs);
-    const double fitted = model.motion.jerk_density;
-    double highest = 0.0;
-    double best = fitted;
-    bool first = true;
-    for (double logarithm = std::log(3e-4); logarithm <= std::log(10.0); logarithm += 0.5) {
-        model.motion.jerk_density = fitted * std::exp(logarithm);
-        const double likelihood = innovation_sums<Axes>({&arc, 1}, model).log_likelihood();
-        if (first || likelihood > highest) {
-            highest = likelihood;
-            best = model.motion.jerk_density;
-        }
-        first = false;
-    }
-    model.motion.jerk_density = best;
-    return model;
-}
-
-/// The speeds of a stretch's windows.
-template <int Axes>
-class WindowSpeeds {
-  public:
-    /// Positions without offsets, as LinearSmoother makes them, also across bridged steps.
-    WindowSpeeds(const Stretch<Axes>& stretch, const Positions<Axes>& positions, bool by_path)
-        : stretch_(stretch), positions_(positions) {
-        if (!by_path) return;
-        path_m_.assign(1, 0.0);
-        for (std::size_t k = 1; k < positions.size(); ++k)
-            path_m_.push_back(path_m_.back() + (positions[k] - positions[k - 1]).norm());
-    }
-    double operator[](std::size_t w) const {
-        const EpochPair& window = stretch_.windows[w];
-        const double length_m = path_m_.empty()
-                                    ? (positions_[window.last] - positions_[window.first]).norm()
-                                    : path_m_[window.last] - path_m_[window.first];
-        return length_m / stretch_.durations_s[w];
-    }
-
-  private:
-    const Stretch<Axes>& stretch_;
-    const Positions<Axes>& positions_;
-    std::vector<double> path_m_;
-};
-
-/// The fastest window of a drawn recording, its speed in the search, and the error of the speed
-/// stated for it.
-struct Fastest {
-    double searched_mps = -1.0;
-    double error_mps = 0.0;
-    double chosen_error_mps = 0.0;  ///< of the window chosen in the recording, if it is here
-};
-
-/// Draws errors, smooths and searches one cluster.
-template <int Axes>
-class Cluster {
-  public:
-    using Positions = runcert::Positions<Axes>;
-    using Matrix = PositionMatrix<Axes>;
-
-    Cluster(const WindowCluster<Axes>& windows, const SelectionModels& models)
-        : stretch_(stretch_of(windows)),
-          chosen_(windows.chosen),
-          by_path_(models.by_path),
-          error_(models.searched.error),
-          searched_(stretch_.epochs, models.searched),
-          certified_(stretch_.epochs, models.certified),
-          local_(stretch_.epochs, local_model(stretch_, models.searched)) {
-        Positions measured;
-        const double scale = models.searched.measurement_scale;
-        for (const ArcEpoch<Axes>& epoch : stretch_.epochs) {
-            measured.push_back(epoch.measurement->position);
-            const Matrix factor = epoch.measurement->covariance.llt().matrixL();
-            white_factors_.push_back(scale * factor);
-        }
-        motion_ = local_(measured);
-    }
-
-    const Positions& motion() const { return motion_; }
-    std::size_t windows() const { return stretch_.windows.size(); }
-
-    Positions draw_errors(RandomGenerator& random) const {
-        Positions errors(stretch_.epochs.size());
-        PositionVector<Axes> slow = error_.initial_sigma_m * normals(random);
-        for (std::size_t k = 0; k < errors.size(); ++k) {
-            if (k > 0) {
-                const double x =
-                    (stretch_.epochs[k].time_s - stretch_.epochs[k - 1].time_s) / error_.tau_s;
-                const double steady = error_.process_density * std::sqrt(0.5 * error_.tau_s);
-                slow = std::exp(-x) * slow +
-                       steady * std::sqrt(-std::expm1(-2.0 * x)) * normals(random);
-            }
-            errors[k] = slow + white_factors_[k] * normals(random);
-        }
-        return errors;
-    }
-
-    Positions estimate_motion(const Positions& measured) const { return local_(measured); }
-
-    Fastest search(const Positions& motion, const Positions& errors) const {
-        Positions measured(motion.size());
-        for (std::size_t k = 0; k < motion.size(); ++k)
-            measured[k] = motion[k] + errors[k];
-        const Positions searched = searched_(measured);
-        Fastest fastest;
-        std::size_t best = 0;
-        const auto speeds = speeds_of(searched);
-        for (std::size_t w = 0; w < stretch_.windows.size(); ++w)
-            if (const double speed = speeds[w]; speed > fastest.searched_mps) {
-                fastest.searched_mps = speed;
-                best = w;
-            }
-        const Positions certified = certified_(measured);
-        const auto stated = speeds_of(certified);
-        const auto truth = speeds_of(motion);
-        const auto error = [&](std::size_t w) { return stated[w] - truth[w]; };
-        fastest.error_mps = error(best);
-        if (chosen_) fastest.chosen_error_mps = error(*chosen_);
-        return fastest;
-    }
-
-    /// The error of the speed stated for the chosen window when positions have none.
-    double chosen_error_without_noise(const Positions& motion) const {
-        if (!chosen_) return 0.0;
-        const Positions certified = certified_(motion);
-        return speeds_of(certified)[*chosen_] - speeds_of(motion)[*chosen_];
-    }
-
-    double fastest_true(const Positions& motion) const {
-        double fastest = 0.0;
-        const auto speeds = speeds_of(motion);
-        for (std::size_t w = 0; w < stretch_.windows.size(); ++w)
-            fastest = std::max(fastest, speeds[w]);
-        return fastest;
-    }
-
-  private:
-    WindowSpeeds<Axes> speeds_of(const Positions& positions) const {
-        return {stretch_, positions, by_path_};
-    }
-
-    static PositionVector<Axes> normals(RandomGenerator& random) {
-        PositionVector<Axes> drawn;
-        for (double& one : drawn)
-            one = random.normal();
-        return drawn;
-    }
-
-    Stretch<Axes> stretch_;
-    std::optional<std::size_t> chosen_;
-    bool by_path_;
-    GaussMarkovError error_;
-    LinearSmoother<Axes> searched_;
-    LinearSmoother<Axes> certified_;
-    LinearSmoother<Axes> local_;
-    std::vector<Matrix> white_factors_;
-    Positions motion_;
-};
+constexpr auto lanes = selection_lanes;
 
 /// The fastest window over all clusters.
 struct Draw {
-    Fastest fastest;
+    FastestWindow fastest;
     // Noise moves the chosen window's error about its value without noise: the difference is known
     // to vanish in the mean, and taking it off makes the mean settle with fewer draws. Zero in all
     // clusters but one.
     double chosen_noise_mps = 0.0;
 
-    void take(const Fastest& one, double chosen_error_without_noise_mps) {
+    void take(const FastestWindow& one, double chosen_error_without_noise_mps) {
         chosen_noise_mps += one.chosen_error_mps - chosen_error_without_noise_mps;
         if (one.searched_mps > fastest.searched_mps) fastest = one;
     }
     double settled_error_mps() const { return fastest.error_mps - chosen_noise_mps; }
 };
 
+struct Sample {
+    Draw once;
+    Draw again;
+    double fastest_true_mps = 0.0;
+
+    void take(const ClusterDraw& drawn) {
+        once.take(drawn.once, drawn.chosen_without_noise_once_mps);
+        again.take(drawn.again, drawn.chosen_without_noise_again_mps);
+        fastest_true_mps = std::max(fastest_true_mps, drawn.fastest_true_mps);
+    }
+};
+
+using Samples = std::array<Sample, lanes>;
+
+/// So many samples from the numbers drawn for them: sample by sample, cluster by cluster.
 template <int Axes>
-Positions<Axes> sum(const Positions<Axes>& a, const Positions<Axes>& b) {
-    Positions<Axes> result(a.size());
-    for (std::size_t k = 0; k < a.size(); ++k)
-        result[k] = a[k] + b[k];
-    return result;
+Samples samples_from(const std::vector<SelectionCluster<Axes>>& clusters,
+                     const std::vector<double>& numbers) {
+    std::array<const double*, lanes> at;
+    for (std::size_t l = 0; l < lanes; ++l)
+        at[l] = numbers.data() + l * (numbers.size() / lanes);
+    Samples samples;
+    for (const SelectionCluster<Axes>& cluster : clusters) {
+        const auto drawn = cluster.draw(at);
+        for (std::size_t l = 0; l < lanes; ++l) {
+            samples[l].take(drawn[l]);
+            at[l] += cluster.normals();
+        }
+    }
+    return samples;
+}
+
+/// Of each sample, in order. The random numbers are drawn in that order too, and all else is done
+/// by several threads.
+template <int Axes>
+std::vector<Samples> draw_samples(const std::vector<SelectionCluster<Axes>>& clusters,
+                                  std::int64_t samples, std::int64_t seed) {
+    std::size_t normals = 0;
+    for (const SelectionCluster<Axes>& cluster : clusters)
+        normals += cluster.normals();
+    RandomGenerator random(static_cast<std::uint64_t>(seed));
+    Turnstile turnstile;
+    constexpr auto at_once = static_cast<std::int64_t>(lanes);
+    return results_of((samples + at_once - 1) / at_once, threads_allowed(), [&](std::int64_t i) {
+        return samples_from(clusters,
+                            turnstile.pass(i, [&] { return random.normals(lanes * normals); }));
+    });
 }
 
 }  // namespace
@@ -240,32 +84,22 @@ template <int Axes>
 SelectionBias selection_bias(const std::vector<WindowCluster<Axes>>& clusters,
                              const SelectionModels& models, double stated_mps, std::int64_t samples,
                              std::int64_t seed) {
-    std::vector<Cluster<Axes>> parts;
+    std::vector<SelectionCluster<Axes>> parts;
     SelectionBias result;
     for (const WindowCluster<Axes>& cluster : clusters) {
         parts.emplace_back(cluster, models);
         result.candidates += static_cast<std::int64_t>(parts.back().windows());
     }
-    RandomGenerator random(static_cast<std::uint64_t>(seed));
+    const std::vector<Samples> drawn = draw_samples(parts, samples, seed);
     std::vector<double> errors;
     std::vector<double> calibrated;
     std::vector<double> best_true;
-    for (std::int64_t sample = 0; sample < samples; ++sample) {
-        Draw once;
-        Draw again;
-        double fastest_true = 0.0;
-        for (const Cluster<Axes>& part : parts) {
-            const Positions<Axes> noise = part.draw_errors(random);
-            const Positions<Axes> motion =
-                part.estimate_motion(sum<Axes>(part.motion(), part.draw_errors(random)));
-            once.take(part.search(part.motion(), noise),
-                      part.chosen_error_without_noise(part.motion()));
-            again.take(part.search(motion, noise), part.chosen_error_without_noise(motion));
-            fastest_true = std::max(fastest_true, part.fastest_true(motion));
-        }
-        errors.push_back(once.fastest.error_mps);
-        calibrated.push_back(2.0 * once.settled_error_mps() - again.settled_error_mps());
-        best_true.push_back(fastest_true);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(samples); ++i) {
+        const Sample& sample = drawn[i / lanes][i % lanes];
+        errors.push_back(sample.once.fastest.error_mps);
+        calibrated.push_back(2.0 * sample.once.settled_error_mps() -
+                             sample.again.settled_error_mps());
+        best_true.push_back(sample.fastest_true_mps);
     }
     result.bias_mps = mean(calibrated);
     result.bias_uncertainty_mps =

@@ -4,8 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
+#include <utility>
 
 #include "core/failure.h"
+#include "core/parallel.h"
+#include "stages/window/arc_part.h"
 #include "stages/window/certify.h"
 #include "stages/window/certify_velocity.h"
 #include "stages/window/course_windows.h"
@@ -20,16 +24,19 @@ namespace {
 class Certifier {
   public:
     Certifier(const ScreenedTable& screened, const TrajectoryTable& trajectory,
-              const WindowConfig& config)
+              const std::vector<Profile>& profiles, const WindowConfig& config)
         : screened_(screened),
           trajectory_(trajectory),
           horizontal_(evidence_of<2>(screened, trajectory, config)) {
-        if (trajectory.estimation.vertical)
+        const auto of_heights = [](const Profile& profile) {
+            return profile.dimension != "horizontal";
+        };
+        if (has_heights() && std::ranges::any_of(profiles, of_heights))
             vertical_.emplace(evidence_of<1>(screened, trajectory, config));
     }
 
     const std::vector<ArcRows>& rows() const { return horizontal_.rows; }
-    bool has_heights() const { return vertical_.has_value(); }
+    bool has_heights() const { return trajectory_.estimation.vertical.has_value(); }
 
     CertifiableWindow certify(const Profile& profile, FoundWindow found,
                               const std::vector<FoundWindow>& all,
@@ -55,8 +62,12 @@ class Certifier {
         };
         const auto listed = std::ranges::find_if(all, same);
         const auto& times = horizontal_.times[found.series];
+        const Arc<2>& arc = horizontal_.arcs[found.series];
+        const EpochPair enclosing{found.first, found.last};
+        const ArcPart<2> part =
+            part_around(arc, times, enclosing, memory_s(arc, enclosing, horizontal_.model));
         const CrossingTimes crossed =
-            smoothed_crossings(horizontal_.arcs[found.series], times, horizontal_.model,
+            smoothed_crossings(part.arc, part.times, horizontal_.model,
                                {.start = found.start, .end = found.end}, gates.start, gates.finish);
         found.start = crossed.start;
         found.end = crossed.end;
@@ -124,8 +135,9 @@ Choice choose(const ScreenedTable& screened, const TrajectoryTable& trajectory,
             choice.all.begin(),
             choice.all.begin() + static_cast<std::ptrdiff_t>(std::min(wanted, choice.all.size())));
     } else {
-        choice.all = allowed_windows(series, rule);
-        choice.chosen = best_windows(series, rule, wanted);
+        AllowedWindows windows = allowed_and_best(series, rule, wanted);
+        choice.all = std::move(windows.all);
+        choice.chosen = std::move(windows.best);
     }
     if (profile.opposite_runs_within_s) {
         const OppositeRuns pair = best_opposite_runs(trajectory, rows, choice.all, profile);
@@ -143,9 +155,9 @@ Choice choose(const ScreenedTable& screened, const TrajectoryTable& trajectory,
 }
 
 /// Certifies the windows chosen, each among those that do not overlap one chosen before it.
-void certify_chosen(const Certifier& certifier, const Profile& profile, const Choice& choice,
+void certify_chosen(const Certifier& certifier, const Profile& profile, Choice choice,
                     const std::optional<CourseGates>& gates, ProfileWindows& entry) {
-    std::vector<FoundWindow> left = choice.all;
+    std::vector<FoundWindow> left = std::move(choice.all);
     for (const FoundWindow& found : choice.chosen) {
         const CertifiableWindow window = certifier.certify(profile, found, left, gates);
         if (!entry.best)
@@ -174,15 +186,31 @@ ProfileWindows windows_of(const ScreenedTable& screened, const TrajectoryTable& 
         entry.missing = "the recording has no heights that could be estimated";
         return entry;
     }
-    const Choice choice = choose(screened, trajectory, certifier.rows(), profile, config, gates);
+    Choice choice = choose(screened, trajectory, certifier.rows(), profile, config, gates);
     entry.candidates = std::ssize(choice.all);
     entry.missing = choice.missing;
     if (profile.window_kind == "course" && choice.chosen.empty() && entry.indicated)
         entry.missing =
             "as recorded the track passes over the course, but not within one stretch of usable "
             "epochs";
-    certify_chosen(certifier, profile, choice, gates, entry);
+    certify_chosen(certifier, profile, std::move(choice), gates, entry);
     return entry;
+}
+
+/// Profiles are certified beside one another; which of several failures is told must not depend on
+/// which comes first.
+struct ProfileOrFailure {
+    std::optional<ProfileWindows> windows;
+    std::exception_ptr failure;
+};
+
+template <class Task>
+ProfileOrFailure result_or_failure(const Task& task) {
+    try {
+        return {task(), nullptr};
+    } catch (...) {
+        return {std::nullopt, std::current_exception()};
+    }
 }
 
 }  // namespace
@@ -205,15 +233,21 @@ Windows find_windows(const ScreenedTable& screened, const TrajectoryTable& traje
     windows.receiver = trajectory.facts.receiver;
     windows.first_epoch = trajectory.facts.first_epoch;
     windows.georeferenced = trajectory.facts.georeferenced;
-    const Certifier certifier(screened, trajectory, config);
+    const Certifier certifier(screened, trajectory, profiles, config);
     std::optional<CourseGates> gates;
     if (course) gates = course_gates(*course, trajectory.origin);
-    for (const Profile& profile : profiles) {
-        if (profile.window_kind == "course" && !gates)
-            throw Failure("attempt", "the profile " + profile.id + " needs a course",
-                          "Run runcert-import again, with the same attempt");
-        windows.profiles.push_back(
-            windows_of(screened, trajectory, certifier, profile, config, gates));
+    const auto one = [&](std::int64_t i) {
+        const Profile& profile = profiles[static_cast<std::size_t>(i)];
+        return result_or_failure([&] {
+            if (profile.window_kind == "course" && !gates)
+                throw Failure("attempt", "the profile " + profile.id + " needs a course",
+                              "Run runcert-import again, with the same attempt");
+            return windows_of(screened, trajectory, certifier, profile, config, gates);
+        });
+    };
+    for (ProfileOrFailure& entry : results_of(std::ssize(profiles), threads_allowed(), one)) {
+        if (entry.failure) std::rethrow_exception(entry.failure);
+        windows.profiles.push_back(std::move(*entry.windows));
     }
     return windows;
 }

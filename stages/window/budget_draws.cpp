@@ -1,0 +1,79 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/monte_carlo.h"
+#include "stages/window/budget.h"
+
+namespace runcert {
+namespace {
+
+const BudgetRow& row_of(const std::vector<BudgetRow>& rows, std::string_view symbol) {
+    return *std::find_if(rows.begin(), rows.end(),
+                         [&](const BudgetRow& row) { return row.symbol == symbol; });
+}
+
+/// How a row's quantity is drawn.
+class DrawnRow {
+  public:
+    explicit DrawnRow(const BudgetRow& row)
+        : none_(row.contribution_mps == 0.0),
+          rectangular_(row.distribution == "rectangular"),
+          degrees_of_freedom_(row.degrees_of_freedom),
+          standard_uncertainty_(row.standard_uncertainty),
+          sensitivity_(row.sensitivity) {}
+
+    /// One deviation of the quantity.
+    double deviation(RandomGenerator& random) const {
+        if (none_) return 0.0;
+        const double unit = rectangular_ ? draw_rectangular(random, std::numbers::sqrt3)
+                                         : draw_student_t(random, degrees_of_freedom_);
+        return unit * standard_uncertainty_;
+    }
+    double speed_mps(RandomGenerator& random) const { return deviation(random) * sensitivity_; }
+
+  private:
+    bool none_;
+    bool rectangular_;
+    std::optional<double> degrees_of_freedom_;
+    double standard_uncertainty_;
+    double sensitivity_;
+};
+
+}  // namespace
+
+MonteCarloCheck monte_carlo(const BudgetInput& input, const std::vector<BudgetRow>& rows,
+                            double speed_mps) {
+    const Eigen::Matrix2d& covariance = input.noise.velocity_covariance;
+    // Across the direction of travel the positions alone disturb; their variance there is what the
+    // trace holds beyond that along it.
+    const double along = input.noise.speed.standard_uncertainty_mps;
+    const double across = std::sqrt(std::max(0.0, covariance.trace() - along * along));
+    const double duration_s = input.duration_s;
+    const DrawnRow time(row_of(rows, "t"));
+    const DrawnRow scale(row_of(rows, "m"));
+    std::vector<DrawnRow> of_speed;
+    for (const BudgetRow& row : rows)
+        if (row.symbol != "t" && (row.symbol != "m" || input.vertical)) of_speed.emplace_back(row);
+    const MonteCarloOptions options{.seed = static_cast<std::uint64_t>(input.config.seed),
+                                    .trials_max = input.config.monte_carlo_trials_max};
+    const MonteCarloResult result = propagate(options, [&](RandomGenerator& random) {
+        double along_mps = speed_mps;
+        for (const DrawnRow& row : of_speed)
+            along_mps += row.speed_mps(random);
+        const double across_mps = across * random.normal();
+        const double time_s = duration_s + time.deviation(random);
+        const double factor = input.vertical ? 1.0 : 1.0 + scale.deviation(random);
+        return std::hypot(along_mps, across_mps) * duration_s / time_s * factor;
+    });
+    return {.seed = input.config.seed,
+            .trials = result.trials,
+            .mean_mps = result.mean,
+            .standard_uncertainty_mps = result.standard_uncertainty,
+            .lower_mps = result.symmetric.lower,
+            .upper_mps = result.symmetric.upper,
+            .tolerance_mps = result.tolerance,
+            .converged = result.converged};
+}
+
+}  // namespace runcert

@@ -1,0 +1,259 @@
+#include "stages/window/selection_cluster.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "core/parallel.h"
+#include "estimation/likelihood.h"
+
+namespace runcert {
+namespace {
+
+constexpr auto lanes = selection_lanes;
+
+template <int Axes>
+MeasuredStretch<Axes> stretch_of(const WindowCluster<Axes>& cluster) {
+    const auto& epochs = cluster.arc->epochs;
+    std::size_t last = 0;
+    for (const EpochPair& window : cluster.windows)
+        last = std::max(last, window.last);
+    const std::size_t from = cluster.windows.front().first;
+    MeasuredStretch<Axes> stretch;
+    std::vector<std::size_t> index(last + 1 - from, 0);
+    bool step = false;
+    for (std::size_t k = from; k <= last; ++k) {
+        index[k - from] = stretch.epochs.size();
+        step = step || epochs[k].step_before;
+        if (!epochs[k].measurement) continue;
+        stretch.epochs.push_back(epochs[k]);
+        stretch.epochs.back().step_before = step;
+        step = false;
+    }
+    for (const EpochPair& window : cluster.windows) {
+        stretch.windows.push_back({index[window.first - from], index[window.last - from]});
+        stretch.durations_s.push_back(epochs[window.last].time_s - epochs[window.first].time_s);
+    }
+    return stretch;
+}
+
+/// The model with the jerk density that is most likely on this stretch alone.
+template <int Axes>
+EstimationModel local_model(const MeasuredStretch<Axes>& stretch, const EstimationModel& model) {
+    const std::span<const ArcEpoch<Axes>> arc(stretch.epochs);
+    std::vector<EstimationModel> models;
+    for (double logarithm = std::log(3e-4); logarithm <= std::log(10.0); logarithm += 0.5) {
+        models.push_back(model);
+        models.back().motion.jerk_density *= std::exp(logarithm);
+    }
+    const auto likelihoods = results_of(std::ssize(models), threads_allowed(), [&](std::int64_t i) {
+        return innovation_sums<Axes>({&arc, 1}, models[static_cast<std::size_t>(i)])
+            .log_likelihood();
+    });
+    const auto best = std::ranges::max_element(likelihoods) - likelihoods.begin();
+    return models[static_cast<std::size_t>(best)];
+}
+
+/// A track of all draws, and the same added in each.
+template <int Axes, class Lanes>
+Lanes sum(const std::vector<PositionVector<Axes>>& same, const Lanes& drawn) {
+    Lanes result(drawn.size());
+    for (std::size_t k = 0; k < drawn.size(); ++k)
+        for (std::size_t a = 0; a < drawn[k].size(); ++a)
+            result[k][a] = same[k](static_cast<Eigen::Index>(a)) + drawn[k][a];
+    return result;
+}
+
+template <class Lanes>
+Lanes sum(const Lanes& one, const Lanes& other) {
+    Lanes result(one.size());
+    for (std::size_t k = 0; k < one.size(); ++k)
+        for (std::size_t a = 0; a < one[k].size(); ++a)
+            result[k][a] = one[k][a] + other[k][a];
+    return result;
+}
+
+}  // namespace
+
+/// The speeds of a cluster's windows along tracks without offsets, as LinearSmoother makes them,
+/// also across bridged steps.
+template <int Axes>
+class SelectionCluster<Axes>::Speeds {
+  public:
+    Speeds(const SelectionCluster& cluster, const Lanes& track)
+        : stretch_(cluster.stretch_), track_(track) {
+        if (!cluster.by_path_) return;
+        path_m_.resize(track.size(), Lane::Zero());
+        for (std::size_t k = 1; k < track.size(); ++k)
+            path_m_[k] = path_m_[k - 1] + distance(k - 1, k);
+    }
+
+    Lane operator[](std::size_t w) const {
+        const auto [first, last] = stretch_.windows[w];
+        const double duration_s = stretch_.durations_s[w];
+        if (path_m_.empty()) return distance(first, last) / duration_s;
+        return (path_m_[last] - path_m_[first]) / duration_s;
+    }
+
+    /// The fastest window of each draw, the first of equals, and its speed.
+    struct Fastest {
+        Lane speed_mps;
+        std::array<std::size_t, lanes> window{};
+    };
+    Fastest fastest() const {
+        Fastest fastest;
+        fastest.speed_mps.setConstant(-1.0);
+        for (std::size_t w = 0; w < stretch_.windows.size(); ++w) {
+            const Lane speed = (*this)[w];
+            if (!(speed > fastest.speed_mps).any()) continue;
+            for (std::size_t l = 0; l < lanes; ++l)
+                if (speed[l] > fastest.speed_mps[l]) {
+                    fastest.speed_mps[l] = speed[l];
+                    fastest.window[l] = w;
+                }
+        }
+        return fastest;
+    }
+
+  private:
+    Lane distance(std::size_t from, std::size_t to) const {
+        Lane square = Lane::Zero();
+        for (std::size_t a = 0; a < axes; ++a)
+            square += (track_[to][a] - track_[from][a]).square();
+        return square.sqrt();
+    }
+
+    const MeasuredStretch<Axes>& stretch_;
+    const Lanes& track_;
+    std::vector<Lane> path_m_;
+};
+
+template <int Axes>
+SelectionCluster<Axes>::SelectionCluster(const WindowCluster<Axes>& windows,
+                                         const SelectionModels& models)
+    : stretch_(stretch_of(windows)),
+      chosen_(windows.chosen),
+      by_path_(models.by_path),
+      first_slow_m_(models.searched.error.initial_sigma_m),
+      searched_(stretch_.epochs, models.searched),
+      certified_(stretch_.epochs, models.certified),
+      local_(stretch_.epochs, local_model(stretch_, models.searched)) {
+    const GaussMarkovError& error = models.searched.error;
+    const double steady_m = error.process_density * std::sqrt(0.5 * error.tau_s);
+    Positions measured;
+    for (std::size_t k = 0; k < stretch_.epochs.size(); ++k) {
+        const auto& measurement = stretch_.epochs[k].measurement;
+        measured.push_back(measurement->position);
+        const PositionMatrix<Axes> factor = measurement->covariance.llt().matrixL();
+        white_factors_.push_back(models.searched.measurement_scale * factor);
+        const double x =
+            k == 0 ? 0.0
+                   : (stretch_.epochs[k].time_s - stretch_.epochs[k - 1].time_s) / error.tau_s;
+        slow_decay_.push_back(std::exp(-x));
+        slow_noise_m_.push_back(steady_m * std::sqrt(-std::expm1(-2.0 * x)));
+    }
+    motion_ = smoothed(local_(measured));
+    re_motion_ = smoothed(local_(motion_.motion));
+}
+
+template <int Axes>
+typename SelectionCluster<Axes>::template Smoothed<typename SelectionCluster<Axes>::Positions>
+SelectionCluster<Axes>::smoothed(const Positions& motion) const {
+    return {motion, searched_(motion), certified_(motion)};
+}
+
+/// Errors as the noise model has them: the slow one and, onto it, the white.
+template <int Axes>
+typename SelectionCluster<Axes>::Lanes SelectionCluster<Axes>::errors(
+    std::array<const double*, lanes> numbers) const {
+    Lanes errors(stretch_.epochs.size());
+    for (std::size_t l = 0; l < lanes; ++l) {
+        const double* number = numbers[l];
+        std::array<double, axes> slow{};
+        for (std::size_t k = 0; k < errors.size(); ++k) {
+            const double scale = k == 0 ? first_slow_m_ : slow_noise_m_[k];
+            for (double& one : slow)
+                one = slow_decay_[k] * one + scale * *number++;
+            for (std::size_t a = 0; a < axes; ++a) {
+                double white = 0.0;
+                for (std::size_t b = 0; b <= a; ++b)
+                    white += white_factors_[k](static_cast<Eigen::Index>(a),
+                                               static_cast<Eigen::Index>(b)) *
+                             number[b];
+                errors[k][a][l] = slow[a] + white;
+            }
+            number += axes;
+        }
+    }
+    return errors;
+}
+
+template <int Axes>
+std::array<FastestWindow, lanes> SelectionCluster<Axes>::search(
+    const Smoothed<Lanes>& drawn) const {
+    const auto fastest = Speeds(*this, drawn.searched).fastest();
+    const Speeds stated(*this, drawn.certified);
+    const Speeds truth(*this, drawn.motion);
+    std::array<FastestWindow, lanes> result;
+    const Lane chosen = chosen_errors(drawn);
+    for (std::size_t l = 0; l < lanes; ++l) {
+        const std::size_t window = fastest.window[l];
+        result[l] = {.searched_mps = fastest.speed_mps[l],
+                     .error_mps = stated[window][l] - truth[window][l],
+                     .chosen_error_mps = chosen[l]};
+    }
+    return result;
+}
+
+/// The errors of the speed stated for the chosen window; zero where it is not here.
+template <int Axes>
+typename SelectionCluster<Axes>::Lane SelectionCluster<Axes>::chosen_errors(
+    const Smoothed<Lanes>& drawn) const {
+    if (!chosen_) return Lane::Zero();
+    return Speeds(*this, drawn.certified)[*chosen_] - Speeds(*this, drawn.motion)[*chosen_];
+}
+
+template <int Axes>
+std::array<ClusterDraw, lanes> SelectionCluster<Axes>::draw(
+    const std::array<const double*, lanes>& numbers) const {
+    constexpr int count = static_cast<int>(lanes);
+    std::array<const double*, lanes> more = numbers;
+    for (const double*& one : more)
+        one += normals() / 2;
+    const Lanes noise = errors(numbers);
+    const Lanes drift = local_.template smooth_lanes<count>(errors(more));
+    const Lanes searched_noise = searched_.template smooth_lanes<count>(noise);
+    const Lanes certified_noise = certified_.template smooth_lanes<count>(noise);
+    Lanes none(noise.size());
+    for (auto& at : none)
+        for (Lane& axis : at)
+            axis.setZero();
+    const Smoothed<Lanes> still{
+        sum<Axes>(motion_.motion, none), {}, sum<Axes>(motion_.certified, none)};
+    const Smoothed<Lanes> once{still.motion, sum<Axes>(motion_.searched, searched_noise),
+                               sum<Axes>(motion_.certified, certified_noise)};
+    const Smoothed<Lanes> moved{
+        sum<Axes>(re_motion_.motion, drift),
+        sum<Axes>(re_motion_.searched, searched_.template smooth_lanes<count>(drift)),
+        sum<Axes>(re_motion_.certified, certified_.template smooth_lanes<count>(drift))};
+    const Smoothed<Lanes> again{moved.motion, sum(moved.searched, searched_noise),
+                                sum(moved.certified, certified_noise)};
+    const auto found_once = search(once);
+    const auto found_again = search(again);
+    const Lane chosen_once = chosen_errors(still);
+    const Lane chosen_again = chosen_errors(moved);
+    const Lane fastest_true = Speeds(*this, moved.motion).fastest().speed_mps;
+    std::array<ClusterDraw, lanes> draws;
+    for (std::size_t l = 0; l < lanes; ++l)
+        draws[l] = {.once = found_once[l],
+                    .again = found_again[l],
+                    .chosen_without_noise_once_mps = chosen_once[l],
+                    .chosen_without_noise_again_mps = chosen_again[l],
+                    .fastest_true_mps = std::max(0.0, fastest_true[l])};
+    return draws;
+}
+
+template class SelectionCluster<1>;
+template class SelectionCluster<2>;
+
+}  // namespace runcert

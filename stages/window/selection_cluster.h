@@ -1,0 +1,95 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "core/random.h"
+#include "estimation/linear_smoother.h"
+#include "stages/window/selection.h"
+
+namespace runcert {
+
+/// How many drawn recordings are smoothed and searched side by side.
+inline constexpr std::size_t selection_lanes = 4;
+
+/// The fastest window of a drawn recording, its speed in the search, and the error of the speed
+/// stated for it.
+struct FastestWindow {
+    double searched_mps = -1.0;
+    double error_mps = 0.0;
+    double chosen_error_mps = 0.0;  ///< of the window chosen in the recording, if it is here
+};
+
+/// What one draw says of a cluster.
+struct ClusterDraw {
+    FastestWindow once;   ///< errors drawn onto the estimated motion
+    FastestWindow again;  ///< the same errors on a motion estimated from a drawn recording
+    /// The errors of the speed stated for the chosen window when positions have none.
+    double chosen_without_noise_once_mps = 0.0;
+    double chosen_without_noise_again_mps = 0.0;
+    double fastest_true_mps = 0.0;  ///< of the motion estimated from a drawn recording
+};
+
+/// The measured epochs of a cluster. A bridged step before one without a measurement stands before
+/// the next that has one.
+template <int Axes>
+struct MeasuredStretch {
+    std::vector<ArcEpoch<Axes>> epochs;
+    std::vector<EpochPair> windows;   ///< indices into the epochs
+    std::vector<double> durations_s;  ///< of each window
+};
+
+/// One cluster: draws errors, smooths and searches.
+///
+/// All of it but the search is linear: what noise does is smoothed by itself, and added to the
+/// motion and to what its smoothing gives, which are the same in all draws.
+template <int Axes>
+class SelectionCluster {
+  public:
+    SelectionCluster(const WindowCluster<Axes>& windows, const SelectionModels& models);
+
+    std::size_t windows() const { return stretch_.windows.size(); }
+
+    /// How many standard normal numbers a draw takes.
+    std::size_t normals() const { return 4 * axes * stretch_.epochs.size(); }
+
+    /// What so many draws at a time say; `numbers[l]` are the `normals()` of draw l.
+    std::array<ClusterDraw, selection_lanes> draw(
+        const std::array<const double*, selection_lanes>& numbers) const;
+
+  private:
+    static constexpr auto axes = static_cast<std::size_t>(Axes);
+    using Positions = std::vector<PositionVector<Axes>>;
+    using Lanes = std::vector<LanePositions<Axes, static_cast<int>(selection_lanes)>>;
+    using Lane = runcert::Lane<static_cast<int>(selection_lanes)>;
+
+    /// A motion, and what the two smoothers make of it.
+    template <class Track>
+    struct Smoothed {
+        Track motion;
+        Track searched;
+        Track certified;
+    };
+    class Speeds;
+
+    Lanes errors(std::array<const double*, selection_lanes> numbers) const;
+    Smoothed<Positions> smoothed(const Positions& motion) const;
+    std::array<FastestWindow, selection_lanes> search(const Smoothed<Lanes>& drawn) const;
+    Lane chosen_errors(const Smoothed<Lanes>& drawn) const;
+
+    MeasuredStretch<Axes> stretch_;
+    std::optional<std::size_t> chosen_;
+    bool by_path_;
+    double first_slow_m_;             ///< standard deviation of the slow error at the beginning
+    std::vector<double> slow_decay_;  ///< from the epoch before
+    std::vector<double> slow_noise_m_;
+    std::vector<PositionMatrix<Axes>> white_factors_;
+    LinearSmoother<Axes> searched_;
+    LinearSmoother<Axes> certified_;
+    LinearSmoother<Axes> local_;
+    Smoothed<Positions> motion_;     ///< as estimated
+    Smoothed<Positions> re_motion_;  ///< as estimated from it without errors
+};
+
+}  // namespace runcert

@@ -45,15 +45,16 @@ ArcDiagnosis<Axes>::ArcDiagnosis(std::span<const ArcEpoch<Axes>> arc, const Esti
             transpose_transition(k, information);
         }
         if (epoch.measured) {
-            const Positions seen = information * epoch.gain;
+            const Positions seen = information.lazyProduct(epoch.gain);
             epoch.own_score = epoch.weighted_residual - epoch.gain.transpose() * score;
-            epoch.own_precision = epoch.innovation_information + epoch.gain.transpose() * seen;
+            epoch.own_precision =
+                epoch.innovation_information + epoch.gain.transpose().lazyProduct(seen);
             score.template head<Axes>() += epoch.own_score;
             score.template tail<Axes>() += epoch.own_score;
             // (I - K H)' N (I - K H) + H' S^-1 H, where H = [I 0 0 I].
             information.template leftCols<Axes>() -= seen;
             information.template rightCols<Axes>() -= seen;
-            const auto rows = (epoch.gain.transpose() * information).eval();
+            const auto rows = epoch.gain.transpose().lazyProduct(information).eval();
             information.template topRows<Axes>() -= rows;
             information.template bottomRows<Axes>() -= rows;
             for (const int row : {0, 3 * Axes})
@@ -186,6 +187,28 @@ StateEstimate<Axes> ArcDiagnosis<Axes>::smoothed(std::size_t k) const {
     state.mean = epoch.predicted.mean + p * epoch.score;
     state.covariance = p - p * epoch.information * p;
     return state;
+}
+
+template <int Axes>
+MotionEstimate<Axes> ArcDiagnosis<Axes>::motion(std::size_t k) const {
+    const Epoch& epoch = epochs_[k];
+    const StateMatrix<Axes>& p = epoch.predicted.covariance;
+    // The rows of p + p (-N) p that hold the one or the other. Lazy products: these are too small
+    // for what the general ones prepare.
+    using Rows = Eigen::Matrix<double, Axes, state_size<Axes>>;
+    const auto mean = [&](int at) -> PositionVector<Axes> {
+        return epoch.predicted.mean.template segment<Axes>(at) +
+               Rows(p.template middleRows<Axes>(at)) * epoch.score;
+    };
+    const auto covariance = [&](int at) -> PositionMatrix<Axes> {
+        const Rows rows = p.template middleRows<Axes>(at);
+        const Rows told = rows.lazyProduct(epoch.information);
+        return p.template block<Axes, Axes>(at, at) - told.lazyProduct(rows.transpose());
+    };
+    return {.velocity = mean(Axes),
+            .acceleration = mean(2 * Axes),
+            .velocity_covariance = covariance(Axes),
+            .acceleration_covariance = covariance(2 * Axes)};
 }
 
 template class ArcDiagnosis<1>;

@@ -36,6 +36,15 @@ struct SetTest {
     int degrees_of_freedom = 0;
 };
 
+/// Velocity (m/s) and acceleration (m/s^2) with their covariances.
+template <int Axes>
+struct MotionEstimate {
+    PositionVector<Axes> velocity;
+    PositionVector<Axes> acceleration;
+    PositionMatrix<Axes> velocity_covariance;
+    PositionMatrix<Axes> acceleration_covariance;
+};
+
 /// What can be said of every supposed error of an arc. Epochs without a measurement take part in
 /// time alone. Linear in the epochs; about twice the filter's cost, and 1.5 kB an epoch for two
 /// axes.
@@ -93,6 +102,9 @@ class ArcDiagnosis {
     /// The state at epoch k given all measurements of the arc.
     StateEstimate<Axes> smoothed(std::size_t k) const;
 
+    /// Velocity and acceleration of that state, for a third of the cost.
+    MotionEstimate<Axes> motion(std::size_t k) const;
+
   private:
     using Gain = typename KalmanFilter<Axes>::GainMatrix;
     using Positions = Eigen::Matrix<double, state_size<Axes>, Axes>;  ///< columns of a state matrix
@@ -140,7 +152,7 @@ template <class Matrix>
 void ArcDiagnosis<Axes>::carry_back(std::size_t k, Matrix& matrix) const {
     transpose_transition(k, matrix);
     if (!epochs_[k].measured) return;
-    const auto seen = (epochs_[k].gain.transpose() * matrix).eval();
+    const auto seen = epochs_[k].gain.transpose().lazyProduct(matrix).eval();
     matrix.template topRows<Axes>() -= seen;
     matrix.template bottomRows<Axes>() -= seen;
 }

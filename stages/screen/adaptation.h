@@ -1,6 +1,6 @@
 #pragma once
 
-#include <optional>
+#include <memory>
 #include <vector>
 
 #include "stages/screen/stretch_tests.h"
@@ -19,10 +19,27 @@ struct Decision {
     double sigma_rate_mps = 0.0;  ///< of a ramp's rate, in the direction in which it is largest
 };
 
+/// A decision, or none, as nearly all epochs have: it takes the place of a pointer there.
+class RareDecision {
+  public:
+    RareDecision& operator=(const Decision& decision) {
+        decision_ = std::make_unique<Decision>(decision);
+        return *this;
+    }
+    explicit operator bool() const { return decision_ != nullptr; }
+    const Decision& operator*() const { return *decision_; }
+    Decision* operator->() { return decision_.get(); }
+    const Decision* operator->() const { return decision_.get(); }
+    void reset() { decision_.reset(); }
+
+  private:
+    std::unique_ptr<Decision> decision_;
+};
+
 /// What was decided of an arc, epoch by epoch.
 struct ArcDecisions {
-    std::vector<std::optional<Decision>> left_out;  ///< the measurement is not used
-    std::vector<std::optional<Decision>> breaks;    ///< a step, ramp or shift begins here
+    std::vector<RareDecision> left_out;  ///< the measurement is not used
+    std::vector<RareDecision> breaks;    ///< a step, ramp or shift begins here
     std::int64_t passes = 0;
 };
 

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "core/parallel.h"
 #include "core/statistics.h"
 #include "files/yaml_output.h"
 
@@ -93,7 +95,7 @@ class ArcEvidence {
         }
     }
 
-    StateEstimate<Axes> smoothed(std::size_t k) const { return diagnosis_.smoothed(k); }
+    MotionEstimate<Axes> motion(std::size_t k) const { return diagnosis_.motion(k); }
 
   private:
     ScoreTest<Axes> outlier_test(std::size_t k, const std::map<FixKind, double>& kinds,
@@ -157,6 +159,29 @@ template std::vector<FixKindEvidence> compare_fix_kinds<1>(const ScreenedTable&,
 template std::vector<FixKindEvidence> compare_fix_kinds<2>(const ScreenedTable&,
                                                            const ScreeningNoise&);
 
+namespace {
+
+/// Fills one row, and its motion, from both groups of axes.
+EpochMotion examine(std::size_t k, const ScreeningNoises& noises, const ArcEvidence<2>& plane,
+                    const std::optional<ArcEvidence<1>>& height, ScreenedEpoch& row) {
+    BestSupported best;
+    plane.fill(k, noises.horizontal_factors, row, best);
+    const MotionEstimate<2> level = plane.motion(k);
+    EpochMotion at;
+    at.velocity = level.velocity;
+    at.acceleration = level.acceleration;
+    at.velocity_covariance = level.velocity_covariance;
+    at.acceleration_covariance = level.acceleration_covariance;
+    if (!height) return at;
+    height->fill(k, noises.vertical_factors, row, best);
+    const MotionEstimate<1> up = height->motion(k);
+    at.vertical_rate_mps = up.velocity.value();
+    at.sigma_vertical_rate_mps = std::sqrt(std::max(0.0, up.velocity_covariance.value()));
+    return at;
+}
+
+}  // namespace
+
 Motion examine_arcs(ScreenedTable& table, const ScreeningNoises& noises, const TestPlan& plan) {
     Motion motion(table.rows.size());
     const auto horizontal = scaled_arcs<2>(table, noises.horizontal_factors);
@@ -168,25 +193,22 @@ Motion examine_arcs(ScreenedTable& table, const ScreeningNoises& noises, const T
     }
     for (std::size_t a = 0; a < horizontal.size(); ++a) {
         const Arc<2>& arc = horizontal[a];
-        const ArcEvidence<2> plane(arc, noises.horizontal.model, plan);
+        std::optional<ArcEvidence<2>> plane;
         std::optional<ArcEvidence<1>> height;
-        if (noises.vertical) height.emplace(vertical[a], noises.vertical->model, plan);
-        for (std::size_t k = 0; k < arc.rows.size(); ++k) {
-            ScreenedEpoch& row = table.rows[arc.rows[k]];
-            BestSupported best;
-            plane.fill(k, noises.horizontal_factors, row, best);
-            const StateEstimate<2> state = plane.smoothed(k);
-            EpochMotion& at = motion[arc.rows[k]].emplace();
-            at.velocity = state.mean.segment<2>(2);
-            at.acceleration = state.mean.segment<2>(4);
-            at.velocity_covariance = state.covariance.block<2, 2>(2, 2);
-            at.acceleration_covariance = state.covariance.block<2, 2>(4, 4);
-            if (!height) continue;
-            height->fill(k, noises.vertical_factors, row, best);
-            const StateEstimate<1> up = height->smoothed(k);
-            at.vertical_rate_mps = up.mean(1);
-            at.sigma_vertical_rate_mps = std::sqrt(std::max(0.0, up.covariance(1, 1)));
-        }
+        do_together([&] { plane.emplace(arc, noises.horizontal.model, plan); },
+                    [&] {
+                        if (noises.vertical)
+                            height.emplace(vertical[a], noises.vertical->model, plan);
+                    });
+        // Each epoch stands for itself; the plan knows the limits for one and two axes already.
+        constexpr std::size_t block = 4096;
+        const auto blocks = static_cast<std::int64_t>((arc.rows.size() + block - 1) / block);
+        for_each_run(blocks, threads_allowed(), [&](std::int64_t b) {
+            const std::size_t from = static_cast<std::size_t>(b) * block;
+            const std::size_t to = std::min(from + block, arc.rows.size());
+            for (std::size_t k = from; k < to; ++k)
+                motion[arc.rows[k]] = examine(k, noises, *plane, height, table.rows[arc.rows[k]]);
+        });
     }
     return motion;
 }

@@ -1,8 +1,11 @@
 #include "stages/screen/screen.h"
 
 #include <algorithm>
+#include <optional>
+#include <utility>
 
 #include "arcs/screening_noise.h"
+#include "core/parallel.h"
 #include "stages/screen/baseline.h"
 #include "stages/screen/decisions.h"
 #include "stages/screen/epoch_checks.h"
@@ -24,52 +27,91 @@ ScreenedTable first_look(const ScreenedTable& screened, const ScreenConfig& conf
     return table;
 }
 
+/// The noise of some axes, and what it says of the kinds of solution.
+struct LearntNoise {
+    ScreeningNoise noise;
+    std::vector<FixKindEvidence> kinds;
+};
+
 template <int Axes>
-ScreeningNoise learn_noise(const ScreenedTable& look, const ScreenConfig& config,
-                           ScreeningEvidence& evidence) {
-    ScreeningNoise noise = learn_screening_noise<Axes>(look, config);
-    evidence.models.push_back(noise.evidence);
-    const auto kinds = compare_fix_kinds<Axes>(look, noise);
-    evidence.fix_kinds.insert(evidence.fix_kinds.end(), kinds.begin(), kinds.end());
-    return noise;
+LearntNoise learn_noise(const ScreenedTable& look, const ScreenConfig& config) {
+    LearntNoise learnt{learn_screening_noise<Axes>(look, config), {}};
+    learnt.kinds = compare_fix_kinds<Axes>(look, learnt.noise);
+    return learnt;
 }
 
 ScreeningNoises learn_noises(const ScreenedTable& look, const ScreenConfig& config,
                              ScreeningEvidence& evidence) {
+    LearntNoise horizontal;
+    std::optional<LearntNoise> vertical;
+    do_together([&] { horizontal = learn_noise<2>(look, config); },
+                [&] {
+                    if (look.facts.vertical_measured) vertical = learn_noise<1>(look, config);
+                });
     ScreeningNoises noises;
-    noises.horizontal = learn_noise<2>(look, config, evidence);
-    if (look.facts.vertical_measured) noises.vertical = learn_noise<1>(look, config, evidence);
+    noises.horizontal = horizontal.noise;
+    if (vertical) noises.vertical = vertical->noise;
+    const LearntNoise* const second = vertical ? &*vertical : nullptr;
+    for (const LearntNoise* const one : {static_cast<const LearntNoise*>(&horizontal), second}) {
+        if (one == nullptr) continue;
+        evidence.models.push_back(one->noise.evidence);
+        evidence.fix_kinds.insert(evidence.fix_kinds.end(), one->kinds.begin(), one->kinds.end());
+    }
     noises.horizontal_factors = kind_factors(evidence, TestedAxes::horizontal);
     noises.vertical_factors = kind_factors(evidence, TestedAxes::vertical);
     return noises;
 }
 
+/// The arcs of some axes, and what was decided of each.
 template <int Axes>
-void adapt_arcs(ScreenedTable& screened, const std::vector<Arc<Axes>>& arcs,
-                const EstimationModel& model, const TestPlan& plan, const MarkOptions& options,
-                ScreeningEvidence& evidence) {
+struct AdaptedArcs {
+    std::vector<Arc<Axes>> arcs;
+    std::vector<ArcDecisions> decisions;
+};
+
+/// The plan is a copy: it keeps what it has worked out, and the other axes are tested meanwhile.
+template <int Axes>
+AdaptedArcs<Axes> adapt_arcs(std::vector<Arc<Axes>> arcs, const EstimationModel& model,
+                             TestPlan plan) {
+    AdaptedArcs<Axes> adapted{.arcs = std::move(arcs), .decisions = {}};
+    for (const Arc<Axes>& arc : adapted.arcs)
+        adapted.decisions.push_back(adapt<Axes>(arc.epochs, model, plan));
+    return adapted;
+}
+
+template <int Axes>
+void mark_arcs(ScreenedTable& screened, const AdaptedArcs<Axes>& adapted,
+               const MarkOptions& options, ScreeningEvidence& evidence) {
     constexpr TestedAxes axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal;
-    for (const Arc<Axes>& arc : arcs) {
-        const ArcDecisions decisions = adapt<Axes>(arc.epochs, model, plan);
+    for (std::size_t a = 0; a < adapted.arcs.size(); ++a) {
+        const ArcDecisions& decisions = adapted.decisions[a];
         evidence.passes = std::max(evidence.passes, decisions.passes);
-        mark_rows(screened.rows, arc.rows, decisions, axes, options);
+        mark_rows(screened.rows, adapted.arcs[a].rows, decisions, axes, options);
     }
 }
 
 void test_positions(ScreenedTable& screened, const ScreeningNoises& noises, const TestPlan& plan,
                     const ScreenConfig& config, ScreeningEvidence& evidence) {
     // Both groups of axes are tested on what the epochs' own checks left.
-    const auto horizontal = scaled_arcs<2>(screened, noises.horizontal_factors);
-    const auto vertical =
-        noises.vertical ? scaled_arcs<1>(screened, noises.vertical_factors) : std::vector<Arc<1>>{};
+    AdaptedArcs<2> horizontal;
+    AdaptedArcs<1> vertical;
+    do_together(
+        [&] {
+            horizontal = adapt_arcs<2>(scaled_arcs<2>(screened, noises.horizontal_factors),
+                                       noises.horizontal.model, plan);
+        },
+        [&] {
+            if (noises.vertical)
+                vertical = adapt_arcs<1>(scaled_arcs<1>(screened, noises.vertical_factors),
+                                         noises.vertical->model, plan);
+        });
     // No craft on the ground goes up or down faster; those that do have scores in it.
     constexpr double on_the_ground_mps = 20.0;
     const MarkOptions options{
         .bridge_steps = config.bridge_steps,
         .on_the_ground = config.limits.vertical_rate_mps <= on_the_ground_mps};
-    adapt_arcs<2>(screened, horizontal, noises.horizontal.model, plan, options, evidence);
-    if (noises.vertical)
-        adapt_arcs<1>(screened, vertical, noises.vertical->model, plan, options, evidence);
+    mark_arcs(screened, horizontal, options, evidence);
+    mark_arcs(screened, vertical, options, evidence);
 }
 
 /// The witnesses beside the positions: what they mark changes the motion, so that they are asked
@@ -136,9 +178,12 @@ ReceiverScreening screen_alone(const EnuTable& table, const ScreenConfig& config
                                                  .gap_factor = config.gap_factor,
                                                  .session_gap_s = config.session_gap_s});
     finish_arcs(screened.rows, config.burst_epochs_max, config.min_arc_epochs);
-    const ScreenedTable look = first_look(screened, config);
-    screened.variance_factor = look.variance_factor;
-    ScreeningNoises noises = learn_noises(look, config, evidence);
+    ScreeningNoises noises;
+    {
+        const ScreenedTable look = first_look(screened, config);
+        screened.variance_factor = look.variance_factor;
+        noises = learn_noises(look, config, evidence);
+    }
     test_positions(screened, noises, plan, config, evidence);
     Motion motion = ask_witnesses(screened, noises, plan, config, evidence);
     screened.evidence = std::move(evidence);

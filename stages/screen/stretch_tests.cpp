@@ -44,28 +44,38 @@ template <int Axes>
 std::vector<double> local_variance_factors(const ArcDiagnosis<Axes>& diagnosis) {
     constexpr std::size_t fewest = 30;
     constexpr std::size_t local_epochs = 100;  // on each side
+    const double expected = chi_squared_quantile(0.5, Axes);
     std::vector<double> statistics;
-    std::vector<std::size_t> before;  // statistics up to each epoch
+    std::vector<std::size_t> before;          // statistics up to each epoch
+    std::vector<std::size_t> as_expected{0};  // those up to each that are no larger
     for (std::size_t k = 0; k < diagnosis.size(); ++k) {
         before.push_back(statistics.size());
-        if (const auto innovation = diagnosis.innovation(k)) statistics.push_back(*innovation);
+        const auto innovation = diagnosis.innovation(k);
+        if (!innovation) continue;
+        statistics.push_back(*innovation);
+        as_expected.push_back(as_expected.back() + (*innovation <= expected ? 1 : 0));
     }
     std::vector<double> factors(diagnosis.size(), 1.0);
     if (statistics.size() < fewest) return factors;
-    const double expected = chi_squared_quantile(0.5, Axes);
     // Changes slowly: taken at every tenth epoch.
     constexpr std::size_t every = 10;
     double factor = 1.0;
+    std::vector<double> around;
     for (std::size_t k = 0; k < diagnosis.size(); ++k) {
         if (k % every == 0) {
             const std::size_t middle = std::min(before[k], statistics.size() - 1);
             const std::size_t first = middle < local_epochs ? 0 : middle - local_epochs;
             const std::size_t last = std::min(statistics.size(), middle + local_epochs + 1);
-            std::vector<double> around(statistics.begin() + static_cast<std::ptrdiff_t>(first),
-                                       statistics.begin() + static_cast<std::ptrdiff_t>(last));
-            const auto half = around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2);
-            std::nth_element(around.begin(), half, around.end());
-            factor = std::max(1.0, *half / expected);
+            const std::size_t half = (last - first) / 2;
+            factor = 1.0;
+            // The median itself is needed only where it is beyond what is expected.
+            if (as_expected[last] - as_expected[first] <= half) {
+                around.assign(statistics.begin() + static_cast<std::ptrdiff_t>(first),
+                              statistics.begin() + static_cast<std::ptrdiff_t>(last));
+                const auto at = around.begin() + static_cast<std::ptrdiff_t>(half);
+                std::nth_element(around.begin(), at, around.end());
+                factor = std::max(1.0, *at / expected);
+            }
         }
         factors[k] = factor;
     }

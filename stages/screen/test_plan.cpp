@@ -14,7 +14,10 @@ TestPlan::TestPlan(double family_false_alarm_rate, std::int64_t tests, double po
       power_(power),
       burst_epochs_max_(static_cast<std::size_t>(burst_epochs_max)),
       noncentrality_{0.0, runcert::noncentrality(size_, power, 1),
-                     runcert::noncentrality(size_, power, 2)} {}
+                     runcert::noncentrality(size_, power, 2)} {
+    for (const int axes : {1, 2})
+        critical(axes);
+}
 
 double TestPlan::critical(int degrees_of_freedom) const {
     const auto index = static_cast<std::size_t>(degrees_of_freedom);

@@ -19,7 +19,9 @@ class TestPlan {
     double power() const { return power_; }
     std::size_t burst_epochs_max() const { return burst_epochs_max_; }
 
-    /// What a statistic of so many degrees of freedom is compared with.
+    /// What a statistic of so many degrees of freedom is compared with. Kept once worked out: for
+    /// 1 and 2 degrees from the beginning, so that threads may ask for these of one plan; for
+    /// others each takes a copy of it.
     double critical(int degrees_of_freedom) const;
 
     /// The non-centrality that a test of `axes` unknowns finds with the power.

@@ -1,8 +1,13 @@
 #include "stages/screen/adaptation.h"
 
 #include <algorithm>
+#include <optional>
 #include <set>
 #include <tuple>
+#include <utility>
+
+#include "estimation/memory.h"
+#include "stages/screen/section_tests.h"
 
 namespace runcert {
 namespace {
@@ -58,8 +63,8 @@ template <int Axes>
 class Adaptation {
   public:
     Adaptation(const std::vector<ArcEpoch<Axes>>& arc, const EstimationModel& model,
-               const TestPlan& plan)
-        : arc_(arc), model_(model), plan_(plan) {
+               const TestPlan& plan, std::size_t section_epochs)
+        : arc_(arc), model_(model), plan_(plan), section_epochs_(section_epochs) {
         decisions_.left_out.resize(arc.size());
         decisions_.breaks.resize(arc.size());
     }
@@ -99,18 +104,68 @@ class Adaptation {
         }
     }
 
-    bool adapt_stretch(const TestedStretch<Axes>& stretch) {
-        const StretchTests<Axes> tests(stretch, model_, plan_);
-        const std::size_t reach = 2 * plan_.burst_epochs_max();
-        const std::vector<Candidate> chosen = choose(tests.candidates(), reach);
-        for (const Candidate& candidate : chosen)
-            accept(stretch, tests, tests.best_set(candidate));
-        if (!chosen.empty()) return true;
-        if (const auto span = tests.failing_span()) {
-            accept(stretch, tests, *span);
-            return true;
+    struct Findings {
+        std::vector<Candidate> candidates;
+        std::optional<Candidate> span;  ///< the shortest that fails, the worst of that length
+    };
+
+    Findings findings_of(const std::vector<Section>& sections, SectionLooks<Axes>& looks) const {
+        Findings findings;
+        for (const Section& section : sections) {
+            const StretchTests<Axes>& tests = looks.at(section).tests;
+            for (const Candidate& candidate : tests.candidates())
+                if (const Candidate here = moved(candidate, section.taken_first, 0);
+                    answers_for(section, here))
+                    findings.candidates.push_back(here);
+            if (!findings.candidates.empty()) continue;
+            const auto failing = tests.failing_span();
+            if (!failing) continue;
+            const Candidate span = moved(*failing, section.taken_first, 0);
+            const auto rank = [](const Candidate& one) {
+                return std::pair(one.degrees_of_freedom, -one.statistic);
+            };
+            if (answers_for(section, span) && (!findings.span || rank(span) < rank(*findings.span)))
+                findings.span = span;
         }
-        return take_back(stretch, tests);
+        return findings;
+    }
+
+    bool adapt_stretch(const TestedStretch<Axes>& stretch) {
+        const std::vector<Section> sections = sections_of<Axes>(
+            stretch.epochs,
+            stretch.epochs.size() > section_epochs_ ? memory_s<Axes>(stretch.epochs, model_) : 0.0,
+            section_epochs_);
+        SectionLooks<Axes> looks(stretch, model_, plan_);
+        Findings findings = findings_of(sections, looks);
+        const std::size_t reach = 2 * plan_.burst_epochs_max();
+        const std::vector<Candidate> chosen = choose(std::move(findings.candidates), reach);
+        bool changed = false;
+        for (const Section& section : sections) {
+            for (const Candidate& candidate : chosen) {
+                if (!answers_for(section, candidate)) continue;
+                const SectionTests<Axes>& at = looks.at(section);
+                accept(at.part, at.tests,
+                       at.tests.best_set(moved(candidate, 0, section.taken_first)));
+                changed = true;
+            }
+            if (chosen.empty() && findings.span && answers_for(section, *findings.span)) {
+                const SectionTests<Axes>& at = looks.at(section);
+                accept(at.part, at.tests, moved(*findings.span, 0, section.taken_first));
+                changed = true;
+            }
+        }
+        if (changed) return true;
+        for (const Section& section : sections)
+            if (decided_in(stretch, section)) changed = take_back(looks.at(section)) || changed;
+        return changed;
+    }
+
+    /// Whether anything of a section could be taken back.
+    bool decided_in(const TestedStretch<Axes>& stretch, const Section& section) const {
+        for (std::size_t i = section.first; i < section.end; ++i)
+            if (decisions_.left_out[stretch.first + i] || stretch.epochs[i].step_before)
+                return true;
+        return false;
     }
 
     void accept(const TestedStretch<Axes>& stretch, const StretchTests<Axes>& tests,
@@ -134,9 +189,12 @@ class Adaptation {
     }
 
     /// Outliers and steps that, given everything else decided, are none.
-    bool take_back(const TestedStretch<Axes>& stretch, const StretchTests<Axes>& tests) {
+    bool take_back(const SectionTests<Axes>& looked) {
+        const TestedStretch<Axes>& stretch = looked.part;
+        const StretchTests<Axes>& tests = looked.tests;
         bool changed = false;
-        for (std::size_t i = 0; i < stretch.epochs.size(); ++i) {
+        for (std::size_t i = looked.section.first - looked.section.taken_first;
+             i < looked.section.end - looked.section.taken_first; ++i) {
             const std::size_t k = stretch.first + i;
             auto& left_out = decisions_.left_out[k];
             if (left_out && left_out->hypothesis == Hypothesis::outlier) {
@@ -172,6 +230,7 @@ class Adaptation {
     const std::vector<ArcEpoch<Axes>>& arc_;
     const EstimationModel& model_;
     const TestPlan& plan_;
+    std::size_t section_epochs_;
     ArcDecisions decisions_;
     std::set<std::pair<std::size_t, std::size_t>> settled_;
     std::set<std::size_t> reconsidered_;  ///< epochs left out, and arc size + epochs of steps
@@ -211,15 +270,15 @@ std::vector<TestedStretch<Axes>> stretches_of(const std::vector<ArcEpoch<Axes>>&
 
 template <int Axes>
 ArcDecisions adapt(const std::vector<ArcEpoch<Axes>>& arc, const EstimationModel& model,
-                   const TestPlan& plan) {
-    return Adaptation<Axes>(arc, model, plan).run();
+                   const TestPlan& plan, std::size_t section_epochs) {
+    return Adaptation<Axes>(arc, model, plan, section_epochs).run();
 }
 
 #define RUNCERT_INSTANTIATE(AXES)                                                              \
     template std::vector<TestedStretch<AXES>> stretches_of(const std::vector<ArcEpoch<AXES>>&, \
                                                            const ArcDecisions&);               \
     template ArcDecisions adapt(const std::vector<ArcEpoch<AXES>>&, const EstimationModel&,    \
-                                const TestPlan&);
+                                const TestPlan&, std::size_t);
 RUNCERT_INSTANTIATE(1)
 RUNCERT_INSTANTIATE(2)
 

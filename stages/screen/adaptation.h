@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "stages/screen/sections.h"
 #include "stages/screen/stretch_tests.h"
 
 namespace runcert {
@@ -54,9 +55,10 @@ std::vector<TestedStretch<Axes>> stretches_of(const std::vector<ArcEpoch<Axes>>&
 /// the model is accepted; sets of neighbouring outliers are tested together, so that they cannot
 /// hide one another. What is left out or broken is tested once more at the end, given all other
 /// decisions, and taken back where it need not have been. A span that fails the overall test
-/// without a hypothesis that explains it is left out (Hypothesis::model).
+/// without a hypothesis that explains it is left out (Hypothesis::model). Long stretches are
+/// tested in sections that take in so much of their neighbours that nothing beyond counts.
 template <int Axes>
 ArcDecisions adapt(const std::vector<ArcEpoch<Axes>>& arc, const EstimationModel& model,
-                   const TestPlan& plan);
+                   const TestPlan& plan, std::size_t section_epochs = epochs_of_section);
 
 }  // namespace runcert

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 
 #include "core/parallel.h"
 #include "core/statistics.h"
+#include "estimation/memory.h"
 #include "files/yaml_output.h"
 
 namespace runcert {
@@ -50,10 +52,13 @@ struct BestSupported {
 template <int Axes>
 class ArcEvidence {
   public:
-    ArcEvidence(const Arc<Axes>& arc, const EstimationModel& model, const TestPlan& plan)
-        : arc_(arc),
+    /// The part of the arc that the section takes in; its epochs are counted from there.
+    ArcEvidence(const Arc<Axes>& arc, const Section& section, const EstimationModel& model,
+                const TestPlan& plan)
+        : epochs_(std::span(arc.epochs)
+                      .subspan(section.taken_first, section.taken_end - section.taken_first)),
           plan_(plan),
-          diagnosis_(arc.epochs, model),
+          diagnosis_(epochs_, model),
           factors_(local_variance_factors(diagnosis_)) {}
 
     void fill(std::size_t k, const std::map<FixKind, double>& kinds, ScreenedEpoch& row,
@@ -100,7 +105,7 @@ class ArcEvidence {
   private:
     ScoreTest<Axes> outlier_test(std::size_t k, const std::map<FixKind, double>& kinds,
                                  const ScreenedEpoch& row) const {
-        if (arc_.epochs[k].measurement) return diagnosis_.outlier(k);
+        if (epochs_[k].measurement) return diagnosis_.outlier(k);
         PositionMeasurement<Axes> measurement{.position = measured_position<Axes>(row),
                                               .covariance = stated_covariance<Axes>(row)};
         const auto kind = kinds.find(row.fix);
@@ -108,7 +113,7 @@ class ArcEvidence {
         return diagnosis_.left_out(k, measurement);
     }
 
-    const Arc<Axes>& arc_;
+    std::span<const ArcEpoch<Axes>> epochs_;
     const TestPlan& plan_;
     ArcDiagnosis<Axes> diagnosis_;
     std::vector<double> factors_;
@@ -180,9 +185,36 @@ EpochMotion examine(std::size_t k, const ScreeningNoises& noises, const ArcEvide
     return at;
 }
 
+/// Fills the rows that a section of an arc answers for, and their motion. Without heights `heights`
+/// is null.
+void examine_section(const Arc<2>& arc, const Arc<1>* heights, const Section& section,
+                     const ScreeningNoises& noises, const TestPlan& plan, ScreenedTable& table,
+                     Motion& motion) {
+    std::optional<ArcEvidence<2>> plane;
+    std::optional<ArcEvidence<1>> height;
+    do_together([&] { plane.emplace(arc, section, noises.horizontal.model, plan); },
+                [&] {
+                    if (heights != nullptr)
+                        height.emplace(*heights, section, noises.vertical->model, plan);
+                });
+    // Each epoch stands for itself; the plan knows the limits for one and two axes already.
+    constexpr std::size_t block = 4096;
+    const auto blocks =
+        static_cast<std::int64_t>((section.end - section.first + block - 1) / block);
+    for_each_run(blocks, threads_allowed(), [&](std::int64_t b) {
+        const std::size_t from = section.first + static_cast<std::size_t>(b) * block;
+        const std::size_t to = std::min(from + block, section.end);
+        for (std::size_t k = from; k < to; ++k) {
+            const std::size_t row = arc.rows[k];
+            motion[row] = examine(k - section.taken_first, noises, *plane, height, table.rows[row]);
+        }
+    });
+}
+
 }  // namespace
 
-Motion examine_arcs(ScreenedTable& table, const ScreeningNoises& noises, const TestPlan& plan) {
+Motion examine_arcs(ScreenedTable& table, const ScreeningNoises& noises, const TestPlan& plan,
+                    std::size_t section_epochs) {
     Motion motion(table.rows.size());
     const auto horizontal = scaled_arcs<2>(table, noises.horizontal_factors);
     std::vector<Arc<1>> vertical;
@@ -193,22 +225,15 @@ Motion examine_arcs(ScreenedTable& table, const ScreeningNoises& noises, const T
     }
     for (std::size_t a = 0; a < horizontal.size(); ++a) {
         const Arc<2>& arc = horizontal[a];
-        std::optional<ArcEvidence<2>> plane;
-        std::optional<ArcEvidence<1>> height;
-        do_together([&] { plane.emplace(arc, noises.horizontal.model, plan); },
-                    [&] {
-                        if (noises.vertical)
-                            height.emplace(vertical[a], noises.vertical->model, plan);
-                    });
-        // Each epoch stands for itself; the plan knows the limits for one and two axes already.
-        constexpr std::size_t block = 4096;
-        const auto blocks = static_cast<std::int64_t>((arc.rows.size() + block - 1) / block);
-        for_each_run(blocks, threads_allowed(), [&](std::int64_t b) {
-            const std::size_t from = static_cast<std::size_t>(b) * block;
-            const std::size_t to = std::min(from + block, arc.rows.size());
-            for (std::size_t k = from; k < to; ++k)
-                motion[arc.rows[k]] = examine(k, noises, *plane, height, table.rows[arc.rows[k]]);
-        });
+        double memory = 0.0;
+        if (arc.epochs.size() > section_epochs) {
+            memory = memory_s<2>(arc.epochs, noises.horizontal.model);
+            if (noises.vertical)
+                memory = std::max(memory, memory_s<1>(vertical[a].epochs, noises.vertical->model));
+        }
+        for (const Section& section : sections_of<2>(arc.epochs, memory, section_epochs))
+            examine_section(arc, noises.vertical ? &vertical[a] : nullptr, section, noises, plan,
+                            table, motion);
     }
     return motion;
 }

@@ -29,6 +29,7 @@ std::vector<FixKindEvidence> compare_fix_kinds(const ScreenedTable& first_look,
 /// Fills the evidence of every row of an arc, given all decisions: statistic and threshold of the
 /// best supported hypothesis of usable rows, the errors of those left out as estimated, detectable
 /// sizes, local variance factors; and the smoothed motion.
-Motion examine_arcs(ScreenedTable& table, const ScreeningNoises& noises, const TestPlan& plan);
+Motion examine_arcs(ScreenedTable& table, const ScreeningNoises& noises, const TestPlan& plan,
+                    std::size_t section_epochs = epochs_of_section);
 
 }  // namespace runcert

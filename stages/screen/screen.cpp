@@ -72,10 +72,10 @@ struct AdaptedArcs {
 /// The plan is a copy: it keeps what it has worked out, and the other axes are tested meanwhile.
 template <int Axes>
 AdaptedArcs<Axes> adapt_arcs(std::vector<Arc<Axes>> arcs, const EstimationModel& model,
-                             TestPlan plan) {
+                             TestPlan plan, std::size_t section_epochs) {
     AdaptedArcs<Axes> adapted{.arcs = std::move(arcs), .decisions = {}};
     for (const Arc<Axes>& arc : adapted.arcs)
-        adapted.decisions.push_back(adapt<Axes>(arc.epochs, model, plan));
+        adapted.decisions.push_back(adapt<Axes>(arc.epochs, model, plan, section_epochs));
     return adapted;
 }
 
@@ -98,12 +98,12 @@ void test_positions(ScreenedTable& screened, const ScreeningNoises& noises, cons
     do_together(
         [&] {
             horizontal = adapt_arcs<2>(scaled_arcs<2>(screened, noises.horizontal_factors),
-                                       noises.horizontal.model, plan);
+                                       noises.horizontal.model, plan, config.section_epochs);
         },
         [&] {
             if (noises.vertical)
                 vertical = adapt_arcs<1>(scaled_arcs<1>(screened, noises.vertical_factors),
-                                         noises.vertical->model, plan);
+                                         noises.vertical->model, plan, config.section_epochs);
         });
     // No craft on the ground goes up or down faster; those that do have scores in it.
     constexpr double on_the_ground_mps = 20.0;
@@ -123,7 +123,7 @@ Motion ask_witnesses(ScreenedTable& screened, const ScreeningNoises& noises, con
     std::int64_t limits = 0;
     for (int round = 0; round < rounds; ++round) {
         finish_arcs(screened.rows, config.burst_epochs_max, config.min_arc_epochs);
-        const Motion motion = examine_arcs(screened, noises, plan);
+        const Motion motion = examine_arcs(screened, noises, plan, config.section_epochs);
         evidence.velocity =
             check_velocities(screened.rows, motion,
                              {.delay_max_s = config.velocity_delay_max_s,
@@ -142,7 +142,7 @@ Motion ask_witnesses(ScreenedTable& screened, const ScreeningNoises& noises, con
         if (done) return motion;
     }
     finish_arcs(screened.rows, config.burst_epochs_max, config.min_arc_epochs);
-    return examine_arcs(screened, noises, plan);
+    return examine_arcs(screened, noises, plan, config.section_epochs);
 }
 
 /// A receiver screened by itself, and what its arcs are examined anew with.
@@ -245,7 +245,7 @@ std::vector<ScreenedTable> screen_receivers(std::span<const EnuTable> tables,
                               strictest->plan, config))
             for (ReceiverScreening& one : receivers) {
                 finish_arcs(one.table.rows, config.burst_epochs_max, config.min_arc_epochs);
-                examine_arcs(one.table, one.noises, one.plan);
+                examine_arcs(one.table, one.noises, one.plan, config.section_epochs);
             }
     }
     std::vector<ScreenedTable> screened;

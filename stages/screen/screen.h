@@ -6,6 +6,7 @@
 #include "schemas/attempt/attempt.h"
 #include "schemas/screened/screened.h"
 #include "stages/screen/physical_limits.h"
+#include "stages/screen/sections.h"
 
 namespace runcert {
 
@@ -24,7 +25,7 @@ struct ScreenConfig {
     double jerk_density = 0.0;  ///< of the craft's class: what its hardest motion needs
     bool fit_noise = true;
     double noise_scale_min = 0.0;  ///< of the stated accuracies, in the tests
-    double tau_min_s = 0.0;  ///< correlation times that a slow error may have
+    double tau_min_s = 0.0;        ///< correlation times that a slow error may have
     double tau_max_s = 0.0;
     double first_false_alarm_rate = 0.0;  ///< of the first look
     std::int64_t first_restart_after = 0;
@@ -35,6 +36,7 @@ struct ScreenConfig {
     bool bridge_steps = false;
     double velocity_delay_max_s = 0.0;
     PhysicalLimits limits;
+    std::size_t section_epochs = epochs_of_section;  ///< longer arcs are tested in sections
 };
 
 ScreenConfig screen_config(const Attempt& attempt);

@@ -1,7 +1,6 @@
 #include "stages/window/arc_part.h"
 
-#include <algorithm>
-#include <cmath>
+#include <type_traits>
 
 namespace runcert {
 
@@ -29,33 +28,9 @@ ArcPart<Axes> part_around(const Arc<Axes>& arc, const std::vector<ElapsedTime>& 
             .whole = first == 0 && end == epochs.size()};
 }
 
-template <int Axes>
-double memory_s(const Arc<Axes>& arc, EpochPair window, const EstimationModel& model) {
-    constexpr double time_constants = 28.0;
-    double variance_m2 = 0.0;
-    for (std::size_t k = window.first; k <= window.last; ++k)
-        if (const auto& measurement = arc.epochs[k].measurement)
-            variance_m2 = std::max(variance_m2, measurement->covariance.trace());
-    variance_m2 *= model.measurement_scale * model.measurement_scale;
-    const double interval_s = (arc.epochs[window.last].time_s - arc.epochs[window.first].time_s) /
-                              static_cast<double>(window.last - window.first);
-    const GaussMarkovError& error = model.error;
-    const double slow_m2 =
-        std::max(std::pow(error.initial_sigma_m, 2),
-                 0.5 * error.tau_s * error.process_density * error.process_density);
-    const auto uncertain_s = [&](double density) {
-        return std::cbrt(std::sqrt(density) / model.motion.jerk_density);
-    };
-    return time_constants *
-           (error.tau_s + 2.0 * interval_s + 2.0 * uncertain_s(variance_m2 * interval_s) +
-            2.0 * uncertain_s(2.0 * slow_m2 * error.tau_s));
-}
-
-#define RUNCERT_INSTANTIATE(AXES)                                                               \
-    template ArcPart<AXES> part_around<AXES>(const Arc<AXES>&, const std::vector<ElapsedTime>&, \
-                                             EpochPair, double);                                \
-    template double memory_s<AXES>(const Arc<AXES>&, EpochPair, const EstimationModel&);
-RUNCERT_INSTANTIATE(1)
-RUNCERT_INSTANTIATE(2)
+template ArcPart<1> part_around<1>(const Arc<1>&, const std::vector<ElapsedTime>&, EpochPair,
+                                   double);
+template ArcPart<2> part_around<2>(const Arc<2>&, const std::vector<ElapsedTime>&, EpochPair,
+                                   double);
 
 }  // namespace runcert

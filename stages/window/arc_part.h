@@ -1,9 +1,11 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "arcs/arcs.h"
 #include "arcs/window_ends.h"
+#include "estimation/memory.h"
 
 namespace runcert {
 
@@ -22,13 +24,12 @@ template <int Axes>
 ArcPart<Axes> part_around(const Arc<Axes>& arc, const std::vector<ElapsedTime>& times,
                           EpochPair window, double margin_s);
 
-/// Time (s) over which an estimate under the model forgets what was before by a factor of 1e12,
-/// twelve digits of the distance of what is supposed there from what is: 28 times the longest time
-/// constant of the filter, which is below the correlation time of the slow error, two intervals,
-/// and twice the times in which the motion becomes as uncertain as white noise and slow error leave
-/// it ((density / jerk density)^(1/3), the pole of the steady filter of third order). White noise
-/// and interval are those of the window.
+/// What the model remembers (`memory_s`) with the noise and the interval of the window's epochs.
 template <int Axes>
-double memory_s(const Arc<Axes>& arc, EpochPair window, const EstimationModel& model);
+double memory_s(const Arc<Axes>& arc, EpochPair window, const EstimationModel& model) {
+    return memory_s<Axes>(std::span<const ArcEpoch<Axes>>(arc.epochs)
+                              .subspan(window.first, window.last - window.first + 1),
+                          model);
+}
 
 }  // namespace runcert

@@ -3,8 +3,8 @@
 #include <map>
 
 #include "arcs/screening_noise.h"
-#include "stages/screen/adaptation.h"
 #include "estimation/epoch_motion.h"
+#include "stages/screen/adaptation.h"
 #include "stages/screen/noise.h"
 
 namespace runcert {

@@ -68,3 +68,16 @@ function(runcert_embed out_var function)
   file(CONFIGURE OUTPUT ${source} CONTENT "${code}" @ONLY)
   set(${out_var} ${source} PARENT_SCOPE)
 endfunction()
+
+# runcert_embed_yaml(OUT_VAR FUNCTION file)
+#
+# Generates a source that defines `YamlNode FUNCTION()`: the root of the YAML document in the file,
+# parsed by the build, so that no program parses it whenever it starts.
+function(runcert_embed_yaml out_var function file)
+  set(source ${CMAKE_CURRENT_BINARY_DIR}/${function}.cpp)
+  get_filename_component(path ${file} ABSOLUTE)
+  add_custom_command(OUTPUT ${source}
+    COMMAND runcert_embed_yaml ${path} ${function} ${source}
+    DEPENDS runcert_embed_yaml ${path} VERBATIM)
+  set(${out_var} ${source} PARENT_SCOPE)
+endfunction()

@@ -12,7 +12,7 @@ namespace runcert {
 namespace {
 
 FieldRule read_rule(const std::string& path, const YamlValue& entry) {
-    FieldRule rule{.path = path, .default_value = entry["default"]};
+    FieldRule rule{.path = path, .default_value = entry["default"], .since = entry["since"]};
     const std::string types = entry["type"].text();
     for (std::size_t begin = 0; begin <= types.size();) {
         const std::size_t end = std::min(types.find('|', begin), types.size());
@@ -68,95 +68,179 @@ void check_scalar(const FieldRule& rule, const YamlValue& value) {
     }
 }
 
+/// Whether a scalar is as its rule wants it, without the words for what is wrong with it.
+bool is_sound(const FieldRule& rule, const YamlNode& scalar) {
+    if (has_type(rule, "text")) return rule.values.empty();
+    if (scalar.is_quoted() || !has_type(rule, "real") || has_type(rule, "integer")) return false;
+    const std::optional<double> number = parse_double(scalar.scalar());
+    return number && !(rule.minimum && *number < *rule.minimum) &&
+           !(rule.maximum && *number > *rule.maximum);
+}
+
 }  // namespace
+
+void DocumentSchema::add(FieldRule rule) {
+    const std::size_t index = fields_.size();
+    const std::size_t point = rule.path.rfind('.');
+    const bool is_top = point == std::string::npos;
+    const std::string name = is_top ? rule.path : rule.path.substr(point + 1);
+    if (!name.ends_with("[]") && name != "*")
+        children_[is_top ? std::string() : rule.path.substr(0, point)].push_back(index);
+    by_path_.try_emplace(rule.path, index);
+    fields_.push_back(std::move(rule));
+}
+
+DocumentSchema DocumentSchema::read(const YamlNode& table, const std::string& where,
+                                    const DocumentSchema* common) {
+    DocumentSchema schema;
+    schema.source_ = YamlValue(table, where);
+    schema.name_ = schema.source_["schema"].text();
+    schema.version_ = schema.source_["version"].text();
+    if (common)
+        for (FieldRule rule : common->fields_) {
+            // What it says of revisions is of another table's.
+            rule.since = YamlValue(YamlNode(), where);
+            schema.add(std::move(rule));
+        }
+    const YamlValue fields = schema.source_["fields"];
+    for (const std::string& path : fields.keys())
+        schema.add(read_rule(path, fields[path]));
+    return schema;
+}
 
 DocumentSchema DocumentSchema::parse(std::string_view text, const std::string& where,
                                      const DocumentSchema* common) {
+    return read(parse_yaml(text, where), where, common);
+}
+
+DocumentSchema DocumentSchema::restricted(std::string version,
+                                          const std::function<bool(const FieldRule&)>& keep) const {
     DocumentSchema schema;
-    schema.source_ = YamlValue(parse_yaml(text, where), where);
-    schema.name_ = schema.source_["schema"].text();
-    schema.version_ = schema.source_["version"].text();
-    if (common) schema.fields_ = common->fields_;
-    const YamlValue fields = schema.source_["fields"];
-    for (const std::string& path : fields.keys())
-        schema.fields_.push_back(read_rule(path, fields[path]));
+    schema.name_ = name_;
+    schema.version_ = std::move(version);
+    schema.source_ = source_;
+    for (const FieldRule& rule : fields_)
+        if (keep(rule)) schema.add(rule);
     return schema;
 }
 
 const FieldRule* DocumentSchema::find(std::string_view path) const {
-    for (const FieldRule& rule : fields_)
-        if (rule.path == path) return &rule;
-    return nullptr;
+    const auto found = by_path_.find(path);
+    return found == by_path_.end() ? nullptr : &fields_[found->second];
 }
+
+std::vector<std::string_view> DocumentSchema::children(std::string_view path) const {
+    std::vector<std::string_view> names;
+    const auto found = children_.find(path);
+    if (found == children_.end()) return names;
+    const std::size_t prefix = path.empty() ? 0 : path.size() + 1;
+    for (const std::size_t index : found->second)
+        names.push_back(std::string_view(fields_[index].path).substr(prefix));
+    return names;
+}
+
+/// How a node was reached from the one above it, so that the path is put into words only where it
+/// is needed.
+struct DocumentSchema::Step {
+    const Step* above = nullptr;
+    std::string_view key;
+    std::optional<std::size_t> index{};
+
+    std::string path(const std::string& root) const {
+        if (!above) return root;
+        const std::string before = above->path(root);
+        if (index) return fmt::format("{}[{}]", before, *index);
+        return before.empty() ? std::string(key) : fmt::format("{}.{}", before, key);
+    }
+};
+
+/// The check of one document.
+class DocumentSchema::Validation {
+  public:
+    Validation(const DocumentSchema& schema, const YamlValue& document, bool newer_revision)
+        : schema_(schema), document_(document), newer_(newer_revision) {}
+
+    void map(const YamlNode& node, const Step& step, const std::string& path) const {
+        const std::vector<std::string_view> known = schema_.children(path);
+        for (std::size_t i = 0; i < node.size(); ++i) {
+            const std::string_view key = node.key(i).scalar();
+            const Step below{.above = &step, .key = key};
+            // Not by the whole path: a key may be written "craft.name", which is no field.
+            if (std::find(known.begin(), known.end(), key) != known.end()) {
+                value(node.value(i), below, field_path(path, key));
+            } else if (const std::string any = field_path(path, "*"); schema_.find(any)) {
+                value(node.value(i), below, any);
+            } else if (!newer_) {
+                refuse_key(node.key(i), path, known);
+            }
+        }
+        for (const std::string_view name : known) {
+            const FieldRule& rule = *schema_.find(field_path(path, name));
+            if (rule.required && node[name].is_null())
+                at(node, step)
+                    .fail(fmt::format("the key \"{}\" is missing ({})", name, rule.description),
+                          "Add it");
+        }
+    }
+
+  private:
+    static std::string field_path(const std::string& path, std::string_view name) {
+        std::string whole = path;
+        if (!whole.empty()) whole += '.';
+        whole += name;
+        return whole;
+    }
+
+    YamlValue at(const YamlNode& node, const Step& step) const {
+        return {node, document_.where(), step.path(document_.path())};
+    }
+
+    [[noreturn]] void refuse_key(const YamlNode& key, const std::string& path,
+                                 const std::vector<std::string_view>& known) const {
+        const std::string remedy =
+            known.empty() ? "Remove it"
+                          : fmt::format("Did you mean \"{}\"? Known keys here: {}",
+                                        nearest(key.scalar(), known), fmt::join(known, ", "));
+        throw Failure(yaml_place(document_.where(), key),
+                      fmt::format("unknown key \"{}\"{}", escape_for_message(key.scalar()),
+                                  path.empty() ? "" : " in " + path),
+                      remedy);
+    }
+
+    void value(const YamlNode& node, const Step& step, const std::string& path) const {
+        const FieldRule& rule = *schema_.find(path);
+        if (node.is_null() || has_type(rule, "any")) return;
+        if (node.is_map() && has_type(rule, "map")) return map(node, step, path);
+        if (node.is_list() && has_type(rule, "list")) return list(node, step, path);
+        if (node.is_map() || node.is_list())
+            at(node, step)
+                .fail(fmt::format("is a {}, not {}", node.is_map() ? "map" : "list",
+                                  fmt::join(rule.types, " or ")),
+                      "See the field table of the schema");
+        if (!is_sound(rule, node)) check_scalar(rule, at(node, step));
+    }
+
+    void list(const YamlNode& node, const Step& step, const std::string& path) const {
+        const std::string item_path = path + "[]";
+        const bool has_rule = schema_.find(item_path) != nullptr;
+        for (std::size_t i = 0; i < node.size(); ++i) {
+            const Step below{.above = &step, .key = {}, .index = i};
+            if (node.item(i).is_null())
+                at(node.item(i), below).fail("is empty", "Give it a value, or remove it");
+            if (has_rule) value(node.item(i), below, item_path);
+        }
+    }
+
+    const DocumentSchema& schema_;
+    const YamlValue& document_;
+    bool newer_;
+};
 
 void DocumentSchema::validate(const YamlValue& document, bool newer_revision) const {
     if (!document.is_map())
         document.fail("the document is not a map of keys and values",
                       fmt::format("See the field table of {}/{}", name_, version_));
-    validate_map(document, "", newer_revision);
-}
-
-std::vector<std::string_view> DocumentSchema::children(const std::string& path) const {
-    std::vector<std::string_view> names;
-    const std::string prefix = path.empty() ? "" : path + ".";
-    for (const FieldRule& rule : fields_) {
-        if (!rule.path.starts_with(prefix)) continue;
-        const std::string_view rest = std::string_view(rule.path).substr(prefix.size());
-        if (rest.find('.') == std::string_view::npos && !rest.ends_with("[]") && rest != "*")
-            names.push_back(rest);
-    }
-    return names;
-}
-
-void DocumentSchema::validate_map(const YamlValue& value, const std::string& path,
-                                  bool newer) const {
-    const std::string prefix = path.empty() ? "" : path + ".";
-    const std::vector<std::string_view> known = children(path);
-    for (const std::string& key : value.keys()) {
-        // Not by the whole path: a key may be written "craft.name", which is no field.
-        if (std::find(known.begin(), known.end(), key) != known.end()) {
-            validate_node(value[key], prefix + key, newer);
-        } else if (find(prefix + "*")) {
-            validate_node(value[key], prefix + "*", newer);
-        } else if (!newer) {
-            YAML::Node key_node;
-            for (const auto& pair : value.node())
-                if (pair.first.Scalar() == key) key_node.reset(pair.first);
-            const std::string remedy =
-                known.empty() ? "Remove it"
-                              : fmt::format("Did you mean \"{}\"? Known keys here: {}",
-                                            nearest(key, known), fmt::join(known, ", "));
-            throw Failure(yaml_place(value.where(), key_node),
-                          fmt::format("unknown key \"{}\"{}", escape_for_message(key),
-                                      path.empty() ? "" : " in " + path),
-                          remedy);
-        }
-    }
-    for (const std::string_view name : known) {
-        const FieldRule& rule = *find(prefix + std::string(name));
-        if (rule.required && !value[std::string(name)].exists())
-            value.fail(fmt::format("the key \"{}\" is missing ({})", name, rule.description),
-                       "Add it");
-    }
-}
-
-void DocumentSchema::validate_node(const YamlValue& value, const std::string& path,
-                                   bool newer) const {
-    const FieldRule& rule = *find(path);
-    if (!value.exists() || has_type(rule, "any")) return;
-    if (value.is_map() && has_type(rule, "map")) return validate_map(value, path, newer);
-    if (value.is_list() && has_type(rule, "list")) {
-        for (const YamlValue& item : value.list()) {
-            if (!item.exists()) item.fail("is empty", "Give it a value, or remove it");
-            if (find(path + "[]")) validate_node(item, path + "[]", newer);
-        }
-        return;
-    }
-    if (value.is_map() || value.is_list())
-        value.fail(fmt::format("is a {}, not {}", value.is_map() ? "map" : "list",
-                               fmt::join(rule.types, " or ")),
-                   "See the field table of the schema");
-    check_scalar(rule, value);
+    Validation(*this, document, newer_revision).map(document.node(), Step{}, "");
 }
 
 std::string DocumentSchema::field_table() const {

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstddef>
+#include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -20,6 +23,7 @@ struct FieldRule {
     std::optional<double> maximum{};
     int decimals = 6;  ///< of a real, as written by the program
     YamlValue default_value;
+    YamlValue since;  ///< the revision that added it, as the table says it
     std::string description{};
 };
 
@@ -27,10 +31,16 @@ struct FieldRule {
 /// documents are checked.
 class DocumentSchema {
   public:
-    /// Parses a table's text (compiled into the program; a fault in it is a Failure). The fields of
-    /// `common`, if given, are added in front.
+    /// Reads a table that was parsed (compiled into the program; a fault in it is a Failure). The
+    /// fields of `common`, if given, are added in front.
+    static DocumentSchema read(const YamlNode& table, const std::string& where,
+                               const DocumentSchema* common = nullptr);
+    /// The same of a table's text.
     static DocumentSchema parse(std::string_view text, const std::string& where,
                                 const DocumentSchema* common = nullptr);
+    /// This table with that version and those of its fields alone that `keep` says.
+    DocumentSchema restricted(std::string version,
+                              const std::function<bool(const FieldRule&)>& keep) const;
 
     const std::string& name() const { return name_; }
     const std::string& version() const { return version_; }
@@ -51,14 +61,18 @@ class DocumentSchema {
     std::string field_table() const;
 
   private:
-    void validate_node(const YamlValue& value, const std::string& path, bool newer) const;
-    void validate_map(const YamlValue& value, const std::string& path, bool newer) const;
-    std::vector<std::string_view> children(const std::string& path) const;
+    struct Step;
+    class Validation;
+    void add(FieldRule rule);
+    std::vector<std::string_view> children(std::string_view path) const;
 
     std::string name_;
     std::string version_;
     std::vector<FieldRule> fields_;
-    YamlValue source_{YAML::Node(), ""};
+    std::map<std::string, std::size_t, std::less<>> by_path_;
+    /// Of each path, the fields that are keys of the map there.
+    std::map<std::string, std::vector<std::size_t>, std::less<>> children_;
+    YamlValue source_{YamlNode(), ""};
 };
 
 }  // namespace runcert

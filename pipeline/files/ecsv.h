@@ -1,13 +1,13 @@
 #pragma once
 
-#include <yaml-cpp/yaml.h>
-
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "files/yaml_node.h"
 
 // ECSV 1.0 (Astropy Proposal for Enhancement 6), a strict subset: delimiter comma, the types
 // bool, int64, float64 and string, ASCII, every header line "# " and one line of one YAML
@@ -67,7 +67,7 @@ class EcsvReader {
     EcsvReader(std::string_view text, std::string where);
 
     const std::vector<EcsvColumn>& columns() const { return columns_; }
-    const YAML::Node& meta() const { return meta_; }
+    const YamlNode& meta() const { return meta_; }
     const std::string& where() const { return where_; }
 
     /// Steps to the next row and splits it; false at the end of the file.
@@ -93,7 +93,7 @@ class EcsvReader {
         std::size_t position = 1;  ///< column of its first character, from 1
     };
     void read_header();
-    void read_column(const YAML::Node& node, std::size_t index);
+    void read_column(const YamlNode& node, std::size_t index);
     void check_names(std::string_view line);
     std::optional<std::string_view> next_line();
     void split(std::string_view line);
@@ -105,7 +105,7 @@ class EcsvReader {
     std::string_view text_;
     std::string where_;
     std::vector<EcsvColumn> columns_;
-    YAML::Node meta_;
+    YamlNode meta_;
     std::vector<Cell> cells_;
     std::size_t cell_count_ = 0;
     std::size_t offset_ = 0;

@@ -16,36 +16,49 @@ namespace {
 constexpr std::string_view remade =
     "The file is not as the program writes it; take the original, or run the stage again";
 
-/// astropy writes an ordered map as `!!omap`, a list of maps of one key each: turned into maps,
-/// wherever in `node` they stand.
-YAML::Node plain_map(const YAML::Node& node, const std::string& where) {
-    if (node.IsMap()) {
-        YAML::Node map = node;
-        for (auto pair : map)
-            pair.second = plain_map(pair.second, where);
-        return map;
+bool holds_ordered_map(const YamlNode& node) {
+    if (node.is_ordered_map()) return true;
+    for (std::size_t i = 0; i < node.size(); ++i)
+        if (holds_ordered_map(node.is_map() ? node.value(i) : node.item(i))) return true;
+    return false;
+}
+
+void copy_plain(const YamlNode& node, const std::string& where, YamlBuilder& out) {
+    if (node.is_null() || node.is_scalar()) return out.copy(node);
+    if (!node.is_ordered_map()) {
+        out.begin(node.kind(), node.mark());
+        for (std::size_t i = 0; i < node.size(); ++i) {
+            if (node.is_map()) out.copy(node.key(i));
+            copy_plain(node.is_map() ? node.value(i) : node.item(i), where, out);
+        }
+        out.end();
+        return;
     }
-    if (!node.IsSequence()) return node;
-    if (node.Tag() != "tag:yaml.org,2002:omap") {
-        YAML::Node list = node;
-        for (std::size_t i = 0; i < list.size(); ++i)
-            list[i] = plain_map(list[i], where);
-        return list;
-    }
-    YAML::Node map(YAML::NodeType::Map);
-    for (const auto& item : node) {
-        const bool is_pair = item.IsMap() && item.size() == 1;
-        if (!is_pair || std::as_const(map)[item.begin()->first.Scalar()].IsDefined())
+    std::set<std::string_view> keys;
+    out.begin(YamlKind::map, {});
+    for (std::size_t i = 0; i < node.size(); ++i) {
+        const YamlNode item = node.item(i);
+        if (!item.is_map() || item.size() != 1 || !keys.insert(item.key(0).scalar()).second)
             throw Failure(yaml_place(where, item),
                           "an !!omap entry is not one new key and its value", std::string(remade));
-        map.force_insert(item.begin()->first, plain_map(item.begin()->second, where));
+        out.copy(item.key(0));
+        copy_plain(item.value(0), where, out);
     }
-    return map;
+    out.end();
+}
+
+/// astropy writes an ordered map as `!!omap`, a list of maps of one key each: turned into maps,
+/// wherever in `node` they stand.
+YamlNode plain_map(const YamlNode& node, const std::string& where) {
+    if (!holds_ordered_map(node)) return node;
+    YamlBuilder out;
+    copy_plain(node, where, out);
+    return std::move(out).take();
 }
 
 /// Whether a mark is taken back. Any other value than `false` counts as the mark.
-bool is_false(const YAML::Node& node) {
-    return node.IsScalar() && node.Scalar() == "false";
+bool is_false(const YamlNode& node) {
+    return node.scalar() == "false";
 }
 
 /// A header line as the line of YAML it holds. Blanks instead of "# " keep the columns that
@@ -111,47 +124,47 @@ void EcsvReader::read_header() {
         fail_at(line_, 1, "the header is not followed by the line of column names",
                 std::string(remade));
     // The YAML text starts on line 2 of the file: keep its line numbers.
-    const YAML::Node header = parse_yaml("\n" + yaml, where_);
-    if (!header.IsMap() || !header["datatype"] || !header["datatype"].IsSequence())
+    const YamlNode header = parse_yaml("\n" + yaml, where_);
+    const YamlNode datatype = header["datatype"];
+    if (!datatype.is_list())
         fail_at(2, 1, "the header has no list \"datatype\"", std::string(remade));
-    const YAML::Node delimiter = header["delimiter"];
-    if (!delimiter || !delimiter.IsScalar() || delimiter.Scalar() != ",")
-        throw Failure(delimiter ? yaml_place(where_, delimiter) : where_ + ":2:1",
+    const YamlNode delimiter = header["delimiter"];
+    if (delimiter.scalar() != ",")
+        throw Failure(delimiter.is_defined() ? yaml_place(where_, delimiter) : where_ + ":2:1",
                       "the delimiter is not a comma", "Only tables with delimiter ',' are read");
-    for (const auto& pair : header) {
-        const std::string key = pair.first.Scalar();
+    for (std::size_t i = 0; i < header.size(); ++i) {
+        const std::string key(header.key(i).scalar());
         if (key != "datatype" && key != "delimiter" && key != "meta" && key != "schema")
-            throw Failure(yaml_place(where_, pair.first), "unknown header key \"" + key + "\"",
+            throw Failure(yaml_place(where_, header.key(i)), "unknown header key \"" + key + "\"",
                           std::string(remade));
     }
-    for (std::size_t i = 0; i < header["datatype"].size(); ++i)
-        read_column(header["datatype"][i], i);
-    if (header["meta"]) meta_ = plain_map(header["meta"], where_);
+    columns_.reserve(datatype.size());
+    for (std::size_t i = 0; i < datatype.size(); ++i)
+        read_column(datatype.item(i), i);
+    meta_ = plain_map(header["meta"], where_);
     check_names(*line);
 }
 
-void EcsvReader::read_column(const YAML::Node& node, std::size_t index) {
-    const auto scalar = [&](const char* key) {
-        return node[key] && node[key].IsScalar() ? node[key].Scalar() : std::string();
-    };
-    if (!node.IsMap() || scalar("name").empty())
+void EcsvReader::read_column(const YamlNode& node, std::size_t index) {
+    const auto scalar = [&](const char* key) { return std::string(node[key].scalar()); };
+    if (!node.is_map() || scalar("name").empty())
         throw Failure(yaml_place(where_, node), fmt::format("column {} has no name", index + 1),
                       std::string(remade));
-    for (const auto& pair : node) {
-        static const std::set<std::string> known{"name",   "unit",        "datatype",
-                                                 "format", "description", "meta"};
-        if (!known.contains(pair.first.Scalar()))
-            throw Failure(yaml_place(where_, pair.first),
-                          "unknown column key \"" + pair.first.Scalar() + "\"",
+    for (std::size_t i = 0; i < node.size(); ++i) {
+        static const std::set<std::string, std::less<>> known{"name",   "unit",        "datatype",
+                                                              "format", "description", "meta"};
+        if (!known.contains(node.key(i).scalar()))
+            throw Failure(yaml_place(where_, node.key(i)),
+                          "unknown column key \"" + std::string(node.key(i).scalar()) + "\"",
                           std::string(remade));
     }
     EcsvColumn column;
     column.name = scalar("name");
     column.unit = scalar("unit");
     column.description = scalar("description");
-    if (node["meta"]) {
-        const YAML::Node meta = plain_map(node["meta"], where_);
-        column.must_understand = meta.IsMap() && meta["required"] && !is_false(meta["required"]);
+    if (const YamlNode meta = node["meta"]; meta.is_defined()) {
+        const YamlNode required = plain_map(meta, where_)["required"];
+        column.must_understand = required.is_defined() && !is_false(required);
     }
     const std::string type = scalar("datatype");
     bool known_type = false;

@@ -1,22 +1,23 @@
 #pragma once
 
-#include <yaml-cpp/yaml.h>
-
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "files/yaml_node.h"
 
 namespace runcert {
 
 /// Parses one YAML document. Refused with line and column: what is not YAML or not UTF-8 text, two
 /// equal keys in one map, keys that are not text, anchors and aliases, tags (but !!map, !!seq and
 /// astropy's !!omap), control characters, nesting deeper than 32, more than one document.
-YAML::Node parse_yaml(std::string_view text, const std::string& where);
+YamlNode parse_yaml(std::string_view text, const std::string& where);
 
 /// "file:line:column" of a node, for messages; "file" where the node has no place.
-std::string yaml_place(const std::string& where, const YAML::Node& node);
+std::string yaml_place(const std::string& where, const YamlNode& node);
 
 /// One value in a document, that knows its file and its path and reads itself strictly.
 ///
@@ -24,17 +25,13 @@ std::string yaml_place(const std::string& where, const YAML::Node& node);
 /// or of another type: a quoted number is text, `yes` is no boolean.
 class YamlValue {
   public:
-    YamlValue(const YAML::Node& node, std::string where, std::string path = {});
-
-    YamlValue(const YamlValue&) = default;
-    YamlValue& operator=(const YamlValue& other);
-    ~YamlValue() = default;
+    YamlValue(YamlNode node, std::string where, std::string path = {});
 
     /// The member of that name; `exists()` is false where there is none or it is null.
-    YamlValue operator[](const std::string& key) const;
-    bool exists() const;
-    bool is_map() const { return node_.IsDefined() && node_.IsMap(); }
-    bool is_list() const { return node_.IsDefined() && node_.IsSequence(); }
+    YamlValue operator[](std::string_view key) const;
+    bool exists() const { return !node_.is_null(); }
+    bool is_map() const { return node_.is_map(); }
+    bool is_list() const { return node_.is_list(); }
 
     std::string text() const;
     double real() const;
@@ -49,17 +46,18 @@ class YamlValue {
     std::optional<std::string> optional_text() const;
 
     const std::string& path() const { return path_; }
-    const YAML::Node& node() const { return node_; }
-    const std::string& where() const { return where_; }
+    const YamlNode& node() const { return node_; }
+    const std::string& where() const { return *where_; }
     /// "file:line:column".
-    std::string place() const { return yaml_place(where_, node_); }
+    std::string place() const { return yaml_place(*where_, node_); }
     [[noreturn]] void fail(const std::string& what, const std::string& remedy) const;
 
   private:
-    const std::string& scalar(const char* expected) const;
+    YamlValue(YamlNode node, std::shared_ptr<const std::string> where, std::string path);
+    std::string_view scalar(const char* expected) const;
 
-    YAML::Node node_;
-    std::string where_;
+    YamlNode node_;
+    std::shared_ptr<const std::string> where_;
     std::string path_;
 };
 

@@ -14,7 +14,7 @@
 
 namespace runcert {
 
-std::string_view attempt_schema_text(std::string_view name);
+YamlNode attempt_field_table_node();
 
 namespace {
 
@@ -246,7 +246,7 @@ std::string_view to_text(CoordinateFrame frame) {
 
 const DocumentSchema& attempt_schema() {
     static const DocumentSchema schema =
-        DocumentSchema::parse(attempt_schema_text("v1.yaml"), "schemas/attempt/v1.yaml");
+        DocumentSchema::read(attempt_field_table_node(), "schemas/attempt/v1.yaml");
     return schema;
 }
 

@@ -8,13 +8,13 @@
 
 namespace runcert {
 
-std::string_view common_schema_text(std::string_view name);
+YamlNode common_field_table_node();
 
 using Json = nlohmann::ordered_json;
 
 const DocumentSchema& header_schema() {
     static const DocumentSchema schema =
-        DocumentSchema::parse(common_schema_text("v1.yaml"), "schemas/common/v1.yaml");
+        DocumentSchema::read(common_field_table_node(), "schemas/common/v1.yaml");
     return schema;
 }
 
@@ -96,7 +96,7 @@ Json json_from_yaml(const YamlValue& value) {
         return list;
     }
     const std::string text = value.text();
-    if (value.node().Tag() == "!") return text;
+    if (value.node().is_quoted()) return text;
     if (text == "true" || text == "false") return text == "true";
     if (const auto integer = parse_integer(text)) return *integer;
     if (const auto real = parse_double(text)) return *real;

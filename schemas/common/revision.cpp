@@ -8,36 +8,22 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "files/yaml_output.h"
-#include "schemas/common/header.h"
 
 namespace runcert {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-/// The entry of a field in the text that it comes from: the schema's own, or the header's.
-YamlValue entry_of(const DocumentSchema& schema, const std::string& path) {
-    const YamlValue own = schema.source()["fields"][path];
-    return own.exists() ? own : header_schema().source()["fields"][path];
-}
-
 /// The field table as an earlier revision had it.
 DocumentSchema table_of(const DocumentSchema& schema, std::int64_t revision) {
-    Json table = {{"schema", schema.name()},
-                  {"version", fmt::format("{}.{}", version_of(schema).model, revision)},
-                  {"fields", Json::object()}};
-    for (const FieldRule& rule : schema.fields())
-        if (since_of(schema, rule.path) <= revision)
-            table["fields"][rule.path] = json_from_yaml(entry_of(schema, rule.path));
-    return DocumentSchema::parse(to_yaml_text(table), schema.source().where());
+    return schema.restricted(
+        fmt::format("{}.{}", version_of(schema).model, revision),
+        [&](const FieldRule& rule) { return since_of(schema, rule.path) <= revision; });
 }
 
 /// The same, made once: making it takes far longer than reading a document. Tables are told apart
 /// by the text that they were parsed from.
 const DocumentSchema& as_of(const DocumentSchema& schema, std::int64_t revision) {
     struct Made {
-        YAML::Node source;
+        YamlNode source;
         std::int64_t revision;
         DocumentSchema schema;
     };
@@ -45,7 +31,8 @@ const DocumentSchema& as_of(const DocumentSchema& schema, std::int64_t revision)
     static std::deque<Made> all;  // references to its elements stay valid
     const std::lock_guard lock(mutex);
     for (const Made& made : all)
-        if (made.revision == revision && made.source.is(schema.source().node())) return made.schema;
+        if (made.revision == revision && made.source.is_same_as(schema.source().node()))
+            return made.schema;
     all.push_back({schema.source().node(), revision, table_of(schema, revision)});
     return all.back().schema;
 }
@@ -91,8 +78,9 @@ SchemaVersion version_of(const DocumentSchema& schema) {
     return parse_schema_version(schema.version()).value();
 }
 
-std::int64_t read_since(const YamlValue& entry, const SchemaVersion& own) {
-    const YamlValue since = entry["since"];
+namespace {
+
+std::int64_t revision_of(const YamlValue& since, const SchemaVersion& own) {
     if (!since.exists()) return 0;
     const auto version = parse_schema_version(since.text());
     if (!version || version->model != own.model || version->revision > own.revision)
@@ -101,14 +89,24 @@ std::int64_t read_since(const YamlValue& entry, const SchemaVersion& own) {
     return version->revision;
 }
 
+}  // namespace
+
+std::int64_t read_since(const YamlValue& entry, const SchemaVersion& own) {
+    return revision_of(entry["since"], own);
+}
+
 std::int64_t since_of(const DocumentSchema& schema, const std::string& path) {
     const SchemaVersion own = version_of(schema);
-    const YamlValue fields = schema.source()["fields"];
-    std::int64_t since = 0;
+    std::int64_t latest = 0;
+    const auto add = [&](std::string_view field) {
+        if (const FieldRule* rule = schema.find(field))
+            latest = std::max(latest, revision_of(rule->since, own));
+    };
     for (std::size_t end = path.find_first_of(".["); end != std::string::npos;
          end = path.find_first_of(".[", end + 1))
-        since = std::max(since, read_since(fields[path.substr(0, end)], own));
-    return std::max(since, read_since(fields[path], own));
+        add(std::string_view(path).substr(0, end));
+    add(path);
+    return latest;
 }
 
 void validate_revision(const YamlValue& document, const DocumentSchema& schema,

@@ -38,8 +38,12 @@ EcsvColumn read_column(const YamlValue& entry) {
 }  // namespace
 
 TableSchema TableSchema::parse(std::string_view text, const std::string& where) {
+    return read(parse_yaml(text, where), where);
+}
+
+TableSchema TableSchema::read(const YamlNode& table, const std::string& where) {
     TableSchema schema;
-    schema.meta_ = DocumentSchema::parse(text, where, &header_schema());
+    schema.meta_ = DocumentSchema::read(table, where, &header_schema());
     for (const YamlValue& entry : schema.meta_.source()["columns"].list()) {
         schema.columns_.push_back(read_column(entry));
         schema.columns_since_.push_back(read_since(entry, version_of(schema.meta_)));

@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <vector>
 
@@ -30,6 +31,9 @@ struct ElapsedTime {
 /// The field table of a product that is a table: columns, and the fields of its `meta`.
 class TableSchema {
   public:
+    /// Reads a field table that was parsed (compiled into the program).
+    static TableSchema read(const YamlNode& table, const std::string& where);
+    /// The same of a table's text.
     static TableSchema parse(std::string_view text, const std::string& where);
 
     const DocumentSchema& meta() const { return meta_; }
@@ -179,9 +183,9 @@ class TableFormat {
   public:
     /// The bindings must stand in the order of the schema's columns, and name each of them. A
     /// column that an earlier revision had not must be bound to an optional.
-    TableFormat(std::string_view schema_text, const std::string& where,
+    TableFormat(const YamlNode& table, const std::string& where,
                 std::vector<ColumnBinding<Row>> bindings)
-        : schema_(TableSchema::parse(schema_text, where)), bindings_(std::move(bindings)) {
+        : schema_(TableSchema::read(table, where)), bindings_(std::move(bindings)) {
         bool equal = bindings_.size() == schema_.columns().size();
         for (std::size_t i = 0; equal && i < bindings_.size(); ++i)
             equal = bindings_[i].name == schema_.columns()[i].name &&
@@ -190,6 +194,11 @@ class TableFormat {
             throw Failure(where, "the struct of the rows does not follow the field table",
                           "This is a fault of the program; please report it");
     }
+
+    /// The same of a field table's text.
+    TableFormat(std::string_view table, const std::string& where,
+                std::vector<ColumnBinding<Row>> bindings)
+        : TableFormat(parse_yaml(table, where), where, std::move(bindings)) {}
 
     const TableSchema& schema() const { return schema_; }
 

@@ -15,7 +15,7 @@
 
 namespace runcert {
 
-std::string_view day_schema_text(std::string_view name);
+YamlNode day_field_table_node();
 
 namespace {
 
@@ -41,8 +41,8 @@ bool holds(const Names& names, std::string_view name) {
 
 /// "file:line:column" of a key itself: its value may be on another line, or missing.
 std::string place_of_key(const YamlValue& map, const std::string& key) {
-    for (const auto& pair : map.node())
-        if (pair.first.Scalar() == key) return yaml_place(map.where(), pair.first);
+    for (std::size_t i = 0; map.is_map() && i < map.node().size(); ++i)
+        if (map.node().key(i).scalar() == key) return yaml_place(map.where(), map.node().key(i));
     return map.place();
 }
 
@@ -153,18 +153,29 @@ void read_entry(const YamlValue& value, const Json& defaults, DayEntry& entry) {
 
 /// Checks all of a day's document but its entries.
 void validate_around_entries(const YamlValue& document) {
-    YAML::Node rest(YAML::NodeType::Map);
-    for (const auto& pair : document.node())
-        if (pair.first.Scalar() != "attempts") rest[pair.first] = pair.second;
-    if (document["attempts"].exists()) rest["attempts"] = YAML::Node(YAML::NodeType::Sequence);
-    day_schema().validate(YamlValue(rest, document.where()));
+    YamlBuilder rest;
+    const YamlNode& all = document.node();
+    rest.begin(YamlKind::map, {});
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const bool is_entries = all.key(i).scalar() == "attempts";
+        if (is_entries && all.value(i).is_null()) continue;
+        rest.copy(all.key(i));
+        if (!is_entries) {
+            rest.copy(all.value(i));
+        } else {
+            rest.begin(YamlKind::list, {});
+            rest.end();
+        }
+    }
+    rest.end();
+    day_schema().validate(YamlValue(std::move(rest).take(), document.where()));
 }
 
 }  // namespace
 
 const DocumentSchema& day_schema() {
     static const DocumentSchema schema =
-        DocumentSchema::parse(day_schema_text("v1.yaml"), "schemas/day/v1.yaml");
+        DocumentSchema::read(day_field_table_node(), "schemas/day/v1.yaml");
     return schema;
 }
 
@@ -183,7 +194,7 @@ DayFile read_day_file(std::string_view text, const std::string& where) {
     Json defaults = attempt_keys(document["defaults"]);
     if (defaults.is_null()) defaults = Json::object();
     for (const YamlValue& value : document["attempts"].list()) {
-        DayEntry entry{.line = value.node().Mark().line + 1, .place = value.place()};
+        DayEntry entry{.line = value.node().mark().line + 1, .place = value.place()};
         try {
             read_entry(value, defaults, entry);
         } catch (const Failure& failure) {

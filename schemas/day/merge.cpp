@@ -39,7 +39,7 @@ std::string below(const std::string& path, const std::string& key) {
 Json scalar_of(const YamlValue& value, const std::string& path) {
     const std::string text = value.text();
     const auto line = attempt_table().find(path);
-    if (line == attempt_table().end() || value.node().Tag() == "!") return text;
+    if (line == attempt_table().end() || value.node().is_quoted()) return text;
     const FieldRule& rule = *line->second.rule;
     if (has_type(rule, "text")) return text;
     if (has_type(rule, "boolean") && (text == "true" || text == "false")) return text == "true";

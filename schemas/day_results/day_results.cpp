@@ -7,7 +7,7 @@
 
 namespace runcert {
 
-std::string_view day_results_schema_text(std::string_view name);
+YamlNode day_results_field_table_node();
 
 using Json = nlohmann::ordered_json;
 
@@ -90,8 +90,8 @@ inline constexpr auto members<DayResults> =
 namespace {
 
 const DocumentSchema& day_results_schema() {
-    static const DocumentSchema schema = DocumentSchema::parse(
-        day_results_schema_text("v1.yaml"), "schemas/day_results/v1.yaml", &header_schema());
+    static const DocumentSchema schema = DocumentSchema::read(
+        day_results_field_table_node(), "schemas/day_results/v1.yaml", &header_schema());
     return schema;
 }
 

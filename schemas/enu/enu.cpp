@@ -2,12 +2,12 @@
 
 namespace runcert {
 
-std::string_view enu_schema_text(std::string_view name);
+YamlNode enu_field_table_node();
 
 namespace {
 
 const TableFormat<EnuEpoch>& format() {
-    static const TableFormat<EnuEpoch> instance(enu_schema_text("v1.yaml"), "schemas/enu/v1.yaml",
+    static const TableFormat<EnuEpoch> instance(enu_field_table_node(), "schemas/enu/v1.yaml",
                                                 enu_columns<EnuEpoch>());
     return instance;
 }

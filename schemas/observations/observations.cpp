@@ -4,7 +4,7 @@
 
 namespace runcert {
 
-std::string_view observations_schema_text(std::string_view name);
+YamlNode observations_field_table_node();
 
 namespace {
 
@@ -34,7 +34,7 @@ const TableFormat<Observation>& format() {
         bind_accuracy(columns);
         bind_recorded_velocity(columns);
         bind_quality(columns);
-        return TableFormat<Row>(observations_schema_text("v1.yaml"), "schemas/observations/v1.yaml",
+        return TableFormat<Row>(observations_field_table_node(), "schemas/observations/v1.yaml",
                                 std::move(columns));
     }();
     return instance;

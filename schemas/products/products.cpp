@@ -18,35 +18,35 @@
 
 namespace runcert {
 
-std::string_view observations_schema_text(std::string_view name);
-std::string_view enu_schema_text(std::string_view name);
-std::string_view screened_schema_text(std::string_view name);
-std::string_view trajectory_schema_text(std::string_view name);
-std::string_view windows_schema_text(std::string_view name);
-std::string_view verdict_schema_text(std::string_view name);
-std::string_view report_schema_text(std::string_view name);
+YamlNode observations_field_table_node();
+YamlNode enu_field_table_node();
+YamlNode screened_field_table_node();
+YamlNode trajectory_field_table_node();
+YamlNode windows_field_table_node();
+YamlNode verdict_field_table_node();
+YamlNode report_field_table_node();
 
 namespace {
 
 /// One product: what its file's name begins with, its field table, and its reader.
 struct Product {
     std::string_view stem;
-    std::string_view (*field_table)(std::string_view);
+    YamlNode (*field_table)();
     void (*read)(std::string_view, const std::string&);
 };
 
 constexpr std::array<Product, 6> products{{
-    {"1-observations", observations_schema_text,
+    {"1-observations", observations_field_table_node,
      [](std::string_view text, const std::string& where) { (void)read_observations(text, where); }},
-    {"2-enu", enu_schema_text,
+    {"2-enu", enu_field_table_node,
      [](std::string_view text, const std::string& where) { (void)read_enu(text, where); }},
-    {"3-screened", screened_schema_text,
+    {"3-screened", screened_field_table_node,
      [](std::string_view text, const std::string& where) { (void)read_screened(text, where); }},
-    {"4-trajectory", trajectory_schema_text,
+    {"4-trajectory", trajectory_field_table_node,
      [](std::string_view text, const std::string& where) { (void)read_trajectory(text, where); }},
-    {"5-windows", windows_schema_text,
+    {"5-windows", windows_field_table_node,
      [](std::string_view text, const std::string& where) { (void)read_windows(text, where); }},
-    {"6-verdict", verdict_schema_text,
+    {"6-verdict", verdict_field_table_node,
      [](std::string_view text, const std::string& where) { (void)read_verdict(text, where); }},
 }};
 
@@ -78,13 +78,13 @@ void check_product(std::string_view text, std::string_view file, const std::stri
 }
 
 std::string product_version(std::string_view file) {
-    const std::string_view table = product_of(file, std::string(file)).field_table("v1.yaml");
-    return YamlValue(parse_yaml(table, "field table"), "field table")["version"].text();
+    return YamlValue(product_of(file, std::string(file)).field_table(), "field table")["version"]
+        .text();
 }
 
 const DocumentSchema& report_field_table() {
     static const DocumentSchema schema =
-        DocumentSchema::parse(report_schema_text("v1.yaml"), "reports/v1.yaml");
+        DocumentSchema::read(report_field_table_node(), "reports/v1.yaml");
     return schema;
 }
 

@@ -11,7 +11,7 @@
 
 namespace runcert {
 
-std::string_view profile_schema_text(std::string_view name);
+YamlNode profile_field_table_node();
 std::string_view builtin_profile_text(std::string_view name);
 std::vector<std::string_view> builtin_profile_text_names();
 
@@ -19,7 +19,7 @@ namespace {
 
 const DocumentSchema& profile_schema() {
     static const DocumentSchema schema =
-        DocumentSchema::parse(profile_schema_text("v1.yaml"), "schemas/profile/v1.yaml");
+        DocumentSchema::read(profile_field_table_node(), "schemas/profile/v1.yaml");
     return schema;
 }
 

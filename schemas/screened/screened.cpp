@@ -8,7 +8,7 @@
 
 namespace runcert {
 
-std::string_view screened_schema_text(std::string_view name);
+YamlNode screened_field_table_node();
 
 // The members of the map `screening`, as `schemas/screened/v1.yaml` names them.
 
@@ -168,7 +168,7 @@ const TableFormat<ScreenedEpoch>& format() {
         columns.push_back(column<Row, &Row::arc>("arc"));
         columns.push_back(column<Row, &Row::break_before>("break_before"));
         std::ranges::copy(test_columns(), std::back_inserter(columns));
-        return TableFormat<Row>(screened_schema_text("v1.yaml"), "schemas/screened/v1.yaml",
+        return TableFormat<Row>(screened_field_table_node(), "schemas/screened/v1.yaml",
                                 std::move(columns));
     }();
     return instance;

@@ -11,7 +11,7 @@
 
 namespace runcert {
 
-std::string_view simulation_schema_text(std::string_view name);
+YamlNode simulation_field_table_node();
 
 namespace {
 
@@ -199,7 +199,7 @@ Json read_attempt_part(const YamlValue& part) {
 
 const DocumentSchema& simulation_schema() {
     static const DocumentSchema schema =
-        DocumentSchema::parse(simulation_schema_text("v1.yaml"), "schemas/simulation/v1.yaml");
+        DocumentSchema::read(simulation_field_table_node(), "schemas/simulation/v1.yaml");
     return schema;
 }
 

@@ -4,7 +4,7 @@
 
 namespace runcert {
 
-std::string_view trajectory_schema_text(std::string_view name);
+YamlNode trajectory_field_table_node();
 
 // The members of the estimation's maps, as `schemas/trajectory/v1.yaml` names them.
 
@@ -86,7 +86,7 @@ namespace {
 const TableFormat<TrajectoryEpoch>& format() {
     using Row = TrajectoryEpoch;
     static const TableFormat<Row> instance(
-        trajectory_schema_text("v1.yaml"), "schemas/trajectory/v1.yaml",
+        trajectory_field_table_node(), "schemas/trajectory/v1.yaml",
         {
             column<Row, &Row::epoch>("epoch"),
             column<Row, &Row::time>("time"),

@@ -5,7 +5,7 @@
 
 namespace runcert {
 
-std::string_view verdict_schema_text(std::string_view name);
+YamlNode verdict_field_table_node();
 
 using Json = nlohmann::ordered_json;
 
@@ -51,8 +51,8 @@ inline constexpr auto members<RunSummary> = std::tuple{
 namespace {
 
 const DocumentSchema& verdict_schema() {
-    static const DocumentSchema schema = DocumentSchema::parse(
-        verdict_schema_text("v1.yaml"), "schemas/verdict/v1.yaml", &header_schema());
+    static const DocumentSchema schema = DocumentSchema::read(
+        verdict_field_table_node(), "schemas/verdict/v1.yaml", &header_schema());
     return schema;
 }
 

@@ -10,7 +10,7 @@
 
 namespace runcert {
 
-std::string_view windows_schema_text(std::string_view name);
+YamlNode windows_field_table_node();
 
 using Json = nlohmann::ordered_json;
 
@@ -132,8 +132,8 @@ inline constexpr auto members<FurtherWindow> =
 namespace {
 
 const DocumentSchema& windows_schema() {
-    static const DocumentSchema schema = DocumentSchema::parse(
-        windows_schema_text("v1.yaml"), "schemas/windows/v1.yaml", &header_schema());
+    static const DocumentSchema schema = DocumentSchema::read(
+        windows_field_table_node(), "schemas/windows/v1.yaml", &header_schema());
     return schema;
 }
 

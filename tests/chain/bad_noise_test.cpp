@@ -65,7 +65,7 @@ Outcome certified(const std::vector<Epoch>& recording,
     write_file_atomically(folder.path() / "attempt.yaml", attempt_for(columns));
     const fs::path run = folder.path() / "run";
     const ProcessResult result = certify(folder.path() / "attempt.yaml", run, {"--no-render"});
-    Outcome outcome{result.exit_status, result.errors, {}, {YAML::Node(), ""}};
+    Outcome outcome{result.exit_status, result.errors, {}, {YamlNode(), ""}};
     if (!fs::exists(run / "6-verdict.yaml")) return outcome;
     outcome.verdict = read_yaml(run / "6-verdict.yaml");
     for (const YamlValue& statement : outcome.verdict["statements"].list())

@@ -24,7 +24,7 @@ struct Outcome {
     std::string errors;
     std::string outcome;
     std::string reason;
-    YamlValue verdict{YAML::Node(), ""};
+    YamlValue verdict{YamlNode(), ""};
 };
 
 Outcome certified(int epochs, const std::function<Epoch(int)>& epoch,

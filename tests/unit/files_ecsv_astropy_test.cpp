@@ -183,11 +183,11 @@ TEST_F(EcsvAstropy, WeReadWhatItWrites) {
         EXPECT_EQ(in.columns()[2].description, "how fast: \"x\" # y");
         EXPECT_TRUE(in.columns()[2].must_understand);
         EXPECT_EQ(in.columns()[4].unit, "deg");
-        const YAML::Node& meta = in.meta();
-        EXPECT_EQ(meta["schema"]["name"].Scalar(), "x");
-        EXPECT_EQ(meta["ordered"]["a"]["z"].Scalar(), "1.0");
-        EXPECT_EQ(meta["plain"]["list"][4]["k"].Scalar(), "yes");
-        EXPECT_EQ(meta["text"].Scalar(), "\xc2\xb5 \xf0\x9f\x98\x80 2026-11-21");
+        const YamlNode& meta = in.meta();
+        EXPECT_EQ(meta["schema"]["name"].scalar(), "x");
+        EXPECT_EQ(meta["ordered"]["a"]["z"].scalar(), "1.0");
+        EXPECT_EQ(meta["plain"]["list"][4]["k"].scalar(), "yes");
+        EXPECT_EQ(meta["text"].scalar(), "\xc2\xb5 \xf0\x9f\x98\x80 2026-11-21");
 
         ASSERT_TRUE(in.next_row());
         EXPECT_TRUE(in.boolean(0));

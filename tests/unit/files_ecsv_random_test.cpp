@@ -91,7 +91,7 @@ TEST(Ecsv, RandomTablesRoundTrip) {
             EXPECT_EQ(in.columns()[i].description, columns[i].description);
             EXPECT_EQ(in.columns()[i].must_understand, columns[i].must_understand);
         }
-        EXPECT_EQ(in.meta()[meta.begin().key()].Scalar(), meta.begin()->get<std::string>());
+        EXPECT_EQ(in.meta()[meta.begin().key()].scalar(), meta.begin()->get<std::string>());
         for (const auto& row : rows) {
             ASSERT_TRUE(in.next_row()) << text;
             for (std::size_t i = 0; i < columns.size(); ++i)

@@ -65,7 +65,7 @@ TEST(Ecsv, EveryTypeRoundTrips) {
         EXPECT_EQ(in.columns()[i].description, expected[i].description);
         EXPECT_FALSE(in.columns()[i].must_understand);
     }
-    EXPECT_EQ(in.meta()["k"].Scalar(), "1");
+    EXPECT_EQ(in.meta()["k"].scalar(), "1");
     for (const auto& row : rows) {
         ASSERT_TRUE(in.next_row());
         EXPECT_EQ(in.is_missing(0) ? std::nullopt : std::optional(in.boolean(0)), row.flag);
@@ -261,7 +261,7 @@ TEST(Ecsv, ReadsWhatOtherWritersMake) {
         crlf += c == '\n' ? std::string("\r\n") : std::string(1, c);
     EXPECT_NO_THROW(read_all(crlf));
     EcsvReader in(text, "t.ecsv");
-    EXPECT_TRUE(in.meta().IsNull());
+    EXPECT_TRUE(in.meta().is_null());
     // Header alone: a table of no rows.
     const std::string empty = table.substr(0, table.find("1,61"));
     EcsvReader rows(empty, "t.ecsv");
@@ -295,14 +295,14 @@ TEST(Ecsv, OrderedMapsAreMapsWhereverTheyStand) {
         "# meta:\n#   a: !!omap\n#   - b: !!omap\n#     - {c: 1}\n#     - d:\n#       - !!omap\n"
         "#         - {e: 2}\n#   - {f: 3}\n");
     EcsvReader in(text, "t");
-    const YAML::Node& meta = in.meta();
-    EXPECT_EQ(meta["a"]["b"]["c"].Scalar(), "1");
-    EXPECT_EQ(meta["a"]["b"]["d"][0]["e"].Scalar(), "2");
-    EXPECT_EQ(meta["a"]["f"].Scalar(), "3");
+    const YamlNode& meta = in.meta();
+    EXPECT_EQ(meta["a"]["b"]["c"].scalar(), "1");
+    EXPECT_EQ(meta["a"]["b"]["d"][0]["e"].scalar(), "2");
+    EXPECT_EQ(meta["a"]["f"].scalar(), "3");
     const std::string top = replaced(table, "# meta:\n#   note: plain\n",
                                      "# meta: !!omap\n# - {note: plain}\n# - {more: [1]}\n");
     EcsvReader ordered(top, "t");
-    EXPECT_EQ(ordered.meta()["note"].Scalar(), "plain");
+    EXPECT_EQ(ordered.meta()["note"].scalar(), "plain");
 }
 
 }  // namespace

@@ -206,14 +206,14 @@ TEST(YamlOutput, EveryTextComesBackAsThatText) {
     const std::vector<YamlValue> list = back["list"].list();
     ASSERT_EQ(list.size(), awkward_texts().size());
     for (std::size_t i = 0; i < list.size(); ++i) {
-        EXPECT_EQ(list[i].node().Scalar(), awkward_texts()[i]);
+        EXPECT_EQ(list[i].node().scalar(), awkward_texts()[i]);
         if (awkward_texts()[i].size() < 200) {
-            EXPECT_EQ(back["keys"][awkward_texts()[i]].node().Scalar(), awkward_texts()[i]);
+            EXPECT_EQ(back["keys"][awkward_texts()[i]].node().scalar(), awkward_texts()[i]);
         }
     }
     for (const YamlValue& value : back["list"].list()) {
-        const bool plain = value.node().Tag() != "!";
-        EXPECT_FALSE(plain && (parse_double(value.node().Scalar()) || !value.exists()));
+        const bool plain = !value.node().is_quoted();
+        EXPECT_FALSE(plain && (parse_double(value.node().scalar()) || !value.exists()));
     }
 }
 
@@ -303,7 +303,7 @@ TEST(YamlOutput, RandomTextsRoundTrip) {
         const std::string yaml = to_yaml_text({{text, text}});
         const YamlValue back = parsed(yaml);
         ASSERT_EQ(back.keys(), std::vector<std::string>{text}) << yaml;
-        ASSERT_EQ(back[text].node().Scalar(), text) << yaml;
+        ASSERT_EQ(back[text].node().scalar(), text) << yaml;
     }
 }
 

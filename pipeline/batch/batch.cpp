@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <set>
 
@@ -11,6 +12,7 @@
 #include "batch/day_run.h"
 #include "batch/interrupts.h"
 #include "core/failure.h"
+#include "core/parallel.h"
 #include "core/text.h"
 #include "files/atomic_file.h"
 
@@ -84,7 +86,10 @@ int run_selected(const BatchOrder& order, const Day& day, const std::vector<bool
     if (lock_kind == LockKind::exclusive) remove_half_written(BatchFolders(order.context.out));
     for (const std::string& note : day.notes)
         progress->note(note);
-    const std::vector<AttemptOutcome> outcomes = run_day(day, selected, order.context,
+    BatchContext context = order.context;
+    // Runs side by side use the processors already; their steps need not share one out again.
+    context.threads = std::max(1U, threads_allowed() / static_cast<unsigned>(order.jobs));
+    const std::vector<AttemptOutcome> outcomes = run_day(day, selected, context,
                                                          {.jobs = order.jobs,
                                                           .memory_bytes = order.memory_bytes,
                                                           .finish = interrupts.finish(),

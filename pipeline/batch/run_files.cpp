@@ -1,11 +1,10 @@
 #include "batch/run_files.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "core/failure.h"
 #include "files/atomic_file.h"
+#include "files/file_sync.h"
 #include "files/sha256.h"
 
 namespace runcert {
@@ -43,13 +42,6 @@ void place(const fs::path& from, const fs::path& to) {
     fs::rename(temporary, to, error);
     if (error) fail(to, error);
     fs::remove(temporary, error);  // rename does nothing where both are the same file already
-}
-
-void sync_folder(const fs::path& folder) {
-    const int file = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (file < 0) return;
-    fsync(file);
-    close(file);
 }
 
 }  // namespace
@@ -118,11 +110,18 @@ std::string RunFiles::written(const std::string& name) {
 
 void RunFiles::publish(const std::vector<std::string>& names) {
     make_directory(run_dir_);
+    std::vector<std::string> changed;
+    std::vector<fs::path> files;
     for (const std::string& name : names) {
         const auto hash = hash_of(work_dir_ / name);
         if (!hash || hash_of(run_dir_ / name) == hash) continue;
+        changed.push_back(name);
+        files.push_back(work_dir_ / name);
+    }
+    sync_files(files);  // the steps did not
+    for (const std::string& name : changed) {
         place(work_dir_ / name, run_dir_ / name);
-        hashes_[(run_dir_ / name).string()] = hash;
+        hashes_[(run_dir_ / name).string()] = hash_of(work_dir_ / name);
     }
     sync_folder(run_dir_);
 }

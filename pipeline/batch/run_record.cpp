@@ -2,6 +2,7 @@
 
 #include "core/failure.h"
 #include "files/atomic_file.h"
+#include "files/file_sync.h"
 #include "files/sha256.h"
 
 namespace runcert {
@@ -76,7 +77,12 @@ void write_run_record(const std::filesystem::path& file, const RunRecord& record
                            {"where", record.failure->where},
                            {"remedy", record.failure->remedy}};
     json[checksum] = sha256_hex(text_of(json));
-    write_file_atomically(file, text_of(json));
+    // Lost by a power cut, it costs making the run anew; but what was published must be known, to
+    // be taken away when it is the run's no longer.
+    if (record.published.empty())
+        write_file_unsynced(file, text_of(json));
+    else
+        write_file_atomically(file, text_of(json));
 }
 
 }  // namespace runcert

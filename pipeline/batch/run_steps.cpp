@@ -6,6 +6,7 @@
 #include "batch/step_reason.h"
 #include "core/text.h"
 #include "files/atomic_file.h"
+#include "files/file_sync.h"
 #include "files/process.h"
 #include "run/signing.h"
 
@@ -41,10 +42,13 @@ std::vector<std::string> RunMaking::command_of(const std::string& step) const {
 }
 
 void RunMaking::run_program(const std::string& step, StepRecord& record) {
-    const ProcessResult result = run_process(command_of(step), {.time_limit = context_.time_limit,
-                                                                .stop = stop_,
-                                                                .most_output = most_output_of_step,
-                                                                .own_group = true});
+    const ProcessResult result = run_process(
+        command_of(step),
+        {.environment = {synced_by_caller(), {"RUNCERT_THREADS", std::to_string(context_.threads)}},
+         .time_limit = context_.time_limit,
+         .stop = stop_,
+         .most_output = most_output_of_step,
+         .own_group = true});
     if (result.end == ProcessEnd::stopped) throw Interrupted{};
     if (result.end != ProcessEnd::by_itself || result.exit_status != 0) {
         const auto copy = files_.work_dir() / std::string(evidence_attempt_file);

@@ -28,6 +28,7 @@ struct BatchContext {
     bool force = false;                           ///< every step again
     std::string from = {};                        ///< this step and all after it again
     std::chrono::milliseconds time_limit = std::chrono::minutes(10);  ///< of a step
+    unsigned threads = 1;                                             ///< that a step may use
 };
 
 /// What became of a run.

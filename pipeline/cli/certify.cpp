@@ -12,6 +12,7 @@
 #include "core/plain_text.h"
 #include "core/text.h"
 #include "files/atomic_file.h"
+#include "files/file_sync.h"
 #include "files/program.h"
 #include "files/yaml_input.h"
 #include "run/chain.h"
@@ -186,12 +187,13 @@ int certify(const CertifyOptions& options) {
             arguments.emplace_back(flag);
             return arguments;
         };
-        StageDone written = run_stage("report", with("--no-render"));
+        const ProcessOptions unsynced{.environment = {synced_by_caller()}};
+        StageDone written = run_stage("report", with("--no-render"), unsynced);
         if (key) sign_report(workshop.path(), read_report_facts(workshop.path()), *key, role);
         if (!options.no_render) {
             auto arguments = with("--render-only");
             if (options.no_pdf) arguments.emplace_back("--no-pdf");
-            const StageDone rendered = run_stage("report", arguments);
+            const StageDone rendered = run_stage("report", arguments, unsynced);
             written.seconds += rendered.seconds;
             written.said = rendered.said;
         }
@@ -200,7 +202,7 @@ int certify(const CertifyOptions& options) {
         fmt::print(stderr, "{}", failed.errors);
         return 2;
     }
-    write_file_atomically(workshop.path() / "run.yaml", run_times_text(started, stages));
+    write_file_unsynced(workshop.path() / "run.yaml", run_times_text(started, stages));
     workshop.publish();
     return print_verdicts(run_dir, key.has_value(), !options.no_render) ? 0 : 1;
 }

@@ -5,18 +5,35 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <cstdlib>
+#include <deque>
+#include <memory>
 #include <system_error>
 #include <utility>
 #include <vector>
 
 #include "core/failure.h"
+#include "files/file_sync.h"
 
 namespace runcert {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr const char* sync_variable = "RUNCERT_SYNC";
+constexpr const char* sync_of_caller = "caller";
+
+/// Whether a file is synced as it is written.
+enum class Sync { now, later };
+
+/// What the program that started this one says.
+Sync sync_of_environment() {
+    const char* const said = std::getenv(sync_variable);
+    return said && std::string_view(said) == sync_of_caller ? Sync::later : Sync::now;
+}
 
 /// What a user can do about a system error.
 std::string remedy_for(int error) {
@@ -93,8 +110,8 @@ class TemporaryFile {
         }
     }
 
-    void rename_to_target() {
-        if (::fsync(file_.number()) != 0)
+    void rename_to_target(Sync sync) {
+        if (sync == Sync::now && ::fsync(file_.number()) != 0)
             fail(target_, "cannot write this file to the disk", errno);
         if (const int error = file_.close(); error != 0)
             fail(target_, "cannot write this file", error);
@@ -125,15 +142,13 @@ class TemporaryFile {
     bool kept_ = false;
 };
 
-/// Syncs a folder, so that a rename in it outlives a power cut.
-void sync_folder_of(const fs::path& path) {
-    const fs::path folder = path.has_parent_path() ? path.parent_path() : fs::path(".");
+void sync_opened(const fs::path& folder, const fs::path& path, const char* failure) {
     const Descriptor opened(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
     // A folder that may be written but not listed cannot be opened, and some network file
     // systems cannot sync one: there the file is as safe as that place allows.
     if (!opened.is_open() || ::fsync(opened.number()) == 0 || errno == EINVAL || errno == ENOTSUP)
         return;
-    fail(path, "the new file is in place, but its folder cannot be written to the disk", errno);
+    fail(path, failure, errno);
 }
 
 /// Opens a regular file to read. Without O_NONBLOCK, opening a pipe would wait for its writer.
@@ -150,6 +165,12 @@ int open_regular(const fs::path& path) {
                                           : "this is a pipe or a device, not a file",
                   S_ISDIR(status.st_mode) ? "Name a file in it"
                                           : "Save its contents to a file and name that");
+}
+
+/// Of an open file; 0 where the system does not say.
+std::size_t size_of(int file) {
+    struct stat status {};
+    return ::fstat(file, &status) == 0 ? static_cast<std::size_t>(status.st_size) : 0;
 }
 
 }  // namespace
@@ -178,13 +199,16 @@ FileView::~FileView() {
 
 void read_pieces(const fs::path& path, const std::function<void(std::string_view)>& take) {
     const Descriptor file(open_regular(path));
-    std::vector<char> buffer(std::size_t{1} << 20);
+    // Most files are small, and a page of memory that is touched costs as much as to read one.
+    const std::size_t size =
+        std::clamp(size_of(file.number()) + 1, std::size_t{1} << 12, std::size_t{1} << 20);
+    const auto buffer = std::make_unique_for_overwrite<char[]>(size);
     for (;;) {
-        const ssize_t count = ::read(file.number(), buffer.data(), buffer.size());
+        const ssize_t count = ::read(file.number(), buffer.get(), size);
         if (count < 0 && errno == EINTR) continue;
         if (count < 0) fail(path, "cannot read this file", errno);
         if (count == 0) return;
-        take({buffer.data(), static_cast<std::size_t>(count)});
+        take({buffer.get(), static_cast<std::size_t>(count)});
     }
 }
 
@@ -207,7 +231,9 @@ std::string read_handwritten(const fs::path& path) {
     return bytes;
 }
 
-void write_file_atomically(const fs::path& path, std::string_view bytes, FileAccess access) {
+namespace {
+
+void write_whole(const fs::path& path, std::string_view bytes, FileAccess access, Sync sync) {
     if (!path.has_filename()) throw Failure(path.string(), "this names no file", "Name a file");
     // Renaming would replace a device like /dev/stdout by a file, where the user may do that.
     struct stat status {};
@@ -218,8 +244,40 @@ void write_file_atomically(const fs::path& path, std::string_view bytes, FileAcc
                       "Name a file");
     TemporaryFile file(path, access == FileAccess::owner_only ? 0600 : 0666);
     file.write(bytes);
-    file.rename_to_target();
-    sync_folder_of(path);
+    file.rename_to_target(sync);
+    if (sync == Sync::now)
+        sync_opened(path.has_parent_path() ? path.parent_path() : fs::path("."), path,
+                    "the new file is in place, but its folder cannot be written to the disk");
+}
+
+}  // namespace
+
+void write_file_atomically(const fs::path& path, std::string_view bytes, FileAccess access) {
+    write_whole(path, bytes, access, sync_of_environment());
+}
+
+void write_file_unsynced(const fs::path& path, std::string_view bytes) {
+    write_whole(path, bytes, FileAccess::by_umask, Sync::later);
+}
+
+std::pair<std::string, std::string> synced_by_caller() {
+    return {sync_variable, sync_of_caller};
+}
+
+void sync_files(const std::vector<fs::path>& files) {
+    std::deque<Descriptor> opened;
+    for (const fs::path& file : files) {
+        const int number = opened.emplace_back(open_regular(file)).number();
+        // Only begins the writing; whether it succeeds, fsync says.
+        (void)::sync_file_range(number, 0, 0, SYNC_FILE_RANGE_WRITE);
+    }
+    for (std::size_t i = 0; i < files.size(); ++i)
+        if (::fsync(opened[i].number()) != 0)
+            fail(files[i], "cannot write this file to the disk", errno);
+}
+
+void sync_folder(const fs::path& folder) {
+    sync_opened(folder, folder, "this folder cannot be written to the disk");
 }
 
 void make_directory(const fs::path& path) {

@@ -1,6 +1,6 @@
 #include "files/sha256.h"
 
-#include <sodium.h>
+#include <nettle/sha2.h>
 
 #include <array>
 
@@ -9,27 +9,29 @@
 namespace runcert {
 namespace {
 
-/// SHA-256 of bytes that come in pieces.
+/// SHA-256 of bytes that come in pieces. By nettle, which uses what the processor has for it and is
+/// then four times as fast as libsodium: a run hashes all it writes, and all it reads again.
 class Sha256 {
   public:
-    Sha256() { crypto_hash_sha256_init(&state_); }
+    Sha256() { sha256_init(&state_); }
 
     void add(std::string_view piece) {
-        crypto_hash_sha256_update(&state_, reinterpret_cast<const unsigned char*>(piece.data()),
-                                  piece.size());
+        sha256_update(&state_, piece.size(), reinterpret_cast<const std::uint8_t*>(piece.data()));
         bytes_ += piece.size();
     }
 
     FileDigest digest() {
-        std::array<unsigned char, crypto_hash_sha256_BYTES> hash{};
-        crypto_hash_sha256_final(&state_, hash.data());
-        std::array<char, 2 * crypto_hash_sha256_BYTES + 1> text{};
-        sodium_bin2hex(text.data(), text.size(), hash.data(), hash.size());
-        return {text.data(), bytes_};
+        std::array<std::uint8_t, SHA256_DIGEST_SIZE> hash{};
+        sha256_digest(&state_, hash.size(), hash.data());
+        std::string text;
+        for (const std::uint8_t byte : hash)
+            for (const int shift : {4, 0})
+                text += "0123456789abcdef"[(byte >> shift) & 0xF];
+        return {text, bytes_};
     }
 
   private:
-    crypto_hash_sha256_state state_{};
+    sha256_ctx state_{};
     std::uint64_t bytes_ = 0;
 };
 

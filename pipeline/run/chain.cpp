@@ -11,6 +11,7 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "files/atomic_file.h"
+#include "files/file_sync.h"
 #include "files/process.h"
 
 namespace runcert {
@@ -48,11 +49,12 @@ bool is_report(const std::string& name) {
 
 }  // namespace
 
-StageDone run_stage(const std::string& name, const std::vector<std::string>& arguments) {
+StageDone run_stage(const std::string& name, const std::vector<std::string>& arguments,
+                    const ProcessOptions& options) {
     std::vector<std::string> command{(program_folder() / ("runcert-" + name)).string()};
     command.insert(command.end(), arguments.begin(), arguments.end());
     const auto begin = std::chrono::steady_clock::now();
-    const ProcessResult result = run_process(command);
+    const ProcessResult result = run_process(command, options);
     if (result.exit_status == 2) throw StageFailed{name, result.errors};
     if (result.exit_status != 0)
         throw Failure("runcert-" + name,
@@ -73,14 +75,15 @@ void run_stages(const fs::path& attempt, const fs::path& run_dir, const fs::path
         import_arguments.emplace_back("--evidence");
         import_arguments.push_back(evidence.string());
     }
-    done(run_stage("import", import_arguments));
+    const ProcessOptions options{.environment = {synced_by_caller()}};
+    done(run_stage("import", import_arguments, options));
     // From here on the run folder's own copy of the attempt is read. What is wrong with it is for
     // its author to find in the original.
     const std::string copy = (run_dir / "attempt.yaml").string();
     const std::vector<std::string> arguments{"--attempt", copy, "--run-dir", run_dir.string()};
     for (const char* stage : {"enu", "screen", "smooth", "window", "check"})
         try {
-            done(run_stage(stage, arguments));
+            done(run_stage(stage, arguments, options));
         } catch (StageFailed& failed) {
             const std::size_t at = failed.errors.find(copy);
             if (at != std::string::npos) failed.errors.replace(at, copy.size(), attempt.string());
@@ -111,6 +114,10 @@ void Workshop::publish() {
     std::sort(names.begin(), names.end(), [](const std::string& a, const std::string& b) {
         return std::pair(is_report(a), a) < std::pair(is_report(b), b);
     });
+    std::vector<fs::path> made;
+    for (const std::string& name : names)
+        made.push_back(path_ / name);
+    sync_files(made);
     std::error_code error;
     // Signatures, time stamps and queries of the earlier report are void.
     std::vector<fs::path> old;
@@ -128,6 +135,7 @@ void Workshop::publish() {
                           "the file could not be put in place: " + error.message(),
                           "Check that the folder can be written, and run again");
     }
+    sync_folder(run_dir_);
 }
 
 }  // namespace runcert

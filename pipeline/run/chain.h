@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "files/process.h"
+
 namespace runcert {
 
 /// A stage that ran: its name, what it said, and how long it took (s).
@@ -22,10 +24,12 @@ struct StageFailed {
 
 /// Runs a companion program "runcert-NAME" to its end. Throws StageFailed where it ends with
 /// status 2, Failure where it ends in any other way but well.
-StageDone run_stage(const std::string& name, const std::vector<std::string>& arguments);
+StageDone run_stage(const std::string& name, const std::vector<std::string>& arguments,
+                    const ProcessOptions& options = {});
 
 /// The stages from import to check, each on the attempt and run folder given; `evidence`, if not
-/// empty, is a run folder to take recordings and profiles from. `done` is called after each.
+/// empty, is a run folder to take recordings and profiles from. `done` is called after each. What
+/// they write is not synced.
 void run_stages(const std::filesystem::path& attempt, const std::filesystem::path& run_dir,
                 const std::filesystem::path& evidence,
                 const std::function<void(const StageDone&)>& done);

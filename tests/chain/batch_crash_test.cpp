@@ -70,6 +70,19 @@ TEST(Batch, WhatAStageLeavesRunningIsEndedAndItsRunIsDone) {
     EXPECT_TRUE(gone_within_a_second(left));
 }
 
+// Runs side by side share the processors, and what a step writes is synced when it is published.
+TEST(Batch, StepsAreToldOfTheirThreadsAndThatTheBatchSyncs) {
+    DisturbedDay day(attempts, epochs);
+    const fs::path told = day.folder.path() / "told";
+    day.programs.replace(
+        "runcert-enu", fmt::format("echo \"$RUNCERT_THREADS $RUNCERT_SYNC\" >> {}\nexec {} \"$@\"",
+                                   told.string(), Programs::real("runcert-enu")));
+    const ProcessResult result = day.batch({"--jobs", "2"}, {{"RUNCERT_THREADS", "7"}});
+    EXPECT_EQ(result.exit_status, 0) << result.errors << result.output;
+    EXPECT_EQ(read_file(told), "3 caller\n3 caller\n3 caller\n");
+    EXPECT_EQ(day.differing(), Words{});
+}
+
 // The files of steps that were kept between two that are done were once not there for the second.
 TEST(Batch, AnotherRecordToBeatIsClaimedAndCheckedWithWhatIsKept) {
     DisturbedDay day(attempts, epochs);

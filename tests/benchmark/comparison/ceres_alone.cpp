@@ -78,8 +78,8 @@ MotionJacobians motion_jacobians() {
     const Eigen::Matrix3d whitener = factor.transpose() * unit.cwiseInverse().asDiagonal();
     const Eigen::Matrix3d carried = -whitener * f;
     MotionJacobians jacobians;
-    for (int row = 0; row < 3; ++row)
-        for (int column = 0; column < 3; ++column) {
+    for (Eigen::Index row = 0; row < 3; ++row)
+        for (Eigen::Index column = 0; column < 3; ++column) {
             const Eigen::Matrix3d one = Eigen::Matrix3d::Identity();
             jacobians.after.block<3, 3>(3 * row, 3 * column) = whitener(row, column) * one;
             jacobians.before.block<3, 3>(3 * row, 3 * column) = carried(row, column) * one;

@@ -29,21 +29,25 @@ EstimationModel model_of(int states) {
     return model;
 }
 
-/// The one place that says which form of the smoother has how many states: there is one of 12.
-SmoothedArc<3> smoothed(std::span<const ArcEpoch<3>> arc, int states) {
-    return smooth<3>(arc, model_of(states));
+/// Times `smooth_arc`, which returns an arc whose states begin with positions and velocities.
+template <class SmoothArc>
+nlohmann::ordered_json timed(const Arguments& arguments, std::size_t epochs,
+                             const SmoothArc& smooth_arc) {
+    decltype(smooth_arc()) result;
+    const double seconds = seconds_of([&] { result = smooth_arc(); });
+    write_points(arguments.result, epochs, arguments.every, [&](std::size_t k) {
+        const auto& state = result.states[k];
+        return SmoothedPoint{.mean = state.mean.template head<6>(),
+                             .sigma = state.covariance.diagonal().template head<6>().cwiseSqrt()};
+    });
+    return {{"epochs", epochs}, {"seconds", seconds}};
 }
 
 nlohmann::ordered_json program(const Arguments& arguments) {
     const std::vector<ArcEpoch<3>> arc = arc_of(read_positions(arguments.data));
-    SmoothedArc<3> result;
-    const double seconds = seconds_of([&] { result = smoothed(arc, arguments.states); });
-    write_points(arguments.result, arc.size(), arguments.every, [&](std::size_t k) {
-        const StateEstimate<3>& state = result.states[k];
-        return SmoothedPoint{.mean = state.mean.head<6>(),
-                             .sigma = state.covariance.diagonal().head<6>().cwiseSqrt()};
-    });
-    return {{"epochs", arc.size()}, {"seconds", seconds}};
+    const EstimationModel model = model_of(arguments.states);
+    // The one place that says which form of the smoother has how many states: there is one of 12.
+    return timed(arguments, arc.size(), [&] { return smooth<3>(arc, model); });
 }
 
 }  // namespace

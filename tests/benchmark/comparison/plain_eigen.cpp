@@ -28,8 +28,8 @@ Model make_model() {
     const double dt2 = dt * dt, dt3 = dt2 * dt, dt4 = dt3 * dt, dt5 = dt4 * dt;
     q << dt5 / 20, dt4 / 8, dt3 / 6, dt4 / 8, dt3 / 3, dt2 / 2, dt3 / 6, dt2 / 2, dt;
     Model model;
-    for (int row = 0; row < 3; ++row)
-        for (int column = 0; column < 3; ++column) {
+    for (Eigen::Index row = 0; row < 3; ++row)
+        for (Eigen::Index column = 0; column < 3; ++column) {
             model.f.block<3, 3>(3 * row, 3 * column) = f(row, column) * Eigen::Matrix3d::Identity();
             model.q.block<3, 3>(3 * row, 3 * column) =
                 density * q(row, column) * Eigen::Matrix3d::Identity();

@@ -23,7 +23,7 @@ def reason_not_to():
 
 
 def solve(repeats, missing):
-    """Seconds of some calls, and the epochs solved; where it cannot be, None, and why in `missing`."""
+    """Seconds of some calls, and epochs solved; where it cannot be, None, and why in `missing`."""
     if reason := reason_not_to():
         missing.append(f"solving RINEX is left out: {reason}")
         say(missing[-1])

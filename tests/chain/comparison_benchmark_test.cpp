@@ -181,6 +181,53 @@ TEST_F(ComparisonBenchmark, AProgramThatFailsIsSaid) {
     EXPECT_TRUE(found.programs().contains("library"));
 }
 
+TEST_F(ComparisonBenchmark, FiguresOfKnownTimesAreRight) {
+    // Times that are powers of the epochs, and targets just reached and just missed.
+    const std::string script = R"(
+import sys
+sys.path.insert(0, sys.argv[1])
+from comparison.measure import spread
+from comparison.requirements import Measured, exponents, requirements
+
+def size(epochs, **seconds):
+    times = {key: {"seconds": {"median": value}} for key, value in seconds.items()}
+    times["certify"] = {
+        "seconds": {"median": 44.9e-6 * epochs},
+        "peak_bytes": {"median": epochs**0.75},
+        "stage import": {"median": epochs**1.04},
+        "stage enu": {"median": epochs**1.06},
+    }
+    return {"epochs": epochs, "programs": times, "failed": {}}
+
+def met(sizes):
+    measured = Measured(sizes)
+    return {one.what: one.is_met() for one in requirements(measured, exponents(measured))}
+
+smoothers = dict(library=1.0, eigen=1.42, octave=24.9, statsmodels=15.0)
+sizes = [size(28_200, **smoothers), size(1_000_000), size(10_000_000)]
+sizes.append(size(451))
+sizes[-1]["programs"]["certify"]["stage import"]["median"] = 1e3  # no part of the slope
+slopes = exponents(Measured(sizes))
+assert abs(slopes["stage import"]["all"] - 1.04) < 1e-12, slopes
+assert [pair["to"] for pair in slopes["stage enu"]["pairs"]] == [1_000_000, 10_000_000]
+found = met(sizes)
+assert found["runcert / plain Eigen"] is False
+assert found["Octave / runcert"] is False
+assert found["statsmodels, its fastest / runcert, 9 states"] is True
+assert found["statsmodels, as it comes / runcert"] is None
+assert found["exponent of import"] is True
+assert found["exponent of enu"] is False
+assert found["exponent of screen"] is None
+assert found["certify, 1,000,000 epochs"] is True
+assert found["10,000,000 / 1,000,000, memory"] is True
+assert met([size(28_200), size(60_000)])["exponent of import"] is None
+assert spread([3.0, 1.0, 2.0, 5.0, 4.0])["upper"] == 4.0
+)";
+    const ProcessResult result =
+        run_process({"/usr/bin/python3", "-B", "-c", script, benchmark.parent_path().string()});
+    EXPECT_EQ(result.exit_status, 0) << result.errors;
+}
+
 TEST_F(ComparisonBenchmark, WrongOptionsAreRefused) {
     const std::string nowhere = (folder.path() / "nowhere/f").string();
     const std::array<std::vector<std::string>, 8> cases{{{"--epochs", "451,many"},

@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "core/plain_decimal.h"
+
 namespace runcert {
 namespace {
 
@@ -19,6 +21,17 @@ std::uint64_t digit(char c) {
 }  // namespace
 
 std::optional<std::int64_t> parse_decimal_nanoseconds(std::string_view text) {
+    const auto plain = read_plain_decimal(text);
+    if (plain && plain->whole <= 9 && plain->decimals <= 9) {  // below 10^18, which 64 bits hold
+        auto nanoseconds = static_cast<std::int64_t>(plain->digits);
+        for (int i = plain->decimals; i < 9; ++i)
+            nanoseconds *= 10;
+        return plain->negative ? -nanoseconds : nanoseconds;
+    }
+    return parse_any_decimal_nanoseconds(text);
+}
+
+std::optional<std::int64_t> parse_any_decimal_nanoseconds(std::string_view text) {
     bool negative = false;
     if (!text.empty() && (text.front() == '-' || text.front() == '+')) {
         negative = text.front() == '-';

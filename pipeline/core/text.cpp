@@ -4,14 +4,20 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <numeric>
 #include <vector>
 
+#include "core/fixed_text.h"
+#include "core/plain_decimal.h"
+
 namespace runcert {
 
 namespace {
+
+constexpr std::uint64_t exactly_in_double = std::uint64_t{1} << 53;
 
 bool is_digit(char c) {
     return c >= '0' && c <= '9';
@@ -50,6 +56,17 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }  // namespace
 
 std::optional<double> parse_double(std::string_view text) {
+    // Two doubles that are exact have a correctly rounded quotient: no more is needed for nearly
+    // all numbers in tables.
+    if (const auto plain = read_plain_decimal(text); plain && plain->digits <= exactly_in_double) {
+        const double value = static_cast<double>(plain->digits) /
+                             exact_powers_of_ten[static_cast<std::size_t>(plain->decimals)];
+        return plain->negative ? -value : value;
+    }
+    return parse_any_double(text);
+}
+
+std::optional<double> parse_any_double(std::string_view text) {
     const bool has_sign = text.starts_with('+') || text.starts_with('-');
     const std::string_view unsigned_text = text.substr(has_sign ? 1 : 0);
     // Keeps out nan, inf and a second sign.
@@ -82,6 +99,13 @@ std::string_view trim(std::string_view text) {
 }
 
 std::string format_fixed(double value, int decimals) {
+    std::array<char, fixed_text_room> quick;
+    if (char* const end = write_fixed_quickly(quick.data(), value, decimals))
+        return std::string(quick.data(), end);
+    return format_any_fixed(value, decimals);
+}
+
+std::string format_any_fixed(double value, int decimals) {
     std::string text = fmt::format("{:.{}f}", value, decimals);
     if (text.starts_with('-') && text.find_first_not_of("-0.") == std::string::npos)
         text.erase(0, 1);

@@ -15,6 +15,9 @@ namespace runcert {
 /// hexadecimal, nan or inf; nothing too large, and nothing so small that it would become zero.
 std::optional<double> parse_double(std::string_view text);
 
+/// The same, the plain way for every text: parse_double has a quicker one for short decimals.
+std::optional<double> parse_any_double(std::string_view text);
+
 /// The integer a text holds, or nothing: decimal digits with an optional leading + or -, no more.
 std::optional<std::int64_t> parse_integer(std::string_view text);
 
@@ -24,6 +27,9 @@ std::string_view trim(std::string_view text);
 /// A finite number with this many decimals (0 or more), correctly rounded, whatever the locale. A
 /// value that rounds to zero has no minus sign.
 std::string format_fixed(double value, int decimals);
+
+/// The same, the plain way for every number: format_fixed has a quicker one for most.
+std::string format_any_fixed(double value, int decimals);
 
 /// The candidate with the smallest edit distance (Levenshtein) to a word, the first of equals, for
 /// "did you mean". Empty where there are no candidates.

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -31,12 +33,15 @@ struct EcsvColumn {
     bool must_understand = false;
 };
 
-/// Writes one table into memory, cell by cell in column order.
+/// Writes one table, cell by cell in column order.
 class EcsvWriter {
   public:
+    /// Takes the table's text, piece by piece in order.
+    using Sink = std::function<void(std::string_view piece)>;
+
     /// `meta` becomes the header's `meta`; null for none. Text that is not ASCII is written with
-    /// YAML escapes.
-    EcsvWriter(std::vector<EcsvColumn> columns, const nlohmann::ordered_json& meta);
+    /// YAML escapes. Into memory, for take(), where there is no `sink`.
+    EcsvWriter(std::vector<EcsvColumn> columns, const nlohmann::ordered_json& meta, Sink sink = {});
 
     void boolean(bool value);
     void integer(std::int64_t value);
@@ -49,14 +54,22 @@ class EcsvWriter {
     void text(std::string_view value);
     void missing();
 
-    /// The whole file. Every row must be complete.
+    /// Gives the sink what it has not yet. Every row must be complete.
+    void finish();
+    /// The whole file, where there is no sink. Every row must be complete.
     std::string take() &&;
 
   private:
     const EcsvColumn& begin_cell();
+    void put(std::string_view text);
+    void quoted(std::string_view value);
+    void flush();
 
     std::vector<EcsvColumn> columns_;
-    std::string out_;
+    Sink sink_;
+    std::string whole_;         ///< where there is no sink
+    std::vector<char> buffer_;  ///< what the sink or `whole_` has not yet
+    std::size_t used_ = 0;
     std::size_t column_ = 0;
 };
 
@@ -72,6 +85,8 @@ class EcsvReader {
 
     /// Steps to the next row and splits it; false at the end of the file.
     bool next_row();
+    /// How many bytes of the text were read: up to the end of the current row.
+    std::size_t offset() const { return offset_; }
     /// The line, counted from 1, of the current row.
     std::size_t line() const { return line_; }
 
@@ -83,21 +98,25 @@ class EcsvReader {
     double real(std::size_t column) const;
     /// Seconds with at most nine decimals, as an exact count of nanoseconds.
     std::int64_t seconds(std::size_t column) const;
-    const std::string& text(std::size_t column) const;
+    std::string text(std::size_t column) const { return std::string(word(column)); }
+    /// The same, which holds until the next row.
+    std::string_view word(std::size_t column) const { return present(column).text; }
     [[noreturn]] void fail(std::size_t column, const std::string& what,
                            const std::string& remedy) const;
 
   private:
     struct Cell {
-        std::string text;
+        std::string_view text;
         std::size_t position = 1;  ///< column of its first character, from 1
     };
     void read_header();
     void read_column(const YamlNode& node, std::size_t index);
     void check_names(std::string_view line);
     std::optional<std::string_view> next_line();
+    bool split_plain_row();
+    bool split_any_row();
     void split(std::string_view line);
-    std::size_t split_quoted(std::string_view line, std::size_t at, Cell& cell);
+    std::size_t split_quoted(std::string_view line, std::size_t at, std::string& text);
     const Cell& present(std::size_t column) const;
     [[noreturn]] void fail_at(std::size_t line, std::size_t position, const std::string& what,
                               const std::string& remedy) const;
@@ -107,6 +126,7 @@ class EcsvReader {
     std::vector<EcsvColumn> columns_;
     YamlNode meta_;
     std::vector<Cell> cells_;
+    std::deque<std::string> unquoted_;  ///< of the current row: what its quoted cells hold
     std::size_t cell_count_ = 0;
     std::size_t offset_ = 0;
     std::size_t line_ = 0;

@@ -1,0 +1,75 @@
+#include "core/fixed_text.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include "core/plain_decimal.h"
+
+namespace runcert {
+namespace {
+
+constexpr int digits_at_once = 8;
+constexpr std::uint32_t block = 100'000'000;
+constexpr int most_decimals = 12;
+/// Doubles below it are known to 0.5 at least, so that their whole part and rest are exact.
+constexpr double whole_limit = 0x1p52;
+
+/// The eight digits of a number below 10^8, the first in the lowest byte, as values 0 to 9. All at
+/// once, in lanes of one register: halves of four digits, then pairs, then digits. The factors are
+/// rounded reciprocals of 100 and 10, exact for numbers below 10^4 and 10^2.
+std::uint64_t eight_digits(std::uint32_t number) {
+    std::uint64_t lanes = number / 10'000 | std::uint64_t{number % 10'000} << 32;
+    const std::uint64_t hundreds = (lanes * 10'486 >> 20) & 0x0000'007f'0000'007f;
+    lanes = hundreds | (lanes - hundreds * 100) << 16;
+    const std::uint64_t tens = (lanes * 103 >> 10) & 0x000f'000f'000f'000f;
+    return tens | (lanes - tens * 10) << 8;
+}
+
+int leading_zeros(std::uint64_t digits) {
+    return digits == 0 ? digits_at_once : std::countr_zero(digits) / 8;
+}
+
+void put(char* to, std::uint64_t digits) {
+    std::uint64_t text = digits + 0x3030'3030'3030'3030;
+    if constexpr (std::endian::native == std::endian::big) text = __builtin_bswap64(text);
+    std::memcpy(to, &text, sizeof text);
+}
+
+}  // namespace
+
+char* write_scaled(char* to, std::uint64_t count, int decimals, bool negative) {
+    constexpr int all = 2 * digits_at_once;
+    const std::uint64_t high = eight_digits(static_cast<std::uint32_t>(count / block));
+    const std::uint64_t low = eight_digits(static_cast<std::uint32_t>(count % block));
+    // Copies are of a fixed size, which is quick, and longer than needed: hence the room behind.
+    char digits[all + all]{};
+    put(digits, high);
+    put(digits + digits_at_once, low);
+    int zeros = leading_zeros(high);
+    if (zeros == digits_at_once) zeros += leading_zeros(low);
+    const int first = std::min(zeros, all - decimals - 1);
+    if (negative) *to++ = '-';
+    std::memcpy(to, digits + first, all);
+    to += all - decimals - first;
+    if (decimals == 0) return to;
+    *to++ = '.';
+    std::memcpy(to, digits + all - decimals, all);
+    return to + decimals;
+}
+
+char* write_fixed_quickly(char* to, double value, int decimals) {
+    if (decimals < 0 || decimals > most_decimals) return nullptr;
+    const double scaled = std::abs(value) * exact_powers_of_ten[static_cast<std::size_t>(decimals)];
+    if (!(scaled < whole_limit)) return nullptr;
+    const auto whole = static_cast<std::int64_t>(scaled);
+    const double rest = scaled - static_cast<double>(whole);
+    // The product is off by at most half a unit in its last place: that matters only where it
+    // could carry the rest across one half, which includes the exact ties.
+    if (std::abs(rest - 0.5) <= scaled * 0x1p-52) return nullptr;
+    const auto count = static_cast<std::uint64_t>(whole) + (rest > 0.5 ? 1 : 0);
+    return write_scaled(to, count, decimals, std::signbit(value) && count != 0);
+}
+
+}  // namespace runcert

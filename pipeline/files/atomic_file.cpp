@@ -91,6 +91,8 @@ class Descriptor {
     int number_;
 };
 
+}  // namespace
+
 /// A new file of an unused name in a folder, removed again unless it is kept.
 class TemporaryFile {
   public:
@@ -142,6 +144,8 @@ class TemporaryFile {
     bool kept_ = false;
 };
 
+namespace {
+
 void sync_opened(const fs::path& folder, const fs::path& path, const char* failure) {
     const Descriptor opened(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
     // A folder that may be written but not listed cannot be opened, and some network file
@@ -186,6 +190,21 @@ FileView::FileView(const fs::path& path) {
         text_ = read_file(path);
     else
         mapped_ = static_cast<const char*>(mapped);
+}
+
+void FileView::release(std::size_t bytes) const {
+    static const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+    const std::size_t whole = std::min(bytes, size_) / page * page;
+    // The mapping is private and never written to: its pages hold nothing but the file's bytes.
+    if (mapped_ && whole > 0) ::madvise(const_cast<char*>(mapped_), whole, MADV_DONTNEED);
+}
+
+void FileView::for_each_piece(const std::function<void(std::string_view)>& take) const {
+    constexpr std::size_t piece_bytes = std::size_t{4} << 20;
+    for (std::size_t at = 0; at < bytes().size(); at += piece_bytes) {
+        take(bytes().substr(at, piece_bytes));
+        release(at + piece_bytes);
+    }
 }
 
 FileView::FileView(FileView&& other) noexcept
@@ -233,7 +252,8 @@ std::string read_handwritten(const fs::path& path) {
 
 namespace {
 
-void write_whole(const fs::path& path, std::string_view bytes, FileAccess access, Sync sync) {
+/// Failure where a file of this name cannot be put in place.
+void require_file_name(const fs::path& path) {
     if (!path.has_filename()) throw Failure(path.string(), "this names no file", "Name a file");
     // Renaming would replace a device like /dev/stdout by a file, where the user may do that.
     struct stat status {};
@@ -242,8 +262,14 @@ void write_whole(const fs::path& path, std::string_view bytes, FileAccess access
                       S_ISDIR(status.st_mode) ? "a folder has that name"
                                               : "this is a pipe or a device, not a file",
                       "Name a file");
-    TemporaryFile file(path, access == FileAccess::owner_only ? 0600 : 0666);
-    file.write(bytes);
+}
+
+std::unique_ptr<TemporaryFile> temporary_for(const fs::path& path, FileAccess access) {
+    require_file_name(path);
+    return std::make_unique<TemporaryFile>(path, access == FileAccess::owner_only ? 0600 : 0666);
+}
+
+void commit(TemporaryFile& file, const fs::path& path, Sync sync) {
     file.rename_to_target(sync);
     if (sync == Sync::now)
         sync_opened(path.has_parent_path() ? path.parent_path() : fs::path("."), path,
@@ -252,12 +278,29 @@ void write_whole(const fs::path& path, std::string_view bytes, FileAccess access
 
 }  // namespace
 
+AtomicFile::AtomicFile(const fs::path& path, FileAccess access)
+    : path_(path), file_(temporary_for(path, access)) {}
+
+AtomicFile::~AtomicFile() = default;
+
+void AtomicFile::write(std::string_view piece) {
+    file_->write(piece);
+}
+
+void AtomicFile::commit() {
+    runcert::commit(*file_, path_, sync_of_environment());
+}
+
 void write_file_atomically(const fs::path& path, std::string_view bytes, FileAccess access) {
-    write_whole(path, bytes, access, sync_of_environment());
+    AtomicFile file(path, access);
+    file.write(bytes);
+    file.commit();
 }
 
 void write_file_unsynced(const fs::path& path, std::string_view bytes) {
-    write_whole(path, bytes, FileAccess::by_umask, Sync::later);
+    const auto file = temporary_for(path, FileAccess::by_umask);
+    file->write(bytes);
+    commit(*file, path, Sync::later);
 }
 
 std::pair<std::string, std::string> synced_by_caller() {

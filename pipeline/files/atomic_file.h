@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -38,10 +39,38 @@ class FileView {
 
     std::string_view bytes() const { return mapped_ ? std::string_view(mapped_, size_) : text_; }
 
+    /// Lets go of the memory behind the first so many bytes, which are read from the file again if
+    /// anyone looks: who goes through a file once keeps no more of it in memory than is needed.
+    void release(std::size_t bytes) const;
+
+    /// Gives the contents to `take`, in order, in pieces of at most 4 MiB, and releases each.
+    void for_each_piece(const std::function<void(std::string_view piece)>& take) const;
+
   private:
     const char* mapped_ = nullptr;
     std::size_t size_ = 0;
     std::string text_;
+};
+
+class TemporaryFile;
+
+/// A file that is written piece by piece, and has its name only when it is whole: as
+/// write_file_atomically, whose Failures it has. Without commit() it leaves nothing behind.
+class AtomicFile {
+  public:
+    explicit AtomicFile(const std::filesystem::path& path,
+                        FileAccess access = FileAccess::by_umask);
+    ~AtomicFile();
+    AtomicFile(const AtomicFile&) = delete;
+    AtomicFile& operator=(const AtomicFile&) = delete;
+
+    void write(std::string_view piece);
+    /// Syncs the file and gives it its name. Nothing can be written after that.
+    void commit();
+
+  private:
+    std::filesystem::path path_;
+    std::unique_ptr<TemporaryFile> file_;
 };
 
 /// Gives the contents of a file to `take`, in order, in pieces of at most 1 MiB.

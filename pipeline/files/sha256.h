@@ -7,6 +7,8 @@
 
 namespace runcert {
 
+class FileView;
+
 /// What identifies the contents of a file: its hash and its length.
 struct FileDigest {
     std::string sha256;       ///< 64 lower-case hexadecimal digits, as `sha256sum` prints them
@@ -20,6 +22,9 @@ std::string sha256_hex(std::string_view bytes);
 
 /// Hash and length of `bytes`.
 FileDigest digest_of(std::string_view bytes);
+
+/// Hash and length of an open file, whose memory is released behind what is hashed.
+FileDigest digest_of(const FileView& file);
 
 /// Hash and length of a file, read in pieces: any size in constant memory.
 /// Failure where the file is missing, unreadable, or not a regular file.

@@ -51,6 +51,17 @@ void StageRun::note_input(const std::string& role, const std::string& file, std:
     note(input_file(role, file, digest_of(bytes), original));
 }
 
+void StageRun::note_input(const std::string& role, const std::string& file, const FileView& view,
+                          const std::string& original) {
+    note(input_file(role, file, digest_of(view), original));
+}
+
+FileView StageRun::view_file(const std::string& role, const std::string& file) {
+    FileView view(run_dir_ / file);
+    note_input(role, file, view);
+    return view;
+}
+
 void StageRun::note_file(const std::string& role, const std::string& file,
                          const std::string& original) {
     note(input_file(role, file, digest_file(run_dir_ / file), original));
@@ -92,6 +103,12 @@ Header StageRun::header() const {
 
 void StageRun::write(const std::string& file, std::string_view text) const {
     write_file_atomically(run_dir_ / file, text);
+}
+
+void StageRun::write(const std::string& file, const FileView& view) const {
+    AtomicFile copy(run_dir_ / file);
+    view.for_each_piece([&copy](std::string_view piece) { copy.write(piece); });
+    copy.commit();
 }
 
 StageRun open_run(const std::string& program, const std::filesystem::path& run_dir) {

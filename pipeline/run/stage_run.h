@@ -2,14 +2,57 @@
 
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include "files/atomic_file.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/common/header.h"
 
 namespace runcert {
+
+/// A table of the run folder that is gone through row by row, once, in memory that does not grow
+/// with it.
+template <class Table>
+class RowsOfFile {
+  public:
+    RowsOfFile(std::unique_ptr<FileView> view, Table table)
+        : view_(std::move(view)), table_(std::move(table)) {}
+
+    /// The table without its rows.
+    const auto& head() const { return table_.head; }
+
+    /// Reads the next row, as RowReader.
+    bool next(typename Table::Row& row) {
+        if (++rows_ % rows_to_release == 0) view_->release(table_.rows.offset());
+        return table_.rows.next(row);
+    }
+
+    /// Reads all rows that are left, each of which is checked thereby.
+    void read_to_end() {
+        for (typename Table::Row row; next(row);) {
+        }
+    }
+
+    /// Gives each of the rows, from the current one on, to `look` until that returns false, without
+    /// stepping over them.
+    template <class Look>
+    void look_ahead(const Look& look) const {
+        auto ahead = table_.rows;
+        for (typename Table::Row row; ahead.next(row) && look(row);) {
+        }
+    }
+
+  private:
+    static constexpr std::size_t rows_to_release = std::size_t{1} << 15;
+
+    std::unique_ptr<FileView> view_;
+    Table table_;
+    std::size_t rows_ = 0;
+};
 
 /// What surrounds a stage: its attempt, its run folder, and the book of what it read.
 ///
@@ -34,6 +77,8 @@ class StageRun {
     /// Notes bytes that do not come from the run folder's products.
     void note_input(const std::string& role, const std::string& file, std::string_view bytes,
                     const std::string& original = {});
+    void note_input(const std::string& role, const std::string& file, const FileView& view,
+                    const std::string& original = {});
 
     /// Notes a file of the run folder, without keeping its bytes in memory.
     void note_file(const std::string& role, const std::string& file,
@@ -47,10 +92,20 @@ class StageRun {
     /// A product of the run folder: `reader(text, where)` returns it, with its `header`.
     template <class Reader>
     auto read(const std::string& role, const std::string& file, Reader reader) {
-        const std::string text = read_text(role, file);
-        auto product = reader(text, (run_dir_ / file).string());
+        const FileView view = view_file(role, file);
+        auto product = reader(view.bytes(), (run_dir_ / file).string());
         note_claims(file, product.header);
         return product;
+    }
+
+    /// A product that is a table, to be gone through row by row: `open_table(text, where)` gives
+    /// its head and the reader of its rows (OpenTable).
+    template <class Open>
+    auto open(const std::string& role, const std::string& file, Open open_table) {
+        auto view = std::make_unique<FileView>(view_file(role, file));
+        auto table = open_table(view->bytes(), (run_dir_ / file).string());
+        note_claims(file, table.head.header);
+        return RowsOfFile(std::move(view), std::move(table));
     }
 
     /// The header of what the stage writes: the inputs noted so far, and the stage's parameters.
@@ -58,6 +113,8 @@ class StageRun {
 
     /// Writes a product into the run folder, whole or not at all.
     void write(const std::string& file, std::string_view text) const;
+    /// The same of an open file, piece by piece.
+    void write(const std::string& file, const FileView& view) const;
 
     /// Adds to what the stage says on standard output when it is done.
     void say(std::string line) { said_.push_back(std::move(line)); }
@@ -68,6 +125,7 @@ class StageRun {
         std::string sha256;
         std::string claimed_by;
     };
+    FileView view_file(const std::string& role, const std::string& file);
     void note(const InputFile& input);
     void note_claims(const std::string& file, const Header& header);
     void check_claim(const std::string& file, const std::string& sha256) const;

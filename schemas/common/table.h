@@ -116,9 +116,8 @@ inline void read(const EcsvReader& in, std::size_t column, ElapsedTime& value) {
 template <class Enum>
 requires std::is_enum_v<Enum>
 void read(const EcsvReader& in, std::size_t column, Enum& value) {
-    const std::string& text = in.text(column);
-    if (!from_text(text, value))
-        in.fail(column, "\"" + text + "\" is not one of the known words",
+    if (!from_text(in.word(column), value))
+        in.fail(column, "\"" + in.text(column) + "\" is not one of the known words",
                 "The file is not as the program writes it; take the original, or run the stage "
                 "again");
 }
@@ -177,6 +176,53 @@ ColumnBinding<Row> column(std::string name) {
             }};
 }
 
+template <class Row>
+class TableFormat;
+
+/// Reads a table row by row, in memory that does not grow with it.
+template <class Row>
+class RowReader {
+  public:
+    /// Reads and checks the header. `format` and `text` must outlive the reader; `where` names the
+    /// file in messages.
+    RowReader(const TableFormat<Row>& format, std::string_view text, const std::string& where)
+        : reader_(text, where) {
+        const std::vector<std::optional<std::size_t>> index = format.schema().match(reader_);
+        for (std::size_t i = 0; i < index.size(); ++i)
+            if (index[i]) cells_.push_back({format.bindings()[i].read, *index[i]});
+    }
+
+    YamlValue meta() const { return YamlValue(reader_.meta(), reader_.where()); }
+
+    /// Reads the next row into `row`; false, with `row` untouched, at the end. What the table has
+    /// no column for stays as it is.
+    bool next(Row& row) {
+        if (!reader_.next_row()) return false;
+        for (const Cell& each : cells_)
+            each.read(reader_, each.column, row);
+        return true;
+    }
+
+    /// How many bytes of the text were read.
+    std::size_t offset() const { return reader_.offset(); }
+
+  private:
+    struct Cell {
+        void (*read)(const EcsvReader&, std::size_t, Row&);
+        std::size_t column;
+    };
+    EcsvReader reader_;
+    std::vector<Cell> cells_;
+};
+
+/// A table that is read row by row: all but the rows, and their reader.
+template <class Table>
+struct OpenTable {
+    using Row = typename decltype(Table::rows)::value_type;
+    Table head;
+    RowReader<Row> rows;
+};
+
 /// A schema and the struct of its rows.
 template <class Row>
 class TableFormat {
@@ -202,18 +248,28 @@ class TableFormat {
 
     const TableSchema& schema() const { return schema_; }
 
+    const std::vector<ColumnBinding<Row>>& bindings() const { return bindings_; }
+
     /// The table's text. `schema` in the meta is set here, and its numbers rounded.
     std::string write(nlohmann::ordered_json meta, std::span<const Row> rows) const {
+        EcsvWriter out = begin(std::move(meta));
+        for (const Row& row : rows)
+            write_row(out, row);
+        return std::move(out).take();
+    }
+
+    /// Begins the same row by row: the header goes to the sink.
+    EcsvWriter begin(nlohmann::ordered_json meta, EcsvWriter::Sink sink = {}) const {
         meta["schema"] = nlohmann::ordered_json::object(
             {{"name", schema_.meta().name()}, {"version", schema_.meta().version()}});
         round_to_table(meta, schema_.meta());
         schema_.meta().validate(
             YamlValue(parse_yaml(to_yaml_text(meta), "header"), "header of the table"));
-        EcsvWriter out(schema_.columns(), meta);
-        for (const Row& row : rows)
-            for (const ColumnBinding<Row>& binding : bindings_)
-                binding.write(out, row);
-        return std::move(out).take();
+        return EcsvWriter(schema_.columns(), meta, std::move(sink));
+    }
+    void write_row(EcsvWriter& out, const Row& row) const {
+        for (const ColumnBinding<Row>& binding : bindings_)
+            binding.write(out, row);
     }
 
     /// `where` names the file in messages.
@@ -222,18 +278,15 @@ class TableFormat {
         std::vector<Row> rows;
     };
     Contents read(std::string_view text, const std::string& where) const {
-        EcsvReader reader(text, where);
-        const std::vector<std::optional<std::size_t>> index = schema_.match(reader);
-        Contents contents{YamlValue(reader.meta(), where), {}};
+        RowReader<Row> reader(*this, text, where);
+        Contents contents{reader.meta(), {}};
         // Room for all rows at once: growing would hold them twice. A row has a line, and at least
         // as many bytes as columns.
         const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
-        contents.rows.reserve(std::min(lines, text.size() / reader.columns().size()));
-        while (reader.next_row()) {
-            Row& row = contents.rows.emplace_back();
-            for (std::size_t i = 0; i < bindings_.size(); ++i)
-                if (index[i]) bindings_[i].read(reader, *index[i], row);
+        contents.rows.reserve(std::min(lines, text.size() / schema_.columns().size()));
+        while (reader.next(contents.rows.emplace_back())) {
         }
+        contents.rows.pop_back();
         return contents;
     }
 

@@ -36,16 +36,43 @@ std::optional<FrameOrigin> read_origin(const YamlValue& meta) {
         .source = origin["source"].text()};
 }
 
+namespace {
+
+EnuTable head_of(const YamlValue& meta) {
+    return {.header = read_header(meta),
+            .facts = read_recording_facts(meta),
+            .origin = read_origin(meta),
+            .rows = {}};
+}
+
+}  // namespace
+
 std::string write_enu(const EnuTable& table) {
     return format().write(frame_meta_json(table.header, table.facts, table.origin), table.rows);
 }
 
+EnuWriter::EnuWriter(const EnuTable& head, EcsvWriter::Sink sink)
+    : out_(format().begin(frame_meta_json(head.header, head.facts, head.origin), std::move(sink))) {
+}
+
+void EnuWriter::write(const EnuEpoch& row) {
+    format().write_row(out_, row);
+}
+
+void EnuWriter::finish() {
+    out_.finish();
+}
+
 EnuTable read_enu(std::string_view text, const std::string& where) {
     auto contents = format().read(text, where);
-    return {.header = read_header(contents.meta),
-            .facts = read_recording_facts(contents.meta),
-            .origin = read_origin(contents.meta),
-            .rows = std::move(contents.rows)};
+    EnuTable table = head_of(contents.meta);
+    table.rows = std::move(contents.rows);
+    return table;
+}
+
+OpenTable<EnuTable> open_enu(std::string_view text, const std::string& where) {
+    RowReader<EnuEpoch> rows(format(), text, where);
+    return {head_of(rows.meta()), std::move(rows)};
 }
 
 }  // namespace runcert

@@ -47,6 +47,20 @@ struct EnuTable {
 std::string write_enu(const EnuTable& table);
 EnuTable read_enu(std::string_view text, const std::string& where);
 
+/// The same row by row, in memory that does not grow with the table: `head` holds all but the rows.
+class EnuWriter {
+  public:
+    EnuWriter(const EnuTable& head, EcsvWriter::Sink sink);
+    void write(const EnuEpoch& row);
+    /// Gives the sink what it has not yet.
+    void finish();
+
+  private:
+    EcsvWriter out_;
+};
+/// `text` must outlive what is returned.
+OpenTable<EnuTable> open_enu(std::string_view text, const std::string& where);
+
 /// The meta that every table in the local frame begins with, and back.
 nlohmann::ordered_json frame_meta_json(const Header& header, const RecordingFacts& facts,
                                        const std::optional<FrameOrigin>& origin);

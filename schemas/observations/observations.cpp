@@ -142,7 +142,9 @@ WindowSpan window_span(const RecordingFacts& facts, std::int64_t first_epoch,
     return span;
 }
 
-std::string write_observations(const Observations& observations) {
+namespace {
+
+nlohmann::ordered_json meta_of(const Observations& observations) {
     nlohmann::ordered_json meta = header_json(observations.header);
     meta.update(recording_facts_json(observations.facts));
     meta["format"] = observations.format;
@@ -153,25 +155,52 @@ std::string write_observations(const Observations& observations) {
     meta["accuracy_source"] = observations.accuracy_source;
     meta["records"] = records_json(observations.records);
     meta["notes"] = observations.notes;
-    return format().write(meta, observations.rows);
+    return meta;
+}
+
+Observations head_of(const YamlValue& meta) {
+    Observations observations;
+    observations.header = read_header(meta);
+    observations.facts = read_recording_facts(meta);
+    observations.format = meta["format"].text();
+    observations.variant = meta["variant"].text_or("");
+    observations.device = meta["device"].text_or("");
+    observations.frame = meta["frame"].text();
+    observations.time_scale = meta["time_scale"].text();
+    observations.accuracy_source = meta["accuracy_source"].text();
+    observations.records = read_records(meta["records"]);
+    for (const YamlValue& note : meta["notes"].list())
+        observations.notes.push_back(note.text());
+    return observations;
+}
+
+}  // namespace
+
+std::string write_observations(const Observations& observations) {
+    return format().write(meta_of(observations), observations.rows);
+}
+
+ObservationsWriter::ObservationsWriter(const Observations& head, EcsvWriter::Sink sink)
+    : out_(format().begin(meta_of(head), std::move(sink))) {}
+
+void ObservationsWriter::write(const Observation& row) {
+    format().write_row(out_, row);
+}
+
+void ObservationsWriter::finish() {
+    out_.finish();
 }
 
 Observations read_observations(std::string_view text, const std::string& where) {
     auto contents = format().read(text, where);
-    Observations observations;
-    observations.header = read_header(contents.meta);
-    observations.facts = read_recording_facts(contents.meta);
-    observations.format = contents.meta["format"].text();
-    observations.variant = contents.meta["variant"].text_or("");
-    observations.device = contents.meta["device"].text_or("");
-    observations.frame = contents.meta["frame"].text();
-    observations.time_scale = contents.meta["time_scale"].text();
-    observations.accuracy_source = contents.meta["accuracy_source"].text();
-    observations.records = read_records(contents.meta["records"]);
-    for (const YamlValue& note : contents.meta["notes"].list())
-        observations.notes.push_back(note.text());
+    Observations observations = head_of(contents.meta);
     observations.rows = std::move(contents.rows);
     return observations;
+}
+
+OpenTable<Observations> open_observations(std::string_view text, const std::string& where) {
+    RowReader<Observation> rows(format(), text, where);
+    return {head_of(rows.meta()), std::move(rows)};
 }
 
 }  // namespace runcert

@@ -141,6 +141,20 @@ std::string write_observations(const Observations& observations);
 /// `where` names the file in messages. Failure on any deviation from the schema.
 Observations read_observations(std::string_view text, const std::string& where);
 
+/// The same row by row, in memory that does not grow with the table: `head` holds all but the rows.
+class ObservationsWriter {
+  public:
+    ObservationsWriter(const Observations& head, EcsvWriter::Sink sink);
+    void write(const Observation& row);
+    /// Gives the sink what it has not yet.
+    void finish();
+
+  private:
+    EcsvWriter out_;
+};
+/// `text` must outlive what is returned.
+OpenTable<Observations> open_observations(std::string_view text, const std::string& where);
+
 /// Column bindings that several tables share; Row derives from the struct they fill.
 template <class Row>
 void bind_accuracy(std::vector<ColumnBinding<Row>>& columns) {

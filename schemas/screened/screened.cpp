@@ -278,15 +278,18 @@ bool from_text(std::string_view text, TestedAxes& axes) {
     return value_of(axes_words, text, axes);
 }
 
+void ScreeningSummary::add(const ScreenedEpoch& row) {
+    usable += row.usable ? 1 : 0;
+    if (row.arc) arcs = std::max(arcs, *row.arc);
+    ++reasons[row.reason];
+    if (row.hypothesis && rejected_by_test(row.reason)) ++decisions[*row.hypothesis];
+    if (const auto hypothesis = decided_for(row.break_before)) ++decisions[*hypothesis];
+}
+
 ScreeningSummary summarise(const std::vector<ScreenedEpoch>& rows) {
     ScreeningSummary summary;
-    for (const ScreenedEpoch& row : rows) {
-        summary.usable += row.usable ? 1 : 0;
-        if (row.arc) summary.arcs = std::max(summary.arcs, *row.arc);
-        ++summary.reasons[row.reason];
-        if (row.hypothesis && rejected_by_test(row.reason)) ++summary.decisions[*row.hypothesis];
-        if (const auto hypothesis = decided_for(row.break_before)) ++summary.decisions[*hypothesis];
-    }
+    for (const ScreenedEpoch& row : rows)
+        summary.add(row);
     return summary;
 }
 
@@ -305,17 +308,32 @@ std::string write_screened(const ScreenedTable& table) {
     return format().write(std::move(meta), table.rows);
 }
 
-ScreenedTable read_screened(std::string_view text, const std::string& where) {
-    auto contents = format().read(text, where);
-    const YamlValue screening = contents.meta["screening"];
-    return {.header = read_header(contents.meta),
-            .facts = read_recording_facts(contents.meta),
-            .origin = read_origin(contents.meta),
-            .variance_factor = contents.meta["summary"]["variance_factor"].real(),
+namespace {
+
+ScreenedTable head_of(const YamlValue& meta) {
+    const YamlValue screening = meta["screening"];
+    return {.header = read_header(meta),
+            .facts = read_recording_facts(meta),
+            .origin = read_origin(meta),
+            .variance_factor = meta["summary"]["variance_factor"].real(),
             .evidence = screening.exists()
                             ? std::optional(read_members<ScreeningEvidence>(screening))
                             : std::nullopt,
-            .rows = std::move(contents.rows)};
+            .rows = {}};
+}
+
+}  // namespace
+
+ScreenedTable read_screened(std::string_view text, const std::string& where) {
+    auto contents = format().read(text, where);
+    ScreenedTable table = head_of(contents.meta);
+    table.rows = std::move(contents.rows);
+    return table;
+}
+
+OpenTable<ScreenedTable> open_screened(std::string_view text, const std::string& where) {
+    RowReader<ScreenedEpoch> rows(format(), text, where);
+    return {head_of(rows.meta()), std::move(rows)};
 }
 
 }  // namespace runcert

@@ -216,10 +216,14 @@ struct ScreeningSummary {
     std::int64_t arcs = 0;
     std::map<Reason, std::int64_t> reasons;
     std::map<Hypothesis, std::int64_t> decisions;
+
+    void add(const ScreenedEpoch& row);
 };
 ScreeningSummary summarise(const std::vector<ScreenedEpoch>& rows);
 
 std::string write_screened(const ScreenedTable& table);
 ScreenedTable read_screened(std::string_view text, const std::string& where);
+/// The same row by row. `text` must outlive what is returned.
+OpenTable<ScreenedTable> open_screened(std::string_view text, const std::string& where);
 
 }  // namespace runcert

@@ -132,13 +132,28 @@ std::string write_trajectory(const TrajectoryTable& table) {
     return format().write(std::move(meta), table.rows);
 }
 
+namespace {
+
+TrajectoryTable head_of(const YamlValue& meta) {
+    return {.header = read_header(meta),
+            .facts = read_recording_facts(meta),
+            .origin = read_origin(meta),
+            .estimation = read_members<EstimationSummary>(meta["estimation"]),
+            .rows = {}};
+}
+
+}  // namespace
+
 TrajectoryTable read_trajectory(std::string_view text, const std::string& where) {
     auto contents = format().read(text, where);
-    return {.header = read_header(contents.meta),
-            .facts = read_recording_facts(contents.meta),
-            .origin = read_origin(contents.meta),
-            .estimation = read_members<EstimationSummary>(contents.meta["estimation"]),
-            .rows = std::move(contents.rows)};
+    TrajectoryTable table = head_of(contents.meta);
+    table.rows = std::move(contents.rows);
+    return table;
+}
+
+OpenTable<TrajectoryTable> open_trajectory(std::string_view text, const std::string& where) {
+    RowReader<TrajectoryEpoch> rows(format(), text, where);
+    return {head_of(rows.meta()), std::move(rows)};
 }
 
 }  // namespace runcert

@@ -133,5 +133,7 @@ struct TrajectoryTable {
 
 std::string write_trajectory(const TrajectoryTable& table);
 TrajectoryTable read_trajectory(std::string_view text, const std::string& where);
+/// The same row by row. `text` must outlive what is returned.
+OpenTable<TrajectoryTable> open_trajectory(std::string_view text, const std::string& where);
 
 }  // namespace runcert

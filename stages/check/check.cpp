@@ -200,18 +200,13 @@ ProfileVerdict judge(const CheckInput& input, const Profile& profile) {
 
 }  // namespace
 
-std::map<std::string, std::vector<ScreenedEpoch>> epochs_of_windows(
-    const std::vector<ScreenedEpoch>& rows, const Windows& windows) {
-    std::map<std::string, std::vector<ScreenedEpoch>> epochs;
-    for (const ProfileWindows& entry : windows.profiles) {
-        if (!entry.best) continue;
-        const auto first =
-            std::ranges::lower_bound(rows, entry.best->span.first_epoch, {}, &ScreenedEpoch::epoch);
-        const auto last =
-            std::ranges::upper_bound(rows, entry.best->span.last_epoch, {}, &ScreenedEpoch::epoch);
-        if (first < last) epochs[entry.profile].assign(first, last);
-    }
-    return epochs;
+void ScreenedEvidence::add(const ScreenedEpoch& row, const Windows& windows) {
+    summary.add(row);
+    if (row.break_before == ArcBreak::bridged) bridged_epochs.push_back(row.epoch);
+    for (const ProfileWindows& entry : windows.profiles)
+        if (entry.best && row.epoch >= entry.best->span.first_epoch &&
+            row.epoch <= entry.best->span.last_epoch)
+            window_epochs[entry.profile].push_back(row);
 }
 
 Verdict check(const CheckInput& input) {

@@ -39,9 +39,15 @@ struct ReceiverEvidence {
     }
 };
 
-/// The screened epochs of the best window of each profile.
-std::map<std::string, std::vector<ScreenedEpoch>> epochs_of_windows(
-    const std::vector<ScreenedEpoch>& rows, const Windows& windows);
+/// What is gathered from the screened epochs, one by one.
+struct ScreenedEvidence {
+    ScreeningSummary summary;
+    std::vector<std::int64_t> bridged_epochs;
+    /// Of the best window of each profile.
+    std::map<std::string, std::vector<ScreenedEpoch>> window_epochs;
+
+    void add(const ScreenedEpoch& row, const Windows& windows);
+};
 
 struct CheckInput {
     const Attempt& attempt;

@@ -12,28 +12,29 @@ ReceiverEvidence gather(StageRun& run, const Receiver& receiver) {
     const auto file = [&](std::string_view stem, std::string_view extension) {
         return product_file(run.attempt(), receiver, stem, extension);
     };
-    const auto observations =
-        run.read("observations", file("1-observations", "ecsv"), read_observations);
-    run.read("enu", file("2-enu", "ecsv"), read_enu);
-    const auto screened = run.read("screened", file("3-screened", "ecsv"), read_screened);
+    // Every table is gone through whole, whose values are checked thereby; what is not used of it
+    // is not kept.
+    auto observations = run.open("observations", file("1-observations", "ecsv"), open_observations);
+    observations.read_to_end();
+    run.open("enu", file("2-enu", "ecsv"), open_enu).read_to_end();
+    auto screened = run.open("screened", file("3-screened", "ecsv"), open_screened);
     auto trajectory = run.read("trajectory", file("4-trajectory", "ecsv"), read_trajectory);
-    std::vector<std::int64_t> bridged;
-    for (const ScreenedEpoch& row : screened.rows)
-        if (row.break_before == ArcBreak::bridged) bridged.push_back(row.epoch);
     Windows windows = run.read("windows", file("5-windows", "yaml"), read_windows);
-    auto window_epochs = epochs_of_windows(screened.rows, windows);
+    ScreenedEvidence evidence;
+    for (ScreenedEpoch row; screened.next(row);)
+        evidence.add(row, windows);
     return {.receiver = receiver.id,
-            .facts = observations.facts,
-            .accuracy_source = observations.accuracy_source,
-            .records = observations.records,
-            .screening = summarise(screened.rows),
-            .tests = screened.evidence,
+            .facts = observations.head().facts,
+            .accuracy_source = observations.head().accuracy_source,
+            .records = observations.head().records,
+            .screening = std::move(evidence.summary),
+            .tests = screened.head().evidence,
             .estimation = trajectory.estimation,
             .windows = std::move(windows),
             .origin = trajectory.origin,
             .trajectory = std::move(trajectory.rows),
-            .bridged_epochs = std::move(bridged),
-            .window_epochs = std::move(window_epochs)};
+            .bridged_epochs = std::move(evidence.bridged_epochs),
+            .window_epochs = std::move(evidence.window_epochs)};
 }
 
 void say_verdict(StageRun& run, const Verdict& verdict) {

@@ -22,20 +22,6 @@ bool has_position(const Observation& row) {
     return row.latitude_deg && row.longitude_deg && row.height_m;
 }
 
-/// The first fixed position, else the first of any kind: an origin taken from a solution without
-/// a fix could be far away.
-std::optional<Geodetic> first_position(const std::vector<Observation>& rows) {
-    const auto fixed = std::find_if(rows.begin(), rows.end(), [](const Observation& row) {
-        return has_position(row) && row.fix == FixKind::fixed;
-    });
-    if (fixed != rows.end()) return position_of(*fixed);
-    const auto any = std::find_if(rows.begin(), rows.end(), [](const Observation& row) {
-        return has_position(row) && row.fix != FixKind::none;
-    });
-    if (any != rows.end()) return position_of(*any);
-    return std::nullopt;
-}
-
 StatedAccuracy accuracy_of(const Eigen::Matrix3d& covariance, bool vertical) {
     const Eigen::Vector3d sigma = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
     const auto correlation = [&](int i, int j) -> std::optional<double> {
@@ -124,29 +110,49 @@ EnuEpoch from_the_earth(const Observation& row, const LocalFrame& frame, bool ve
 
 }  // namespace
 
-EnuTable to_enu(const Observations& observations, const std::optional<Geodetic>& stated_origin) {
-    EnuTable table;
-    table.facts = observations.facts;
-    table.rows.reserve(observations.rows.size());
-    if (!observations.facts.georeferenced) {
-        if (stated_origin)
+bool FirstPosition::see(const Observation& row) {
+    if (!has_position(row)) return true;
+    if (row.fix == FixKind::fixed) fixed_ = position_of(row);
+    if (!any_ && row.fix != FixKind::none) any_ = position_of(row);
+    return !fixed_;
+}
+
+ToLocalFrame::ToLocalFrame(const RecordingFacts& facts, const std::optional<Geodetic>& stated,
+                           const std::optional<Geodetic>& first)
+    : vertical_(facts.vertical_measured) {
+    if (!facts.georeferenced) {
+        if (stated)
             throw Failure("origin",
                           "an origin on the Earth is stated, but the recording's coordinates are "
                           "those of a local plane",
                           "Remove `origin:`, or state the coordinates' real frame");
-        for (const Observation& row : observations.rows)
-            table.rows.push_back(from_local_plane(row));
-        return table;
+        return;
     }
-    const auto position = stated_origin ? stated_origin : first_position(observations.rows);
+    const auto position = stated ? stated : first;
     if (!position)
-        throw Failure("recording of receiver " + observations.facts.receiver,
-                      "no epoch has a position", "Give a recording with positions");
-    table.origin =
-        FrameOrigin{.position = *position, .source = stated_origin ? "attempt" : "first_epoch"};
-    const LocalFrame frame(*position);
+        throw Failure("recording of receiver " + facts.receiver, "no epoch has a position",
+                      "Give a recording with positions");
+    origin_ = FrameOrigin{.position = *position, .source = stated ? "attempt" : "first_epoch"};
+    frame_.emplace(*position);
+}
+
+EnuEpoch ToLocalFrame::operator()(const Observation& row) const {
+    return frame_ ? from_the_earth(row, *frame_, vertical_) : from_local_plane(row);
+}
+
+EnuTable to_enu(const Observations& observations, const std::optional<Geodetic>& stated_origin) {
+    const RecordingFacts& facts = observations.facts;
+    FirstPosition first;
+    if (ToLocalFrame::needs_first_position(facts, stated_origin))
+        (void)std::ranges::all_of(observations.rows,
+                                  [&](const Observation& row) { return first.see(row); });
+    const ToLocalFrame to_local(facts, stated_origin, first.position());
+    EnuTable table;
+    table.facts = facts;
+    table.origin = to_local.origin();
+    table.rows.reserve(observations.rows.size());
     for (const Observation& row : observations.rows)
-        table.rows.push_back(from_the_earth(row, frame, observations.facts.vertical_measured));
+        table.rows.push_back(to_local(row));
     return table;
 }
 

@@ -5,24 +5,42 @@
 
 using namespace runcert;
 
+namespace {
+
+/// Row by row: neither table is held in memory.
+void convert(StageRun& run, const Receiver& receiver) {
+    StageRun one = run;
+    const Attempt& attempt = run.attempt();
+    auto observations =
+        one.open("observations", product_file(attempt, receiver, "1-observations", "ecsv"),
+                 open_observations);
+    const RecordingFacts& facts = observations.head().facts;
+    FirstPosition first;
+    if (ToLocalFrame::needs_first_position(facts, attempt.origin))
+        observations.look_ahead([&first](const Observation& row) { return first.see(row); });
+    const ToLocalFrame to_local(facts, attempt.origin, first.position());
+    const EnuTable head{
+        .header = one.header(), .facts = facts, .origin = to_local.origin(), .rows = {}};
+    AtomicFile file(run.run_dir() / product_file(attempt, receiver, "2-enu", "ecsv"));
+    EnuWriter table(head, [&file](std::string_view piece) { file.write(piece); });
+    for (Observation row; observations.next(row);)
+        table.write(to_local(row));
+    table.finish();
+    file.commit();
+    run.say(head.origin ? fmt::format("origin {:.6f} {:.6f}, height {:.1f} m",
+                                      head.origin->position.latitude.degrees(),
+                                      head.origin->position.longitude.degrees(),
+                                      head.origin->position.height_m)
+                        : std::string("local plane: not georeferenced"));
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
-    return stage_main(
-        argc, argv, "enu", "WGS 84 positions to local east, north, up at a declared origin",
-        [](StageRun& run) {
-            const Attempt& attempt = run.attempt();
-            for (const Receiver& receiver : attempt.receivers) {
-                StageRun one = run;
-                const Observations observations = one.read(
-                    "observations", product_file(attempt, receiver, "1-observations", "ecsv"),
-                    read_observations);
-                EnuTable table = to_enu(observations, attempt.origin);
-                table.header = one.header();
-                one.write(product_file(attempt, receiver, "2-enu", "ecsv"), write_enu(table));
-                run.say(table.origin ? fmt::format("origin {:.6f} {:.6f}, height {:.1f} m",
-                                                   table.origin->position.latitude.degrees(),
-                                                   table.origin->position.longitude.degrees(),
-                                                   table.origin->position.height_m)
-                                     : std::string("local plane: not georeferenced"));
-            }
-        });
+    return stage_main(argc, argv, "enu",
+                      "WGS 84 positions to local east, north, up at a declared origin",
+                      [](StageRun& run) {
+                          for (const Receiver& receiver : run.attempt().receivers)
+                              convert(run, receiver);
+                      });
 }

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <functional>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/failure.h"
@@ -9,6 +11,7 @@
 #include "schemas/observations/observations.h"
 #include "stages/import/recording.h"
 #include "stages/import/resolution.h"
+#include "stages/import/row_summary.h"
 
 namespace runcert {
 
@@ -21,12 +24,26 @@ struct TimedRow {
     WrittenCells written;
 };
 
+/// Takes rows one by one.
+using TakeRow = std::function<void(Observation& row)>;
+
+/// A recording whose rows are given one by one.
+struct RowByRow {
+    Observations head;  ///< without the rows
+    std::int64_t rows = 0;
+    /// Gives them in order, as often as it is called. What was given to the reader must still live.
+    std::function<void(const TakeRow& take)> give;
+};
+
 /// Rows in the order of the recording, how finely they are written, and the records that could not
 /// be read.
 class TimedRows {
   public:
     /// The recording must outlive this.
     explicit TimedRows(const RecordingBytes& recording) : recording_(recording) {}
+    /// Gives each row to `take`, its time counted from the GPS epoch, and holds none.
+    TimedRows(const RecordingBytes& recording, TakeRow take)
+        : recording_(recording), take_(std::move(take)) {}
     /// Of a binary format, whose resolution is known.
     TimedRows(const RecordingBytes& recording, const WrittenResolution& written)
         : recording_(recording), written_(written) {}
@@ -55,16 +72,19 @@ class TimedRows {
         count_good();
     }
 
-    std::size_t size() const { return rows_.size(); }
-    bool empty() const { return rows_.empty(); }
+    std::size_t size() const { return static_cast<std::size_t>(summary_.rows); }
+    bool empty() const { return summary_.rows == 0; }
     const RecordCount& records() const { return records_; }
+    const RowSummary& summary() const { return summary_; }
 
   private:
     friend void set_rows(Observations& observations, TimedRows timed);
 
     const RecordingBytes& recording_;
+    TakeRow take_;  ///< empty where the rows are held
     /// `time` counts from the GPS epoch until set_rows.
     std::vector<Observation> rows_;
+    RowSummary summary_;
     WrittenResolution written_;
     RecordCount records_;
     std::optional<Failure> first_bad_;
@@ -77,6 +97,14 @@ class TimedRows {
 /// number), where there are no rows, and where one is more than 292 years from the first.
 void set_rows(Observations& observations, TimedRows timed);
 
+/// What the attempt puts into the rows of a recording.
+struct RowChanges {
+    std::optional<double> height_m;  ///< of every position
+    std::optional<double> sigma_horizontal_m, sigma_up_m;
+
+    void apply(Observation& row) const;
+};
+
 /// Median of the positive steps between rows (s); 0 where there is none.
 double median_step_s(const std::vector<Observation>& rows);
 
@@ -86,6 +114,10 @@ double median_step_s(const std::vector<Observation>& rows);
 /// used, and that start_gps was not, unless `start_is_used`.
 void apply_attempt(Observations& observations, const Receiver& receiver,
                    bool start_is_used = false);
+
+/// The same for a recording whose rows are not held: what it does to each of them is returned.
+RowChanges apply_attempt(Observations& head, const RowSummary& rows, const Receiver& receiver,
+                         bool start_is_used = false);
 
 inline constexpr const char* note_heights_above_sea_level =
     "Heights are recorded above mean sea level; they are not heights above the ellipsoid.";

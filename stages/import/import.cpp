@@ -25,6 +25,9 @@
 namespace runcert {
 namespace {
 
+/// Recordings of up to so many bytes are held: reading twice would take them longer.
+constexpr std::size_t held_whole_bytes = std::size_t{64} << 20;
+
 /// A format that is recognised by its content.
 struct Format {
     std::string_view name;  ///< as the attempt's `format` has it
@@ -134,6 +137,18 @@ Observations import_recording(const Receiver& receiver, const RecordingBytes& re
     Observations observations = read_by_format(receiver, recording);
     check(observations);
     return observations;
+}
+
+std::optional<RowByRow> import_row_by_row(const Receiver& receiver,
+                                          const RecordingBytes& recording) {
+    const bool recognise = receiver.format.empty() || receiver.format == "auto";
+    const bool is_pos = recognise
+                            ? receiver.columns.empty() &&
+                                  rtklib_pos::recognises(recording.bytes.substr(0, recognised_by))
+                            : receiver.format == "rtklib-pos";
+    if (!is_pos || recording.bytes.size() <= held_whole_bytes) return std::nullopt;
+    require_readable(recording);
+    return rtklib_pos::read_row_by_row(receiver, recording);
 }
 
 Observations import_recordings(const Receiver& receiver,

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "schemas/attempt/attempt.h"
 #include "schemas/observations/observations.h"
+#include "stages/import/finish.h"
 #include "stages/import/recording.h"
 
 namespace runcert {
@@ -20,6 +22,11 @@ Observations import_recording(const Receiver& receiver, const RecordingBytes& re
 /// Whether `import_recording` reads it without help: the attempt says what it is, or it is
 /// recognised as a format of this program's own. If not, gpsbabel may know it.
 bool is_read_by_itself(const Receiver& receiver, const RecordingBytes& recording);
+
+/// The same, row by row where that saves memory: for formats that a recording of very many epochs
+/// comes in. Nothing where it is held whole all the same.
+std::optional<RowByRow> import_row_by_row(const Receiver& receiver,
+                                          const RecordingBytes& recording);
 
 using ReadRecording = Observations(const Receiver&, const RecordingBytes&);
 

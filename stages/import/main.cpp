@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <memory>
 
 #include "files/atomic_file.h"
 #include "run/evidence.h"
@@ -25,7 +26,10 @@ struct OpenFiles {
         std::vector<RecordingBytes> chosen;
         for (std::size_t i = 0; i < files.size(); ++i)
             if (files[i].role == role)
-                chosen.push_back({.name = files[i].original, .bytes = views[i].bytes()});
+                chosen.push_back(
+                    {.name = files[i].original,
+                     .bytes = views[i].bytes(),
+                     .passed = [&view = views[i]](std::size_t bytes) { view.release(bytes); }});
         return chosen;
     }
 };
@@ -70,14 +74,39 @@ Observations import_rinex(StageRun& run, const Receiver& receiver, const OpenFil
     return observations;
 }
 
+/// What was read whole, as if it came row by row.
+RowByRow held(Observations observations) {
+    RowByRow result{.head = {}, .rows = std::ssize(observations.rows), .give = {}};
+    auto rows = std::make_shared<std::vector<Observation>>(std::move(observations.rows));
+    result.head = std::move(observations);
+    result.give = [rows](const TakeRow& take) {
+        for (Observation& row : *rows)
+            take(row);
+    };
+    return result;
+}
+
 /// Reads a receiver's recording, through another program where it needs one.
-Observations read_receiver(StageRun& run, const Receiver& receiver, const OpenFiles& open) {
-    const std::vector<RecordingBytes> recordings = open.of("recording");
-    if (rinex::is_chosen(receiver, recordings.front())) return import_rinex(run, receiver, open);
+RowByRow read_receiver(StageRun& run, const Receiver& receiver, const OpenFiles& open,
+                       const std::vector<RecordingBytes>& recordings) {
+    if (rinex::is_chosen(receiver, recordings.front()))
+        return held(import_rinex(run, receiver, open));
     if (!receiver.base.empty() || !receiver.navigation.empty())
         throw Failure(receiver.place, "base and navigation are of use with RINEX alone",
                       "Take them out, or name the rover's RINEX file as the recording");
-    return import_recordings(receiver, recordings, read_recording);
+    if (recordings.size() == 1)
+        if (auto by_row = import_row_by_row(receiver, recordings.front()))
+            return *std::move(by_row);
+    return held(import_recordings(receiver, recordings, read_recording));
+}
+
+void write_rows(const StageRun& run, const std::string& file_name, const RowByRow& observations) {
+    AtomicFile file(run.run_dir() / file_name);
+    ObservationsWriter table(observations.head,
+                             [&file](std::string_view piece) { file.write(piece); });
+    observations.give([&table](const Observation& row) { table.write(row); });
+    table.finish();
+    file.commit();
 }
 
 void import_receiver(StageRun& run, const Receiver& receiver, const AttemptSource& source) {
@@ -85,18 +114,18 @@ void import_receiver(StageRun& run, const Receiver& receiver, const AttemptSourc
     const OpenFiles open = open_files(receiver, source);
     // Not the attempt as a whole: a claim that changes elsewhere leaves the positions as they are.
     one.use_parameters(receiver.stated);
-    Observations observations = read_receiver(one, receiver, open);
+    const std::vector<RecordingBytes> recordings = open.of("recording");
+    RowByRow observations = read_receiver(one, receiver, open, recordings);
     for (std::size_t i = 0; i < open.files.size(); ++i) {
         const EvidenceFile& file = open.files[i];
-        one.note_input(file.role, file.name, open.views[i].bytes(),
+        one.note_input(file.role, file.name, open.views[i],
                        std::filesystem::path(file.original).filename().string());
-        one.write(file.name, open.views[i].bytes());
+        one.write(file.name, open.views[i]);
     }
-    observations.header = one.header();
-    one.write(product_file(run.attempt(), receiver, "1-observations", "ecsv"),
-              write_observations(observations));
-    run.say(fmt::format("{} epochs from {} ({})", observations.rows.size(),
-                        recording_names(receiver), observations.format));
+    observations.head.header = one.header();
+    write_rows(one, product_file(run.attempt(), receiver, "1-observations", "ecsv"), observations);
+    run.say(fmt::format("{} epochs from {} ({})", observations.rows, recording_names(receiver),
+                        observations.head.format));
 }
 
 /// Brings everything from outside into the run folder: after this stage nothing else is read.

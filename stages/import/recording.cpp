@@ -10,6 +10,9 @@
 namespace runcert {
 namespace {
 
+/// Bytes between two calls of `passed`.
+constexpr std::size_t passed_by = std::size_t{16} << 20;
+
 constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
 
 /// How a kind of file begins that cannot be read as text.
@@ -97,6 +100,11 @@ std::optional<SourceLine> LineReader::next() {
                     .ended = end != std::string_view::npos};
     if (line.text.ends_with('\r')) line.text.remove_suffix(1);
     offset_ = line.ended ? end + 1 : bytes_.size();
+    if (recording_.passed && offset_ - passed_ >= passed_by) {
+        // What came before the line: its own text is still to be looked at.
+        passed_ = static_cast<std::size_t>(line.byte);
+        recording_.passed(passed_);
+    }
     return line;
 }
 

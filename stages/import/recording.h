@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -14,6 +15,9 @@ namespace runcert {
 struct RecordingBytes {
     std::string name;  ///< of the file, for messages
     std::string_view bytes;
+    /// Called now and then with how many of the bytes a reader has gone through: their memory may
+    /// be released.
+    std::function<void(std::size_t bytes)> passed = {};
 };
 
 /// One line of a recording, without its line end (LF or CR LF).
@@ -63,6 +67,7 @@ class LineReader {
     RecordingBytes recording_;
     std::string_view bytes_;
     std::size_t offset_ = 0;
+    std::size_t passed_ = 0;
     std::int64_t line_ = 0;
     bool has_byte_order_mark_ = false;
 };

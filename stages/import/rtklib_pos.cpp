@@ -45,8 +45,12 @@ bool looks_like_row(std::string_view line) {
 /// Reads a recording line by line, header lines wherever they stand.
 class Reader {
   public:
-    explicit Reader(const RecordingBytes& recording)
-        : recording_(recording), lines_(recording), timed_(recording) {}
+    /// Holds the rows, or gives them to `take` where there is one.
+    explicit Reader(const RecordingBytes& recording, TakeRow take = {})
+        : recording_(recording), lines_(recording), timed_(recording, std::move(take)) {}
+
+    /// Of what read() read.
+    const RowSummary& summary() const { return summary_; }
 
     Observations read() {
         while (const auto line = lines_.next()) {
@@ -60,6 +64,7 @@ class Reader {
         if (other_headers_ > 0)
             observations_.notes.push_back(fmt::format(
                 "The file holds {} solutions, one after the other.", other_headers_ + 1));
+        summary_ = timed_.summary();
         set_rows(observations_, std::move(timed_));
         return std::move(observations_);
     }
@@ -140,6 +145,7 @@ class Reader {
     std::size_t other_headers_ = 0;
     Observations observations_;
     TimedRows timed_;
+    RowSummary summary_;
 };
 
 }  // namespace
@@ -163,6 +169,22 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     apply_attempt(observations, receiver);
     note_text(observations, recording);
     return observations;
+}
+
+RowByRow read_row_by_row(const Receiver& receiver, const RecordingBytes& recording) {
+    require_text(recording);
+    Reader first_pass(recording, [](const Observation&) {});
+    RowByRow result{.head = first_pass.read(), .rows = first_pass.summary().rows, .give = {}};
+    const RowChanges changes = apply_attempt(result.head, first_pass.summary(), receiver);
+    note_text(result.head, recording);
+    result.give = [recording, changes, first = first_pass.summary().first](const TakeRow& take) {
+        Reader(recording, [&](Observation& row) {
+            row.time.nanoseconds -= first.nanoseconds();
+            changes.apply(row);
+            take(row);
+        }).read();
+    };
+    return result;
 }
 
 }  // namespace runcert::rtklib_pos

@@ -4,6 +4,7 @@
 
 #include "schemas/attempt/attempt.h"
 #include "schemas/observations/observations.h"
+#include "stages/import/finish.h"
 #include "stages/import/recording.h"
 
 /// RTKLIB solution files (.pos), RTKLIB 2.4.3 manual, appendix B.1, and what programs near it
@@ -16,5 +17,9 @@ bool recognises(std::string_view bytes);
 /// The whole recording as observations; the header is left for the caller. Failure with line and
 /// column on everything that is not understood.
 Observations read(const Receiver& receiver, const RecordingBytes& recording);
+
+/// The same without holding its rows: the recording is read once for what they show as a whole, and
+/// again when they are asked for.
+RowByRow read_row_by_row(const Receiver& receiver, const RecordingBytes& recording);
 
 }  // namespace runcert::rtklib_pos

@@ -175,6 +175,7 @@ char find_separator(std::string_view line) {
 std::vector<Cell> split_fields(const SourceLine& line, std::string_view text,
                                const RecordingBytes& recording, char separator) {
     std::vector<Cell> cells;
+    cells.reserve(24);
     const auto offset = static_cast<std::size_t>(text.data() - line.text.data());
     const auto cell = [&](std::size_t from, std::size_t to) {
         return Cell{text.substr(from, to - from), &recording, line.number, offset + from + 1};

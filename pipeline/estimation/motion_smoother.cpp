@@ -201,7 +201,7 @@ void MotionSmoother<Axes, Blocks>::smooth_here_by_rts() {
 
 template <int Axes, int Blocks>
 PositionMatrix<Axes> MotionSmoother<Axes, Blocks>::covariance(int kind) const {
-    if (by_rts_) return covariance_.template block<Axes, Axes>(kind * Axes, kind * Axes);
+    if (by_rts_) return covariance().template block<Axes, Axes>(kind * Axes, kind * Axes);
     using Columns = Eigen::Matrix<double, size, Axes>;
     const Filtered& filtered = here().filtered;
     const Columns columns = filtered.covariance.template middleCols<Axes>(kind * Axes);
@@ -222,12 +222,24 @@ PositionMatrix<Axes> MotionSmoother<Axes, Blocks>::covariance(int kind) const {
 }
 
 template <int Axes, int Blocks>
-typename MotionSmoother<Axes, Blocks>::StateCovariance MotionSmoother<Axes, Blocks>::covariance()
+typename MotionSmoother<Axes, Blocks>::StateCovariance MotionSmoother<Axes, Blocks>::unsymmetrised()
     const {
     if (by_rts_) return covariance_;
     const StateCovariance& p = here().filtered.covariance;
-    const StateCovariance smoothed = p - p * (information_ * p);
+    return p - p * (information_ * p);
+}
+
+template <int Axes, int Blocks>
+typename MotionSmoother<Axes, Blocks>::StateCovariance MotionSmoother<Axes, Blocks>::covariance()
+    const {
+    const StateCovariance smoothed = unsymmetrised();
     return 0.5 * (smoothed + smoothed.transpose());
+}
+
+template <int Axes, int Blocks>
+double MotionSmoother<Axes, Blocks>::asymmetry() const {
+    const StateCovariance smoothed = unsymmetrised();
+    return (smoothed - smoothed.transpose()).norm() / smoothed.norm();
 }
 
 template class MotionSmoother<1, 4>;

@@ -54,6 +54,9 @@ class MotionSmoother {
     PositionMatrix<Axes> covariance(int kind) const;
     StateCovariance covariance() const;  ///< of all
 
+    /// How far from symmetric it is before it is made so, relative.
+    double asymmetry() const;
+
     double innovation_sum() const { return innovation_sum_; }  ///< of all innovation statistics
     std::int64_t measurements() const { return measurements_; }
 
@@ -75,6 +78,7 @@ class MotionSmoother {
     void carry_on(std::size_t k, Filtered& state) const;
     void filter_again(std::size_t piece);
     void back_through_measurement(const kernel::Seen<Axes, Blocks>& seen);
+    StateCovariance unsymmetrised() const;
     void smooth_here();
     void smooth_here_by_rts();
     const Visited& here() const { return piece_[epoch_ % epochs_at_once]; }

@@ -1,7 +1,6 @@
 #include "stages/smooth/health.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -13,7 +12,6 @@ namespace {
 constexpr double level = 0.05;            // of the two-sided tests
 constexpr double white_within = 0.1;      // of the autocorrelation at lag 1
 constexpr std::size_t span_values = 100;  // scalar innovations in a span
-constexpr std::size_t condition_every = 16;
 
 /// Sums over the normalised innovations of some arcs.
 struct InnovationStatistics {
@@ -87,20 +85,11 @@ std::int64_t spans_allowed(std::int64_t spans) {
         n * level + 0.5 + normal_quantile(1.0 - level) * std::sqrt(n * level * (1.0 - level))));
 }
 
-template <int Axes>
-double scaled_condition(const StateMatrix<Axes>& covariance) {
-    const StateVector<Axes> inverse = covariance.diagonal().cwiseSqrt().cwiseInverse();
-    const Eigen::SelfAdjointEigenSolver<StateMatrix<Axes>> solver(
-        inverse.asDiagonal() * covariance * inverse.asDiagonal(), Eigen::EigenvaluesOnly);
-    const double smallest = solver.eigenvalues().minCoeff();
-    return smallest > 0.0 ? solver.eigenvalues().maxCoeff() / smallest : 1e18;
-}
-
 }  // namespace
 
 template <int Axes>
 FilterHealth filter_health(const std::vector<Arc<Axes>>& arcs,
-                           const std::vector<SmoothedArc<Axes>>& smoothed,
+                           const std::vector<SmoothedMeans<Axes>>& smoothed,
                            const EstimationModel& model, const EstimationModel& as_stated) {
     const InnovationStatistics used = innovation_statistics(arcs, model);
     FilterHealth health;
@@ -120,21 +109,18 @@ FilterHealth filter_health(const std::vector<Arc<Axes>>& arcs,
     health.consistent = health.mean_statistic >= health.lower &&
                         health.mean_statistic <= health.upper &&
                         health.spans_outside <= health.spans_allowed;
-    for (const SmoothedArc<Axes>& arc : smoothed) {
-        health.repaired += arc.repaired;
+    for (const SmoothedMeans<Axes>& arc : smoothed) {
         health.largest_asymmetry = std::max(health.largest_asymmetry, arc.largest_asymmetry);
-        for (std::size_t k = 0; k < arc.states.size(); k += condition_every)
-            health.largest_condition = std::max(health.largest_condition,
-                                                scaled_condition<Axes>(arc.states[k].covariance));
+        health.largest_condition = std::max(health.largest_condition, arc.largest_condition);
     }
     return health;
 }
 
 template FilterHealth filter_health<1>(const std::vector<Arc<1>>&,
-                                       const std::vector<SmoothedArc<1>>&, const EstimationModel&,
+                                       const std::vector<SmoothedMeans<1>>&, const EstimationModel&,
                                        const EstimationModel&);
 template FilterHealth filter_health<2>(const std::vector<Arc<2>>&,
-                                       const std::vector<SmoothedArc<2>>&, const EstimationModel&,
+                                       const std::vector<SmoothedMeans<2>>&, const EstimationModel&,
                                        const EstimationModel&);
 
 }  // namespace runcert

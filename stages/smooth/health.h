@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "arcs/arcs.h"
-#include "estimation/smoother.h"
 #include "schemas/trajectory/trajectory.h"
+#include "stages/smooth/trajectory_rows.h"
 
 namespace runcert {
 
@@ -13,7 +13,7 @@ namespace runcert {
 /// and the covariances of the smoothed states.
 template <int Axes>
 FilterHealth filter_health(const std::vector<Arc<Axes>>& arcs,
-                           const std::vector<SmoothedArc<Axes>>& smoothed,
+                           const std::vector<SmoothedMeans<Axes>>& smoothed,
                            const EstimationModel& model, const EstimationModel& as_stated);
 
 }  // namespace runcert

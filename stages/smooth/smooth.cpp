@@ -63,16 +63,16 @@ struct Agreement {
 };
 
 template <int Axes>
-Agreement agreement_at(const SmoothedArc<Axes>& smoothed, const BatchSolution<Axes>& batch,
+Agreement agreement_at(const SmoothedMeans<Axes>& smoothed, const BatchSolution<Axes>& batch,
                        std::size_t k) {
-    const StateVector<Axes> difference = batch.states[k] - smoothed.states[k].mean;
+    const StateVector<Axes> difference = batch.states[k] - smoothed.states[k];
     return {.largest_position_difference_m = difference.template head<Axes>().norm(),
             .largest_velocity_difference_mps = difference.template segment<Axes>(Axes).norm()};
 }
 
 /// Compares the batch solution with the smoothed one.
 template <int Axes>
-Agreement compare_batch(const Arc<Axes>& arc, const SmoothedArc<Axes>& smoothed,
+Agreement compare_batch(const Arc<Axes>& arc, const SmoothedMeans<Axes>& smoothed,
                         const BatchSolution<Axes>& batch,
                         const std::vector<TrajectoryEpoch>& rows) {
     Agreement agreement{.stretches = batch.stretches};
@@ -97,9 +97,9 @@ Agreement compare_batch(const Arc<Axes>& arc, const SmoothedArc<Axes>& smoothed,
 /// it does with the motion's memory, which is about the time in which the uncertain velocity would
 /// move the position by its own uncertainty, and with the error's correlation time.
 template <int Axes>
-bool forgets_soon(const Arc<Axes>& arc, const SmoothedArc<Axes>& smoothed,
+bool forgets_soon(const Arc<Axes>& arc, const SmoothedMeans<Axes>& smoothed,
                   const EstimationModel& model) {
-    const StateMatrix<Axes>& middle = smoothed.states[arc.epochs.size() / 2].covariance;
+    const StateMatrix<Axes>& middle = smoothed.covariance_in_the_middle;
     const double memory_s =
         std::max(std::sqrt(middle(0, 0) / middle(Axes, Axes)), model.error.tau_s);
     const double interval_s = (arc.epochs.back().time_s - arc.epochs.front().time_s) /
@@ -112,7 +112,7 @@ bool forgets_soon(const Arc<Axes>& arc, const SmoothedArc<Axes>& smoothed,
 /// where that is not near the smoother, because the states of this arc remember longer, in longer
 /// ones, and at last as a whole, so that no difference is the cuts'.
 template <int Axes>
-BatchSolution<Axes> solve_in_stretches(const Arc<Axes>& arc, const SmoothedArc<Axes>& smoothed,
+BatchSolution<Axes> solve_in_stretches(const Arc<Axes>& arc, const SmoothedMeans<Axes>& smoothed,
                                        const EstimationModel& model) {
     std::vector<BatchOptions> cuts{BatchOptions{}};
     if (forgets_soon(arc, smoothed, model)) cuts.insert(cuts.begin(), short_stretches);
@@ -129,13 +129,10 @@ BatchSolution<Axes> solve_in_stretches(const Arc<Axes>& arc, const SmoothedArc<A
 }
 
 /// The batch with a robust loss over the epochs that the innovation test kept and rejected.
-void set_robust(const Arc<2>& arc, const SmoothedArc<2>& smoothed, const EstimationModel& model,
+void set_robust(const Arc<2>& arc, const SmoothedMeans<2>& smoothed, const EstimationModel& model,
                 const SmoothConfig& config, TrajectoryTable& table) {
-    std::vector<StateVector<2>> start;
-    start.reserve(smoothed.states.size());
-    for (const StateEstimate<2>& state : smoothed.states)
-        start.push_back(state.mean);
-    const RobustSolution<2> robust = solve_robust<2>(arc.epochs, model, config.robust_scale, start);
+    const RobustSolution<2> robust =
+        solve_robust<2>(arc.epochs, model, config.robust_scale, smoothed.states);
     if (!robust.converged) ++table.estimation.robust_unsolved;
     for (std::size_t k = 0; k < robust.states.size(); ++k) {
         TrajectoryEpoch& row = table.rows[arc.rows[k]];
@@ -171,7 +168,7 @@ template <int Axes>
 struct AxesResult {
     AxesEstimation estimation;
     std::vector<Arc<Axes>> arcs;
-    std::vector<SmoothedArc<Axes>> smoothed;
+    std::vector<SmoothedMeans<Axes>> smoothed;
     Agreement agreement;
 };
 
@@ -202,7 +199,7 @@ AxesResult<Axes> estimate(const ScreenedTable& screened, const SmoothConfig& con
     result.estimation.noise = learn_noise<Axes>(result.arcs, config);
     const EstimationModel model = model_of(result.estimation.noise);
     for (const Arc<Axes>& arc : result.arcs)
-        result.smoothed.push_back(smooth<Axes>(arc.epochs, model));
+        result.smoothed.push_back(smooth_rows<Axes>(arc, model, table.rows));
     EstimationModel as_stated;
     as_stated.motion.jerk_density = config.fit.initial_jerk_density;
     do_together_in_order(
@@ -241,12 +238,8 @@ Agreement estimate_horizontal(const ScreenedTable& screened, const SmoothConfig&
             for (std::size_t a = 0; a < robust_arcs.size(); ++a)
                 set_robust(robust_arcs[a], smoothed.smoothed[a], model, config, table);
         });
-    for (std::size_t a = 0; a < result.arcs.size(); ++a) {
-        const Arc<2>& arc = result.arcs[a];
-        for (std::size_t k = 0; k < arc.rows.size(); ++k)
-            set_horizontal(result.smoothed[a].states[k], table.rows[arc.rows[k]]);
+    for (const Arc<2>& arc : result.arcs)
         set_paper_methods(arc, config.dhd22_acceleration_sigma_mps2, table.rows);
-    }
     summarise_horizontal(result, table.estimation);
     return result.agreement;
 }
@@ -255,9 +248,6 @@ Agreement estimate_vertical(const ScreenedTable& screened, const SmoothConfig& c
                             TrajectoryTable& table) {
     const AxesResult<1> result =
         estimate<1>(screened, config, table, [](const AxesResult<1>&, const EstimationModel&) {});
-    for (std::size_t a = 0; a < result.arcs.size(); ++a)
-        for (std::size_t k = 0; k < result.arcs[a].rows.size(); ++k)
-            set_vertical(result.smoothed[a].states[k], table.rows[result.arcs[a].rows[k]]);
     table.estimation.vertical = result.estimation;
     return result.agreement;
 }

@@ -1,7 +1,10 @@
 #include "stages/smooth/trajectory_rows.h"
 
+#include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 
+#include "estimation/motion_smoother.h"
 #include "estimation/speed.h"
 #include "stages/smooth/dhd22.h"
 
@@ -31,38 +34,82 @@ std::vector<PositionRun> position_runs(const Arc<2>& arc) {
     return runs;
 }
 
-}  // namespace
+/// Standard deviations from a covariance's diagonal.
+template <int Axes>
+PositionVector<Axes> sigmas(const PositionMatrix<Axes>& covariance) {
+    return covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+}
 
-void set_horizontal(const StateEstimate<2>& state, TrajectoryEpoch& row) {
-    const StateVector<2>& mean = state.mean;
-    const StateVector<2> sigma = state.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+void set_motion(const MotionSmoother<2>& at, TrajectoryEpoch& row) {
+    const StateVector<2>& mean = at.mean();
+    const Eigen::Matrix2d of_velocity = at.covariance(MotionSmoother<2>::velocity);
+    const Eigen::Vector2d position = sigmas<2>(at.covariance(MotionSmoother<2>::position));
+    const Eigen::Vector2d velocity = sigmas<2>(of_velocity);
+    const Eigen::Vector2d acceleration = sigmas<2>(at.covariance(MotionSmoother<2>::acceleration));
     row.east_m = mean(0);
     row.north_m = mean(1);
     row.velocity_east_mps = mean(2);
     row.velocity_north_mps = mean(3);
     row.acceleration_east_mps2 = mean(4);
     row.acceleration_north_mps2 = mean(5);
-    row.sigma_east_m = sigma(0);
-    row.sigma_north_m = sigma(1);
-    row.sigma_velocity_east_mps = sigma(2);
-    row.sigma_velocity_north_mps = sigma(3);
-    row.sigma_acceleration_east_mps2 = sigma(4);
-    row.sigma_acceleration_north_mps2 = sigma(5);
-    const SpeedEstimate speed =
-        horizontal_speed(mean.segment<2>(2), state.covariance.block<2, 2>(2, 2));
+    row.sigma_east_m = position(0);
+    row.sigma_north_m = position(1);
+    row.sigma_velocity_east_mps = velocity(0);
+    row.sigma_velocity_north_mps = velocity(1);
+    row.sigma_acceleration_east_mps2 = acceleration(0);
+    row.sigma_acceleration_north_mps2 = acceleration(1);
+    const SpeedEstimate speed = horizontal_speed(mean.segment<2>(2), of_velocity);
     row.speed_mps = speed.speed_mps;
     row.sigma_speed_mps = speed.standard_uncertainty_mps;
 }
 
-void set_vertical(const StateEstimate<1>& state, TrajectoryEpoch& row) {
-    const StateVector<1> sigma = state.covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
-    row.up_m = state.mean(0);
-    row.velocity_up_mps = state.mean(1);
-    row.acceleration_up_mps2 = state.mean(2);
-    row.sigma_up_m = sigma(0);
-    row.sigma_velocity_up_mps = sigma(1);
-    row.sigma_acceleration_up_mps2 = sigma(2);
+void set_motion(const MotionSmoother<1>& at, TrajectoryEpoch& row) {
+    row.up_m = at.mean()(0);
+    row.velocity_up_mps = at.mean()(1);
+    row.acceleration_up_mps2 = at.mean()(2);
+    row.sigma_up_m = sigmas<1>(at.covariance(MotionSmoother<1>::position))(0);
+    row.sigma_velocity_up_mps = sigmas<1>(at.covariance(MotionSmoother<1>::velocity))(0);
+    row.sigma_acceleration_up_mps2 = sigmas<1>(at.covariance(MotionSmoother<1>::acceleration))(0);
 }
+
+template <int Axes>
+double scaled_condition(const StateMatrix<Axes>& covariance) {
+    const StateVector<Axes> inverse = covariance.diagonal().cwiseSqrt().cwiseInverse();
+    const Eigen::SelfAdjointEigenSolver<StateMatrix<Axes>> solver(
+        inverse.asDiagonal() * covariance * inverse.asDiagonal(), Eigen::EigenvaluesOnly);
+    const double smallest = solver.eigenvalues().minCoeff();
+    return smallest > 0.0 ? solver.eigenvalues().maxCoeff() / smallest : 1e18;
+}
+
+constexpr std::size_t condition_every = 16;
+
+}  // namespace
+
+template <int Axes>
+SmoothedMeans<Axes> smooth_rows(const Arc<Axes>& arc, const EstimationModel& model,
+                                std::vector<TrajectoryEpoch>& rows) {
+    MotionSmoother<Axes> at(arc.epochs, model);
+    SmoothedMeans<Axes> smoothed;
+    smoothed.states.resize(arc.epochs.size());
+    smoothed.innovation_sum = at.innovation_sum();
+    smoothed.measurements = at.measurements();
+    for (; !at.done(); at.step_back()) {
+        smoothed.states[at.epoch()] = at.mean();
+        set_motion(at, rows[arc.rows[at.epoch()]]);
+        if (at.epoch() == arc.epochs.size() / 2)
+            smoothed.covariance_in_the_middle = at.covariance();
+        if (at.epoch() % condition_every != 0) continue;
+        smoothed.largest_condition =
+            std::max(smoothed.largest_condition, scaled_condition<Axes>(at.covariance()));
+        smoothed.largest_asymmetry = std::max(smoothed.largest_asymmetry, at.asymmetry());
+    }
+    return smoothed;
+}
+
+template SmoothedMeans<1> smooth_rows<1>(const Arc<1>&, const EstimationModel&,
+                                         std::vector<TrajectoryEpoch>&);
+template SmoothedMeans<2> smooth_rows<2>(const Arc<2>&, const EstimationModel&,
+                                         std::vector<TrajectoryEpoch>&);
 
 void set_paper_methods(const Arc<2>& arc, double acceleration_sigma_mps2,
                        std::vector<TrajectoryEpoch>& rows) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "arcs/arcs.h"
@@ -8,12 +9,22 @@
 
 namespace runcert {
 
-/// Sets a row's smoothed horizontal motion (m, m/s, m/s^2), its speed, and their standard
-/// uncertainties.
-void set_horizontal(const StateEstimate<2>& state, TrajectoryEpoch& row);
+/// What is kept of a smoothed arc beside the rows of the table.
+template <int Axes>
+struct SmoothedMeans {
+    std::vector<StateVector<Axes>> states;
+    StateMatrix<Axes> covariance_in_the_middle;
+    double innovation_sum = 0.0;  ///< of the innovation statistics: the least-squares minimum
+    std::int64_t measurements = 0;
+    double largest_condition = 0.0;  ///< of a covariance with its diagonal scaled to one
+    double largest_asymmetry = 0.0;  ///< of a covariance before symmetrising, relative
+};
 
-/// The same of the vertical motion.
-void set_vertical(const StateEstimate<1>& state, TrajectoryEpoch& row);
+/// Smooths an arc and sets the smoothed motion of its rows (m, m/s, m/s^2), horizontal or vertical,
+/// and its standard uncertainties. Condition and asymmetry are those of every 16th epoch.
+template <int Axes>
+SmoothedMeans<Axes> smooth_rows(const Arc<Axes>& arc, const EstimationModel& model,
+                                std::vector<TrajectoryEpoch>& rows);
 
 /// The methods of [DHD22], on either side of a bridged step by itself. The filter begins at rest:
 /// after a step the craft is not, and at the first position the filter has nothing to say yet.

@@ -14,9 +14,6 @@ inline constexpr std::size_t models_side_by_side = 2;
 using SideBySide = double __attribute__((vector_size(models_side_by_side * sizeof(double))));
 
 /// Whether a comparison holds for any of the models.
-inline bool any_of(bool holds) {
-    return holds;
-}
 template <class Comparison>
 bool any_of(const Comparison& holds) {
     for (std::size_t i = 0; i < models_side_by_side; ++i)
@@ -24,16 +21,17 @@ bool any_of(const Comparison& holds) {
     return false;
 }
 
-/// The forward filter as far as the likelihood needs it, on numbers of the type T, double or
-/// SideBySide: two models at once take hardly longer than one. Each number comes of the same
-/// operations in the same order, whatever stands beside it.
+/// The forward filter of some models side by side as far as the likelihood needs it: two take less
+/// time than one takes in scalar numbers. Each number comes of the same operations in the same
+/// order, whatever stands beside it.
 ///
 /// Only the lower triangle of the covariance is there. The transition is applied to one pair of
 /// axes after the other: it is the same 3 x 3 matrix for all of them. KalmanFilter is the same
 /// filter in plain form.
-template <int Axes, class T>
+template <int Axes>
 class InnovationFilter {
   public:
+    using T = SideBySide;
     static constexpr int size = state_size<Axes>;
     template <int Count>
     using Array = std::array<T, static_cast<std::size_t>(Count)>;
@@ -119,8 +117,8 @@ class InnovationFilter {
     Covariance p_;
 };
 
-template <int Axes, class T>
-void InnovationFilter<Axes, T>::carry_mean(const Step& f, int a) {
+template <int Axes>
+void InnovationFilter<Axes>::carry_mean(const Step& f, int a) {
     T& position = mean(a);
     T& velocity = mean(Axes + a);
     T& acceleration = mean(2 * Axes + a);
@@ -132,8 +130,8 @@ void InnovationFilter<Axes, T>::carry_mean(const Step& f, int a) {
 
 /// F X F' of the covariance X between position, velocity and acceleration of axis a (rows) and of
 /// axis b <= a, and the process noise.
-template <int Axes, class T>
-void InnovationFilter<Axes, T>::carry_motion(const Step& f, int a, int b) {
+template <int Axes>
+void InnovationFilter<Axes>::carry_motion(const Step& f, int a, int b) {
     // Above the diagonal of the blocks stands the transpose of what is below.
     const T x01 = at(Axes + b, a);
     const T x02 = at(2 * Axes + b, a);
@@ -174,8 +172,8 @@ void InnovationFilter<Axes, T>::carry_motion(const Step& f, int a, int b) {
 }
 
 /// The covariance between the error of axis a and position, velocity and acceleration of axis b.
-template <int Axes, class T>
-void InnovationFilter<Axes, T>::carry_cross(const Step& f, int a, int b) {
+template <int Axes>
+void InnovationFilter<Axes>::carry_cross(const Step& f, int a, int b) {
     T& position = at(3 * Axes + a, b);
     T& velocity = at(3 * Axes + a, Axes + b);
     T& acceleration = at(3 * Axes + a, 2 * Axes + b);
@@ -186,8 +184,8 @@ void InnovationFilter<Axes, T>::carry_cross(const Step& f, int a, int b) {
 }
 
 /// P H': the measurement sees position and error.
-template <int Axes, class T>
-typename InnovationFilter<Axes, T>::Columns InnovationFilter<Axes, T>::cross_covariance() {
+template <int Axes>
+typename InnovationFilter<Axes>::Columns InnovationFilter<Axes>::cross_covariance() {
     Columns cross;
     for (int a = 0; a < Axes; ++a) {
         const int error = 3 * Axes + a;
@@ -203,8 +201,8 @@ typename InnovationFilter<Axes, T>::Columns InnovationFilter<Axes, T>::cross_cov
 }
 
 /// Takes the outer product of two matrices off the covariance.
-template <int Axes, class T>
-void InnovationFilter<Axes, T>::subtract(const Columns& left, const Columns& right) {
+template <int Axes>
+void InnovationFilter<Axes>::subtract(const Columns& left, const Columns& right) {
     for (int a = 0; a < Axes; ++a)
         for (int row = 0; row < size; ++row)
             for (int column = 0; column <= row; ++column)
@@ -212,8 +210,8 @@ void InnovationFilter<Axes, T>::subtract(const Columns& left, const Columns& rig
 }
 
 /// S = H P H' + R = U D U', U lower with a diagonal of ones.
-template <int Axes, class T>
-struct InnovationFilter<Axes, T>::Factors {
+template <int Axes>
+struct InnovationFilter<Axes>::Factors {
     Array<Axes> inverse_variances;     // of D
     Array<Axes*(Axes + 1) / 2> lower;  // U below its diagonal
     T determinant = T{} + 1.0;
@@ -245,8 +243,8 @@ struct InnovationFilter<Axes, T>::Factors {
 };
 
 /// (I - K H) P (I - K H)' + K R K', one side after the other, from K U = `scaled`.
-template <int Axes, class T>
-typename InnovationFilter<Axes, T>::Covariance InnovationFilter<Axes, T>::joseph_form(
+template <int Axes>
+typename InnovationFilter<Axes>::Covariance InnovationFilter<Axes>::joseph_form(
     const Columns& cross, const Columns& scaled, const Factors& factors, const Measured& measured) {
     Columns gain = scaled;
     for (int j = Axes - 2; j >= 0; --j)
@@ -286,9 +284,8 @@ typename InnovationFilter<Axes, T>::Covariance InnovationFilter<Axes, T>::joseph
     return updated;
 }
 
-template <int Axes, class T>
-typename InnovationFilter<Axes, T>::Seen InnovationFilter<Axes, T>::take_in(
-    const Measured& measured) {
+template <int Axes>
+typename InnovationFilter<Axes>::Seen InnovationFilter<Axes>::take_in(const Measured& measured) {
     const Columns cross = cross_covariance();
     const Factors factors(cross, measured);
     const auto factor = [&](int i, int j) -> const T& { return factors.lower[in_triangle(i, j)]; };

@@ -39,30 +39,16 @@ class LogOfProduct {
     double sum_ = 0.0;
 };
 
-double part(double one, std::size_t) {
-    return one;
-}
-double part(const SideBySide& all, std::size_t i) {
-    return all[i];
-}
-void set_part(double& one, std::size_t, double value) {
-    one = value;
-}
-void set_part(SideBySide& all, std::size_t i, double value) {
-    all[i] = value;
-}
-
-/// The filters of some models, side by side where T is.
-template <int Axes, class T>
+/// The filters of as many models as stand side by side.
+template <int Axes>
 class Likelihood {
   public:
-    static constexpr std::size_t models_at_once = sizeof(T) / sizeof(double);
+    static constexpr std::size_t models_at_once = models_side_by_side;
 
-    /// As many models as stand side by side.
     explicit Likelihood(std::span<const EstimationModel> models) : models_(models) {
         for (std::size_t i = 0; i < models_at_once; ++i) {
             const double scale = models[i].measurement_scale;
-            set_part(scale_, i, scale * scale);
+            scale_[i] = scale * scale;
         }
     }
 
@@ -84,19 +70,19 @@ class Likelihood {
             if (unknowns.told_by_measurement()) continue;
             statistic_ += seen.statistic;
             for (std::size_t i = 0; i < models_at_once; ++i)
-                determinants_[i].multiply(part(seen.determinant, i));
+                determinants_[i].multiply(seen.determinant[i]);
             values_ += Axes;
         }
     }
 
     InnovationSums sums(std::size_t i) const {
-        return {.statistic = part(statistic_, i),
+        return {.statistic = statistic_[i],
                 .log_determinant = determinants_[i].value(),
                 .values = values_};
     }
 
   private:
-    using Filter = InnovationFilter<Axes, T>;
+    using Filter = InnovationFilter<Axes>;
     using Step = typename Filter::Step;
 
     Filter begin(const PositionVector<Axes>& position) const {
@@ -105,8 +91,8 @@ class Likelihood {
         for (std::size_t i = 0; i < models_at_once; ++i) {
             const StateEstimate<Axes> prior = KalmanFilter<Axes>(models_[i]).prior(position);
             for (int row = 0; row < Filter::size; ++row) {
-                set_part(mean[static_cast<std::size_t>(row)], i, prior.mean(row));
-                set_part(variance[static_cast<std::size_t>(row)], i, prior.covariance(row, row));
+                mean[static_cast<std::size_t>(row)][i] = prior.mean(row);
+                variance[static_cast<std::size_t>(row)][i] = prior.covariance(row, row);
             }
         }
         return Filter(mean, variance);
@@ -130,39 +116,30 @@ class Likelihood {
         step_ns_ = step_ns;
         for (std::size_t i = 0; i < models_at_once; ++i) {
             const AxisStep one = axis_step(models_[i], static_cast<double>(step_ns) * 1e-9);
-            set_part(step_.position_of_velocity, i, one.transition(0, 1));
-            set_part(step_.position_of_acceleration, i, one.transition(0, 2));
-            set_part(step_.velocity_of_acceleration, i, one.transition(1, 2));
-            set_part(step_.acceleration, i, one.transition(2, 2));
-            set_part(step_.error, i, one.error_transition);
-            set_part(step_.error_noise, i, one.error_noise);
+            step_.position_of_velocity[i] = one.transition(0, 1);
+            step_.position_of_acceleration[i] = one.transition(0, 2);
+            step_.velocity_of_acceleration[i] = one.transition(1, 2);
+            step_.acceleration[i] = one.transition(2, 2);
+            step_.error[i] = one.error_transition;
+            step_.error_noise[i] = one.error_noise;
             std::size_t next = 0;
             for (int row = 0; row < 3; ++row)
                 for (int column = 0; column <= row; ++column)
-                    set_part(step_.noise[next++], i, one.process_noise(row, column));
+                    step_.noise[next++][i] = one.process_noise(row, column);
         }
         return step_;
     }
 
     std::span<const EstimationModel> models_;
-    T scale_{};
+    SideBySide scale_{};
     std::int64_t step_ns_ = -1;
     Step step_;
-    T statistic_{};
+    SideBySide statistic_{};
     std::array<LogOfProduct, models_at_once> determinants_;
     std::int64_t values_ = 0;
 };
 
 }  // namespace
-
-template <int Axes>
-InnovationSums innovation_sums(std::span<const std::span<const ArcEpoch<Axes>>> arcs,
-                               const EstimationModel& model) {
-    Likelihood<Axes, double> likelihood({&model, 1});
-    for (const std::span<const ArcEpoch<Axes>> arc : arcs)
-        likelihood.add(arc);
-    return likelihood.sums(0);
-}
 
 template <int Axes>
 std::vector<InnovationSums> innovation_sums_of(
@@ -175,7 +152,7 @@ std::vector<InnovationSums> innovation_sums_of(
         const auto wanted = models.subspan(first, std::min(together, models.size() - first));
         std::vector<EstimationModel> models_together(wanted.begin(), wanted.end());
         models_together.resize(together, models_together.back());
-        Likelihood<Axes, SideBySide> likelihood(models_together);
+        Likelihood<Axes> likelihood(models_together);
         for (const std::span<const ArcEpoch<Axes>> arc : arcs)
             likelihood.add(arc);
         std::vector<InnovationSums> of_group;
@@ -187,6 +164,12 @@ std::vector<InnovationSums> innovation_sums_of(
     for (const std::vector<InnovationSums>& of_group : sums)
         all.insert(all.end(), of_group.begin(), of_group.end());
     return all;
+}
+
+template <int Axes>
+InnovationSums innovation_sums(std::span<const std::span<const ArcEpoch<Axes>>> arcs,
+                               const EstimationModel& model) {
+    return innovation_sums_of<Axes>(arcs, {&model, 1}).front();
 }
 
 #define RUNCERT_INSTANTIATE(AXES)                                                  \

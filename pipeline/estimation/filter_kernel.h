@@ -292,7 +292,8 @@ inline void take_in_by_joseph(const Seen<Axes, Blocks>& seen, const double* nois
     mirror<n>(p);
 }
 
-/// Takes the measurement in. `noise` is its covariance as the model has it.
+/// Takes the measurement in. `noise` is its covariance as the model has it. The updated covariance
+/// is symmetric but for rounding.
 template <int Axes, int Blocks>
 inline void take_in(const Seen<Axes, Blocks>& seen, const double* noise, double* mean, double* p) {
     constexpr int n = Layout<Axes, Blocks>::size;
@@ -309,10 +310,7 @@ inline void take_in(const Seen<Axes, Blocks>& seen, const double* noise, double*
             for (int row = 0; row < n; ++row)
                 p[column * n + row] -= scaled[row] * cross[column];
     }
-    if (seen.digits_lost)
-        take_in_by_joseph<Axes, Blocks>(seen, noise, columns, p);
-    else
-        mirror<n>(p);
+    if (seen.digits_lost) take_in_by_joseph<Axes, Blocks>(seen, noise, columns, p);
 }
 
 }  // namespace runcert::kernel

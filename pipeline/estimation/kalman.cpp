@@ -114,6 +114,7 @@ kernel::Seen<Axes, 4> KalmanFilter<Axes>::take_in(
     const auto seen = kernel::see<Axes, 4>(estimate.mean.data(), estimate.covariance.data(),
                                            measurement.position.data(), noise.data());
     kernel::take_in<Axes, 4>(seen, noise.data(), estimate.mean.data(), estimate.covariance.data());
+    kernel::mirror<state_size<Axes>>(estimate.covariance.data());
     return seen;
 }
 

@@ -1,5 +1,5 @@
 #include "comparison_data.h"
-#include "estimation/smoother.h"
+#include "estimation/motion_smoother.h"
 
 // The project's own filter and smoother, on the data of the others.
 
@@ -8,10 +8,6 @@ namespace {
 
 /// The Gauss-Markov error of the 12-state form; what it is does not change the time.
 const GaussMarkovError slow_error = GaussMarkovError::steady(0.005, 5.0);
-
-/// Too small to change a digit that is compared, which GaussMarkovError::steady's least is not: an
-/// error of 10 um that lasts 1 s makes a standard deviation larger by some 1e-5 of itself.
-const GaussMarkovError no_error{.tau_s = 1.0, .process_density = 1e-8, .initial_sigma_m = 1e-8};
 
 std::vector<ArcEpoch<3>> arc_of(const std::vector<MeasuredPosition>& positions) {
     std::vector<ArcEpoch<3>> arc(positions.size());
@@ -22,32 +18,47 @@ std::vector<ArcEpoch<3>> arc_of(const std::vector<MeasuredPosition>& positions) 
     return arc;
 }
 
-EstimationModel model_of(int states) {
-    EstimationModel model;
-    model.motion.jerk_density = jerk_density;
-    model.error = states == 12 ? slow_error : no_error;
-    return model;
-}
+/// Of each epoch, all that the stage smooth writes into its table: the means, and the covariances
+/// of position, of velocity and of acceleration.
+struct Smoothed {
+    std::vector<SmoothedPoint> points;
+    std::vector<Eigen::Matrix3d> covariances;  // three for each epoch
+};
 
-/// Times `smooth_arc`, which returns an arc whose states begin with positions and velocities.
-template <class SmoothArc>
-nlohmann::ordered_json timed(const Arguments& arguments, std::size_t epochs,
-                             const SmoothArc& smooth_arc) {
-    decltype(smooth_arc()) result;
-    const double seconds = seconds_of([&] { result = smooth_arc(); });
-    write_points(arguments.result, epochs, arguments.every, [&](std::size_t k) {
-        const auto& state = result.states[k];
-        return SmoothedPoint{.mean = state.mean.template head<6>(),
-                             .sigma = state.covariance.diagonal().template head<6>().cwiseSqrt()};
-    });
-    return {{"epochs", epochs}, {"seconds", seconds}};
+/// Of 3 or 4 blocks of 3 states.
+template <int Blocks>
+Smoothed smoothed(std::span<const ArcEpoch<3>> arc, const EstimationModel& model) {
+    Smoothed result;
+    result.points.resize(arc.size());
+    result.covariances.resize(3 * arc.size());
+    using Smoother = MotionSmoother<3, Blocks>;
+    for (Smoother at(arc, model); !at.done(); at.step_back()) {
+        for (const int kind : {Smoother::position, Smoother::velocity, Smoother::acceleration})
+            result.covariances[3 * at.epoch() + static_cast<std::size_t>(kind)] =
+                at.covariance(kind);
+        SmoothedPoint& point = result.points[at.epoch()];
+        point.mean = at.mean().template head<6>();
+        for (const int kind : {Smoother::position, Smoother::velocity})
+            point.sigma.segment<3>(3 * kind) =
+                result.covariances[3 * at.epoch() + static_cast<std::size_t>(kind)]
+                    .diagonal()
+                    .cwiseSqrt();
+    }
+    return result;
 }
 
 nlohmann::ordered_json program(const Arguments& arguments) {
     const std::vector<ArcEpoch<3>> arc = arc_of(read_positions(arguments.data));
-    const EstimationModel model = model_of(arguments.states);
-    // The one place that says which form of the smoother has how many states: there is one of 12.
-    return timed(arguments, arc.size(), [&] { return smooth<3>(arc, model); });
+    EstimationModel model;
+    model.motion.jerk_density = jerk_density;
+    model.error = slow_error;
+    Smoothed result;
+    const double seconds = seconds_of([&] {
+        result = arguments.states == 12 ? smoothed<4>(arc, model) : smoothed<3>(arc, model);
+    });
+    write_points(arguments.result, arc.size(), arguments.every,
+                 [&](std::size_t k) { return result.points[k]; });
+    return {{"epochs", arc.size()}, {"seconds", seconds}};
 }
 
 }  // namespace

@@ -141,6 +141,44 @@ BatchSolution<Axes> solve_batch(std::span<const ArcEpoch<Axes>> arc, const Estim
     return solution;
 }
 
+namespace {
+
+/// How the robust problem of a stretch ended.
+template <int Axes>
+struct RobustEnd {
+    bool converged = false;
+    std::int64_t iterations = 0;
+    std::vector<StateVector<Axes>> states;
+};
+
+/// Along the chain; where that finds no minimum, as with hardly any noise, by Ceres, which damps
+/// its steps.
+template <int Axes>
+RobustEnd<Axes> solve_robust_stretch(std::span<const ArcEpoch<Axes>> stretch,
+                                     const EstimationModel& model, double scale,
+                                     std::span<const StateVector<Axes>> start) {
+    constexpr std::int64_t iterations_of_chain = 100;
+    constexpr double robust_tolerance = 1e-12;  // of the cost
+    RobustEnd<Axes> end;
+    RobustChain<Axes> chain(stretch, model, start, scale);
+    end.converged = chain.solve(iterations_of_chain);
+    end.iterations = chain.iterations();
+    if (end.converged) {
+        end.states.assign(start.begin(), start.end());
+        for (std::size_t k = 0; k < end.states.size(); ++k)
+            end.states[k] += chain.move(k);
+        return end;
+    }
+    BatchProblem<Axes> damped(stretch, model, start, scale);
+    const Convergence convergence = damped.solve(robust_iterations_allowed, robust_tolerance);
+    end.converged = convergence.converged;
+    end.iterations += convergence.iterations;
+    end.states = damped.states();
+    return end;
+}
+
+}  // namespace
+
 template <int Axes>
 RobustSolution<Axes> solve_robust(std::span<const ArcEpoch<Axes>> arc, const EstimationModel& model,
                                   double scale, std::span<const StateVector<Axes>> start,
@@ -151,19 +189,15 @@ RobustSolution<Axes> solve_robust(std::span<const ArcEpoch<Axes>> arc, const Est
     solution.stretches = static_cast<std::int64_t>(stretches.size());
     solution.states.resize(arc.size());
     solution.weights.resize(arc.size());
-    struct Ended {
-        bool converged = false;
-        std::int64_t iterations = 0;
-    };
     const auto ended = results_of(std::ssize(stretches), threads_allowed(), [&](std::int64_t i) {
         const Stretch& stretch = stretches[static_cast<std::size_t>(i)];
-        RobustChain<Axes> chain(stretch.of(arc), model, stretch.of(start), scale);
-        const bool converged = chain.solve(robust_iterations_allowed);
-        for (std::size_t k = stretch.take_from; k < stretch.take_to; ++k)
-            solution.states[k] = start[k] + chain.move(k - stretch.first);
-        return Ended{.converged = converged, .iterations = chain.iterations()};
+        RobustEnd<Axes> end =
+            solve_robust_stretch<Axes>(stretch.of(arc), model, scale, stretch.of(start));
+        if (end.converged) take<Axes>(stretch, end.states, solution.states);
+        end.states.clear();
+        return end;
     });
-    for (const Ended& one : ended) {
+    for (const RobustEnd<Axes>& one : ended) {
         solution.iterations += one.iterations;
         solution.converged = solution.converged && one.converged;
     }

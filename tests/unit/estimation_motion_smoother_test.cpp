@@ -80,7 +80,7 @@ TEST(MotionSmoother, AccuraciesThatCannotBeAreAFailureThatNamesATime) {
         MotionSmoother<2> smoother(arc, singer_with_error);
         FAIL();
     } catch (const Failure& failure) {
-        EXPECT_NE(std::string(failure.what()).find("time 2."), std::string::npos) << failure.what();
+        EXPECT_NE(std::string(failure.what()).find("time 3.0"), std::string::npos) << failure.what();
     }
 }
 

@@ -68,8 +68,8 @@ void expect_the_same_in_the_end(DisturbedDay& day, int most_steps) {
 TEST(BatchKills, AtRandomMomentsEndWithTheUndisturbedBytes) {
     DisturbedDay day(12, 100);
     KilledDay killed(day, 20260314, "report");
-    for (int i = 0; killed.kills < 16 && i < 40; ++i)
-        killed.kill_once(static_cast<Victim>(i % 4), 0.5);
+    for (int i = 0; killed.kills < 16 && i < 60; ++i)
+        killed.kill_once(static_cast<Victim>(i % 4), 0.12);
     EXPECT_GE(killed.kills, 12);
     expect_the_same_in_the_end(day, 12 * 8);
 }

@@ -17,12 +17,14 @@ namespace runcert {
 /// depends on it.
 unsigned threads_allowed();
 
-/// run(0) to run(runs - 1), by so many threads (0: as many as the machine has). The first exception
-/// of a run is thrown again here, after the runs under way have ended; others are not begun.
+/// run(0) to run(runs - 1), by so many threads (0: as many as the machine has). After an exception
+/// of a run others are not begun; of several, that of the lowest number is thrown again here,
+/// whichever was first in time.
 template <class Run>
 void for_each_run(std::int64_t runs, unsigned threads, const Run& run) {
     std::atomic<std::int64_t> next = 0;
     std::exception_ptr failure;
+    std::int64_t failed = runs;
     std::mutex failing;
     const auto work = [&] {
         for (std::int64_t i = next++; i < runs; i = next++) {
@@ -30,7 +32,10 @@ void for_each_run(std::int64_t runs, unsigned threads, const Run& run) {
                 run(i);
             } catch (...) {
                 const std::lock_guard lock(failing);
-                if (!failure) failure = std::current_exception();
+                if (i < failed) {
+                    failed = i;
+                    failure = std::current_exception();
+                }
                 next = runs;
             }
         }

@@ -106,9 +106,9 @@ class Fit {
             fit.status = NoiseFit::Status::constant_positions;
             return fit;
         }
-        const bool by_part = count_tested(part_arcs_) >=
-                             std::max<std::int64_t>(options_.epochs_needed, epochs_of_stretch);
-        const Maxima maxima = by_part ? near(find(part_)) : find(whole_);
+        const auto near_part = maxima_near_those_of_part();
+        const bool by_part = near_part.has_value();
+        const Maxima maxima = by_part ? *near_part : find(whole_);
         fit.white_scale = maxima.white.scale;
         fit.error_gain = maxima.error.log_likelihood - maxima.white.log_likelihood;
         fit.error_told = maxima.error_told;
@@ -164,6 +164,31 @@ class Fit {
         return {true, error_told, error_told, true};
     }
 
+    /// Nothing of a short recording, and where the part is not like the whole: a craft that stands
+    /// still in all of the stretches says nothing of how it sails.
+    std::optional<Maxima> maxima_near_those_of_part() {
+        if (count_tested(part_arcs_) <
+            std::max<std::int64_t>(options_.epochs_needed, epochs_of_stretch))
+            return std::nullopt;
+        const Maxima part = find(part_);
+        Maxima whole = near(part);
+        const bool alike = are_alike(part.white, whole.white) &&
+                           are_alike(part.of_persistent(), whole.of_persistent()) &&
+                           (!part.singer || are_alike(*part.singer, *whole.singer));
+        if (!alike) return std::nullopt;
+        return whole;
+    }
+
+    /// Whether jerk density, scale and, where there is one, size of the error are within a factor
+    /// of two.
+    static bool are_alike(const Best& one, const Best& other) {
+        constexpr double factor = 0.7;  // ln 2
+        if (one.x.size() != other.x.size()) return false;
+        for (std::size_t i = 0; i < std::min<std::size_t>(2, one.x.size()); ++i)
+            if (std::abs(one.x[i] - other.x[i]) > factor) return false;
+        return std::abs(std::log(one.scale / other.scale)) <= factor;
+    }
+
     /// The maxima of the whole recording, near those of its part.
     Maxima near(const Maxima& part) {
         constexpr double step = 0.1;
@@ -181,10 +206,6 @@ class Fit {
         for (const NoiseSearch<Axes>& search : searches)
             whole_.add_evaluations(search);
         maxima.tell();
-        if (part.singer && part.error_told != maxima.error_told) {
-            maxima.singer = find_singer(whole_, maxima.of_persistent());
-            maxima.converged = whole_.converged();
-        }
         return maxima;
     }
 

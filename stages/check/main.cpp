@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "core/parallel.h"
 #include "run/evidence.h"
 #include "run/stage_main.h"
 #include "stages/check/check.h"
@@ -15,14 +16,22 @@ ReceiverEvidence gather(StageRun& run, const Receiver& receiver) {
     // Every table is gone through whole, whose values are checked thereby; what is not used of it
     // is not kept.
     auto observations = run.open("observations", file("1-observations", "ecsv"), open_observations);
-    observations.read_to_end();
-    run.open("enu", file("2-enu", "ecsv"), open_enu).read_to_end();
+    auto enu = run.open("enu", file("2-enu", "ecsv"), open_enu);
     auto screened = run.open("screened", file("3-screened", "ecsv"), open_screened);
-    auto trajectory = run.read("trajectory", file("4-trajectory", "ecsv"), read_trajectory);
-    Windows windows = run.read("windows", file("5-windows", "yaml"), read_windows);
+    TrajectoryTable trajectory;
+    Windows windows;
     ScreenedEvidence evidence;
-    for (ScreenedEpoch row; screened.next(row);)
-        evidence.add(row, windows);
+    do_together(
+        [&] {
+            observations.read_to_end();
+            enu.read_to_end();
+        },
+        [&] {
+            trajectory = run.read("trajectory", file("4-trajectory", "ecsv"), read_trajectory);
+            windows = run.read("windows", file("5-windows", "yaml"), read_windows);
+            for (ScreenedEpoch row; screened.next(row);)
+                evidence.add(row, windows);
+        });
     return {.receiver = receiver.id,
             .facts = observations.head().facts,
             .accuracy_source = observations.head().accuracy_source,

@@ -3,10 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <exception>
-#include <tuple>
 
 #include "arcs/arcs.h"
 #include "arcs/noise_models.h"
@@ -143,27 +140,6 @@ void set_robust(const Arc<2>& arc, const SmoothedMeans<2>& smoothed, const Estim
     }
 }
 
-/// Does tasks beside one another; of several that fail, the failure is that of the first in this
-/// order, whichever was first in time.
-template <class... Task>
-void do_together_in_order(const Task&... task) {
-    std::array<std::exception_ptr, sizeof...(Task)> failures;
-    std::size_t next = 0;
-    const auto guarded = [&](const auto& one) {
-        return [&one, &failure = failures[next++]] {
-            try {
-                one();
-            } catch (...) {
-                failure = std::current_exception();
-            }
-        };
-    };
-    std::tuple tasks{guarded(task)...};
-    std::apply([](const auto&... one) { do_together(one...); }, tasks);
-    for (const std::exception_ptr& failure : failures)
-        if (failure) std::rethrow_exception(failure);
-}
-
 template <int Axes>
 struct AxesResult {
     AxesEstimation estimation;
@@ -202,13 +178,12 @@ AxesResult<Axes> estimate(const ScreenedTable& screened, const SmoothConfig& con
         result.smoothed.push_back(smooth_rows<Axes>(arc, model, table.rows));
     EstimationModel as_stated;
     as_stated.motion.jerk_density = config.fit.initial_jerk_density;
-    do_together_in_order(
-        [&] { result.agreement = check_by_batch<Axes>(result, model, table.rows); },
-        [&] { also(result, model); },
-        [&] {
-            result.estimation.health =
-                filter_health(result.arcs, result.smoothed, model, as_stated);
-        });
+    do_together([&] { result.agreement = check_by_batch<Axes>(result, model, table.rows); },
+                [&] { also(result, model); },
+                [&] {
+                    result.estimation.health =
+                        filter_health(result.arcs, result.smoothed, model, as_stated);
+                });
     return result;
 }
 
@@ -287,11 +262,11 @@ TrajectoryTable smooth_trajectory(const ScreenedTable& screened, const SmoothCon
     // Beside one another: each sets its own columns, and its own part of the summary.
     Agreement agreement;
     Agreement of_heights;
-    do_together_in_order([&] { agreement = estimate_horizontal(screened, config, table); },
-                         [&] {
-                             if (screened.facts.vertical_measured)
-                                 of_heights = estimate_vertical(screened, config, table);
-                         });
+    do_together([&] { agreement = estimate_horizontal(screened, config, table); },
+                [&] {
+                    if (screened.facts.vertical_measured)
+                        of_heights = estimate_vertical(screened, config, table);
+                });
     agreement.add(of_heights);
     table.estimation.batch_stretches = agreement.stretches;
     table.estimation.largest_position_difference_m = agreement.largest_position_difference_m;

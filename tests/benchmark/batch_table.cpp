@@ -113,7 +113,7 @@ std::string table_of(const BatchFigures& figures) {
         figures.attempts, figures.epochs, std::thread::hardware_concurrency(), figures.load_before,
         figures.load_after, figures.calls, "", "wall", "CPU", "runs", "runcert", "largest", "", "s",
         "s", "/s", "MiB", "MiB");
-    text += row("first call, 1 job", figures.one_job);
+    text += row("first call, 1 job, 1 thread", figures.one_job);
     text += row("first call, 2 jobs", figures.two_jobs);
     text += row("nothing changed, 2 jobs", figures.nothing_changed);
     text += row("one profile figure changed, 2 jobs", figures.figure_changed);

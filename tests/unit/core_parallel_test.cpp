@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cstdlib>
 #include <numeric>
 #include <stdexcept>
@@ -35,6 +36,24 @@ TEST(Parallel, AnExceptionOfARunIsThrownAgainAndLaterRunsAreNotBegun) {
     };
     EXPECT_THROW(for_each_run(1'000'000, 2, run), std::runtime_error);
     EXPECT_LT(begun, 1'000'000);
+}
+
+TEST(Parallel, OfSeveralExceptionsThatOfTheLowestNumberIsThrown) {
+    for (int times = 0; times < 20; ++times) {
+        std::atomic<bool> second_failed = false;
+        try {
+            for_each_run(2, 2, [&](std::int64_t i) {
+                if (i == 0)
+                    for (int waits = 0; waits < 1000 && !second_failed; ++waits)
+                        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+                second_failed = i == 1;
+                throw std::runtime_error(std::to_string(i));
+            });
+            FAIL();
+        } catch (const std::runtime_error& error) {
+            EXPECT_STREQ(error.what(), "0");
+        }
+    }
 }
 
 TEST(Parallel, TasksAreAllDoneOnOneThreadOrMore) {

@@ -250,6 +250,55 @@ void expect_as_given(const NoiseFit& fit, NoiseFit::Status status) {
     EXPECT_EQ(fit.posterior[0].model.motion.jerk_density, 2.5);
 }
 
+/// That no model near the fitted one is more likely.
+template <int Axes>
+void expect_a_maximum(const std::vector<ArcEpoch<Axes>>& arc, const NoiseFit& fit) {
+    const std::span<const ArcEpoch<Axes>> arcs[] = {arc};
+    const double best = innovation_sums<Axes>(arcs, fit.model).log_likelihood();
+    for (const double factor : {0.1, 0.5, 0.9, 0.97, 1.03, 1.1, 2.0, 10.0}) {
+        EstimationModel model = fit.model;
+        model.motion.jerk_density *= factor;
+        EXPECT_LT(innovation_sums<Axes>(arcs, model).log_likelihood(), best) << factor;
+        model = fit.model;
+        model.measurement_scale *= factor;
+        EXPECT_LT(innovation_sums<Axes>(arcs, model).log_likelihood(), best) << factor;
+    }
+}
+
+TEST(NoiseFit, OfALongArcIsTheMaximumOfAllOfIt) {
+    const auto arc = arc_of<2>(model_with_error(), 10'000, 0.003, 5);
+    const NoiseFit fit = fit_of<2>(arc);
+    EXPECT_TRUE(fit.converged);
+    EXPECT_TRUE(fit.error_told);
+    expect_a_maximum<2>(arc, fit);
+    EXPECT_LT(std::abs(normalised(fit.error_sigma, 0.008)), 4.0);
+    double weights = 0.0;
+    for (const WeightedModel& one : fit.posterior)
+        weights += one.weight;
+    EXPECT_NEAR(weights, 1.0, 1e-12);
+}
+
+TEST(NoiseFit, OfALongArcThatStandsStillWhereItIsLookedAtFirstIsTheMaximumOfAllOfIt) {
+    RandomGenerator random(7);
+    std::vector<ArcEpoch<1>> arc(12'000);
+    for (std::size_t k = 0; k < arc.size(); ++k) {
+        arc[k].time_s = 0.1 * static_cast<double>(k);
+        // The stretches are looked for about the odd eighths; it sails between them.
+        const double sails = (static_cast<double>((k + 1500) % 3000) - 1000.0) / 1000.0;
+        const double swing =
+            sails > 0.0 && sails < 1.0
+                ? 10.0 * std::pow(std::sin(3.14159 * sails), 4) * std::sin(1.2 * arc[k].time_s)
+                : 0.0;
+        PositionMeasurement<1> measurement;
+        measurement.position(0) = swing + 0.01 * random.normal();
+        measurement.covariance(0, 0) = 1e-4;
+        arc[k].measurement = measurement;
+    }
+    const NoiseFit fit = fit_of<1>(arc);
+    expect_a_maximum<1>(arc, fit);
+    EXPECT_GT(fit.jerk_density.value, 0.1);
+}
+
 TEST(NoiseFit, NeedsEnoughEpochs) {
     NoiseFitOptions options;
     options.initial_jerk_density = 2.5;

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -297,6 +298,10 @@ TEST(NoiseFit, OfALongArcThatStandsStillWhereItIsLookedAtFirstIsTheMaximumOfAllO
     const NoiseFit fit = fit_of<1>(arc);
     expect_a_maximum<1>(arc, fit);
     EXPECT_GT(fit.jerk_density.value, 0.1);
+    const std::span<const ArcEpoch<1>> arcs[] = {arc};
+    const auto heaviest = std::ranges::max_element(fit.posterior, {}, &WeightedModel::weight);
+    EXPECT_GT(innovation_sums<1>(arcs, heaviest->model).log_likelihood(),
+              innovation_sums<1>(arcs, fit.model).log_likelihood() - 10.0);
 }
 
 TEST(NoiseFit, NeedsEnoughEpochs) {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <array>
+#include <cstddef>
 #include <limits>
 
 #include "estimation/motion_model.h"
@@ -40,6 +40,17 @@ struct Transition {
           velocity_of_acceleration(step.transition(1, 2)),
           acceleration(step.transition(2, 2)),
           error(step.error_transition) {}
+};
+
+/// So many numbers, counted by int as all of Eigen's are.
+template <int Count>
+struct Numbers {
+    double values[static_cast<std::size_t>(Count)];
+
+    double& operator[](int i) { return values[i]; }
+    double operator[](int i) const { return values[i]; }
+    double* data() { return values; }
+    const double* data() const { return values; }
 };
 
 /// F x in place.
@@ -162,13 +173,13 @@ inline bool is_positive_definite(const double* matrix) {
 template <int Axes, int Blocks>
 struct Seen {
     static constexpr int n = Layout<Axes, Blocks>::size;
-    std::array<double, n * Axes> cross;         ///< P H'
-    std::array<double, Axes * Axes> factor;     ///< below its diagonal: U
-    std::array<double, Axes> inverse_variance;  ///< of D
-    std::array<double, Axes> residual;          ///< measured less predicted
-    std::array<double, Axes> independent;       ///< inverse(U) residual: of variance D
-    double determinant = 1.0;                   ///< of S
-    double statistic = 0.0;                     ///< residual' inverse(S) residual
+    Numbers<n * Axes> cross;         ///< P H'
+    Numbers<Axes * Axes> factor;     ///< below its diagonal: U
+    Numbers<Axes> inverse_variance;  ///< of D
+    Numbers<Axes> residual;          ///< measured less predicted
+    Numbers<Axes> independent;       ///< inverse(U) residual: of variance D
+    double determinant = 1.0;        ///< of S
+    double statistic = 0.0;          ///< residual' inverse(S) residual
     bool digits_lost = false;  ///< whether P - P H' inverse(S) H P would lose more than a digit
 };
 
@@ -229,10 +240,10 @@ inline Seen<Axes, Blocks> see(const double* mean, const double* p, const double*
 /// P H' inverse(U'), a column for each axis: what the independent residuals move the state by,
 /// times their variances.
 template <int Axes, int Blocks>
-inline std::array<double, Layout<Axes, Blocks>::size * Axes> independent_cross(
+inline Numbers<Layout<Axes, Blocks>::size * Axes> independent_cross(
     const Seen<Axes, Blocks>& seen) {
     constexpr int n = Layout<Axes, Blocks>::size;
-    std::array<double, n* Axes> columns = seen.cross;
+    Numbers<n* Axes> columns = seen.cross;
     for (int j = 1; j < Axes; ++j)
         for (int k = 0; k < j; ++k) {
             const double factor = seen.factor[k * Axes + j];
@@ -274,7 +285,7 @@ inline Eigen::Matrix<double, Size, Count> times_columns(
 /// (I - K H) P (I - K H)' + K R K', one side after the other, in place.
 template <int Axes, int Blocks>
 inline void take_in_by_joseph(const Seen<Axes, Blocks>& seen, const double* noise,
-                              const std::array<double, Layout<Axes, Blocks>::size * Axes>& columns,
+                              const Numbers<Layout<Axes, Blocks>::size * Axes>& columns,
                               double* p) {
     using L = Layout<Axes, Blocks>;
     constexpr int n = L::size;

@@ -244,12 +244,14 @@ std::array<ClusterDraw, lanes> SelectionCluster<Axes>::draw(
     const Lane chosen_again = chosen_errors(moved);
     const Lane fastest_true = Speeds(*this, moved.motion).fastest().speed_mps;
     std::array<ClusterDraw, lanes> draws;
-    for (std::size_t l = 0; l < lanes; ++l)
+    for (std::size_t l = 0; l < lanes; ++l) {
+        const auto lane = static_cast<Eigen::Index>(l);
         draws[l] = {.once = found_once[l],
                     .again = found_again[l],
-                    .chosen_without_noise_once_mps = chosen_once[l],
-                    .chosen_without_noise_again_mps = chosen_again[l],
-                    .fastest_true_mps = std::max(0.0, fastest_true[l])};
+                    .chosen_without_noise_once_mps = chosen_once[lane],
+                    .chosen_without_noise_again_mps = chosen_again[lane],
+                    .fastest_true_mps = std::max(0.0, fastest_true[lane])};
+    }
     return draws;
 }
 

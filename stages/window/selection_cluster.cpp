@@ -106,11 +106,12 @@ class SelectionCluster<Axes>::Speeds {
         for (std::size_t w = 0; w < stretch_.windows.size(); ++w) {
             const Lane speed = (*this)[w];
             if (!(speed > fastest.speed_mps).any()) continue;
-            for (std::size_t l = 0; l < lanes; ++l)
-                if (speed[l] > fastest.speed_mps[l]) {
-                    fastest.speed_mps[l] = speed[l];
-                    fastest.window[l] = w;
-                }
+            for (std::size_t l = 0; l < lanes; ++l) {
+                const auto lane = static_cast<Eigen::Index>(l);
+                if (!(speed[lane] > fastest.speed_mps[lane])) continue;
+                fastest.speed_mps[lane] = speed[lane];
+                fastest.window[l] = w;
+            }
         }
         return fastest;
     }
@@ -180,7 +181,7 @@ typename SelectionCluster<Axes>::Lanes SelectionCluster<Axes>::errors(
                     white += white_factors_[k](static_cast<Eigen::Index>(a),
                                                static_cast<Eigen::Index>(b)) *
                              number[b];
-                errors[k][a][l] = slow[a] + white;
+                errors[k][a][static_cast<Eigen::Index>(l)] = slow[a] + white;
             }
             number += axes;
         }
@@ -198,9 +199,10 @@ std::array<FastestWindow, lanes> SelectionCluster<Axes>::search(
     const Lane chosen = chosen_errors(drawn);
     for (std::size_t l = 0; l < lanes; ++l) {
         const std::size_t window = fastest.window[l];
-        result[l] = {.searched_mps = fastest.speed_mps[l],
-                     .error_mps = stated[window][l] - truth[window][l],
-                     .chosen_error_mps = chosen[l]};
+        const auto lane = static_cast<Eigen::Index>(l);
+        result[l] = {.searched_mps = fastest.speed_mps[lane],
+                     .error_mps = stated[window][lane] - truth[window][lane],
+                     .chosen_error_mps = chosen[lane]};
     }
     return result;
 }

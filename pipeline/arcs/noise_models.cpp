@@ -35,6 +35,23 @@ const NoiseSummary& noise_of(const TrajectoryTable& trajectory) {
 template const NoiseSummary& noise_of<1>(const TrajectoryTable&);
 template const NoiseSummary& noise_of<2>(const TrajectoryTable&);
 
+template <int Axes>
+std::vector<Arc<Axes>> arcs_of(const ScreenedTable& screened, const TrajectoryTable& trajectory) {
+    constexpr auto column =
+        Axes == 1 ? &TrajectoryEpoch::jerk_density_up : &TrajectoryEpoch::jerk_density;
+    const double whole = noise_of<Axes>(trajectory).jerk_density.value;
+    std::vector<Arc<Axes>> arcs = arcs_of<Axes>(screened);
+    for (Arc<Axes>& arc : arcs)
+        for (std::size_t k = 0; k < arc.rows.size(); ++k)
+            if (arc.rows[k] < trajectory.rows.size())
+                arc.epochs[k].jerk_factor =
+                    (trajectory.rows[arc.rows[k]].*column).value_or(whole) / whole;
+    return arcs;
+}
+
+template std::vector<Arc<1>> arcs_of<1>(const ScreenedTable&, const TrajectoryTable&);
+template std::vector<Arc<2>> arcs_of<2>(const ScreenedTable&, const TrajectoryTable&);
+
 std::vector<WeightedModel> posterior_of(const NoiseSummary& noise) {
     if (noise.posterior.empty()) return {{model_of(noise), 1.0}};
     std::vector<WeightedModel> models;

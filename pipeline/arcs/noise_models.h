@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "arcs/arcs.h"
 #include "estimation/noise_fit.h"
 #include "schemas/trajectory/trajectory.h"
 
@@ -14,6 +15,10 @@ EstimationModel model_of(const NoiseSummary& noise);
 /// Failure for one of revision 1.0, which does not say, and without heights for the vertical one.
 template <int Axes>
 const NoiseSummary& noise_of(const TrajectoryTable& trajectory);
+
+/// The arcs of a screened table with the jerk densities that the trajectory was estimated with.
+template <int Axes>
+std::vector<Arc<Axes>> arcs_of(const ScreenedTable& screened, const TrajectoryTable& trajectory);
 
 /// The models that the recording allows, with their shares; that of the trajectory alone where
 /// nothing was fitted.

@@ -29,11 +29,14 @@ std::map<FixKind, double> kind_factors(const ScreeningEvidence& evidence, Tested
 }
 
 template <int Axes>
-std::vector<Arc<Axes>> scaled_arcs(const ScreenedTable& table,
+std::vector<Arc<Axes>> tested_arcs(const ScreenedTable& table, const EstimationModel& model,
                                    const std::map<FixKind, double>& factors) {
     std::vector<Arc<Axes>> arcs = arcs_of<Axes>(table);
     for (Arc<Axes>& arc : arcs)
         for (std::size_t k = 0; k < arc.rows.size(); ++k) {
+            const double manoeuvre = manoeuvre_before<Axes>(table.rows[arc.rows[k]]);
+            if (k > 0 && manoeuvre > 0.0)
+                allow_manoeuvre(arc.epochs[k - 1], manoeuvre, model, arc.epochs[k]);
             const auto factor = factors.find(table.rows[arc.rows[k]].fix);
             if (factor != factors.end() && arc.epochs[k].measurement)
                 arc.epochs[k].measurement->covariance *= factor->second;
@@ -41,7 +44,9 @@ std::vector<Arc<Axes>> scaled_arcs(const ScreenedTable& table,
     return arcs;
 }
 
-template std::vector<Arc<1>> scaled_arcs<1>(const ScreenedTable&, const std::map<FixKind, double>&);
-template std::vector<Arc<2>> scaled_arcs<2>(const ScreenedTable&, const std::map<FixKind, double>&);
+template std::vector<Arc<1>> tested_arcs<1>(const ScreenedTable&, const EstimationModel&,
+                                            const std::map<FixKind, double>&);
+template std::vector<Arc<2>> tested_arcs<2>(const ScreenedTable&, const EstimationModel&,
+                                            const std::map<FixKind, double>&);
 
 }  // namespace runcert

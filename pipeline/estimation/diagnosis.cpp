@@ -107,6 +107,14 @@ ScoreTest<Axes> ArcDiagnosis<Axes>::ramp(std::size_t k) const {
 }
 
 template <int Axes>
+ScoreTest<Axes> ArcDiagnosis<Axes>::manoeuvre(std::size_t k) const {
+    constexpr int acceleration = 2 * Axes;
+    return {.score = epochs_[k].score.template segment<Axes>(acceleration),
+            .precision =
+                epochs_[k].information.template block<Axes, Axes>(acceleration, acceleration)};
+}
+
+template <int Axes>
 std::optional<ScoreTest<1>> ArcDiagnosis<Axes>::time_shift(std::size_t k) const {
     const StateEstimate<Axes>& predicted = epochs_[k].predicted;
     const PositionVector<Axes> velocity = predicted.mean.template segment<Axes>(Axes);

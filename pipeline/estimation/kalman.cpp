@@ -25,30 +25,29 @@ StateEstimate<Axes> KalmanFilter<Axes>::prior(const PositionVector<Axes>& positi
 }
 
 template <int Axes>
-void KalmanFilter<Axes>::prepare(double dt_s) {
-    const std::int64_t step_ns = std::llround(dt_s * 1e9);
-    if (step_ns == step_ns_) return;
-    step_ns_ = step_ns;
-    step_ = axis_step(model_, static_cast<double>(step_ns) * 1e-9);
+void KalmanFilter<Axes>::prepare(const StepKind& kind) {
+    if (kind == kind_) return;
+    kind_ = kind;
+    step_ = axis_step(model_, kind);
     kernel_step_ = kernel::Transition(step_);
     transition_ = runcert::transition<Axes>(step_);
 }
 
 template <int Axes>
-const AxisStep& KalmanFilter<Axes>::step_over(double dt_s) {
-    prepare(dt_s);
+const AxisStep& KalmanFilter<Axes>::step_of(const StepKind& kind) {
+    prepare(kind);
     return step_;
 }
 
 template <int Axes>
-const StateMatrix<Axes>& KalmanFilter<Axes>::transition_over(double dt_s) {
-    prepare(dt_s);
+const StateMatrix<Axes>& KalmanFilter<Axes>::transition_of(const StepKind& kind) {
+    prepare(kind);
     return transition_;
 }
 
 template <int Axes>
-void KalmanFilter<Axes>::carry(StateEstimate<Axes>& estimate, double dt_s) {
-    prepare(dt_s);
+void KalmanFilter<Axes>::carry(StateEstimate<Axes>& estimate, const StepKind& kind) {
+    prepare(kind);
     kernel::carry<Axes, 4>(kernel_step_, estimate.mean.data());
     kernel::carry_covariance<Axes, 4>(kernel_step_, estimate.covariance.data());
     kernel::add_noise<Axes, 4>(step_, estimate.covariance.data());
@@ -57,14 +56,14 @@ void KalmanFilter<Axes>::carry(StateEstimate<Axes>& estimate, double dt_s) {
 template <int Axes>
 StateEstimate<Axes> KalmanFilter<Axes>::predict(const StateEstimate<Axes>& estimate, double dt_s) {
     StateEstimate<Axes> predicted = estimate;
-    carry(predicted, dt_s);
+    carry(predicted, {.length_ns = std::llround(dt_s * 1e9)});
     return predicted;
 }
 
 template <int Axes>
 void KalmanFilter<Axes>::carry_to(StateEstimate<Axes>& estimate, const ArcEpoch<Axes>& from,
                                   const ArcEpoch<Axes>& to) {
-    carry(estimate, to.time_s - from.time_s);
+    carry(estimate, step_kind(from, to));
     if (to.step_before)
         estimate.covariance.diagonal().template head<Axes>().array() +=
             vague_position_sigma_m * vague_position_sigma_m;

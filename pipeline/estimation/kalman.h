@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -31,7 +32,16 @@ struct ArcEpoch {
     /// The measured positions are offset by an unknown constant from here on (a cycle slip), and
     /// so are the estimated ones: the step is bridged. Says nothing at an arc's first epoch.
     bool step_before = false;
+    /// The craft's jerk density from the epoch before to this one, in units of the model's.
+    double jerk_factor = 1.0;
 };
+
+/// The step from one epoch of an arc to the next.
+template <int Axes>
+StepKind step_kind(const ArcEpoch<Axes>& from, const ArcEpoch<Axes>& to) {
+    return {.length_ns = std::llround((to.time_s - from.time_s) * 1e9),
+            .jerk_factor = to.jerk_factor};
+}
 
 /// Standard deviation of a position, or of an offset of positions, of which nothing is known.
 inline constexpr double vague_position_sigma_m = 100.0;
@@ -48,7 +58,7 @@ struct Innovation {
 };
 
 /// The Kalman filter of one model. Transition and process noise are kept from one step to the next
-/// while the step in time, to the nanosecond, stays the same.
+/// while these are of one kind.
 template <int Axes>
 class KalmanFilter {
   public:
@@ -61,7 +71,7 @@ class KalmanFilter {
     /// measurement of 10 mm it moves a position by 1e-8 of the distance between the two.
     StateEstimate<Axes> prior(const PositionVector<Axes>& position) const;
 
-    /// The estimate carried on by `dt` seconds.
+    /// The estimate carried on by `dt` seconds, at the model's own jerk density.
     StateEstimate<Axes> predict(const StateEstimate<Axes>& estimate, double dt_s);
 
     /// The estimate of `from` carried on to the arc's next epoch. Across a bridged step the
@@ -76,9 +86,9 @@ class KalmanFilter {
     kernel::Seen<Axes, 4> take_in(StateEstimate<Axes>& estimate,
                                   const PositionMeasurement<Axes>& measurement) const;
 
-    /// The step over `dt` seconds for one axis, and its transition for all.
-    const AxisStep& step_over(double dt_s);
-    const StateMatrix<Axes>& transition_over(double dt_s);
+    /// A step for one axis, and its transition for all.
+    const AxisStep& step_of(const StepKind& kind);
+    const StateMatrix<Axes>& transition_of(const StepKind& kind);
 
     /// A measured position less the predicted one: the measurement sees position and error.
     static PositionVector<Axes> residual(const StateVector<Axes>& predicted,
@@ -100,11 +110,11 @@ class KalmanFilter {
                                const PositionMeasurement<Axes>& measurement) const;
 
   private:
-    void prepare(double dt_s);
-    void carry(StateEstimate<Axes>& estimate, double dt_s);
+    void prepare(const StepKind& kind);
+    void carry(StateEstimate<Axes>& estimate, const StepKind& kind);
 
     EstimationModel model_;
-    std::int64_t step_ns_ = -1;
+    StepKind kind_;
     AxisStep step_;
     kernel::Transition kernel_step_;
     StateMatrix<Axes> transition_;

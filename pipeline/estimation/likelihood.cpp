@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 
 #include "core/parallel.h"
 #include "estimation/innovation_filter.h"
@@ -53,25 +54,29 @@ class Likelihood {
     }
 
     void add(std::span<const ArcEpoch<Axes>> arc) {
+        add(arc, [](std::size_t) {});
+    }
+
+    /// `visited(k)` is called after each epoch.
+    template <class Visited>
+    void add(std::span<const ArcEpoch<Axes>> arc, const Visited& visited) {
         if (arc.empty()) return;
         Filter filter = begin(arc[0].measurement.value().position);
         UnknownsToTell unknowns;
         for (std::size_t k = 0; k < arc.size(); ++k) {
             if (k > 0) {
-                filter.carry(step_over(arc[k].time_s - arc[k - 1].time_s));
+                filter.carry(step_of(step_kind(arc[k - 1], arc[k])));
                 if (arc[k].step_before) {
                     filter.add_offset(vague_position_sigma_m * vague_position_sigma_m);
                     unknowns.add_step();
                 }
             }
-            if (!arc[k].measurement) continue;
-            require_positive_definite<Axes>(arc[k].measurement->covariance, arc[k].time_s);
-            const auto seen = filter.take_in(measured(*arc[k].measurement));
-            if (unknowns.told_by_measurement()) continue;
-            statistic_ += seen.statistic;
-            for (std::size_t i = 0; i < models_at_once; ++i)
-                determinants_[i].multiply(seen.determinant[i]);
-            values_ += Axes;
+            if (arc[k].measurement) {
+                require_positive_definite<Axes>(arc[k].measurement->covariance, arc[k].time_s);
+                const auto seen = filter.take_in(measured(*arc[k].measurement));
+                if (!unknowns.told_by_measurement()) count(seen);
+            }
+            visited(k);
         }
     }
 
@@ -84,6 +89,13 @@ class Likelihood {
   private:
     using Filter = InnovationFilter<Axes>;
     using Step = typename Filter::Step;
+
+    void count(const typename Filter::Seen& seen) {
+        statistic_ += seen.statistic;
+        for (std::size_t i = 0; i < models_at_once; ++i)
+            determinants_[i].multiply(seen.determinant[i]);
+        values_ += Axes;
+    }
 
     Filter begin(const PositionVector<Axes>& position) const {
         typename Filter::template Array<Filter::size> mean{};
@@ -109,13 +121,12 @@ class Likelihood {
         return result;
     }
 
-    /// Kept while the step, to the nanosecond, stays the same.
-    const Step& step_over(double dt_s) {
-        const std::int64_t step_ns = std::llround(dt_s * 1e9);
-        if (step_ns == step_ns_) return step_;
-        step_ns_ = step_ns;
+    /// Kept while steps are of one kind.
+    const Step& step_of(const StepKind& kind) {
+        if (kind == kind_) return step_;
+        kind_ = kind;
         for (std::size_t i = 0; i < models_at_once; ++i) {
-            const AxisStep one = axis_step(models_[i], static_cast<double>(step_ns) * 1e-9);
+            const AxisStep one = axis_step(models_[i], kind);
             step_.position_of_velocity[i] = one.transition(0, 1);
             step_.position_of_acceleration[i] = one.transition(0, 2);
             step_.velocity_of_acceleration[i] = one.transition(1, 2);
@@ -132,12 +143,38 @@ class Likelihood {
 
     std::span<const EstimationModel> models_;
     SideBySide scale_{};
-    std::int64_t step_ns_ = -1;
+    StepKind kind_;
     Step step_;
     SideBySide statistic_{};
     std::array<LogOfProduct, models_at_once> determinants_;
     std::int64_t values_ = 0;
 };
+
+/// What `run` makes of a likelihood of several models side by side and how many of these count: a
+/// list with one entry for each; of all models, in their order.
+template <int Axes, class Run>
+auto for_all_models(std::span<const EstimationModel> models, const Run& run) {
+    constexpr std::size_t together = models_side_by_side;
+    const auto groups = static_cast<std::int64_t>((models.size() + together - 1) / together);
+    auto of_groups = results_of(groups, threads_allowed(), [&](std::int64_t group) {
+        const std::size_t first = static_cast<std::size_t>(group) * together;
+        const auto wanted = models.subspan(first, std::min(together, models.size() - first));
+        std::vector<EstimationModel> models_together(wanted.begin(), wanted.end());
+        models_together.resize(together, models_together.back());
+        Likelihood<Axes> likelihood(models_together);
+        return run(likelihood, wanted.size());
+    });
+    typename decltype(of_groups)::value_type all;
+    for (auto& of_group : of_groups)
+        std::ranges::move(of_group, std::back_inserter(all));
+    return all;
+}
+
+InnovationSums difference(const InnovationSums& later, const InnovationSums& earlier) {
+    return {.statistic = later.statistic - earlier.statistic,
+            .log_determinant = later.log_determinant - earlier.log_determinant,
+            .values = later.values - earlier.values};
+}
 
 }  // namespace
 
@@ -145,25 +182,34 @@ template <int Axes>
 std::vector<InnovationSums> innovation_sums_of(
     std::span<const std::span<const ArcEpoch<Axes>>> arcs,
     std::span<const EstimationModel> models) {
-    constexpr std::size_t together = models_side_by_side;
-    const auto groups = static_cast<std::int64_t>((models.size() + together - 1) / together);
-    const auto sums = results_of(groups, threads_allowed(), [&](std::int64_t group) {
-        const std::size_t first = static_cast<std::size_t>(group) * together;
-        const auto wanted = models.subspan(first, std::min(together, models.size() - first));
-        std::vector<EstimationModel> models_together(wanted.begin(), wanted.end());
-        models_together.resize(together, models_together.back());
-        Likelihood<Axes> likelihood(models_together);
+    return for_all_models<Axes>(models, [&](Likelihood<Axes>& likelihood, std::size_t wanted) {
         for (const std::span<const ArcEpoch<Axes>> arc : arcs)
             likelihood.add(arc);
-        std::vector<InnovationSums> of_group;
-        for (std::size_t i = 0; i < wanted.size(); ++i)
-            of_group.push_back(likelihood.sums(i));
-        return of_group;
+        std::vector<InnovationSums> sums;
+        for (std::size_t i = 0; i < wanted; ++i)
+            sums.push_back(likelihood.sums(i));
+        return sums;
     });
-    std::vector<InnovationSums> all;
-    for (const std::vector<InnovationSums>& of_group : sums)
-        all.insert(all.end(), of_group.begin(), of_group.end());
-    return all;
+}
+
+template <int Axes>
+std::vector<std::vector<InnovationSums>> innovation_sums_along(
+    std::span<const ArcEpoch<Axes>> arc, std::span<const EstimationModel> models,
+    std::span<const std::size_t> ends) {
+    return for_all_models<Axes>(models, [&](Likelihood<Axes>& likelihood, std::size_t wanted) {
+        std::vector<std::vector<InnovationSums>> sums(wanted);
+        std::vector<InnovationSums> before(wanted);
+        std::size_t stretch = 0;
+        likelihood.add(arc, [&](std::size_t k) {
+            for (; stretch < ends.size() && k + 1 == ends[stretch]; ++stretch)
+                for (std::size_t i = 0; i < wanted; ++i) {
+                    const InnovationSums now = likelihood.sums(i);
+                    sums[i].push_back(difference(now, before[i]));
+                    before[i] = now;
+                }
+        });
+        return sums;
+    });
 }
 
 template <int Axes>
@@ -176,7 +222,9 @@ InnovationSums innovation_sums(std::span<const std::span<const ArcEpoch<Axes>>> 
     template InnovationSums innovation_sums<AXES>(                                 \
         std::span<const std::span<const ArcEpoch<AXES>>>, const EstimationModel&); \
     template std::vector<InnovationSums> innovation_sums_of<AXES>(                 \
-        std::span<const std::span<const ArcEpoch<AXES>>>, std::span<const EstimationModel>);
+        std::span<const std::span<const ArcEpoch<AXES>>>, std::span<const EstimationModel>); \
+    template std::vector<std::vector<InnovationSums>> innovation_sums_along<AXES>( \
+        std::span<const ArcEpoch<AXES>>, std::span<const EstimationModel>, std::span<const std::size_t>);
 RUNCERT_INSTANTIATE(1)
 RUNCERT_INSTANTIATE(2)
 RUNCERT_INSTANTIATE(3)

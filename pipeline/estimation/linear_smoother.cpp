@@ -52,7 +52,7 @@ LinearSmoother<Axes>::LinearSmoother(std::span<const ArcEpoch<Axes>> arc,
     for (std::size_t k = 0; k + 1 < arc.size(); ++k) {
         const double dt_s = arc[k + 1].time_s - arc[k].time_s;
         if (step_ns(dt_s) != last_ns) {
-            const AxisStep& step = filter.step_over(dt_s);
+            const AxisStep& step = filter.step_of(step_kind(arc[k], arc[k + 1]));
             const Eigen::Matrix3d& f = step.transition;
             steps_.push_back({f(0, 1), f(0, 2), f(1, 2), f(2, 2), step.error_transition});
             last_ns = step_ns(dt_s);

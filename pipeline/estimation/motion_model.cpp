@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <boost/math/quadrature/gauss.hpp>
+#include <cassert>
 #include <cmath>
 
 namespace runcert {
@@ -62,6 +63,18 @@ GaussMarkovError GaussMarkovError::bounding(double sigma_m, double tau_min_s, do
             .initial_sigma_m = sigma * std::sqrt(2.0 / (1.0 + tau_min_s / tau_max_s))};
 }
 
+GaussMarkovError GaussMarkovError::bounding_diffusion(double diffusion, double tau_max_s) {
+    return steady(diffusion * std::sqrt(0.5 * tau_max_s), tau_max_s);
+}
+
+GaussMarkovError GaussMarkovError::larger(const GaussMarkovError& one,
+                                          const GaussMarkovError& other) {
+    assert(one.tau_s == other.tau_s);
+    return {.tau_s = one.tau_s,
+            .process_density = std::max(one.process_density, other.process_density),
+            .initial_sigma_m = std::max(one.initial_sigma_m, other.initial_sigma_m)};
+}
+
 AxisStep axis_step(const EstimationModel& model, double dt_s) {
     // A step long against the acceleration's time is made of two: the quadrature is for smooth
     // integrands.
@@ -101,6 +114,12 @@ AxisStep axis_step(const EstimationModel& model, double dt_s) {
     step.error_transition = std::exp(-x);
     step.error_noise =
         model.error.process_density * model.error.process_density * dt_s * decay_mean(2.0 * x);
+    return step;
+}
+
+AxisStep axis_step(const EstimationModel& model, const StepKind& kind) {
+    AxisStep step = axis_step(model, kind.dt_s());
+    step.process_noise *= kind.jerk_factor * kind.jerk_factor;
     return step;
 }
 

@@ -52,12 +52,13 @@ MotionSmoother<Axes, Blocks>::MotionSmoother(std::span<const ArcEpoch<Axes>> arc
     smooth_here();
 }
 
+/// The step from epoch k - 1 to k.
 template <int Axes, int Blocks>
-void MotionSmoother<Axes, Blocks>::prepare(double dt_s) {
-    const std::int64_t step_ns = std::llround(dt_s * 1e9);
-    if (step_ns == step_ns_) return;
-    step_ns_ = step_ns;
-    step_ = axis_step(model_, static_cast<double>(step_ns) * 1e-9);
+void MotionSmoother<Axes, Blocks>::prepare(std::size_t k) {
+    const StepKind kind = step_kind(arc_[k - 1], arc_[k]);
+    if (kind == kind_) return;
+    kind_ = kind;
+    step_ = axis_step(model_, kind);
     transition_ = kernel::Transition(step_);
 }
 
@@ -87,7 +88,7 @@ kernel::Seen<Axes, Blocks> MotionSmoother<Axes, Blocks>::take_in(std::size_t k,
 template <int Axes, int Blocks>
 kernel::Seen<Axes, Blocks> MotionSmoother<Axes, Blocks>::carry_and_take_in(std::size_t k,
                                                                            Filtered& state) {
-    prepare(arc_[k].time_s - arc_[k - 1].time_s);
+    prepare(k);
     carry_on(k, state);
     return take_in(k, state);
 }
@@ -126,7 +127,7 @@ void MotionSmoother<Axes, Blocks>::step_back() {
     const bool may_be_vague = place == 0 || is_vague<Axes>(piece_[place - 1].filtered.covariance);
     if (may_be_vague) next_ = {.mean = mean_, .covariance = covariance()};
     if (arc_[epoch_].measurement) back_through_measurement(here().seen);
-    prepare(arc_[epoch_].time_s - arc_[epoch_ - 1].time_s);
+    prepare(epoch_);
     kernel::carry_back<Axes, Blocks>(transition_, gradient_.data());
     kernel::carry_information_back<Axes, Blocks>(transition_, information_.data());
     --epoch_;
@@ -182,7 +183,7 @@ void MotionSmoother<Axes, Blocks>::smooth_here() {
 template <int Axes, int Blocks>
 void MotionSmoother<Axes, Blocks>::smooth_here_by_rts() {
     const Filtered& filtered = here().filtered;
-    prepare(arc_[epoch_ + 1].time_s - arc_[epoch_].time_s);
+    prepare(epoch_ + 1);
     Filtered predicted = filtered;
     carry_on(epoch_ + 1, predicted);
     // F P, the covariance of the next state with this one.

@@ -71,7 +71,7 @@ class MotionSmoother {
         kernel::Seen<Axes, Blocks> seen;
     };
 
-    void prepare(double dt_s);
+    void prepare(std::size_t k);
     Filtered begin() const;
     kernel::Seen<Axes, Blocks> take_in(std::size_t k, Filtered& state) const;
     kernel::Seen<Axes, Blocks> carry_and_take_in(std::size_t k, Filtered& state);
@@ -85,7 +85,7 @@ class MotionSmoother {
 
     std::span<const ArcEpoch<Axes>> arc_;
     EstimationModel model_;
-    std::int64_t step_ns_ = -1;
+    StepKind kind_;
     AxisStep step_;
     kernel::Transition transition_;
 

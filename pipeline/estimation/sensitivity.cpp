@@ -40,6 +40,52 @@ std::vector<PositionVector<Axes>> sensitivities(std::span<const ArcEpoch<Axes>> 
     return result;
 }
 
+template <int Axes>
+double weighted_variance(std::span<const ArcEpoch<Axes>> arc, const GaussMarkovError& error,
+                         std::span<const PositionVector<Axes>> weights) {
+    assert(weights.size() == arc.size());
+    EstimationModel model;
+    model.error = error;
+    // Of the error's value, of its covariance with the sum so far, and of the sum.
+    double variance = error.initial_sigma_m * error.initial_sigma_m;
+    PositionVector<Axes> with_sum = PositionVector<Axes>::Zero();
+    double of_sum = 0.0;
+    StepKind kind;
+    AxisStep step;
+    for (std::size_t k = 0; k < arc.size(); ++k) {
+        if (k > 0) {
+            const StepKind next = step_kind(arc[k - 1], arc[k]);
+            if (next.length_ns != kind.length_ns) step = axis_step(model, next.dt_s());
+            kind = next;
+            with_sum *= step.error_transition;
+            variance = step.error_transition * step.error_transition * variance + step.error_noise;
+        }
+        of_sum += 2.0 * weights[k].dot(with_sum) + variance * weights[k].squaredNorm();
+        with_sum += variance * weights[k];
+    }
+    return of_sum;
+}
+
+template <int Axes>
+double weighted_variance(std::span<const ArcEpoch<Axes>> arc, double scale,
+                         std::span<const PositionVector<Axes>> weights) {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < arc.size(); ++k)
+        if (arc[k].measurement)
+            sum += weights[k].dot(arc[k].measurement->covariance * weights[k]);
+    return scale * scale * sum;
+}
+
+#define RUNCERT_INSTANTIATE(AXES)                                                       \
+    template double weighted_variance<AXES>(std::span<const ArcEpoch<AXES>>,            \
+                                            const GaussMarkovError&,                    \
+                                            std::span<const PositionVector<AXES>>);     \
+    template double weighted_variance<AXES>(std::span<const ArcEpoch<AXES>>, double,    \
+                                            std::span<const PositionVector<AXES>>);
+RUNCERT_INSTANTIATE(1)
+RUNCERT_INSTANTIATE(2)
+#undef RUNCERT_INSTANTIATE
+
 template std::vector<PositionVector<1>> sensitivities<1>(std::span<const ArcEpoch<1>>,
                                                          const EstimationModel&,
                                                          const SmoothedArc<1>&, std::size_t,

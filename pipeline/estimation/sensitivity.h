@@ -16,4 +16,15 @@ std::vector<PositionVector<Axes>> sensitivities(std::span<const ArcEpoch<Axes>> 
                                                 const SmoothedArc<Axes>& smoothed, std::size_t s,
                                                 const Gradients<Axes>& gradients);
 
+/// Variance of the sum over the epochs of weight times a Gauss-Markov error of the measured
+/// positions, axis by axis; in m^2 for weights without a unit. Linear in the epochs.
+template <int Axes>
+double weighted_variance(std::span<const ArcEpoch<Axes>> arc, const GaussMarkovError& error,
+                         std::span<const PositionVector<Axes>> weights);
+
+/// The same of the white noise of the measurements: the stated covariances times `scale` squared.
+template <int Axes>
+double weighted_variance(std::span<const ArcEpoch<Axes>> arc, double scale,
+                         std::span<const PositionVector<Axes>> weights);
+
 }  // namespace runcert

@@ -132,14 +132,14 @@ SmoothedArc<Axes> smooth(std::span<const ArcEpoch<Axes>> arc, const EstimationMo
                        });
     result.gains.resize(arc.size() - 1);
     for (std::size_t k = arc.size() - 1; k-- > 0;) {
-        const double dt_s = arc[k + 1].time_s - arc[k].time_s;
-        if (arc[k + 1].step_before) result.bridged.push_back(bridge(k + 1, filter.step_over(dt_s)));
+        const StepKind kind = step_kind(arc[k], arc[k + 1]);
+        if (arc[k + 1].step_before) result.bridged.push_back(bridge(k + 1, filter.step_of(kind)));
         const StateEstimate<Axes>& predicted = predictions[k + 1];
         const Factor<Axes> factor =
             factorise<Axes>(predicted.covariance, arc[k + 1].time_s, result.repaired);
         StateEstimate<Axes>& state = result.states[k];
         const StateMatrix<Axes> gain =
-            factor.solve(filter.transition_over(dt_s) * state.covariance).transpose();
+            factor.solve(filter.transition_of(kind) * state.covariance).transpose();
         state.mean += gain * (result.states[k + 1].mean - predicted.mean);
         const StateMatrix<Axes> covariance =
             state.covariance +

@@ -154,7 +154,9 @@ std::vector<ColumnBinding<ScreenedEpoch>> test_columns() {
             column<Row, &Row::detectable, &Smallest::time_s>("detectable_time"),
             column<Row, &Row::detectable, &Smallest::outlier_up_m>("detectable_outlier_up"),
             column<Row, &Row::detectable, &Smallest::step_up_m>("detectable_step_up"),
-            column<Row, &Row::local_variance_factor>("local_variance_factor")};
+            column<Row, &Row::local_variance_factor>("local_variance_factor"),
+            column<Row, &Row::manoeuvre_mps2>("manoeuvre"),
+            column<Row, &Row::manoeuvre_up_mps2>("manoeuvre_up")};
 }
 
 const TableFormat<ScreenedEpoch>& format() {

@@ -113,6 +113,10 @@ struct ScreenedEpoch : EnuEpoch {
     /// By how much the innovations around the epoch exceed the noise learnt; the tests allow for
     /// it.
     std::optional<double> local_variance_factor;
+    /// By how much (m/s^2) the craft's acceleration was found to change before the epoch, beyond
+    /// the motion that the tests take for granted; they allow for it. Since revision 1.4.
+    std::optional<double> manoeuvre_mps2 = std::nullopt;
+    std::optional<double> manoeuvre_up_mps2 = std::nullopt;
 };
 
 /// The noise that the tests rested on.

@@ -117,6 +117,8 @@ const TableFormat<TrajectoryEpoch>& format() {
             column<Row, &Row::robust_east_m>("robust_east"),
             column<Row, &Row::robust_north_m>("robust_north"),
             column<Row, &Row::robust_weight>("robust_weight"),
+            column<Row, &Row::jerk_density>("jerk_density"),
+            column<Row, &Row::jerk_density_up>("jerk_density_up"),
             column<Row, &Row::arc>("arc"),
             column<Row, &Row::usable>("usable"),
             column<Row, &Row::step_before>("step_before"),

@@ -32,6 +32,8 @@ struct TrajectoryEpoch {
     std::optional<double> robust_east_m = std::nullopt;
     std::optional<double> robust_north_m = std::nullopt;
     std::optional<double> robust_weight = std::nullopt;
+    std::optional<double> jerk_density = std::nullopt;     ///< m s^-2.5, of east and north; these
+    std::optional<double> jerk_density_up = std::nullopt;  ///< since revision 1.3
     std::optional<std::int64_t> arc;
     bool usable = false;
     /// Since revision 1.2: whether the positions are offset by an unknown constant from here on, a

@@ -1,11 +1,13 @@
 #include "stages/screen/adaptation.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <set>
 #include <tuple>
 #include <utility>
 
+#include "arcs/screening_noise.h"
 #include "estimation/memory.h"
 #include "stages/screen/section_tests.h"
 
@@ -16,6 +18,7 @@ constexpr std::int64_t passes_max = 200;
 
 /// Simpler hypotheses first; of two that say the same, the simpler is taken.
 int complexity(const Candidate& candidate) {
+    if (candidate.manoeuvre) return 5;
     switch (candidate.hypothesis) {
         case Hypothesis::outlier:
             return 0;
@@ -67,6 +70,7 @@ class Adaptation {
         : arc_(arc), model_(model), plan_(plan), section_epochs_(section_epochs) {
         decisions_.left_out.resize(arc.size());
         decisions_.breaks.resize(arc.size());
+        decisions_.manoeuvres_mps2.resize(arc.size(), 0.0);
     }
 
     ArcDecisions run() {
@@ -74,7 +78,7 @@ class Adaptation {
         while (changed && decisions_.passes < passes_max) {
             ++decisions_.passes;
             changed = false;
-            for (const TestedStretch<Axes>& stretch : stretches_of(arc_, decisions_)) {
+            for (const TestedStretch<Axes>& stretch : stretches_of(arc_, model_, decisions_)) {
                 const std::size_t end = stretch.first + stretch.epochs.size();
                 if (settled_.contains({stretch.first, end})) continue;
                 if (adapt_stretch(stretch))
@@ -90,7 +94,7 @@ class Adaptation {
   private:
     /// Stretches that no number of decisions has made fit are left out.
     void give_up() {
-        for (const TestedStretch<Axes>& stretch : stretches_of(arc_, decisions_)) {
+        for (const TestedStretch<Axes>& stretch : stretches_of(arc_, model_, decisions_)) {
             const std::size_t end = stretch.first + stretch.epochs.size();
             if (settled_.contains({stretch.first, end})) continue;
             const Decision decision{.hypothesis = Hypothesis::model,
@@ -170,6 +174,11 @@ class Adaptation {
 
     void accept(const TestedStretch<Axes>& stretch, const StretchTests<Axes>& tests,
                 const Candidate& candidate) {
+        if (candidate.manoeuvre) {
+            double& size = decisions_.manoeuvres_mps2[stretch.first + candidate.first];
+            size = std::hypot(size, tests.manoeuvre_of(candidate));
+            return;
+        }
         const Decision decision{.hypothesis = candidate.hypothesis,
                                 .first = stretch.first + candidate.first,
                                 .last = stretch.first + candidate.last,
@@ -240,6 +249,7 @@ class Adaptation {
 
 template <int Axes>
 std::vector<TestedStretch<Axes>> stretches_of(const std::vector<ArcEpoch<Axes>>& arc,
+                                              const EstimationModel& model,
                                               const ArcDecisions& decisions) {
     std::vector<TestedStretch<Axes>> stretches;
     bool open = false;
@@ -256,6 +266,8 @@ std::vector<TestedStretch<Axes>> stretches_of(const std::vector<ArcEpoch<Axes>>&
         }
         open = true;
         ArcEpoch<Axes> epoch = arc[k];
+        if (decisions.manoeuvres_mps2[k] > 0.0)
+            allow_manoeuvre(arc[k - 1], decisions.manoeuvres_mps2[k], model, epoch);
         if (!used) epoch.measurement.reset();
         // A step among epochs left out shows at the next measurement.
         epoch.step_before = used && step;
@@ -275,8 +287,8 @@ ArcDecisions adapt(const std::vector<ArcEpoch<Axes>>& arc, const EstimationModel
 }
 
 #define RUNCERT_INSTANTIATE(AXES)                                                              \
-    template std::vector<TestedStretch<AXES>> stretches_of(const std::vector<ArcEpoch<AXES>>&, \
-                                                           const ArcDecisions&);               \
+    template std::vector<TestedStretch<AXES>> stretches_of(                                    \
+        const std::vector<ArcEpoch<AXES>>&, const EstimationModel&, const ArcDecisions&);      \
     template ArcDecisions adapt(const std::vector<ArcEpoch<AXES>>&, const EstimationModel&,    \
                                 const TestPlan&, std::size_t);
 RUNCERT_INSTANTIATE(1)

@@ -20,6 +20,7 @@ struct Decision {
     double sigma_rate_mps = 0.0;  ///< of a ramp's rate, in the direction in which it is largest
 };
 
+
 /// A decision, or none, as nearly all epochs have: it takes the place of a pointer there.
 class RareDecision {
   public:
@@ -41,12 +42,16 @@ class RareDecision {
 struct ArcDecisions {
     std::vector<RareDecision> left_out;  ///< the measurement is not used
     std::vector<RareDecision> breaks;    ///< a step, ramp or shift begins here
+    /// By how much (m/s^2) the craft's acceleration changes before the epoch, where it changes more
+    /// than the model has it.
+    std::vector<double> manoeuvres_mps2;
     std::int64_t passes = 0;
 };
 
 /// The stretches that decisions leave; they begin and end with a measurement.
 template <int Axes>
 std::vector<TestedStretch<Axes>> stretches_of(const std::vector<ArcEpoch<Axes>>& arc,
+                                              const EstimationModel& model,
                                               const ArcDecisions& decisions);
 
 /// Detection, identification, adaptation along an arc without a gap (every epoch measured): tests
@@ -55,7 +60,9 @@ std::vector<TestedStretch<Axes>> stretches_of(const std::vector<ArcEpoch<Axes>>&
 /// the model is accepted; sets of neighbouring outliers are tested together, so that they cannot
 /// hide one another. What is left out or broken is tested once more at the end, given all other
 /// decisions, and taken back where it need not have been. A span that fails the overall test
-/// without a hypothesis that explains it is left out (Hypothesis::model). Long stretches are
+/// without a hypothesis that explains it is left out (Hypothesis::model). One hypothesis is no error:
+/// where a change of the craft's acceleration is the best supported, the model is given that much
+/// more motion there, and nothing is left out. Long stretches are
 /// tested in sections that take in so much of their neighbours that nothing beyond counts.
 template <int Axes>
 ArcDecisions adapt(const std::vector<ArcEpoch<Axes>>& arc, const EstimationModel& model,

@@ -126,7 +126,7 @@ EstimationModel learn_model(const Series& series, double length_m, const TestPla
 /// Estimates the errors anew, given all decisions, and each epoch's of a burst by itself.
 template <int Axes>
 void estimate_errors(const Arc<Axes>& arc, const EstimationModel& model, ArcDecisions& decisions) {
-    for (const TestedStretch<Axes>& stretch : stretches_of(arc.epochs, decisions)) {
+    for (const TestedStretch<Axes>& stretch : stretches_of(arc.epochs, model, decisions)) {
         const ArcDiagnosis<Axes> diagnosis(stretch.epochs, model);
         for (std::size_t i = 0; i < stretch.epochs.size(); ++i) {
             const std::size_t k = stretch.first + i;
@@ -251,9 +251,11 @@ void test_differences(const std::vector<ReceiverPair>& pairs, double length_m,
     const Series series = series_of<Axes>(pairs, receivers, config);
     const std::vector<Arc<Axes>> arcs = arcs_of<Axes>(series.table);
     if (arcs.empty()) return;
-    const EstimationModel model = learn_model<Axes>(series, length_m, plan, config);
+    // What changes the vector between two antennas is no manoeuvre of the craft.
+    const TestPlan own = plan.without_manoeuvres();
+    const EstimationModel model = learn_model<Axes>(series, length_m, own, config);
     for (const Arc<Axes>& arc : arcs) {
-        ArcDecisions decisions = adapt<Axes>(arc.epochs, model, plan);
+        ArcDecisions decisions = adapt<Axes>(arc.epochs, model, own);
         estimate_errors(arc, model, decisions);
         std::vector<std::size_t> arc_pairs;
         for (const std::size_t row : arc.rows)

@@ -177,6 +177,11 @@ void mark_rows(std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> ar
             leave_out(row, *decision, reason, axes);
         }
     }
+    const auto manoeuvre = axes == TestedAxes::vertical ? &ScreenedEpoch::manoeuvre_up_mps2
+                                                   : &ScreenedEpoch::manoeuvre_mps2;
+    for (std::size_t k = 0; k < arc_rows.size(); ++k)
+        if (decisions.manoeuvres_mps2[k] > 0.0)
+            rows[arc_rows[k]].*manoeuvre = decisions.manoeuvres_mps2[k];
     for (std::size_t k = 0; k < arc_rows.size(); ++k) {
         const auto& decision = decisions.breaks[k];
         if (!decision) continue;

@@ -97,12 +97,12 @@ void test_positions(ScreenedTable& screened, const ScreeningNoises& noises, cons
     AdaptedArcs<1> vertical;
     do_together(
         [&] {
-            horizontal = adapt_arcs<2>(scaled_arcs<2>(screened, noises.horizontal_factors),
+            horizontal = adapt_arcs<2>(tested_arcs<2>(screened, noises.horizontal.model, noises.horizontal_factors),
                                        noises.horizontal.model, plan, config.section_epochs);
         },
         [&] {
             if (noises.vertical)
-                vertical = adapt_arcs<1>(scaled_arcs<1>(screened, noises.vertical_factors),
+                vertical = adapt_arcs<1>(tested_arcs<1>(screened, noises.vertical->model, noises.vertical_factors),
                                          noises.vertical->model, plan, config.section_epochs);
         });
     // No craft on the ground goes up or down faster; those that do have scores in it.
@@ -167,7 +167,7 @@ ReceiverScreening screen_alone(const EnuTable& table, const ScreenConfig& config
     TestPlan plan(config.family_false_alarm_rate,
                   std::max<std::int64_t>(1, summarise(screened.rows).usable) *
                       tests_of_an_epoch(config.burst_epochs_max),
-                  config.power, config.burst_epochs_max);
+                  config.power, config.burst_epochs_max, config.limits.acceleration_mps2);
     ScreeningEvidence evidence;
     evidence.family_false_alarm_rate = config.family_false_alarm_rate;
     evidence.tests = plan.tests();

@@ -37,6 +37,8 @@ std::vector<double> local_variance_factors(const ArcDiagnosis<Axes>& diagnosis);
 struct Candidate {
     double log_tail = 0.0;
     Hypothesis hypothesis = Hypothesis::outlier;
+    /// No error at all: the craft changed its acceleration before `first`.
+    bool manoeuvre = false;
     std::size_t first = 0;
     std::size_t last = 0;
     double statistic = 0.0;
@@ -57,6 +59,7 @@ class StretchTests {
     const ArcDiagnosis<Axes>& diagnosis() const { return diagnosis_; }
 
     EstimatedError estimate_of(const Candidate& candidate) const {
+        if (candidate.manoeuvre) return {};
         switch (candidate.hypothesis) {
             case Hypothesis::outlier:
                 return estimated_error(diagnosis_.outlier(candidate.first));
@@ -69,6 +72,11 @@ class StretchTests {
             default:
                 return {};  // each epoch of a burst has its own, once it is left out
         }
+    }
+
+    /// By how much (m/s^2) the acceleration changes in a manoeuvre, as estimated.
+    double manoeuvre_of(const Candidate& candidate) const {
+        return diagnosis_.manoeuvre(candidate.first).estimate().norm();
     }
 
     double factor(std::size_t k) const { return factors_[k]; }
@@ -93,6 +101,7 @@ class StretchTests {
                         consider(*test, largest_sigma_s, Hypothesis::time_shift, k, k, found);
             }
             consider(diagnosis_.ramp(k), largest_sigma_mps, Hypothesis::ramp, k, k, found);
+            consider_manoeuvre(k, found);
         }
         diagnosis_.for_each_burst(plan_.burst_epochs_max(), [&](std::size_t k, std::size_t length,
                                                                 const ScoreTest<Axes>& test) {
@@ -105,6 +114,7 @@ class StretchTests {
     /// than the candidate; the candidate itself if there is none. Grows from the candidate's epochs
     /// to whichever side gains more.
     Candidate best_set(const Candidate& candidate) const {
+        if (candidate.manoeuvre) return candidate;
         const double factor = factors_[candidate.first];
         Candidate best = set_of(candidate.first, candidate.last, factor);
         Candidate grown = best;
@@ -159,6 +169,7 @@ class StretchTests {
     static constexpr double largest_sigma_m = 20.0;
     static constexpr double largest_sigma_mps = 20.0;
     static constexpr double largest_sigma_s = 1.0;
+    static constexpr double largest_sigma_mps2 = 5.0;
 
     template <int Size>
     void consider(const ScoreTest<Size>& test, double largest_sigma, Hypothesis hypothesis,
@@ -172,6 +183,19 @@ class StretchTests {
                          .last = last,
                          .statistic = statistic,
                          .degrees_of_freedom = Size});
+    }
+
+    /// As large as a craft of the class can make it.
+    void consider_manoeuvre(std::size_t k, std::vector<Candidate>& found) const {
+        if (plan_.manoeuvre_max_mps2() <= 0.0) return;
+        const ScoreTest<Axes> test = diagnosis_.manoeuvre(k);
+        const std::size_t before = found.size();
+        consider(test, largest_sigma_mps2, Hypothesis::ramp, k, k, found);
+        if (found.size() == before) return;
+        if (test.estimate().norm() <= plan_.manoeuvre_max_mps2())
+            found.back().manoeuvre = true;
+        else
+            found.pop_back();
     }
 
     Candidate set_of(std::size_t first, std::size_t last, double variance_factor) const {

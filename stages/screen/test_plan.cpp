@@ -8,11 +8,12 @@
 namespace runcert {
 
 TestPlan::TestPlan(double family_false_alarm_rate, std::int64_t tests, double power,
-                   std::int64_t burst_epochs_max)
+                   std::int64_t burst_epochs_max, double manoeuvre_max_mps2)
     : tests_(tests),
       size_(family_false_alarm_rate / static_cast<double>(tests)),
       power_(power),
       burst_epochs_max_(static_cast<std::size_t>(burst_epochs_max)),
+      manoeuvre_max_mps2_(manoeuvre_max_mps2),
       noncentrality_{0.0, runcert::noncentrality(size_, power, 1),
                      runcert::noncentrality(size_, power, 2)} {
     for (const int axes : {1, 2})
@@ -28,7 +29,7 @@ double TestPlan::critical(int degrees_of_freedom) const {
 }
 
 std::int64_t tests_of_an_epoch(std::int64_t burst_epochs_max) {
-    const std::int64_t of_axes = 4 + (burst_epochs_max - 1) + std::ssize(span_lengths);
+    const std::int64_t of_axes = 5 + (burst_epochs_max - 1) + std::ssize(span_lengths);
     constexpr std::int64_t series = 2 + 2;  // horizontal, vertical; baseline across and in length
     constexpr std::int64_t witnesses = 2 + 3;  // velocities both ways; limits
     return series * of_axes + witnesses;

@@ -27,8 +27,8 @@ class ChainStep {
 
     /// Across a bridged step the position may move by its offset, of which the prior says next to
     /// nothing: the offset need be no unknown beside the states.
-    ChainStep(const EstimationModel& model, std::int64_t step_ns, bool bridged)
-        : axis_(axis_step(model, static_cast<double>(step_ns) * 1e-9)) {
+    ChainStep(const EstimationModel& model, const StepKind& kind, bool bridged)
+        : axis_(axis_step(model, kind)) {
         if (bridged) axis_.process_noise(0, 0) += vague_position_sigma_m * vague_position_sigma_m;
         motion_whitener_ = axis_process_whitener(axis_);
         error_whitener_ = 1.0 / std::sqrt(axis_.error_noise);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "arcs/noise_models.h"
+#include "estimation/local_motion.h"
 #include "files/yaml_output.h"
 
 namespace runcert {
@@ -97,10 +98,36 @@ void scale_stated(const std::vector<Arc<Axes>>& arcs, NoiseSummary& noise) {
     noise.jerk_density.value = kept(noise.jerk_density.value * applied);
 }
 
+/// The jerk density along the recording in units of that of the whole, for the noise to be fitted
+/// with.
+template <int Axes>
+void follow_motion(std::vector<Arc<Axes>>& arcs) {
+    const LocalMotion motion = local_motion<Axes>(spans_of(arcs));
+    for (std::size_t a = 0; a < motion.jerk_density.size(); ++a)
+        for (std::size_t k = 0; k < arcs[a].epochs.size(); ++k)
+            arcs[a].epochs[k].jerk_factor = motion.jerk_density[a][k] / motion.whole;
+}
+
+/// The jerk densities as they are used: `fitted`, or that many times as much, or that of the class.
+template <int Axes>
+void set_densities(std::vector<Arc<Axes>>& arcs, double fitted, double of_class) {
+    for (Arc<Axes>& arc : arcs)
+        for (ArcEpoch<Axes>& epoch : arc.epochs)
+            epoch.jerk_factor =
+                kept(std::max(of_class, fitted * std::max(1.0, epoch.jerk_factor))) / fitted;
+}
+
+template <int Axes>
+void forget_motion(std::vector<Arc<Axes>>& arcs) {
+    for (Arc<Axes>& arc : arcs)
+        for (ArcEpoch<Axes>& epoch : arc.epochs)
+            epoch.jerk_factor = 1.0;
+}
+
 }  // namespace
 
 template <int Axes>
-NoiseSummary learn_noise(const std::vector<Arc<Axes>>& arcs, const SmoothConfig& config) {
+NoiseSummary learn_noise(std::vector<Arc<Axes>>& arcs, const SmoothConfig& config) {
     NoiseSummary noise;
     noise.epochs_needed = config.fit.epochs_needed + measurements_of_the_prior * std::ssize(arcs);
     noise.tau_min_s = config.fit.tau_min_s;
@@ -109,12 +136,14 @@ NoiseSummary learn_noise(const std::vector<Arc<Axes>>& arcs, const SmoothConfig&
     noise.measurement_scale.value = 1.0;
     describe_stated(arcs, noise);
     if (config.fit_noise) {
-        const auto spans = spans_of(arcs);
-        const NoiseFit fit = fit_noise<Axes>(spans, config.fit);
+        follow_motion(arcs);
+        const NoiseFit fit = fit_noise<Axes>(spans_of(arcs), config.fit);
         if (fit.status == NoiseFit::Status::fitted) {
             take_over(fit, noise);
+            set_densities(arcs, noise.jerk_density.value, config.fit.initial_jerk_density);
             return noise;
         }
+        forget_motion(arcs);
         noise.status = fit.status == NoiseFit::Status::too_few_epochs ? "too_few_epochs"
                                                                       : "constant_positions";
     } else {
@@ -124,7 +153,7 @@ NoiseSummary learn_noise(const std::vector<Arc<Axes>>& arcs, const SmoothConfig&
     return noise;
 }
 
-template NoiseSummary learn_noise<1>(const std::vector<Arc<1>>&, const SmoothConfig&);
-template NoiseSummary learn_noise<2>(const std::vector<Arc<2>>&, const SmoothConfig&);
+template NoiseSummary learn_noise<1>(std::vector<Arc<1>>&, const SmoothConfig&);
+template NoiseSummary learn_noise<2>(std::vector<Arc<2>>&, const SmoothConfig&);
 
 }  // namespace runcert

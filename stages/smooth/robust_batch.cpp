@@ -74,7 +74,7 @@ BatchProblem<Axes>::BatchProblem(std::span<const ArcEpoch<Axes>> stretch,
       problem_(problem_options()) {
     assert(reference.size() == stretch.size() && stretch.front().measurement);
     if (stretch.size() > 1) {
-        const AxisStep step = axis_step(model, stretch[1].time_s - stretch[0].time_s);
+        const AxisStep step = axis_step(model, step_kind(stretch[0], stretch[1]));
         unit_ << step.process_noise.diagonal().cwiseSqrt(), std::sqrt(step.error_noise);
     }
     if (cauchy_scale) loss_ = std::make_unique<ceres::CauchyLoss>(*cauchy_scale);
@@ -153,7 +153,7 @@ void BatchProblem<Axes>::add_offsets() {
 
 template <int Axes>
 void BatchProblem<Axes>::add_process(std::size_t k) {
-    const Step& step = step_over(stretch_[k].time_s - stretch_[k - 1].time_s);
+    const Step& step = step_of(step_kind(stretch_[k - 1], stretch_[k]));
     const AxisStates noise =
         step.before * by_axis(reference_[k - 1]) + step.after * by_axis(reference_[k]);
     const auto bridged = offset_before_.find(k);
@@ -177,12 +177,11 @@ void BatchProblem<Axes>::add_process(std::size_t k) {
 }
 
 template <int Axes>
-const typename BatchProblem<Axes>::Step& BatchProblem<Axes>::step_over(double dt_s) {
-    const std::int64_t step_ns = std::llround(dt_s * 1e9);
-    const auto [at, is_new] = steps_.try_emplace(step_ns);
+const typename BatchProblem<Axes>::Step& BatchProblem<Axes>::step_of(const StepKind& kind) {
+    const auto [at, is_new] = steps_.try_emplace(kind);
     Step& kept = at->second;
     if (!is_new) return kept;
-    const AxisStep step = axis_step(model_, static_cast<double>(step_ns) * 1e-9);
+    const AxisStep step = axis_step(model_, kind);
     Eigen::Matrix4d moved = Eigen::Matrix4d::Zero();
     moved.topLeftCorner<3, 3>() = step.transition;
     moved(3, 3) = step.error_transition;

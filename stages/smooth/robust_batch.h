@@ -104,7 +104,7 @@ class BatchProblem {
     void add_measurement(std::size_t k);
     void add_process(std::size_t k);
     void add_offsets();
-    const Step& step_over(double dt_s);
+    const Step& step_of(const StepKind& kind);
 
     std::span<const ArcEpoch<Axes>> stretch_;
     EstimationModel model_;
@@ -114,7 +114,7 @@ class BatchProblem {
     AxisJacobian prior_unknown_;
     std::deque<Offset> offsets_;
     std::map<std::size_t, Offset*> offset_before_;  ///< by the epoch that follows the step
-    std::map<std::int64_t, Step> steps_;  ///< by nanoseconds; the problem's costs refer to them
+    std::map<StepKind, Step> steps_;  ///< the problem's costs refer to them
     std::unique_ptr<ceres::LossFunction> loss_;  ///< of the measurements
     std::vector<std::unique_ptr<ceres::CostFunction>> costs_;
     ceres::Problem problem_;

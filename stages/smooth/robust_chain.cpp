@@ -45,7 +45,7 @@ RobustChain<Axes>::RobustChain(std::span<const ArcEpoch<Axes>> stretch,
         Link& link = links_[k];
         if (k > 0) {
             link.step =
-                &step_over(stretch[k].time_s - stretch[k - 1].time_s, stretch[k].step_before);
+                &step_of(step_kind(stretch[k - 1], stretch[k]), stretch[k].step_before);
             link.defect = start[k] - link.step->carried(start[k - 1]);
         } else {
             link.defect = start[k] - prior.mean;
@@ -59,9 +59,8 @@ RobustChain<Axes>::RobustChain(std::span<const ArcEpoch<Axes>> stretch,
 }
 
 template <int Axes>
-const ChainStep<Axes>& RobustChain<Axes>::step_over(double dt_s, bool bridged) {
-    const std::int64_t step_ns = std::llround(dt_s * 1e9);
-    const auto at = steps_.try_emplace({step_ns, bridged}, model_, step_ns, bridged).first;
+const ChainStep<Axes>& RobustChain<Axes>::step_of(const StepKind& kind, bool bridged) {
+    const auto at = steps_.try_emplace({kind, bridged}, model_, kind, bridged).first;
     return at->second;
 }
 

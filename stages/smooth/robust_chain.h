@@ -62,7 +62,7 @@ class RobustChain {
 
     enum class Curvature { reweighted, newton };
 
-    const ChainStep<Axes>& step_over(double dt_s, bool bridged);
+    const ChainStep<Axes>& step_of(const StepKind& kind, bool bridged);
     State defect_gradient(std::size_t k) const;
     void set_gradients();
     PositionSquare information_of(const Link& link, Curvature curvature) const;
@@ -81,7 +81,7 @@ class RobustChain {
     EstimationModel model_;
     double scale_squared_;
     State prior_variance_;
-    std::map<std::pair<std::int64_t, bool>, ChainStep<Axes>>
+    std::map<std::pair<StepKind, bool>, ChainStep<Axes>>
         steps_;  ///< by nanoseconds; links refer to them
     std::vector<Link> links_;
     std::int64_t iterations_ = 0;

@@ -174,8 +174,10 @@ AxesResult<Axes> estimate(const ScreenedTable& screened, const SmoothConfig& con
     result.arcs = arcs_of<Axes>(screened);
     result.estimation.noise = learn_noise<Axes>(result.arcs, config);
     const EstimationModel model = model_of(result.estimation.noise);
-    for (const Arc<Axes>& arc : result.arcs)
+    for (const Arc<Axes>& arc : result.arcs) {
         result.smoothed.push_back(smooth_rows<Axes>(arc, model, table.rows));
+        set_jerk_density(arc, model, table.rows);
+    }
     EstimationModel as_stated;
     as_stated.motion.jerk_density = config.fit.initial_jerk_density;
     do_together([&] { result.agreement = check_by_batch<Axes>(result, model, table.rows); },
@@ -209,9 +211,13 @@ Agreement estimate_horizontal(const ScreenedTable& screened, const SmoothConfig&
                               TrajectoryTable& table) {
     const AxesResult<2> result = estimate<2>(
         screened, config, table, [&](const AxesResult<2>& smoothed, const EstimationModel& model) {
-            const auto robust_arcs = arcs_of<2>(screened, Measurements::before_rejection);
-            for (std::size_t a = 0; a < robust_arcs.size(); ++a)
-                set_robust(robust_arcs[a], smoothed.smoothed[a], model, config, table);
+            auto robust_arcs = arcs_of<2>(screened, Measurements::before_rejection);
+            for (std::size_t a = 0; a < robust_arcs.size(); ++a) {
+                Arc<2>& arc = robust_arcs[a];
+                for (std::size_t k = 0; k < arc.epochs.size(); ++k)
+                    arc.epochs[k].jerk_factor = smoothed.arcs[a].epochs[k].jerk_factor;
+                set_robust(arc, smoothed.smoothed[a], model, config, table);
+            }
         });
     for (const Arc<2>& arc : result.arcs)
         set_paper_methods(arc, config.dhd22_acceleration_sigma_mps2, table.rows);

@@ -106,6 +106,20 @@ SmoothedMeans<Axes> smooth_rows(const Arc<Axes>& arc, const EstimationModel& mod
     return smoothed;
 }
 
+template <int Axes>
+void set_jerk_density(const Arc<Axes>& arc, const EstimationModel& model,
+                      std::vector<TrajectoryEpoch>& rows) {
+    constexpr auto column =
+        Axes == 1 ? &TrajectoryEpoch::jerk_density_up : &TrajectoryEpoch::jerk_density;
+    for (std::size_t k = 0; k < arc.epochs.size(); ++k)
+        rows[arc.rows[k]].*column = model.motion.jerk_density * arc.epochs[k].jerk_factor;
+}
+
+template void set_jerk_density<1>(const Arc<1>&, const EstimationModel&,
+                                  std::vector<TrajectoryEpoch>&);
+template void set_jerk_density<2>(const Arc<2>&, const EstimationModel&,
+                                  std::vector<TrajectoryEpoch>&);
+
 template SmoothedMeans<1> smooth_rows<1>(const Arc<1>&, const EstimationModel&,
                                          std::vector<TrajectoryEpoch>&);
 template SmoothedMeans<2> smooth_rows<2>(const Arc<2>&, const EstimationModel&,

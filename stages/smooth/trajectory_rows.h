@@ -26,6 +26,11 @@ template <int Axes>
 SmoothedMeans<Axes> smooth_rows(const Arc<Axes>& arc, const EstimationModel& model,
                                 std::vector<TrajectoryEpoch>& rows);
 
+/// Sets the jerk density that each epoch was estimated with.
+template <int Axes>
+void set_jerk_density(const Arc<Axes>& arc, const EstimationModel& model,
+                      std::vector<TrajectoryEpoch>& rows);
+
 /// The methods of [DHD22], on either side of a bridged step by itself. The filter begins at rest:
 /// after a step the craft is not, and at the first position the filter has nothing to say yet.
 void set_paper_methods(const Arc<2>& arc, double acceleration_sigma_mps2,

@@ -44,11 +44,8 @@ class DrawnRow {
 
 MonteCarloCheck monte_carlo(const BudgetInput& input, const std::vector<BudgetRow>& rows,
                             double speed_mps) {
-    const Eigen::Matrix2d& covariance = input.noise.velocity_covariance;
-    // Across the direction of travel the positions alone disturb; their variance there is what the
-    // trace holds beyond that along it.
-    const double along = input.noise.speed.standard_uncertainty_mps;
-    const double across = std::sqrt(std::max(0.0, covariance.trace() - along * along));
+    // Across the direction of travel the positions alone disturb, by as much as along it.
+    const double across = input.vertical ? 0.0 : input.noise.speed.standard_uncertainty_mps;
     const double duration_s = input.duration_s;
     const DrawnRow time(row_of(rows, "t"));
     const DrawnRow scale(row_of(rows, "m"));

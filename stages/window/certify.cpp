@@ -92,13 +92,13 @@ MethodMeans methods_of(const AxesEvidence<Axes>& evidence, const FoundWindow& fo
 
 template <int Axes>
 SelectionBias selection_of(const AxesEvidence<Axes>& evidence, const WindowChoice& choice,
-                           const EstimationModel& bounded, double search_uncertainty_mps,
+                           double search_uncertainty_mps,
                            double stated_mps) {
     const double least_mps = choice.found.speed_mps - selection_width * search_uncertainty_mps;
     const bool by_path =
         choice.profile.definition != "displacement" && choice.profile.definition != "elapsed_time";
     SelectionBias selection = selection_bias<Axes>(
-        clusters_of(evidence, choice, least_mps), {evidence.model, bounded, by_path}, stated_mps,
+        clusters_of(evidence, choice, least_mps), {evidence.model, evidence.model, by_path}, stated_mps,
         evidence.config.selection_samples, evidence.config.seed);
     selection.treatment =
         choice.profile.uncertainty.subtract_selection_bias ? "subtracted" : "covered";
@@ -189,6 +189,7 @@ SpeedQuantity quantity_of(const Profile& profile) {
     SpeedQuantity quantity;
     quantity.definition = profile.definition;
     quantity.length_is_given = profile.window_kind == "distance" && profile.ends_anywhere;
+    quantity.of_samples = profile.exact_duration && profile.definition == "displacement";
     return quantity;
 }
 
@@ -202,7 +203,7 @@ AxesEvidence<Axes> evidence_of(const ScreenedTable& screened, const TrajectoryTa
                                 .noise = noise,
                                 .model = model_of(noise),
                                 .models = posterior_of(noise),
-                                .arcs = arcs_of<Axes>(screened),
+                                .arcs = arcs_of<Axes>(screened, trajectory),
                                 .rows = arcs_in(trajectory),
                                 .times = {}};
     const auto same_steps = [&](const Arc<Axes>& arc) {
@@ -249,19 +250,26 @@ CertifiableWindow certified(const AxesEvidence<Axes>& evidence, const WindowChoi
         std::ssize(smoothed.bridged_between(part.window.first, part.window.last));
 
     const ErrorBound bound = bound_of(evidence, choice);
-    const EstimationModel bounded = bounded_model(evidence.noise, bound);
-    PositionNoise noise = position_noise(stretch, bounded, choice.quantity);
+    const EstimatedWindow<Axes> estimated{.epochs = at.arc.epochs,
+                                          .smoothed = smoothed_at,
+                                          .model = evidence.model,
+                                          .window = at.window,
+                                          .duration_s = stretch.duration_s};
+    const SpeedWeights<Axes> weights = speed_weights(estimated, choice.quantity);
+    PositionNoise noise = position_noise(estimated, choice.quantity, weights,
+                                         bounding_error(evidence.noise, bound));
     if constexpr (Axes == 1) correct_for_curvature(evidence, found, noise, window);
     set_bound(bound, noise, window);
     window.position_r95_m = position_r95_m(smoothed, part.window, bound);
     if (evidence.screened.evidence) {
         window.detection_power = evidence.screened.evidence->power;
         window.reliability =
-            undetected_errors(evidence.screened, at.arc, stretch, bounded, choice.quantity);
+            undetected_errors<Axes>(evidence.screened, at.arc, stretch,
+                                    std::span(weights).subspan(stretch.first, stretch.epochs.size()));
     }
     const SpeedEstimate searched =
         displacement_speed(smoothed_at, at.window.first, at.window.last, stretch.duration_s);
-    window.selection = selection_of(evidence, choice, bounded, searched.standard_uncertainty_mps,
+    window.selection = selection_of(evidence, choice, searched.standard_uncertainty_mps,
                                     noise.speed.speed_mps);
     if (choice.profile.uncertainty.subtract_selection_bias)
         window.speed_mps -= window.selection->bias_mps;

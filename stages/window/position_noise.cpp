@@ -6,29 +6,17 @@
 
 #include "core/accuracy_measures.h"
 #include "core/uncertainty.h"
+#include "estimation/sensitivity.h"
 
 namespace runcert {
 namespace {
 
+/// From the measured position at one end of the window to that at the other.
 template <int Axes>
-double variance_of(const WindowStretch<Axes>& stretch, const EstimationModel& model,
-                   const SpeedQuantity& quantity) {
-    const SpeedEstimate speed = speed_by_definition(smooth<Axes>(stretch.epochs, model),
-                                                    stretch.window, stretch.duration_s, quantity);
-    return speed.standard_uncertainty_mps * speed.standard_uncertainty_mps;
-}
-
-/// Derivative of the variance by the logarithm of one noise's variance, by central difference.
-template <int Axes, class Scale>
-double part_of(const WindowStretch<Axes>& stretch, const EstimationModel& model,
-               const SpeedQuantity& quantity, Scale&& scale) {
-    constexpr double step = 1e-3;
-    EstimationModel more = model;
-    EstimationModel less = model;
-    scale(more, std::exp(0.5 * step));
-    scale(less, std::exp(-0.5 * step));
-    return (variance_of(stretch, more, quantity) - variance_of(stretch, less, quantity)) /
-           (2.0 * step);
+PositionVector<Axes> sampled_displacement(std::span<const ArcEpoch<Axes>> epochs,
+                                          EpochPair window) {
+    return epochs[window.last].measurement.value().position -
+           epochs[window.first].measurement.value().position;
 }
 
 }  // namespace
@@ -53,7 +41,9 @@ ErrorBound error_bound(const ScreenedTable& screened, std::size_t first_row, std
             bound.floor_fix = floor->first;
         }
     }
-    bound.stated_m = noise.white_scale * std::sqrt(sum / static_cast<double>(count));
+    // A scale below one is that of errors which differ from epoch to epoch: the smooth ones it
+    // cannot see.
+    bound.stated_m = std::max(1.0, noise.white_scale) * std::sqrt(sum / static_cast<double>(count));
     if (noise.error_told)
         bound.fitted_m = noise.error_diffusion->value * std::sqrt(0.5 * rule.tau_min_s);
     bound.sigma_m = std::max({bound.fitted_m, bound.stated_m, bound.floor_m});
@@ -89,37 +79,50 @@ double position_r95_m(const SmoothedArc<Axes>& smoothed, EpochPair window,
     return radius_m;
 }
 
-EstimationModel bounded_model(const NoiseSummary& noise, const ErrorBound& bound) {
-    EstimationModel model = model_of(noise);
-    model.error = GaussMarkovError::bounding(bound.sigma_m, bound.tau_min_s, bound.tau_max_s);
-    return model;
+GaussMarkovError bounding_error(const NoiseSummary& noise, const ErrorBound& bound) {
+    const GaussMarkovError error =
+        GaussMarkovError::bounding(bound.sigma_m, bound.tau_min_s, bound.tau_max_s);
+    if (!noise.error_told) return error;
+    return GaussMarkovError::larger(error, GaussMarkovError::bounding_diffusion(
+                                               noise.error_diffusion->value, bound.tau_max_s));
 }
 
 template <int Axes>
-PositionNoise position_noise(const WindowStretch<Axes>& stretch, const EstimationModel& model,
-                             const SpeedQuantity& quantity) {
-    constexpr int counted = counted_axes<Axes>;
-    const SmoothedArc<Axes> smoothed = smooth<Axes>(stretch.epochs, model);
+SpeedWeights<Axes> speed_weights(const EstimatedWindow<Axes>& at, const SpeedQuantity& quantity) {
+    if (quantity.of_samples) {
+        SpeedWeights<Axes> weights(at.epochs.size(), PositionVector<Axes>::Zero());
+        const PositionVector<Axes> per_second =
+            sampled_displacement(at.epochs, at.window).normalized() / at.duration_s;
+        weights[at.window.first] = -per_second;
+        weights[at.window.last] = per_second;
+        return weights;
+    }
+    const auto [from, gradients] =
+        speed_gradients(at.smoothed, at.window, at.duration_s, quantity);
+    return sensitivities<Axes>(at.epochs, at.model, at.smoothed, from, gradients);
+}
+
+template <int Axes>
+PositionNoise position_noise(const EstimatedWindow<Axes>& at, const SpeedQuantity& quantity,
+                             const SpeedWeights<Axes>& weights, const GaussMarkovError& bounding) {
     PositionNoise noise;
-    noise.speed = speed_by_definition(smoothed, stretch.window, stretch.duration_s, quantity);
-    noise.displacement_m = displacement(smoothed, stretch.window.first, stretch.window.last).norm();
-    noise.velocity_covariance.topLeftCorner<counted, counted>() =
-        displacement_covariance(smoothed, stretch.window.first, stretch.window.last) /
-        (stretch.duration_s * stretch.duration_s);
-    const double white = part_of(stretch, model, quantity, [](EstimationModel& one, double by) {
-        one.measurement_scale *= by;
-    });
-    const double correlated =
-        part_of(stretch, model, quantity, [](EstimationModel& one, double by) {
-            one.error.process_density *= by;
-            one.error.initial_sigma_m *= by;
-        });
-    const double whole =
-        noise.speed.standard_uncertainty_mps * noise.speed.standard_uncertainty_mps;
-    const auto root = [](double variance) { return std::sqrt(std::max(variance, 0.0)); };
-    noise.white_mps = root(white);
-    noise.correlated_mps = root(correlated);
-    noise.motion_mps = root(whole - white - correlated);
+    const double white = weighted_variance<Axes>(at.epochs, at.model.measurement_scale, weights);
+    const double correlated = weighted_variance<Axes>(at.epochs, bounding, weights);
+    double motion = 0.0;
+    if (quantity.of_samples) {
+        noise.displacement_m = sampled_displacement(at.epochs, at.window).norm();
+        noise.speed.speed_mps = noise.displacement_m / at.duration_s;
+    } else {
+        noise.speed = speed_by_definition(at.smoothed, at.window, at.duration_s, quantity);
+        noise.displacement_m = displacement(at.smoothed, at.window.first, at.window.last).norm();
+        motion = noise.speed.standard_uncertainty_mps * noise.speed.standard_uncertainty_mps -
+                 white - weighted_variance<Axes>(at.epochs, at.model.error, weights);
+    }
+    noise.white_mps = std::sqrt(white);
+    noise.correlated_mps = std::sqrt(correlated);
+    noise.motion_mps = std::sqrt(std::max(motion, 0.0));
+    noise.speed.standard_uncertainty_mps =
+        std::sqrt(white + correlated + noise.motion_mps * noise.motion_mps);
     return noise;
 }
 
@@ -151,8 +154,11 @@ template double position_r95_m<2>(const SmoothedArc<2>&, EpochPair, const ErrorB
 #define RUNCERT_INSTANTIATE(AXES)                                                              \
     template ErrorBound error_bound<AXES>(const ScreenedTable&, std::size_t, std::size_t,      \
                                           const NoiseSummary&, const Profile::Uncertainty&);   \
-    template PositionNoise position_noise<AXES>(const WindowStretch<AXES>&,                    \
-                                                const EstimationModel&, const SpeedQuantity&); \
+    template SpeedWeights<AXES> speed_weights<AXES>(const EstimatedWindow<AXES>&,              \
+                                                    const SpeedQuantity&);                     \
+    template PositionNoise position_noise<AXES>(const EstimatedWindow<AXES>&,                  \
+                                                const SpeedQuantity&, const SpeedWeights<AXES>&, \
+                                                const GaussMarkovError&);                      \
     template FittedSpeed fitted_speed<AXES>(                                                   \
         const WindowStretch<AXES>&, const std::vector<WeightedModel>&, const SpeedQuantity&);
 RUNCERT_INSTANTIATE(1)

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <span>
+#include <vector>
+
 #include "arcs/noise_models.h"
 #include "schemas/profile/profile.h"
 #include "schemas/screened/screened.h"
@@ -29,8 +32,24 @@ ErrorBound error_bound(const ScreenedTable& screened, std::size_t first_row, std
 template <int Axes>
 double position_r95_m(const SmoothedArc<Axes>& smoothed, EpochPair window, const ErrorBound& bound);
 
-/// The noise model of the certificate: motion and white noise as fitted, the slow error bounded.
-EstimationModel bounded_model(const NoiseSummary& noise, const ErrorBound& bound);
+/// The process that bounds every slow error that the certificate allows for.
+GaussMarkovError bounding_error(const NoiseSummary& noise, const ErrorBound& bound);
+
+/// A window of an arc whose states are estimated.
+template <int Axes>
+struct EstimatedWindow {
+    std::span<const ArcEpoch<Axes>> epochs;  ///< of the arc
+    const SmoothedArc<Axes>& smoothed;       ///< from these, with the model
+    const EstimationModel& model;
+    EpochPair window;  ///< indices into the epochs
+    double duration_s = 0.0;
+};
+
+/// By how much each measured position moves a window's speed (1/s), one for each epoch of the arc.
+template <int Axes>
+using SpeedWeights = std::vector<PositionVector<Axes>>;
+template <int Axes>
+SpeedWeights<Axes> speed_weights(const EstimatedWindow<Axes>& at, const SpeedQuantity& quantity);
 
 /// Standard uncertainties of a window's speed from its positions, by source (m/s): their squares
 /// add up to that of the whole.
@@ -40,16 +59,15 @@ struct PositionNoise {
     double white_mps = 0.0;       ///< white noise of the positions
     double correlated_mps = 0.0;  ///< the slow error
     double motion_mps = 0.0;      ///< what the craft may have done between measurements
-    /// Of displacement over time, m^2/s^2; of heights alone in its first element, the rest zero.
-    Eigen::Matrix2d velocity_covariance = Eigen::Matrix2d::Zero();
 };
 
-/// Smooths the stretch with the model and takes the variance apart. The variance is of first degree
-/// in the variances of the three noises, and at the optimum its derivative by one of them is that
-/// noise's own part, the gains held fixed.
+/// The speed as estimated, and its uncertainty with the slow error bounded: the estimate is a sum of
+/// the measured positions times `weights`, and so are the parts of its error that the positions'
+/// errors make, whatever model the weights came from. What is left of the estimate's own variance
+/// is the motion's.
 template <int Axes>
-PositionNoise position_noise(const WindowStretch<Axes>& stretch, const EstimationModel& model,
-                             const SpeedQuantity& quantity);
+PositionNoise position_noise(const EstimatedWindow<Axes>& at, const SpeedQuantity& quantity,
+                             const SpeedWeights<Axes>& weights, const GaussMarkovError& bounding);
 
 /// The window's speed over all models of the posterior: mean, and the uncertainty that holds the
 /// models' own and their differences.

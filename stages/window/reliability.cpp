@@ -8,7 +8,6 @@
 #include "arcs/screening_noise.h"
 #include "core/statistics.h"
 #include "estimation/diagnosis.h"
-#include "estimation/sensitivity.h"
 
 namespace runcert {
 namespace {
@@ -22,25 +21,20 @@ const ScreeningModel* tested_model(const ScreenedTable& screened) {
     return found == screened.evidence->models.end() ? nullptr : &*found;
 }
 
-template <int Axes>
-std::vector<PositionVector<Axes>> speed_sensitivities(const WindowStretch<Axes>& stretch,
-                                                      const EstimationModel& model,
-                                                      const SpeedQuantity& quantity) {
-    const SmoothedArc<Axes> smoothed = smooth<Axes>(stretch.epochs, model);
-    const auto [from, gradients] =
-        speed_gradients(smoothed, stretch.window, stretch.duration_s, quantity);
-    return sensitivities<Axes>(stretch.epochs, model, smoothed, from, gradients);
-}
-
-/// The stretch's epochs with the covariances that screening tested with.
+/// The stretch's epochs with the covariances and the motion that screening tested with.
 template <int Axes>
 std::vector<ArcEpoch<Axes>> tested_epochs(const ScreenedTable& screened, const Arc<Axes>& arc,
                                           const WindowStretch<Axes>& stretch) {
     std::vector<ArcEpoch<Axes>> epochs = stretch.epochs;
+    const EstimationModel model = model_of(*tested_model<Axes>(screened));
     const auto factors =
         kind_factors(*screened.evidence, Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal);
     for (std::size_t i = 0; i < epochs.size(); ++i) {
-        const auto factor = factors.find(screened.rows[arc.rows[stretch.first + i]].fix);
+        const ScreenedEpoch& row = screened.rows[arc.rows[stretch.first + i]];
+        epochs[i].jerk_factor = 1.0;
+        if (i > 0 && manoeuvre_before<Axes>(row) > 0.0)
+            allow_manoeuvre(epochs[i - 1], manoeuvre_before<Axes>(row), model, epochs[i]);
+        const auto factor = factors.find(row.fix);
         if (factor != factors.end() && epochs[i].measurement)
             epochs[i].measurement->covariance *= factor->second;
     }
@@ -93,14 +87,12 @@ class Worst {
 template <int Axes>
 std::vector<UndetectedError> undetected_errors(const ScreenedTable& screened, const Arc<Axes>& arc,
                                                const WindowStretch<Axes>& stretch,
-                                               const EstimationModel& model,
-                                               const SpeedQuantity& quantity) {
+                                               std::span<const PositionVector<Axes>> weights) {
     using Position = PositionVector<Axes>;
     const ScreeningModel* const tested = tested_model<Axes>(screened);
     if (tested == nullptr) return {};
     const std::vector<ArcEpoch<Axes>> epochs = tested_epochs(screened, arc, stretch);
     const ArcDiagnosis<Axes> diagnosis(epochs, model_of(*tested));
-    const std::vector<Position> weights = speed_sensitivities(stretch, model, quantity);
     const double of_one = noncentrality(screened.evidence->test_size, screened.evidence->power, 1);
     const double of_all =
         noncentrality(screened.evidence->test_size, screened.evidence->power, Axes);
@@ -158,12 +150,10 @@ std::vector<UndetectedError> undetected_errors(const ScreenedTable& screened, co
 
 template std::vector<UndetectedError> undetected_errors<1>(const ScreenedTable&, const Arc<1>&,
                                                            const WindowStretch<1>&,
-                                                           const EstimationModel&,
-                                                           const SpeedQuantity&);
+                                                           std::span<const PositionVector<1>>);
 template std::vector<UndetectedError> undetected_errors<2>(const ScreenedTable&, const Arc<2>&,
                                                            const WindowStretch<2>&,
-                                                           const EstimationModel&,
-                                                           const SpeedQuantity&);
+                                                           std::span<const PositionVector<2>>);
 
 std::string undetected_words(const UndetectedError& error, double power) {
     const bool epochs = error.hypothesis == to_text(Hypothesis::outlier) ||

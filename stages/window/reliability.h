@@ -17,12 +17,12 @@ namespace runcert {
 /// evidence of revision 1.2. An error that the stretch cannot show at all, but that moves the
 /// speed, is put at 1e6.
 ///
-/// `arc` must be that of the stretch in the table; `model` is what the speed was estimated with.
+/// `arc` must be that of the stretch in the table; `weights` are those of the speed, one for each
+/// epoch of the stretch.
 template <int Axes>
 std::vector<UndetectedError> undetected_errors(const ScreenedTable& screened, const Arc<Axes>& arc,
                                                const WindowStretch<Axes>& stretch,
-                                               const EstimationModel& model,
-                                               const SpeedQuantity& quantity);
+                                               std::span<const PositionVector<Axes>> weights);
 
 /// The one of them that enters the uncertainty: the largest of an outlier, a burst, a step and a
 /// shift of the stamps. A ramp does not: an error that wanders is what the bound of the slow error

@@ -35,6 +35,8 @@ struct SpeedQuantity {
     /// Of path_length: the window ends where the path has reached a length, so that an error of
     /// the path is one of the time at the speed of its slower end.
     bool length_is_given = false;
+    /// The displacement between the measured positions at the window's ends, as they are.
+    bool of_samples = false;
 };
 
 /// Speed of the window by a definition, with its uncertainty from the joint covariance of all

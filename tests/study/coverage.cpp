@@ -40,8 +40,8 @@ void study_one(CoverageCell& cell, const CoverageOptions& options, std::uint64_t
         first + static_cast<std::size_t>(std::lround(window_length_s * cell.run.rate_hz));
     const double true_mps =
         (recording.truth[last] - recording.truth[first]).norm() / window_length_s;
-    const std::vector<Arc<2>> arcs = arcs_of<2>(recording.screened);
-    const WindowStretch<2> stretch = cut_stretch(arcs.front(), {first, last}, 60.0);
+    std::vector<Arc<2>> arcs = arcs_of<2>(recording.screened);
+    WindowStretch<2> stretch = cut_stretch(arcs.front(), {first, last}, 60.0);
 
     EstimationModel model;
     model.motion.jerk_density = cell.run.jerk_density;
@@ -52,12 +52,24 @@ void study_one(CoverageCell& cell, const CoverageOptions& options, std::uint64_t
     if (!learn) return;
 
     const NoiseSummary noise = learn_noise<2>(arcs, SmoothConfig{});
+    stretch = cut_stretch(arcs.front(), {first, last}, 60.0);
     const FittedSpeed fitted = fitted_speed(stretch, posterior_of(noise), {"displacement"});
     count(cell.fitted, fitted.speed_mps - true_mps, fitted.standard_uncertainty_mps);
     Profile::Uncertainty rule;
     rule.error_floor_m = {{"fixed", options.floor_m}};
     const ErrorBound bound = error_bound<2>(recording.screened, first, last, noise, rule);
-    count_model(cell.bound, stretch, bounded_model(noise, bound), true_mps);
+    const EstimationModel fitted_model = model_of(noise);
+    const SmoothedArc<2> smoothed = smooth<2>(stretch.epochs, fitted_model);
+    const EstimatedWindow<2> at{.epochs = stretch.epochs,
+                                .smoothed = smoothed,
+                                .model = fitted_model,
+                                .window = stretch.window,
+                                .duration_s = stretch.duration_s};
+    const SpeedQuantity quantity{"displacement"};
+    const SpeedEstimate speed =
+        position_noise(at, quantity, speed_weights(at, quantity), bounding_error(noise, bound))
+            .speed;
+    count(cell.bound, speed.speed_mps - true_mps, speed.standard_uncertainty_mps);
 }
 
 }  // namespace

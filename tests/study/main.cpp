@@ -1,10 +1,12 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <map>
 
 #include "coverage.h"
 #include "false_records.h"
 #include "identification_study.h"
+#include "motion_study.h"
 #include "selection_study.h"
 
 using namespace runcert;
@@ -31,6 +33,31 @@ void print_screening(const ScreeningStudyOptions& options) {
         for (const ErrorScenario& scenario : error_scenarios(cell.rate_hz))
             lines.push_back(study_identification(cell, scenario, options));
         fmt::print("{}\n", identification_table(cell, lines));
+        std::fflush(stdout);
+    }
+}
+
+void print_motion(const MotionStudyOptions& options, const std::string& only, bool budget) {
+    fmt::print("{}", motion_header());
+    for (const MotionCell& cell : motion_cells()) {
+        if ((cell.motion + ", " + cell.errors).find(only) == std::string::npos) continue;
+        const auto results = study_motion(cell, options);
+        fmt::print("{}", motion_line(cell, summarise(results)));
+        if (budget) {
+            std::map<std::string, double> rows;
+            double bias = 0.0;
+            for (const MotionResult& one : results) {
+                bias += one.bias_mps;
+                for (const BudgetRow& row : one.budget) rows[row.symbol] += row.contribution_mps;
+            }
+            const auto n = static_cast<double>(results.size());
+            fmt::print("    bias {:.4f} km/h;", 3.6 * bias / n);
+            for (const auto& [symbol, sum] : rows)
+                fmt::print(" {} {:.4f}", symbol, 3.6 * sum / n);
+            fmt::print("\n");
+        }
+        for (const MotionResult& one : results)
+            if (!one.failure.empty()) fmt::print("    {}\n", one.failure);
         std::fflush(stdout);
     }
 }
@@ -82,9 +109,21 @@ int main(int argc, char** argv) {
     false_records->add_option("--seed", records.seed)->capture_default_str();
     false_records->add_option("--threads", records.threads, "0: as many as there are")
         ->capture_default_str();
+
+    MotionStudyOptions motion_options;
+    std::string only;
+    bool budget = false;
+    CLI::App* motion = app.add_subcommand("motion", "Certified speeds of honest motions");
+    motion->add_option("--runs", motion_options.runs, "recordings a cell")->capture_default_str();
+    motion->add_option("--seed", motion_options.seed)->capture_default_str();
+    motion->add_option("--threads", motion_options.threads, "0: as many as there are")
+        ->capture_default_str();
+    motion->add_flag("--budget", budget, "print each cell's mean budget, km/h");
+    motion->add_option("--only", only, "cells whose name holds this");
     CLI11_PARSE(app, argc, argv);
 
     if (coverage->parsed()) print_coverage(options);
+    if (motion->parsed()) print_motion(motion_options, only, budget);
     if (selection->parsed())
         for (const double noise_m : {0.010, 0.030})
             fmt::print("{}", selection_line(study_selection(noise_m, runs, seed)));

@@ -51,6 +51,10 @@ class RandomMotion {
 
 /// Distance, speed and acceleration along the run at a time.
 Eigen::Vector3d run_at(const StudyRun& run, double time_s) {
+    if (run.script) {
+        const LineState state = run.script->at(time_s);
+        return {state.distance_m, state.speed_mps, state.acceleration_mps2};
+    }
     constexpr double leg_s = 45.0;
     const auto forth = [](double at_s) -> Eigen::Vector3d {
         const RunState state = logistic_run({}, at_s);
@@ -81,12 +85,17 @@ SimulatedRecording simulate_recording(const StudyRun& run, std::uint64_t seed) {
     recording.screened.facts.nominal_interval_s = dt_s;
     RandomMotion motion(run.jerk_density, run.return_time_s, dt_s);
     const double decay = std::exp(-dt_s / run.noise.error_tau_s);
-    Eigen::Vector2d error = run.noise.error_sigma_m * normals(random);
+    const auto error_of_one = [&]() -> Eigen::Vector2d {
+        const Eigen::Vector2d both = normals(random);
+        if (!run.noise.error_along_only) return both;
+        return Eigen::Vector2d::Constant(both.x() / std::numbers::sqrt2);
+    };
+    Eigen::Vector2d error = run.noise.error_sigma_m * error_of_one();
     for (std::size_t k = 0; k < epochs; ++k) {
         if (k > 0) {
             motion.step(random);
             error = decay * error +
-                    run.noise.error_sigma_m * std::sqrt(1.0 - decay * decay) * normals(random);
+                    run.noise.error_sigma_m * std::sqrt(1.0 - decay * decay) * error_of_one();
         }
         const double time_s = static_cast<double>(k) * dt_s;
         const Eigen::Vector3d along = run_at(run, time_s) / std::numbers::sqrt2;
@@ -102,7 +111,7 @@ SimulatedRecording simulate_recording(const StudyRun& run, std::uint64_t seed) {
         row.east_m = measured.x();
         row.north_m = measured.y();
         row.sigma_east_m = row.sigma_north_m = run.noise.white_m;
-        row.fix = FixKind::fixed;
+        row.fix = run.noise.fix;
         row.usable = true;
         row.arc = 1;
         if (k == 0) row.break_before = ArcBreak::start;

@@ -3,8 +3,10 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <vector>
 
+#include "motion_script.h"
 #include "schemas/screened/screened.h"
 
 namespace runcert {
@@ -14,6 +16,8 @@ struct StudyNoise {
     double white_m = 0.003;      ///< standard deviation of white noise, also what is stated
     double error_sigma_m = 0.0;  ///< of a steady Gauss-Markov error beside it
     double error_tau_s = 1.0;
+    bool error_along_only = false;  ///< that error has no part across the direction of travel
+    FixKind fix = FixKind::fixed;
 };
 
 /// What a study records: the run of [DHD22] towards north-east, and on it random motion of a known
@@ -27,6 +31,8 @@ struct StudyRun {
     double return_time_s = std::numeric_limits<double>::infinity();
     /// Not the run once, but forth and back for ever: 45 s of it, the same as braking, and back.
     bool shuttle = false;
+    /// In place of that run: what the craft does, length_s and the speeds with it.
+    std::shared_ptr<const MotionScript> script = nullptr;
     StudyNoise noise;
 };
 

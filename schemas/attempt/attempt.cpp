@@ -143,6 +143,8 @@ Receiver read_receiver(const YamlValue& entry) {
     if (const YamlValue accuracy = entry["accuracy"]; accuracy.exists())
         receiver.accuracy = AttemptAccuracy{.horizontal_m = accuracy["horizontal_m"].real(),
                                             .vertical_m = accuracy["vertical_m"].optional_real()};
+    receiver.solution = entry["solution"].text_or("");
+    receiver.time_source = entry["time_source"].text_or("");
     receiver.antenna_height_m = entry["antenna_height_m"].optional_real();
     if (const YamlValue arm = entry["lever_arm_m"]; arm.exists())
         receiver.lever_arm =
@@ -266,12 +268,12 @@ std::string profile_name(const std::string& claimed) {
 Attempt read_attempt(std::string_view text, const std::string& where) {
     const YamlValue document(parse_yaml(text, where), where);
     if (!document.is_map())
-        document.fail("this is not an attempt", "An attempt begins with \"schema: attempt/1.5\"");
+        document.fail("this is not an attempt", "An attempt begins with \"schema: attempt/1.6\"");
     const std::optional<std::int64_t> revision = written_revision(document, attempt_schema());
     if (!revision)
         (document["schema"].exists() ? document["schema"] : document)
             .fail("the file does not say that it follows " + known_revisions(attempt_schema()),
-                  "An attempt begins with \"schema: attempt/1.5\"");
+                  "An attempt begins with \"schema: attempt/1.6\"");
     validate_revision(document, attempt_schema(), *revision);
 
     Attempt attempt;
@@ -286,6 +288,7 @@ Attempt read_attempt(std::string_view text, const std::string& where) {
                                      .key = official["key"].text_or("")});
     attempt.signatures = read_needed_signatures(document["signatures"]);
     attempt.amends = read_amends(document["amends"]);
+    attempt.attempts_made = document["attempts_made"].optional_integer().value_or(1);
     attempt.receivers = read_receivers(document["receivers"]);
     if (const YamlValue origin = document["origin"]; origin.exists())
         attempt.origin = read_geodetic(origin);

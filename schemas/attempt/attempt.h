@@ -51,6 +51,8 @@ struct Receiver {
     std::optional<GpsTime> start_gps;
     std::optional<double> height_m;
     std::optional<AttemptAccuracy> accuracy;
+    std::string solution;     ///< kind, where the recording does not say; empty where not given
+    std::string time_source;  ///< "satellites" where the attempt says so; empty where not given
     std::optional<double> antenna_height_m;
     /// From the antenna to the craft's reference point (m): forward, right, down.
     std::optional<Eigen::Vector3d> lever_arm;
@@ -138,6 +140,7 @@ struct Attempt {
     std::vector<Official> officials;
     std::vector<NeededSignatures> signatures;
     std::optional<AmendedReport> amends;
+    std::int64_t attempts_made = 1;   ///< of which this one is put forward
     std::vector<Receiver> receivers;  ///< at least one; the first is the one that is judged
     std::optional<Geodetic> origin;
     std::optional<Record> record;

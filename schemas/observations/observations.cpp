@@ -116,6 +116,7 @@ nlohmann::ordered_json recording_facts_json(const RecordingFacts& facts) {
     json["nominal_interval_s"] = facts.nominal_interval_s;
     set_optional(json, "position_resolution_m", facts.position_resolution_m);
     set_optional(json, "time_resolution_s", facts.time_resolution_s);
+    json["time_source"] = facts.time_source;
     return json;
 }
 
@@ -128,6 +129,7 @@ RecordingFacts read_recording_facts(const YamlValue& meta) {
     facts.nominal_interval_s = meta["nominal_interval_s"].real();
     facts.position_resolution_m = meta["position_resolution_m"].optional_real();
     facts.time_resolution_s = meta["time_resolution_s"].optional_real();
+    facts.time_source = meta["time_source"].text_or("unknown");
     return facts;
 }
 
@@ -152,7 +154,9 @@ nlohmann::ordered_json meta_of(const Observations& observations) {
     if (!observations.device.empty()) meta["device"] = observations.device;
     meta["frame"] = observations.frame;
     meta["time_scale"] = observations.time_scale;
+    if (!observations.time_origin.empty()) meta["time_origin"] = observations.time_origin;
     meta["accuracy_source"] = observations.accuracy_source;
+    meta["solution_source"] = observations.solution_source;
     meta["records"] = records_json(observations.records);
     meta["notes"] = observations.notes;
     return meta;
@@ -167,7 +171,9 @@ Observations head_of(const YamlValue& meta) {
     observations.device = meta["device"].text_or("");
     observations.frame = meta["frame"].text();
     observations.time_scale = meta["time_scale"].text();
+    observations.time_origin = meta["time_origin"].text_or("");
     observations.accuracy_source = meta["accuracy_source"].text();
+    observations.solution_source = meta["solution_source"].text_or("unknown");
     observations.records = read_records(meta["records"]);
     for (const YamlValue& note : meta["notes"].list())
         observations.notes.push_back(note.text());

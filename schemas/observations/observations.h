@@ -90,6 +90,9 @@ struct RecordingFacts {
     std::optional<double> position_resolution_m = std::nullopt;
     /// Smallest step that its time stamps can show, s.
     std::optional<double> time_resolution_s = std::nullopt;
+    /// Whose clock made the time stamps: "satellites", which the format says; "attempt", which says
+    /// that they are the satellites'; "unknown".
+    std::string time_source = "unknown";
 };
 
 /// The members of a table's meta that hold RecordingFacts, and back.
@@ -132,6 +135,10 @@ struct Observations {
     std::string frame;            ///< "geodetic", "ecef", "utm", "local_plane"
     std::string time_scale;       ///< "gps", "utc", "relative"
     std::string accuracy_source;  ///< "recording", "attempt", "none"
+    std::string time_origin = {};  ///< what the time stamps are, in words
+    /// Who says the kind of solution: "recording"; "attempt", where the recording does not;
+    /// "partly" the recording; "unknown": nobody.
+    std::string solution_source = "unknown";
     RecordCount records = {};
     std::vector<std::string> notes;
     std::vector<Observation> rows;

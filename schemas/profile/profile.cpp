@@ -13,6 +13,7 @@ namespace runcert {
 
 YamlNode profile_field_table_node();
 std::string_view builtin_profile_text(std::string_view name);
+std::string_view own_clauses_text(std::string_view name);
 std::vector<std::string_view> builtin_profile_text_names();
 
 namespace {
@@ -248,6 +249,15 @@ std::vector<std::string> builtin_profiles() {
         names.emplace_back(file.substr(0, file.rfind('.')));
     std::ranges::sort(names);
     return names;
+}
+
+const std::vector<Clause>& own_clauses() {
+    static const std::vector<Clause> clauses = [] {
+        const char* const file = "own_clauses.yaml";
+        const YamlValue document(parse_yaml(own_clauses_text(file), file), file);
+        return read_clauses(document, Profile{});
+    }();
+    return clauses;
 }
 
 Profile read_profile(std::string_view text, const std::string& where) {

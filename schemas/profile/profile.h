@@ -88,7 +88,7 @@ struct Profile {
     struct Uncertainty {
         double tau_min_s = 0.5;                ///< correlation time of a slow position error: from
         double tau_max_s = 10.0;               ///< and to
-        bool subtract_selection_bias = false;  ///< else it is covered by the uncertainty
+        bool subtract_selection_bias = true;   ///< else it is covered by the uncertainty
         /// Smallest standard deviation of such an error (m), by kind of solution.
         std::map<std::string, double> error_floor_m;
     };
@@ -113,6 +113,9 @@ Profile read_profile(std::string_view text, const std::string& where);
 /// The text of the profile of that name that comes with the program ("nalsa", "fisly"); empty if
 /// there is none.
 std::string_view builtin_profile(std::string_view name);
+
+/// What the program itself asks under every rule, beside the rule's clauses.
+const std::vector<Clause>& own_clauses();
 
 /// The names of all of them, in alphabetical order.
 std::vector<std::string> builtin_profiles();

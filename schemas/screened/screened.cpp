@@ -70,6 +70,12 @@ inline constexpr auto members<BaselineEvidence> = std::tuple{
     Member{"rejected", &BaselineEvidence::rejected}};
 
 template <>
+inline constexpr auto members<DeviceEvidence> =
+    std::tuple{Member{"moving", &DeviceEvidence::moving}, Member{"held", &DeviceEvidence::held},
+               Member{"interpolated", &DeviceEvidence::interpolated},
+               Member{"by_chance", &DeviceEvidence::by_chance}};
+
+template <>
 inline constexpr auto members<ScreeningEvidence> =
     std::tuple{Member{"family_false_alarm_rate", &ScreeningEvidence::family_false_alarm_rate},
                Member{"tests", &ScreeningEvidence::tests},
@@ -80,6 +86,7 @@ inline constexpr auto members<ScreeningEvidence> =
                Member{"models", &ScreeningEvidence::models},
                Member{"fix_kinds", &ScreeningEvidence::fix_kinds},
                Member{"velocity", &ScreeningEvidence::velocity},
+               Member{"device", &ScreeningEvidence::device},
                Member{"time", &ScreeningEvidence::time},
                Member{"limits", &ScreeningEvidence::limits},
                Member{"baseline", &ScreeningEvidence::baseline}};

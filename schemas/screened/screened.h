@@ -186,6 +186,14 @@ struct BaselineEvidence {
     std::int64_t rejected = 0;
 };
 
+/// Signs that the device wrote positions that it did not measure; of all rows while the craft moved.
+struct DeviceEvidence {
+    std::int64_t moving = 0;        ///< rows looked at
+    std::int64_t held = 0;          ///< that repeat the position before
+    std::int64_t interpolated = 0;  ///< in line with their neighbours to the last digit
+    double by_chance = 0.0;         ///< how many of these chance may make
+};
+
 /// What the tests rested on and decided over the whole table.
 struct ScreeningEvidence {
     double family_false_alarm_rate = 0.0;  ///< of all tests of the recording together
@@ -197,6 +205,7 @@ struct ScreeningEvidence {
     std::vector<ScreeningModel> models;
     std::vector<FixKindEvidence> fix_kinds;
     std::optional<VelocityEvidence> velocity;
+    std::optional<DeviceEvidence> device = std::nullopt;  ///< since revision 1.4
     TimeEvidence time;
     LimitEvidence limits;
     std::optional<BaselineEvidence> baseline;

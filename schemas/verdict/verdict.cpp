@@ -34,7 +34,11 @@ inline constexpr auto members<Decision> = std::tuple{
     Member{"probability", &Decision::probability}, Member{"level", &Decision::level},
     Member{"target_standard_uncertainty_m_s", &Decision::target_standard_uncertainty_mps},
     Member{"acceptance_limit_m_s", &Decision::acceptance_limit_mps},
-    Member{"risk", &Decision::risk}};
+    Member{"risk", &Decision::risk},
+    Member{"attempts_made", &Decision::attempts_made},
+    Member{"bias_limit_m_s", &Decision::bias_limit_mps},
+    Member{"drift_survived_m", &Decision::drift_survived_m},
+    Member{"drift_found_m_s", &Decision::drift_found_mps}};
 
 template <>
 inline constexpr auto members<ShownFigures> =
@@ -116,6 +120,7 @@ void write_additions(Json& json, const ProfileVerdict& profile) {
     json["notes"] = profile.notes;
     json["overrides"] = list_json(profile.overrides);
     json["course"] = list_json(profile.course);
+    json["witnesses"] = profile.witnesses;
     json["runs"] = Json::array();
     for (const RunSummary& run : profile.runs)
         json["runs"].push_back(run_json(run));
@@ -129,6 +134,9 @@ void read_additions(const YamlValue& value, ProfileVerdict& profile) {
     if (value["notes"].exists())
         for (const YamlValue& note : value["notes"].list())
             profile.notes.push_back(note.text());
+    if (value["witnesses"].exists())
+        for (const YamlValue& witness : value["witnesses"].list())
+            profile.witnesses.push_back(witness.text());
     profile.overrides = read_list<Override>(value["overrides"]);
     profile.course = read_list<Figure>(value["course"]);
     if (value["runs"].exists())

@@ -58,6 +58,14 @@ struct Decision {
     double acceptance_limit_mps = 0.0;  ///< least speed that would be accepted
     /// That the outcome is wrong; empty where nothing can be certified, and before revision 1.2.
     std::optional<double> risk = std::nullopt;
+    /// These since revision 1.3.
+    std::int64_t attempts_made = 1;  ///< that this is the best of
+    double bias_limit_mps = 0.0;     ///< of the bias of choosing the window, either way
+    /// How far the positions may drift over the window, against the craft's motion, before the
+    /// speed is no longer above the one to reach; of a speed that is.
+    std::optional<double> drift_survived_m = std::nullopt;
+    /// The rate of the smallest drift beside the window that screening finds with its power.
+    std::optional<double> drift_found_mps = std::nullopt;
 };
 
 /// Figures as they are to be read: rounded after the decision, towards the safe side.
@@ -108,6 +116,9 @@ struct ProfileVerdict {
     std::vector<Override> overrides = {};
     std::vector<Figure> course = {};  ///< of course and craft, from the data
     std::vector<RunSummary> runs = {};
+    /// What else than the positions was heard of the window; empty: by positions alone. Since
+    /// revision 1.3.
+    std::vector<std::string> witnesses = {};
 };
 
 /// 6-verdict.yaml, `schemas/verdict/v1.yaml`.

@@ -38,11 +38,22 @@ inline constexpr auto members<FittedSpeed> =
                Member{"models", &FittedSpeed::models}};
 
 template <>
+inline constexpr auto members<OtherEstimates> =
+    std::tuple{Member{"chord_m_s", &OtherEstimates::chord_mps},
+               Member{"chord_difference_uncertainty_m_s",
+                      &OtherEstimates::chord_difference_uncertainty_mps},
+               Member{"stiffer_m_s", &OtherEstimates::stiffer_mps},
+               Member{"softer_m_s", &OtherEstimates::softer_mps},
+               Member{"whole_m_s", &OtherEstimates::whole_mps},
+               Member{"half_width_m_s", &OtherEstimates::half_width_mps}};
+
+template <>
 inline constexpr auto members<ErrorBound> =
     std::tuple{Member{"tau_min_s", &ErrorBound::tau_min_s},
                Member{"tau_max_s", &ErrorBound::tau_max_s},
                Member{"sigma_m", &ErrorBound::sigma_m},
                Member{"fitted_m", &ErrorBound::fitted_m},
+               Member{"along", &ErrorBound::along},
                Member{"stated_m", &ErrorBound::stated_m},
                Member{"floor_m", &ErrorBound::floor_m},
                Member{"floor_fix", &ErrorBound::floor_fix},
@@ -63,7 +74,10 @@ inline constexpr auto members<SelectionBias> =
                Member{"chosen_sd_m_s", &SelectionBias::chosen_sd_mps},
                Member{"best_mean_m_s", &SelectionBias::best_mean_mps},
                Member{"best_sd_m_s", &SelectionBias::best_sd_mps},
+               Member{"fitted_bias_m_s", &SelectionBias::fitted_bias_mps},
+               Member{"bounded_bias_m_s", &SelectionBias::bounded_bias_mps},
                Member{"bias_m_s", &SelectionBias::bias_mps},
+               Member{"bias_half_range_m_s", &SelectionBias::bias_half_range_mps},
                Member{"bias_uncertainty_m_s", &SelectionBias::bias_uncertainty_mps},
                Member{"treatment", &SelectionBias::treatment},
                Member{"samples", &SelectionBias::samples},
@@ -108,7 +122,10 @@ inline constexpr auto members<CertifiableWindow> = std::tuple{
     Member{"speed_m_s", &CertifiableWindow::speed_mps},
     Member{"standard_uncertainty_m_s", &CertifiableWindow::standard_uncertainty_mps},
     Member{"effective_degrees_of_freedom", &CertifiableWindow::effective_degrees_of_freedom},
+    Member{"own_standard_uncertainty_m_s", &CertifiableWindow::own_standard_uncertainty_mps},
+    Member{"bias_limit_m_s", &CertifiableWindow::bias_limit_mps},
     Member{"fitted", &CertifiableWindow::fitted},
+    Member{"estimates", &CertifiableWindow::estimates},
     Member{"bound", &CertifiableWindow::bound},
     Member{"robust", &CertifiableWindow::robust},
     Member{"selection", &CertifiableWindow::selection},
@@ -127,6 +144,7 @@ template <>
 inline constexpr auto members<FurtherWindow> =
     std::tuple{Member{"arc", &FurtherWindow::arc}, Member{"speed_m_s", &FurtherWindow::speed_mps},
                Member{"standard_uncertainty_m_s", &FurtherWindow::standard_uncertainty_mps},
+               Member{"bias_limit_m_s", &FurtherWindow::bias_limit_mps},
                Member{"robust", &FurtherWindow::robust}};
 
 namespace {
@@ -216,14 +234,17 @@ std::optional<RuleFigure> ProfileWindows::figure() const {
     if (!best || further.size() + 1 < wanted) return std::nullopt;
     RuleFigure figure{.speed_mps = best->speed_mps,
                       .standard_uncertainty_mps = best->standard_uncertainty_mps,
-                      .effective_degrees_of_freedom = best->effective_degrees_of_freedom};
+                      .effective_degrees_of_freedom = best->effective_degrees_of_freedom,
+                      .bias_limit_mps = best->bias_limit_mps};
     for (const FurtherWindow& one : further) {
         figure.speed_mps += one.speed_mps;
         figure.standard_uncertainty_mps += one.standard_uncertainty_mps;
+        figure.bias_limit_mps += one.bias_limit_mps;
     }
     const auto count = static_cast<double>(further.size() + 1);
     figure.speed_mps /= count;
     figure.standard_uncertainty_mps /= count;
+    figure.bias_limit_mps /= count;
     return figure;
 }
 

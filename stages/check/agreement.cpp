@@ -140,12 +140,16 @@ Agreement compare_speeds(const ReceiverEvidence& judged, const CertifiableWindow
     const double of_ends = std::sqrt(direction.cwiseAbs2().dot(from.variance + to.variance));
     agreement.judged_mps = window.definitions.displacement_mps;
     agreement.other_mps = moved.norm() / duration_s;
+    const auto own_mps = [](const CertifiableWindow& one) {
+        return one.own_standard_uncertainty_mps.value_or(one.standard_uncertainty_mps);
+    };
+    agreement.judged_standard_uncertainty_mps = own_mps(window);
     agreement.other_standard_uncertainty_mps =
-        std::max(of_ends / duration_s, other_window ? other_window->standard_uncertainty_mps : 0.0);
-    agreement.normalised_error =
-        std::abs(agreement.other_mps - agreement.judged_mps) /
-        (coverage_factor *
-         std::hypot(window.standard_uncertainty_mps, agreement.other_standard_uncertainty_mps));
+        std::max(of_ends / duration_s, other_window ? own_mps(*other_window) : own_mps(window));
+    agreement.normalised_error = std::abs(agreement.other_mps - agreement.judged_mps) /
+                                 (coverage_factor *
+                                  std::hypot(agreement.judged_standard_uncertainty_mps,
+                                             agreement.other_standard_uncertainty_mps));
     return agreement;
 }
 

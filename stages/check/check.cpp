@@ -1,6 +1,7 @@
 #include "stages/check/check.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -13,12 +14,11 @@ namespace runcert {
 namespace {
 
 /// Clauses, other than the margin, that the data decide and that are not met.
-std::vector<std::string> failed_clauses(const std::vector<Requirement>& requirements,
-                                        const Profile& profile) {
+std::vector<std::string> failed_clauses(const std::vector<Requirement>& requirements) {
     std::vector<std::string> failed;
-    for (std::size_t i = 0; i < requirements.size(); ++i)
-        if (requirements[i].status == "not_met" && profile.clauses[i].decided_by != "margin")
-            failed.push_back(requirements[i].clause + ": " + requirements[i].evidence);
+    for (const Requirement& requirement : requirements)
+        if (requirement.status == "not_met" && requirement.decided_by != "margin")
+            failed.push_back(requirement.clause + ": " + requirement.evidence);
     return failed;
 }
 
@@ -69,7 +69,7 @@ std::string first_refusal(const ProfileWindows& windows, Refuse refuse) {
 
 /// Why nothing can be certified; empty where something can.
 std::string refusal_of(const ClauseContext& context, const std::vector<Requirement>& requirements) {
-    const auto failed = failed_clauses(requirements, context.profile);
+    const auto failed = failed_clauses(requirements);
     const auto& best = context.windows.best;
     // What cannot be read makes every other finding doubtful.
     if (best)
@@ -111,6 +111,20 @@ std::string refusal_of(const ClauseContext& context, const std::vector<Requireme
     return {};
 }
 
+/// What drift of the positions the decision survives, and how that compares with what screening
+/// finds.
+std::string drift_words(const Decision& decision, const ClauseContext& context) {
+    if (!decision.drift_survived_m) return {};
+    const double duration_s = context.windows.best->span.duration.seconds();
+    std::string words = fmt::format(
+        " It survives a drift of the positions by {:.2f} m in {:.3g} s", *decision.drift_survived_m,
+        duration_s);
+    if (decision.drift_found_mps && *decision.drift_found_mps > 0.0)
+        words += fmt::format(", {:.2g} times the smallest that screening is sure to find there",
+                             *decision.drift_survived_m / duration_s / *decision.drift_found_mps);
+    return words + ".";
+}
+
 /// The outcome by probability, in one sentence.
 std::string reason_of(const ClauseContext& context, Outcome outcome) {
     const std::string& unit = context.record->unit;
@@ -120,15 +134,42 @@ std::string reason_of(const ClauseContext& context, Outcome outcome) {
         in_unit(*context.expanded_uncertainty_mps, unit, 3),
         in_unit(context.target->speed_mps, unit, 3),
         probability_text(context.decision->probability), level_text(context.decision->level));
+    const bool alone = context.witnesses.empty() && context.profile.speed_source == "position";
+    const auto beginning = [&](const char* by_positions, const char* with_witness) {
+        return std::string(alone ? by_positions : with_witness) + figures;
+    };
     switch (outcome) {
         case Outcome::beaten:
-            return "The speed reaches the target beyond its uncertainty: " + figures;
+            return beginning(
+                       "By positions alone, the speed reaches the target beyond its uncertainty: ",
+                       "The speed reaches the target beyond its uncertainty: ") +
+                   drift_words(*context.decision, context);
         case Outcome::not_beaten:
-            return "The speed is below the target beyond its uncertainty: " + figures;
+            return beginning(
+                "By positions alone, the speed is below the target beyond its uncertainty: ",
+                "The speed is below the target beyond its uncertainty: ");
         case Outcome::not_proven:
-            return "The target lies within the uncertainty of the speed: " + figures;
+            return beginning(
+                "By positions alone, the target lies within the uncertainty of the speed: ",
+                "The target lies within the uncertainty of the speed: ");
     }
     return figures;
+}
+
+/// Why a speed below the target does not say that the record was not beaten; empty where it does.
+std::string refused_but_fast_enough(const ClauseContext& context) {
+    const auto& indicated = context.windows.indicated;
+    if (!indicated || indicated->refusals.empty()) return {};
+    const double shown_mps = indicated->mean_mps.value_or(indicated->speed_mps);
+    if (shown_mps < context.target->speed_mps) return {};
+    const std::string& unit = context.record->unit;
+    return fmt::format(
+        "The recording shows {} {:.3f} s after its first epoch, at or above the {} to reach, in a "
+        "window that cannot be certified (it holds {}): what can be certified, {}, does not say "
+        "that the record was not beaten.",
+        in_unit(shown_mps, unit, 3), indicated->span.start.seconds(),
+        in_unit(context.target->speed_mps, unit, 3), fmt::join(indicated->refusals, ", "),
+        in_unit(context.speed->speed_mps, unit, 3));
 }
 
 void set_outcome(const ClauseContext& context, ProfileVerdict& verdict) {
@@ -139,7 +180,13 @@ void set_outcome(const ClauseContext& context, ProfileVerdict& verdict) {
         verdict.outcome = "not_proven";
         verdict.reason = "The attempt names no record to beat.";
     } else {
-        const Outcome outcome = decide(context.decision->probability, context.decision->level);
+        const Outcome outcome = decide(*context.speed, *context.target, context.decision->level);
+        if (outcome == Outcome::not_beaten)
+            if (std::string doubt = refused_but_fast_enough(context); !doubt.empty()) {
+                verdict.outcome = "not_certifiable";
+                verdict.reason = std::move(doubt);
+                return;
+            }
         verdict.outcome = to_text(outcome);
         verdict.reason = reason_of(context, outcome);
         verdict.decision->risk = decision_risk(*context.speed, *context.target, outcome);
@@ -166,6 +213,7 @@ void set_figures(const ClauseContext& context, ProfileVerdict& verdict) {
     if (context.profile.subtract_current && context.speed)
         verdict.current_subtracted_mps = context.current->along_mps;
     verdict.decision = context.decision;
+    verdict.witnesses = context.witnesses;
     verdict.shown = shown_figures(context);
     verdict.notes = notes_of(context);
     verdict.course = course_figures(context);
@@ -193,6 +241,10 @@ ProfileVerdict judge(const CheckInput& input, const Profile& profile) {
     verdict.definition = profile.definition;
     for (const Clause& clause : profile.clauses)
         verdict.requirements.push_back(decide_clause(clause, context));
+    for (const Clause& clause : own_clauses())
+        if (std::ranges::find(profile.clauses, clause.decided_by, &Clause::decided_by) ==
+            profile.clauses.end())
+            verdict.requirements.push_back(decide_clause(clause, context));
     set_figures(context, verdict);
     set_outcome(context, verdict);
     return verdict;

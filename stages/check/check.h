@@ -21,6 +21,9 @@ struct ReceiverEvidence {
     std::string receiver;
     RecordingFacts facts;
     std::string accuracy_source;
+    std::string format = {};           ///< of the recording
+    std::string time_origin = {};      ///< what its time stamps are, in words
+    std::string solution_source = {};  ///< who says the kind of solution
     RecordCount records = {};
     ScreeningSummary screening;
     std::optional<ScreeningEvidence> tests;  ///< absent for tables of revision 1.1 and before
@@ -60,11 +63,15 @@ struct CheckInput {
 
 /// Every requirement of each profile, met, not met or for a person to attest, and the outcome.
 ///
+/// Beside a profile's clauses those of the program itself (`own_clauses`).
+///
 /// not_certifiable if a requirement that the data decide, other than the margin, is not met, if
 /// there is no certifiable window, if more than 1 % of the recording's records, or one inside the
 /// window, could not be read, if the rule subtracts the current and it is not known, or if a robust
 /// estimate, or the lack of one, the second receiver or a declared second method contradicts its
-/// speed; else by `decide` against the record, not_proven without one. Figures are rounded, for
+/// speed; else by `decide` against the record, not_proven without one. A speed below the record's is
+/// not_certifiable too where a window that was refused shows one that reaches it: not_beaten is
+/// never said from what was thrown away. Figures are rounded, for
 /// people, after that. The header is the caller's.
 Verdict check(const CheckInput& input);
 

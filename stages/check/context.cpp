@@ -96,7 +96,8 @@ void set_speed(ClauseContext& context) {
     if (!figure) return;
     SpeedPosterior speed{.speed_mps = figure->speed_mps,
                          .standard_uncertainty_mps = figure->standard_uncertainty_mps,
-                         .degrees_of_freedom = figure->effective_degrees_of_freedom};
+                         .degrees_of_freedom = figure->effective_degrees_of_freedom,
+                         .bias_limit_mps = figure->bias_limit_mps};
     if (context.profile.subtract_current) {
         if (!context.current || !context.current->missing.empty() || !context.course.facts) return;
         speed.speed_mps -= context.current->along_mps;
@@ -106,8 +107,22 @@ void set_speed(ClauseContext& context) {
     }
     context.coverage_factor =
         equivalent_coverage_factor(context.profile.coverage_factor, speed.degrees_of_freedom);
-    context.expanded_uncertainty_mps = context.coverage_factor * speed.standard_uncertainty_mps;
+    context.expanded_uncertainty_mps =
+        context.coverage_factor * speed.standard_uncertainty_mps + speed.bias_limit_mps;
     context.speed = speed;
+}
+
+/// The drift that the decision survives, and what screening finds of one in the window.
+void set_drift(ClauseContext& context) {
+    const double above_mps = context.speed->speed_mps - context.speed->bias_limit_mps -
+                             context.target->speed_mps;
+    if (above_mps > 0.0)
+        context.decision->drift_survived_m =
+            above_mps * context.windows.best->span.duration.seconds();
+    double found_mps = 0.0;
+    for (const ScreenedEpoch& row : context.input.judged.epochs_of(context.profile.id))
+        found_mps = std::max(found_mps, row.detectable.ramp_mps.value_or(0.0));
+    if (found_mps > 0.0) context.decision->drift_found_mps = found_mps;
 }
 
 void set_decision(ClauseContext& context) {
@@ -115,12 +130,19 @@ void set_decision(ClauseContext& context) {
     if (context.record == nullptr) return;
     context.target = target_over(context.profile, *context.record);
     if (!context.speed) return;
-    const double level = context.profile.decision_probability;
+    // Of many attempts the luckiest is put forward: each is judged so that together they are wrong
+    // no more often than one alone (Bonferroni).
+    const std::int64_t attempts = context.input.attempt.attempts_made;
+    const double level =
+        1.0 - (1.0 - context.profile.decision_probability) / static_cast<double>(attempts);
     context.decision =
         Decision{.probability = conformance_probability(*context.speed, *context.target),
                  .level = level,
                  .target_standard_uncertainty_mps = context.target->standard_uncertainty_mps,
-                 .acceptance_limit_mps = acceptance_limit(*context.speed, *context.target, level)};
+                 .acceptance_limit_mps = acceptance_limit(*context.speed, *context.target, level),
+                 .attempts_made = attempts,
+                 .bias_limit_mps = context.speed->bias_limit_mps};
+    set_drift(context);
 }
 
 void set_second_methods(ClauseContext& context) {
@@ -137,10 +159,61 @@ void set_second_methods(ClauseContext& context) {
     if (input.attempt.secondary_method)
         context.declared =
             compare_declared({.speed_mps = best.speed_mps,
-                              .standard_uncertainty_mps = best.standard_uncertainty_mps,
+                              .standard_uncertainty_mps = best.own_standard_uncertainty_mps.value_or(
+                                  best.standard_uncertainty_mps),
                               .span = best.span,
                               .over_course = context.profile.window_kind == "course"},
                              *input.attempt.secondary_method, input.attempt.course);
+}
+
+/// What the recorded velocities say of the window, where all its epochs have one: their mean over
+/// it, the delay behind the positions taken off, against the displacement over time.
+std::optional<std::string> velocity_witness(const ClauseContext& context) {
+    const ReceiverEvidence& judged = context.input.judged;
+    const auto& rows = judged.epochs_of(context.profile.id);
+    if (context.profile.dimension != "horizontal" || context.profile.speed_source != "position" ||
+        rows.size() < 2 || !judged.tests || !judged.tests->velocity)
+        return std::nullopt;
+    Eigen::Vector2d path = Eigen::Vector2d::Zero();
+    std::optional<Eigen::Vector2d> before;
+    std::optional<Eigen::Vector2d> first;
+    double before_s = 0.0;
+    for (const ScreenedEpoch& row : rows) {
+        if (!row.recorded_velocity_east_mps || !row.recorded_velocity_north_mps)
+            return std::nullopt;
+        const Eigen::Vector2d velocity(*row.recorded_velocity_east_mps,
+                                       *row.recorded_velocity_north_mps);
+        const double time_s = row.time.seconds();
+        if (before) path += 0.5 * (time_s - before_s) * (*before + velocity);
+        if (!first) first = velocity;
+        before = velocity;
+        before_s = time_s;
+    }
+    const double duration_s = before_s - rows.front().time.seconds();
+    const VelocityEvidence& velocity = *judged.tests->velocity;
+    path += velocity.delay_s.value_or(0.0) * (*before - *first);
+    const double other_mps = path.norm() / duration_s;
+    const CertifiableWindow& best = *context.windows.best;
+    const double difference_mps = other_mps - best.definitions.displacement_mps;
+    const double allowed_mps = 2.0 * best.standard_uncertainty_mps + velocity.scale_mps;
+    if (std::abs(difference_mps) > allowed_mps) return std::nullopt;
+    return fmt::format(
+        "the recorded velocities give {:.3f} km/h over the window, {:+.3f} km/h against the "
+        "positions (displacement over time)",
+        other_mps * 3.6, difference_mps * 3.6);
+}
+
+/// What else than the positions speaks for the window.
+void set_witnesses(ClauseContext& context) {
+    if (auto words = velocity_witness(context)) context.witnesses.push_back(std::move(*words));
+    if (context.agreement && context.agreement->agrees())
+        context.witnesses.push_back(
+            fmt::format("receiver \"{}\" gives {:.3f} km/h over the same time",
+                        context.input.secondary->receiver, context.agreement->other_mps * 3.6));
+    if (context.declared && context.declared->agrees())
+        context.witnesses.push_back(fmt::format("the second method ({}) gives {:.3f} km/h",
+                                                context.declared->method,
+                                                context.declared->other_mps * 3.6));
 }
 
 }  // namespace
@@ -179,6 +252,7 @@ ClauseContext gather_context(const CheckInput& input, const Profile& profile,
         context.wind = flow_of(input.wind, FlowKind::wind, *best, context.course);
         context.current = flow_of(input.current, FlowKind::current, *best, context.course);
         set_second_methods(context);
+        set_witnesses(context);
     } else {
         context.course.missing = "there is no certifiable window";
     }

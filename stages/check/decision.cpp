@@ -34,9 +34,16 @@ struct Difference {
     std::optional<double> degrees_of_freedom = std::nullopt;
 };
 
-Difference difference(const SpeedPosterior& posterior, const Threshold& threshold) {
+/// Which place in the range of the bias.
+enum class Bias { lowest, none, highest };
+
+Difference difference(const SpeedPosterior& posterior, const Threshold& threshold, Bias bias) {
     require_finite(posterior.speed_mps, "speed (m/s)");
     require_finite(threshold.speed_mps, "speed to reach (m/s)");
+    require_finite(posterior.bias_limit_mps, "limit of the bias (m/s)");
+    if (posterior.bias_limit_mps < 0.0)
+        fail(fmt::format("the limit of the bias {} m/s is negative", posterior.bias_limit_mps),
+             "Give what a systematic error is at most");
     const std::array<InputQuantity, 2> inputs{
         InputQuantity{.standard_uncertainty = posterior.standard_uncertainty_mps,
                       .sensitivity = 1.0,
@@ -44,7 +51,10 @@ Difference difference(const SpeedPosterior& posterior, const Threshold& threshol
         InputQuantity{.standard_uncertainty = threshold.standard_uncertainty_mps,
                       .sensitivity = -1.0}};
     const CombinedUncertainty combined = combine(inputs);
-    const double location_mps = posterior.speed_mps - threshold.speed_mps;
+    const double by_bias = bias == Bias::lowest    ? -posterior.bias_limit_mps
+                           : bias == Bias::highest ? posterior.bias_limit_mps
+                                                   : 0.0;
+    const double location_mps = posterior.speed_mps - threshold.speed_mps + by_bias;
     const bool equal = std::abs(location_mps) <= kBinaryNoise * std::abs(threshold.speed_mps);
     return {.location_mps = equal ? 0.0 : location_mps,
             .scale_mps = combined.standard_uncertainty,
@@ -65,13 +75,13 @@ double probability_below_zero(const Difference& d) {
 }  // namespace
 
 double conformance_probability(const SpeedPosterior& posterior, const Threshold& threshold) {
-    return probability_not_below_zero(difference(posterior, threshold));
+    return probability_not_below_zero(difference(posterior, threshold, Bias::lowest));
 }
 
 double conformance_probability(const SpeedPosterior& posterior, double lower_mps,
                                double upper_mps) {
-    const Difference above_lower = difference(posterior, {.speed_mps = lower_mps});
-    const Difference above_upper = difference(posterior, {.speed_mps = upper_mps});
+    const Difference above_lower = difference(posterior, {.speed_mps = lower_mps}, Bias::none);
+    const Difference above_upper = difference(posterior, {.speed_mps = upper_mps}, Bias::none);
     if (!(lower_mps <= upper_mps))
         fail(fmt::format("the lower limit {} is above the upper limit {}", lower_mps, upper_mps),
              "Exchange them");
@@ -92,18 +102,28 @@ Outcome decide(double probability, double level) {
     return probability <= 1.0 - level ? Outcome::not_beaten : Outcome::not_proven;
 }
 
+Outcome decide(const SpeedPosterior& posterior, const Threshold& threshold, double level) {
+    const auto with = [&](Bias bias) {
+        return decide(probability_not_below_zero(difference(posterior, threshold, bias)), level);
+    };
+    if (with(Bias::lowest) == Outcome::beaten) return Outcome::beaten;
+    return with(Bias::highest) == Outcome::not_beaten ? Outcome::not_beaten : Outcome::not_proven;
+}
+
 double acceptance_limit(const SpeedPosterior& posterior, const Threshold& threshold, double level) {
     require_level(level);
-    const Difference d = difference(posterior, threshold);
-    if (d.scale_mps == 0.0) return threshold.speed_mps;
+    const Difference d = difference(posterior, threshold, Bias::none);
+    const double unbiased_mps = threshold.speed_mps + posterior.bias_limit_mps;
+    if (d.scale_mps == 0.0) return unbiased_mps;
     // By symmetry the upper quantile, from the tail, which keeps its digits.
-    return threshold.speed_mps -
+    return unbiased_mps -
            student_t_quantile(1.0 - level, d.degrees_of_freedom) * d.scale_mps;
 }
 
 double decision_risk(const SpeedPosterior& posterior, const Threshold& threshold, Outcome outcome) {
-    const Difference d = difference(posterior, threshold);
-    return outcome == Outcome::beaten ? probability_below_zero(d) : probability_not_below_zero(d);
+    return outcome == Outcome::beaten
+               ? probability_below_zero(difference(posterior, threshold, Bias::lowest))
+               : probability_not_below_zero(difference(posterior, threshold, Bias::highest));
 }
 
 std::string to_text(Outcome outcome) {

@@ -13,9 +13,13 @@ struct SpeedPosterior {
     double speed_mps = 0.0;
     double standard_uncertainty_mps = 0.0;
     std::optional<double> degrees_of_freedom = std::nullopt;
+    /// A systematic error either way is at most this: it moves the location, and whichever place in
+    /// that range is the least favourable to a decision is the one that it is taken at.
+    double bias_limit_mps = 0.0;
 };
 
-/// P(speed >= threshold): Phi((y - T) / u) in the normal case ([JCGM106] 7.3).
+/// P(speed >= threshold): Phi((y - T) / u) in the normal case ([JCGM106] 7.3), y being the lowest
+/// place that the bias allows.
 ///
 /// The threshold's own uncertainty is independent and normal; it is combined with the speed's, and
 /// Student's t of the combination has the degrees of freedom of Welch and Satterthwaite ([GUM]
@@ -28,8 +32,8 @@ struct SpeedPosterior {
 /// degrees of freedom not above 0.
 double conformance_probability(const SpeedPosterior& posterior, const Threshold& threshold);
 
-/// P(lower <= speed <= upper) ([JCGM106] 7.4), both limits known exactly. Failure as above, or
-/// where lower > upper.
+/// P(lower <= speed <= upper) ([JCGM106] 7.4), both limits known exactly, without a bias. Failure as
+/// above, or where lower > upper.
 double conformance_probability(const SpeedPosterior& posterior, double lower_mps, double upper_mps);
 
 enum class Outcome { beaten, not_beaten, not_proven };
@@ -39,9 +43,12 @@ enum class Outcome { beaten, not_beaten, not_proven };
 /// "decision") unless 0 <= probability <= 1 and 0.5 < level < 1.
 Outcome decide(double probability, double level);
 
+/// The same of a speed: beaten with the bias at its lowest, not beaten with it at its highest.
+Outcome decide(const SpeedPosterior& posterior, const Threshold& threshold, double level);
+
 /// The smallest speed (m/s) that would be accepted with this uncertainty: the threshold and a guard
 /// band of the one-sided quantile at `level` times the combined standard uncertainty ([JCGM106]
-/// 8.3). The posterior's speed has no part in it. Failure as above.
+/// 8.3), and the bias's limit. The posterior's speed has no part in it. Failure as above.
 double acceptance_limit(const SpeedPosterior& posterior, const Threshold& threshold, double level);
 
 /// Probability that the decision is wrong for this speed ([JCGM106] 9, specific risks): that a

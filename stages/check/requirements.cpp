@@ -171,7 +171,9 @@ Finding by_receiver(const ClauseContext& context) {
             fmt::format(
                 "receiver \"{}\" gives {:.3f} km/h over the same {:.3f} s, {:+.3f} km/h "
                 "against the primary one (displacement over time); normalised error "
-                "{:.2f}, at most 1",
+                "{:.2f}, at most 1, with what the two do not share: noise, each receiver's own "
+                "slow error, antenna. They share base station, satellites, atmosphere, frame and "
+                "time scale",
                 receiver, agreement.other_mps * 3.6, context.windows.best->span.duration.seconds(),
                 (agreement.other_mps - agreement.judged_mps) * 3.6, agreement.normalised_error),
             {{.name = "normalised error of receiver " + receiver,
@@ -224,6 +226,7 @@ Requirement decide_clause(const Clause& clause, const ClauseContext& context) {
         {"attest", attest}};
     std::optional<Finding> finding = course_finding(clause, context);
     if (!finding) finding = recording_finding(clause, context);
+    if (!finding) finding = origin_finding(clause, context);
     if (!finding) {
         const auto computation = computations.find(clause.decided_by);
         if (computation == computations.end())

@@ -31,6 +31,7 @@ struct ClauseContext {
     std::optional<Threshold> target = std::nullopt;
     std::optional<Decision> decision = std::nullopt;
     CourseEvidence course = {};
+    std::vector<std::string> witnesses = {};  ///< of the window, beside its positions, in words
     std::optional<FlowInWindow> wind = std::nullopt;
     std::optional<FlowInWindow> current = std::nullopt;
 };
@@ -50,6 +51,10 @@ Requirement decide_clause(const Clause& clause, const ClauseContext& context);
 /// the clause's limit where it has one. Empty for another name.
 std::optional<Finding> course_finding(const Clause& clause, const ClauseContext& context);
 std::optional<Finding> recording_finding(const Clause& clause, const ClauseContext& context);
+
+/// The computations of the program's own requirements: where times, kinds of solution and positions
+/// come from. Empty for another name.
+std::optional<Finding> origin_finding(const Clause& clause, const ClauseContext& context);
 
 /// "232.172 km/h".
 std::string in_unit(double speed_mps, const std::string& unit, int decimals);

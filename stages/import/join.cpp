@@ -124,6 +124,8 @@ Observations join(std::vector<Observations> parts, const std::vector<RecordingBy
                      .frame = first.frame,
                      .time_scale = first.time_scale,
                      .accuracy_source = first.accuracy_source,
+                     .time_origin = first.time_origin,
+                     .solution_source = first.solution_source,
                      .records = {},
                      .notes = {},
                      .rows = {}};
@@ -137,6 +139,7 @@ Observations join(std::vector<Observations> parts, const std::vector<RecordingBy
             coarser(all.facts.position_resolution_m, part.facts.position_resolution_m);
         all.facts.time_resolution_s =
             coarser(all.facts.time_resolution_s, part.facts.time_resolution_s);
+        if (part.solution_source != all.solution_source) all.solution_source = "partly";
         if (part.accuracy_source == "none" || all.accuracy_source == "none")
             all.accuracy_source = "none";
         append(all, part, static_cast<std::int8_t>(i + 1));

@@ -7,6 +7,7 @@
 #include "files/atomic_file.h"
 #include "run/evidence.h"
 #include "run/stage_main.h"
+#include "stages/import/claims.h"
 #include "stages/import/gpsbabel_convert.h"
 #include "stages/import/import.h"
 #include "stages/import/inspect.h"
@@ -46,9 +47,15 @@ Observations read_recording(const Receiver& receiver, const RecordingBytes& reco
     const bool asked = receiver.format == "gpsbabel";
     const bool known_to_it = !is_read_by_itself(receiver, recording) &&
                              gpsbabel::recognises(recording.bytes.substr(0, recognised_by));
-    if (!asked && !known_to_it) return import_recording(receiver, recording);
-    const std::string type = gpsbabel::type_of(receiver, recording);
-    return gpsbabel::read_converted(receiver, recording, type, gpsbabel::convert(type, recording));
+    const auto converted = [&] {
+        const std::string type = gpsbabel::type_of(receiver, recording);
+        return gpsbabel::read_converted(receiver, recording, type,
+                                        gpsbabel::convert(type, recording));
+    };
+    Observations observations =
+        asked || known_to_it ? converted() : import_recording(receiver, recording);
+    note_origins(receiver, observations);
+    return observations;
 }
 
 /// Solves a RINEX recording, and keeps what the solution consists of.
@@ -66,6 +73,7 @@ Observations import_rinex(StageRun& run, const Receiver& receiver, const OpenFil
     const bool forward = receiver.solution_pass == "forward";
     Observations observations =
         rinex::read(receiver, solution, forward ? names[1].name : names[2].name);
+    note_origins(receiver, observations);
     const std::string* texts[] = {&solution.configuration, &solution.forward, &solution.backward};
     for (std::size_t i = 0; i < names.size(); ++i) {
         run.note_input(names[i].role, names[i].name, *texts[i]);
@@ -95,8 +103,10 @@ RowByRow read_receiver(StageRun& run, const Receiver& receiver, const OpenFiles&
         throw Failure(receiver.place, "base and navigation are of use with RINEX alone",
                       "Take them out, or name the rover's RINEX file as the recording");
     if (recordings.size() == 1)
-        if (auto by_row = import_row_by_row(receiver, recordings.front()))
+        if (auto by_row = import_row_by_row(receiver, recordings.front())) {
+            note_origins_of_head(receiver, by_row->head);
             return *std::move(by_row);
+        }
     return held(import_recordings(receiver, recordings, read_recording));
 }
 

@@ -8,6 +8,7 @@
 #include "core/parallel.h"
 #include "stages/screen/baseline.h"
 #include "stages/screen/decisions.h"
+#include "stages/screen/device_signs.h"
 #include "stages/screen/epoch_checks.h"
 #include "stages/screen/evidence.h"
 #include "stages/screen/innovation_test.h"
@@ -177,6 +178,8 @@ ReceiverScreening screen_alone(const EnuTable& table, const ScreenConfig& config
     evidence.time = examine_time(screened.rows, {.nominal_interval_s = nominal_interval_s,
                                                  .gap_factor = config.gap_factor,
                                                  .session_gap_s = config.session_gap_s});
+    evidence.device = find_device_signs(screened.rows, nominal_interval_s,
+                                        table.facts.position_resolution_m.value_or(0.0));
     finish_arcs(screened.rows, config.burst_epochs_max, config.min_arc_epochs);
     ScreeningNoises noises;
     {

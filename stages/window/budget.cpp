@@ -42,39 +42,47 @@ std::optional<double> degrees_of(const NoiseParameter& parameter) {
                : std::nullopt;
 }
 
+/// The largest one that the window's epochs were estimated with.
+double largest_jerk_density(const BudgetInput& input) {
+    double largest = 0.0;
+    for (std::size_t i = input.first_row; i <= input.last_row; ++i) {
+        const TrajectoryEpoch& row = input.trajectory.rows[i];
+        largest = std::max(largest, (input.vertical ? row.jerk_density_up : row.jerk_density)
+                                        .value_or(0.0));
+    }
+    return largest;
+}
+
 void add_position_rows(const BudgetInput& input, std::vector<BudgetRow>& rows) {
     const auto& estimation = input.trajectory.estimation;
     const NoiseSummary& fit = (input.vertical ? estimation.vertical : estimation.horizontal)->noise;
     const double scale = fit.measurement_scale.value;
-    const double stated_mps = input.noise.white_mps / std::max(1.0, scale);
-
-    BudgetRow white =
-        speed_row("w", "white noise of the positions, of the size stated", "A", stated_mps, joint,
-                  scale < 1.0 ? fmt::format("the data show {:.3f} times the stated size", scale)
-                              : std::string("joint covariance of the window's epochs"));
+    BudgetRow white = speed_row(
+        "w", "white noise of the positions", "A", input.noise.white_mps, joint,
+        fmt::format("{:.3f} times the stated standard deviations, as the data show", scale));
     white.degrees_of_freedom = degrees_of(fit.measurement_scale);
     rows.push_back(std::move(white));
 
-    BudgetRow optimism =
-        speed_row("s", "stated accuracy better than the data show", "A",
-                  std::sqrt(std::max(0.0, input.noise.white_mps * input.noise.white_mps -
-                                              stated_mps * stated_mps)),
-                  joint, fmt::format("scale of the stated standard deviations {:.3f}", scale));
-    optimism.degrees_of_freedom = degrees_of(fit.measurement_scale);
-    rows.push_back(std::move(optimism));
-
-    rows.push_back(speed_row(
-        "b", "slowly varying error of the positions", "B", input.noise.correlated_mps, joint,
+    const bool fitted = input.bound.decided_by == "fitted";
+    BudgetRow slow = speed_row(
+        "b", "slowly varying error of the positions", fitted ? "A" : "B",
+        input.noise.correlated_mps, joint,
         fmt::format("standard deviation {:.4f} m ({}), any correlation time from {:g} s "
                     "to {:g} s",
                     input.bound.sigma_m, input.bound.decided_by, input.bound.tau_min_s,
-                    input.bound.tau_max_s)));
+                    input.bound.tau_max_s));
+    if (fitted) slow.degrees_of_freedom = degrees_of(*fit.error_diffusion);
+    rows.push_back(std::move(slow));
 
     BudgetRow motion =
         speed_row("j", "motion of the craft between the measurements", "A", input.noise.motion_mps,
-                  joint, fmt::format("jerk density {:.4f} m s^-2.5", fit.jerk_density.value));
+                  joint, fmt::format("jerk density {:.4f} m s^-2.5 at the window",
+                                     largest_jerk_density(input)));
     motion.degrees_of_freedom = degrees_of(fit.jerk_density);
     rows.push_back(std::move(motion));
+    rows.push_back(bounded_row(
+        "o", "choice of the model of the motion", input.noise.model_mps, "m / s", 1.0,
+        "other jerk densities, and the measured positions at the window's ends without a model"));
 }
 
 /// The step of the time stamps: as the recording states it, else the largest power of ten of a
@@ -113,6 +121,23 @@ BudgetRow time_row(const BudgetInput& input) {
                               "cut off is the same at both ends")
                 : fmt::format("stamps are irregular, with a resolution of {:g} s", resolution_s));
     row.estimate = input.duration_s;
+    return row;
+}
+
+/// The rate of the clock that made the stamps. A clock that is the satellites' has none that counts
+/// over a window.
+BudgetRow clock_row(const BudgetInput& input) {
+    const std::string& source = input.trajectory.facts.time_source;
+    const bool unknown = source == "unknown";
+    BudgetRow row = bounded_row(
+        "k", "rate of the clock that made the time stamps",
+        unknown ? input.config.clock_rate_bound : 0.0, "1", -input.noise.speed.speed_mps,
+        source == "satellites" ? std::string("the satellites' time, as the format has it")
+        : source == "attempt"  ? std::string("the satellites' time, as the attempt states")
+                               : fmt::format("nobody states whose clock it is; bound by parameter "
+                                             "window.clock_rate_bound, {:g}",
+                                             input.config.clock_rate_bound));
+    row.estimate = 1.0;
     return row;
 }
 
@@ -212,18 +237,20 @@ BudgetRow undetected_row(const BudgetInput& input) {
                             "that could have been missed"));
 }
 
+/// The bias itself is no row: what may remain of it is added to the expanded uncertainty.
 BudgetRow selection_row(const BudgetInput& input) {
     const SelectionBias& selection = input.selection;
     const bool subtracted = selection.treatment == "subtracted";
     BudgetRow row = speed_row(
-        "f", "choice of the fastest of many windows", "A",
-        subtracted ? selection.bias_uncertainty_mps : std::max(0.0, selection.bias_mps),
+        "f", "choice of the fastest of many windows", "A", selection.bias_uncertainty_mps,
         independent,
-        fmt::format("bias {:.4f} m/s, {} could have been the fastest; {}", selection.bias_mps,
+        fmt::format("bias between {:.4f} m/s and {:.4f} m/s, {} could have been the fastest; {}",
+                    selection.fitted_bias_mps, selection.bounded_bias_mps,
                     selection.candidates == 1 ? std::string("no other window")
                                               : fmt::format("{} windows", selection.candidates),
-                    subtracted ? "subtracted from the speed"
-                               : "not subtracted: it stands here as an uncertainty"));
+                    subtracted ? "the middle is subtracted from the speed, half the difference "
+                                 "added to the expanded uncertainty"
+                               : "the larger is added to the expanded uncertainty"));
     row.estimate = subtracted ? selection.bias_mps : 0.0;
     row.sensitivity = subtracted ? -1.0 : 1.0;
     return row;
@@ -251,6 +278,7 @@ std::vector<BudgetRow> budget_of(const BudgetInput& input) {
     std::vector<BudgetRow> rows;
     add_position_rows(input, rows);
     rows.push_back(time_row(input));
+    rows.push_back(clock_row(input));
     rows.push_back(resolution_row(input));
     rows.push_back(frame_row(input));
     if (input.length) rows.push_back(length_row(*input.length, input.duration_s));
@@ -258,6 +286,15 @@ std::vector<BudgetRow> budget_of(const BudgetInput& input) {
     rows.push_back(undetected_row(input));
     rows.push_back(selection_row(input));
     return rows;
+}
+
+double own_uncertainty(const PositionNoise& noise, const std::vector<BudgetRow>& rows) {
+    constexpr std::string_view own_rows = "wjotra";
+    double square = noise.own_correlated_mps * noise.own_correlated_mps;
+    for (const BudgetRow& row : rows)
+        if (row.symbol.size() == 1 && own_rows.find(row.symbol) != std::string_view::npos)
+            square += row.contribution_mps * row.contribution_mps;
+    return std::sqrt(square);
 }
 
 CombinedUncertainty combine(const std::vector<BudgetRow>& rows) {

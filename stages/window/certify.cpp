@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "arcs/noise_models.h"
 #include "core/failure.h"
@@ -92,13 +93,20 @@ MethodMeans methods_of(const AxesEvidence<Axes>& evidence, const FoundWindow& fo
 
 template <int Axes>
 SelectionBias selection_of(const AxesEvidence<Axes>& evidence, const WindowChoice& choice,
-                           double search_uncertainty_mps,
+                           const ErrorBound& bound, double search_uncertainty_mps,
                            double stated_mps) {
-    const double least_mps = choice.found.speed_mps - selection_width * search_uncertainty_mps;
+    const double duration_s = choice.found.end.seconds() - choice.found.start.seconds();
+    const double slow_mps = std::numbers::sqrt2 * bound.sigma_m / duration_s;
+    const double least_mps = choice.found.speed_mps -
+                             selection_width * std::hypot(search_uncertainty_mps, slow_mps);
     const bool by_path =
         choice.profile.definition != "displacement" && choice.profile.definition != "elapsed_time";
     SelectionBias selection = selection_bias<Axes>(
-        clusters_of(evidence, choice, least_mps), {evidence.model, evidence.model, by_path}, stated_mps,
+        clusters_of(evidence, choice, least_mps), SelectionModels{.estimated = evidence.model,
+                        .by_path = by_path,
+                        .bound_m = bound.sigma_m,
+                        .tau_min_s = bound.tau_min_s,
+                        .tau_max_s = bound.tau_max_s}, stated_mps,
         evidence.config.selection_samples, evidence.config.seed);
     selection.treatment =
         choice.profile.uncertainty.subtract_selection_bias ? "subtracted" : "covered";
@@ -123,16 +131,27 @@ void correct_for_curvature(const AxesEvidence<1>& evidence, const FoundWindow& f
     SpeedDefinitions& all = window.definitions;
     for (double* const speed_mps :
          {&noise.speed.speed_mps, &window.fitted->speed_mps, &all.displacement_mps,
-          &all.path_length_mps, &all.mean_n_plus_1_mps, &all.mean_n_mps})
+          &all.path_length_mps, &all.mean_n_plus_1_mps, &all.mean_n_mps,
+          &window.estimates->stiffer_mps, &window.estimates->softer_mps,
+          &window.estimates->whole_mps})
         *speed_mps += correction_mps;
+    if (window.estimates->chord_mps) *window.estimates->chord_mps += correction_mps;
 }
 
+/// The bound on slow errors, those along the window's direction allowed for.
 template <int Axes>
-ErrorBound bound_of(const AxesEvidence<Axes>& evidence, const WindowChoice& choice) {
+ErrorBound bound_of(const AxesEvidence<Axes>& evidence, const WindowChoice& choice,
+                    const EstimatedWindow<Axes>& at, const WindowStretch<Axes>& stretch) {
     const Arc<Axes>& arc = evidence.arcs[choice.found.series];
+    double along = 1.0;
+    if constexpr (Axes == 2) {
+        const Eigen::Vector2d moved = displacement(at.smoothed, at.window.first, at.window.last);
+        if (evidence.noise.error_told && moved.norm() > 0.0)
+            along = error_along(stretch.epochs, evidence.model, moved.normalized());
+    }
     return error_bound<Axes>(evidence.screened, arc.rows[choice.found.first],
                              arc.rows[choice.found.last], evidence.noise,
-                             choice.profile.uncertainty);
+                             choice.profile.uncertainty, along);
 }
 
 /// The speed as estimated with the bounded error, and the bound itself.
@@ -170,6 +189,7 @@ void set_budget(const AxesEvidence<Axes>& evidence, const WindowChoice& choice,
     window.standard_uncertainty_mps = combined.standard_uncertainty;
     window.effective_degrees_of_freedom = combined.effective_degrees_of_freedom;
     window.monte_carlo = monte_carlo(input, window.budget, window.speed_mps);
+    window.own_standard_uncertainty_mps = own_uncertainty(noise, window.budget);
 }
 
 /// Position and time of the window.
@@ -249,15 +269,17 @@ CertifiableWindow certified(const AxesEvidence<Axes>& evidence, const WindowChoi
     window.repaired_steps =
         std::ssize(smoothed.bridged_between(part.window.first, part.window.last));
 
-    const ErrorBound bound = bound_of(evidence, choice);
     const EstimatedWindow<Axes> estimated{.epochs = at.arc.epochs,
                                           .smoothed = smoothed_at,
                                           .model = evidence.model,
                                           .window = at.window,
                                           .duration_s = stretch.duration_s};
+    const ErrorBound bound = bound_of(evidence, choice, estimated, stretch);
     const SpeedWeights<Axes> weights = speed_weights(estimated, choice.quantity);
     PositionNoise noise = position_noise(estimated, choice.quantity, weights,
-                                         bounding_error(evidence.noise, bound));
+                                         bounding_error(evidence.noise, bound), bound);
+    window.estimates = other_estimates(estimated, choice.quantity, weights, noise);
+    noise.model_mps = window.estimates->half_width_mps;
     if constexpr (Axes == 1) correct_for_curvature(evidence, found, noise, window);
     set_bound(bound, noise, window);
     window.position_r95_m = position_r95_m(smoothed, part.window, bound);
@@ -269,10 +291,15 @@ CertifiableWindow certified(const AxesEvidence<Axes>& evidence, const WindowChoi
     }
     const SpeedEstimate searched =
         displacement_speed(smoothed_at, at.window.first, at.window.last, stretch.duration_s);
-    window.selection = selection_of(evidence, choice, searched.standard_uncertainty_mps,
+    window.selection = selection_of(evidence, choice, bound, searched.standard_uncertainty_mps,
                                     noise.speed.speed_mps);
-    if (choice.profile.uncertainty.subtract_selection_bias)
-        window.speed_mps -= window.selection->bias_mps;
+    const SelectionBias& selection = *window.selection;
+    if (choice.profile.uncertainty.subtract_selection_bias) {
+        window.speed_mps -= selection.bias_mps;
+        window.bias_limit_mps = selection.bias_half_range_mps;
+    } else {
+        window.bias_limit_mps = selection.bounded_bias_mps;
+    }
     set_budget(evidence, choice, noise, stretch.duration_s, window);
     return window;
 }

@@ -127,11 +127,18 @@ CertifiableWindow certified_by_velocity(const ScreenedTable& screened,
     window.budget.push_back(speed_row(
         "d", "undetected error", "B", 0.0, independent,
         "not quantified: screening tests positions; velocities are only compared with them"));
-    window.budget.push_back(speed_row(
-        "f", "choice of the fastest of many windows", "B", selection, independent,
-        fmt::format("{} that do not overlap could have been the fastest; the bound stands here as "
-                    "an uncertainty",
-                    rivals == 1 ? std::string("no others") : fmt::format("{} windows", rivals))));
+    window.bias_limit_mps = 0.5 * selection;
+    window.speed_mps -= window.bias_limit_mps;
+    BudgetRow row = speed_row(
+        "f", "choice of the fastest of many windows", "B", 0.0, independent,
+        fmt::format("{} that do not overlap could have been the fastest: a bias of at most {:.4f} "
+                    "m/s, half of which is subtracted from the speed and half added to the "
+                    "expanded uncertainty",
+                    rivals == 1 ? std::string("no others") : fmt::format("{} windows", rivals),
+                    selection));
+    row.estimate = window.bias_limit_mps;
+    row.sensitivity = -1.0;
+    window.budget.push_back(std::move(row));
     window.standard_uncertainty_mps = combine(window.budget).standard_uncertainty;
     return window;
 }

@@ -23,8 +23,10 @@ PositionVector<Axes> sampled_displacement(std::span<const ArcEpoch<Axes>> epochs
 
 template <int Axes>
 ErrorBound error_bound(const ScreenedTable& screened, std::size_t first_row, std::size_t last_row,
-                       const NoiseSummary& noise, const Profile::Uncertainty& rule) {
+                       const NoiseSummary& noise, const Profile::Uncertainty& rule,
+                       double along) {
     ErrorBound bound;
+    bound.along = along;
     bound.tau_min_s = rule.tau_min_s;
     bound.tau_max_s = rule.tau_max_s;
     double sum = 0.0;
@@ -45,7 +47,7 @@ ErrorBound error_bound(const ScreenedTable& screened, std::size_t first_row, std
     // cannot see.
     bound.stated_m = std::max(1.0, noise.white_scale) * std::sqrt(sum / static_cast<double>(count));
     if (noise.error_told)
-        bound.fitted_m = noise.error_diffusion->value * std::sqrt(0.5 * rule.tau_min_s);
+        bound.fitted_m = along * noise.error_diffusion->value * std::sqrt(0.5 * rule.tau_min_s);
     bound.sigma_m = std::max({bound.fitted_m, bound.stated_m, bound.floor_m});
     bound.decided_by = bound.sigma_m == bound.floor_m    ? "floor"
                        : bound.sigma_m == bound.stated_m ? "stated"
@@ -84,7 +86,8 @@ GaussMarkovError bounding_error(const NoiseSummary& noise, const ErrorBound& bou
         GaussMarkovError::bounding(bound.sigma_m, bound.tau_min_s, bound.tau_max_s);
     if (!noise.error_told) return error;
     return GaussMarkovError::larger(error, GaussMarkovError::bounding_diffusion(
-                                               noise.error_diffusion->value, bound.tau_max_s));
+                                               bound.along * noise.error_diffusion->value,
+                                               bound.tau_max_s));
 }
 
 template <int Axes>
@@ -104,7 +107,8 @@ SpeedWeights<Axes> speed_weights(const EstimatedWindow<Axes>& at, const SpeedQua
 
 template <int Axes>
 PositionNoise position_noise(const EstimatedWindow<Axes>& at, const SpeedQuantity& quantity,
-                             const SpeedWeights<Axes>& weights, const GaussMarkovError& bounding) {
+                             const SpeedWeights<Axes>& weights, const GaussMarkovError& bounding,
+                             const ErrorBound& bound) {
     PositionNoise noise;
     const double white = weighted_variance<Axes>(at.epochs, at.model.measurement_scale, weights);
     const double correlated = weighted_variance<Axes>(at.epochs, bounding, weights);
@@ -118,12 +122,108 @@ PositionNoise position_noise(const EstimatedWindow<Axes>& at, const SpeedQuantit
         motion = noise.speed.standard_uncertainty_mps * noise.speed.standard_uncertainty_mps -
                  white - weighted_variance<Axes>(at.epochs, at.model.error, weights);
     }
+    constexpr int times = 8;
+    double own_correlated = 0.0;
+    for (int i = 0; i < times; ++i) {
+        const double tau_s = bound.tau_min_s * std::pow(bound.tau_max_s / bound.tau_min_s,
+                                                        static_cast<double>(i) / (times - 1));
+        own_correlated = std::max(
+            own_correlated,
+            weighted_variance<Axes>(at.epochs, GaussMarkovError::steady(bound.sigma_m, tau_s),
+                                    weights));
+    }
+    noise.own_correlated_mps = std::sqrt(own_correlated);
     noise.white_mps = std::sqrt(white);
     noise.correlated_mps = std::sqrt(correlated);
     noise.motion_mps = std::sqrt(std::max(motion, 0.0));
     noise.speed.standard_uncertainty_mps =
         std::sqrt(white + correlated + noise.motion_mps * noise.motion_mps);
     return noise;
+}
+
+double error_along(std::span<const ArcEpoch<2>> epochs, const EstimationModel& model,
+                   const Eigen::Vector2d& direction) {
+    constexpr int sizes = 6;
+    std::vector<ArcEpoch<1>> along;
+    along.reserve(epochs.size());
+    for (const ArcEpoch<2>& epoch : epochs) {
+        ArcEpoch<1>& one = along.emplace_back();
+        one.time_s = epoch.time_s;
+        one.step_before = epoch.step_before;
+        one.jerk_factor = epoch.jerk_factor;
+        if (!epoch.measurement) continue;
+        one.measurement.emplace();
+        one.measurement->position(0) = direction.dot(epoch.measurement->position);
+        one.measurement->covariance(0, 0) =
+            direction.dot(epoch.measurement->covariance * direction);
+    }
+    std::vector<EstimationModel> models;
+    std::vector<double> factors;
+    for (int i = 0; i < sizes; ++i) {
+        factors.push_back(std::sqrt(1.0 + static_cast<double>(i) / (sizes - 1)));
+        EstimationModel& one = models.emplace_back(model);
+        one.error.process_density *= factors.back();
+        one.error.initial_sigma_m *= factors.back();
+    }
+    const std::span<const ArcEpoch<1>> arc(along);
+    const auto sums = innovation_sums_of<1>({&arc, 1}, models);
+    const auto best = std::ranges::max_element(
+        sums, {}, [](const InnovationSums& one) { return one.log_likelihood(); });
+    return factors[static_cast<std::size_t>(best - sums.begin())];
+}
+
+namespace {
+
+template <int Axes>
+double speed_with(const EstimatedWindow<Axes>& at, const SpeedQuantity& quantity,
+                  std::span<const ArcEpoch<Axes>> epochs, double density_factor) {
+    EstimationModel model = at.model;
+    model.motion.jerk_density *= density_factor;
+    return speed_by_definition(smooth<Axes>(epochs, model), at.window, at.duration_s, quantity)
+        .speed_mps;
+}
+
+/// Whether the window begins and ends at measured epochs without a bridged step between.
+template <int Axes>
+bool has_chord(const EstimatedWindow<Axes>& at, const SpeedQuantity& quantity) {
+    const auto [first, last] = at.window;
+    return quantity.definition == "displacement" && at.epochs[first].measurement &&
+           at.epochs[last].measurement && at.smoothed.bridged_between(first, last).empty();
+}
+
+}  // namespace
+
+template <int Axes>
+OtherEstimates other_estimates(const EstimatedWindow<Axes>& at, const SpeedQuantity& quantity,
+                               const SpeedWeights<Axes>& weights, const PositionNoise& noise) {
+    constexpr double factor = 3.1622776601683795;  // sqrt(10)
+    constexpr double coverage = 2.0;
+    std::vector<ArcEpoch<Axes>> of_whole(at.epochs.begin(), at.epochs.end());
+    for (ArcEpoch<Axes>& epoch : of_whole)
+        epoch.jerk_factor = 1.0;
+    OtherEstimates other{.stiffer_mps = speed_with(at, quantity, at.epochs, 1.0 / factor),
+                         .softer_mps = speed_with(at, quantity, at.epochs, factor),
+                         .whole_mps = speed_with<Axes>(at, quantity, of_whole, 1.0)};
+    const double speed_mps = noise.speed.speed_mps;
+    if (quantity.of_samples) {  // no model is in the speed
+        other.stiffer_mps = other.softer_mps = speed_mps;
+        return other;
+    }
+    other.half_width_mps = std::max(std::abs(other.stiffer_mps - speed_mps),
+                                    std::abs(other.softer_mps - speed_mps));
+    if (!has_chord(at, quantity)) return other;
+    SpeedQuantity of_samples = quantity;
+    of_samples.of_samples = true;
+    SpeedWeights<Axes> difference = speed_weights(at, of_samples);
+    for (std::size_t k = 0; k < difference.size(); ++k)
+        difference[k] -= weights[k];
+    other.chord_mps = sampled_displacement(at.epochs, at.window).norm() / at.duration_s;
+    other.chord_difference_uncertainty_mps =
+        std::sqrt(weighted_variance<Axes>(at.epochs, at.model.measurement_scale, difference));
+    other.half_width_mps =
+        std::max(other.half_width_mps, std::abs(*other.chord_mps - speed_mps) -
+                                           coverage * *other.chord_difference_uncertainty_mps);
+    return other;
 }
 
 template <int Axes>
@@ -153,12 +253,17 @@ template double position_r95_m<1>(const SmoothedArc<1>&, EpochPair, const ErrorB
 template double position_r95_m<2>(const SmoothedArc<2>&, EpochPair, const ErrorBound&);
 #define RUNCERT_INSTANTIATE(AXES)                                                              \
     template ErrorBound error_bound<AXES>(const ScreenedTable&, std::size_t, std::size_t,      \
-                                          const NoiseSummary&, const Profile::Uncertainty&);   \
+                                          const NoiseSummary&, const Profile::Uncertainty&,    \
+                                          double);                                             \
+    template OtherEstimates other_estimates<AXES>(const EstimatedWindow<AXES>&,                \
+                                                  const SpeedQuantity&,                        \
+                                                  const SpeedWeights<AXES>&,                   \
+                                                  const PositionNoise&);                       \
     template SpeedWeights<AXES> speed_weights<AXES>(const EstimatedWindow<AXES>&,              \
                                                     const SpeedQuantity&);                     \
     template PositionNoise position_noise<AXES>(const EstimatedWindow<AXES>&,                  \
                                                 const SpeedQuantity&, const SpeedWeights<AXES>&, \
-                                                const GaussMarkovError&);                      \
+                                                const GaussMarkovError&, const ErrorBound&);   \
     template FittedSpeed fitted_speed<AXES>(                                                   \
         const WindowStretch<AXES>&, const std::vector<WeightedModel>&, const SpeedQuantity&);
 RUNCERT_INSTANTIATE(1)

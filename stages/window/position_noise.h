@@ -18,10 +18,18 @@ namespace runcert {
 /// What the data tell of such an error is how fast it wanders, sigma sqrt(2 / tau): the fitted size
 /// is that of the error which wanders as fast with the shortest correlation time of the interval,
 /// and whose bounding process therefore bounds the fitted error whatever its correlation time.
-/// `standard_uncertainty_mps` is left zero. Axes: 2, or 1 for heights alone.
+/// `along` is the size of that error along the direction of travel in units of the fitted one, which
+/// both axes share. `standard_uncertainty_mps` is left zero. Axes: 2, or 1 for heights alone.
 template <int Axes>
 ErrorBound error_bound(const ScreenedTable& screened, std::size_t first_row, std::size_t last_row,
-                       const NoiseSummary& noise, const Profile::Uncertainty& rule);
+                       const NoiseSummary& noise, const Profile::Uncertainty& rule,
+                       double along = 1.0);
+
+/// The size of the fitted slow error along a direction (east, north) in units of that of both axes
+/// together: the most likely one for the coordinates along it, between 1 and sqrt(2), which is that
+/// of an error in this direction alone. 1 where the model has no such error.
+double error_along(std::span<const ArcEpoch<2>> epochs, const EstimationModel& model,
+                   const Eigen::Vector2d& direction);
 
 /// Radius (m) of the circle that holds the true horizontal position with a probability of 95 %, at
 /// the worse of the window's ends ([NAV] R95): the smoothed position's covariance and the bounded
@@ -59,6 +67,10 @@ struct PositionNoise {
     double white_mps = 0.0;       ///< white noise of the positions
     double correlated_mps = 0.0;  ///< the slow error
     double motion_mps = 0.0;      ///< what the craft may have done between measurements
+    double model_mps = 0.0;       ///< half width of what the choice of the motion's model changes
+    /// What a second receiver does not share: the slow error as it is of this receiver alone, at
+    /// its worst correlation time, not as bounded.
+    double own_correlated_mps = 0.0;
 };
 
 /// The speed as estimated, and its uncertainty with the slow error bounded: the estimate is a sum of
@@ -67,7 +79,13 @@ struct PositionNoise {
 /// is the motion's.
 template <int Axes>
 PositionNoise position_noise(const EstimatedWindow<Axes>& at, const SpeedQuantity& quantity,
-                             const SpeedWeights<Axes>& weights, const GaussMarkovError& bounding);
+                             const SpeedWeights<Axes>& weights, const GaussMarkovError& bounding,
+                             const ErrorBound& bound);
+
+/// What other estimates say of the window, and by how much they differ from the one of `noise`.
+template <int Axes>
+OtherEstimates other_estimates(const EstimatedWindow<Axes>& at, const SpeedQuantity& quantity,
+                               const SpeedWeights<Axes>& weights, const PositionNoise& noise);
 
 /// The window's speed over all models of the posterior: mean, and the uncertainty that holds the
 /// models' own and their differences.

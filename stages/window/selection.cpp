@@ -46,13 +46,14 @@ using Samples = std::array<Sample, lanes>;
 /// So many samples from the numbers drawn for them: sample by sample, cluster by cluster.
 template <int Axes>
 Samples samples_from(const std::vector<SelectionCluster<Axes>>& clusters,
-                     const std::vector<double>& numbers) {
+                     const std::vector<double>& numbers,
+                     const std::optional<std::array<double, lanes>>& tau_s) {
     std::array<const double*, lanes> at;
     for (std::size_t l = 0; l < lanes; ++l)
         at[l] = numbers.data() + l * (numbers.size() / lanes);
     Samples samples;
     for (const SelectionCluster<Axes>& cluster : clusters) {
-        const auto drawn = cluster.draw(at);
+        const auto drawn = cluster.draw(at, tau_s);
         for (std::size_t l = 0; l < lanes; ++l) {
             samples[l].take(drawn[l]);
             at[l] += cluster.normals();
@@ -61,10 +62,24 @@ Samples samples_from(const std::vector<SelectionCluster<Axes>>& clusters,
     return samples;
 }
 
+/// The correlation times of as many samples from `first` on of so many: spread evenly, by their
+/// logarithm, over the range.
+std::array<double, lanes> correlation_times(const SelectionModels& models, std::int64_t first,
+                                            std::int64_t samples) {
+    std::array<double, lanes> tau_s;
+    for (std::size_t l = 0; l < lanes; ++l)
+        tau_s[l] =
+            models.tau_min_s * std::pow(models.tau_max_s / models.tau_min_s,
+                                        (static_cast<double>(first) + static_cast<double>(l) + 0.5) /
+                                            static_cast<double>(samples));
+    return tau_s;
+}
+
 /// Of each sample, in order. The random numbers are drawn in that order too, and all else is done
 /// by several threads.
 template <int Axes>
 std::vector<Samples> draw_samples(const std::vector<SelectionCluster<Axes>>& clusters,
+                                  const SelectionModels& models, DrawnErrors errors,
                                   std::int64_t samples, std::int64_t seed) {
     std::size_t normals = 0;
     for (const SelectionCluster<Axes>& cluster : clusters)
@@ -72,10 +87,41 @@ std::vector<Samples> draw_samples(const std::vector<SelectionCluster<Axes>>& clu
     RandomGenerator random(static_cast<std::uint64_t>(seed));
     Turnstile turnstile;
     constexpr auto at_once = static_cast<std::int64_t>(lanes);
-    return results_of((samples + at_once - 1) / at_once, threads_allowed(), [&](std::int64_t i) {
-        return samples_from(clusters,
-                            turnstile.pass(i, [&] { return random.normals(lanes * normals); }));
+    const std::int64_t passes = (samples + at_once - 1) / at_once;
+    return results_of(passes, threads_allowed(), [&](std::int64_t i) {
+        const auto numbers = turnstile.pass(i, [&] { return random.normals(lanes * normals); });
+        if (errors == DrawnErrors::fitted) return samples_from(clusters, numbers, std::nullopt);
+        return samples_from(clusters, numbers,
+                            correlation_times(models, i * at_once, passes * at_once));
     });
+}
+
+/// What the samples say of the bias.
+struct DrawnBias {
+    double bias_mps = 0.0;
+    double uncertainty_mps = 0.0;
+    double chosen_sd_mps = 0.0;
+    double best_mean_mps = 0.0;
+    double best_sd_mps = 0.0;
+};
+
+DrawnBias bias_from(const std::vector<Samples>& drawn, std::int64_t samples) {
+    std::vector<double> errors;
+    std::vector<double> calibrated;
+    std::vector<double> best_true;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(samples); ++i) {
+        const Sample& sample = drawn[i / lanes][i % lanes];
+        errors.push_back(sample.once.fastest.error_mps);
+        calibrated.push_back(2.0 * sample.once.settled_error_mps() -
+                             sample.again.settled_error_mps());
+        best_true.push_back(sample.fastest_true_mps);
+    }
+    return {.bias_mps = mean(calibrated),
+            .uncertainty_mps =
+                standard_deviation(calibrated) / std::sqrt(static_cast<double>(samples)),
+            .chosen_sd_mps = standard_deviation(errors),
+            .best_mean_mps = mean(best_true),
+            .best_sd_mps = standard_deviation(best_true)};
 }
 
 }  // namespace
@@ -90,24 +136,20 @@ SelectionBias selection_bias(const std::vector<WindowCluster<Axes>>& clusters,
         parts.emplace_back(cluster, models);
         result.candidates += static_cast<std::int64_t>(parts.back().windows());
     }
-    const std::vector<Samples> drawn = draw_samples(parts, samples, seed);
-    std::vector<double> errors;
-    std::vector<double> calibrated;
-    std::vector<double> best_true;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(samples); ++i) {
-        const Sample& sample = drawn[i / lanes][i % lanes];
-        errors.push_back(sample.once.fastest.error_mps);
-        calibrated.push_back(2.0 * sample.once.settled_error_mps() -
-                             sample.again.settled_error_mps());
-        best_true.push_back(sample.fastest_true_mps);
-    }
-    result.bias_mps = mean(calibrated);
-    result.bias_uncertainty_mps =
-        standard_deviation(calibrated) / std::sqrt(static_cast<double>(samples));
+    const DrawnBias fitted =
+        bias_from(draw_samples(parts, models, DrawnErrors::fitted, samples, seed), samples);
+    const DrawnBias bounded =
+        bias_from(draw_samples(parts, models, DrawnErrors::bounded, samples, seed), samples);
+    // No choice of the fastest makes the speed too low.
+    result.fitted_bias_mps = std::max(0.0, fitted.bias_mps);
+    result.bounded_bias_mps = std::max(result.fitted_bias_mps, bounded.bias_mps);
+    result.bias_mps = 0.5 * (result.fitted_bias_mps + result.bounded_bias_mps);
+    result.bias_half_range_mps = 0.5 * (result.bounded_bias_mps - result.fitted_bias_mps);
+    result.bias_uncertainty_mps = std::max(fitted.uncertainty_mps, bounded.uncertainty_mps);
     result.chosen_mean_mps = stated_mps - result.bias_mps;
-    result.chosen_sd_mps = standard_deviation(errors);
-    result.best_mean_mps = mean(best_true);
-    result.best_sd_mps = standard_deviation(best_true);
+    result.chosen_sd_mps = bounded.chosen_sd_mps;
+    result.best_mean_mps = bounded.best_mean_mps;
+    result.best_sd_mps = bounded.best_sd_mps;
     result.samples = samples;
     result.seed = seed;
     return result;

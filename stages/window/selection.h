@@ -19,26 +19,41 @@ struct WindowCluster {
     std::optional<std::size_t> chosen = std::nullopt;
 };
 
-/// The two noise models that a selection rests on, and how windows were compared.
+/// What a selection rests on, and how windows were compared.
 struct SelectionModels {
-    EstimationModel searched;   ///< of the trajectory that the windows were compared on
-    EstimationModel certified;  ///< of the speed that is stated for the chosen one
+    EstimationModel estimated;  ///< of the trajectory that the windows were compared on
     bool by_path = false;       ///< compared by path length over time, not by displacement
+    /// The slow error that the certificate allows for: of this size, m, with any correlation time
+    /// from the one to the other, s.
+    double bound_m = 0.0;
+    double tau_min_s = 0.5;
+    double tau_max_s = 10.0;
+};
+
+/// The errors that a draw is made with.
+enum class DrawnErrors {
+    fitted,  ///< as the noise model has them
+    bounded  ///< with the slow error at its bound, the correlation times spread over their range
 };
 
 /// What choosing the fastest of these windows adds to the speed stated for it (m/s).
 ///
 /// Where the craft is fast for longer than a window, the fastest of many windows is the one whose
 /// errors point forward. How much that adds is found by doing it again: the motion through each
-/// cluster is estimated anew with a jerk density fitted to the cluster alone, errors as the noise
-/// model has them are drawn onto it (all windows of a draw share them: their joint distribution),
-/// each draw is smoothed and searched as the recording was, and the speed stated for its fastest
-/// window is compared with that window's true one; what smoothing itself does to the window is so
-/// part of the answer. The motion so estimated still holds some noise, which makes the answer too
-/// small; the same is done from motions estimated from drawn recordings, and the difference put on
-/// (a bootstrap, calibrated by a second one: Efron & Tibshirani 1993, 18).
+/// cluster, and five seconds before and after it, is estimated anew with a jerk density fitted to
+/// that stretch alone, errors are drawn onto it (all windows of a draw share them: their joint
+/// distribution), each draw is smoothed and searched as the recording was, and the speed stated for
+/// its fastest window is compared with that window's true one; what smoothing itself does to the
+/// window is so part of the answer. The motion so estimated still holds some noise, which makes the
+/// answer too small; the same is done from motions estimated from drawn recordings, and the
+/// difference put on (a bootstrap, calibrated by a second one: Efron & Tibshirani 1993, 18).
 ///
-/// `stated_mps` is the certified speed of the chosen window, which one of the clusters has.
+/// A slow error of the positions looks like motion, so that the recording does not say how much of
+/// it chose the window. The bias lies between that of the errors as fitted and that with the slow
+/// error at its bound: both are found, and the middle is the answer, with half their difference as
+/// its limits.
+///
+/// `stated_mps` is the speed of the chosen window, which one of the clusters has, as estimated.
 template <int Axes>
 SelectionBias selection_bias(const std::vector<WindowCluster<Axes>>& clusters,
                              const SelectionModels& models, double stated_mps, std::int64_t samples,

@@ -14,21 +14,34 @@ constexpr auto lanes = selection_lanes;
 
 template <int Axes>
 MeasuredStretch<Axes> stretch_of(const WindowCluster<Axes>& cluster) {
+    constexpr double flank_s = 5.0;
     const auto& epochs = cluster.arc->epochs;
     std::size_t last = 0;
     for (const EpochPair& window : cluster.windows)
         last = std::max(last, window.last);
-    const std::size_t from = cluster.windows.front().first;
+    std::size_t from = cluster.windows.front().first;
+    const double begin_s = epochs[from].time_s - flank_s;
+    const double end_s = epochs[last].time_s + flank_s;
+    while (from > 0 && epochs[from - 1].time_s >= begin_s)
+        --from;
+    while (!epochs[from].measurement)
+        ++from;
+    while (last + 1 < epochs.size() && epochs[last + 1].time_s <= end_s)
+        ++last;
     MeasuredStretch<Axes> stretch;
     std::vector<std::size_t> index(last + 1 - from, 0);
     bool step = false;
+    double jerk_factor = 0.0;  // the largest since the last measurement
     for (std::size_t k = from; k <= last; ++k) {
         index[k - from] = stretch.epochs.size();
         step = step || epochs[k].step_before;
+        jerk_factor = std::max(jerk_factor, epochs[k].jerk_factor);
         if (!epochs[k].measurement) continue;
         stretch.epochs.push_back(epochs[k]);
         stretch.epochs.back().step_before = step;
+        stretch.epochs.back().jerk_factor = jerk_factor;
         step = false;
+        jerk_factor = 0.0;
     }
     for (const EpochPair& window : cluster.windows) {
         stretch.windows.push_back({index[window.first - from], index[window.last - from]});
@@ -129,29 +142,61 @@ class SelectionCluster<Axes>::Speeds {
     std::vector<Lane> path_m_;
 };
 
+/// The slow error of several draws, epoch by epoch: steady Gauss-Markov processes, or the fitted one.
+template <int Axes>
+class SelectionCluster<Axes>::SlowError {
+  public:
+    SlowError(const SelectionCluster& cluster, const std::optional<std::array<double, lanes>>& tau_s)
+        : epochs_(cluster.stretch_.epochs) {
+        const GaussMarkovError& fitted = cluster.fitted_error_;
+        for (std::size_t l = 0; l < lanes; ++l) {
+            const GaussMarkovError error =
+                tau_s ? GaussMarkovError::steady(cluster.bound_m_, (*tau_s)[l]) : fitted;
+            tau_s_[static_cast<Eigen::Index>(l)] = error.tau_s;
+            steady_m_[static_cast<Eigen::Index>(l)] =
+                error.process_density * std::sqrt(0.5 * error.tau_s);
+            noise_m_[static_cast<Eigen::Index>(l)] = error.initial_sigma_m;
+        }
+        decay_.setZero();
+    }
+
+    /// To the epoch, from the one before.
+    void carry_to(std::size_t k) {
+        if (k == 0) return;
+        const double dt_s = epochs_[k].time_s - epochs_[k - 1].time_s;
+        if (dt_s == dt_s_) return;
+        dt_s_ = dt_s;
+        decay_ = (-dt_s / tau_s_).exp();
+        noise_m_ = steady_m_ * (1.0 - decay_.square()).sqrt();
+    }
+
+    double decay(std::size_t l) const { return decay_[static_cast<Eigen::Index>(l)]; }
+    double noise_m(std::size_t l) const { return noise_m_[static_cast<Eigen::Index>(l)]; }
+
+  private:
+    const std::vector<ArcEpoch<Axes>>& epochs_;
+    Lane tau_s_;
+    Lane steady_m_;
+    Lane decay_;
+    Lane noise_m_;
+    double dt_s_ = -1.0;
+};
+
 template <int Axes>
 SelectionCluster<Axes>::SelectionCluster(const WindowCluster<Axes>& windows,
                                          const SelectionModels& models)
     : stretch_(stretch_of(windows)),
       chosen_(windows.chosen),
       by_path_(models.by_path),
-      first_slow_m_(models.searched.error.initial_sigma_m),
-      searched_(stretch_.epochs, models.searched),
-      certified_(stretch_.epochs, models.certified),
-      local_(stretch_.epochs, local_model(stretch_, models.searched)) {
-    const GaussMarkovError& error = models.searched.error;
-    const double steady_m = error.process_density * std::sqrt(0.5 * error.tau_s);
+      fitted_error_(models.estimated.error),
+      bound_m_(models.bound_m),
+      estimator_(stretch_.epochs, models.estimated),
+      local_(stretch_.epochs, local_model(stretch_, models.estimated)) {
     Positions measured;
-    for (std::size_t k = 0; k < stretch_.epochs.size(); ++k) {
-        const auto& measurement = stretch_.epochs[k].measurement;
-        measured.push_back(measurement->position);
-        const PositionMatrix<Axes> factor = measurement->covariance.llt().matrixL();
-        white_factors_.push_back(models.searched.measurement_scale * factor);
-        const double x =
-            k == 0 ? 0.0
-                   : (stretch_.epochs[k].time_s - stretch_.epochs[k - 1].time_s) / error.tau_s;
-        slow_decay_.push_back(std::exp(-x));
-        slow_noise_m_.push_back(steady_m * std::sqrt(-std::expm1(-2.0 * x)));
+    for (const ArcEpoch<Axes>& epoch : stretch_.epochs) {
+        measured.push_back(epoch.measurement->position);
+        const PositionMatrix<Axes> factor = epoch.measurement->covariance.llt().matrixL();
+        white_factors_.push_back(models.estimated.measurement_scale * factor);
     }
     motion_ = smoothed(local_(measured));
     re_motion_ = smoothed(local_(motion_.motion));
@@ -160,28 +205,30 @@ SelectionCluster<Axes>::SelectionCluster(const WindowCluster<Axes>& windows,
 template <int Axes>
 typename SelectionCluster<Axes>::template Smoothed<typename SelectionCluster<Axes>::Positions>
 SelectionCluster<Axes>::smoothed(const Positions& motion) const {
-    return {motion, searched_(motion), certified_(motion)};
+    return {motion, estimator_(motion)};
 }
 
-/// Errors as the noise model has them: the slow one and, onto it, the white.
+/// The slow error and, onto it, the white.
 template <int Axes>
 typename SelectionCluster<Axes>::Lanes SelectionCluster<Axes>::errors(
-    std::array<const double*, lanes> numbers) const {
+    std::array<const double*, lanes> numbers,
+    const std::optional<std::array<double, lanes>>& tau_s) const {
     Lanes errors(stretch_.epochs.size());
-    for (std::size_t l = 0; l < lanes; ++l) {
-        const double* number = numbers[l];
-        std::array<double, axes> slow{};
-        for (std::size_t k = 0; k < errors.size(); ++k) {
-            const double scale = k == 0 ? first_slow_m_ : slow_noise_m_[k];
-            for (double& one : slow)
-                one = slow_decay_[k] * one + scale * *number++;
+    SlowError slow_error(*this, tau_s);
+    std::array<std::array<double, axes>, lanes> slow{};
+    for (std::size_t k = 0; k < errors.size(); ++k) {
+        slow_error.carry_to(k);
+        for (std::size_t l = 0; l < lanes; ++l) {
+            const double*& number = numbers[l];
+            for (double& one : slow[l])
+                one = slow_error.decay(l) * one + slow_error.noise_m(l) * *number++;
             for (std::size_t a = 0; a < axes; ++a) {
                 double white = 0.0;
                 for (std::size_t b = 0; b <= a; ++b)
                     white += white_factors_[k](static_cast<Eigen::Index>(a),
                                                static_cast<Eigen::Index>(b)) *
                              number[b];
-                errors[k][a][static_cast<Eigen::Index>(l)] = slow[a] + white;
+                errors[k][a][static_cast<Eigen::Index>(l)] = slow[l][a] + white;
             }
             number += axes;
         }
@@ -192,8 +239,8 @@ typename SelectionCluster<Axes>::Lanes SelectionCluster<Axes>::errors(
 template <int Axes>
 std::array<FastestWindow, lanes> SelectionCluster<Axes>::search(
     const Smoothed<Lanes>& drawn) const {
-    const auto fastest = Speeds(*this, drawn.searched).fastest();
-    const Speeds stated(*this, drawn.certified);
+    const Speeds stated(*this, drawn.estimated);
+    const auto fastest = stated.fastest();
     const Speeds truth(*this, drawn.motion);
     std::array<FastestWindow, lanes> result;
     const Lane chosen = chosen_errors(drawn);
@@ -212,34 +259,30 @@ template <int Axes>
 typename SelectionCluster<Axes>::Lane SelectionCluster<Axes>::chosen_errors(
     const Smoothed<Lanes>& drawn) const {
     if (!chosen_) return Lane::Zero();
-    return Speeds(*this, drawn.certified)[*chosen_] - Speeds(*this, drawn.motion)[*chosen_];
+    return Speeds(*this, drawn.estimated)[*chosen_] - Speeds(*this, drawn.motion)[*chosen_];
 }
 
 template <int Axes>
 std::array<ClusterDraw, lanes> SelectionCluster<Axes>::draw(
-    const std::array<const double*, lanes>& numbers) const {
+    const std::array<const double*, lanes>& numbers,
+    const std::optional<std::array<double, lanes>>& tau_s) const {
     constexpr int count = static_cast<int>(lanes);
     std::array<const double*, lanes> more = numbers;
     for (const double*& one : more)
         one += normals() / 2;
-    const Lanes noise = errors(numbers);
-    const Lanes drift = local_.template smooth_lanes<count>(errors(more));
-    const Lanes searched_noise = searched_.template smooth_lanes<count>(noise);
-    const Lanes certified_noise = certified_.template smooth_lanes<count>(noise);
+    const Lanes noise = estimator_.template smooth_lanes<count>(errors(numbers, tau_s));
+    const Lanes drift = local_.template smooth_lanes<count>(errors(more, tau_s));
     Lanes none(noise.size());
     for (auto& at : none)
         for (Lane& axis : at)
             axis.setZero();
-    const Smoothed<Lanes> still{
-        sum<Axes>(motion_.motion, none), {}, sum<Axes>(motion_.certified, none)};
-    const Smoothed<Lanes> once{still.motion, sum<Axes>(motion_.searched, searched_noise),
-                               sum<Axes>(motion_.certified, certified_noise)};
+    const Smoothed<Lanes> still{sum<Axes>(motion_.motion, none),
+                                sum<Axes>(motion_.estimated, none)};
+    const Smoothed<Lanes> once{still.motion, sum<Axes>(motion_.estimated, noise)};
     const Smoothed<Lanes> moved{
         sum<Axes>(re_motion_.motion, drift),
-        sum<Axes>(re_motion_.searched, searched_.template smooth_lanes<count>(drift)),
-        sum<Axes>(re_motion_.certified, certified_.template smooth_lanes<count>(drift))};
-    const Smoothed<Lanes> again{moved.motion, sum(moved.searched, searched_noise),
-                                sum(moved.certified, certified_noise)};
+        sum<Axes>(re_motion_.estimated, estimator_.template smooth_lanes<count>(drift))};
+    const Smoothed<Lanes> again{moved.motion, sum(moved.estimated, noise)};
     const auto found_once = search(once);
     const auto found_again = search(again);
     const Lane chosen_once = chosen_errors(still);

@@ -54,9 +54,11 @@ class SelectionCluster {
     /// How many standard normal numbers a draw takes.
     std::size_t normals() const { return 4 * axes * stretch_.epochs.size(); }
 
-    /// What so many draws at a time say; `numbers[l]` are the `normals()` of draw l.
+    /// What so many draws at a time say; `numbers[l]` are the `normals()` of draw l, and `tau_s[l]`
+    /// is the correlation time of its slow error, where that is not the fitted one.
     std::array<ClusterDraw, selection_lanes> draw(
-        const std::array<const double*, selection_lanes>& numbers) const;
+        const std::array<const double*, selection_lanes>& numbers,
+        const std::optional<std::array<double, selection_lanes>>& tau_s) const;
 
   private:
     static constexpr auto axes = static_cast<std::size_t>(Axes);
@@ -64,16 +66,17 @@ class SelectionCluster {
     using Lanes = std::vector<LanePositions<Axes, static_cast<int>(selection_lanes)>>;
     using Lane = runcert::Lane<static_cast<int>(selection_lanes)>;
 
-    /// A motion, and what the two smoothers make of it.
+    /// A motion, and what the smoother makes of it.
     template <class Track>
     struct Smoothed {
         Track motion;
-        Track searched;
-        Track certified;
+        Track estimated;
     };
     class Speeds;
+    class SlowError;
 
-    Lanes errors(std::array<const double*, selection_lanes> numbers) const;
+    Lanes errors(std::array<const double*, selection_lanes> numbers,
+                 const std::optional<std::array<double, selection_lanes>>& tau_s) const;
     Smoothed<Positions> smoothed(const Positions& motion) const;
     std::array<FastestWindow, selection_lanes> search(const Smoothed<Lanes>& drawn) const;
     Lane chosen_errors(const Smoothed<Lanes>& drawn) const;
@@ -81,12 +84,10 @@ class SelectionCluster {
     MeasuredStretch<Axes> stretch_;
     std::optional<std::size_t> chosen_;
     bool by_path_;
-    double first_slow_m_;             ///< standard deviation of the slow error at the beginning
-    std::vector<double> slow_decay_;  ///< from the epoch before
-    std::vector<double> slow_noise_m_;
+    GaussMarkovError fitted_error_;
+    double bound_m_;
     std::vector<PositionMatrix<Axes>> white_factors_;
-    LinearSmoother<Axes> searched_;
-    LinearSmoother<Axes> certified_;
+    LinearSmoother<Axes> estimator_;
     LinearSmoother<Axes> local_;
     Smoothed<Positions> motion_;     ///< as estimated
     Smoothed<Positions> re_motion_;  ///< as estimated from it without errors

@@ -167,6 +167,7 @@ void certify_chosen(const Certifier& certifier, const Profile& profile, Choice c
                                      .arc = window.arc,
                                      .speed_mps = window.speed_mps,
                                      .standard_uncertainty_mps = window.standard_uncertainty_mps,
+                                     .bias_limit_mps = window.bias_limit_mps,
                                      .robust = window.robust});
         std::erase_if(left, [&](const FoundWindow& one) { return overlap(one, found); });
     }
@@ -222,6 +223,7 @@ WindowConfig window_config(const Attempt& attempt, const Receiver& receiver) {
             .selection_samples = parameters.at("selection_samples"),
             .monte_carlo_trials_max = parameters.at("monte_carlo_trials_max"),
             .plane_scale_bound = parameters.at("plane_scale_bound"),
+            .clock_rate_bound = parameters.at("clock_rate_bound"),
             .lever_arm = receiver.lever_arm,
             .rotation_bound_deg = receiver.rotation_bound_deg};
 }

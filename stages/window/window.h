@@ -20,6 +20,7 @@ struct WindowConfig {
     std::int64_t selection_samples = 500;
     std::int64_t monte_carlo_trials_max = 1'000'000;
     double plane_scale_bound = 0.001;
+    double clock_rate_bound = 1e-4;  ///< of a clock that is not known to be the satellites'
     std::optional<Eigen::Vector3d> lever_arm = std::nullopt;  ///< m
     std::optional<double> rotation_bound_deg = std::nullopt;
 };

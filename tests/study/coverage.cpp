@@ -67,7 +67,8 @@ void study_one(CoverageCell& cell, const CoverageOptions& options, std::uint64_t
                                 .duration_s = stretch.duration_s};
     const SpeedQuantity quantity{"displacement"};
     const SpeedEstimate speed =
-        position_noise(at, quantity, speed_weights(at, quantity), bounding_error(noise, bound))
+        position_noise(at, quantity, speed_weights(at, quantity), bounding_error(noise, bound),
+                       bound)
             .speed;
     count(cell.bound, speed.speed_mps - true_mps, speed.standard_uncertainty_mps);
 }

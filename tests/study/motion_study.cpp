@@ -129,13 +129,14 @@ void judge(const CertifiableWindow& window, const EstimationSummary& estimation,
     result.missed_mps = best - truth;
     const SpeedPosterior posterior{.speed_mps = window.speed_mps,
                                    .standard_uncertainty_mps = window.standard_uncertainty_mps,
-                                   .degrees_of_freedom = window.effective_degrees_of_freedom};
+                                   .degrees_of_freedom = window.effective_degrees_of_freedom,
+                                   .bias_limit_mps = window.bias_limit_mps};
     result.expanded_mps =
         equivalent_coverage_factor(profile.coverage_factor, posterior.degrees_of_freedom) *
-        posterior.standard_uncertainty_mps;
+            posterior.standard_uncertainty_mps +
+        posterior.bias_limit_mps;
     const auto outcome = [&](double target_mps) {
-        return decide(conformance_probability(posterior, Threshold{.speed_mps = target_mps}),
-                      profile.decision_probability);
+        return decide(posterior, Threshold{.speed_mps = target_mps}, profile.decision_probability);
     };
     result.falsely_beaten = result.certified && outcome(best) == Outcome::beaten;
     result.falsely_not_beaten =
@@ -148,8 +149,9 @@ MotionResult study_one(const MotionCell& cell, std::uint64_t seed) {
     const SimulatedRecording recording = simulate_recording(cell.run, seed);
     MotionResult result;
     try {
-        const ScreenedTable screened =
-            screen(to_be_screened(recording.screened), study_screen_config());
+        ScreenConfig screen_config = study_screen_config();
+        screen_config.allowed_fixes.insert(cell.run.noise.fix);
+        const ScreenedTable screened = screen(to_be_screened(recording.screened), screen_config);
         result.left_out = std::ssize(screened.rows) - summarise(screened.rows).usable;
         if (std::getenv("EXP_REL")) {
             for (const auto& m : screened.evidence->models)

@@ -67,7 +67,8 @@ SmoothConfig as_stated() {
 }
 
 NoiseSummary learnt(const ScreenedTable& table, const SmoothConfig& with = config()) {
-    return learn_noise<2>(arcs_of<2>(table), with);
+    std::vector<Arc<2>> arcs = arcs_of<2>(table);
+    return learn_noise<2>(arcs, with);
 }
 
 TEST(LearnNoise, FromTooFewEpochs) {

@@ -1,0 +1,148 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+
+#include "stages/check/against_limit.h"
+#include "stages/check/overshoot.h"
+
+namespace runcert {
+namespace {
+
+/// By how much the mean interval of the stamps may be off the receiver's by chance: what rounding
+/// and jitter at the two ends of the recording make.
+double rate_by_chance(const ReceiverEvidence& judged) {
+    const auto& rows = judged.trajectory;
+    if (rows.size() < 2) return 1.0;
+    constexpr double coverage = 5.0;
+    const double length_s = rows.back().time.seconds() - rows.front().time.seconds();
+    return length_s > 0.0 ? coverage * judged.tests->time.jitter_s / length_s : 1.0;
+}
+
+Finding time_scale(const Clause&, const ClauseContext& context) {
+    const ReceiverEvidence& judged = context.input.judged;
+    const std::string& source = judged.facts.time_source;
+    const std::string what = judged.time_origin.empty() ? "the time stamps" : judged.time_origin;
+    if (!judged.tests) return unknown(what + ": the screened epochs do not say how regular they are");
+    const double rate = judged.tests->time.rate_deviation;
+    const std::vector<Figure> figures{{.name = "rate of the time stamps less the nominal one",
+                                       .value = rate * 1e6,
+                                       .unit = "",
+                                       .expanded_uncertainty = std::nullopt,
+                                       .note = "in millionths"}};
+    if (source == "satellites") return {"met", what, figures};
+    constexpr double allowed = 1e-4;
+    if (source == "unknown" && std::abs(rate) > std::max(allowed, rate_by_chance(judged)))
+        return {"not_met",
+                fmt::format("{}; they run {:+.3f} % of the rate that the receiver was set to, so "
+                            "that either the clock or the rate is not what it seems: state "
+                            "time_source: satellites if they are the satellites' time",
+                            what, rate * 100.0),
+                figures};
+    if (source == "attempt")
+        return {"attest", what + ": that they are the satellites' time, the attempt states",
+                figures};
+    return {"attest", what + ": whether its rate is the true one the recording does not tell",
+            figures};
+}
+
+/// What in the recording looks as if the device had changed its positions, in words.
+std::vector<std::string> signs_of_filter(const ClauseContext& context) {
+    const ReceiverEvidence& judged = context.input.judged;
+    std::vector<std::string> signs;
+    constexpr double too_smooth = 0.3;
+    constexpr double as_stated = 0.1;
+    if (judged.tests)
+        for (const ScreeningModel& model : judged.tests->models)
+            if (model.axes == TestedAxes::horizontal && model.noise == "fitted" &&
+                model.white_scale < too_smooth)
+                signs.push_back(fmt::format(
+                    "from epoch to epoch the positions scatter by {:.2f} times what is stated",
+                    model.white_scale));
+    if (const auto& horizontal = judged.estimation.horizontal)
+        if (horizontal->health.autocorrelation > as_stated)
+            signs.push_back(fmt::format("innovations follow one another (lag 1: {:+.2f})",
+                                        horizontal->health.autocorrelation));
+    if (const Overshoot overshoot = find_overshoot(judged.trajectory); overshoot.found())
+        signs.push_back(fmt::format(
+            "after {} of {} changes of acceleration the motion swings with a period of {:.1f} s, "
+            "by {:.0f} % at first",
+            overshoot.swings, overshoot.changes, overshoot.period_s, overshoot.part * 100.0));
+    return signs;
+}
+
+Finding measured_positions(const Clause&, const ClauseContext& context) {
+    const ReceiverEvidence& judged = context.input.judged;
+    constexpr double share = 0.01;
+    if (judged.tests && judged.tests->device) {
+        const DeviceEvidence& device = *judged.tests->device;
+        const auto moving = static_cast<double>(device.moving);
+        if (static_cast<double>(device.held) > std::max(3.0, share * moving))
+            return {"not_met",
+                    fmt::format("{} of {} positions recorded in motion repeat the one before: they "
+                                "are held, not measured; record at the rate at which the receiver "
+                                "measures",
+                                device.held, device.moving)};
+        const double in_line = static_cast<double>(device.interpolated);
+        if (in_line > std::max({10.0, 0.2 * moving, 3.0 * device.by_chance}))
+            return {"not_met",
+                    fmt::format("{} of {} positions recorded in motion lie in line with their "
+                                "neighbours to the last digit, where chance makes {:.0f}: they are "
+                                "interpolated, not measured; hand in the recording before it was "
+                                "resampled",
+                                device.interpolated, device.moving, device.by_chance)};
+    }
+    const std::vector<std::string> signs = signs_of_filter(context);
+    if (judged.format == "rinex")
+        return {"met", "positions were solved here, from raw observations that are kept"};
+    if (context.witnesses.empty())
+        return {"attest",
+                signs.empty()
+                    ? std::string("nothing but the positions themselves speaks of it")
+                    : fmt::format("nothing but the positions themselves speaks of it, and: {}",
+                                  fmt::join(signs, "; "))};
+    if (!signs.empty())
+        return {"attest", fmt::format("{}; but {}", fmt::join(context.witnesses, "; "),
+                                      fmt::join(signs, "; "))};
+    return {"met", fmt::format("{}", fmt::join(context.witnesses, "; "))};
+}
+
+Finding stated_solution(const Clause&, const ClauseContext& context) {
+    const std::string& source = context.input.judged.solution_source;
+    const auto& best = context.windows.best;
+    const std::string taken =
+        best && best->bound && !best->bound->floor_fix.empty()
+            ? fmt::format(" (in the window: {}, whose slow errors are taken to be at least "
+                          "{:g} m)",
+                          best->bound->floor_fix, best->bound->floor_m)
+            : "";
+    if (source == "attempt") {
+        const auto& rows = context.input.judged.epochs_of(context.profile.id);
+        const std::string kind =
+            rows.empty() ? std::string("the kind of solution") : std::string(to_text(rows[0].fix));
+        return {"attest", fmt::format("the recording does not say; that it is {} the attempt "
+                                      "states{}",
+                                      kind, taken)};
+    }
+    if (source == "recording") return {"met", "the recording says it" + taken};
+    return {"met", "the recording does not say, so that the positions count as those of one "
+                   "receiver alone" +
+                       taken};
+}
+
+}  // namespace
+
+std::optional<Finding> origin_finding(const Clause& clause, const ClauseContext& context) {
+    static const std::map<std::string, std::function<Finding(const Clause&, const ClauseContext&)>>
+        computations{{"time_scale", time_scale},
+                     {"measured_positions", measured_positions},
+                     {"stated_solution", stated_solution}};
+    const auto computation = computations.find(clause.decided_by);
+    if (computation == computations.end()) return std::nullopt;
+    return computation->second(clause, context);
+}
+
+}  // namespace runcert

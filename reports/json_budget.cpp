@@ -129,9 +129,11 @@ Json budget_json(const CertifiableWindow& window, const UncertaintyScale& scale)
 }
 
 Json budget_total_json(const CertifiableWindow& window, const UncertaintyScale& scale) {
-    const double expanded_mps = scale.coverage_factor * window.standard_uncertainty_mps;
+    const double expanded_mps =
+        scale.coverage_factor * window.standard_uncertainty_mps + window.bias_limit_mps;
     return {
         {"budget_unit", scale.unit.name},
+        {"limit_text", contribution_text(window.bias_limit_mps, window, scale.unit)},
         {"combined_text", contribution_text(window.standard_uncertainty_mps, window, scale.unit)},
         {"effective_text", degrees_text(window.effective_degrees_of_freedom)},
         {"coverage_text", coverage_text(scale.coverage_factor)},
@@ -165,7 +167,7 @@ Json monte_carlo_json(const CertifiableWindow& window, const UncertaintyScale& s
         return speed_text(speed_mps, check.standard_uncertainty_mps, scale.unit);
     };
     json["monte_carlo_words"] = fmt::format(
-        "Monte Carlo, {} trials, seed {}: {} {}, u = {} {}, 95 % interval {} to {} {}; {}, "
+        "Check of linearisation, the same rows drawn {} times (Monte Carlo, seed {}): {} {}, u = {} {}, 95 % interval {} to {} {}; {}, "
         "numerical tolerance {} {}. Its u {} with the budget's. {}",
         check.trials, check.seed, text(check.mean_mps), scale.unit.name,
         contribution_text(check.standard_uncertainty_mps, window, scale.unit), scale.unit.name,

@@ -68,6 +68,13 @@ Json estimation_json(const EstimationSummary& summary) {
     return json;
 }
 
+std::string solution_words(const std::string& source) {
+    if (source == "recording") return "as the recording says";
+    if (source == "attempt") return "as the attempt states; the recording does not say";
+    if (source == "partly") return "as the recording says, which it does not at every epoch";
+    return "nobody says; taken as that of one receiver alone";
+}
+
 Json recording_facts(const ReceiverResults& results, const Json& recording) {
     const Observations& observations = results.observations;
     Json facts = Json::array();
@@ -75,6 +82,9 @@ Json recording_facts(const ReceiverResults& results, const Json& recording) {
     facts.push_back(fact("Format", observations.format));
     facts.push_back(fact("Coordinates", observations.frame));
     facts.push_back(fact("Time scale", observations.time_scale));
+    if (!observations.time_origin.empty())
+        facts.push_back(fact("Time stamps", observations.time_origin));
+    facts.push_back(fact("Kind of solution", solution_words(observations.solution_source)));
     if (const auto& first = observations.facts.first_epoch) {
         facts.push_back(fact("First epoch, UTC", utc_text(*first)));
         facts.push_back(fact("First epoch, GPS time", gps_text(*first)));

@@ -78,6 +78,9 @@ std::string decision_words(const ProfileVerdict& verdict, const SpeedUnit& unit)
         words += fmt::format(
             " The record's own standard uncertainty, {} {} of the speed to reach, is taken in.",
             uncertainty_text(decision.target_standard_uncertainty_mps * unit.per_mps), unit.name);
+    if (decision.attempts_made > 1)
+        words += fmt::format(" The best of {} attempts is judged, so that {} is asked of it.",
+                             decision.attempts_made, level_text(decision.level));
     if (decision.risk)
         words += fmt::format(" Probability that this outcome is wrong: {}.",
                              probability_text(*decision.risk));
@@ -92,6 +95,11 @@ Json decision_json(const ProfileVerdict& verdict, const SpeedUnit& unit) {
         {"target_standard_uncertainty_m_s", rounded(decision.target_standard_uncertainty_mps, 6)}};
     set_speeds(json, "acceptance_limit", decision.acceptance_limit_mps);
     if (decision.risk) json["risk"] = rounded(*decision.risk, 9);
+    json["attempts_made"] = decision.attempts_made;
+    json["bias_limit_m_s"] = rounded(decision.bias_limit_mps, 6);
+    if (decision.drift_survived_m)
+        json["drift_survived_m"] = rounded(*decision.drift_survived_m, 6);
+    if (decision.drift_found_mps) json["drift_found_m_s"] = rounded(*decision.drift_found_mps, 6);
     json["decision_words"] = decision_words(verdict, unit);
     return json;
 }

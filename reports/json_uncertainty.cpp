@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/text.h"
 #include "files/yaml_output.h"
 #include "reports/json_budget.h"
@@ -79,24 +81,55 @@ Json bound_json(const ErrorBound& bound, const UncertaintyScale& scale) {
         {"sigma_m", rounded(bound.sigma_m, 6)},     {"fitted_m", rounded(bound.fitted_m, 6)},
         {"stated_m", rounded(bound.stated_m, 6)},   {"floor_m", rounded(bound.floor_m, 6)}};
     if (!bound.floor_fix.empty()) json["floor_fix"] = bound.floor_fix;
+    json["along"] = rounded(bound.along, 6);
     json["decided_by"] = bound.decided_by;
     set_speeds(json, "standard_uncertainty", bound.standard_uncertainty_mps);
     json["bound_words"] = fmt::format(
         "allowed for up to a standard deviation of {}, with any correlation time from {:g} s to "
         "{:g} "
-        "s. Decided by {}: fitted {}, stated times its scale {}, floor {}. The positions alone so "
-        "give u = {}",
+        "s. Decided by {}: fitted {}{}, stated times its scale {}, floor {}. The positions alone "
+        "so give u = {}",
         metres(bound.sigma_m), bound.tau_min_s, bound.tau_max_s, decided_words(bound),
-        metres(bound.fitted_m), metres(bound.stated_m), metres(bound.floor_m),
+        metres(bound.fitted_m),
+        bound.along > 1.0 ? fmt::format(" ({:.2f} times that of both axes, along the track)",
+                                        bound.along)
+                          : std::string(),
+        metres(bound.stated_m), metres(bound.floor_m),
         uncertainty_with_unit(bound.standard_uncertainty_mps, scale));
     return json;
 }
 
 std::string treatment_words(const SelectionBias& selection, const UncertaintyScale& scale) {
     return selection.treatment == "subtracted"
-               ? fmt::format("subtracted, and known to {}",
-                             uncertainty_with_unit(selection.bias_uncertainty_mps, scale))
-               : "not subtracted, covered by the uncertainty";
+               ? fmt::format("the middle, {}, is subtracted from the speed, and half the "
+                             "difference, {}, added to the expanded uncertainty",
+                             difference_text(selection.bias_mps, scale),
+                             uncertainty_with_unit(selection.bias_half_range_mps, scale))
+               : "the larger is added to the expanded uncertainty";
+}
+
+Json estimates_json(const OtherEstimates& other, const UncertaintyScale& scale) {
+    Json json = Json::object();
+    if (other.chord_mps) json["chord_m_s"] = rounded(*other.chord_mps, 6);
+    if (other.chord_difference_uncertainty_mps)
+        json["chord_difference_uncertainty_m_s"] =
+            rounded(*other.chord_difference_uncertainty_mps, 6);
+    json["stiffer_m_s"] = rounded(other.stiffer_mps, 6);
+    json["softer_m_s"] = rounded(other.softer_mps, 6);
+    json["whole_m_s"] = rounded(other.whole_mps, 6);
+    json["half_width_m_s"] = rounded(other.half_width_mps, 6);
+    const auto speed = [&](double speed_mps) {
+        return speed_text(speed_mps, std::max(other.half_width_mps, 1e-3), scale.unit);
+    };
+    json["estimates_words"] = fmt::format(
+        "a third of the jerk density gives {}, three times as much {}, the one density fitted to "
+        "the whole recording {}{} {}; the choice of the model is taken to change at most {}",
+        speed(other.stiffer_mps), speed(other.softer_mps), speed(other.whole_mps),
+        other.chord_mps ? fmt::format(", the measured positions at both ends alone {}",
+                                      speed(*other.chord_mps))
+                        : std::string(),
+        scale.unit.name, uncertainty_with_unit(other.half_width_mps, scale));
+    return json;
 }
 
 Json selection_json(const SelectionBias& selection, std::int64_t compared,
@@ -106,16 +139,21 @@ Json selection_json(const SelectionBias& selection, std::int64_t compared,
     set_speeds(json, "chosen_sd", selection.chosen_sd_mps);
     set_speeds(json, "best_mean", selection.best_mean_mps);
     set_speeds(json, "best_sd", selection.best_sd_mps);
+    json["fitted_bias_m_s"] = rounded(selection.fitted_bias_mps, 6);
+    json["bounded_bias_m_s"] = rounded(selection.bounded_bias_mps, 6);
+    json["bias_half_range_m_s"] = rounded(selection.bias_half_range_mps, 6);
     set_speeds(json, "bias", selection.bias_mps);
     set_speeds(json, "bias_uncertainty", selection.bias_uncertainty_mps);
     json["treatment"] = selection.treatment;
     json["samples"] = selection.samples;
     json["seed"] = selection.seed;
     json["selection_words"] = fmt::format(
-        "The fastest of {} was chosen; {} could have been it. Its stated speed is biased by {}; "
-        "{}.",
+        "The fastest of {} was chosen; {} could have been it. That makes its speed look higher by "
+        "{} with the errors as fitted, by {} with slow errors as large as allowed for; {}.",
         counted(compared, "window"), selection.candidates,
-        difference_text(selection.bias_mps, scale), treatment_words(selection, scale));
+        uncertainty_with_unit(selection.fitted_bias_mps, scale),
+        uncertainty_with_unit(selection.bounded_bias_mps, scale),
+        treatment_words(selection, scale));
     const auto distribution = [&](double mean_mps, double sd_mps) {
         return fmt::format("{} {}, standard deviation {}", speed_text(mean_mps, sd_mps, scale.unit),
                            scale.unit.name, uncertainty_with_unit(sd_mps, scale));
@@ -136,7 +174,9 @@ std::string budget_subject(const ProfileVerdict& verdict, const ProfileWindows& 
     return fmt::format(
         "What follows is of the fastest window alone, of {}{}{}.",
         speed_with_uncertainty_text(
-            best.speed_mps, scale.coverage_factor * best.standard_uncertainty_mps, scale.unit),
+            best.speed_mps,
+            scale.coverage_factor * best.standard_uncertainty_mps + best.bias_limit_mps,
+            scale.unit),
         windows.further.empty()
             ? ""
             : fmt::format("; the certified speed is the mean of {} windows, with the mean of their "
@@ -156,6 +196,7 @@ Json comparison_facts(const Json& uncertainty) {
     };
     add("With the fitted noise alone", "fitted", "fitted_words");
     add("Robust estimate", "robust", "robust_words");
+    add("Other models of the motion", "estimates", "estimates_words");
     add("Slow position errors", "bound", "bound_words");
     return facts;
 }
@@ -169,7 +210,7 @@ Json uncertainty_json(const ProfileVerdict& verdict, const ProfileWindows& windo
     const UncertaintyScale scale{rule_unit(profile), verdict.coverage_factor};
     const double speed_mps = verdict.speed_mps.value_or(best.speed_mps);
     const double expanded_mps = verdict.expanded_uncertainty_mps.value_or(
-        scale.coverage_factor * best.standard_uncertainty_mps);
+        scale.coverage_factor * best.standard_uncertainty_mps + best.bias_limit_mps);
     Json json{{"certified_words",
                fmt::format("{} (k = {})",
                            speed_with_uncertainty_text(speed_mps, expanded_mps, scale.unit),
@@ -179,6 +220,10 @@ Json uncertainty_json(const ProfileVerdict& verdict, const ProfileWindows& windo
     if (best.effective_degrees_of_freedom)
         json["effective_degrees_of_freedom"] = rounded(*best.effective_degrees_of_freedom, 2);
     if (best.fitted) json["fitted"] = fitted_json(*best.fitted, scale);
+    json["bias_limit_m_s"] = rounded(best.bias_limit_mps, 6);
+    if (best.own_standard_uncertainty_mps)
+        json["own_standard_uncertainty_m_s"] = rounded(*best.own_standard_uncertainty_mps, 6);
+    if (best.estimates) json["estimates"] = estimates_json(*best.estimates, scale);
     if (best.robust) json["robust"] = robust_json(*best.robust, scale);
     if (best.bound) json["bound"] = bound_json(*best.bound, scale);
     if (best.selection)

@@ -41,7 +41,16 @@ inline constexpr auto members<DayResult> =
                Member{"start_utc", &DayResult::start_utc},
                Member{"start_time_s", &DayResult::start_time_s},
                Member{"duration_s", &DayResult::duration_s},
-               Member{"replaced", &DayResult::replaced}};
+               Member{"replaced", &DayResult::replaced},
+               Member{"probability", &DayResult::probability},
+               Member{"level", &DayResult::level},
+               Member{"attempts_made", &DayResult::attempts_made}};
+
+template <>
+inline constexpr auto members<BestOfDay> = std::tuple{
+    Member{"id", &BestOfDay::id}, Member{"attempts", &BestOfDay::attempts},
+    Member{"probability", &BestOfDay::probability}, Member{"level", &BestOfDay::level},
+    Member{"beaten", &BestOfDay::beaten}};
 
 template <>
 inline constexpr auto members<AttemptResult> =
@@ -73,7 +82,7 @@ template <>
 inline constexpr auto members<DayProfile> =
     std::tuple{Member{"profile", &DayProfile::profile}, Member{"body", &DayProfile::body},
                Member{"title", &DayProfile::title}, Member{"counts", &DayProfile::counts},
-               Member{"ranking", &DayProfile::ranking}};
+               Member{"ranking", &DayProfile::ranking}, Member{"best", &DayProfile::best}};
 
 template <>
 inline constexpr auto members<DayCounts> = std::tuple{

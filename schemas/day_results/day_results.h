@@ -40,6 +40,10 @@ struct DayResult {
     std::optional<double> start_time_s = {};
     std::optional<double> duration_s = {};
     std::vector<std::string> replaced = {};  ///< figures of the rule that the attempt replaced
+    /// Of the decision; these since revision 1.1.
+    std::optional<double> probability = {};  ///< that the speed reaches the target
+    std::optional<double> level = {};        ///< that acceptance needs
+    std::int64_t attempts_made = 1;          ///< that this one says it is the best of
 };
 
 struct DayCraft {
@@ -81,12 +85,23 @@ struct OutcomeCounts {
     std::int64_t not_certifiable = 0;
 };
 
+/// The best of the day's attempts under a rule, judged as the best of so many: the risk that one
+/// attempt may take is divided by their number.
+struct BestOfDay {
+    std::string id;
+    std::int64_t attempts = 0;  ///< under the rule, of which it is the best
+    double probability = 0.0;
+    double level = 0.0;   ///< that the best of so many needs
+    bool beaten = false;  ///< whether it does
+};
+
 struct DayProfile {
     std::string profile;
     std::string body;
     std::string title;
     OutcomeCounts counts = {};
     std::vector<DayPlace> ranking = {};
+    std::optional<BestOfDay> best = {};  ///< of those that beat the record by themselves
 };
 
 struct DayCounts {

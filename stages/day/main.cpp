@@ -67,6 +67,7 @@ DayResults results_of_day(const Options& options) {
     for (DayProfile& profile : results.profiles) {
         profile.ranking = ranking_by(profile.profile, results.attempts);
         profile.counts = outcomes_by(profile.profile, results.attempts);
+        profile.best = best_by(profile.profile, results.attempts, profile.ranking);
     }
     return results;
 }

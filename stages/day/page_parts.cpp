@@ -179,6 +179,7 @@ TemplateData profile_data(const DayProfile& profile, const AttemptsById& attempt
     set_text(data, "body", profile.body);
     set_text(data, "title", profile.title);
     data.set("tally", tally_of(profile, attempts));
+    set_text(data, "best", profile.best ? best_words(*profile.best) : "");
     set_picture(data, profile, attempts);
     TemplateData places = list();
     for (std::size_t i = 0; i < profile.ranking.size(); ++i)

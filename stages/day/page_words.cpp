@@ -4,6 +4,8 @@
 
 #include "core/text.h"
 
+#include <cmath>
+
 namespace runcert {
 
 OutcomeWords outcome_words(const DayResult& result) {
@@ -57,6 +59,20 @@ std::string told_apart_words(const DayPlace& place, std::optional<std::int64_t> 
         return begin + range(*up, *down);
     }
     return begin + (up ? range(*up, above.value_or(*up)) : range(below.value_or(*down), *down));
+}
+
+std::string best_words(const BestOfDay& best) {
+    const std::string of = best.attempts == 1
+                               ? std::string("One attempt was made")
+                               : fmt::format("{} attempts were made, and the best of so many needs "
+                                             "more than one alone",
+                                             best.attempts);
+    return fmt::format(
+        "{}: a probability of {:.4g} % that the speed reaches the one to reach. {} has {:.6g} %, {}.",
+        of, 100.0 * best.level, best.id, 100.0 * std::floor(best.probability * 1e6) / 1e6,
+        best.beaten ? "so that the record is beaten as the best of them too"
+                    : "so that it may be the luckiest of them: as the best of so many it is not "
+                      "proven");
 }
 
 std::string link_to(std::string_view file) {

@@ -36,6 +36,9 @@ std::string window_words(const DayResult& result);
 std::string told_apart_words(const DayPlace& place, std::optional<std::int64_t> above,
                              std::optional<std::int64_t> below);
 
+/// What the best of the day's attempts is as the best of so many, in a sentence.
+std::string best_words(const BestOfDay& best);
+
 /// A file's name as a relative link: every byte but letters, digits and - . _ ~ / as %NN.
 std::string link_to(std::string_view file);
 

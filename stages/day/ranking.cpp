@@ -75,6 +75,25 @@ std::vector<DayPlace> ranking_by(std::string_view profile,
     return places;
 }
 
+std::optional<BestOfDay> best_by(std::string_view profile,
+                                 const std::vector<AttemptResult>& attempts,
+                                 const std::vector<DayPlace>& ranking) {
+    if (ranking.empty()) return std::nullopt;
+    const auto first = std::ranges::find_if(attempts, [&](const AttemptResult& attempt) {
+        return attempt.id == ranking.front().id && attempt.by(profile);
+    });
+    const DayResult& result = *first->by(profile);
+    if (result.outcome != "beaten" || !result.probability || !result.level) return std::nullopt;
+    const double risk = (1.0 - *result.level) * static_cast<double>(result.attempts_made);
+    BestOfDay best{.id = ranking.front().id,
+                   .attempts = std::max(std::ssize(ranking),
+                                        static_cast<std::ptrdiff_t>(result.attempts_made)),
+                   .probability = *result.probability};
+    best.level = 1.0 - risk / static_cast<double>(best.attempts);
+    best.beaten = best.probability >= best.level;
+    return best;
+}
+
 OutcomeCounts outcomes_by(std::string_view profile, const std::vector<AttemptResult>& attempts) {
     OutcomeCounts counts;
     for (const AttemptResult& attempt : attempts) {

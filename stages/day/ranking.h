@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -17,6 +18,13 @@ namespace runcert {
 /// of the difference of two independent speeds ([GUM] 5.1.2).
 std::vector<DayPlace> ranking_by(std::string_view profile,
                                  const std::vector<AttemptResult>& attempts);
+
+/// The first of a ranking, judged as the best of all attempts that claim the rule; empty where it
+/// does not beat the record by itself. The risk 1 - level that an attempt alone may take is that of
+/// the rule; an attempt that says it is the best of several has divided it already.
+std::optional<BestOfDay> best_by(std::string_view profile,
+                                 const std::vector<AttemptResult>& attempts,
+                                 const std::vector<DayPlace>& ranking);
 
 /// How many of them have which outcome by that rule.
 OutcomeCounts outcomes_by(std::string_view profile, const std::vector<AttemptResult>& attempts);

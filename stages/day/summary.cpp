@@ -39,6 +39,11 @@ DayResult result_of(const ProfileVerdict& verdict) {
         result.start_time_s = verdict.window->start.seconds();
         result.duration_s = verdict.window->duration.seconds();
     }
+    if (verdict.decision) {
+        result.probability = verdict.decision->probability;
+        result.level = verdict.decision->level;
+        result.attempts_made = verdict.decision->attempts_made;
+    }
     for (const Override& figure : verdict.overrides)
         result.replaced.push_back(figure.figure);
     return result;

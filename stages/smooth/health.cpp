@@ -88,13 +88,16 @@ std::int64_t spans_allowed(std::int64_t spans) {
 }  // namespace
 
 template <int Axes>
-FilterHealth filter_health(const std::vector<Arc<Axes>>& arcs,
-                           const std::vector<SmoothedMeans<Axes>>& smoothed,
-                           const EstimationModel& model, const EstimationModel& as_stated) {
+double innovation_autocorrelation(const std::vector<Arc<Axes>>& arcs,
+                                  const EstimationModel& model) {
+    return innovation_statistics(arcs, model).autocorrelation();
+}
+
+template <int Axes>
+FilterHealth filter_health(const std::vector<Arc<Axes>>& arcs, const EstimationModel& model) {
     const InnovationStatistics used = innovation_statistics(arcs, model);
     FilterHealth health;
     health.innovations = used.values;
-    health.autocorrelation_stated = innovation_statistics(arcs, as_stated).autocorrelation();
     health.autocorrelation = used.autocorrelation();
     health.white = std::abs(health.autocorrelation) <= white_within;
     if (used.values > 0) {
@@ -109,18 +112,24 @@ FilterHealth filter_health(const std::vector<Arc<Axes>>& arcs,
     health.consistent = health.mean_statistic >= health.lower &&
                         health.mean_statistic <= health.upper &&
                         health.spans_outside <= health.spans_allowed;
+    return health;
+}
+
+template <int Axes>
+void add_numerics(const std::vector<SmoothedMeans<Axes>>& smoothed, FilterHealth& health) {
     for (const SmoothedMeans<Axes>& arc : smoothed) {
         health.largest_asymmetry = std::max(health.largest_asymmetry, arc.largest_asymmetry);
         health.largest_condition = std::max(health.largest_condition, arc.largest_condition);
     }
-    return health;
 }
 
-template FilterHealth filter_health<1>(const std::vector<Arc<1>>&,
-                                       const std::vector<SmoothedMeans<1>>&, const EstimationModel&,
-                                       const EstimationModel&);
-template FilterHealth filter_health<2>(const std::vector<Arc<2>>&,
-                                       const std::vector<SmoothedMeans<2>>&, const EstimationModel&,
-                                       const EstimationModel&);
+#define RUNCERT_INSTANTIATE(AXES)                                                              \
+    template double innovation_autocorrelation<AXES>(const std::vector<Arc<AXES>>&,            \
+                                                     const EstimationModel&);                  \
+    template FilterHealth filter_health<AXES>(const std::vector<Arc<AXES>>&,                   \
+                                              const EstimationModel&);                         \
+    template void add_numerics<AXES>(const std::vector<SmoothedMeans<AXES>>&, FilterHealth&);
+RUNCERT_INSTANTIATE(1)
+RUNCERT_INSTANTIATE(2)
 
 }  // namespace runcert

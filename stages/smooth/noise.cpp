@@ -108,15 +108,6 @@ void follow_motion(std::vector<Arc<Axes>>& arcs) {
             arcs[a].epochs[k].jerk_factor = motion.jerk_density[a][k] / motion.whole;
 }
 
-/// The jerk densities as they are used: `fitted`, or that many times as much, or that of the class.
-template <int Axes>
-void set_densities(std::vector<Arc<Axes>>& arcs, double fitted, double of_class) {
-    for (Arc<Axes>& arc : arcs)
-        for (ArcEpoch<Axes>& epoch : arc.epochs)
-            epoch.jerk_factor =
-                kept(std::max(of_class, fitted * std::max(1.0, epoch.jerk_factor))) / fitted;
-}
-
 template <int Axes>
 void forget_motion(std::vector<Arc<Axes>>& arcs) {
     for (Arc<Axes>& arc : arcs)
@@ -140,7 +131,6 @@ NoiseSummary learn_noise(std::vector<Arc<Axes>>& arcs, const SmoothConfig& confi
         const NoiseFit fit = fit_noise<Axes>(spans_of(arcs), config.fit);
         if (fit.status == NoiseFit::Status::fitted) {
             take_over(fit, noise);
-            set_densities(arcs, noise.jerk_density.value, config.fit.initial_jerk_density);
             return noise;
         }
         forget_motion(arcs);
@@ -152,6 +142,23 @@ NoiseSummary learn_noise(std::vector<Arc<Axes>>& arcs, const SmoothConfig& confi
     scale_stated(arcs, noise);
     return noise;
 }
+
+template <int Axes>
+void set_jerk_densities(std::vector<Arc<Axes>>& arcs, const NoiseSummary& noise,
+                        const SmoothConfig& config) {
+    if (noise.status != "fitted") return;
+    const double fitted = noise.jerk_density.value;
+    const double of_class = config.fit.initial_jerk_density;
+    for (Arc<Axes>& arc : arcs)
+        for (ArcEpoch<Axes>& epoch : arc.epochs)
+            epoch.jerk_factor =
+                kept(std::max(of_class, fitted * std::max(1.0, epoch.jerk_factor))) / fitted;
+}
+
+template void set_jerk_densities<1>(std::vector<Arc<1>>&, const NoiseSummary&,
+                                    const SmoothConfig&);
+template void set_jerk_densities<2>(std::vector<Arc<2>>&, const NoiseSummary&,
+                                    const SmoothConfig&);
 
 template NoiseSummary learn_noise<1>(std::vector<Arc<1>>&, const SmoothConfig&);
 template NoiseSummary learn_noise<2>(std::vector<Arc<2>>&, const SmoothConfig&);

@@ -172,36 +172,36 @@ AxesResult<Axes> estimate(const ScreenedTable& screened, const SmoothConfig& con
                           TrajectoryTable& table, const Also& also) {
     AxesResult<Axes> result;
     result.arcs = arcs_of<Axes>(screened);
+    EstimationModel as_stated;
+    as_stated.motion.jerk_density = config.fit.initial_jerk_density;
+    const double autocorrelation_stated =
+        innovation_autocorrelation<Axes>(result.arcs, as_stated);
     result.estimation.noise = learn_noise<Axes>(result.arcs, config);
     const EstimationModel model = model_of(result.estimation.noise);
+    result.estimation.health = filter_health<Axes>(result.arcs, model);
+    result.estimation.health.autocorrelation_stated = autocorrelation_stated;
+    set_jerk_densities<Axes>(result.arcs, result.estimation.noise, config);
     for (const Arc<Axes>& arc : result.arcs) {
         result.smoothed.push_back(smooth_rows<Axes>(arc, model, table.rows));
         set_jerk_density(arc, model, table.rows);
     }
-    EstimationModel as_stated;
-    as_stated.motion.jerk_density = config.fit.initial_jerk_density;
+    add_numerics<Axes>(result.smoothed, result.estimation.health);
     do_together([&] { result.agreement = check_by_batch<Axes>(result, model, table.rows); },
-                [&] { also(result, model); },
-                [&] {
-                    result.estimation.health =
-                        filter_health(result.arcs, result.smoothed, model, as_stated);
-                });
+                [&] { also(result, model); });
     return result;
 }
 
 /// What of the summary is the horizontal estimate's alone.
 void summarise_horizontal(const AxesResult<2>& result, EstimationSummary& summary) {
     summary.arcs = static_cast<std::int64_t>(result.arcs.size());
-    double innovation_sum = 0.0;
     for (std::size_t a = 0; a < result.arcs.size(); ++a) {
-        innovation_sum += result.smoothed[a].innovation_sum;
         // The vague prior leaves position, velocity and acceleration of each axis to the data, and
         // so are the offsets of bridged steps.
         summary.degrees_of_freedom +=
             2 * result.smoothed[a].measurements - 6 - 2 * offsets_told(result.arcs[a]);
     }
     if (summary.degrees_of_freedom > 0)
-        summary.variance_factor = innovation_sum / static_cast<double>(summary.degrees_of_freedom);
+        summary.variance_factor = result.estimation.health.mean_statistic;
     const double scale = result.estimation.noise.measurement_scale.value;
     summary.variance_factor_applied = scale * scale;
     summary.horizontal = result.estimation;

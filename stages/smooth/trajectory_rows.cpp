@@ -91,7 +91,6 @@ SmoothedMeans<Axes> smooth_rows(const Arc<Axes>& arc, const EstimationModel& mod
     MotionSmoother<Axes> at(arc.epochs, model);
     SmoothedMeans<Axes> smoothed;
     smoothed.states.resize(arc.epochs.size());
-    smoothed.innovation_sum = at.innovation_sum();
     smoothed.measurements = at.measurements();
     for (; !at.done(); at.step_back()) {
         smoothed.states[at.epoch()] = at.mean();

@@ -14,7 +14,6 @@ template <int Axes>
 struct SmoothedMeans {
     std::vector<StateVector<Axes>> states;
     StateMatrix<Axes> covariance_in_the_middle;
-    double innovation_sum = 0.0;  ///< of the innovation statistics: the least-squares minimum
     std::int64_t measurements = 0;
     double largest_condition = 0.0;  ///< of a covariance with its diagonal scaled to one
     double largest_asymmetry = 0.0;  ///< of a covariance before symmetrising, relative

@@ -70,16 +70,25 @@ TEST(RealRecordings, TheReferenceIsInsideTheStatedIntervalsOfTheUrbanCar) {
     std::int64_t inside = 0;
     double half_widths = 0.0;
     double squares = 0.0;
-    for (const Arc<2>& arc : arcs_of<2>(screened))
+    const EstimationModel model = model_of(noise);
+    for (const Arc<2>& arc : arcs_of<2>(screened, tables.trajectory))
         for (const EpochPair& window : certifiable(screened, arc)) {
             const std::size_t first = arc.rows[window.first];
             const std::size_t last = arc.rows[window.last];
             const ErrorBound bound =
                 error_bound<2>(screened, first, last, noise, nalsa.uncertainty);
             const WindowStretch stretch = cut_stretch(arc, window, 30.0);
+            const SmoothedArc<2> smoothed = smooth<2>(stretch.epochs, model);
+            const EstimatedWindow<2> at{.epochs = stretch.epochs,
+                                        .smoothed = smoothed,
+                                        .model = model,
+                                        .window = stretch.window,
+                                        .duration_s = stretch.duration_s};
+            const SpeedQuantity quantity{"displacement"};
             const SpeedEstimate speed =
-                displacement_speed(smooth<2>(stretch.epochs, bounded_model(noise, bound)),
-                                   stretch.window.first, stretch.window.last, stretch.duration_s);
+                position_noise(at, quantity, speed_weights(at, quantity),
+                               bounding_error(noise, bound), bound)
+                    .speed;
             const double expanded = 2.0 * speed.standard_uncertainty_mps;
             const double error = speed.speed_mps - (reference_at(screened.rows[last].time) -
                                                     reference_at(screened.rows[first].time))

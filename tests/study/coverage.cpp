@@ -52,6 +52,7 @@ void study_one(CoverageCell& cell, const CoverageOptions& options, std::uint64_t
     if (!learn) return;
 
     const NoiseSummary noise = learn_noise<2>(arcs, SmoothConfig{});
+    set_jerk_densities<2>(arcs, noise, SmoothConfig{});
     stretch = cut_stretch(arcs.front(), {first, last}, 60.0);
     const FittedSpeed fitted = fitted_speed(stretch, posterior_of(noise), {"displacement"});
     count(cell.fitted, fitted.speed_mps - true_mps, fitted.standard_uncertainty_mps);

@@ -172,10 +172,15 @@ CertifiableWindow window() {
     window.standard_uncertainty_mps = 0.0125;
     window.effective_degrees_of_freedom = 12.75;
     window.fitted = FittedSpeed{60.0035, 0.0025, 9};
-    window.bound = ErrorBound{0.25, 20.0, 0.02, 0.0075, 0.005, 0.0125, "float", "fitted", 0.0095};
+    window.own_standard_uncertainty_mps = 0.0105;
+    window.bias_limit_mps = 0.0015;
+    window.estimates = OtherEstimates{60.0045, 0.0035, 60.0015, 60.0055, 60.0005, 0.0035};
+    window.bound =
+        ErrorBound{0.25, 20.0, 0.02, 0.0075, 1.25, 0.005, 0.0125, "float", "fitted", 0.0095};
     window.robust = RobustSpeed{60.001, -0.0025, 0.0245, true, 2};
     window.selection =
-        SelectionBias{17, 60.0, 0.0115, 60.0005, 0.011, 0.0025, 0.0005, "subtracted", 5000, 42};
+        SelectionBias{17,    60.0,   0.0115, 60.0005, 0.011,        0.001, 0.004,
+                      0.0025, 0.0015, 0.0005, "subtracted", 5000, 42};
     window.budget = {{"d", "displacement", 180.0075, "m", 0.0375, "A", "normal", 12.75, 0.333333,
                       0.0125, "with b", "fit"},
                      {"b", "scale", 1.0, "", 0.00057735, "B", "rectangular", std::nullopt, 60.0,
@@ -226,6 +231,7 @@ TEST(WindowUncertainty, SpeedsRoundTrip) {
     EXPECT_EQ(back.bound->tau_max_s, 20.0);
     EXPECT_EQ(back.bound->sigma_m, 0.02);
     EXPECT_EQ(back.bound->fitted_m, 0.0075);
+    EXPECT_EQ(back.bound->along, 1.25);
     EXPECT_EQ(back.bound->stated_m, 0.005);
     EXPECT_EQ(back.bound->floor_m, 0.0125);
     EXPECT_EQ(back.bound->floor_fix, "float");
@@ -236,6 +242,14 @@ TEST(WindowUncertainty, SpeedsRoundTrip) {
     EXPECT_EQ(back.robust->limit_mps, 0.0245);
     EXPECT_TRUE(back.robust->agrees);
     EXPECT_EQ(back.robust->downweighted, 2);
+    EXPECT_EQ(back.own_standard_uncertainty_mps, 0.0105);
+    EXPECT_EQ(back.bias_limit_mps, 0.0015);
+    EXPECT_EQ(back.estimates->chord_mps, 60.0045);
+    EXPECT_EQ(back.estimates->chord_difference_uncertainty_mps, 0.0035);
+    EXPECT_EQ(back.estimates->stiffer_mps, 60.0015);
+    EXPECT_EQ(back.estimates->softer_mps, 60.0055);
+    EXPECT_EQ(back.estimates->whole_mps, 60.0005);
+    EXPECT_EQ(back.estimates->half_width_mps, 0.0035);
 }
 
 TEST(WindowUncertainty, SelectionAndMonteCarloRoundTrip) {
@@ -245,7 +259,10 @@ TEST(WindowUncertainty, SelectionAndMonteCarloRoundTrip) {
     EXPECT_EQ(back.selection->chosen_sd_mps, 0.0115);
     EXPECT_EQ(back.selection->best_mean_mps, 60.0005);
     EXPECT_EQ(back.selection->best_sd_mps, 0.011);
+    EXPECT_EQ(back.selection->fitted_bias_mps, 0.001);
+    EXPECT_EQ(back.selection->bounded_bias_mps, 0.004);
     EXPECT_EQ(back.selection->bias_mps, 0.0025);
+    EXPECT_EQ(back.selection->bias_half_range_mps, 0.0015);
     EXPECT_EQ(back.selection->bias_uncertainty_mps, 0.0005);
     EXPECT_EQ(back.selection->treatment, "subtracted");
     EXPECT_EQ(back.selection->samples, 5000);

@@ -215,7 +215,8 @@ TEST(LearnNoise, WhatIsWrittenAndReadGivesTheSameModel) {
             EXPECT_EQ(models[i].weight, again[i].weight);
         }
         // And the same states to the last bit, from what was read.
-        const SmoothedArc<2> smoothed = smooth<2>(arcs_of<2>(table).front().epochs, model_of(read));
+        const SmoothedArc<2> smoothed =
+            smooth<2>(arcs_of<2>(table, trajectory).front().epochs, model_of(read));
         EXPECT_EQ(smoothed.states[123].mean(0), *trajectory.rows[123].east_m);
     }
 }

@@ -103,27 +103,35 @@ TEST(ErrorBound, TheProfilesOwnFloorsAreThoseOfItsSchema) {
               "unknown");
 }
 
-TEST(BoundedModel, KeepsMotionAndWhiteNoiseAndBoundsTheError) {
+TEST(BoundingError, IsThatOfTheBoundedSize) {
     NoiseSummary noise = noise_with(1.2, 0.01);
-    noise.jerk_density.value = 0.7;
-    noise.measurement_scale.value = 1.1;
-    noise.acceleration_time_s = test::parameter_of(3.0);
-    noise.error_sigma_m = test::parameter_of(0.01);
-    noise.error_tau_s = test::parameter_of(2.0);
     ErrorBound bound;
     bound.tau_min_s = 0.5;
     bound.tau_max_s = 10.0;
     bound.sigma_m = 0.02;
-    const EstimationModel model = bounded_model(noise, bound);
-    EXPECT_EQ(model.motion.jerk_density, 0.7);
-    EXPECT_EQ(model.motion.acceleration_time_s, 3.0);
-    EXPECT_EQ(model.measurement_scale, 1.1);
     // Langel, Garcia Crespo & Joerger 2021: tau_max, process noise larger by tau_max / tau_min,
     // initial variance 2 sigma^2 / (1 + tau_min / tau_max).
-    EXPECT_EQ(model.error.tau_s, 10.0);
-    EXPECT_NEAR(std::pow(model.error.process_density, 2), 2.0 * 0.02 * 0.02 / 10.0 * (10.0 / 0.5),
-                1e-15);
-    EXPECT_NEAR(std::pow(model.error.initial_sigma_m, 2), 2.0 * 0.02 * 0.02 / 1.05, 1e-15);
+    noise.error_told = false;
+    const GaussMarkovError error = bounding_error(noise, bound);
+    EXPECT_EQ(error.tau_s, 10.0);
+    EXPECT_NEAR(std::pow(error.process_density, 2), 2.0 * 0.02 * 0.02 / 10.0 * (10.0 / 0.5), 1e-15);
+    EXPECT_NEAR(std::pow(error.initial_sigma_m, 2), 2.0 * 0.02 * 0.02 / 1.05, 1e-15);
+}
+
+TEST(BoundingError, OfAFittedDiffusionIsSteadyAtTheLongestCorrelationTime) {
+    // An error that wanders by d in the first second may have any correlation time: with the
+    // longest its variance is d^2 tau_max / 2, which the bounding process must begin with.
+    NoiseSummary noise = noise_with(1.0, 0.03);
+    ErrorBound bound;
+    bound.tau_min_s = 0.5;
+    bound.tau_max_s = 10.0;
+    bound.sigma_m = 0.03 * std::sqrt(0.5 * 0.5);
+    const GaussMarkovError error = bounding_error(noise, bound);
+    EXPECT_NEAR(std::pow(error.initial_sigma_m, 2), 0.5 * 0.03 * 0.03 * 10.0, 1e-12);
+    EXPECT_NEAR(error.process_density, 0.03, 1e-12);
+    // Along the track it may be larger.
+    bound.along = std::sqrt(2.0);
+    EXPECT_NEAR(bounding_error(noise, bound).process_density, 0.03 * std::sqrt(2.0), 1e-12);
 }
 
 /// A stretch of random motion, and two models of its noise that give it different speeds.

@@ -124,7 +124,19 @@ TEST(BridgedWindows, PartsOfTheUncertaintyAddUpAndTheOffsetChangesNothing) {
     const SteppedRun with(0.5);
     for (const char* definition : {"displacement", "path_length", "mean_n"}) {
         const auto noise_of = [&](const SteppedRun& run) {
-            return position_noise(cut_stretch(run.arc(), window, 60.0), bounded(), {definition});
+            const WindowStretch<2> stretch = cut_stretch(run.arc(), window, 60.0);
+            const EstimationModel model = motion();
+            const SmoothedArc<2> smoothed = smooth<2>(stretch.epochs, model);
+            const EstimatedWindow<2> at{.epochs = stretch.epochs,
+                                        .smoothed = smoothed,
+                                        .model = model,
+                                        .window = stretch.window,
+                                        .duration_s = stretch.duration_s};
+            ErrorBound bound;
+            bound.tau_min_s = 0.5;
+            bound.tau_max_s = 10.0;
+            return position_noise(at, {definition}, speed_weights(at, {definition}),
+                                  bounded().error, bound);
         };
         const PositionNoise noise = noise_of(with);
         const PositionNoise same = noise_of(without);
@@ -173,7 +185,8 @@ WindowCluster<2> across_step(const Arc<2>& arc) {
 }
 
 SelectionBias bias_of(Arc<2> arc, double stated_mps = 60.0) {
-    return selection_bias<2>({across_step(arc)}, {motion(), bounded()}, stated_mps, 200, 1);
+    return selection_bias<2>({across_step(arc)}, {.estimated = motion(), .bound_m = 0.02},
+                             stated_mps, 200, 1);
 }
 
 TEST(BridgedWindows, SelectionDoesNotDependOnTheOffset) {

@@ -27,6 +27,7 @@ struct Scene {
         fit().jerk_density.relative_uncertainty = 0.25;
         trajectory.facts.nominal_interval_s = 0.1;
         trajectory.facts.georeferenced = true;
+        trajectory.facts.time_source = "satellites";
         trajectory.facts.vertical_measured = true;
         for (std::int64_t k = 0; k <= 30; ++k) {
             TrajectoryEpoch& row = trajectory.rows.emplace_back();
@@ -40,7 +41,6 @@ struct Scene {
         noise.correlated_mps = 0.004;
         noise.motion_mps = 0.0;
         noise.speed.standard_uncertainty_mps = 0.005;
-        noise.velocity_covariance = Eigen::Matrix2d::Identity() * 0.005 * 0.005;
         selection.treatment = "covered";
     }
     NoiseSummary& fit() { return trajectory.estimation.horizontal->noise; }
@@ -83,8 +83,8 @@ TEST(Budget, EverySourceHasItsRowAlsoWhereItGivesNothing) {
                     1e-15)
             << row.symbol;
     }
-    EXPECT_EQ(symbols, "wsbjtrmadf");
-    for (const char* symbol : {"j", "t", "r", "a", "d", "f"})
+    EXPECT_EQ(symbols, "wbjotkrmadf");
+    for (const char* symbol : {"j", "o", "t", "k", "r", "a", "d", "f"})
         EXPECT_EQ(Scene().row(symbol).contribution_mps, 0.0) << symbol;
 }
 
@@ -108,19 +108,50 @@ TEST(Budget, WhatScreeningCouldHaveMissedIsABoundOfTheSpeed) {
               "most 0.0346 m/s; a larger one is found with a probability of more than 0.8");
 }
 
-TEST(Budget, WhiteNoiseIsSplitIntoWhatIsStatedAndWhatTheDataShowBeyond) {
-    // White 3 mm/s with a scale of 1.25: stated 2.4, beyond sqrt(9 - 5.76) = 1.8 mm/s.
+TEST(Budget, WhiteNoiseIsOneRowWithTheDegreesOfFreedomOfItsOneScale) {
     Scene scene;
-    EXPECT_NEAR(scene.row("w").contribution_mps, 0.0024, 1e-15);
-    EXPECT_NEAR(scene.row("s").contribution_mps, 0.0018, 1e-15);
+    EXPECT_EQ(scene.row("w").contribution_mps, 0.003);
     // Degrees of freedom 1 / (2 relative^2) [GUM] (G.3): 200 for 5 %, 8 for 25 %.
     EXPECT_NEAR(scene.row("w").degrees_of_freedom.value(), 200.0, 1e-9);
-    EXPECT_NEAR(scene.row("s").degrees_of_freedom.value(), 200.0, 1e-9);
     EXPECT_NEAR(scene.row("j").degrees_of_freedom.value(), 8.0, 1e-9);
-    // Better than stated: nothing beyond, and no part of it given away.
-    scene.fit().measurement_scale.value = 0.8;
-    EXPECT_NEAR(scene.row("w").contribution_mps, 0.003, 1e-15);
-    EXPECT_EQ(scene.row("s").contribution_mps, 0.0);
+}
+
+TEST(Budget, ASlowErrorThatWasFittedHasTheFitsDegreesOfFreedom) {
+    Scene scene;
+    scene.fit().error_told = true;
+    scene.fit().error_diffusion = test::parameter_of(0.05);
+    scene.fit().error_diffusion->relative_uncertainty = 0.1;
+    scene.bound.decided_by = "floor";
+    EXPECT_FALSE(scene.row("b").degrees_of_freedom.has_value());
+    scene.bound.decided_by = "fitted";
+    EXPECT_NEAR(scene.row("b").degrees_of_freedom.value(), 50.0, 1e-9);
+    EXPECT_EQ(scene.row("b").type, "A");
+}
+
+TEST(Budget, WhatTheModelOfTheMotionChangesIsABound) {
+    Scene scene;
+    scene.noise.model_mps = 0.006;
+    EXPECT_NEAR(scene.row("o").contribution_mps, 0.006 / std::sqrt(3.0), 1e-15);
+}
+
+TEST(Budget, AClockThatNobodyVouchesForMayRunWrong) {
+    // 60 m/s times a rate known to 1e-4, rectangular.
+    Scene scene;
+    EXPECT_EQ(scene.row("k").contribution_mps, 0.0);
+    scene.trajectory.facts.time_source = "attempt";
+    EXPECT_EQ(scene.row("k").contribution_mps, 0.0);
+    scene.trajectory.facts.time_source = "unknown";
+    EXPECT_NEAR(scene.row("k").contribution_mps, 60.0 * 1e-4 / std::sqrt(3.0), 1e-12);
+    scene.config.clock_rate_bound = 5e-4;
+    EXPECT_NEAR(scene.row("k").contribution_mps, 60.0 * 5e-4 / std::sqrt(3.0), 1e-12);
+}
+
+TEST(Budget, WhatAnotherReceiverDoesNotShareLeavesOutFrameClockAndWhatIsLookedFor) {
+    Scene scene;
+    scene.noise.own_correlated_mps = 0.002;
+    scene.trajectory.facts.time_source = "unknown";
+    scene.reliability = {{.hypothesis = "step", .unit = "m", .speed_mps = 0.0346}};
+    EXPECT_NEAR(own_uncertainty(scene.noise, scene.rows()), std::hypot(0.002, 0.003), 1e-12);
 }
 
 TEST(Budget, SlowErrorAndMotionAreThoseOfTheirParts) {
@@ -205,12 +236,12 @@ TEST(Budget, SelectionCoveredOrSubtracted) {
     Scene scene;
     scene.selection.bias_mps = 0.003;
     scene.selection.bias_uncertainty_mps = 0.0002;
-    EXPECT_EQ(scene.row("f").contribution_mps, 0.003);
+    EXPECT_EQ(scene.row("f").contribution_mps, 0.0002);
+    EXPECT_EQ(scene.row("f").estimate, 0.0);
     scene.selection.treatment = "subtracted";
     EXPECT_EQ(scene.row("f").contribution_mps, 0.0002);
-    scene.selection.treatment = "covered";
-    scene.selection.bias_mps = -0.0001;  // by chance of the draws
-    EXPECT_EQ(scene.row("f").contribution_mps, 0.0);
+    EXPECT_EQ(scene.row("f").estimate, 0.003);
+    EXPECT_EQ(scene.row("f").sensitivity, -1.0);
 }
 
 /// All sources at once.
@@ -223,7 +254,9 @@ Scene full() {
     scene.trajectory.rows[12].time.nanoseconds += 1'000'000;
     scene.config.lever_arm = Eigen::Vector3d(0.0, 0.0, -0.1);
     scene.config.rotation_bound_deg = 5.0;
-    scene.selection.bias_mps = 0.003;
+    scene.selection.bias_uncertainty_mps = 0.0003;
+    scene.noise.model_mps = 0.001;
+    scene.trajectory.facts.time_source = "unknown";
     return scene;
 }
 
@@ -237,7 +270,7 @@ TEST(Budget, CombinesByRootSumOfSquaresAndWelchSatterthwaite) {
             fourth += std::pow(row.contribution_mps, 4) / *row.degrees_of_freedom;
         contributing += row.contribution_mps > 0.0 ? 1 : 0;
     }
-    EXPECT_EQ(contributing, 9);  // all but what screening could have missed
+    EXPECT_EQ(contributing, 10);  // all but what screening could have missed
     const CombinedUncertainty combined = combine(full().rows());
     EXPECT_NEAR(combined.standard_uncertainty, std::sqrt(squares), 1e-15);
     EXPECT_NEAR(combined.effective_degrees_of_freedom.value(), squares * squares / fourth,

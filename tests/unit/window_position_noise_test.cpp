@@ -9,11 +9,24 @@
 namespace runcert {
 namespace {
 
-/// Size, correlation time and jerk of the kind that a certificate meets: a bounded 20 mm error.
-EstimationModel bounding_model() {
+/// Noise and motion of the kind that are fitted.
+EstimationModel fitted_model() {
     return {.motion = {.jerk_density = 0.6},
             .measurement_scale = 1.3,
-            .error = GaussMarkovError::bounding(0.02, 0.5, 10.0)};
+            .error = GaussMarkovError::steady(0.008, 2.0)};
+}
+
+/// What a certificate meets beside them: a bounded 20 mm error.
+ErrorBound bound_of(double sigma_m = 0.02) {
+    ErrorBound bound;
+    bound.tau_min_s = 0.5;
+    bound.tau_max_s = 10.0;
+    bound.sigma_m = sigma_m;
+    return bound;
+}
+
+GaussMarkovError bounding() {
+    return GaussMarkovError::bounding(0.02, 0.5, 10.0);
 }
 
 /// A window of about 3 s in an arc with irregular steps, covariances that change and are
@@ -24,6 +37,18 @@ WindowStretch<2> irregular_stretch() {
     stretch.window = {30, 60};
     stretch.duration_s = stretch.epochs[60].time_s - stretch.epochs[30].time_s;
     return stretch;
+}
+
+PositionNoise noise_of(const WindowStretch<2>& stretch, const EstimationModel& model,
+                       const GaussMarkovError& error, const std::string& definition,
+                       const ErrorBound& bound = bound_of()) {
+    const SmoothedArc<2> smoothed = smooth<2>(stretch.epochs, model);
+    const EstimatedWindow<2> at{.epochs = stretch.epochs,
+                                .smoothed = smoothed,
+                                .model = model,
+                                .window = stretch.window,
+                                .duration_s = stretch.duration_s};
+    return position_noise(at, {definition}, speed_weights(at, {definition}), error, bound);
 }
 
 Eigen::Vector2d displacement(const WindowStretch<2>& stretch, const EstimationModel& model) {
@@ -62,7 +87,7 @@ double error_covariance(const GaussMarkovError& error, double start_s, double a_
 TEST(PositionNoise, PartsAddUpToTheWhole) {
     for (const char* definition : {"displacement", "path_length", "mean_n_plus_1", "mean_n"}) {
         const PositionNoise noise =
-            position_noise(irregular_stretch(), bounding_model(), {definition});
+            noise_of(irregular_stretch(), fitted_model(), bounding(), definition);
         const double u = noise.speed.standard_uncertainty_mps;
         for (const double part : {noise.white_mps, noise.correlated_mps, noise.motion_mps})
             EXPECT_GT(part, 0.01 * u) << definition;
@@ -75,7 +100,7 @@ TEST(PositionNoise, PartsAddUpToTheWhole) {
 
 TEST(PositionNoise, WhiteAndCorrelatedPartsAreThoseOfTheSameWeights) {
     const WindowStretch<2> stretch = irregular_stretch();
-    const EstimationModel model = bounding_model();
+    const EstimationModel model = fitted_model();
     const std::vector<Eigen::Vector2d> h = weights(stretch, model);
     double white = 0.0;
     double correlated = 0.0;
@@ -84,11 +109,11 @@ TEST(PositionNoise, WhiteAndCorrelatedPartsAreThoseOfTheSameWeights) {
         white += std::pow(model.measurement_scale, 2) *
                  h[k].dot(stretch.epochs[k].measurement->covariance * h[k]);
         for (std::size_t l = 0; l < h.size(); ++l)
-            correlated += h[k].dot(h[l]) * error_covariance(model.error, stretch.epochs[0].time_s,
+            correlated += h[k].dot(h[l]) * error_covariance(bounding(), stretch.epochs[0].time_s,
                                                             stretch.epochs[k].time_s,
                                                             stretch.epochs[l].time_s);
     }
-    const PositionNoise noise = position_noise(stretch, model, {"displacement"});
+    const PositionNoise noise = noise_of(stretch, model, bounding(), "displacement");
     EXPECT_NEAR(noise.white_mps, std::sqrt(white), 1e-4 * std::sqrt(white));
     EXPECT_NEAR(noise.correlated_mps, std::sqrt(correlated), 1e-4 * std::sqrt(correlated));
 }
@@ -98,7 +123,7 @@ TEST(PositionNoise, TheRestIsTheMotions) {
     // error leave is its derivative by the logarithm of the motion's variance.
     const WindowStretch<2> stretch = irregular_stretch();
     const auto variance = [&](double factor) {
-        EstimationModel model = bounding_model();
+        EstimationModel model = fitted_model();
         model.motion.jerk_density *= std::sqrt(factor);
         const double u = displacement_speed(smooth<2>(stretch.epochs, model), stretch.window.first,
                                             stretch.window.last, stretch.duration_s)
@@ -106,16 +131,112 @@ TEST(PositionNoise, TheRestIsTheMotions) {
         return u * u;
     };
     const double motion = (variance(std::exp(0.01)) - variance(std::exp(-0.01))) / 0.02;
-    const PositionNoise noise = position_noise(stretch, bounding_model(), {"displacement"});
+    const PositionNoise noise = noise_of(stretch, fitted_model(), bounding(), "displacement");
     EXPECT_NEAR(noise.motion_mps, std::sqrt(motion), 1e-3 * std::sqrt(motion));
 }
 
 TEST(PositionNoise, WithoutASlowErrorThereIsNoPartOfIt) {
-    EstimationModel model = bounding_model();
+    EstimationModel model = fitted_model();
     model.error = GaussMarkovError::steady(0.0, 1.0);
-    const PositionNoise noise = position_noise(irregular_stretch(), model, {"displacement"});
+    const PositionNoise noise =
+        noise_of(irregular_stretch(), model, model.error, "displacement", bound_of(0.0));
     EXPECT_LT(noise.correlated_mps, 1e-5);  // of the 10 um that stand for nothing
     EXPECT_GT(noise.white_mps, 1e-3);
+}
+
+TEST(PositionNoise, OfSamplesIsThatOfTwoPositions) {
+    WindowStretch<2> stretch = irregular_stretch();
+    const EstimationModel model = fitted_model();
+    const SmoothedArc<2> smoothed = smooth<2>(stretch.epochs, model);
+    const EstimatedWindow<2> at{.epochs = stretch.epochs,
+                                .smoothed = smoothed,
+                                .model = model,
+                                .window = stretch.window,
+                                .duration_s = stretch.duration_s};
+    SpeedQuantity samples{"displacement"};
+    samples.of_samples = true;
+    const PositionNoise noise =
+        position_noise(at, samples, speed_weights(at, samples), bounding(), bound_of());
+    const auto& first = *stretch.epochs[stretch.window.first].measurement;
+    const auto& last = *stretch.epochs[stretch.window.last].measurement;
+    const Eigen::Vector2d moved = last.position - first.position;
+    const double t = stretch.duration_s;
+    EXPECT_NEAR(noise.speed.speed_mps, moved.norm() / t, 1e-12);
+    const Eigen::Vector2d u = moved.normalized();
+    const double white = 1.3 * std::sqrt(u.dot((first.covariance + last.covariance) * u)) / t;
+    EXPECT_NEAR(noise.white_mps, white, 1e-12);
+    EXPECT_EQ(noise.motion_mps, 0.0);
+    const double start_s = stretch.epochs.front().time_s;
+    const double a_s = stretch.epochs[stretch.window.first].time_s;
+    const double b_s = stretch.epochs[stretch.window.last].time_s;
+    const double slow = error_covariance(bounding(), start_s, a_s, a_s) +
+                        error_covariance(bounding(), start_s, b_s, b_s) -
+                        2.0 * error_covariance(bounding(), start_s, a_s, b_s);
+    EXPECT_NEAR(noise.correlated_mps, std::sqrt(slow) / t, 1e-9);
+    // This receiver's own slow error is worst where it forgets soonest: sqrt(2) of its size.
+    EXPECT_NEAR(noise.own_correlated_mps, 0.02 * std::sqrt(2.0 * (1.0 - std::exp(-t / 0.5))) / t,
+                1e-9);
+}
+
+TEST(OtherEstimates, SayHowMuchHangsOnTheModel) {
+    WindowStretch<2> stretch = irregular_stretch();
+    const auto estimates_of = [&](double jerk_density) {
+        EstimationModel model = fitted_model();
+        model.motion.jerk_density = jerk_density;
+        const SmoothedArc<2> smoothed = smooth<2>(stretch.epochs, model);
+        const EstimatedWindow<2> at{.epochs = stretch.epochs,
+                                    .smoothed = smoothed,
+                                    .model = model,
+                                    .window = stretch.window,
+                                    .duration_s = stretch.duration_s};
+        const SpeedQuantity quantity{"displacement"};
+        const auto by_weights = speed_weights(at, quantity);
+        const PositionNoise noise =
+            position_noise(at, quantity, by_weights, bounding(), bound_of());
+        return std::pair(noise.speed.speed_mps, other_estimates(at, quantity, by_weights, noise));
+    };
+    const auto [speed, other] = estimates_of(0.6);
+    EXPECT_NEAR(other.stiffer_mps, estimates_of(0.6 / std::sqrt(10.0)).first, 1e-9);
+    EXPECT_NEAR(other.softer_mps, estimates_of(0.6 * std::sqrt(10.0)).first, 1e-9);
+    EXPECT_NEAR(other.whole_mps, speed, 1e-9);  // there is but one density here
+    EXPECT_GE(other.half_width_mps, std::abs(other.stiffer_mps - speed));
+    EXPECT_GE(other.half_width_mps, std::abs(other.softer_mps - speed));
+    const auto& first = *stretch.epochs[stretch.window.first].measurement;
+    const auto& last = *stretch.epochs[stretch.window.last].measurement;
+    ASSERT_TRUE(other.chord_mps && other.chord_difference_uncertainty_mps);
+    EXPECT_NEAR(*other.chord_mps, (last.position - first.position).norm() / stretch.duration_s,
+                1e-12);
+    // A model that is wrong shows against the chord: motion smoothed away is not there.
+    for (ArcEpoch<2>& epoch : stretch.epochs)
+        if (epoch.measurement) epoch.measurement->position.x() += 3.0 * std::sin(1.6 * epoch.time_s);
+    const auto [stiff_speed, stiff] = estimates_of(1e-4);
+    EXPECT_GT(std::abs(*stiff.chord_mps - stiff_speed),
+              2.0 * *stiff.chord_difference_uncertainty_mps);
+    EXPECT_GE(stiff.half_width_mps, std::abs(*stiff.chord_mps - stiff_speed) -
+                                        2.0 * *stiff.chord_difference_uncertainty_mps);
+}
+
+TEST(ErrorAlong, OfAnErrorInOneDirectionIsThatDirections) {
+    // The whole of an error of 80 mm lies along the track: pooled over both axes it looks like one
+    // of 80 / sqrt(2).
+    RandomGenerator random(12);
+    const double decay = std::exp(-0.1 / 1.5);
+    std::vector<ArcEpoch<2>> epochs;
+    double error = 0.08 * random.normal();
+    for (int k = 0; k < 1200; ++k) {
+        error = decay * error + 0.08 * std::sqrt(1.0 - decay * decay) * random.normal();
+        ArcEpoch<2>& epoch = epochs.emplace_back();
+        epoch.time_s = 0.1 * k;
+        epoch.measurement.emplace();
+        epoch.measurement->covariance = Eigen::Matrix2d::Identity() * 1e-4;
+        epoch.measurement->position =
+            Eigen::Vector2d(6.0 * k + error + 0.01 * random.normal(), 0.01 * random.normal());
+    }
+    EstimationModel pooled;
+    pooled.motion.jerk_density = 0.3;
+    pooled.error = GaussMarkovError::steady(0.08 / std::sqrt(2.0), 1.5);
+    EXPECT_GT(error_along(epochs, pooled, Eigen::Vector2d::UnitX()), 1.3);
+    EXPECT_EQ(error_along(epochs, pooled, Eigen::Vector2d::UnitY()), 1.0);
 }
 
 /// Speed of the true motion of a window, by definition.
@@ -166,7 +287,8 @@ TEST(SpeedByDefinition, UncertaintyIsTheScatterOfDrawsFromTheModel) {
 
 TEST(CutStretch, WhatLiesBeyondTheMarginChangesNothing) {
     RandomGenerator random(5);
-    const EstimationModel model = bounding_model();
+    EstimationModel model = fitted_model();
+    model.error = bounding();
     Arc<2> arc;
     arc.epochs = test::simulate_arc<2>(model, 2001, 0.1, 0.005, random).arc;
     const EpochPair window{1000, 1030};
@@ -186,7 +308,7 @@ TEST(CutStretch, WhatLiesBeyondTheMarginChangesNothing) {
 TEST(CutStretch, BeginsWithAMeasuredEpochAndEndsWithTheArc) {
     RandomGenerator random(6);
     Arc<2> arc;
-    arc.epochs = test::simulate_arc<2>(bounding_model(), 100, 0.1, 0.005, random).arc;
+    arc.epochs = test::simulate_arc<2>(fitted_model(), 100, 0.1, 0.005, random).arc;
     for (const std::size_t k : {40U, 41U, 42U})
         arc.epochs[k].measurement.reset();
     const WindowStretch<2> stretch = cut_stretch(arc, {50, 80}, 0.95);

@@ -5,6 +5,7 @@
 #include "arcs/screening_noise.h"
 #include "core/statistics.h"
 #include "estimation/diagnosis.h"
+#include "stages/window/position_noise.h"
 #include "stages/window/reliability.h"
 #include "window_test_support.h"
 
@@ -33,8 +34,22 @@ ScreenedTable screened_run() {
 EstimationModel estimate_model() {
     EstimationModel model;
     model.motion.jerk_density = 0.6;
-    model.error = GaussMarkovError::bounding(0.02, 0.5, 10.0);
+    model.error = GaussMarkovError::steady(0.008, 2.0);
     return model;
+}
+
+std::vector<UndetectedError> errors_of(const ScreenedTable& screened, const Arc<2>& arc,
+                                       const WindowStretch<2>& stretch,
+                                       const std::string& definition) {
+    const EstimationModel model = estimate_model();
+    const SmoothedArc<2> smoothed = smooth<2>(stretch.epochs, model);
+    const SpeedWeights<2> weights = speed_weights<2>({.epochs = stretch.epochs,
+                                                      .smoothed = smoothed,
+                                                      .model = model,
+                                                      .window = stretch.window,
+                                                      .duration_s = stretch.duration_s},
+                                                     {definition});
+    return undetected_errors<2>(screened, arc, stretch, weights);
 }
 
 double speed_of(const WindowStretch<2>& stretch, std::string_view definition) {
@@ -54,7 +69,7 @@ class Reliability : public testing::TestWithParam<const char*> {
     Arc<2> arc = arcs_of<2>(screened).front();
     WindowStretch<2> stretch = cut_stretch(arc, {320, 350}, 60.0);
     std::vector<UndetectedError> errors =
-        undetected_errors(screened, arc, stretch, estimate_model(), {GetParam()});
+        errors_of(screened, arc, stretch, GetParam());
 };
 
 TEST_P(Reliability, NoDirectionOfAnUndetectedStepDoesMore) {
@@ -123,8 +138,7 @@ INSTANTIATE_TEST_SUITE_P(OfEachDefinition, Reliability,
 TEST(ReliabilityOfAWindow, WithoutEvidenceNothingIsClaimed) {
     ScreenedTable screened = recorded({});
     const Arc<2> arc = arcs_of<2>(screened).front();
-    const auto errors = undetected_errors(screened, arc, cut_stretch(arc, {320, 350}, 60.0),
-                                          estimate_model(), {"displacement"});
+    const auto errors = errors_of(screened, arc, cut_stretch(arc, {320, 350}, 60.0), "displacement");
     EXPECT_TRUE(errors.empty());
     EXPECT_EQ(undetected_in_budget(errors), nullptr);
 }
@@ -134,11 +148,11 @@ TEST(ReliabilityOfAWindow, NoisierNeighboursHideMore) {
     const Arc<2> arc = arcs_of<2>(screened).front();
     const WindowStretch<2> stretch = cut_stretch(arc, {320, 350}, 60.0);
     const auto quiet =
-        undetected_errors(screened, arc, stretch, estimate_model(), {"displacement"});
+        errors_of(screened, arc, stretch, "displacement");
     for (ScreenedEpoch& row : screened.rows)
         row.local_variance_factor = 4.0;
     const auto noisy =
-        undetected_errors(screened, arc, stretch, estimate_model(), {"displacement"});
+        errors_of(screened, arc, stretch, "displacement");
     EXPECT_NEAR(noisy.front().speed_mps, 2.0 * quiet.front().speed_mps, 1e-12);
 }
 

@@ -15,9 +15,7 @@ EstimationModel searched() {
 }
 
 SelectionModels models() {
-    EstimationModel certified = searched();
-    certified.error = GaussMarkovError::bounding(0.02, 0.5, 10.0);
-    return {searched(), certified};
+    return {.estimated = searched(), .bound_m = 0.02};
 }
 
 /// All windows of 3 s that begin in the first `begins` epochs from the fifth second on.
@@ -68,6 +66,25 @@ TEST(SelectionBias, GrowsWithTheWindowsToChooseFrom) {
     EXPECT_GT(of_21.bias_mps, 3.0 * of_21.bias_uncertainty_mps);
     EXPECT_GT(of_61.bias_mps, of_21.bias_mps + chance(of_61, of_21));
     EXPECT_GT(of_122.bias_mps, of_61.bias_mps + chance(of_122, of_61));
+}
+
+TEST(SelectionBias, GrowsWithTheBoundAndNotBelowTheFitted) {
+    const auto arcs = at_top_speed(1);
+    std::vector<WindowCluster<2>> clusters{windows_of(arcs[0], 61)};
+    clusters.front().chosen = 30;
+    SelectionModels none = models();
+    none.bound_m = 0.0;
+    SelectionModels large = models();
+    large.bound_m = 0.1;
+    const SelectionBias of_none = selection_bias<2>(clusters, none, 60.0, 500, 1);
+    const SelectionBias of_20_mm = selection_bias<2>(clusters, models(), 60.0, 500, 1);
+    const SelectionBias of_100_mm = selection_bias<2>(clusters, large, 60.0, 500, 1);
+    EXPECT_NEAR(of_none.bounded_bias_mps, of_none.fitted_bias_mps,
+                0.05 * of_none.fitted_bias_mps);
+    EXPECT_EQ(of_20_mm.fitted_bias_mps, of_none.fitted_bias_mps);
+    EXPECT_GT(of_20_mm.bounded_bias_mps, 1.5 * of_20_mm.fitted_bias_mps);
+    // For errors far larger than the white noise it is of their size.
+    EXPECT_NEAR(of_100_mm.bounded_bias_mps / of_20_mm.bounded_bias_mps, 5.0, 1.5);
 }
 
 TEST(SelectionBias, IsTheSameForASeed) {
@@ -122,16 +139,24 @@ TEST(SelectionBias, OfTheRunOfThePaperIsSomeMillimetresPerSecond) {
     const CertifiableWindow covered = Searched().best(false);
     const SelectionBias& bias = covered.selection.value();
     RecordProperty("bias_mm_per_s", std::to_string(bias.bias_mps * 1e3));
-    EXPECT_GT(bias.bias_mps, 0.0015);
-    EXPECT_LT(bias.bias_mps, 0.005);
+    EXPECT_GT(bias.fitted_bias_mps, 0.0015);
+    EXPECT_LT(bias.fitted_bias_mps, 0.005);
+    // Were there a slow error of the 20 mm allowed for, it would be 60 m/h: 17 mm/s.
+    EXPECT_GT(bias.bounded_bias_mps, 0.010);
+    EXPECT_LT(bias.bounded_bias_mps, 0.024);
     EXPECT_LT(bias.bias_uncertainty_mps, 0.0005);
     EXPECT_GT(bias.candidates, 50);
     EXPECT_EQ(bias.treatment, "covered");
     // The truly best window is no faster than the run, and no slower than the chosen one.
     EXPECT_NEAR(bias.best_mean_mps, 60.0, 0.02);
     EXPECT_NEAR(bias.chosen_mean_mps, 60.0, 3.0 * covered.standard_uncertainty_mps);
-    EXPECT_EQ(row_f(covered).contribution_mps, bias.bias_mps);
+    // A bias is no standard deviation: covered, the larger one is beside the budget.
+    EXPECT_EQ(row_f(covered).contribution_mps, bias.bias_uncertainty_mps);
     EXPECT_EQ(row_f(covered).estimate, 0.0);
+    EXPECT_EQ(covered.bias_limit_mps, bias.bounded_bias_mps);
+    EXPECT_GT(bias.bounded_bias_mps, bias.fitted_bias_mps);
+    EXPECT_EQ(bias.bias_mps, 0.5 * (bias.fitted_bias_mps + bias.bounded_bias_mps));
+    EXPECT_EQ(bias.bias_half_range_mps, 0.5 * (bias.bounded_bias_mps - bias.fitted_bias_mps));
 }
 
 TEST(SelectionBias, SubtractedTheSpeedIsLowerByItAndItsOwnUncertaintyStays) {
@@ -145,7 +170,9 @@ TEST(SelectionBias, SubtractedTheSpeedIsLowerByItAndItsOwnUncertaintyStays) {
     EXPECT_EQ(row_f(subtracted).contribution_mps, bias.bias_uncertainty_mps);
     EXPECT_EQ(row_f(subtracted).estimate, bias.bias_mps);
     EXPECT_EQ(row_f(subtracted).sensitivity, -1.0);
-    EXPECT_LT(subtracted.standard_uncertainty_mps, covered.standard_uncertainty_mps);
+    EXPECT_EQ(subtracted.standard_uncertainty_mps, covered.standard_uncertainty_mps);
+    EXPECT_EQ(subtracted.bias_limit_mps, bias.bias_half_range_mps);
+    EXPECT_LT(subtracted.bias_limit_mps, covered.bias_limit_mps);
 }
 
 }  // namespace

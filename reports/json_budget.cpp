@@ -131,13 +131,15 @@ Json budget_json(const CertifiableWindow& window, const UncertaintyScale& scale)
 Json budget_total_json(const CertifiableWindow& window, const UncertaintyScale& scale) {
     const double expanded_mps =
         scale.coverage_factor * window.standard_uncertainty_mps + window.bias_limit_mps;
-    return {
+    Json json{
         {"budget_unit", scale.unit.name},
-        {"limit_text", contribution_text(window.bias_limit_mps, window, scale.unit)},
         {"combined_text", contribution_text(window.standard_uncertainty_mps, window, scale.unit)},
         {"effective_text", degrees_text(window.effective_degrees_of_freedom)},
         {"coverage_text", coverage_text(scale.coverage_factor)},
         {"expanded_text", contribution_text(expanded_mps, window, scale.unit)}};
+    if (window.bias_limit_mps > 0.0)
+        json["limit_text"] = contribution_text(window.bias_limit_mps, window, scale.unit);
+    return json;
 }
 
 Json monte_carlo_json(const CertifiableWindow& window, const UncertaintyScale& scale) {

@@ -78,6 +78,13 @@ Json limits_json(const LimitEvidence& limits) {
             {"rejected", limits.rejected}};
 }
 
+Json device_json(const DeviceEvidence& device) {
+    return {{"moving", device.moving},
+            {"held", device.held},
+            {"interpolated", device.interpolated},
+            {"by_chance", rounded(device.by_chance, 6)}};
+}
+
 Json baseline_json(const BaselineEvidence& baseline) {
     return {{"receiver", baseline.receiver},
             {"compared", baseline.compared},
@@ -190,6 +197,17 @@ std::string time_text(const TimeEvidence& time) {
     return left > 0 ? text + fmt::format("; and {} more", left) : text;
 }
 
+std::string device_text(const DeviceEvidence& device) {
+    if (device.moving == 0) return "none looked for: the craft hardly moved";
+    if (device.held + device.interpolated == 0)
+        return fmt::format("none in {}", counted(device.moving, "moving row"));
+    return fmt::format(
+        "{} of {} repeat the position before, {} lie in line with their neighbours to the last "
+        "digit; chance makes {} of them",
+        device.held, counted(device.moving, "moving row"), device.interpolated,
+        significant_text(device.by_chance, 2));
+}
+
 std::string baseline_text(const BaselineEvidence& baseline) {
     if (baseline.compared == 0) return "could not be compared: no epochs at the same time";
     return fmt::format(
@@ -215,6 +233,7 @@ Json evidence_json(const ScreeningEvidence& evidence) {
     for (const FixKindEvidence& kind : evidence.fix_kinds)
         json["fix_kinds"].push_back(kind_json(kind));
     if (evidence.velocity) json["velocity"] = velocity_json(*evidence.velocity);
+    if (evidence.device) json["device"] = device_json(*evidence.device);
     json["time"] = time_json(evidence.time);
     json["limits"] = limits_json(evidence.limits);
     if (evidence.baseline) json["baseline"] = baseline_json(*evidence.baseline);
@@ -227,6 +246,9 @@ Json evidence_facts(const ScreeningEvidence& evidence) {
     facts.push_back(fact("Noise that the tests rest on", noise_text(evidence.models)));
     add_kinds(facts, evidence.fix_kinds);
     facts.push_back(fact("Recorded velocities", velocity_text(evidence.velocity)));
+    if (evidence.device)
+        facts.push_back(fact("Signs of positions that were not measured",
+                             device_text(*evidence.device)));
     facts.push_back(fact("Order and spacing of the time stamps", time_text(evidence.time)));
     if (evidence.baseline)
         facts.push_back(fact("Other receiver", baseline_text(*evidence.baseline)));

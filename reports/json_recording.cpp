@@ -208,10 +208,13 @@ Json receiver_json(const ReceiverResults& results, const Receiver& receiver) {
               {"format", observations.format},
               {"coordinates", observations.frame},
               {"time_scale", observations.time_scale},
+              {"time_source", observations.facts.time_source},
+              {"solution_source", observations.solution_source},
               {"accuracy_source", observations.accuracy_source},
               {"vertical_measured", observations.facts.vertical_measured},
               {"nominal_interval_s", rounded(observations.facts.nominal_interval_s, 9)},
               {"length_s", rounded(last_time(results.screened.rows).seconds(), 9)}};
+    if (!observations.time_origin.empty()) json["time_origin"] = observations.time_origin;
     if (const auto& first = observations.facts.first_epoch) {
         json["first_epoch_gps"] = to_iso(*first, 9);
         json["first_epoch_utc"] = to_utc_iso(*first, 9);

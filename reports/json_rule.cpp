@@ -164,6 +164,7 @@ void set_decision(Json& json, const ProfileVerdict& verdict, const Profile& prof
 }
 
 void set_reservations(Json& json, const ProfileVerdict& verdict) {
+    json["witnesses"] = verdict.witnesses;
     if (!verdict.notes.empty()) json["notes"] = verdict.notes;
     for (const Override& figure : verdict.overrides)
         json["overrides"].push_back(override_json(figure));

@@ -47,7 +47,7 @@ Json fitted_json(const FittedSpeed& fitted, const UncertaintyScale& scale) {
         coverage_text(scale.coverage_factor),
         fitted.models == 1
             ? std::string("one noise model")
-            : fmt::format("{} noise models, weighted by their likelihood", fitted.models));
+            : fmt::format("{} noise models, averaged over their profile likelihood", fitted.models));
     return json;
 }
 

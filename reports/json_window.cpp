@@ -62,6 +62,11 @@ std::string other_definition(const Profile& profile) {
     return {};
 }
 
+/// To which speeds beside the certified one are rounded.
+double shown_uncertainty(const CertifiableWindow& window, const Profile& profile) {
+    return window.standard_uncertainty_mps * profile.coverage_factor + window.bias_limit_mps;
+}
+
 std::string definition_note(const CertifiableWindow& best, const Profile& profile) {
     if (profile.window_kind == "course")
         return "None of the four definitions is the rule's: its speed is over the course, the "
@@ -70,8 +75,11 @@ std::string definition_note(const CertifiableWindow& best, const Profile& profil
     if (profile.speed_source == "velocity")
         return "None of the four definitions is the rule's: its speed is of the velocities that "
                "the recording states. They are of the smoothed trajectory.";
-    // Since revision 1.1 the trajectory has the fitted noise and the certified speed another.
-    if (best.fitted)
+    if (best.estimates && best.selection && best.selection->treatment == "subtracted")
+        return "These figures are of the smoothed trajectory. The certified speed is the rule's, "
+               "less what choosing the fastest window makes it look higher by.";
+    // In revisions 1.1 to 1.3 the certified speed had a noise of its own.
+    if (best.fitted && !best.estimates)
         return "These figures are of the smoothed trajectory, whose noise is the one fitted. The "
                "certified speed is estimated with the bound on slow position errors.";
     return {};
@@ -79,7 +87,7 @@ std::string definition_note(const CertifiableWindow& best, const Profile& profil
 
 void set_definitions(Json& json, const CertifiableWindow& best, const Profile& profile) {
     const SpeedDefinitions& all = best.definitions;
-    const double u = best.standard_uncertainty_mps * profile.coverage_factor;
+    const double u = shown_uncertainty(best, profile);
     std::vector<SpeedRow> rows;
     json["definitions"] = Json::array();
     const std::string other = other_definition(profile);
@@ -107,7 +115,7 @@ std::string window_label(const WindowSpan& span) {
 /// The windows that make the figure together with the best one.
 void set_further(Json& json, const ProfileWindows& windows, const Profile& profile) {
     if (windows.further.empty()) return;
-    const double u = windows.best->standard_uncertainty_mps * profile.coverage_factor;
+    const double u = shown_uncertainty(*windows.best, profile);
     std::vector<SpeedRow> rows{{window_label(windows.best->span), windows.best->speed_mps}};
     for (const FurtherWindow& further : windows.further) {
         Json entry = span_json(further.span);
@@ -139,7 +147,7 @@ void set_methods(Json& json, const CertifiableWindow& best, const Profile& profi
         json["methods"].push_back(std::move(entry));
     }
     json["method_table"] =
-        speed_table(rows, profile, best.standard_uncertainty_mps * profile.coverage_factor);
+        speed_table(rows, profile, shown_uncertainty(best, profile));
 }
 
 }  // namespace

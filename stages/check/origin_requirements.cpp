@@ -12,14 +12,17 @@
 namespace runcert {
 namespace {
 
-/// By how much the mean interval of the stamps may be off the receiver's by chance: what rounding
-/// and jitter at the two ends of the recording make.
+/// By how much the mean interval of the stamps may be off the receiver's by chance: what the
+/// scatter of the steps makes.
 double rate_by_chance(const ReceiverEvidence& judged) {
     const auto& rows = judged.trajectory;
     if (rows.size() < 2) return 1.0;
     constexpr double coverage = 5.0;
     const double length_s = rows.back().time.seconds() - rows.front().time.seconds();
-    return length_s > 0.0 ? coverage * judged.tests->time.jitter_s / length_s : 1.0;
+    // Steps that vary by themselves; rounded stamps vary less, as errors of neighbours cancel.
+    return length_s > 0.0 ? coverage * judged.tests->time.jitter_s *
+                                std::sqrt(static_cast<double>(rows.size())) / length_s
+                          : 1.0;
 }
 
 Finding time_scale(const Clause&, const ClauseContext& context) {
@@ -37,10 +40,11 @@ Finding time_scale(const Clause&, const ClauseContext& context) {
     constexpr double allowed = 1e-4;
     if (source == "unknown" && std::abs(rate) > std::max(allowed, rate_by_chance(judged)))
         return {"not_met",
-                fmt::format("{}; they run {:+.3f} % of the rate that the receiver was set to, so "
-                            "that either the clock or the rate is not what it seems: state "
-                            "time_source: satellites if they are the satellites' time",
-                            what, rate * 100.0),
+                fmt::format("{}; their steps are on average {:.3f} % {} than those of a rate that "
+                            "receivers are set to, so that either the clock or the rate is not "
+                            "what it seems: write time_source: satellites in the attempt if they "
+                            "are the satellites' time",
+                            what, std::abs(rate) * 100.0, rate < 0.0 ? "shorter" : "longer"),
                 figures};
     if (source == "attempt")
         return {"attest", what + ": that they are the satellites' time, the attempt states",

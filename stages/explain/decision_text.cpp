@@ -66,9 +66,18 @@ std::string uncertainty_text(const ProfileView& view) {
     const ProfileVerdict& verdict = view.verdict;
     const std::string unit = unit_of(view);
     const double expanded_mps = verdict.expanded_uncertainty_mps.value_or(0.0);
-    std::string text = fmt::format("{} expanded (k = {:.3g}), so {} standard.",
-                                   uncertainty_words(expanded_mps, unit), verdict.coverage_factor,
-                                   uncertainty_words(expanded_mps / verdict.coverage_factor, unit));
+    const double limit_mps = verdict.decision ? verdict.decision->bias_limit_mps : 0.0;
+    const double standard_mps = (expanded_mps - limit_mps) / verdict.coverage_factor;
+    std::string text =
+        limit_mps > 0.0
+            ? fmt::format(
+                  "{} expanded: {:.3g} times the standard uncertainty, {}, and the limit of what "
+                  "choosing the fastest window may have left in the speed, {}.",
+                  uncertainty_words(expanded_mps, unit), verdict.coverage_factor,
+                  uncertainty_words(standard_mps, unit), uncertainty_words(limit_mps, unit))
+            : fmt::format("{} expanded (k = {:.3g}), so {} standard.",
+                          uncertainty_words(expanded_mps, unit), verdict.coverage_factor,
+                          uncertainty_words(standard_mps, unit));
     if (verdict.decision && verdict.decision->target_standard_uncertainty_mps > 0.0)
         text += fmt::format(
             " The speed to reach has a standard uncertainty of {}, from the record's own; the two "
@@ -103,7 +112,14 @@ std::string why_text(const ProfileView& view) {
 }
 
 std::string level_sentence(const Decision& decision) {
-    return fmt::format(
+    const std::string why =
+        decision.attempts_made > 1
+            ? fmt::format("The best of {} attempts is judged: each may take that share of the "
+                          "risk. So ",
+                          decision.attempts_made)
+            : std::string();
+    return why +
+           fmt::format(
         "{} or more counts as beaten, {} or less as not beaten, what is in between as not proven "
         "(guarded acceptance and rejection, JCGM 106).",
         level_text(decision.level), level_text(1.0 - decision.level));

@@ -149,7 +149,7 @@ class Adaptation {
                 if (!answers_for(section, candidate)) continue;
                 const SectionTests<Axes>& at = looks.at(section);
                 accept(at.part, at.tests,
-                       at.tests.best_set(moved(candidate, 0, section.taken_first)));
+                       at.tests.best_explanation(moved(candidate, 0, section.taken_first)));
                 changed = true;
             }
             if (chosen.empty() && findings.span && answers_for(section, *findings.span)) {

@@ -110,11 +110,19 @@ class StretchTests {
         return found;
     }
 
+    /// What stands in the candidate's place: motion, or a set of neighbouring epochs; the candidate
+    /// itself if neither does.
+    Candidate best_explanation(const Candidate& candidate) const {
+        if (candidate.manoeuvre) return candidate;
+        if (candidate.hypothesis != Hypothesis::outlier)
+            if (const auto motion = motion_instead(candidate)) return *motion;
+        return best_set(candidate);
+    }
+
     /// The set of neighbouring epochs, each with an error of its own, that is better supported
     /// than the candidate; the candidate itself if there is none. Grows from the candidate's epochs
     /// to whichever side gains more.
     Candidate best_set(const Candidate& candidate) const {
-        if (candidate.manoeuvre) return candidate;
         const double factor = factors_[candidate.first];
         Candidate best = set_of(candidate.first, candidate.last, factor);
         Candidate grown = best;
@@ -172,11 +180,16 @@ class StretchTests {
     static constexpr double largest_sigma_mps2 = 5.0;
 
     template <int Size>
+    static bool is_told(const ScoreTest<Size>& test, double largest_sigma) {
+        return test.covariance().trace() < Size * largest_sigma * largest_sigma;
+    }
+
+    template <int Size>
     void consider(const ScoreTest<Size>& test, double largest_sigma, Hypothesis hypothesis,
                   std::size_t first, std::size_t last, std::vector<Candidate>& found) const {
         const double statistic = test.statistic() / factors_[first];
         if (!(statistic > plan_.critical(Size))) return;
-        if (!(test.covariance().trace() < Size * largest_sigma * largest_sigma)) return;
+        if (!is_told(test, largest_sigma)) return;
         found.push_back({.log_tail = log_chi_squared_upper_tail(statistic, Size),
                          .hypothesis = hypothesis,
                          .first = first,
@@ -196,6 +209,35 @@ class StretchTests {
             found.back().manoeuvre = true;
         else
             found.pop_back();
+    }
+
+    /// A manoeuvre near an error that explains a good part of it. Hard motion is never quite the one
+    /// or the other. What is wrong indeed still shows once the manoeuvre is allowed for, while a
+    /// drift that is none takes the whole stretch with it.
+    std::optional<Candidate> motion_instead(const Candidate& error) const {
+        constexpr double share = 0.6;
+        if (plan_.manoeuvre_max_mps2() <= 0.0) return std::nullopt;
+        const std::size_t reach = 2 * plan_.burst_epochs_max();
+        const std::size_t end = std::min(stretch_.epochs.size(), error.first + reach + 1);
+        std::optional<Candidate> best;
+        for (std::size_t k = error.first > reach ? error.first - reach : 1; k < end; ++k) {
+            if (!stretch_.epochs[k].measurement) continue;
+            const ScoreTest<Axes> test = diagnosis_.manoeuvre(k);
+            const double statistic = test.statistic() / factors_[k];
+            if (!(statistic > share * error.statistic) || (best && statistic <= best->statistic))
+                continue;
+            if (!is_told(test, largest_sigma_mps2) ||
+                test.estimate().norm() > plan_.manoeuvre_max_mps2())
+                continue;
+            best = Candidate{.log_tail = log_chi_squared_upper_tail(statistic, Axes),
+                             .hypothesis = Hypothesis::ramp,
+                             .manoeuvre = true,
+                             .first = k,
+                             .last = k,
+                             .statistic = statistic,
+                             .degrees_of_freedom = Axes};
+        }
+        return best;
     }
 
     Candidate set_of(std::size_t first, std::size_t last, double variance_factor) const {

@@ -13,7 +13,7 @@ namespace runcert {
 namespace {
 
 constexpr std::size_t faults_kept = 1000;
-constexpr double largest_clock_error = 2e-3;
+constexpr double largest_clock_error = 2e-2;
 constexpr double coverage = 5.0;
 constexpr double stamp_rounding_s = 1e-3;
 constexpr double craft_acceleration_mps2 = 10.0;
@@ -68,9 +68,13 @@ Rhythm find_rhythm(const std::vector<ScreenedEpoch>& rows, const TimeCheckOption
 /// The interval that the receiver was set to.
 double set_interval(const Rhythm& rhythm) {
     const double mean_s = rhythm.mean_s;
-    const double offered_s = mean_s < 1.0 ? 1.0 / std::clamp(std::round(1.0 / mean_s), 1.0, 100.0)
-                                          : std::clamp(std::round(mean_s), 1.0, 10.0);
-    return std::abs(mean_s / offered_s - 1.0) <= largest_clock_error ? offered_s : rhythm.nominal_s;
+    const bool in_hertz = mean_s < 1.0;
+    const double whole =
+        std::clamp(std::round(in_hertz ? 1.0 / mean_s : mean_s), 1.0, in_hertz ? 100.0 : 10.0);
+    const double offered_s = in_hertz ? 1.0 / whole : whole;
+    // The next one that receivers offer is 1 / whole away: between them nothing is told.
+    const double told = std::min(largest_clock_error, 0.25 / whole);
+    return std::abs(mean_s / offered_s - 1.0) <= told ? offered_s : rhythm.nominal_s;
 }
 
 /// A step that is not regular.

@@ -96,7 +96,9 @@ SelectionBias selection_of(const AxesEvidence<Axes>& evidence, const WindowChoic
                            const ErrorBound& bound, double search_uncertainty_mps,
                            double stated_mps) {
     const double duration_s = choice.found.end.seconds() - choice.found.start.seconds();
-    const double slow_mps = std::numbers::sqrt2 * bound.sigma_m / duration_s;
+    const double fitted_mps =
+        bound.along * evidence.model.error.process_density / std::sqrt(duration_s);
+    const double slow_mps = std::max(std::numbers::sqrt2 * bound.sigma_m / duration_s, fitted_mps);
     const double least_mps = choice.found.speed_mps -
                              selection_width * std::hypot(search_uncertainty_mps, slow_mps);
     const bool by_path =
@@ -104,6 +106,7 @@ SelectionBias selection_of(const AxesEvidence<Axes>& evidence, const WindowChoic
     SelectionBias selection = selection_bias<Axes>(
         clusters_of(evidence, choice, least_mps), SelectionModels{.estimated = evidence.model,
                         .by_path = by_path,
+                        .along = bound.along,
                         .bound_m = bound.sigma_m,
                         .tau_min_s = bound.tau_min_s,
                         .tau_max_s = bound.tau_max_s}, stated_mps,
@@ -265,7 +268,6 @@ CertifiableWindow certified(const AxesEvidence<Axes>& evidence, const WindowChoi
     window.methods = methods_of(evidence, found);
     window.definitions = definitions_of(smoothed_at, at.window, stretch.duration_s);
     window.fitted = fitted_speed(stretch, evidence.models, choice.quantity);
-    if constexpr (Axes == 2) window.robust = robust_speed(evidence.trajectory, part, smoothed);
     window.repaired_steps =
         std::ssize(smoothed.bridged_between(part.window.first, part.window.last));
 
@@ -280,6 +282,8 @@ CertifiableWindow certified(const AxesEvidence<Axes>& evidence, const WindowChoi
                                          bounding_error(evidence.noise, bound), bound);
     window.estimates = other_estimates(estimated, choice.quantity, weights, noise);
     noise.model_mps = window.estimates->half_width_mps;
+    if constexpr (Axes == 2)
+        window.robust = robust_speed(evidence.trajectory, part, smoothed, noise.model_mps);
     if constexpr (Axes == 1) correct_for_curvature(evidence, found, noise, window);
     set_bound(bound, noise, window);
     window.position_r95_m = position_r95_m(smoothed, part.window, bound);

@@ -168,6 +168,8 @@ IndicatedSeries indicated_series(const ScreenedTable& screened, const Profile& p
     for (std::size_t i = 0; i < screened.rows.size(); ++i) {
         const ScreenedEpoch& row = screened.rows[i];
         if (!row.east_m || !row.north_m || (needs_height && !row.up_m)) continue;
+        // What the receiver itself calls no fix is no evidence of a speed.
+        if (row.fix == FixKind::none) continue;
         if (!series.times.empty() && row.time <= series.times.back()) continue;
         if (profile.speed_source == "velocity") {
             const auto speed = recorded_speed(row, profile.dimension);

@@ -151,7 +151,11 @@ class SelectionCluster<Axes>::SlowError {
         const GaussMarkovError& fitted = cluster.fitted_error_;
         for (std::size_t l = 0; l < lanes; ++l) {
             const GaussMarkovError error =
-                tau_s ? GaussMarkovError::steady(cluster.bound_m_, (*tau_s)[l]) : fitted;
+                tau_s ? GaussMarkovError::steady(
+                            std::max(cluster.bound_m_,
+                                     fitted.process_density * std::sqrt(0.5 * (*tau_s)[l])),
+                            (*tau_s)[l])
+                      : fitted;
             tau_s_[static_cast<Eigen::Index>(l)] = error.tau_s;
             steady_m_[static_cast<Eigen::Index>(l)] =
                 error.process_density * std::sqrt(0.5 * error.tau_s);
@@ -182,16 +186,28 @@ class SelectionCluster<Axes>::SlowError {
     double dt_s_ = -1.0;
 };
 
+namespace {
+
+/// The noise that is drawn: its slow error as large as it is along the windows.
+EstimationModel drawn_model(const SelectionModels& models) {
+    EstimationModel model = models.estimated;
+    model.error.process_density *= models.along;
+    model.error.initial_sigma_m *= models.along;
+    return model;
+}
+
+}  // namespace
+
 template <int Axes>
 SelectionCluster<Axes>::SelectionCluster(const WindowCluster<Axes>& windows,
                                          const SelectionModels& models)
     : stretch_(stretch_of(windows)),
       chosen_(windows.chosen),
       by_path_(models.by_path),
-      fitted_error_(models.estimated.error),
+      fitted_error_(drawn_model(models).error),
       bound_m_(models.bound_m),
       estimator_(stretch_.epochs, models.estimated),
-      local_(stretch_.epochs, local_model(stretch_, models.estimated)) {
+      local_(stretch_.epochs, local_model(stretch_, drawn_model(models))) {
     Positions measured;
     for (const ArcEpoch<Axes>& epoch : stretch_.epochs) {
         measured.push_back(epoch.measurement->position);

@@ -67,11 +67,7 @@ class Adaptation {
   public:
     Adaptation(const std::vector<ArcEpoch<Axes>>& arc, const EstimationModel& model,
                const TestPlan& plan, std::size_t section_epochs)
-        : arc_(arc), model_(model), plan_(plan), section_epochs_(section_epochs) {
-        decisions_.left_out.resize(arc.size());
-        decisions_.breaks.resize(arc.size());
-        decisions_.manoeuvres_mps2.resize(arc.size(), 0.0);
-    }
+        : arc_(arc), model_(model), plan_(plan), section_epochs_(section_epochs), decisions_(arc.size()) {}
 
     ArcDecisions run() {
         bool changed = true;

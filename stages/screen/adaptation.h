@@ -40,6 +40,10 @@ class RareDecision {
 
 /// What was decided of an arc, epoch by epoch.
 struct ArcDecisions {
+    ArcDecisions() = default;
+    explicit ArcDecisions(std::size_t epochs)
+        : left_out(epochs), breaks(epochs), manoeuvres_mps2(epochs, 0.0) {}
+
     std::vector<RareDecision> left_out;  ///< the measurement is not used
     std::vector<RareDecision> breaks;    ///< a step, ramp or shift begins here
     /// By how much (m/s^2) the craft's acceleration changes before the epoch, where it changes more

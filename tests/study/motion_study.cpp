@@ -121,11 +121,6 @@ void judge(const CertifiableWindow& window, const EstimationSummary& estimation,
     result.certified = window.robust ? window.robust->agrees : estimation.robust_unsolved == 0;
     result.stated_mps = window.speed_mps;
     result.budget = window.budget;
-    if (std::getenv("EXP_ROB") && window.robust) printf("   rob diff %.4f limit %.4f down %ld half %.4f err %.4f\n", window.robust->difference_mps*3.6, window.robust->limit_mps*3.6, (long)window.robust->downweighted, window.estimates->half_width_mps*3.6, (window.speed_mps-truth)*3.6);
-    if (std::getenv("EXP_SEL")) printf("   fitted %.4f bounded %.4f along %.3f sigma %.4f by %s cand %ld err %.4f\n", window.selection->fitted_bias_mps*3.6, window.selection->bounded_bias_mps*3.6, window.bound->along, window.bound->sigma_m, window.bound->decided_by.c_str(), (long)window.selection->candidates,0.0), printf("      noise scale %.3f d %.4f tau %.3f sigma %.4f q %.4f told %d | sd %.4f\n", estimation.horizontal->noise.measurement_scale.value, estimation.horizontal->noise.error_diffusion?estimation.horizontal->noise.error_diffusion->value:0, estimation.horizontal->noise.error_tau_s?estimation.horizontal->noise.error_tau_s->value:0,estimation.horizontal->noise.error_sigma_m?estimation.horizontal->noise.error_sigma_m->value:0, estimation.horizontal->noise.jerk_density.value, (int)estimation.horizontal->noise.error_told, window.selection->chosen_sd_mps*3.6);
-    if (std::getenv("EXP_REL"))
-        for (const auto& e : window.reliability)
-            fmt::print("{} epochs {}-{} size {} {}: {} km/h (window {}-{})\n", e.hypothesis, e.epoch, e.last_epoch, e.size, e.unit, e.speed_mps*3.6, window.span.first_epoch, window.span.last_epoch);
     if (window.selection) result.bias_mps = window.selection->bias_mps;
     result.error_mps = window.speed_mps - truth;
     result.missed_mps = best - truth;
@@ -155,14 +150,6 @@ MotionResult study_one(const MotionCell& cell, std::uint64_t seed) {
         screen_config.allowed_fixes.insert(cell.run.noise.fix);
         const ScreenedTable screened = screen(to_be_screened(recording.screened), screen_config);
         result.left_out = std::ssize(screened.rows) - summarise(screened.rows).usable;
-        if (std::getenv("EXP_REL")) { auto sm = summarise(screened.rows); for (auto& [h, c] : sm.decisions) fmt::print("dec {} {}\n", to_text(h), c); for (auto& [h, c] : sm.reasons) fmt::print("reason {} {}\n", to_text(h), c); if(screened.evidence) fmt::print("passes {} arcs {}\n", screened.evidence->passes, sm.arcs);
-          int shown=0; for (const auto& r : screened.rows) if (r.break_before || r.manoeuvre_mps2 ) { if (shown++ < 30) fmt::print("epoch {} t {} break {} man {}\n", r.epoch, r.time.seconds(), r.break_before ? int(*r.break_before) : -1, r.manoeuvre_mps2.value_or(0)); } }
-        if (std::getenv("EXP_REL")) {
-            for (const auto& m : screened.evidence->models)
-                fmt::print("model {} q {} scale {} white {} err {} tau {}\n", m.noise, m.jerk_density, m.measurement_scale, m.white_scale, m.error_sigma_m, m.error_tau_s);
-            for (std::size_t k = screened.rows.size() - 500; k < screened.rows.size(); k += 20) fmt::print("{:.2f} ", screened.rows[k].local_variance_factor.value_or(-1));
-            fmt::print("\n");
-        }
         const TrajectoryTable trajectory =
             smooth_trajectory(screened, smooth_config(study_attempt()));
         WindowConfig config = window_config(study_attempt(), study_attempt().receivers.front());
@@ -175,7 +162,6 @@ MotionResult study_one(const MotionCell& cell, std::uint64_t seed) {
             judge(*found.best, trajectory.estimation, profile, recording, cell.run.rate_hz, result);
     } catch (const Failure& failure) {
         result.failure = failure.what();
-        if (std::getenv("EXP_REL")) puts(failure.what());
     }
     return result;
 }

@@ -185,7 +185,7 @@ TEST(Statements, WhereMonteCarloDoesNotAgreeOrConverge) {
     EXPECT_EQ(scene.count({"Monte Carlo"}), 0);
     windows.best->monte_carlo->standard_uncertainty_mps = 0.0106;
     scene.judged.windows.profiles = {windows};
-    EXPECT_EQ(scene.count({"Under nalsa the Monte Carlo check gives", "0.0106 m/s", "0.0100 m/s"}),
+    EXPECT_EQ(scene.count({"Under nalsa the check of linearisation gives", "0.0106 m/s", "0.0100 m/s"}),
               1);
     windows.best->monte_carlo->converged = false;
     windows.best->monte_carlo->trials = 1'000'000;

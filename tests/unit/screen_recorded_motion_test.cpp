@@ -78,11 +78,9 @@ TEST(FilteredPositions, AreNotRefusedForMovesHarderThanTheirNoise) {
 struct Ramp {
     std::vector<ScreenedEpoch> rows = std::vector<ScreenedEpoch>(60);
     std::vector<std::size_t> arc_rows;
-    ArcDecisions decisions;
+    ArcDecisions decisions{60};
 
     Ramp() {
-        decisions.left_out.resize(60);
-        decisions.breaks.resize(60);
         for (std::size_t k = 0; k < 60; ++k) {
             ScreenedEpoch& row = rows[k];
             const double time_s = 0.1 * static_cast<double>(k);

@@ -196,9 +196,7 @@ TEST(Screen, ABridgedStepKeepsOneArcWithItsOffset) {
 TEST(Screen, AStepWhoseFirstEpochIsLeftOutShowsAtTheNext) {
     std::vector<ScreenedEpoch> rows(8);
     std::vector<std::size_t> arc_rows;
-    ArcDecisions decisions;
-    decisions.left_out.resize(8);
-    decisions.breaks.resize(8);
+    ArcDecisions decisions(8);
     for (std::size_t k = 0; k < 8; ++k) {
         rows[k].usable = true;
         rows[k].arc = 1;

@@ -169,7 +169,8 @@ Json monte_carlo_json(const CertifiableWindow& window, const UncertaintyScale& s
         return speed_text(speed_mps, check.standard_uncertainty_mps, scale.unit);
     };
     json["monte_carlo_words"] = fmt::format(
-        "Check of linearisation, the same rows drawn {} times (Monte Carlo, seed {}): {} {}, u = {} {}, 95 % interval {} to {} {}; {}, "
+        "Check of linearisation, the same rows drawn {} times (Monte Carlo, seed {}): {} {}, u = "
+        "{} {}, 95 % interval {} to {} {}; {}, "
         "numerical tolerance {} {}. Its u {} with the budget's. {}",
         check.trials, check.seed, text(check.mean_mps), scale.unit.name,
         contribution_text(check.standard_uncertainty_mps, window, scale.unit), scale.unit.name,

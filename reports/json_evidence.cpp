@@ -247,8 +247,8 @@ Json evidence_facts(const ScreeningEvidence& evidence) {
     add_kinds(facts, evidence.fix_kinds);
     facts.push_back(fact("Recorded velocities", velocity_text(evidence.velocity)));
     if (evidence.device)
-        facts.push_back(fact("Signs of positions that were not measured",
-                             device_text(*evidence.device)));
+        facts.push_back(
+            fact("Signs of positions that were not measured", device_text(*evidence.device)));
     facts.push_back(fact("Order and spacing of the time stamps", time_text(evidence.time)));
     if (evidence.baseline)
         facts.push_back(fact("Other receiver", baseline_text(*evidence.baseline)));

@@ -117,9 +117,8 @@ Json by_receiver_json(const ReportInputs& inputs, const Profile& profile) {
         const ProfileWindows* windows = results.windows.of(profile.id);
         if (const auto figure = windows == nullptr ? std::nullopt : windows->figure()) {
             const double u = figure->standard_uncertainty_mps *
-                                 equivalent_coverage_factor(
-                                     profile.coverage_factor,
-                                     figure->effective_degrees_of_freedom) +
+                                 equivalent_coverage_factor(profile.coverage_factor,
+                                                            figure->effective_degrees_of_freedom) +
                              figure->bias_limit_mps;
             const SpeedUnit& unit = rule_unit(profile);
             set_speeds(entry, "speed", figure->speed_mps);

@@ -91,7 +91,7 @@ Json decision_json(const ProfileVerdict& verdict, const SpeedUnit& unit) {
     const Decision& decision = *verdict.decision;
     Json json{
         {"probability", rounded(decision.probability, 9)},
-        {"level", rounded(decision.level, 6)},
+        {"level", rounded(decision.level, 9)},
         {"target_standard_uncertainty_m_s", rounded(decision.target_standard_uncertainty_mps, 6)}};
     set_speeds(json, "acceptance_limit", decision.acceptance_limit_mps);
     if (decision.risk) json["risk"] = rounded(*decision.risk, 9);

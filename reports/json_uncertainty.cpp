@@ -45,9 +45,9 @@ Json fitted_json(const FittedSpeed& fitted, const UncertaintyScale& scale) {
         "{} (k = {}), by {}",
         speed_with_uncertainty_text(fitted.speed_mps, expanded_mps, scale.unit),
         coverage_text(scale.coverage_factor),
-        fitted.models == 1
-            ? std::string("one noise model")
-            : fmt::format("{} noise models, averaged over their profile likelihood", fitted.models));
+        fitted.models == 1 ? std::string("one noise model")
+                           : fmt::format("{} noise models, averaged over their profile likelihood",
+                                         fitted.models));
     return json;
 }
 
@@ -91,9 +91,9 @@ Json bound_json(const ErrorBound& bound, const UncertaintyScale& scale) {
         "so give u = {}",
         metres(bound.sigma_m), bound.tau_min_s, bound.tau_max_s, decided_words(bound),
         metres(bound.fitted_m),
-        bound.along > 1.0 ? fmt::format(" ({:.2f} times that of both axes, along the track)",
-                                        bound.along)
-                          : std::string(),
+        bound.along > 1.0
+            ? fmt::format(" ({:.2f} times that of both axes, along the track)", bound.along)
+            : std::string(),
         metres(bound.stated_m), metres(bound.floor_m),
         uncertainty_with_unit(bound.standard_uncertainty_mps, scale));
     return json;
@@ -101,10 +101,11 @@ Json bound_json(const ErrorBound& bound, const UncertaintyScale& scale) {
 
 std::string treatment_words(const SelectionBias& selection, const UncertaintyScale& scale) {
     return selection.treatment == "subtracted"
-               ? fmt::format("the middle, {}, is subtracted from the speed, and half the "
-                             "difference, {}, added to the expanded uncertainty",
-                             difference_text(selection.bias_mps, scale),
-                             uncertainty_with_unit(selection.bias_half_range_mps, scale))
+               ? fmt::format(
+                     "the middle, {}, is subtracted from the speed, and half the "
+                     "difference, {}, added to the expanded uncertainty",
+                     difference_text(selection.bias_mps, scale),
+                     uncertainty_with_unit(selection.bias_half_range_mps, scale))
                : "the larger is added to the expanded uncertainty";
 }
 
@@ -125,9 +126,9 @@ Json estimates_json(const OtherEstimates& other, const UncertaintyScale& scale) 
         "a third of the jerk density gives {}, three times as much {}, the one density fitted to "
         "the whole recording {}{} {}; the choice of the model is taken to change at most {}",
         speed(other.stiffer_mps), speed(other.softer_mps), speed(other.whole_mps),
-        other.chord_mps ? fmt::format(", the measured positions at both ends alone {}",
-                                      speed(*other.chord_mps))
-                        : std::string(),
+        other.chord_mps
+            ? fmt::format(", the measured positions at both ends alone {}", speed(*other.chord_mps))
+            : std::string(),
         scale.unit.name, uncertainty_with_unit(other.half_width_mps, scale));
     return json;
 }

@@ -146,8 +146,7 @@ void set_methods(Json& json, const CertifiableWindow& best, const Profile& profi
         set_speeds(entry, "speed", row.speed_mps);
         json["methods"].push_back(std::move(entry));
     }
-    json["method_table"] =
-        speed_table(rows, profile, shown_uncertainty(best, profile));
+    json["method_table"] = speed_table(rows, profile, shown_uncertainty(best, profile));
 }
 
 }  // namespace

@@ -14,9 +14,9 @@ using Json = nlohmann::ordered_json;
 /// "claim", "check" and "report" alone, which depend on the whole text; the second by the steps
 /// that name them below.
 constexpr std::array attempt_elsewhere{
-    "schema", "id",     "craft",   "place",    "date",      "officials", "signatures",
-    "amends", "record", "records", "wind",     "current",   "secondary", "receivers",
-    "origin", "course", "rules",   "profiles", "parameters"};
+    "schema", "id",     "craft",   "place",    "date",       "officials",    "signatures",
+    "amends", "record", "records", "wind",     "current",    "secondary",    "receivers",
+    "origin", "course", "rules",   "profiles", "parameters", "attempts_made"};
 
 /// Keys of a profile that only "check" and "report" read.
 constexpr std::array profile_of_check{"schema",  "body",       "title",  "accuracy",

@@ -98,7 +98,8 @@ std::string listed(const std::vector<std::string>& items) {
 std::string probability_text(double probability) {
     if (probability > 1.0 - 1e-6) return "more than 99.9999 %";
     if (probability < 1e-6) return "less than 0.0001 %";
-    const int decimals = probability > 0.9999 || probability < 0.0001 ? 4 : 2;
+    // The levels of several attempts have four: 99.9375 % of 40.
+    const int decimals = probability > 0.99 || probability < 0.01 ? 4 : 2;
     const double scale = std::pow(10.0, decimals + 2);
     const double steps = probability * scale;
     constexpr double binary_noise = 1e-9;
@@ -108,7 +109,9 @@ std::string probability_text(double probability) {
 }
 
 std::string level_text(double level) {
-    return fmt::format("{:.6g} %", level * 100.0);
+    const std::string text = fmt::format("{:.6g}", level * 100.0);
+    // A level below one never shows as one.
+    return (text == "100" && level < 1.0 ? fmt::format("{:.9g}", level * 100.0) : text) + " %";
 }
 
 }  // namespace runcert

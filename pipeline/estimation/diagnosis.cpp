@@ -109,9 +109,9 @@ ScoreTest<Axes> ArcDiagnosis<Axes>::ramp(std::size_t k) const {
 template <int Axes>
 ScoreTest<Axes> ArcDiagnosis<Axes>::manoeuvre(std::size_t k) const {
     constexpr int acceleration = 2 * Axes;
-    return {.score = epochs_[k].score.template segment<Axes>(acceleration),
-            .precision =
-                epochs_[k].information.template block<Axes, Axes>(acceleration, acceleration)};
+    return {
+        .score = epochs_[k].score.template segment<Axes>(acceleration),
+        .precision = epochs_[k].information.template block<Axes, Axes>(acceleration, acceleration)};
 }
 
 template <int Axes>

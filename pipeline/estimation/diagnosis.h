@@ -81,8 +81,8 @@ class ArcDiagnosis {
     /// An error of all measurements from epoch k on that grows linearly from zero at k (m/s).
     Test ramp(std::size_t k) const;
 
-    /// A change of the craft's acceleration (m/s^2) just before epoch k: no error, but a motion that
-    /// the model has for less likely than it is.
+    /// A change of the craft's acceleration (m/s^2) just before epoch k: no error, but a motion
+    /// that the model has for less likely than it is.
     Test manoeuvre(std::size_t k) const;
 
     /// Stamps of all measurements from epoch k on that are late by a constant time (s): a jump

@@ -218,13 +218,14 @@ InnovationSums innovation_sums(std::span<const std::span<const ArcEpoch<Axes>>> 
     return innovation_sums_of<Axes>(arcs, {&model, 1}).front();
 }
 
-#define RUNCERT_INSTANTIATE(AXES)                                                  \
-    template InnovationSums innovation_sums<AXES>(                                 \
-        std::span<const std::span<const ArcEpoch<AXES>>>, const EstimationModel&); \
-    template std::vector<InnovationSums> innovation_sums_of<AXES>(                 \
+#define RUNCERT_INSTANTIATE(AXES)                                                            \
+    template InnovationSums innovation_sums<AXES>(                                           \
+        std::span<const std::span<const ArcEpoch<AXES>>>, const EstimationModel&);           \
+    template std::vector<InnovationSums> innovation_sums_of<AXES>(                           \
         std::span<const std::span<const ArcEpoch<AXES>>>, std::span<const EstimationModel>); \
-    template std::vector<std::vector<InnovationSums>> innovation_sums_along<AXES>( \
-        std::span<const ArcEpoch<AXES>>, std::span<const EstimationModel>, std::span<const std::size_t>);
+    template std::vector<std::vector<InnovationSums>> innovation_sums_along<AXES>(           \
+        std::span<const ArcEpoch<AXES>>, std::span<const EstimationModel>,                   \
+        std::span<const std::size_t>);
 RUNCERT_INSTANTIATE(1)
 RUNCERT_INSTANTIATE(2)
 RUNCERT_INSTANTIATE(3)

@@ -26,8 +26,8 @@ template <int Axes>
 InnovationSums innovation_sums(std::span<const std::span<const ArcEpoch<Axes>>> arcs,
                                const EstimationModel& model);
 
-/// Of one arc by several models, apart for each stretch of it: `ends` are the indices, in order, one
-/// past the last epoch of each; sums[model][stretch]. The filter runs through all of them.
+/// Of one arc by several models, apart for each stretch of it: `ends` are the indices, in order,
+/// one past the last epoch of each; sums[model][stretch]. The filter runs through all of them.
 template <int Axes>
 std::vector<std::vector<InnovationSums>> innovation_sums_along(
     std::span<const ArcEpoch<Axes>> arc, std::span<const EstimationModel> models,

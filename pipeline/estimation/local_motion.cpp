@@ -75,8 +75,7 @@ double best_place(const BlockSums& sums, double scale, std::optional<double> who
     const auto value = [&](std::size_t i) {
         const double away =
             whole_place ? log_step * (static_cast<double>(i) - *whole_place) / prior_sd : 0.0;
-        return -0.5 * (sums[i].statistic / (scale * scale) + sums[i].log_determinant +
-                       away * away);
+        return -0.5 * (sums[i].statistic / (scale * scale) + sums[i].log_determinant + away * away);
     };
     std::size_t best = 0;
     for (std::size_t i = 1; i < sums.size(); ++i)

@@ -71,16 +71,15 @@ double weighted_variance(std::span<const ArcEpoch<Axes>> arc, double scale,
                          std::span<const PositionVector<Axes>> weights) {
     double sum = 0.0;
     for (std::size_t k = 0; k < arc.size(); ++k)
-        if (arc[k].measurement)
-            sum += weights[k].dot(arc[k].measurement->covariance * weights[k]);
+        if (arc[k].measurement) sum += weights[k].dot(arc[k].measurement->covariance * weights[k]);
     return scale * scale * sum;
 }
 
-#define RUNCERT_INSTANTIATE(AXES)                                                       \
-    template double weighted_variance<AXES>(std::span<const ArcEpoch<AXES>>,            \
-                                            const GaussMarkovError&,                    \
-                                            std::span<const PositionVector<AXES>>);     \
-    template double weighted_variance<AXES>(std::span<const ArcEpoch<AXES>>, double,    \
+#define RUNCERT_INSTANTIATE(AXES)                                                    \
+    template double weighted_variance<AXES>(std::span<const ArcEpoch<AXES>>,         \
+                                            const GaussMarkovError&,                 \
+                                            std::span<const PositionVector<AXES>>);  \
+    template double weighted_variance<AXES>(std::span<const ArcEpoch<AXES>>, double, \
                                             std::span<const PositionVector<AXES>>);
 RUNCERT_INSTANTIATE(1)
 RUNCERT_INSTANTIATE(2)

@@ -47,10 +47,10 @@ inline constexpr auto members<DayResult> =
                Member{"attempts_made", &DayResult::attempts_made}};
 
 template <>
-inline constexpr auto members<BestOfDay> = std::tuple{
-    Member{"id", &BestOfDay::id}, Member{"attempts", &BestOfDay::attempts},
-    Member{"probability", &BestOfDay::probability}, Member{"level", &BestOfDay::level},
-    Member{"beaten", &BestOfDay::beaten}};
+inline constexpr auto members<BestOfDay> =
+    std::tuple{Member{"id", &BestOfDay::id}, Member{"attempts", &BestOfDay::attempts},
+               Member{"probability", &BestOfDay::probability}, Member{"level", &BestOfDay::level},
+               Member{"beaten", &BestOfDay::beaten}};
 
 template <>
 inline constexpr auto members<AttemptResult> =
@@ -81,7 +81,7 @@ inline constexpr auto members<OutcomeCounts> = std::tuple{
 template <>
 inline constexpr auto members<DayProfile> =
     std::tuple{Member{"profile", &DayProfile::profile}, Member{"body", &DayProfile::body},
-               Member{"title", &DayProfile::title}, Member{"counts", &DayProfile::counts},
+               Member{"title", &DayProfile::title},     Member{"counts", &DayProfile::counts},
                Member{"ranking", &DayProfile::ranking}, Member{"best", &DayProfile::best}};
 
 template <>

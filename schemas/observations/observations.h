@@ -129,12 +129,12 @@ struct RecordCount {
 struct Observations {
     Header header;
     RecordingFacts facts;
-    std::string format;           ///< "rtklib-pos", "nmea", ...: a word of the attempt's `format`
-    std::string variant = {};     ///< of the format, in words ("GPX 1.1"); empty where it has one
-    std::string device = {};      ///< what the recording says made it; empty where unknown
-    std::string frame;            ///< "geodetic", "ecef", "utm", "local_plane"
-    std::string time_scale;       ///< "gps", "utc", "relative"
-    std::string accuracy_source;  ///< "recording", "attempt", "none"
+    std::string format;            ///< "rtklib-pos", "nmea", ...: a word of the attempt's `format`
+    std::string variant = {};      ///< of the format, in words ("GPX 1.1"); empty where it has one
+    std::string device = {};       ///< what the recording says made it; empty where unknown
+    std::string frame;             ///< "geodetic", "ecef", "utm", "local_plane"
+    std::string time_scale;        ///< "gps", "utc", "relative"
+    std::string accuracy_source;   ///< "recording", "attempt", "none"
     std::string time_origin = {};  ///< what the time stamps are, in words
     /// Who says the kind of solution: "recording"; "attempt", where the recording does not;
     /// "partly" the recording; "unknown": nobody.

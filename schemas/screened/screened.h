@@ -186,7 +186,8 @@ struct BaselineEvidence {
     std::int64_t rejected = 0;
 };
 
-/// Signs that the device wrote positions that it did not measure; of all rows while the craft moved.
+/// Signs that the device wrote positions that it did not measure; of all rows while the craft
+/// moved.
 struct DeviceEvidence {
     std::int64_t moving = 0;        ///< rows looked at
     std::int64_t held = 0;          ///< that repeat the position before

@@ -31,7 +31,8 @@ inline constexpr auto members<Override> =
 
 template <>
 inline constexpr auto members<Decision> = std::tuple{
-    Member{"probability", &Decision::probability}, Member{"level", &Decision::level},
+    Member{"probability", &Decision::probability},
+    Member{"level", &Decision::level},
     Member{"target_standard_uncertainty_m_s", &Decision::target_standard_uncertainty_mps},
     Member{"acceptance_limit_m_s", &Decision::acceptance_limit_mps},
     Member{"risk", &Decision::risk},

@@ -38,14 +38,13 @@ inline constexpr auto members<FittedSpeed> =
                Member{"models", &FittedSpeed::models}};
 
 template <>
-inline constexpr auto members<OtherEstimates> =
-    std::tuple{Member{"chord_m_s", &OtherEstimates::chord_mps},
-               Member{"chord_difference_uncertainty_m_s",
-                      &OtherEstimates::chord_difference_uncertainty_mps},
-               Member{"stiffer_m_s", &OtherEstimates::stiffer_mps},
-               Member{"softer_m_s", &OtherEstimates::softer_mps},
-               Member{"whole_m_s", &OtherEstimates::whole_mps},
-               Member{"half_width_m_s", &OtherEstimates::half_width_mps}};
+inline constexpr auto members<OtherEstimates> = std::tuple{
+    Member{"chord_m_s", &OtherEstimates::chord_mps},
+    Member{"chord_difference_uncertainty_m_s", &OtherEstimates::chord_difference_uncertainty_mps},
+    Member{"stiffer_m_s", &OtherEstimates::stiffer_mps},
+    Member{"softer_m_s", &OtherEstimates::softer_mps},
+    Member{"whole_m_s", &OtherEstimates::whole_mps},
+    Member{"half_width_m_s", &OtherEstimates::half_width_mps}};
 
 template <>
 inline constexpr auto members<ErrorBound> =

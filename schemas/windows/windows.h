@@ -56,9 +56,9 @@ struct OtherEstimates {
     /// difference from the estimate. Absent for other definitions.
     std::optional<double> chord_mps = std::nullopt;
     std::optional<double> chord_difference_uncertainty_mps = std::nullopt;
-    double stiffer_mps = 0.0;  ///< with jerk densities of a third (1 / sqrt(10)) of those used
-    double softer_mps = 0.0;   ///< with three times those used (sqrt(10))
-    double whole_mps = 0.0;    ///< with the one density fitted to the whole recording
+    double stiffer_mps = 0.0;     ///< with jerk densities of a third (1 / sqrt(10)) of those used
+    double softer_mps = 0.0;      ///< with three times those used (sqrt(10))
+    double whole_mps = 0.0;       ///< with the one density fitted to the whole recording
     double half_width_mps = 0.0;  ///< what the choice of the model is taken to change at most
 };
 
@@ -66,15 +66,15 @@ struct OtherEstimates {
 struct ErrorBound {
     double tau_min_s = 0.0;
     double tau_max_s = 0.0;
-    double sigma_m = 0.0;    ///< size taken: the largest of the three
-    double fitted_m = 0.0;   ///< size of the fitted error at the shortest correlation time
+    double sigma_m = 0.0;   ///< size taken: the largest of the three
+    double fitted_m = 0.0;  ///< size of the fitted error at the shortest correlation time
     /// Size of the error along the direction of travel in units of the one fitted to both axes
     /// together, as it is taken in `fitted_m`: at least 1, at most sqrt(2).
     double along = 1.0;
-    double stated_m = 0.0;   ///< stated accuracy times its scale
-    double floor_m = 0.0;    ///< floor of the kind of solution
-    std::string floor_fix;   ///< that kind
-    std::string decided_by;  ///< "fitted", "stated", "floor"
+    double stated_m = 0.0;                  ///< stated accuracy times its scale
+    double floor_m = 0.0;                   ///< floor of the kind of solution
+    std::string floor_fix;                  ///< that kind
+    std::string decided_by;                 ///< "fitted", "stated", "floor"
     double standard_uncertainty_mps = 0.0;  ///< of the speed, from the positions alone
 };
 
@@ -94,7 +94,7 @@ struct SelectionBias {
     double chosen_sd_mps = 0.0;
     double best_mean_mps = 0.0;  ///< true speed of the window that is truly best
     double best_sd_mps = 0.0;
-    double fitted_bias_mps = 0.0;   ///< by errors as fitted, and with the slow error at its bound
+    double fitted_bias_mps = 0.0;  ///< by errors as fitted, and with the slow error at its bound
     double bounded_bias_mps = 0.0;
     double bias_mps = 0.0;             ///< the middle of the two: stated speed less chosen_mean
     double bias_half_range_mps = 0.0;  ///< and half of what is between them
@@ -138,7 +138,7 @@ struct CertifiableWindow {
     /// What may remain of the bias of choosing the fastest window, either way. A bias is no
     /// standard deviation: it is added to the expanded uncertainty, not to the budget.
     double bias_limit_mps = 0.0;
-    std::optional<FittedSpeed> fitted = std::nullopt;  ///< these since revision 1.1
+    std::optional<FittedSpeed> fitted = std::nullopt;        ///< these since revision 1.1
     std::optional<OtherEstimates> estimates = std::nullopt;  ///< since revision 1.4
     std::optional<ErrorBound> bound = std::nullopt;
     std::optional<RobustSpeed> robust = std::nullopt;

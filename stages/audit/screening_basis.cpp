@@ -104,6 +104,32 @@ std::string tests_text(const ScreeningEvidence& evidence) {
                       format_fixed(100.0 * evidence.power, 1));
 }
 
+/// Motion that screening found sudden, and positions that look as if nobody had measured them.
+std::string motion_text(const ScreenedTable& table) {
+    std::int64_t manoeuvres = 0;
+    const ScreenedEpoch* largest = nullptr;
+    for (const ScreenedEpoch& row : table.rows) {
+        if (!row.manoeuvre_mps2) continue;
+        ++manoeuvres;
+        if (!largest || *row.manoeuvre_mps2 > *largest->manoeuvre_mps2) largest = &row;
+    }
+    if (!largest) return "";
+    return fmt::format(
+        "Motion. At {} the acceleration was found to change beyond what the tests take for "
+        "granted, "
+        "at most by {} m/s^2 (epoch {}): a manoeuvre of the craft explains the data better than an "
+        "error, and the tests allow for it.",
+        counted(manoeuvres, "epoch"), format_fixed(*largest->manoeuvre_mps2, 1), largest->epoch);
+}
+
+std::string device_text(const DeviceEvidence& device) {
+    return fmt::format(
+        "Device. Of {} recorded in motion {} repeat the one before (held), and {} lie in line with "
+        "their neighbours to the last digit (interpolated), where chance makes {}.",
+        counted(device.moving, "position"), counted(device.held), counted(device.interpolated),
+        format_fixed(device.by_chance, 1));
+}
+
 std::string kind_sentence(const FixKindEvidence& kind) {
     const std::string what =
         fmt::format(" {}, {} ({}): ", sentence(std::string(words_of(kind.fix))), adverb(kind.axes),
@@ -242,6 +268,8 @@ std::vector<Block> basis_blocks(const ScreenedTable& table, const AuditSubject& 
         faults.items.push_back(fault_line(table, fault));
     if (!faults.items.empty()) blocks.emplace_back(std::move(faults));
     say(limits_text(table));
+    if (std::string motion = motion_text(table); !motion.empty()) say(std::move(motion));
+    if (evidence.device) say(device_text(*evidence.device));
     say(evidence.baseline ? baseline_text(*evidence.baseline)
                           : "Other receiver. None was compared with this one.");
     return blocks;

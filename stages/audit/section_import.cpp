@@ -44,6 +44,22 @@ std::string accuracy_words(const std::string& source) {
                                  : "stated by nobody";
 }
 
+std::string clock_words(const Observations& observations) {
+    const std::string& source = observations.facts.time_source;
+    const std::string origin =
+        observations.time_origin.empty() ? "" : observations.time_origin + ": ";
+    return origin + (source == "satellites" ? "the satellites' time, as the format says"
+                     : source == "attempt"  ? "the satellites' time, as the attempt states"
+                                            : "whose clock made them is not known");
+}
+
+std::string solution_words(const std::string& source) {
+    return source == "recording" ? "as the recording states it, epoch by epoch"
+           : source == "attempt" ? "as the attempt states it: the recording states none"
+           : source == "partly"  ? "as the recording states it, which it does not at every epoch"
+                                 : "stated by nobody";
+}
+
 std::string resolution_text(const RecordingFacts& facts) {
     const auto part = [](const std::optional<double>& step, const char* unit) {
         return step ? figure_text(*step) + " " + unit : std::string("unknown");
@@ -67,11 +83,13 @@ Facts facts_of(const Receiver& receiver, const Observations& observations) {
           observations.device.empty() ? "the recording does not say" : observations.device},
          {"Coordinates", frame_words(observations.frame)},
          {"Time scale", scale_words(observations)},
+         {"Time stamps", clock_words(observations)},
          {"Epochs",
           fmt::format("{}, {} with a position, mostly {} s apart", counted(epochs),
                       counted(positions), format_fixed(observations.facts.nominal_interval_s, 3))},
          {"Heights", observations.facts.vertical_measured ? "measured" : "not measured"},
          {"Accuracy", accuracy_words(observations.accuracy_source)},
+         {"Kind of solution", solution_words(observations.solution_source)},
          {"Smallest steps", resolution_text(observations.facts)},
          {"Records", fmt::format("{} read, {} could not be read",
                                  counted(observations.records.total - observations.records.bad),

@@ -43,7 +43,8 @@ std::string slow_error_text(const NoiseSummary& noise) {
                        fitted_text(*noise.error_tau_s, "s"));
 }
 
-std::vector<Block> noise_blocks(const NoiseSummary& noise) {
+/// `follows`: whether the trajectory says the jerk density epoch by epoch.
+std::vector<Block> noise_blocks(const NoiseSummary& noise, bool follows) {
     Facts facts{{{"Noise", status_words(noise)},
                  {"Stated accuracy",
                   fmt::format("{} m (root mean square){}", figure_text(noise.stated_sigma_m),
@@ -53,7 +54,10 @@ std::vector<Block> noise_blocks(const NoiseSummary& noise) {
         facts.facts.push_back({name, std::move(value)});
     };
     add("Scale of it", fitted_text(noise.measurement_scale, ""));
-    add("Jerk density", fitted_text(noise.jerk_density, "m s^-2.5"));
+    add("Jerk density", fitted_text(noise.jerk_density, "m s^-2.5") +
+                            (follows ? "; the trajectory takes the larger of this and what the "
+                                       "motion shows there (column jerk_density)"
+                                     : ""));
     add("Acceleration",
         noise.acceleration_time_s
             ? fmt::format("lasts {}; that is more likely than that it persists (log-likelihood "
@@ -63,7 +67,7 @@ std::vector<Block> noise_blocks(const NoiseSummary& noise) {
             : fmt::format("persists: that it decays is no better (log-likelihood {} higher)",
                           format_fixed(noise.singer_gain, 2)));
     add("Slow error", slow_error_text(noise));
-    add("Models weighed", counted(std::ssize(noise.posterior)));
+    add("Models weighed", counted(std::ssize(noise.posterior)) + ", by their profile likelihood");
     return {std::move(facts)};
 }
 
@@ -106,8 +110,8 @@ Facts agreement_facts(const EstimationSummary& estimation) {
                                           counted(estimation.robust_unsolved, "arc"))}}};
 }
 
-Section axes_part(const char* title, const AxesEstimation& axes) {
-    Section part{.title = title, .blocks = noise_blocks(axes.noise)};
+Section axes_part(const char* title, const AxesEstimation& axes, bool follows) {
+    Section part{.title = title, .blocks = noise_blocks(axes.noise, follows)};
     for (Block& block : health_blocks(axes.health))
         part.blocks.push_back(std::move(block));
     return part;
@@ -121,6 +125,9 @@ Section smooth_section(const RunRecord& record, const ReceiverRecord& one, bool 
     const TrajectoryTable& table = *one.trajectory;
     const auto smoothed = std::ranges::count_if(
         table.rows, [](const TrajectoryEpoch& row) { return row.speed_mps.has_value(); });
+    const bool follows = std::ranges::any_of(table.rows, [](const TrajectoryEpoch& row) {
+        return row.jerk_density || row.jerk_density_up;
+    });
     Section section{.title = title,
                     .blocks = file_blocks(
                         record, table.header, one.trajectory_file,
@@ -131,9 +138,9 @@ Section smooth_section(const RunRecord& record, const ReceiverRecord& one, bool 
     for (Block& block : parameter_blocks(record.attempt, table.header, all))
         section.blocks.push_back(std::move(block));
     if (const auto& axes = table.estimation.horizontal)
-        section.parts.push_back(axes_part("Horizontally", *axes));
+        section.parts.push_back(axes_part("Horizontally", *axes, follows));
     if (const auto& axes = table.estimation.vertical)
-        section.parts.push_back(axes_part("Vertically", *axes));
+        section.parts.push_back(axes_part("Vertically", *axes, follows));
     return section;
 }
 

@@ -25,6 +25,12 @@ std::string best_text(const CertifiableWindow& best) {
     std::string text = fmt::format("{} over {}, in arc {}; combined standard uncertainty {} m/s",
                                    speed_text(best.speed_mps), span_text(best.span), best.arc,
                                    format_fixed(best.standard_uncertainty_mps, 6));
+    if (best.bias_limit_mps > 0.0)
+        text += fmt::format("; a bias of choosing it of at most {} m/s either way is left",
+                            format_fixed(best.bias_limit_mps, 6));
+    if (best.own_standard_uncertainty_mps)
+        text += fmt::format("; {} m/s of the uncertainty another receiver does not share",
+                            format_fixed(*best.own_standard_uncertainty_mps, 6));
     if (best.repaired_steps > 0)
         text += fmt::format("; {} inside", counted(best.repaired_steps, "bridged step"));
     return text;
@@ -41,19 +47,57 @@ std::string indicated_text(const ProfileWindows& windows) {
 
 std::string bound_text(const ErrorBound& bound) {
     return fmt::format(
-        "a slow error of {} m that lasts {} s to {} s is allowed for, decided by {} (fitted {} m, "
+        "a slow error of {} m that lasts {} s to {} s is allowed for, decided by {} (fitted {} "
+        "m{}, "
         "stated {} m, floor {} m{})",
         figure_text(bound.sigma_m), figure_text(bound.tau_min_s), figure_text(bound.tau_max_s),
-        bound.decided_by, figure_text(bound.fitted_m), figure_text(bound.stated_m),
-        figure_text(bound.floor_m), bound.floor_fix.empty() ? "" : " for " + bound.floor_fix);
+        bound.decided_by, figure_text(bound.fitted_m),
+        bound.along > 1.0
+            ? fmt::format(", {} times that of both axes because the course shows more of it",
+                          figure_text(bound.along))
+            : "",
+        figure_text(bound.stated_m), figure_text(bound.floor_m),
+        bound.floor_fix.empty() ? "" : " for " + bound.floor_fix);
+}
+
+std::string estimates_text(const OtherEstimates& estimates) {
+    std::string text;
+    if (estimates.chord_mps)
+        text = fmt::format("{} m/s from the measured ends alone",
+                           format_fixed(*estimates.chord_mps, 6)) +
+               (estimates.chord_difference_uncertainty_mps
+                    ? fmt::format(" (u of the difference {} m/s)",
+                                  format_fixed(*estimates.chord_difference_uncertainty_mps, 6))
+                    : "") +
+               "; ";
+    return text + fmt::format(
+                      "{} m/s with a third of the jerk density, {} m/s with three times it, {} m/s "
+                      "with the one of the whole recording; the choice is taken to change the "
+                      "speed by at most {} m/s",
+                      format_fixed(estimates.stiffer_mps, 6), format_fixed(estimates.softer_mps, 6),
+                      format_fixed(estimates.whole_mps, 6),
+                      format_fixed(estimates.half_width_mps, 6));
 }
 
 std::string selection_text(const SelectionBias& selection) {
+    if (selection.bounded_bias_mps == 0.0 && selection.bias_mps != 0.0)  // before revision 1.4
+        return fmt::format(
+            "{} windows could have been the best; the one chosen is too fast by {} m/s +- {} m/s, "
+            "which is {} ({} trajectories drawn, seed {})",
+            counted(selection.candidates), figure_text(selection.bias_mps),
+            figure_text(selection.bias_uncertainty_mps), selection.treatment,
+            counted(selection.samples), selection.seed);
+    const bool subtracted = selection.treatment == "subtracted";
     return fmt::format(
-        "{} windows could have been the best; the one chosen is too fast by {} m/s +- {} m/s, "
-        "which is {} ({} trajectories drawn, seed {})",
-        counted(selection.candidates), figure_text(selection.bias_mps),
-        figure_text(selection.bias_uncertainty_mps), selection.treatment,
+        "{} windows could have been the best; the one chosen is too fast by {} m/s with the errors "
+        "as fitted, {} m/s with the slow error at its bound (+- {} m/s): {} ({} trajectories "
+        "drawn, "
+        "seed {})",
+        counted(selection.candidates), figure_text(selection.fitted_bias_mps),
+        figure_text(selection.bounded_bias_mps), figure_text(selection.bias_uncertainty_mps),
+        subtracted ? "the middle of the two is subtracted from the speed, half their difference "
+                     "added to the expanded uncertainty"
+                   : "the larger is added to the expanded uncertainty",
         counted(selection.samples), selection.seed);
 }
 
@@ -76,9 +120,10 @@ Facts checks_of(const CertifiableWindow& best) {
                                         figure_text(best.robust->difference_mps),
                                         figure_text(best.robust->limit_mps),
                                         best.robust->agrees ? "agrees" : "DOES NOT AGREE"));
+    if (best.estimates) add("Other estimates", estimates_text(*best.estimates));
     if (best.bound) add("Bound", bound_text(*best.bound));
     if (best.selection) add("Choice of the fastest", selection_text(*best.selection));
-    if (best.monte_carlo) add("Monte Carlo", monte_carlo_text(*best.monte_carlo));
+    if (best.monte_carlo) add("Check of linearisation", monte_carlo_text(*best.monte_carlo));
     for (const UndetectedError& error : best.reliability)
         add("Could have been missed",
             fmt::format("{} of {} {} at epochs {} to {}: changes the speed by {} m/s",

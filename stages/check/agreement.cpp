@@ -146,10 +146,10 @@ Agreement compare_speeds(const ReceiverEvidence& judged, const CertifiableWindow
     agreement.judged_standard_uncertainty_mps = own_mps(window);
     agreement.other_standard_uncertainty_mps =
         std::max(of_ends / duration_s, other_window ? own_mps(*other_window) : own_mps(window));
-    agreement.normalised_error = std::abs(agreement.other_mps - agreement.judged_mps) /
-                                 (coverage_factor *
-                                  std::hypot(agreement.judged_standard_uncertainty_mps,
-                                             agreement.other_standard_uncertainty_mps));
+    agreement.normalised_error =
+        std::abs(agreement.other_mps - agreement.judged_mps) /
+        (coverage_factor * std::hypot(agreement.judged_standard_uncertainty_mps,
+                                      agreement.other_standard_uncertainty_mps));
     return agreement;
 }
 

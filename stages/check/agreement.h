@@ -33,10 +33,10 @@ struct Agreement {
 /// distance is one that fits on a craft.
 ///
 /// An error that both share shows in neither: base station, satellites and atmosphere, the frame's
-/// scale, the time scale. The uncertainties that the difference is compared with are therefore those
-/// of what each has of its own (`own_standard_uncertainty_mps`): of the judged window, and of the
-/// other's best window of the profile (`other_window`; where it has none, as the judged one's), or
-/// what its positions at the two ends say, taken as independent, if that is larger.
+/// scale, the time scale. The uncertainties that the difference is compared with are therefore
+/// those of what each has of its own (`own_standard_uncertainty_mps`): of the judged window, and of
+/// the other's best window of the profile (`other_window`; where it has none, as the judged one's),
+/// or what its positions at the two ends say, taken as independent, if that is larger.
 Agreement compare_speeds(const ReceiverEvidence& judged, const CertifiableWindow& window,
                          const ReceiverEvidence& other, const CertifiableWindow* other_window);
 

@@ -116,9 +116,8 @@ std::string refusal_of(const ClauseContext& context, const std::vector<Requireme
 std::string drift_words(const Decision& decision, const ClauseContext& context) {
     if (!decision.drift_survived_m) return {};
     const double duration_s = context.windows.best->span.duration.seconds();
-    std::string words = fmt::format(
-        " It survives a drift of the positions by {:.2f} m in {:.3g} s", *decision.drift_survived_m,
-        duration_s);
+    std::string words = fmt::format(" It survives a drift of the positions by {:.2f} m in {:.3g} s",
+                                    *decision.drift_survived_m, duration_s);
     if (decision.drift_found_mps && *decision.drift_found_mps > 0.0)
         words += fmt::format(", {:.2g} times the smallest that screening is sure to find there",
                              *decision.drift_survived_m / duration_s / *decision.drift_found_mps);

@@ -69,8 +69,8 @@ struct CheckInput {
 /// there is no certifiable window, if more than 1 % of the recording's records, or one inside the
 /// window, could not be read, if the rule subtracts the current and it is not known, or if a robust
 /// estimate, or the lack of one, the second receiver or a declared second method contradicts its
-/// speed; else by `decide` against the record, not_proven without one. A speed below the record's is
-/// not_certifiable too where a window that was refused shows one that reaches it: not_beaten is
+/// speed; else by `decide` against the record, not_proven without one. A speed below the record's
+/// is not_certifiable too where a window that was refused shows one that reaches it: not_beaten is
 /// never said from what was thrown away. Figures are rounded, for
 /// people, after that. The header is the caller's.
 Verdict check(const CheckInput& input);

@@ -114,8 +114,8 @@ void set_speed(ClauseContext& context) {
 
 /// The drift that the decision survives, and what screening finds of one in the window.
 void set_drift(ClauseContext& context) {
-    const double above_mps = context.speed->speed_mps - context.speed->bias_limit_mps -
-                             context.target->speed_mps;
+    const double above_mps =
+        context.speed->speed_mps - context.speed->bias_limit_mps - context.target->speed_mps;
     if (above_mps > 0.0)
         context.decision->drift_survived_m =
             above_mps * context.windows.best->span.duration.seconds();
@@ -157,13 +157,13 @@ void set_second_methods(ClauseContext& context) {
             compare_speeds(input.judged, best, *input.secondary, other ? &*other : nullptr);
     }
     if (input.attempt.secondary_method)
-        context.declared =
-            compare_declared({.speed_mps = best.speed_mps,
-                              .standard_uncertainty_mps = best.own_standard_uncertainty_mps.value_or(
-                                  best.standard_uncertainty_mps),
-                              .span = best.span,
-                              .over_course = context.profile.window_kind == "course"},
-                             *input.attempt.secondary_method, input.attempt.course);
+        context.declared = compare_declared(
+            {.speed_mps = best.speed_mps,
+             .standard_uncertainty_mps =
+                 best.own_standard_uncertainty_mps.value_or(best.standard_uncertainty_mps),
+             .span = best.span,
+             .over_course = context.profile.window_kind == "course"},
+            *input.attempt.secondary_method, input.attempt.course);
 }
 
 /// What the recorded velocities say of the window, where all its epochs have one: their mean over

@@ -116,8 +116,7 @@ double acceptance_limit(const SpeedPosterior& posterior, const Threshold& thresh
     const double unbiased_mps = threshold.speed_mps + posterior.bias_limit_mps;
     if (d.scale_mps == 0.0) return unbiased_mps;
     // By symmetry the upper quantile, from the tail, which keeps its digits.
-    return unbiased_mps -
-           student_t_quantile(1.0 - level, d.degrees_of_freedom) * d.scale_mps;
+    return unbiased_mps - student_t_quantile(1.0 - level, d.degrees_of_freedom) * d.scale_mps;
 }
 
 double decision_risk(const SpeedPosterior& posterior, const Threshold& threshold, Outcome outcome) {

@@ -32,8 +32,8 @@ struct SpeedPosterior {
 /// degrees of freedom not above 0.
 double conformance_probability(const SpeedPosterior& posterior, const Threshold& threshold);
 
-/// P(lower <= speed <= upper) ([JCGM106] 7.4), both limits known exactly, without a bias. Failure as
-/// above, or where lower > upper.
+/// P(lower <= speed <= upper) ([JCGM106] 7.4), both limits known exactly, without a bias. Failure
+/// as above, or where lower > upper.
 double conformance_probability(const SpeedPosterior& posterior, double lower_mps, double upper_mps);
 
 enum class Outcome { beaten, not_beaten, not_proven };

@@ -29,7 +29,8 @@ Finding time_scale(const Clause&, const ClauseContext& context) {
     const ReceiverEvidence& judged = context.input.judged;
     const std::string& source = judged.facts.time_source;
     const std::string what = judged.time_origin.empty() ? "the time stamps" : judged.time_origin;
-    if (!judged.tests) return unknown(what + ": the screened epochs do not say how regular they are");
+    if (!judged.tests)
+        return unknown(what + ": the screened epochs do not say how regular they are");
     const double rate = judged.tests->time.rate_deviation;
     const std::vector<Figure> figures{{.name = "rate of the time stamps less the nominal one",
                                        .value = rate * 1e6,
@@ -119,9 +120,10 @@ Finding stated_solution(const Clause&, const ClauseContext& context) {
     const auto& best = context.windows.best;
     const std::string taken =
         best && best->bound && !best->bound->floor_fix.empty()
-            ? fmt::format(" (in the window: {}, whose slow errors are taken to be at least "
-                          "{:g} m)",
-                          best->bound->floor_fix, best->bound->floor_m)
+            ? fmt::format(
+                  " (in the window: {}, whose slow errors are taken to be at least "
+                  "{:g} m)",
+                  best->bound->floor_fix, best->bound->floor_m)
             : "";
     if (source == "attempt") {
         const auto& rows = context.input.judged.epochs_of(context.profile.id);
@@ -132,9 +134,15 @@ Finding stated_solution(const Clause&, const ClauseContext& context) {
                                       kind, taken)};
     }
     if (source == "recording") return {"met", "the recording says it" + taken};
-    return {"met", "the recording does not say, so that the positions count as those of one "
-                   "receiver alone" +
-                       taken};
+    if (source == "partly")
+        return {"met",
+                "the recording says it of some positions; the others count as those of one "
+                "receiver alone" +
+                    taken};
+    return {"met",
+            "the recording does not say, so that the positions count as those of one "
+            "receiver alone" +
+                taken};
 }
 
 }  // namespace

@@ -22,17 +22,18 @@ std::vector<std::vector<Sample>> stretches_of(const std::vector<TrajectoryEpoch>
     std::vector<std::vector<Sample>> stretches;
     const TrajectoryEpoch* before = nullptr;
     for (const TrajectoryEpoch& row : rows) {
-        if (!row.arc || *row.speed_mps < slowest_mps) {
+        if (!row.arc || row.speed_mps.value() < slowest_mps) {
             before = nullptr;
             continue;
         }
         if (!before || before->arc != row.arc) stretches.emplace_back();
-        const double along = (*row.acceleration_east_mps2 * *row.velocity_east_mps +
-                              *row.acceleration_north_mps2 * *row.velocity_north_mps) /
-                             *row.speed_mps;
+        const double along =
+            (row.acceleration_east_mps2.value() * row.velocity_east_mps.value() +
+             row.acceleration_north_mps2.value() * row.velocity_north_mps.value()) /
+            row.speed_mps.value();
         stretches.back().push_back({row.time.seconds(), along,
-                                    std::hypot(*row.sigma_acceleration_east_mps2,
-                                               *row.sigma_acceleration_north_mps2)});
+                                    std::hypot(row.sigma_acceleration_east_mps2.value(),
+                                               row.sigma_acceleration_north_mps2.value())});
         before = &row;
     }
     return stretches;
@@ -46,8 +47,7 @@ std::vector<std::size_t> turns_of(const std::vector<Sample>& series) {
     int direction = 0;
     for (std::size_t k = 1; k < series.size(); ++k) {
         const double least = std::max(0.1, coverage * series[k].sigma_mps2);
-        const double from_extreme =
-            series[k].acceleration_mps2 - series[extreme].acceleration_mps2;
+        const double from_extreme = series[k].acceleration_mps2 - series[extreme].acceleration_mps2;
         if (direction == 0) {
             if (std::abs(from_extreme) > least) {
                 direction = from_extreme > 0.0 ? 1 : -1;
@@ -64,6 +64,31 @@ std::vector<std::size_t> turns_of(const std::vector<Sample>& series) {
     return turns;
 }
 
+/// The time from a turn to the next, less that in which the series stays within a quarter of the
+/// change of the first: a craft may wait long at a plateau before it changes.
+double change_time_s(const std::vector<Sample>& series, std::size_t from, std::size_t to) {
+    const double begin = series[from].acceleration_mps2;
+    const double quarter = 0.25 * std::abs(series[to].acceleration_mps2 - begin);
+    std::size_t k = to;
+    while (k > from && std::abs(series[k].acceleration_mps2 - begin) > quarter)
+        --k;
+    return series[to].time_s - series[k].time_s;
+}
+
+/// Where the series is farthest back from its second turn, in the one and a half times that follow
+/// which it took from the first: what comes back too little to be a turn of its own counts too.
+std::size_t swing_back(const std::vector<Sample>& series, std::size_t first, std::size_t second) {
+    const double until_s =
+        series[second].time_s + 1.5 * (series[second].time_s - series[first].time_s);
+    const double turned = series[second].acceleration_mps2;
+    const double sign = series[first].acceleration_mps2 > turned ? 1.0 : -1.0;
+    std::size_t farthest = second;
+    for (std::size_t k = second; k < series.size() && series[k].time_s <= until_s; ++k)
+        if (sign * (series[k].acceleration_mps2 - series[farthest].acceleration_mps2) > 0.0)
+            farthest = k;
+    return farthest;
+}
+
 }  // namespace
 
 Overshoot find_overshoot(const std::vector<TrajectoryEpoch>& rows) {
@@ -78,20 +103,21 @@ Overshoot find_overshoot(const std::vector<TrajectoryEpoch>& rows) {
     for (const std::vector<Sample>& series : stretches_of(rows)) {
         const std::vector<std::size_t> turns = turns_of(series);
         for (std::size_t i = 1; i < turns.size(); ++i) {
-            const auto value = [&](std::size_t j) {
-                return series[turns[j]].acceleration_mps2;
-            };
+            const auto value = [&](std::size_t j) { return series[turns[j]].acceleration_mps2; };
             const auto time_s = [&](std::size_t j) { return series[turns[j]].time_s; };
             const double change = std::abs(value(i) - value(i - 1));
-            if (change < change_mps2 || time_s(i) - time_s(i - 1) > longest_change_s) continue;
+            if (change < change_mps2 ||
+                change_time_s(series, turns[i - 1], turns[i]) > longest_change_s)
+                continue;
             // A swing that follows a larger one belongs to it.
             if (i > 1 && std::abs(value(i - 1) - value(i - 2)) > change) continue;
             ++overshoot.changes;
-            if (i + 2 >= turns.size()) continue;
+            if (i + 1 >= turns.size()) continue;
             const double first = std::abs(value(i + 1) - value(i));
-            const double second = std::abs(value(i + 2) - value(i + 1));
             const double half_s = time_s(i + 1) - time_s(i);
-            const double next_half_s = time_s(i + 2) - time_s(i + 1);
+            const std::size_t back = swing_back(series, turns[i], turns[i + 1]);
+            const double second = std::abs(series[back].acceleration_mps2 - value(i + 1));
+            const double next_half_s = series[back].time_s - time_s(i + 1);
             const bool dies = first > least_part * change && first < largest_part * change &&
                               second > least_part * first && second < largest_part * first;
             if (!dies || std::abs(next_half_s / half_s - 1.0) > of_rhythm) continue;

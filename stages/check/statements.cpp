@@ -89,9 +89,13 @@ void add_health(const FilterHealth& health, const std::string& axes, Statements&
     if (!health.white)
         statements.push_back(fmt::format(
             "The {} innovations stay correlated (lag 1: {:+.2f}, with noise as stated {:+.2f}): "
-            "the "
-            "positions look as if the device had filtered them, which hides how they err.",
-            axes, health.autocorrelation, health.autocorrelation_stated));
+            "{}.",
+            axes, health.autocorrelation, health.autocorrelation_stated,
+            health.autocorrelation > 0.0
+                ? "the positions look as if the device had filtered them, which hides how they err"
+                : "the positions look as if the device had filtered them, or their errors change "
+                  "along "
+                  "the recording more than their stated accuracies say"));
     if (!health.consistent)
         statements.push_back(fmt::format(
             "The size of the {} innovations changes along the recording more than the stated "
@@ -139,9 +143,9 @@ void add_propagation(const ReceiverEvidence& judged, Statements& statements) {
         const double difference_mps =
             std::abs(check.standard_uncertainty_mps - windows.best->standard_uncertainty_mps);
         if (!check.converged)
-            statements.push_back(fmt::format(
-                "The check of linearisation under {} did not converge in {} trials.",
-                windows.profile, check.trials));
+            statements.push_back(
+                fmt::format("The check of linearisation under {} did not converge in {} trials.",
+                            windows.profile, check.trials));
         else if (difference_mps > check.tolerance_mps)
             statements.push_back(fmt::format(
                 "Under {} the check of linearisation gives a standard uncertainty of {:.4f} m/s "
@@ -284,7 +288,7 @@ void add_undetected(const CheckInput& input, Statements& statements) {
             "{:.4f} m/s. The budget takes it as equally likely anywhere up to that, so that the "
             "interval is one for all runs; in a run that has the largest of them it holds the true "
             "speed with a probability of {:.0f} %.",
-            windows.profile, error_mps, 100.0 * held));
+            windows.profile, error_mps, std::floor(100.0 * held)));
     }
 }
 

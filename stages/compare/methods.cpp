@@ -147,7 +147,7 @@ Methods methods_of(const ScreenedTable& screened, const TrajectoryTable& traject
     tracks.push_back(of_speeds("v1 [DHD22]", trajectory, &Row::speed_v1_mps));
     tracks.push_back(of_speeds("v2 [DHD22]", trajectory, &Row::speed_v2_mps));
     tracks.push_back(of_speeds("Kalman filter [DHD22]", trajectory, &Row::speed_kalman_mps));
-    add_fixed_lags(arcs, model_of(noise), trajectory, tracks);
+    add_fixed_lags(arcs_of<2>(screened, trajectory), model_of(noise), trajectory, tracks);
 
     FittedSmoother constant =
         fitted_smoother("smoother, constant acceleration", arcs, screened.rows.size(), config.fit,

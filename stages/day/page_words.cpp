@@ -2,9 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "core/prose.h"
 #include "core/text.h"
-
-#include <cmath>
 
 namespace runcert {
 
@@ -62,17 +61,15 @@ std::string told_apart_words(const DayPlace& place, std::optional<std::int64_t> 
 }
 
 std::string best_words(const BestOfDay& best) {
-    const std::string of = best.attempts == 1
-                               ? std::string("One attempt was made")
-                               : fmt::format("{} attempts were made, and the best of so many needs "
-                                             "more than one alone",
-                                             best.attempts);
+    const bool alone = best.attempts == 1;
     return fmt::format(
-        "{}: a probability of {:.4g} % that the speed reaches the one to reach. {} has {:.6g} %, {}.",
-        of, 100.0 * best.level, best.id, 100.0 * std::floor(best.probability * 1e6) / 1e6,
-        best.beaten ? "so that the record is beaten as the best of them too"
-                    : "so that it may be the luckiest of them: as the best of so many it is not "
-                      "proven");
+        "{} a probability of {} that its speed reaches the one to reach. {} has {}, so that {}.",
+        alone ? std::string("One attempt was made; it needs")
+              : fmt::format("{} attempts were made; the best of so many needs", best.attempts),
+        level_text(best.level), best.id, probability_text(best.probability),
+        !best.beaten ? "it may be the luckiest of them: as the best of so many it is not proven"
+        : alone      ? "the record is beaten"
+                     : "the record is beaten as the best of them too");
 }
 
 std::string link_to(std::string_view file) {

@@ -86,9 +86,11 @@ std::optional<BestOfDay> best_by(std::string_view profile,
     if (result.outcome != "beaten" || !result.probability || !result.level) return std::nullopt;
     const double risk = (1.0 - *result.level) * static_cast<double>(result.attempts_made);
     BestOfDay best{.id = ranking.front().id,
-                   .attempts = std::max(std::ssize(ranking),
-                                        static_cast<std::ptrdiff_t>(result.attempts_made)),
+                   .attempts = std::ssize(ranking),
                    .probability = *result.probability};
+    for (const AttemptResult& attempt : attempts)
+        if (const DayResult* other = attempt.by(profile))
+            best.attempts = std::max(best.attempts, other->attempts_made);
     best.level = 1.0 - risk / static_cast<double>(best.attempts);
     best.beaten = best.probability >= best.level;
     return best;

@@ -23,7 +23,7 @@ constexpr std::string_view by_survey =
     "Have it surveyed, or measured in another way, and keep the record of that; whoever signs for "
     "this clause answers for it.";
 
-constexpr std::array<Computation, 15> computations{{
+constexpr std::array<Computation, 18> computations{{
     {"georeferenced",
      "The recording itself says what its coordinates are: positions on the Earth, whose metre is "
      "the true one, or coordinates in a local plane, whose scale on the ground nobody states. Met "
@@ -35,7 +35,13 @@ constexpr std::array<Computation, 15> computations{{
      "The speed by a second receiver, or by the second method that the attempt states, over the "
      "same time is compared with the certified one: their difference is divided by the root of the "
      "sum of the squares of both expanded uncertainties (k = 2), which gives the normalised error. "
-     "Met where it is at most 1; with a receiver and a stated method, where both are.",
+     "Of a second receiver only what the two do not share enters: noise, motion, each one's own "
+     "slow "
+     "error, time stamps, antenna; base station, satellites, atmosphere and frame err alike in "
+     "both, "
+     "and this cannot find it. Met where it is at most 1; with a receiver and a stated method, "
+     "where "
+     "both are.",
      Bound::none,
      "Record with a second receiver (receivers:) or state what a second method measured "
      "(secondary:) and run the attempt again; or compare by hand, and sign for it."},
@@ -119,6 +125,33 @@ constexpr std::array<Computation, 15> computations{{
      "uncertainty; not met where it is faster, since its speed is then not known.",
      Bound::none,
      "Establish from the recording what the speed of the fastest window was, and sign for it."},
+    {"time_scale",
+     "A speed is a length over a time, and wrong by as much as the clock. The format of the "
+     "recording says whether its stamps are the satellites' time. Met where it does. Where it does "
+     "not, the mean step of the stamps is compared with that of the rates that receivers are set "
+     "to: "
+     "not met where they differ by more than 1e-4 and more than the scatter of the steps can make; "
+     "else a person must answer, and the budget holds a row for the clock.",
+     Bound::none,
+     "Find out what made the time stamps. Where they are the satellites' time, write time_source: "
+     "satellites for the receiver; whoever signs for this clause answers for that."},
+    {"measured_positions",
+     "Not met where the recording holds more held or interpolated positions than chance makes. Met "
+     "where the positions were solved here from raw observations, or a witness beside the "
+     "positions "
+     "agrees (a second receiver, recorded velocities) and nothing looks as if the device had "
+     "filtered them: scatter far below what is stated, innovations that follow one another, motion "
+     "that swings after every change of acceleration in the same rhythm.",
+     Bound::none,
+     "Find out from the device's settings and raw data that its positions were not filtered, "
+     "predicted or interpolated, and keep the raw data; or record with a second receiver."},
+    {"stated_solution",
+     "Met where the recording says of its positions how they were solved, and where nobody does: "
+     "they then count as those of one receiver alone, whose slow errors are the largest. Where the "
+     "attempt says it, a person must answer for it.",
+     Bound::none,
+     "Keep what shows the kind of solution: the receiver's raw data, its settings, the log of the "
+     "base station. Whoever signs for this clause answers for it."},
 }};
 
 const Computation* find_computation(const std::string& name) {

@@ -114,15 +114,16 @@ std::string why_text(const ProfileView& view) {
 std::string level_sentence(const Decision& decision) {
     const std::string why =
         decision.attempts_made > 1
-            ? fmt::format("The best of {} attempts is judged: each may take that share of the "
-                          "risk. So ",
-                          decision.attempts_made)
+            ? fmt::format(
+                  "The best of {} attempts is judged: each may take that share of the "
+                  "risk. So ",
+                  decision.attempts_made)
             : std::string();
-    return why +
-           fmt::format(
-        "{} or more counts as beaten, {} or less as not beaten, what is in between as not proven "
-        "(guarded acceptance and rejection, JCGM 106).",
-        level_text(decision.level), level_text(1.0 - decision.level));
+    return why + fmt::format(
+                     "{} or more counts as beaten, {} or less as not beaten, what is in between as "
+                     "not proven "
+                     "(guarded acceptance and rejection, JCGM 106).",
+                     level_text(decision.level), level_text(1.0 - decision.level));
 }
 
 /// What compares the speed with a record.

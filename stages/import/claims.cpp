@@ -57,7 +57,9 @@ void note_origins(const Receiver& receiver, Observations& observations) {
         row.fix = claimed;
     }
     if (missing)
-        observations.solution_source = claimed != FixKind::unknown ? "attempt" : stated ? "partly" : "unknown";
+        observations.solution_source = claimed != FixKind::unknown ? "attempt"
+                                       : stated                    ? "partly"
+                                                                   : "unknown";
 }
 
 }  // namespace runcert

@@ -236,6 +236,8 @@ Inspection inspect(const Observations& observations) {
     inspection.records = observations.records;
     inspection.frame = observations.frame;
     inspection.time_scale = observations.time_scale;
+    inspection.time_origin = observations.time_origin;
+    inspection.time_source = observations.facts.time_source;
     inspection.epochs = observations.rows.size();
     inspection.nominal_interval_s = observations.facts.nominal_interval_s;
     inspection.position_resolution_m = observations.facts.position_resolution_m;

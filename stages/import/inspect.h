@@ -25,7 +25,8 @@ struct RawBest {
 /// What a recording holds, before anything is judged.
 struct Inspection {
     std::string format, variant, device, frame, time_scale;
-    std::optional<GpsTime> first, last;  ///< earliest and latest epoch; empty on relative time
+    std::string time_origin, time_source;  ///< as in Observations and RecordingFacts
+    std::optional<GpsTime> first, last;    ///< earliest and latest epoch; empty on relative time
     double span_s = 0.0;
     /// Local time less UTC of the nautical zone of the first position, h.
     std::optional<int> zone_h;

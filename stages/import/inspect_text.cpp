@@ -155,7 +155,11 @@ void add_quality_concerns(const Inspection& it, std::vector<std::string>& concer
     const std::size_t unknown = count_of(it, FixKind::unknown);
     const std::size_t lesser = it.epochs - count_of(it, FixKind::fixed) - unknown;
     if (unknown == it.epochs)
-        concerns.push_back("The recording does not say which positions are fixed solutions.");
+        concerns.push_back(
+            "The recording does not say which positions are fixed solutions: they count as those "
+            "of "
+            "one receiver alone (if they are fixed, write solution: fixed in the attempt and keep "
+            "the proof).");
     else if (lesser > 0)
         concerns.push_back(
             fmt::format("{} of the epochs are not fixed solutions.", percent(lesser, it.epochs)));
@@ -179,6 +183,10 @@ void add_time_concerns(const Inspection& it, std::vector<std::string>& concerns)
     if (it.repeated_times + it.backward_times > 0)
         concerns.push_back(
             "Times repeat or run backwards: was the recording edited, or are there several in it?");
+    if (!it.time_source.empty() && it.time_source != "satellites")
+        concerns.push_back(
+            "Nothing says that the time stamps are the satellites' time: somebody must attest it "
+            "(time_source: satellites in the attempt, if they are).");
     if (!it.first)
         concerns.push_back("The time is relative: the recording does not show when it was made.");
     if (!it.georeferenced)
@@ -210,6 +218,7 @@ std::string inspection_text(const Inspection& it, const std::string& file_name) 
     };
     if (!it.device.empty()) line("Made by", plain_text(it.device));
     line("Time", span_text(it));
+    if (!it.time_origin.empty()) line("Clock", it.time_origin);
     line("Epochs", epochs_text(it));
     line("Gaps", gaps_text(it));
     line("Solutions", fixes_text(it));

@@ -67,7 +67,11 @@ class Adaptation {
   public:
     Adaptation(const std::vector<ArcEpoch<Axes>>& arc, const EstimationModel& model,
                const TestPlan& plan, std::size_t section_epochs)
-        : arc_(arc), model_(model), plan_(plan), section_epochs_(section_epochs), decisions_(arc.size()) {}
+        : arc_(arc),
+          model_(model),
+          plan_(plan),
+          section_epochs_(section_epochs),
+          decisions_(arc.size()) {}
 
     ArcDecisions run() {
         bool changed = true;
@@ -282,10 +286,10 @@ ArcDecisions adapt(const std::vector<ArcEpoch<Axes>>& arc, const EstimationModel
     return Adaptation<Axes>(arc, model, plan, section_epochs).run();
 }
 
-#define RUNCERT_INSTANTIATE(AXES)                                                              \
-    template std::vector<TestedStretch<AXES>> stretches_of(                                    \
-        const std::vector<ArcEpoch<AXES>>&, const EstimationModel&, const ArcDecisions&);      \
-    template ArcDecisions adapt(const std::vector<ArcEpoch<AXES>>&, const EstimationModel&,    \
+#define RUNCERT_INSTANTIATE(AXES)                                                           \
+    template std::vector<TestedStretch<AXES>> stretches_of(                                 \
+        const std::vector<ArcEpoch<AXES>>&, const EstimationModel&, const ArcDecisions&);   \
+    template ArcDecisions adapt(const std::vector<ArcEpoch<AXES>>&, const EstimationModel&, \
                                 const TestPlan&, std::size_t);
 RUNCERT_INSTANTIATE(1)
 RUNCERT_INSTANTIATE(2)

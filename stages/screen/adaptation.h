@@ -20,7 +20,6 @@ struct Decision {
     double sigma_rate_mps = 0.0;  ///< of a ramp's rate, in the direction in which it is largest
 };
 
-
 /// A decision, or none, as nearly all epochs have: it takes the place of a pointer there.
 class RareDecision {
   public:
@@ -64,10 +63,10 @@ std::vector<TestedStretch<Axes>> stretches_of(const std::vector<ArcEpoch<Axes>>&
 /// the model is accepted; sets of neighbouring outliers are tested together, so that they cannot
 /// hide one another. What is left out or broken is tested once more at the end, given all other
 /// decisions, and taken back where it need not have been. A span that fails the overall test
-/// without a hypothesis that explains it is left out (Hypothesis::model). One hypothesis is no error:
-/// where a change of the craft's acceleration is the best supported, the model is given that much
-/// more motion there, and nothing is left out. Long stretches are
-/// tested in sections that take in so much of their neighbours that nothing beyond counts.
+/// without a hypothesis that explains it is left out (Hypothesis::model). One hypothesis is no
+/// error: where a change of the craft's acceleration is the best supported, the model is given that
+/// much more motion there, and nothing is left out. Long stretches are tested in sections that take
+/// in so much of their neighbours that nothing beyond counts.
 template <int Axes>
 ArcDecisions adapt(const std::vector<ArcEpoch<Axes>>& arc, const EstimationModel& model,
                    const TestPlan& plan, std::size_t section_epochs = epochs_of_section);

@@ -178,7 +178,7 @@ void mark_rows(std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> ar
         }
     }
     const auto manoeuvre = axes == TestedAxes::vertical ? &ScreenedEpoch::manoeuvre_up_mps2
-                                                   : &ScreenedEpoch::manoeuvre_mps2;
+                                                        : &ScreenedEpoch::manoeuvre_mps2;
     for (std::size_t k = 0; k < arc_rows.size(); ++k)
         if (decisions.manoeuvres_mps2[k] > 0.0)
             rows[arc_rows[k]].*manoeuvre = decisions.manoeuvres_mps2[k];

@@ -41,8 +41,7 @@ std::vector<Stretch> stretches_of(const std::vector<ScreenedEpoch>& rows,
 /// The probability that each coordinate of a difference of that scatter is zero to a tolerance.
 double chance_of_zero(double scatter_m, double tolerance_m) {
     if (scatter_m <= tolerance_m) return 1.0;
-    const double of_one =
-        std::erf(tolerance_m / (std::numbers::sqrt2 * scatter_m));
+    const double of_one = std::erf(tolerance_m / (std::numbers::sqrt2 * scatter_m));
     return of_one * of_one;
 }
 

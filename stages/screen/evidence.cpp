@@ -216,9 +216,11 @@ void examine_section(const Arc<2>& arc, const Arc<1>* heights, const Section& se
 Motion examine_arcs(ScreenedTable& table, const ScreeningNoises& noises, const TestPlan& plan,
                     std::size_t section_epochs) {
     Motion motion(table.rows.size());
-    const auto horizontal = tested_arcs<2>(table, noises.horizontal.model, noises.horizontal_factors);
+    const auto horizontal =
+        tested_arcs<2>(table, noises.horizontal.model, noises.horizontal_factors);
     std::vector<Arc<1>> vertical;
-    if (noises.vertical) vertical = tested_arcs<1>(table, noises.vertical->model, noises.vertical_factors);
+    if (noises.vertical)
+        vertical = tested_arcs<1>(table, noises.vertical->model, noises.vertical_factors);
     for (ScreenedEpoch& row : table.rows) {
         row.detectable = {};
         row.local_variance_factor.reset();

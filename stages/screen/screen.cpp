@@ -98,13 +98,15 @@ void test_positions(ScreenedTable& screened, const ScreeningNoises& noises, cons
     AdaptedArcs<1> vertical;
     do_together(
         [&] {
-            horizontal = adapt_arcs<2>(tested_arcs<2>(screened, noises.horizontal.model, noises.horizontal_factors),
-                                       noises.horizontal.model, plan, config.section_epochs);
+            horizontal = adapt_arcs<2>(
+                tested_arcs<2>(screened, noises.horizontal.model, noises.horizontal_factors),
+                noises.horizontal.model, plan, config.section_epochs);
         },
         [&] {
             if (noises.vertical)
-                vertical = adapt_arcs<1>(tested_arcs<1>(screened, noises.vertical->model, noises.vertical_factors),
-                                         noises.vertical->model, plan, config.section_epochs);
+                vertical = adapt_arcs<1>(
+                    tested_arcs<1>(screened, noises.vertical->model, noises.vertical_factors),
+                    noises.vertical->model, plan, config.section_epochs);
         });
     // No craft on the ground goes up or down faster; those that do have scores in it.
     constexpr double on_the_ground_mps = 20.0;

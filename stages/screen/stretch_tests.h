@@ -211,9 +211,9 @@ class StretchTests {
             found.pop_back();
     }
 
-    /// A manoeuvre near an error that explains a good part of it. Hard motion is never quite the one
-    /// or the other. What is wrong indeed still shows once the manoeuvre is allowed for, while a
-    /// drift that is none takes the whole stretch with it.
+    /// A manoeuvre near an error that explains a good part of it. Hard motion is never quite the
+    /// one or the other. What is wrong indeed still shows once the manoeuvre is allowed for, while
+    /// a drift that is none takes the whole stretch with it.
     std::optional<Candidate> motion_instead(const Candidate& error) const {
         constexpr double share = 0.6;
         if (plan_.manoeuvre_max_mps2() <= 0.0) return std::nullopt;

@@ -49,8 +49,8 @@ class TestPlan {
 inline constexpr std::size_t span_lengths[] = {5, 20, 100};
 
 /// How many tests one epoch sees: an outlier, bursts of every length, a step, a ramp, a manoeuvre
-/// and a shift of the stamps, the spans; each for both groups of axes and twice for the other receiver;
-/// velocities and limits.
+/// and a shift of the stamps, the spans; each for both groups of axes and twice for the other
+/// receiver; velocities and limits.
 std::int64_t tests_of_an_epoch(std::int64_t burst_epochs_max);
 
 }  // namespace runcert

@@ -50,8 +50,9 @@ struct TimeCheckOptions {
 /// `rate_deviation` is the mean regular step over the nominal interval, less one: positive for
 /// stamps of a clock that runs fast. Nominal is the nearest of the intervals that receivers offer
 /// (1/n s, n to 100, and whole seconds to 10) where it is within 2 %, and within a quarter
-/// of what is between it and the next, else `options.nominal_interval_s`. `jitter_s` is the standard deviation of the regular steps,
-/// rounding of the stamps included; both are 0 where too few steps are regular.
+/// of what is between it and the next, else `options.nominal_interval_s`. `jitter_s` is the
+/// standard deviation of the regular steps, rounding of the stamps included; both are 0 where too
+/// few steps are regular.
 TimeEvidence examine_time(const std::vector<ScreenedEpoch>& rows, const TimeCheckOptions& options);
 
 }  // namespace runcert

@@ -123,11 +123,11 @@ void add_numerics(const std::vector<SmoothedMeans<Axes>>& smoothed, FilterHealth
     }
 }
 
-#define RUNCERT_INSTANTIATE(AXES)                                                              \
-    template double innovation_autocorrelation<AXES>(const std::vector<Arc<AXES>>&,            \
-                                                     const EstimationModel&);                  \
-    template FilterHealth filter_health<AXES>(const std::vector<Arc<AXES>>&,                   \
-                                              const EstimationModel&);                         \
+#define RUNCERT_INSTANTIATE(AXES)                                                   \
+    template double innovation_autocorrelation<AXES>(const std::vector<Arc<AXES>>&, \
+                                                     const EstimationModel&);       \
+    template FilterHealth filter_health<AXES>(const std::vector<Arc<AXES>>&,        \
+                                              const EstimationModel&);              \
     template void add_numerics<AXES>(const std::vector<SmoothedMeans<AXES>>&, FilterHealth&);
 RUNCERT_INSTANTIATE(1)
 RUNCERT_INSTANTIATE(2)

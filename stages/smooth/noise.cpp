@@ -155,10 +155,8 @@ void set_jerk_densities(std::vector<Arc<Axes>>& arcs, const NoiseSummary& noise,
                 kept(std::max(of_class, fitted * std::max(1.0, epoch.jerk_factor))) / fitted;
 }
 
-template void set_jerk_densities<1>(std::vector<Arc<1>>&, const NoiseSummary&,
-                                    const SmoothConfig&);
-template void set_jerk_densities<2>(std::vector<Arc<2>>&, const NoiseSummary&,
-                                    const SmoothConfig&);
+template void set_jerk_densities<1>(std::vector<Arc<1>>&, const NoiseSummary&, const SmoothConfig&);
+template void set_jerk_densities<2>(std::vector<Arc<2>>&, const NoiseSummary&, const SmoothConfig&);
 
 template NoiseSummary learn_noise<1>(std::vector<Arc<1>>&, const SmoothConfig&);
 template NoiseSummary learn_noise<2>(std::vector<Arc<2>>&, const SmoothConfig&);

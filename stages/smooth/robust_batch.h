@@ -114,8 +114,8 @@ class BatchProblem {
     AxisJacobian prior_unknown_;
     std::deque<Offset> offsets_;
     std::map<std::size_t, Offset*> offset_before_;  ///< by the epoch that follows the step
-    std::map<StepKind, Step> steps_;  ///< the problem's costs refer to them
-    std::unique_ptr<ceres::LossFunction> loss_;  ///< of the measurements
+    std::map<StepKind, Step> steps_;                ///< the problem's costs refer to them
+    std::unique_ptr<ceres::LossFunction> loss_;     ///< of the measurements
     std::vector<std::unique_ptr<ceres::CostFunction>> costs_;
     ceres::Problem problem_;
 };

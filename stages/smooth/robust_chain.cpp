@@ -44,8 +44,7 @@ RobustChain<Axes>::RobustChain(std::span<const ArcEpoch<Axes>> stretch,
     for (std::size_t k = 0; k < stretch.size(); ++k) {
         Link& link = links_[k];
         if (k > 0) {
-            link.step =
-                &step_of(step_kind(stretch[k - 1], stretch[k]), stretch[k].step_before);
+            link.step = &step_of(step_kind(stretch[k - 1], stretch[k]), stretch[k].step_before);
             link.defect = start[k] - link.step->carried(start[k - 1]);
         } else {
             link.defect = start[k] - prior.mean;

@@ -174,8 +174,7 @@ AxesResult<Axes> estimate(const ScreenedTable& screened, const SmoothConfig& con
     result.arcs = arcs_of<Axes>(screened);
     EstimationModel as_stated;
     as_stated.motion.jerk_density = config.fit.initial_jerk_density;
-    const double autocorrelation_stated =
-        innovation_autocorrelation<Axes>(result.arcs, as_stated);
+    const double autocorrelation_stated = innovation_autocorrelation<Axes>(result.arcs, as_stated);
     result.estimation.noise = learn_noise<Axes>(result.arcs, config);
     const EstimationModel model = model_of(result.estimation.noise);
     result.estimation.health = filter_health<Axes>(result.arcs, model);

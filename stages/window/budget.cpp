@@ -47,8 +47,8 @@ double largest_jerk_density(const BudgetInput& input) {
     double largest = 0.0;
     for (std::size_t i = input.first_row; i <= input.last_row; ++i) {
         const TrajectoryEpoch& row = input.trajectory.rows[i];
-        largest = std::max(largest, (input.vertical ? row.jerk_density_up : row.jerk_density)
-                                        .value_or(0.0));
+        largest = std::max(largest,
+                           (input.vertical ? row.jerk_density_up : row.jerk_density).value_or(0.0));
     }
     return largest;
 }
@@ -64,20 +64,19 @@ void add_position_rows(const BudgetInput& input, std::vector<BudgetRow>& rows) {
     rows.push_back(std::move(white));
 
     const bool fitted = input.bound.decided_by == "fitted";
-    BudgetRow slow = speed_row(
-        "b", "slowly varying error of the positions", fitted ? "A" : "B",
-        input.noise.correlated_mps, joint,
-        fmt::format("standard deviation {:.4f} m ({}), any correlation time from {:g} s "
-                    "to {:g} s",
-                    input.bound.sigma_m, input.bound.decided_by, input.bound.tau_min_s,
-                    input.bound.tau_max_s));
+    BudgetRow slow =
+        speed_row("b", "slowly varying error of the positions", fitted ? "A" : "B",
+                  input.noise.correlated_mps, joint,
+                  fmt::format("standard deviation {:.4f} m ({}), any correlation time from {:g} s "
+                              "to {:g} s",
+                              input.bound.sigma_m, input.bound.decided_by, input.bound.tau_min_s,
+                              input.bound.tau_max_s));
     if (fitted) slow.degrees_of_freedom = degrees_of(*fit.error_diffusion);
     rows.push_back(std::move(slow));
 
-    BudgetRow motion =
-        speed_row("j", "motion of the craft between the measurements", "A", input.noise.motion_mps,
-                  joint, fmt::format("jerk density {:.4f} m s^-2.5 at the window",
-                                     largest_jerk_density(input)));
+    BudgetRow motion = speed_row(
+        "j", "motion of the craft between the measurements", "A", input.noise.motion_mps, joint,
+        fmt::format("jerk density {:.4f} m s^-2.5 at the window", largest_jerk_density(input)));
     motion.degrees_of_freedom = degrees_of(fit.jerk_density);
     rows.push_back(std::move(motion));
     rows.push_back(bounded_row(
@@ -135,7 +134,7 @@ BudgetRow clock_row(const BudgetInput& input) {
         source == "satellites" ? std::string("the satellites' time, as the format has it")
         : source == "attempt"  ? std::string("the satellites' time, as the attempt states")
                                : fmt::format("nobody states whose clock it is; bound by parameter "
-                                             "window.clock_rate_bound, {:g}",
+                                              "window.clock_rate_bound, {:g}",
                                              input.config.clock_rate_bound));
     row.estimate = 1.0;
     return row;

@@ -44,9 +44,9 @@ std::vector<BudgetRow> budget_of(const BudgetInput& input);
 CombinedUncertainty combine(const std::vector<BudgetRow>& rows);
 
 /// What of the uncertainty another receiver or method does not share: noise and motion, the slow
-/// error of this receiver alone, time stamps, resolution and antenna. Left out are the frame and the
-/// clock's rate, which the two may have in common, a bound that allows for more than one receiver's
-/// own slow error, and what the comparison is there to find.
+/// error of this receiver alone, time stamps, resolution and antenna. Left out are the frame and
+/// the clock's rate, which the two may have in common, a bound that allows for more than one
+/// receiver's own slow error, and what the comparison is there to find.
 double own_uncertainty(const PositionNoise& noise, const std::vector<BudgetRow>& rows);
 
 /// Distributions propagated through the measurement model [GUM-S1]: the speed is the length of the

@@ -99,18 +99,19 @@ SelectionBias selection_of(const AxesEvidence<Axes>& evidence, const WindowChoic
     const double fitted_mps =
         bound.along * evidence.model.error.process_density / std::sqrt(duration_s);
     const double slow_mps = std::max(std::numbers::sqrt2 * bound.sigma_m / duration_s, fitted_mps);
-    const double least_mps = choice.found.speed_mps -
-                             selection_width * std::hypot(search_uncertainty_mps, slow_mps);
+    const double least_mps =
+        choice.found.speed_mps - selection_width * std::hypot(search_uncertainty_mps, slow_mps);
     const bool by_path =
         choice.profile.definition != "displacement" && choice.profile.definition != "elapsed_time";
-    SelectionBias selection = selection_bias<Axes>(
-        clusters_of(evidence, choice, least_mps), SelectionModels{.estimated = evidence.model,
-                        .by_path = by_path,
-                        .along = bound.along,
-                        .bound_m = bound.sigma_m,
-                        .tau_min_s = bound.tau_min_s,
-                        .tau_max_s = bound.tau_max_s}, stated_mps,
-        evidence.config.selection_samples, evidence.config.seed);
+    SelectionBias selection =
+        selection_bias<Axes>(clusters_of(evidence, choice, least_mps),
+                             SelectionModels{.estimated = evidence.model,
+                                             .by_path = by_path,
+                                             .along = bound.along,
+                                             .bound_m = bound.sigma_m,
+                                             .tau_min_s = bound.tau_min_s,
+                                             .tau_max_s = bound.tau_max_s},
+                             stated_mps, evidence.config.selection_samples, evidence.config.seed);
     selection.treatment =
         choice.profile.uncertainty.subtract_selection_bias ? "subtracted" : "covered";
     return selection;
@@ -289,9 +290,9 @@ CertifiableWindow certified(const AxesEvidence<Axes>& evidence, const WindowChoi
     window.position_r95_m = position_r95_m(smoothed, part.window, bound);
     if (evidence.screened.evidence) {
         window.detection_power = evidence.screened.evidence->power;
-        window.reliability =
-            undetected_errors<Axes>(evidence.screened, at.arc, stretch,
-                                    std::span(weights).subspan(stretch.first, stretch.epochs.size()));
+        window.reliability = undetected_errors<Axes>(
+            evidence.screened, at.arc, stretch,
+            std::span(weights).subspan(stretch.first, stretch.epochs.size()));
     }
     const SpeedEstimate searched =
         displacement_speed(smoothed_at, at.window.first, at.window.last, stretch.duration_s);
@@ -299,7 +300,8 @@ CertifiableWindow certified(const AxesEvidence<Axes>& evidence, const WindowChoi
                                     noise.speed.speed_mps);
     const SelectionBias& selection = *window.selection;
     if (choice.profile.uncertainty.subtract_selection_bias) {
-        window.speed_mps -= selection.bias_mps;
+        // A craft that stands has no speed to take a bias off.
+        window.speed_mps = std::max(0.0, window.speed_mps - selection.bias_mps);
         window.bias_limit_mps = selection.bias_half_range_mps;
     } else {
         window.bias_limit_mps = selection.bounded_bias_mps;

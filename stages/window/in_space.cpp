@@ -34,8 +34,7 @@ CertifiableWindow in_space(const CertifiableWindow& horizontal, const Certifiabl
                                                  vertical.standard_uncertainty_mps)});
     window.speed_mps = speed;
     window.standard_uncertainty_mps = of_level + of_upright;
-    window.bias_limit_mps =
-        level * horizontal.bias_limit_mps + upright * vertical.bias_limit_mps;
+    window.bias_limit_mps = level * horizontal.bias_limit_mps + upright * vertical.bias_limit_mps;
     window.estimates = std::nullopt;
     window.own_standard_uncertainty_mps = std::nullopt;
     window.length_m = speed * window.span.duration.seconds();

@@ -23,8 +23,7 @@ PositionVector<Axes> sampled_displacement(std::span<const ArcEpoch<Axes>> epochs
 
 template <int Axes>
 ErrorBound error_bound(const ScreenedTable& screened, std::size_t first_row, std::size_t last_row,
-                       const NoiseSummary& noise, const Profile::Uncertainty& rule,
-                       double along) {
+                       const NoiseSummary& noise, const Profile::Uncertainty& rule, double along) {
     ErrorBound bound;
     bound.along = along;
     bound.tau_min_s = rule.tau_min_s;
@@ -85,9 +84,9 @@ GaussMarkovError bounding_error(const NoiseSummary& noise, const ErrorBound& bou
     const GaussMarkovError error =
         GaussMarkovError::bounding(bound.sigma_m, bound.tau_min_s, bound.tau_max_s);
     if (!noise.error_told) return error;
-    return GaussMarkovError::larger(error, GaussMarkovError::bounding_diffusion(
-                                               bound.along * noise.error_diffusion->value,
-                                               bound.tau_max_s));
+    return GaussMarkovError::larger(
+        error, GaussMarkovError::bounding_diffusion(bound.along * noise.error_diffusion->value,
+                                                    bound.tau_max_s));
 }
 
 template <int Axes>
@@ -100,8 +99,7 @@ SpeedWeights<Axes> speed_weights(const EstimatedWindow<Axes>& at, const SpeedQua
         weights[at.window.last] = per_second;
         return weights;
     }
-    const auto [from, gradients] =
-        speed_gradients(at.smoothed, at.window, at.duration_s, quantity);
+    const auto [from, gradients] = speed_gradients(at.smoothed, at.window, at.duration_s, quantity);
     return sensitivities<Axes>(at.epochs, at.model, at.smoothed, from, gradients);
 }
 
@@ -127,10 +125,10 @@ PositionNoise position_noise(const EstimatedWindow<Axes>& at, const SpeedQuantit
     for (int i = 0; i < times; ++i) {
         const double tau_s = bound.tau_min_s * std::pow(bound.tau_max_s / bound.tau_min_s,
                                                         static_cast<double>(i) / (times - 1));
-        own_correlated = std::max(
-            own_correlated,
-            weighted_variance<Axes>(at.epochs, GaussMarkovError::steady(bound.sigma_m, tau_s),
-                                    weights));
+        own_correlated =
+            std::max(own_correlated,
+                     weighted_variance<Axes>(
+                         at.epochs, GaussMarkovError::steady(bound.sigma_m, tau_s), weights));
     }
     noise.own_correlated_mps = std::sqrt(own_correlated);
     noise.white_mps = std::sqrt(white);
@@ -209,8 +207,8 @@ OtherEstimates other_estimates(const EstimatedWindow<Axes>& at, const SpeedQuant
         other.stiffer_mps = other.softer_mps = speed_mps;
         return other;
     }
-    other.half_width_mps = std::max(std::abs(other.stiffer_mps - speed_mps),
-                                    std::abs(other.softer_mps - speed_mps));
+    other.half_width_mps =
+        std::max(std::abs(other.stiffer_mps - speed_mps), std::abs(other.softer_mps - speed_mps));
     if (!has_chord(at, quantity)) return other;
     SpeedQuantity of_samples = quantity;
     of_samples.of_samples = true;
@@ -251,20 +249,19 @@ FittedSpeed fitted_speed(const WindowStretch<Axes>& stretch,
 
 template double position_r95_m<1>(const SmoothedArc<1>&, EpochPair, const ErrorBound&);
 template double position_r95_m<2>(const SmoothedArc<2>&, EpochPair, const ErrorBound&);
-#define RUNCERT_INSTANTIATE(AXES)                                                              \
-    template ErrorBound error_bound<AXES>(const ScreenedTable&, std::size_t, std::size_t,      \
-                                          const NoiseSummary&, const Profile::Uncertainty&,    \
-                                          double);                                             \
-    template OtherEstimates other_estimates<AXES>(const EstimatedWindow<AXES>&,                \
-                                                  const SpeedQuantity&,                        \
-                                                  const SpeedWeights<AXES>&,                   \
-                                                  const PositionNoise&);                       \
-    template SpeedWeights<AXES> speed_weights<AXES>(const EstimatedWindow<AXES>&,              \
-                                                    const SpeedQuantity&);                     \
-    template PositionNoise position_noise<AXES>(const EstimatedWindow<AXES>&,                  \
-                                                const SpeedQuantity&, const SpeedWeights<AXES>&, \
-                                                const GaussMarkovError&, const ErrorBound&);   \
-    template FittedSpeed fitted_speed<AXES>(                                                   \
+#define RUNCERT_INSTANTIATE(AXES)                                                                  \
+    template ErrorBound error_bound<AXES>(const ScreenedTable&, std::size_t, std::size_t,          \
+                                          const NoiseSummary&, const Profile::Uncertainty&,        \
+                                          double);                                                 \
+    template OtherEstimates other_estimates<AXES>(const EstimatedWindow<AXES>&,                    \
+                                                  const SpeedQuantity&, const SpeedWeights<AXES>&, \
+                                                  const PositionNoise&);                           \
+    template SpeedWeights<AXES> speed_weights<AXES>(const EstimatedWindow<AXES>&,                  \
+                                                    const SpeedQuantity&);                         \
+    template PositionNoise position_noise<AXES>(const EstimatedWindow<AXES>&,                      \
+                                                const SpeedQuantity&, const SpeedWeights<AXES>&,   \
+                                                const GaussMarkovError&, const ErrorBound&);       \
+    template FittedSpeed fitted_speed<AXES>(                                                       \
         const WindowStretch<AXES>&, const std::vector<WeightedModel>&, const SpeedQuantity&);
 RUNCERT_INSTANTIATE(1)
 RUNCERT_INSTANTIATE(2)

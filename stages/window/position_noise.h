@@ -18,8 +18,8 @@ namespace runcert {
 /// What the data tell of such an error is how fast it wanders, sigma sqrt(2 / tau): the fitted size
 /// is that of the error which wanders as fast with the shortest correlation time of the interval,
 /// and whose bounding process therefore bounds the fitted error whatever its correlation time.
-/// `along` is the size of that error along the direction of travel in units of the fitted one, which
-/// both axes share. `standard_uncertainty_mps` is left zero. Axes: 2, or 1 for heights alone.
+/// `along` is the size of that error along the direction of travel in units of the fitted one,
+/// which both axes share. `standard_uncertainty_mps` is left zero. Axes: 2, or 1 for heights alone.
 template <int Axes>
 ErrorBound error_bound(const ScreenedTable& screened, std::size_t first_row, std::size_t last_row,
                        const NoiseSummary& noise, const Profile::Uncertainty& rule,
@@ -73,8 +73,8 @@ struct PositionNoise {
     double own_correlated_mps = 0.0;
 };
 
-/// The speed as estimated, and its uncertainty with the slow error bounded: the estimate is a sum of
-/// the measured positions times `weights`, and so are the parts of its error that the positions'
+/// The speed as estimated, and its uncertainty with the slow error bounded: the estimate is a sum
+/// of the measured positions times `weights`, and so are the parts of its error that the positions'
 /// errors make, whatever model the weights came from. What is left of the estimate's own variance
 /// is the motion's.
 template <int Axes>

@@ -32,8 +32,7 @@ std::optional<Eigen::Vector2d> robust_displacement(const TrajectoryTable& trajec
 }  // namespace
 
 std::optional<RobustSpeed> robust_speed(const TrajectoryTable& trajectory, const ArcPart<2>& part,
-                                        const SmoothedArc<2>& smoothed,
-                                        double model_mps) {
+                                        const SmoothedArc<2>& smoothed, double model_mps) {
     constexpr double coverage_factor = 2.0;
     const Arc<2>& arc = part.arc;
     const EpochPair& window = part.window;

@@ -36,7 +36,8 @@ std::vector<SearchSeries> certifiable_series(const ScreenedTable& screened,
                                              const Profile& profile);
 
 /// The whole recording as it is, one series without obstacles, and the rows it is made of: those
-/// with a fix and the values that the profile counts, their times increasing. None where there are none.
+/// with a fix and the values that the profile counts, their times increasing. None where there are
+/// none.
 struct IndicatedSeries {
     std::vector<SearchSeries> series;
     std::vector<std::size_t> rows;

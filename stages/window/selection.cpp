@@ -68,10 +68,10 @@ std::array<double, lanes> correlation_times(const SelectionModels& models, std::
                                             std::int64_t samples) {
     std::array<double, lanes> tau_s;
     for (std::size_t l = 0; l < lanes; ++l)
-        tau_s[l] =
-            models.tau_min_s * std::pow(models.tau_max_s / models.tau_min_s,
-                                        (static_cast<double>(first) + static_cast<double>(l) + 0.5) /
-                                            static_cast<double>(samples));
+        tau_s[l] = models.tau_min_s *
+                   std::pow(models.tau_max_s / models.tau_min_s,
+                            (static_cast<double>(first) + static_cast<double>(l) + 0.5) /
+                                static_cast<double>(samples));
     return tau_s;
 }
 
@@ -116,12 +116,12 @@ DrawnBias bias_from(const std::vector<Samples>& drawn, std::int64_t samples) {
                              sample.again.settled_error_mps());
         best_true.push_back(sample.fastest_true_mps);
     }
-    return {.bias_mps = mean(calibrated),
-            .uncertainty_mps =
-                standard_deviation(calibrated) / std::sqrt(static_cast<double>(samples)),
-            .chosen_sd_mps = standard_deviation(errors),
-            .best_mean_mps = mean(best_true),
-            .best_sd_mps = standard_deviation(best_true)};
+    return {
+        .bias_mps = mean(calibrated),
+        .uncertainty_mps = standard_deviation(calibrated) / std::sqrt(static_cast<double>(samples)),
+        .chosen_sd_mps = standard_deviation(errors),
+        .best_mean_mps = mean(best_true),
+        .best_sd_mps = standard_deviation(best_true)};
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ struct WindowCluster {
 struct SelectionModels {
     EstimationModel estimated;  ///< of the trajectory that the windows were compared on
     bool by_path = false;       ///< compared by path length over time, not by displacement
-    double along = 1.0;  ///< the fitted slow error along the windows, over that of all axes
+    double along = 1.0;         ///< the fitted slow error along the windows, over that of all axes
     /// The slow error that the certificate allows for: of this size, m, or of that with which it
     /// wanders as fast as the fitted one, with any correlation time from the one to the other, s.
     double bound_m = 0.0;

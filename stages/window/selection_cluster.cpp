@@ -142,11 +142,13 @@ class SelectionCluster<Axes>::Speeds {
     std::vector<Lane> path_m_;
 };
 
-/// The slow error of several draws, epoch by epoch: steady Gauss-Markov processes, or the fitted one.
+/// The slow error of several draws, epoch by epoch: steady Gauss-Markov processes, or the fitted
+/// one.
 template <int Axes>
 class SelectionCluster<Axes>::SlowError {
   public:
-    SlowError(const SelectionCluster& cluster, const std::optional<std::array<double, lanes>>& tau_s)
+    SlowError(const SelectionCluster& cluster,
+              const std::optional<std::array<double, lanes>>& tau_s)
         : epochs_(cluster.stretch_.epochs) {
         const GaussMarkovError& fitted = cluster.fitted_error_;
         for (std::size_t l = 0; l < lanes; ++l) {

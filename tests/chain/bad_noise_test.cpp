@@ -32,10 +32,12 @@ std::vector<Epoch> on_a_curve(int epochs) {
 }
 
 std::string attempt_for(const std::string& columns) {
-    return "schema: attempt/1.1\nid: noise\ncraft: {name: yacht, class: land-yacht}\n"
+    return "schema: attempt/1.6\nid: noise\ncraft: {name: yacht, class: land-yacht}\n"
            "receivers:\n  - {id: primary, recording: recording.csv, format: csv, "
            "frame: local_plane, columns: {" +
-           columns + "}}\nrecord: {speed: 50, unit: km/h, source: made up}\nprofiles: [nalsa]\n";
+           columns +
+           "}, solution: fixed}\nrecord: {speed: 50, unit: km/h, source: made up}\nprofiles: "
+           "[nalsa]\n";
 }
 
 /// What certifying a recording came to.

@@ -20,6 +20,7 @@ attempts:
     columns: {week: GPS Week, time: GPS TOW (s), x: ECEF X (m), y: ECEF Y (m), z: ECEF Z (m)}
     time_format: seconds_of_week
     accuracy: {horizontal_m: 0.02, vertical_m: 0.04}
+    solution: fixed
   - {id: tokyo, recording: ppk_tokyo_ecef/rover.pos, craft: {name: car, class: car}}
   - {id: "walk-*", recording: "ubx_walk/rover.*", craft: {name: walk, class: board}}
   - {id: race-car, recording: race_car_vbo/run_a.vbo, craft: {name: race car, class: car}}

@@ -7,7 +7,7 @@ namespace runcert::chain {
 /// A sailing boat over a course, seen by two receivers.
 inline constexpr const char* course_case = R"yaml(
 attempt:
-  schema: attempt/1.5
+  schema: attempt/1.6
   id: base
   craft: {name: sloop, class: sail-boat}
   place: canal
@@ -125,6 +125,7 @@ inline constexpr const char* claim_changes = R"yaml(
 - {key: "officials[].key", set: {/attempt/officials/0/key: a key}}
 - {key: "signatures[].role", set: {/attempt/signatures/0/role: judge}}
 - {key: "signatures[].count", set: {/attempt/signatures/0/count: 2}}
+- {key: attempts_made, set: {/attempt/attempts_made: 3}}
 - {key: amends.report_id, set: {/attempt/amends/report_id: 0123456789abcdee}}
 - {key: amends.sha256, set: {/attempt/amends/sha256: 1123456789abcdef0123456789abcdef0123456789abcdef0123456789abcdef}}
 - {key: amends.reason, set: {/attempt/amends/reason: another slip}}
@@ -186,6 +187,8 @@ inline constexpr const char* receiver_changes = R"yaml(
 - {key: "receivers[].height_m", set: {/attempt/receivers/0/height_m: 30}, redoes: import}
 - {key: "receivers[].accuracy.horizontal_m", set: {/attempt/receivers/0/accuracy: {horizontal_m: 0.02}}, redoes: import}
 - {key: "receivers[].accuracy.vertical_m", set: {/attempt/receivers/0/accuracy: {horizontal_m: 0.02, vertical_m: 0.03}}, redoes: import}
+- {key: "receivers[].solution", set: {/attempt/receivers/0/solution: float}, redoes: import}
+- {key: "receivers[].time_source", set: {/attempt/receivers/0/time_source: satellites}, redoes: import}
 - {key: "receivers[].antenna_height_m", set: {/attempt/receivers/0/antenna_height_m: 1.6}}
 - {key: "receivers[].lever_arm_m.forward", set: {/attempt/receivers/0/lever_arm_m/forward: 0.6}, redoes: window}
 - {key: "receivers[].lever_arm_m.right", set: {/attempt/receivers/0/lever_arm_m/right: 0.2}, redoes: window}

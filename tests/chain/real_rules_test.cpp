@@ -113,10 +113,10 @@ TEST(SpeedSkydive, OfAGoodRecordingScores) {
     const ProfileVerdict verdict =
         judged_skydive(rules, *data / "speed_skydive" / "flysight1_good.csv");
     EXPECT_NEAR(rules.windows().profiles.at(0).indicated->speed_mps * 3.6, 444.61, 0.05);
-    EXPECT_NEAR(*verdict.speed_mps * 3.6, 444.157, 0.5);
-    EXPECT_LE(*verdict.expanded_uncertainty_mps * 3.6, 5.0);
-    // 443.47 km/h is the mean of the recorded velocities.
-    EXPECT_NEAR(*verdict.speed_mps * 3.6, 443.47, *verdict.expanded_uncertainty_mps * 3.6);
+    // 443.47 km/h is the mean of the recorded velocities. The uncertainty is that of the stated
+    // accuracy of the heights, of which positions alone do not show how much is a slow error.
+    EXPECT_NEAR(*verdict.speed_mps * 3.6, 443.47, 0.5);
+    EXPECT_LE(*verdict.expanded_uncertainty_mps * 3.6, 15.0);
     EXPECT_EQ(verdict.window->duration.seconds(), 3.0);
     for (const char* clause : {"average-over-3-s", "sampling-rate", "sample-accuracy", "margin",
                                "positions-on-the-earth", "fastest-certifiable"})
@@ -210,8 +210,8 @@ TEST_P(RaceCar, IsSlowerOverLongerTimesAndAsFastAsItsRecordedVelocities) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Both, RaceCar,
-                         testing::Values(RaceRun{"run_a", 249.770, 218.826},
-                                         RaceRun{"run_b", 265.003, 240.303}),
+                         testing::Values(RaceRun{"run_a", 251.047, 218.826},
+                                         RaceRun{"run_b", 264.518, 240.303}),
                          [](const auto& instance) { return std::string(instance.param.name); });
 
 // A car in a city.
@@ -230,7 +230,7 @@ TEST(UrbanCar, IsRefusedForItsHillsUnlessTheLimitIsReplacedAndThatIsPrinted) {
     EXPECT_EQ(refused.outcome, "not_certifiable");
     EXPECT_NEAR(*refused.speed_mps * 3.6, 44.482, 0.05);
     EXPECT_NEAR(*refused.expanded_uncertainty_mps * 3.6, 0.41, 0.05);
-    for (const char* part : {"Not met: flat-course", "4.18 m +/- ", "at most 1 m"})
+    for (const char* part : {"Not met: flat-course", "4.187 m +/- ", "at most 1 m"})
         EXPECT_TRUE(contains(refused.reason, part)) << refused.reason;
 
     const ProfileVerdict decided = rules.judge_one(

@@ -157,22 +157,22 @@ TEST_F(Recompute, AForgedHeaderAndVerdictAreNamed) {
     TearDown();
     SetUp();
     text = read_file(run() / "6-verdict.yaml");
-    at = text.find("outcome: not_beaten");
+    at = text.find("outcome: not_certifiable");
     ASSERT_NE(at, std::string::npos);
-    forge("6-verdict.yaml", text.replace(at, 19, "outcome: beaten"));
+    forge("6-verdict.yaml", text.replace(at, 24, "outcome: beaten"));
     expect_in(recomputed(), {"first at the stage check: 6-verdict.yaml, profiles.0.outcome: "
-                             "\"beaten\" in the folder, \"not_beaten\" recomputed"});
+                             "\"beaten\" in the folder, \"not_certifiable\" recomputed"});
 }
 
 TEST_F(Recompute, AReportThatDoesNotFollowFromTheFilesIsFound) {
     std::string text = read_file(run() / "report.json");
-    const std::size_t at = text.find("\"outcome\": \"not_beaten\"");
+    const std::size_t at = text.find("\"outcome\": \"not_certifiable\"");
     ASSERT_NE(at, std::string::npos);
-    forge("report.json", text.replace(at, 23, "\"outcome\": \"beaten\""));
+    forge("report.json", text.replace(at, 28, "\"outcome\": \"beaten\""));
     expect_in(recomputed(), {"yes  files",
                              "NO   recompute     different, first at the stage report: "
                              "report.json, profiles.0.",
-                             "\"beaten\" in the folder, \"not_beaten\" recomputed"});
+                             "\"beaten\" in the folder, \"not_certifiable\" recomputed"});
 }
 
 TEST_F(Recompute, APageThatIsNotRenderedFromTheReportIsFound) {

@@ -8,6 +8,13 @@
 namespace runcert::chain {
 namespace {
 
+/// With a millimetre of noise, as no measured position is without any.
+PlaneRecording measured_northwards(double speed_mps) {
+    PlaneRecording recording = northwards(speed_mps);
+    recording.noise_m = 0.001;
+    return recording;
+}
+
 const char* const three_seconds = "{duration_s: 3, definition: displacement}";
 const char* const course_window = "{kind: course, distance_m: 500, definition: elapsed_time}";
 
@@ -26,7 +33,7 @@ class RuleInput : public testing::TestWithParam<Refused> {};
 TEST_P(RuleInput, IsRefusedWithItsPlaceAndWhatToDo) {
     const Refused& given = GetParam();
     const Rules rules;
-    rules.put("recording.csv", northwards(20.0).text());
+    rules.put("recording.csv", measured_northwards(20.0).text());
     rules.put("unknown.yaml", profile_of("unknown", three_seconds, clause_of("aerodynamics")));
     const std::string with_unit = profile_of("without_unit", three_seconds);
     const std::string unit = ", unit: km/h";
@@ -208,7 +215,7 @@ TEST(Gates, ThatAreCrossedTwice) {
 
 TEST(SeriesOfTheWind, ThatDoesNotCoverTheWindowIsNotCertifiable) {
     const Rules rules;
-    rules.put("recording.csv", northwards(20.0).text());
+    rules.put("recording.csv", measured_northwards(20.0).text());
     rules.put("windy.yaml",
               profile_of("windy", three_seconds, clause_of("wind_mean", ", limit: 10, unit: m/s")));
     rules.put("wind.csv", "time_s,speed_m_s,direction_deg\n0,5,90\n0.5,6,90\n");
@@ -236,12 +243,12 @@ const std::string at_three_o_clock = ", start_gps: \"2026-03-14T03:20:00\"";
 
 TEST(SecondMethod, OfReceiversThatDoNotOverlapInTimeIsNotCertifiable) {
     const Rules rules;
-    rules.put("recording.csv", northwards(20.0).text());
-    rules.put("second.csv", northwards(20.0).text());
+    rules.put("recording.csv", measured_northwards(20.0).text());
+    rules.put("second.csv", measured_northwards(20.0).text());
     rules.put("two.yaml", profile_of("two", three_seconds, clause_of("secondary_method")));
     const auto verdict_with = [&](const std::string& second_start) {
         return rules.judge_one(fmt::format(
-            "schema: attempt/1.4\nid: rules\ncraft: {{name: yacht, class: land-yacht}}\n"
+            "schema: attempt/1.6\nid: rules\ncraft: {{name: yacht, class: land-yacht}}\n"
             "receivers: [{}, {}]\nprofiles: [two.yaml]\n",
             csv_receiver("primary", "recording.csv", 0.01, at_three_o_clock),
             csv_receiver("second", "second.csv", 0.01,
@@ -259,12 +266,12 @@ TEST(SecondMethod, OfReceiversThatDoNotOverlapInTimeIsNotCertifiable) {
 
 TEST(SecondMethod, ByTimesOfAnotherRunIsNotCertifiable) {
     const Rules rules;
-    rules.put("recording.csv", northwards(20.0).text());
+    rules.put("recording.csv", measured_northwards(20.0).text());
     rules.put("course.yaml", profile_of("course", course_window, clause_of("secondary_method")));
     // The lines are crossed 2.525 s and 27.525 s after 03:19:42 UTC.
     const auto verdict_with = [&](const std::string& start, const std::string& finish) {
         return rules.judge_one(fmt::format(
-            "schema: attempt/1.4\nid: rules\ncraft: {{name: yacht, class: land-yacht}}\n"
+            "schema: attempt/1.6\nid: rules\ncraft: {{name: yacht, class: land-yacht}}\n"
             "receivers: [{}]\nprofiles: [course.yaml]\n{}"
             "secondary: {{method: light gates, source: protocol, start_utc: \"2026-03-14T{}\", "
             "finish_utc: \"2026-03-14T{}\", time_expanded_uncertainty_s: 0.001}}\n",
@@ -290,7 +297,7 @@ TEST(SecondMethod, ByTimesOfAnotherRunIsNotCertifiable) {
 
 TEST(Current, ThatTheRuleSubtractsMustBeGiven) {
     const Rules rules;
-    rules.put("recording.csv", northwards(20.0).text());
+    rules.put("recording.csv", measured_northwards(20.0).text());
     const std::string attempt = plane_attempt("wssrc-500m", lines(50.5, 550.5, 500.0));
     const ProfileVerdict without = rules.judge_one(attempt);
     EXPECT_EQ(without.outcome, "not_certifiable");

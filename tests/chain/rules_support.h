@@ -52,20 +52,23 @@ inline PlaneRecording northwards(double speed_mps, double duration_s = 40.0) {
             .duration_s = duration_s};
 }
 
+/// A kind of solution that is empty nobody states.
 inline std::string csv_receiver(const std::string& id, const std::string& file,
-                                double accuracy_m = 0.01, const std::string& more = {}) {
+                                double accuracy_m = 0.01, const std::string& more = {},
+                                const std::string& solution = "fixed") {
     return fmt::format(
         "{{id: {}, recording: {}, format: csv, columns: {{time: time_s, east: east_m, north: "
         "north_m, up: up_m}}, frame: local_plane, accuracy: {{horizontal_m: {}, vertical_m: "
-        "{}}}{}}}",
-        id, file, accuracy_m, 2.0 * accuracy_m, more);
+        "{}}}{}{}}}",
+        id, file, accuracy_m, 2.0 * accuracy_m, more,
+        solution.empty() ? "" : ", solution: " + solution);
 }
 
 /// An attempt of one recording, recording.csv; `more` are lines of its own.
 inline std::string plane_attempt(const std::string& profiles, const std::string& more = {},
                                  double accuracy_m = 0.01) {
     return fmt::format(
-        "schema: attempt/1.4\nid: rules\ncraft: {{name: yacht, class: land-yacht}}\n"
+        "schema: attempt/1.6\nid: rules\ncraft: {{name: yacht, class: land-yacht}}\n"
         "receivers: [{}]\nprofiles: [{}]\n{}",
         csv_receiver("primary", "recording.csv", accuracy_m), profiles, more);
 }

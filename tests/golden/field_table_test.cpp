@@ -24,7 +24,8 @@ const Names without_unit{
     "parameters.screen.gap_factor", "parameters.screen.false_alarm_rate",
     "parameters.screen.family_false_alarm_rate", "parameters.screen.power",
     "parameters.screen.ratio_min", "parameters.screen.noise_scale_min",
-    "parameters.smooth.robust_scale", "parameters.window.plane_scale_bound", "robust_weight",
+    "parameters.smooth.robust_scale", "parameters.window.plane_scale_bound",
+    "parameters.window.clock_rate_bound", "robust_weight",
     // of a fit of the noise, and of a filter
     "relative_uncertainty", "noise.measurement_scale.value", "noise.singer_gain",
     "noise.error_gain", "noise.white_scale", "posterior[].weight", "posterior[].measurement_scale",
@@ -32,16 +33,18 @@ const Names without_unit{
     "health.autocorrelation", "health.largest_condition", "health.largest_asymmetry",
     // of a budget, where the unit stands beside
     "best.effective_degrees_of_freedom", "budget[].degrees_of_freedom", "budget[].estimate",
-    "budget[].standard_uncertainty", "budget[].sensitivity",
+    "budget[].standard_uncertainty", "budget[].sensitivity", "bound.along",
     // of screening, and of what it cannot find, where the unit stands beside
     "screening.family_false_alarm_rate", "screening.test_size", "screening.power",
     "screening.models[].measurement_scale", "screening.models[].white_scale",
-    "screening.fix_kinds[].variance_factor", "screening.time.rate_deviation",
-    "correlation_estimated", "local_variance_factor", "best.detection_power", "reliability[].size",
+    "screening.fix_kinds[].variance_factor", "screening.device.by_chance",
+    "screening.time.rate_deviation", "correlation_estimated", "local_variance_factor",
+    "best.detection_power", "reliability[].size",
     // of rules, where the unit stands beside, and probabilities
     "record.expanded_uncertainty", "records[].speed", "records[].expanded_uncertainty",
     "rules[].value", "secondary.speed", "secondary.expanded_uncertainty", "decision.probability",
-    "decision.level", "decision.risk", "clauses[].limit", "figures[].value",
+    "decision.level", "decision.risk", "results[].probability", "results[].level",
+    "best.probability", "best.level", "clauses[].limit", "figures[].value",
     "figures[].expanded_uncertainty", "course[].value", "course[].expanded_uncertainty",
     "overrides[].rule", "overrides[].used"};
 
@@ -54,9 +57,9 @@ bool may_lack_unit(const std::string& path) {
 
 /// Each schema's newest revision; 1.1 where none is named.
 const std::map<std::string, std::string> newest_versions{
-    {"common", "1.0"},      {"verdict", "1.2"},    {"simulation", "1.0"},   {"day", "1.0"},
-    {"day_results", "1.0"}, {"attempt", "1.5"},    {"profile", "1.4"},      {"screened", "1.3"},
-    {"windows", "1.3"},     {"trajectory", "1.2"}, {"observations", "1.2"}, {"enu", "1.2"}};
+    {"common", "1.0"},      {"verdict", "1.3"},    {"simulation", "1.0"},   {"day", "1.0"},
+    {"day_results", "1.1"}, {"attempt", "1.6"},    {"profile", "1.4"},      {"screened", "1.4"},
+    {"windows", "1.4"},     {"trajectory", "1.3"}, {"observations", "1.3"}, {"enu", "1.3"}};
 
 const Names known_types{"text", "integer", "real", "boolean", "map", "list", "any"};
 const Names known_keys{"type", "unit",     "required", "values", "min",

@@ -67,20 +67,20 @@ void study_one(CoverageCell& cell, const CoverageOptions& options, std::uint64_t
                                 .window = stretch.window,
                                 .duration_s = stretch.duration_s};
     const SpeedQuantity quantity{"displacement"};
-    const SpeedEstimate speed =
-        position_noise(at, quantity, speed_weights(at, quantity), bounding_error(noise, bound),
-                       bound)
-            .speed;
+    const SpeedEstimate speed = position_noise(at, quantity, speed_weights(at, quantity),
+                                               bounding_error(noise, bound), bound)
+                                    .speed;
     count(cell.bound, speed.speed_mps - true_mps, speed.standard_uncertainty_mps);
 }
 
 }  // namespace
 
-std::vector<CoverageCell> coverage_cells(double rate_hz) {
+std::vector<CoverageCell> coverage_cells(double rate_hz, double jerk_density) {
     std::vector<CoverageCell> cells;
     const auto add = [&](const StudyNoise& noise) {
         CoverageCell cell;
         cell.run.rate_hz = rate_hz;
+        cell.run.jerk_density = jerk_density;
         cell.run.noise = noise;
         cells.push_back(cell);
     };
@@ -101,8 +101,10 @@ CoverageCell study_coverage(CoverageCell cell, const CoverageOptions& options) {
 std::string coverage_table(const std::vector<CoverageCell>& cells) {
     std::string text =
         "Coverage of 95 % intervals of the 3 s speed; half widths in mm/s (mean, largest)\n"
-        " rate  white  slow error     stated white    true            fitted          certificate\n"
-        "   Hz     mm    mm   tau s    held   half      held   half     held   half     held   "
+        " rate  jerk  white  slow error     stated white    true            fitted          "
+        "certificate\n"
+        "   Hz density     mm    mm   tau s    held   half      held   half     held   half     "
+        "held   "
         "half "
         "largest\n";
     const auto column = [](const Coverage& coverage) {
@@ -112,8 +114,8 @@ std::string coverage_table(const std::vector<CoverageCell>& cells) {
     for (const CoverageCell& cell : cells) {
         const StudyNoise& noise = cell.run.noise;
         const bool slow = noise.error_sigma_m > 0.0;
-        text += fmt::format("{:5g} {:6g} {:5} {:>7}{}{}{}{} {:7.1f}\n", cell.run.rate_hz,
-                            noise.white_m * 1e3, noise.error_sigma_m * 1e3,
+        text += fmt::format("{:5g} {:7g} {:6g} {:5} {:>7}{}{}{}{} {:7.1f}\n", cell.run.rate_hz,
+                            cell.run.jerk_density, noise.white_m * 1e3, noise.error_sigma_m * 1e3,
                             slow ? fmt::format("{:g}", noise.error_tau_s) : "-", column(cell.white),
                             column(cell.known), column(cell.fitted), column(cell.bound),
                             cell.bound.largest_half_width_mps * 1e3);

@@ -33,9 +33,9 @@ struct CoverageOptions {
     std::uint64_t seed = 1;
 };
 
-/// The cells of one rate: white noise of 3, 10 and 30 mm, and 8 mm Gauss-Markov with correlation
-/// times of 0.5, 2, 10 and 60 s on 3 mm white.
-std::vector<CoverageCell> coverage_cells(double rate_hz);
+/// The cells of one rate and motion (m s^-2.5): white noise of 3, 10 and 30 mm, and 8 mm
+/// Gauss-Markov with correlation times of 0.5, 2, 10 and 60 s on 3 mm white.
+std::vector<CoverageCell> coverage_cells(double rate_hz, double jerk_density = 1.0);
 
 /// Fills a cell: simulated recordings, the 3 s speed from 40 s on, intervals of 1.96 standard
 /// uncertainties.

@@ -13,12 +13,13 @@ using namespace runcert;
 
 namespace {
 
-void print_coverage(const CoverageOptions& options) {
+void print_coverage(const CoverageOptions& options, const std::vector<double>& rates_hz,
+                    double jerk_density) {
     std::vector<CoverageCell> cells;
-    for (const double rate_hz : {10.0, 20.0})
-        for (const CoverageCell& cell : coverage_cells(rate_hz)) {
+    for (const double rate_hz : rates_hz)
+        for (const CoverageCell& cell : coverage_cells(rate_hz, jerk_density)) {
             cells.push_back(study_coverage(cell, options));
-            fmt::print(stderr, "{} of 14 cells\n", cells.size());
+            fmt::print(stderr, "{} of {} cells\n", cells.size(), 7 * rates_hz.size());
         }
     fmt::print("{}", coverage_table(cells));
 }
@@ -37,9 +38,10 @@ void print_screening(const ScreeningStudyOptions& options) {
     }
 }
 
-void print_motion(const MotionStudyOptions& options, const std::string& only, bool budget) {
+void print_motion(const MotionStudyOptions& options, const std::string& only, bool budget,
+                  double rate_hz) {
     fmt::print("{}", motion_header());
-    for (const MotionCell& cell : motion_cells()) {
+    for (const MotionCell& cell : motion_cells(rate_hz)) {
         if ((cell.motion + ", " + cell.errors).find(only) == std::string::npos) continue;
         const auto results = study_motion(cell, options);
         fmt::print("{}", motion_line(cell, summarise(results)));
@@ -48,7 +50,8 @@ void print_motion(const MotionStudyOptions& options, const std::string& only, bo
             double bias = 0.0;
             for (const MotionResult& one : results) {
                 bias += one.bias_mps;
-                for (const BudgetRow& row : one.budget) rows[row.symbol] += row.contribution_mps;
+                for (const BudgetRow& row : one.budget)
+                    rows[row.symbol] += row.contribution_mps;
             }
             const auto n = static_cast<double>(results.size());
             fmt::print("    bias {:.4f} km/h;", 3.6 * bias / n);
@@ -75,6 +78,11 @@ int main(int argc, char** argv) {
     coverage->add_option("--runs-known", options.runs_known, "the same with those known")
         ->capture_default_str();
     coverage->add_option("--seed", options.seed)->capture_default_str();
+    std::vector<double> rates_hz{10.0, 20.0};
+    double jerk_density = 1.0;
+    coverage->add_option("--rates", rates_hz, "Hz")->capture_default_str();
+    coverage->add_option("--jerk-density", jerk_density, "of the motion, m s^-2.5")
+        ->capture_default_str();
 
     std::int64_t runs = 500;
     std::uint64_t seed = 1;
@@ -82,6 +90,13 @@ int main(int argc, char** argv) {
         app.add_subcommand("selection", "The bias of choosing the fastest of many windows");
     selection->add_option("--runs", runs)->capture_default_str();
     selection->add_option("--seed", seed)->capture_default_str();
+    std::vector<double> selection_rates_hz{10.0};
+    double selection_jerk_density = 0.0;
+    selection->add_option("--rates", selection_rates_hz, "Hz")->capture_default_str();
+    selection
+        ->add_option("--jerk-density", selection_jerk_density,
+                     "of a random motion on the run, m s^-2.5")
+        ->capture_default_str();
 
     ScreeningStudyOptions study;
     CLI::App* screening =
@@ -119,14 +134,21 @@ int main(int argc, char** argv) {
     motion->add_option("--threads", motion_options.threads, "0: as many as there are")
         ->capture_default_str();
     motion->add_flag("--budget", budget, "print each cell's mean budget, km/h");
+    double motion_rate_hz = 10.0;
+    motion->add_option("--rate", motion_rate_hz, "Hz")->capture_default_str();
     motion->add_option("--only", only, "cells whose name holds this");
     CLI11_PARSE(app, argc, argv);
 
-    if (coverage->parsed()) print_coverage(options);
-    if (motion->parsed()) print_motion(motion_options, only, budget);
+    if (coverage->parsed()) print_coverage(options, rates_hz, jerk_density);
+    if (motion->parsed()) print_motion(motion_options, only, budget, motion_rate_hz);
     if (selection->parsed())
-        for (const double noise_m : {0.010, 0.030})
-            fmt::print("{}", selection_line(study_selection(noise_m, runs, seed)));
+        for (const double rate_hz : selection_rates_hz)
+            for (const double noise_m : {0.010, 0.030}) {
+                fmt::print("{}", selection_line(study_selection(
+                                     selection_run(noise_m, rate_hz, selection_jerk_density), runs,
+                                     seed)));
+                std::fflush(stdout);
+            }
     if (screening->parsed()) print_screening(study);
     if (false_records->parsed())
         fmt::print("{}", false_records_table(study_false_records(records)));

@@ -25,8 +25,8 @@ class MotionScript {
     /// The acceleration jumps by so much.
     MotionScript& kick(double acceleration_mps2);
 
-    /// From the end of what is there so far to the end of what is there at last: amplitude (m/s) and
-    /// period (s) of a sinusoid of the speed, which begins at zero.
+    /// From the end of what is there so far to the end of what is there at last: amplitude (m/s)
+    /// and period (s) of a sinusoid of the speed, which begins at zero.
     MotionScript& gust(double amplitude_mps, double period_s);
 
     double duration_s() const { return end_s_; }

@@ -85,15 +85,9 @@ const std::vector<Errors>& kinds_of_errors() {
         {"3 mm white, 8 mm 1.5 s", {.white_m = 0.003, .error_sigma_m = 0.008, .error_tau_s = 1.5}},
         {"3 mm white, 20 mm 1.5 s", {.white_m = 0.003, .error_sigma_m = 0.020, .error_tau_s = 1.5}},
         {"10 mm white, 80 mm 1.5 s along",
-         {.white_m = 0.010,
-          .error_sigma_m = 0.080,
-          .error_tau_s = 1.5,
-          .error_along_only = true}},
+         {.white_m = 0.010, .error_sigma_m = 0.080, .error_tau_s = 1.5, .error_along_only = true}},
         {"0.3 m white, 0.5 m 20 s, single",
-         {.white_m = 0.300,
-          .error_sigma_m = 0.500,
-          .error_tau_s = 20.0,
-          .fix = FixKind::single}},
+         {.white_m = 0.300, .error_sigma_m = 0.500, .error_tau_s = 20.0, .fix = FixKind::single}},
     };
     return kinds;
 }
@@ -136,9 +130,8 @@ void judge(const CertifiableWindow& window, const EstimationSummary& estimation,
         return decide(posterior, Threshold{.speed_mps = target_mps}, profile.decision_probability);
     };
     result.falsely_beaten = result.certified && outcome(best) == Outcome::beaten;
-    result.falsely_not_beaten =
-        result.certified && outcome(0.99 * best) == Outcome::not_beaten &&
-        !(result.indicated_mps >= 0.99 * best);
+    result.falsely_not_beaten = result.certified && outcome(0.99 * best) == Outcome::not_beaten &&
+                                !(result.indicated_mps >= 0.99 * best);
 }
 
 MotionResult study_one(const MotionCell& cell, std::uint64_t seed) {
@@ -168,9 +161,9 @@ MotionResult study_one(const MotionCell& cell, std::uint64_t seed) {
 
 }  // namespace
 
-std::vector<MotionCell> motion_cells() {
+std::vector<MotionCell> motion_cells(double rate_hz) {
     std::vector<MotionCell> cells;
-    for (const MotionCell& motion : motions_at(10.0))
+    for (const MotionCell& motion : motions_at(rate_hz))
         for (const Errors& errors : kinds_of_errors()) {
             cells.push_back(motion);
             cells.back().errors = errors.name;
@@ -206,24 +199,26 @@ MotionSummary summarise(const std::vector<MotionResult>& results) {
     const auto n = static_cast<double>(std::max<std::int64_t>(1, sum.certified));
     sum.mean_error_mps /= n;
     sum.mean_expanded_mps /= n;
-    sum.sd_error_mps = std::sqrt(std::max(0.0, squares / n - sum.mean_error_mps * sum.mean_error_mps));
+    sum.sd_error_mps =
+        std::sqrt(std::max(0.0, squares / n - sum.mean_error_mps * sum.mean_error_mps));
     sum.mean_left_out /= static_cast<double>(std::max<std::int64_t>(1, sum.runs));
     return sum;
 }
 
 std::string motion_header() {
-    return fmt::format("{:<52} {:<32} {:>5} {:>5} {:>6} {:>7} {:>6} {:>6} {:>6} {:>6} {:>5} {:>6} {:>7}\n",
-                       "motion", "errors", "runs", "cert", "held %", "mean", "sd", "U", "max/U",
-                       "missed", "beat", "not b.", "out");
+    return fmt::format(
+        "{:<52} {:<32} {:>5} {:>5} {:>6} {:>7} {:>6} {:>6} {:>6} {:>6} {:>5} {:>6} {:>7}\n",
+        "motion", "errors", "runs", "cert", "held %", "mean", "sd", "U", "max/U", "missed", "beat",
+        "not b.", "out");
 }
 
 std::string motion_line(const MotionCell& cell, const MotionSummary& s) {
     return fmt::format(
-        "{:<52} {:<32} {:5} {:5} {:6.1f} {:+7.3f} {:6.3f} {:6.3f} {:6.2f} {:6} {:5} {:6} {:7.1f}\n", cell.motion,
-        cell.errors, s.runs, s.certified,
+        "{:<52} {:<32} {:5} {:5} {:6.1f} {:+7.3f} {:6.3f} {:6.3f} {:6.2f} {:6} {:5} {:6} {:7.1f}\n",
+        cell.motion, cell.errors, s.runs, s.certified,
         s.certified ? 100.0 * static_cast<double>(s.held) / static_cast<double>(s.certified) : 0.0,
-        s.mean_error_mps * 3.6, s.sd_error_mps * 3.6, s.mean_expanded_mps * 3.6, s.largest_error_in_expanded, s.missed,
-        s.beaten, s.not_beaten, s.mean_left_out);
+        s.mean_error_mps * 3.6, s.sd_error_mps * 3.6, s.mean_expanded_mps * 3.6,
+        s.largest_error_in_expanded, s.missed, s.beaten, s.not_beaten, s.mean_left_out);
 }
 
 }  // namespace runcert

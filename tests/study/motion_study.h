@@ -17,14 +17,14 @@ struct MotionCell {
 
 /// One recording of a cell, screened, smoothed and certified under nalsa.
 struct MotionResult {
-    bool certified = false;        ///< there is a window, and the robust estimate agrees
-    double error_mps = 0.0;        ///< speed stated less the true one of the same window
-    double expanded_mps = 0.0;     ///< the stated uncertainty, as wide below as above
-    double missed_mps = 0.0;       ///< true speed of the truly best window less that of the stated
+    bool certified = false;     ///< there is a window, and the robust estimate agrees
+    double error_mps = 0.0;     ///< speed stated less the true one of the same window
+    double expanded_mps = 0.0;  ///< the stated uncertainty, as wide below as above
+    double missed_mps = 0.0;    ///< true speed of the truly best window less that of the stated
     double stated_mps = 0.0;
     double indicated_mps = 0.0;
-    std::int64_t left_out = 0;     ///< epochs that screening does not use
-    bool falsely_beaten = false;   ///< against a target that the truly best window just reaches
+    std::int64_t left_out = 0;        ///< epochs that screening does not use
+    bool falsely_beaten = false;      ///< against a target that the truly best window just reaches
     bool falsely_not_beaten = false;  ///< against a target that it passes by 1 %
     std::string failure;
     std::vector<BudgetRow> budget;
@@ -38,7 +38,7 @@ struct MotionStudyOptions {
 };
 
 /// All cells: the motions, each with each kind of errors.
-std::vector<MotionCell> motion_cells();
+std::vector<MotionCell> motion_cells(double rate_hz = 10.0);
 
 std::vector<MotionResult> study_motion(const MotionCell& cell, const MotionStudyOptions& options);
 

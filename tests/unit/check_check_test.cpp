@@ -224,7 +224,9 @@ struct Circle {
         row.velocity_north_mps = rate * (across * c - ahead_m * s);
         row.acceleration_east_mps2 = rate * rate * (across * c - ahead_m * s);
         row.acceleration_north_mps2 = rate * rate * (-across * s - ahead_m * c);
+        row.speed_mps = std::hypot(*row.velocity_east_mps, *row.velocity_north_mps);
         row.sigma_east_m = row.sigma_north_m = 0.005;
+        row.sigma_acceleration_east_mps2 = row.sigma_acceleration_north_mps2 = 0.1;
         row.usable = true;
         row.arc = 1;
         return row;
@@ -396,6 +398,50 @@ TEST(Agreement, TheOthersUncertaintyIsTheLargerOfItsBudgetsAndItsEnds) {
     EXPECT_EQ(status_of(scene.both(), "secondary-method"), "met");
     scene.secondary.windows.profiles[0].best.reset();
     EXPECT_EQ(status_of(scene.both(), "secondary-method"), "not_met");
+}
+
+/// Both receivers within 0.167 km/h (k = 2), of which only 0.070 km/h is their own.
+TwoReceivers that_share_most(double second_above_kmh) {
+    TwoReceivers scene;
+    scene.set_window(scene.judged, 60.0, 0.5 * 0.167 * kmh);
+    scene.set_window(scene.secondary, 75.0, 0.5 * 0.167 * kmh);
+    for (ReceiverEvidence* one : {&scene.judged, &scene.secondary})
+        one->windows.profiles[0].best->own_standard_uncertainty_mps = 0.5 * 0.070 * kmh;
+    scene.second.speed_mps += second_above_kmh * kmh;
+    scene.record();
+    return scene;
+}
+
+TEST(Agreement, IsTestedWithWhatTheTwoDoNotShare) {
+    // 0.23 / (sqrt(2) 0.070) = 2.32; with all of both, 0.23 / (sqrt(2) 0.167) = 0.97.
+    TwoReceivers scene = that_share_most(0.23);
+    EXPECT_EQ(status_of(scene.both(), "secondary-method"), "not_met");
+    EXPECT_NE(evidence_of(scene.both(), "secondary-method").find("normalised error 2.32"),
+              std::string::npos)
+        << evidence_of(scene.both(), "secondary-method");
+    EXPECT_EQ(scene.both().outcome, "not_certifiable");
+    // Windows of an earlier revision do not say what they share.
+    for (ReceiverEvidence* one : {&scene.judged, &scene.secondary})
+        one->windows.profiles[0].best->own_standard_uncertainty_mps.reset();
+    EXPECT_EQ(status_of(scene.both(), "secondary-method"), "met");
+    EXPECT_NE(evidence_of(scene.both(), "secondary-method").find("normalised error 0.97"),
+              std::string::npos);
+    // Without a window of its own the other counts as the judged one.
+    scene = that_share_most(0.23);
+    scene.secondary.windows.profiles[0].best.reset();
+    EXPECT_NE(evidence_of(scene.both(), "secondary-method").find("normalised error 2.32"),
+              std::string::npos);
+}
+
+TEST(Agreement, OfAnErrorThatBothShareSaysNothingAndWhatIsSharedIsListed) {
+    TwoReceivers scene = that_share_most(0.0);
+    scene.first.speed_mps = scene.second.speed_mps = 66.0;  // both by a tenth too fast
+    scene.record();
+    EXPECT_EQ(status_of(scene.both(), "secondary-method"), "met");
+    const std::string evidence = evidence_of(scene.both(), "secondary-method");
+    for (const char* part : {"normalised error 0.00",
+                             "They share base station, satellites, atmosphere, frame and time"})
+        EXPECT_NE(evidence.find(part), std::string::npos) << evidence;
 }
 
 TEST(Check, WindowsOfAnotherRuleAreRefused) {

@@ -161,6 +161,92 @@ TEST(DecisionRisk, OfADecisionIsNeverAboveOneLessTheLevel) {
     }
 }
 
+TEST(BiasLimit, IsTakenWhereItIsLeastFavourable) {
+    // 60.05 -+ 0.02, u = 0.02: z = 1.5 at the lowest, 3.5 at the highest.
+    const SpeedPosterior above{60.05, 0.02, std::nullopt, 0.02};
+    EXPECT_NEAR(conformance_probability(above, {60.0}), phi(1.5), 1e-12);
+    EXPECT_NEAR(decision_risk(above, {60.0}, Outcome::beaten), phi(-1.5), 1e-12);
+    EXPECT_NEAR(decision_risk(above, {60.0}, Outcome::not_beaten), phi(3.5), 1e-12);
+    const SpeedPosterior below{59.95, 0.02, std::nullopt, 0.02};
+    EXPECT_NEAR(conformance_probability(below, {60.0}), phi(-3.5), 1e-12);
+    EXPECT_NEAR(decision_risk(below, {60.0}, Outcome::not_beaten), phi(-1.5), 1e-12);
+}
+
+TEST(BiasLimit, IsAddedLinearlyOnBothSidesOfTheTarget) {
+    RandomGenerator random(110);
+    for (int i = 0; i < 500; ++i) {
+        const Threshold threshold{60.0, i % 3 == 0 ? 0.1 * random.uniform() : 0.0};
+        SpeedPosterior posterior{0.0, 0.01 + 0.2 * random.uniform()};
+        if (i % 2 == 0) posterior.degrees_of_freedom = 1.0 + 20.0 * random.uniform();
+        const double unbiased = acceptance_limit(posterior, threshold, 0.975);
+        posterior.bias_limit_mps = 0.3 * random.uniform();
+        const double limit = acceptance_limit(posterior, threshold, 0.975);
+        EXPECT_NEAR(limit, unbiased + posterior.bias_limit_mps, 1e-12);
+        const auto at = [&](double speed_mps) {
+            posterior.speed_mps = speed_mps;
+            return decide(posterior, threshold, 0.975);
+        };
+        EXPECT_EQ(at(limit + 1e-9), Outcome::beaten);
+        EXPECT_EQ(at(limit - 1e-9), Outcome::not_proven);
+        EXPECT_EQ(at(120.0 - limit + 1e-9), Outcome::not_proven);
+        EXPECT_EQ(at(120.0 - limit - 1e-9), Outcome::not_beaten);
+    }
+    // Without any other uncertainty a speed may be off by all of it.
+    const SpeedPosterior sure{60.5, 0.0, std::nullopt, 0.5};
+    EXPECT_EQ(decide(sure, {60.0}, 0.95), Outcome::beaten);
+    EXPECT_EQ(decide(sure, {60.25}, 0.95), Outcome::not_proven);
+    EXPECT_EQ(decide(sure, {61.5}, 0.95), Outcome::not_beaten);
+}
+
+TEST(BiasLimit, OfZeroDecidesAsTheProbabilityAlone) {
+    RandomGenerator random(111);
+    for (int i = 0; i < 1000; ++i) {
+        const SpeedPosterior posterior{59.0 + 2.0 * random.uniform(), random.uniform(), 4.0};
+        EXPECT_EQ(decide(posterior, {60.0}, 0.95),
+                  decide(conformance_probability(posterior, {60.0}), 0.95));
+    }
+}
+
+/// How often a speed that is truly at the target, its bias at one end of its range, is decided as
+/// `wrong`.
+double share_of(Outcome wrong, double bias_mps) {
+    RandomGenerator random(112);
+    constexpr int runs = 40000;
+    int found = 0;
+    for (int i = 0; i < runs; ++i) {
+        const SpeedPosterior measured{60.0 + bias_mps + 0.1 * random.normal(), 0.1, std::nullopt,
+                                      0.15};
+        found += decide(measured, {60.0}, 0.975) == wrong ? 1 : 0;
+    }
+    return static_cast<double>(found) / runs;
+}
+
+TEST(BiasLimit, KeepsTheRiskOfOneRowInQuadratureDoesNot) {
+    // 40000 runs tell 2.5 % to 0.08 %. Where the bias is the largest the risk is all used.
+    EXPECT_NEAR(share_of(Outcome::beaten, 0.15), 0.025, 0.0024);
+    EXPECT_NEAR(share_of(Outcome::not_beaten, -0.15), 0.025, 0.0024);
+    EXPECT_LT(share_of(Outcome::beaten, 0.0), 0.001);
+}
+
+TEST(AttemptsMade, OfManyAtTheTargetOneIsFalselyBeatenNoMoreOftenThanOfOne) {
+    constexpr int days = 4000, attempts = 40;
+    RandomGenerator random(113);
+    int alone = 0, together = 0;
+    for (int day = 0; day < days; ++day) {
+        bool one_alone = false, one_together = false;
+        for (int i = 0; i < attempts; ++i) {
+            const SpeedPosterior measured{60.0 + 0.05 * random.normal(), 0.05};
+            one_alone |= decide(measured, {60.0}, 0.975) == Outcome::beaten;
+            one_together |= decide(measured, {60.0}, 1.0 - 0.025 / attempts) == Outcome::beaten;
+        }
+        alone += one_alone ? 1 : 0;
+        together += one_together ? 1 : 0;
+    }
+    // 1 - 0.975^40 = 0.637; 1 - 0.999375^40 = 0.0247; three standard deviations of 4000 days.
+    EXPECT_NEAR(static_cast<double>(alone) / days, 0.637, 0.023);
+    EXPECT_NEAR(static_cast<double>(together) / days, 0.0247, 0.0074);
+}
+
 TEST(Decision, RefusesWhatIsNoNumber) {
     const Threshold threshold{60.0};
     for (const double bad : {kNaN, kInfinity, -kInfinity}) {
@@ -174,6 +260,10 @@ TEST(Decision, RefusesWhatIsNoNumber) {
         EXPECT_THROW(decide(bad, 0.95), Failure);
         EXPECT_THROW(decide(0.5, bad), Failure);
         EXPECT_THROW(acceptance_limit({60.0, 0.1}, threshold, bad), Failure);
+    }
+    for (const double bad : {kNaN, kInfinity, -0.1}) {
+        EXPECT_THROW(decide({60.0, 0.1, std::nullopt, bad}, threshold, 0.95), Failure);
+        EXPECT_THROW(acceptance_limit({60.0, 0.1, std::nullopt, bad}, threshold, 0.95), Failure);
     }
     EXPECT_THROW(conformance_probability({60.0, -0.1}, threshold), Failure);
     EXPECT_THROW(conformance_probability({60.0, 0.1, 0.0}, threshold), Failure);

@@ -54,6 +54,16 @@ TEST(DeclaredSpeed, OfAMethodWithoutUncertaintyIsHeldAgainstTheJudgedOnesAlone) 
     EXPECT_EQ(neither.clause("secondary_method").figures.at(0).value, 0.0);
 }
 
+TEST(DeclaredSpeed, IsHeldAgainstWhatTheTwoDoNotShare) {
+    // Of 0.01 m/s (k = 2) 0.004 m/s are the window's own: sqrt(0.004^2 + 0.003^2) = 0.005 m/s.
+    for (const auto& [speed_mps, status] : {std::pair{60.0049, "met"}, {60.0051, "not_met"}}) {
+        RuleScene scene = with_speed(speed_mps, 0.003);
+        EXPECT_EQ(scene.clause("secondary_method").status, "met");
+        scene.best().own_standard_uncertainty_mps = 0.002;
+        EXPECT_EQ(scene.clause("secondary_method").status, status);
+    }
+}
+
 TEST(DeclaredSpeed, ThatContradictsIsNotCertifiableUnderARuleThatDoesNotAskForIt) {
     RuleScene scene = with_speed(60.1, 0.04);
     scene.use(profile_text(clause_text("margin")));

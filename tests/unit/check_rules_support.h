@@ -131,6 +131,7 @@ struct RuleScene {
         row.sigma_up_m = sigma_up_m;
         row.sigma_velocity_east_mps = row.sigma_velocity_north_mps = sigma_velocity_mps;
         row.sigma_velocity_up_mps = sigma_velocity_mps;
+        row.sigma_acceleration_east_mps2 = row.sigma_acceleration_north_mps2 = 0.1;
         row.arc = 1;
         row.usable = true;
         return row;

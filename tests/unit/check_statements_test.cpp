@@ -1,5 +1,9 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "core/random.h"
 #include "stages/check/statements.h"
 
 namespace runcert {
@@ -56,7 +60,10 @@ struct Scene {
 TEST(Statements, OfAGoodFitSayWhatWasLearntAndNothingIsAmiss) {
     const Scene scene;
     EXPECT_EQ(scene.count({"horizontal noise was learnt from 451 epochs", "1.04 times",
-                           "root mean square 10.0 mm", "jerk density 0.612 m s^-2.5"}),
+                           "root mean square 10.0 mm",
+                           "jerk density 0.612 m s^-2.5 as one for "
+                           "all of it",
+                           "takes the larger of that and what the motion shows there"}),
               1);
     EXPECT_EQ(scene.count({"slowly varying error of the horizontal positions could not be told",
                            "its bound decides"}),
@@ -185,8 +192,9 @@ TEST(Statements, WhereMonteCarloDoesNotAgreeOrConverge) {
     EXPECT_EQ(scene.count({"Monte Carlo"}), 0);
     windows.best->monte_carlo->standard_uncertainty_mps = 0.0106;
     scene.judged.windows.profiles = {windows};
-    EXPECT_EQ(scene.count({"Under nalsa the check of linearisation gives", "0.0106 m/s", "0.0100 m/s"}),
-              1);
+    EXPECT_EQ(
+        scene.count({"Under nalsa the check of linearisation gives", "0.0106 m/s", "0.0100 m/s"}),
+        1);
     windows.best->monte_carlo->converged = false;
     windows.best->monte_carlo->trials = 1'000'000;
     scene.judged.windows.profiles = {windows};
@@ -209,7 +217,9 @@ Scene tested_scene() {
 
 TEST(Statements, OnTheTestsSayHowManyAndHowOftenTheyErr) {
     const Scene scene = tested_scene();
-    EXPECT_EQ(scene.count({"30000 tests", "probability of at most 0.001"}), 1);
+    EXPECT_EQ(scene.count({"30000 tests", "probability of at most 0.001",
+                           "so that motion is not taken for them, sudden changes of acceleration"}),
+              1);
     EXPECT_EQ(scene.count({"not on noise learnt"}), 0);
     EXPECT_EQ(scene.count({"sessions"}), 0);
 }
@@ -243,6 +253,59 @@ TEST(Statements, OnTheWitnessesSayWhatIsAmiss) {
     EXPECT_EQ(scene.count({"\"mast\" was 2.000 m away", "may be off"}), 1);
     tests.baseline->sd_m = 0.01;
     EXPECT_EQ(scene.count({"\"mast\" was 2.000 m away", "may be off"}), 0);
+}
+
+/// A window whose undetected error is up to so much, beside 0.01 m/s of everything else.
+Scene undetected_scene(double error_mps) {
+    Scene scene = tested_scene();
+    ProfileWindows windows;
+    windows.profile = "nalsa";
+    CertifiableWindow& best = windows.best.emplace();
+    best.standard_uncertainty_mps = std::hypot(0.01, error_mps / std::sqrt(3.0));
+    BudgetRow& row = best.budget.emplace_back();
+    row.symbol = "d";
+    row.contribution_mps = error_mps / std::sqrt(3.0);
+    scene.judged.windows.profiles = {windows};
+    return scene;
+}
+
+TEST(Statements, OnWhatScreeningCouldHaveMissedSayWhatTheIntervalHoldsThen) {
+    Scene scene = undetected_scene(0.02);
+    CertifiableWindow& best = *scene.judged.windows.profiles[0].best;
+    // U = 2 x 0.0152753 = 0.0305505; Phi(1.05505) - Phi(-5.05505) = 0.8543.
+    EXPECT_EQ(
+        scene.count({"Under nalsa, an error that screening could have missed",
+                     "by at most 0.0200 m/s", "one for all runs", "with a probability of 85 %"}),
+        1);
+    // With 0.01 m/s of a bias beside it Phi(2.05505) = 0.98006.
+    best.bias_limit_mps = 0.01;
+    EXPECT_EQ(scene.count({"with a probability of 98 %"}), 1);
+    // For two degrees of freedom k is 4.53 ([GUM] table G.2), Phi(4.92) = 0.9999996: no certainty.
+    best.bias_limit_mps = 0.0;
+    best.effective_degrees_of_freedom = 2.0;
+    EXPECT_EQ(scene.count({"with a probability of 99 %"}), 1);
+    best.budget[0].contribution_mps = 0.0;
+    EXPECT_EQ(scene.count({"could have missed changes the speed"}), 0);
+    best.budget.clear();
+    EXPECT_EQ(scene.count({"could have missed changes the speed"}), 0);
+}
+
+TEST(Statements, OnWhatScreeningCouldHaveMissedAgreeWithDraws) {
+    constexpr int runs = 20000;  // tell a share to 0.4 %
+    for (const double error_mps : {0.005, 0.01, 0.02, 0.05}) {
+        const Scene scene = undetected_scene(error_mps);
+        const double expanded_mps =
+            2.0 * scene.judged.windows.profiles[0].best->standard_uncertainty_mps;
+        RandomGenerator random(114);
+        int held = 0;
+        for (int i = 0; i < runs; ++i)
+            held += std::abs(error_mps + 0.01 * random.normal()) <= expanded_mps ? 1 : 0;
+        int said = 0;
+        for (int percent = 0; percent <= 100; ++percent)
+            if (scene.count({fmt::format("with a probability of {} %", percent)}) == 1)
+                said = percent;
+        EXPECT_NEAR(100.0 * held / runs, said + 0.5, 1.3) << error_mps;
+    }
 }
 
 TEST(Statements, OnDriftsSayWhatStandsAgainstASlowOne) {

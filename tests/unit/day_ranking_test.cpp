@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/random.h"
 #include "day_support.h"
@@ -11,6 +12,8 @@ namespace runcert {
 namespace {
 
 using day::attempt;
+using day::beaten_with;
+using day::best_of;
 using day::without_speed;
 
 /// "2 sail-3 [1,4]": rank, id, and how far up and down it is not told apart; "-" for nothing.
@@ -84,6 +87,91 @@ TEST(Ranking, DoesNotDependOnTheOrderInWhichAttemptsCome) {
             std::swap(attempts[k], attempts[random.next() % (k + 1)]);
         EXPECT_EQ(lines_of(attempts), expected);
     }
+}
+
+TEST(BestOfDay, OfSeveralSharesTheRiskAmongThem) {
+    // Of four 1 - 0.025/4 = 0.99375 is needed, whatever became of the other three.
+    for (const auto& [probability, beaten] : {std::pair{0.99375, true}, {0.99374, false}}) {
+        const auto best =
+            best_of({attempt("a", "not_beaten", 49.0, 0.1), beaten_with("b", 53.0, probability),
+                     without_speed("c", "not_certifiable"), attempt("d", "not_proven", 55.0, 9.0)});
+        ASSERT_TRUE(best);
+        EXPECT_EQ(best->id, "b");
+        EXPECT_EQ(best->attempts, 4);
+        EXPECT_NEAR(best->level, 0.99375, 1e-15);
+        EXPECT_EQ(best->probability, probability);
+        EXPECT_EQ(best->beaten, beaten);
+    }
+}
+
+TEST(BestOfDay, OfOneNeedsWhatItNeededAlone) {
+    const auto best = best_of({beaten_with("a", 53.0, 0.975)});
+    ASSERT_TRUE(best);
+    EXPECT_EQ(best->attempts, 1);
+    EXPECT_NEAR(best->level, 0.975, 1e-15);
+    EXPECT_TRUE(best->beaten);
+}
+
+TEST(BestOfDay, ThatSaysItIsTheBestOfSomeHasSharedTheRiskAlready) {
+    // Of ten by its own word, at 0.9975, on a day of two; and of two on a day of three.
+    auto best = best_of({beaten_with("a", 53.0, 0.998, 10), attempt("b", "not_beaten", 49.0, 0.1)});
+    ASSERT_TRUE(best);
+    EXPECT_EQ(best->attempts, 10);
+    EXPECT_NEAR(best->level, 0.9975, 1e-12);
+    EXPECT_TRUE(best->beaten);
+    best = best_of({beaten_with("a", 53.0, 0.9905, 2), attempt("b", "not_beaten", 49.0, 0.1),
+                    attempt("c", "not_beaten", 48.0, 0.1)});
+    ASSERT_TRUE(best);
+    EXPECT_EQ(best->attempts, 3);
+    EXPECT_NEAR(best->level, 1.0 - 0.025 / 3.0, 1e-12);
+    EXPECT_FALSE(best->beaten);
+}
+
+TEST(BestOfDay, IsOfAsManyAsAnyAttemptOfTheRuleStates) {
+    AttemptResult other = beaten_with("b", 52.0, 0.9999, 25);
+    const auto best = best_of({beaten_with("a", 53.0, 0.998), other});
+    ASSERT_TRUE(best);
+    EXPECT_EQ(best->id, "a");
+    EXPECT_EQ(best->attempts, 25);
+    EXPECT_NEAR(best->level, 0.999, 1e-12);
+    EXPECT_FALSE(best->beaten);
+    // Of another rule it is another number.
+    other.results.front().profile = "fisly";
+    EXPECT_EQ(best_of({beaten_with("a", 53.0, 0.998), other})->attempts, 1);
+}
+
+TEST(BestOfDay, IsNoneWhereNoneBeatTheRecordByItself) {
+    EXPECT_FALSE(best_of({}));
+    EXPECT_FALSE(best_of({attempt("a", "not_proven", 53.0, 0.1)}));
+    EXPECT_FALSE(best_of({without_speed("a", "not_certifiable")}));
+    // Nor where a verdict of an earlier revision does not say how it was decided.
+    EXPECT_FALSE(best_of({attempt("a", "beaten", 53.0, 0.1)}));
+}
+
+// 40 attempts at exactly the speed to reach, each measured with the same uncertainty: the page says
+// of one day in forty that the best of them beat the record. Each by itself: of two days in three.
+TEST(BestOfDay, OfManyAtTheTargetIsFalselyBeatenNoMoreOftenThanOneAttempt) {
+    constexpr int days = 3000, tries = 40;
+    constexpr double u_mps = 0.05;
+    RandomGenerator random(41);
+    int alone = 0, as_the_best = 0;
+    for (int day = 0; day < days; ++day) {
+        std::vector<AttemptResult> attempts;
+        for (int i = 0; i < tries; ++i) {
+            const double error_mps = u_mps * random.normal();
+            const double probability = 0.5 * std::erfc(-error_mps / u_mps / std::sqrt(2.0));
+            AttemptResult one = beaten_with(std::to_string(i), 50.0 + error_mps, probability);
+            if (probability < 0.975)
+                one.results.front().outcome = probability <= 0.025 ? "not_beaten" : "not_proven";
+            attempts.push_back(std::move(one));
+        }
+        const auto best = best_of(attempts);
+        alone += best ? 1 : 0;
+        as_the_best += best && best->beaten ? 1 : 0;
+    }
+    // 1 - 0.975^40 = 0.637; 1 - (1 - 0.025/40)^40 = 0.0247; three standard deviations of the days.
+    EXPECT_NEAR(static_cast<double>(alone) / days, 0.637, 0.027);
+    EXPECT_NEAR(static_cast<double>(as_the_best) / days, 0.0247, 0.0085);
 }
 
 TEST(Ranking, CountsAreThoseOfStatesAndOutcomes) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,6 +34,20 @@ inline AttemptResult without_speed(const std::string& id, const std::string& out
     return made;
 }
 
+/// An attempt that beat the record by itself, with this probability that it did.
+inline AttemptResult beaten_with(const std::string& id, double speed_mps, double probability,
+                                 std::int64_t attempts_made = 1) {
+    AttemptResult made = attempt(id, "beaten", speed_mps, 0.1);
+    made.results.front().probability = probability;
+    made.results.front().level = 1.0 - 0.025 / static_cast<double>(attempts_made);
+    made.results.front().attempts_made = attempts_made;
+    return made;
+}
+
+inline std::optional<BestOfDay> best_of(const std::vector<AttemptResult>& attempts) {
+    return best_by("nalsa", attempts, ranking_by("nalsa", attempts));
+}
+
 /// The results of such attempts, counted and ranked.
 inline DayResults results_of(std::vector<AttemptResult> attempts) {
     DayResults results{.header = {}, .day = "a day"};
@@ -46,7 +62,8 @@ inline DayResults results_of(std::vector<AttemptResult> attempts) {
                                         .body = "the body",
                                         .title = "the title",
                                         .counts = outcomes_by("nalsa", results.attempts),
-                                        .ranking = ranking_by("nalsa", results.attempts)});
+                                        .ranking = ranking_by("nalsa", results.attempts),
+                                        .best = best_of(results.attempts)});
     return results;
 }
 

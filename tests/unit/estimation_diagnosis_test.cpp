@@ -25,7 +25,7 @@ class DenseTests {
         std::vector<QuadVector> means{prior.mean.template cast<Quad>()};
         std::vector<QuadMatrix> transitions{QuadMatrix::Identity(n, n)};
         for (std::size_t k = 1; k < arc.size(); ++k) {
-            const AxisStep step = axis_step(model, test::step_s(arc[k - 1], arc[k]));
+            const AxisStep step = test::step_between(model, arc[k - 1], arc[k]);
             const QuadMatrix f = transition<Axes>(step).template cast<Quad>();
             const QuadMatrix noise = process_noise<Axes>(step).template cast<Quad>();
             const QuadMatrix symmetric = (noise + noise.transpose()) / Quad(2);
@@ -103,7 +103,7 @@ template <class Axes>
 class DiagnosisAgainstDense : public testing::Test {
   public:
     static constexpr int axes = Axes::value;
-    std::vector<ArcEpoch<axes>> arc = test::sample_arc<axes>(14);
+    std::vector<ArcEpoch<axes>> arc = test::with_changing_motion(test::sample_arc<axes>(14));
     ArcDiagnosis<axes> diagnosis{arc, test::singer_with_error};
     DenseTests<axes> dense{arc, test::singer_with_error};
 
@@ -135,6 +135,24 @@ TYPED_TEST(DiagnosisAgainstDense, RampsFromAnyEpoch) {
         expect_same(this->diagnosis.ramp(k), this->dense.test([&](std::size_t j) {
             const double since_s = this->arc[j].time_s - this->arc[k].time_s;
             return Eigen::MatrixXd(std::max(0.0, since_s) * this->unit());
+        }));
+}
+
+TYPED_TEST(DiagnosisAgainstDense, ManoeuvresBeforeAnyEpoch) {
+    // A change of the state that the motion carries on: nothing at k itself, a parabola after it,
+    // less what the acceleration dies away. Of the last epochs a change tells nothing.
+    constexpr int size = TestFixture::axes;
+    for (std::size_t k = 1; k + 2 < this->arc.size(); ++k)
+        expect_same(this->diagnosis.manoeuvre(k), this->dense.test([&](std::size_t j) {
+            Eigen::MatrixXd state = Eigen::MatrixXd::Zero(state_size<size>, size);
+            state.template middleRows<size>(2 * size).setIdentity();
+            for (std::size_t i = k; i < j; ++i)
+                state = (transition<size>(test::step_between(test::singer_with_error, this->arc[i],
+                                                             this->arc[i + 1])) *
+                         state)
+                            .eval();
+            return Eigen::MatrixXd(j < k ? 0.0 * state.template topRows<size>()
+                                         : 1.0 * state.template topRows<size>());
         }));
 }
 
@@ -192,8 +210,8 @@ TYPED_TEST(DiagnosisAgainstDense, ALateStampIsAJumpAlongTheMotion) {
         if (j < k) return Eigen::MatrixXd(Eigen::MatrixXd::Zero(size, 1));
         StateVector<size> carried = state;
         for (std::size_t i = k; i < j; ++i)
-            carried = transition<size>(axis_step(test::singer_with_error,
-                                                 test::step_s(this->arc[i], this->arc[i + 1]))) *
+            carried = transition<size>(test::step_between(test::singer_with_error, this->arc[i],
+                                                          this->arc[i + 1])) *
                       carried;
         return Eigen::MatrixXd(carried.template head<size>());
     }));

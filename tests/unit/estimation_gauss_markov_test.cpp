@@ -118,36 +118,91 @@ TEST(GaussMarkov, BoundingProcessWandersAtLeastAsFarAsEverySteadyOne) {
             }
 }
 
-/// Smallest eigenvalue, over the steady processes between the correlation times, of bound less
-/// steady covariance; in units of sigma^2.
-double smallest_margin(const GaussMarkovError& bounding, double dt_s) {
+/// Smallest eigenvalue of the difference of two covariances over some epochs, in units of sigma^2.
+double margin(const GaussMarkovError& bounding, const GaussMarkovError& bounded,
+              const std::vector<double>& times_s) {
+    const Eigen::MatrixXd difference =
+        covariance_at(bounding, times_s) - covariance_at(bounded, times_s);
+    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(difference).eigenvalues().minCoeff() /
+           (sigma_m * sigma_m);
+}
+
+/// The smallest over the steady processes between two correlation times.
+double smallest_margin(const GaussMarkovError& bounding, double dt_s, double tau_min_s,
+                       double tau_max_s) {
     const std::vector<double> times_s = grid(40, dt_s);
-    const Eigen::MatrixXd bound = covariance_at(bounding, times_s);
+    constexpr int steps = 16;
     double smallest = 1e9;
-    for (double tau_s = 0.5; tau_s < 10.01; tau_s *= 1.2) {
-        const Eigen::MatrixXd margin =
-            bound - covariance_at(GaussMarkovError::steady(sigma_m, tau_s), times_s);
-        smallest = std::min(
-            smallest,
-            Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(margin).eigenvalues().minCoeff() /
-                (sigma_m * sigma_m));
+    for (int i = 0; i <= steps; ++i) {
+        const double tau_s =
+            tau_min_s * std::pow(tau_max_s / tau_min_s, static_cast<double>(i) / steps);
+        smallest =
+            std::min(smallest, margin(bounding, GaussMarkovError::steady(sigma_m, tau_s), times_s));
     }
     return smallest;
 }
 
 TEST(GaussMarkov, BoundingProcessBoundsEveryLinearCombination) {
-    // What makes it a bound of an estimation error: its covariance over any epochs less that of
-    // the steady process is positive semidefinite.
+    // What makes it a bound of any weighted sum of the errors: its covariance over any epochs less
+    // that of the steady process is positive semidefinite, for correlation times from tau_min to
+    // tau_max^2 / tau_min, here 200 s.
     const GaussMarkovError bounding = GaussMarkovError::bounding(sigma_m, 0.5, 10.0);
-    for (const double dt_s : {0.02, 0.1, 1.0, 5.0})
-        EXPECT_GT(smallest_margin(bounding, dt_s), -1e-11) << dt_s;
+    for (const double dt_s : {0.02, 0.1, 1.0, 5.0, 50.0})
+        EXPECT_GT(smallest_margin(bounding, dt_s, 0.5, 200.0), -1e-11) << dt_s;
     // It is no larger than it must be: neither a smaller beginning nor less noise would do.
     GaussMarkovError less = bounding;
     less.initial_sigma_m *= 0.98;
-    EXPECT_LT(smallest_margin(less, 0.02), -1e-4);
+    EXPECT_LT(smallest_margin(less, 0.02, 0.5, 10.0), -1e-4);
     less = bounding;
     less.process_density *= 0.98;
-    EXPECT_LT(smallest_margin(less, 0.02), -1e-4);
+    EXPECT_LT(smallest_margin(less, 0.02, 0.5, 10.0), -1e-4);
+    // Nor does it bound what forgets sooner, or hardly at all over a long arc.
+    EXPECT_LT(smallest_margin(bounding, 0.02, 0.45, 0.45), -1e-4);
+    EXPECT_LT(smallest_margin(bounding, 50.0, 1e4, 1e4), -1e-4);
+}
+
+TEST(GaussMarkov, BoundingProcessHoldsAtEpochsOfAnyDistance) {
+    const GaussMarkovError bounding = GaussMarkovError::bounding(sigma_m, 0.5, 10.0);
+    const std::vector<double> times_s{0.0, 0.01, 0.5,  0.52,  3.0,  3.1,
+                                      3.2, 30.0, 33.0, 180.0, 999.0};
+    for (const double tau_s : {0.5, 0.8, 3.0, 10.0, 60.0, 200.0})
+        EXPECT_GT(margin(bounding, GaussMarkovError::steady(sigma_m, tau_s), times_s), -1e-11)
+            << tau_s;
+}
+
+TEST(GaussMarkov, BoundOfADiffusionHoldsForEveryErrorThatWandersAsFast) {
+    // sigma sqrt(2 / tau) = 10 mm/s^0.5, whatever the correlation time up to the longest: the
+    // covariance of the steady one with the longest less theirs is positive semidefinite.
+    constexpr double diffusion = 0.010;
+    const GaussMarkovError bounding = GaussMarkovError::bounding_diffusion(diffusion, 10.0);
+    EXPECT_EQ(bounding.tau_s, 10.0);
+    EXPECT_DOUBLE_EQ(bounding.process_density, diffusion);
+    EXPECT_GE(bounding.initial_sigma_m * bounding.initial_sigma_m,
+              0.5 * diffusion * diffusion * 10.0 * (1.0 - 1e-15));
+    const auto wandering = [](double tau_s) {
+        return GaussMarkovError::steady(diffusion * std::sqrt(0.5 * tau_s), tau_s);
+    };
+    for (const double dt_s : {0.02, 0.1, 1.0, 5.0})
+        for (const double tau_s : {0.1, 0.5, 2.0, 5.0, 9.9})
+            EXPECT_GT(margin(bounding, wandering(tau_s), grid(40, dt_s)), -1e-11)
+                << dt_s << " " << tau_s;
+    EXPECT_LT(margin(bounding, wandering(11.0), grid(40, 1.0)), -1e-4);
+    // With the beginning of the bound of a size, 0.48 d^2 for these times, it is none.
+    GaussMarkovError short_of_it = bounding;
+    short_of_it.initial_sigma_m = std::sqrt(0.48) * diffusion;
+    EXPECT_LT(margin(short_of_it, wandering(9.9), grid(40, 0.1)), -1e-4);
+}
+
+TEST(GaussMarkov, TheLargerOfTwoBoundsBoundsWhatEitherBounds) {
+    const GaussMarkovError of_size = GaussMarkovError::bounding(sigma_m, 0.5, 10.0);
+    for (const double diffusion : {0.002, 0.010, 0.030}) {
+        const GaussMarkovError of_diffusion = GaussMarkovError::bounding_diffusion(diffusion, 10.0);
+        const GaussMarkovError larger = GaussMarkovError::larger(of_size, of_diffusion);
+        for (const double dt_s : {0.02, 1.0}) {
+            EXPECT_GT(margin(larger, of_size, grid(40, dt_s)), -1e-11) << diffusion;
+            EXPECT_GT(margin(larger, of_diffusion, grid(40, dt_s)), -1e-11) << diffusion;
+        }
+    }
 }
 
 }  // namespace

@@ -8,11 +8,13 @@
 namespace runcert {
 namespace {
 
+using test::at_equal_steps;
 using test::Quad;
 using test::QuadMatrix;
 using test::QuadVector;
 using test::sample_arc;
 using test::singer_with_error;
+using test::with_changing_motion;
 
 template <int Axes>
 InnovationSums sums_of(const std::vector<ArcEpoch<Axes>>& arc, const EstimationModel& model) {
@@ -46,7 +48,7 @@ JointNormal joint_of_first(const std::vector<ArcEpoch<Axes>>& arc, const Estimat
     Eigen::Index at = 0;
     for (std::size_t k = 0; at < rows; ++k) {
         if (k > 0) {
-            const AxisStep step = axis_step(model, test::step_s(arc[k - 1], arc[k]));
+            const AxisStep step = test::step_between(model, arc[k - 1], arc[k]);
             const QuadMatrix f = transition<Axes>(step).template cast<Quad>();
             const QuadMatrix noise = process_noise<Axes>(step).template cast<Quad>();
             state = (f * state * f.transpose() + noise).eval();
@@ -76,8 +78,8 @@ JointNormal joint_of_first(const std::vector<ArcEpoch<Axes>>& arc, const Estimat
 }
 
 template <int Axes>
-void expect_conditional_density(const EstimationModel& model, std::size_t missing) {
-    const auto arc = sample_arc<Axes>(14, missing);
+void expect_conditional_density(const EstimationModel& model,
+                                const std::vector<ArcEpoch<Axes>>& arc) {
     const InnovationSums sums = sums_of(arc, model);
     const JointNormal all = joint_of_first(arc, model, 13);
     const JointNormal first = joint_of_first(arc, model, measurements_of_the_prior);
@@ -94,9 +96,12 @@ TEST(Likelihood, IsTheDensityOfTheMeasurementsGivenTheFirstThree) {
     white.motion.jerk_density = 0.6;
     for (const EstimationModel& model : {white, singer_with_error})
         for (const std::size_t missing : {2U, 7U}) {
-            expect_conditional_density<1>(model, missing);
-            expect_conditional_density<2>(model, missing);
-            expect_conditional_density<3>(model, missing);
+            expect_conditional_density(model, sample_arc<1>(14, missing));
+            expect_conditional_density(model, sample_arc<2>(14, missing));
+            expect_conditional_density(model, sample_arc<3>(14, missing));
+            expect_conditional_density(model, with_changing_motion(sample_arc<2>(14, missing)));
+            expect_conditional_density(
+                model, with_changing_motion(at_equal_steps(sample_arc<2>(14, missing))));
         }
 }
 
@@ -144,6 +149,55 @@ TEST(Likelihood, OfSeveralModelsTogetherIsThatOfEachAndOfTheFilterInPlainForm) {
     expect_as_plain(sample_arc<1>(400));
     expect_as_plain(sample_arc<2>(400));
     expect_as_plain(sample_arc<3>(400));
+    expect_as_plain(with_changing_motion(sample_arc<2>(400)));
+}
+
+TEST(Likelihood, AStepOfAnotherMotionIsThatOfAModelWithItsDensity) {
+    auto arc = sample_arc<2>(60);
+    EstimationModel harder = singer_with_error;
+    harder.motion.jerk_density *= 4.0;
+    const InnovationSums expected = sums_of(arc, harder);
+    for (ArcEpoch<2>& epoch : arc)
+        epoch.jerk_factor = 4.0;
+    const InnovationSums sums = sums_of(arc, singer_with_error);
+    EXPECT_NEAR(sums.statistic / expected.statistic, 1.0, 1e-11);
+    EXPECT_NEAR(sums.log_determinant / expected.log_determinant, 1.0, 1e-12);
+    EXPECT_GT(
+        std::abs(expected.statistic / sums_of(sample_arc<2>(60), singer_with_error).statistic -
+                 1.0),
+        0.01);
+}
+
+TEST(Likelihood, AlongAnArcIsWhatEachStretchAddsToThatOfItsBeginning) {
+    auto arc = sample_arc<2>(400);
+    arc[210].step_before = true;
+    std::vector<EstimationModel> models(3, singer_with_error);
+    models[1].motion.jerk_density = 0.01;
+    models[2].measurement_scale = 0.2;
+    // Within the first measurements, of one epoch without a measurement, an epoch twice an end.
+    const std::vector<std::size_t> ends{2, 4, 5, 60, 60, 211, 400};
+    for (const auto& one : {arc, with_changing_motion(arc)}) {
+        const std::span<const ArcEpoch<2>> whole(one);
+        const auto along = innovation_sums_along<2>(whole, models, ends);
+        ASSERT_EQ(along.size(), models.size());
+        for (std::size_t i = 0; i < models.size(); ++i) {
+            ASSERT_EQ(along[i].size(), ends.size());
+            InnovationSums sum;
+            for (std::size_t b = 0; b < ends.size(); ++b) {
+                sum.statistic += along[i][b].statistic;
+                sum.log_determinant += along[i][b].log_determinant;
+                sum.values += along[i][b].values;
+                const std::span<const ArcEpoch<2>> beginning[] = {whole.first(ends[b])};
+                const InnovationSums expected = innovation_sums<2>(beginning, models[i]);
+                EXPECT_EQ(sum.values, expected.values);
+                EXPECT_NEAR(sum.statistic, expected.statistic, 1e-9 * expected.statistic);
+                EXPECT_NEAR(sum.log_determinant, expected.log_determinant, 1e-9);
+            }
+            EXPECT_EQ(along[i][2].values, 0) << "one epoch without a measurement";
+            EXPECT_EQ(along[i][4].statistic, 0.0) << "an empty stretch";
+            EXPECT_GT(along[i][6].statistic, 0.0);
+        }
+    }
 }
 
 TEST(Likelihood, LeavesOutThreeMeasurementsOfEachArc) {

@@ -21,8 +21,7 @@ std::vector<PositionVector<Axes>> positions_of(const std::vector<ArcEpoch<Axes>>
 }
 
 template <int Axes>
-void expect_the_smoothers_positions() {
-    const auto arc = measured_arc<Axes>();
+void expect_the_smoothers_positions(const std::vector<ArcEpoch<Axes>>& arc) {
     const LinearSmoother<Axes> linear(arc, test::singer_with_error);
     const auto positions = linear(positions_of(arc));
     const SmoothedArc<Axes> smoothed = smooth<Axes>(arc, test::singer_with_error);
@@ -31,8 +30,11 @@ void expect_the_smoothers_positions() {
 }
 
 TEST(LinearSmoother, GivesThePositionsOfTheSmoother) {
-    expect_the_smoothers_positions<1>();
-    expect_the_smoothers_positions<2>();
+    expect_the_smoothers_positions(measured_arc<1>());
+    expect_the_smoothers_positions(measured_arc<2>());
+    expect_the_smoothers_positions(test::with_changing_motion(measured_arc<2>()));
+    expect_the_smoothers_positions(
+        test::with_changing_motion(test::at_equal_steps(measured_arc<2>())));
 }
 
 /// Four recordings: the arc's own positions, with steps put in and without, and noise alone.

@@ -219,5 +219,32 @@ TEST(MotionModel, AxesDoNotMix) {
         }
 }
 
+TEST(StepKind, HasTheNoiseOfItsOwnJerkDensity) {
+    EstimationModel model = singer(0.7, 1.5);
+    model.error = GaussMarkovError::steady(0.008, 2.0);
+    const StepKind kind{.length_ns = 130'000'000, .jerk_factor = 5.0};
+    EXPECT_DOUBLE_EQ(kind.dt_s(), 0.13);
+    EstimationModel harder = model;
+    harder.motion.jerk_density = 3.5;
+    const AxisStep step = axis_step(model, kind);
+    const AxisStep expected = axis_step(harder, 0.13);
+    EXPECT_LT(largest_relative(step.process_noise, expected.process_noise), 1e-14);
+    EXPECT_EQ(step.transition, expected.transition);
+    EXPECT_EQ(step.error_transition, expected.error_transition);
+    EXPECT_EQ(step.error_noise, expected.error_noise);
+}
+
+TEST(StepKind, IsOfTheTimeToTheNanosecondAndOfTheMotionOfTheLaterEpoch) {
+    std::vector<ArcEpoch<2>> arc(3);
+    for (std::size_t k = 0; k < 3; ++k)
+        arc[k].time_s = 2.0 + 0.1 * static_cast<double>(k);
+    arc[0].jerk_factor = 9.0;
+    arc[1].jerk_factor = 4.0;
+    const StepKind first = step_kind(arc[0], arc[1]);
+    EXPECT_EQ(first, (StepKind{.length_ns = 100'000'000, .jerk_factor = 4.0}));
+    EXPECT_EQ(step_kind(arc[1], arc[2]), (StepKind{.length_ns = 100'000'000}));
+    EXPECT_NE(step_kind(arc[1], arc[2]), first);
+}
+
 }  // namespace
 }  // namespace runcert

@@ -59,6 +59,17 @@ TEST(MotionSmoother, IsTheSmootherAcrossBridgedStepsAndGaps) {
     expect_as_by_rts<2>(arc, singer_with_error);
 }
 
+TEST(MotionSmoother, IsTheSmootherWhereTheMotionChanges) {
+    std::vector<ArcEpoch<2>> arc = test::with_changing_motion(sample_arc<2>(600, 256));
+    expect_as_by_rts<2>(arc, singer_with_error);
+    // Vague states, which are smoothed by RTS itself.
+    arc[100].step_before = true;
+    for (std::size_t k = 300; k < 340; ++k)
+        arc[k].measurement.reset();
+    arc = test::at_equal_steps(arc);
+    expect_as_by_rts<2>(arc, singer_with_error);
+}
+
 TEST(MotionSmoother, WithoutTheErrorIsTheSmootherOfAnErrorOfNextToNothing) {
     EstimationModel model = singer_with_error;
     model.error = {.tau_s = 1.0, .process_density = 1e-9, .initial_sigma_m = 1e-9};
@@ -80,7 +91,8 @@ TEST(MotionSmoother, AccuraciesThatCannotBeAreAFailureThatNamesATime) {
         MotionSmoother<2> smoother(arc, singer_with_error);
         FAIL();
     } catch (const Failure& failure) {
-        EXPECT_NE(std::string(failure.what()).find("time 3.0"), std::string::npos) << failure.what();
+        EXPECT_NE(std::string(failure.what()).find("time 3.0"), std::string::npos)
+            << failure.what();
     }
 }
 

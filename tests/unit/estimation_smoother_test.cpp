@@ -24,9 +24,9 @@ Eigen::MatrixXd correlation_scale(const Eigen::MatrixXd& matrix, const Eigen::Ve
 }
 
 template <int Axes>
-void expect_equal_to_dense(const EstimationModel& model) {
+void expect_equal_to_dense(const EstimationModel& model,
+                           const std::vector<ArcEpoch<Axes>>& arc = sample_arc<Axes>(10)) {
     constexpr int n = state_size<Axes>;
-    const auto arc = sample_arc<Axes>(10);
     const SmoothedArc<Axes> smoothed = smooth<Axes>(arc, model);
     const DenseSolution dense = solve_dense<Axes>(arc, model);
     const Eigen::VectorXd sigma = dense.covariance.diagonal().cwiseSqrt();
@@ -74,6 +74,13 @@ TEST(Smoother, EqualsDenseLeastSquaresWithABoundingError) {
     EstimationModel model = singer_with_error;
     model.error = GaussMarkovError::bounding(0.008, 0.5, 10.0);
     expect_equal_to_dense<2>(model);
+}
+
+TEST(Smoother, EqualsDenseLeastSquaresWhereTheMotionChanges) {
+    expect_equal_to_dense<1>(singer_with_error, test::with_changing_motion(sample_arc<1>(10)));
+    expect_equal_to_dense<2>(singer_with_error, test::with_changing_motion(sample_arc<2>(10)));
+    expect_equal_to_dense<2>(singer_with_error,
+                             test::with_changing_motion(test::at_equal_steps(sample_arc<2>(10))));
 }
 
 TEST(Smoother, SumOfInnovationStatisticsIsTheMinimumOfLeastSquares) {

@@ -49,10 +49,34 @@ std::vector<ArcEpoch<Axes>> sample_arc(std::size_t epochs, std::size_t missing =
     return arc;
 }
 
+/// The motion of an arc in turns of seven steps that are alike.
+template <int Axes>
+std::vector<ArcEpoch<Axes>> with_changing_motion(std::vector<ArcEpoch<Axes>> arc) {
+    constexpr double factors[] = {1.0, 6.0, 0.3, 2.5};
+    for (std::size_t k = 0; k < arc.size(); ++k)
+        arc[k].jerk_factor = factors[k / 7 % 4];
+    return arc;
+}
+
+/// The same measurements at equal steps of 0.1 s: only the motion tells one step from another.
+template <int Axes>
+std::vector<ArcEpoch<Axes>> at_equal_steps(std::vector<ArcEpoch<Axes>> arc) {
+    for (std::size_t k = 0; k < arc.size(); ++k)
+        arc[k].time_s = 2.0 + 0.1 * static_cast<double>(k);
+    return arc;
+}
+
 /// The step between two epochs, to the nanosecond.
 template <int Axes>
 double step_s(const ArcEpoch<Axes>& from, const ArcEpoch<Axes>& to) {
     return static_cast<double>(std::llround((to.time_s - from.time_s) * 1e9)) * 1e-9;
+}
+
+/// The step as a model has it whose jerk density is that of the step.
+template <int Axes>
+AxisStep step_between(EstimationModel model, const ArcEpoch<Axes>& from, const ArcEpoch<Axes>& to) {
+    model.motion.jerk_density *= to.jerk_factor;
+    return axis_step(model, step_s(from, to));
 }
 
 /// The estimation problem of an arc as one dense weighted least squares: an independent way to its
@@ -91,7 +115,7 @@ DenseSolution solve_dense(std::span<const ArcEpoch<Axes>> arc, const EstimationM
             constant += z.dot(weight * z);
         }
         if (k == 0) continue;
-        const AxisStep step = axis_step(model, step_s(arc[k - 1], arc[k]));
+        const AxisStep step = step_between(model, arc[k - 1], arc[k]);
         QuadMatrix row(n, 2 * n);
         row << (-transition<Axes>(step)).template cast<Quad>(), QuadMatrix::Identity(n, n);
         const QuadMatrix noise = process_noise<Axes>(step).template cast<Quad>();

@@ -76,6 +76,9 @@ TEST(Attempt, WhatIsLeftOutHasItsDefault) {
     EXPECT_EQ(receiver.time_scale, "gps");
     EXPECT_EQ(receiver.delimiter, "auto");
     EXPECT_TRUE(receiver.columns.empty());
+    EXPECT_EQ(receiver.solution, "");
+    EXPECT_EQ(receiver.time_source, "");
+    EXPECT_EQ(read_attempt(least, "f").attempts_made, 1);
 }
 
 TEST(Attempt, ARecordingMayBeSeveralFilesOrRaw) {
@@ -237,9 +240,9 @@ TEST(Attempt, BadInputIsNamedWithItsPlace) {
         {"[nalsa]", "[nalsa]\nparameters.smooth: {jerk_density: 1}", "f:7:1", "unknown key"},
         {"schema: attempt/1.0\n", "", "f:1:1", "does not say that it follows attempt/1.0"},
         {"attempt/1.0", "attempt/2.0", "f:1:9", "does not say that it follows attempt/1.0"},
-        {"attempt/1.0", "attempt/1.6", "f:1:9",
+        {"attempt/1.0", "attempt/1.7", "f:1:9",
          "follows attempt/1.0 or attempt/1.1 or attempt/1.2 or attempt/1.3 or attempt/1.4 or "
-         "attempt/1.5. An attempt begins with \"schema: attempt/1.5\""},
+         "attempt/1.5 or attempt/1.6. An attempt begins with \"schema: attempt/1.6\""},
         {"attempt/1.0", "attempt/1.01", "f:1:9", "does not say that it follows attempt/1.0"},
         {"attempt/1.0", "profile/1.0", "f:1:9", "does not say that it follows attempt/1.0"},
         {"attempt/1.0", "{name: attempt}", "f:1:9", "is a map, not text"},
@@ -294,7 +297,7 @@ TEST(Attempt, ParametersAreTheClassesDefaults) {
 }
 
 TEST(Attempt, EveryParameterHasADefaultOfItsTypeForEveryClass) {
-    const std::string newest = replaced(least, "attempt/1.0", "attempt/1.5");
+    const std::string newest = replaced(least, "attempt/1.0", "attempt/1.6");
     const DocumentSchema& schema = attempt_schema();
     for (const std::string& name : schema.find("craft.class")->values) {
         const Attempt attempt =

@@ -73,6 +73,25 @@ TEST(BuiltinProfiles, EveryClauseSaysWhereItIsKnownFrom) {
     }
 }
 
+/// What the program itself asks is not what a rule says: no rule of the folder asks it too.
+TEST(OwnClauses, StandBesideThoseOfEveryRule) {
+    std::vector<std::string> computations;
+    for (const Clause& clause : own_clauses()) {
+        SCOPED_TRACE(clause.id);
+        computations.push_back(clause.decided_by);
+        EXPECT_GE(clause.text.size(), 15U);
+        EXPECT_EQ(clause.source, "this program's own requirement");
+        EXPECT_EQ(clause.certainty, "quoted");
+        EXPECT_FALSE(clause.limit);
+        for (const std::string& name : builtin_profiles())
+            for (const Clause& of_rule : builtin(name).clauses)
+                EXPECT_FALSE(of_rule.id == clause.id || of_rule.decided_by == clause.decided_by)
+                    << name;
+    }
+    EXPECT_EQ(computations,
+              (std::vector<std::string>{"time_scale", "measured_positions", "stated_solution"}));
+}
+
 TEST(BuiltinProfiles, Nalsa) {
     const Profile profile = builtin("nalsa");
     EXPECT_EQ(profile.window_kind, "time");

@@ -2,12 +2,13 @@
 
 #include <limits>
 #include <string>
+#include <vector>
 
 #include "files_test_support.h"
 #include "schemas/trajectory/trajectory.h"
 #include "schemas/windows/windows.h"
 
-// What revision 1.1 added to trajectory and windows, written and read again.
+// What revision 1.1 and later ones added to trajectory and windows, written and read again.
 
 namespace runcert {
 namespace {
@@ -103,7 +104,9 @@ TrajectoryTable trajectory() {
     epoch.robust_east_m = 1.000001;
     epoch.robust_north_m = -2.5;
     epoch.robust_weight = 0.0625;
-    table.rows = {epoch};
+    epoch.jerk_density = 1.9375;
+    epoch.jerk_density_up = 0.6125;
+    table.rows = {epoch, TrajectoryEpoch{}};
     return table;
 }
 
@@ -118,6 +121,9 @@ TEST(TrajectoryEstimation, RoundTrips) {
     EXPECT_EQ(back.rows.at(0).robust_east_m, 1.000001);
     EXPECT_EQ(back.rows.at(0).robust_north_m, -2.5);
     EXPECT_EQ(back.rows.at(0).robust_weight, 0.0625);
+    EXPECT_EQ(back.rows.at(0).jerk_density, 1.9375);
+    EXPECT_EQ(back.rows.at(0).jerk_density_up, 0.6125);
+    EXPECT_FALSE(back.rows.at(1).jerk_density || back.rows.at(1).jerk_density_up);
     EXPECT_FALSE(back.estimation.vertical);
     ASSERT_TRUE(back.estimation.horizontal);
     expect_equal(back.estimation.horizontal->noise, table.estimation.horizontal->noise);
@@ -165,6 +171,25 @@ TEST(TrajectoryEstimation, IsRoundedToTheFieldTable) {
     EXPECT_EQ(back.estimation.horizontal->health.largest_condition, 1234.6);
 }
 
+TEST(TrajectoryEstimation, JerkDensitiesAreOfRevision3AndToTheirDecimals) {
+    TrajectoryTable table = trajectory();
+    table.rows[0].jerk_density = 1.0 / 3.0;
+    table.rows[0].jerk_density_up = 2.0 / 3.0;
+    const std::string text = write_trajectory(table);
+    const TrajectoryEpoch back = read_trajectory(text, "f").rows.at(0);
+    EXPECT_EQ(back.jerk_density, 0.333333);
+    EXPECT_EQ(back.jerk_density_up, 0.666667);
+    const std::string early = test::replaced(test::replaced(text, "#   time_source: unknown\n", ""),
+                                             "version: \"1.3\"", "version: \"1.2\"");
+    const auto said = failure_of([&] { read_trajectory(early, "f"); });
+    EXPECT_TRUE(
+        said.contains("the column \"jerk_density\" needs revision 1.3 of the schema "
+                      "trajectory; the file follows trajectory/1.2"))
+        << said.problem;
+    table.rows[0].jerk_density = std::numeric_limits<double>::infinity();
+    EXPECT_EQ(failure_of([&] { write_trajectory(table); }).where, "column jerk_density");
+}
+
 CertifiableWindow window() {
     CertifiableWindow window;
     window.span.duration.nanoseconds = 3'000'000'000;
@@ -178,9 +203,8 @@ CertifiableWindow window() {
     window.bound =
         ErrorBound{0.25, 20.0, 0.02, 0.0075, 1.25, 0.005, 0.0125, "float", "fitted", 0.0095};
     window.robust = RobustSpeed{60.001, -0.0025, 0.0245, true, 2};
-    window.selection =
-        SelectionBias{17,    60.0,   0.0115, 60.0005, 0.011,        0.001, 0.004,
-                      0.0025, 0.0015, 0.0005, "subtracted", 5000, 42};
+    window.selection = SelectionBias{17,     60.0,   0.0115, 60.0005,      0.011, 0.001, 0.004,
+                                     0.0025, 0.0015, 0.0005, "subtracted", 5000,  42};
     window.budget = {{"d", "displacement", 180.0075, "m", 0.0375, "A", "normal", 12.75, 0.333333,
                       0.0125, "with b", "fit"},
                      {"b", "scale", 1.0, "", 0.00057735, "B", "rectangular", std::nullopt, 60.0,
@@ -207,14 +231,43 @@ Windows windows(const CertifiableWindow& best) {
     return windows;
 }
 
+/// What revision 1.4 added, each with what stands inside it.
+const std::vector<std::vector<std::string>> of_revision_4{
+    {"own_standard_uncertainty_m_s"},
+    {"bias_limit_m_s"},
+    {"estimates", "chord_m_s", "chord_difference_uncertainty_m_s", "stiffer_m_s", "softer_m_s",
+     "whole_m_s", "half_width_m_s"},
+    {"along"},
+    {"fitted_bias_m_s"},
+    {"bounded_bias_m_s"},
+    {"bias_half_range_m_s"}};
+
+/// As revision 1.3 wrote it; but `kept` and what stands inside it stays.
+std::string without_revision_4(const std::string& text, const std::string& kept = "") {
+    std::string out;
+    for (std::size_t at = 0; at < text.size();) {
+        const std::size_t end = text.find('\n', at) + 1;
+        const std::string line = text.substr(at, end - at);
+        const std::string key = line.substr(line.find_first_not_of(' '));
+        bool later = false;
+        for (const std::vector<std::string>& group : of_revision_4)
+            for (const std::string& name : group)
+                later = later || (group.front() != kept && key.starts_with(name + ":"));
+        if (!later) out += line;
+        at = end;
+    }
+    return test::replaced(out, "version: \"1.4\"", "version: \"1.3\"");
+}
+
 /// As revision 1.2 wrote it.
 std::string without_revision_3(const std::string& text) {
-    return test::replaced(test::replaced(test::replaced(text, "    kind: time\n", ""),
-                                         "    dimension: horizontal\n    source: position\n"
-                                         "    ends: epochs\n    exact: false\n    count: 1\n"
-                                         "    opposite_runs: false\n",
-                                         ""),
-                          "version: \"1.3\"", "version: \"1.2\"");
+    return test::replaced(
+        test::replaced(test::replaced(without_revision_4(text), "    kind: time\n", ""),
+                       "    dimension: horizontal\n    source: position\n"
+                       "    ends: epochs\n    exact: false\n    count: 1\n"
+                       "    opposite_runs: false\n",
+                       ""),
+        "version: \"1.3\"", "version: \"1.2\"");
 }
 
 CertifiableWindow written_and_read(const CertifiableWindow& best) {
@@ -333,13 +386,72 @@ TEST(WindowReliability, HasOnlyKnownWordsAndIsOfRevision2) {
                 }).contains("repaired_steps: the field needs revision 1.2"));
 }
 
+TEST(WindowUncertainty, WhatRevision4AddedIsRefusedInAnEarlierFile) {
+    const std::string text = write_windows(windows(window()));
+    for (const std::vector<std::string>& group : of_revision_4) {
+        const std::string early = without_revision_4(text, group.front());
+        const auto said = failure_of([&] { read_windows(early, "f"); });
+        EXPECT_TRUE(said.contains(group.front() + ": the field needs revision 1.4 of the schema "
+                                                  "windows; the file follows windows/1.3"))
+            << group.front() << "\n"
+            << said.problem;
+    }
+    const CertifiableWindow back =
+        read_windows(without_revision_4(text), "f").profiles.at(0).best.value();
+    EXPECT_FALSE(back.own_standard_uncertainty_mps || back.estimates);
+    EXPECT_EQ(back.bias_limit_mps, 0.0);
+    EXPECT_EQ(back.bound->along, 1.0);
+    EXPECT_EQ(back.bound->fitted_m, 0.0075);
+    EXPECT_EQ(back.selection->fitted_bias_mps, 0.0);
+    EXPECT_EQ(back.selection->bounded_bias_mps, 0.0);
+    EXPECT_EQ(back.selection->bias_half_range_mps, 0.0);
+    EXPECT_EQ(back.selection->bias_mps, 0.0025);
+}
+
+TEST(WindowUncertainty, WhatRevision4AddedIsNowhereNegative) {
+    const auto refused = [](auto change) {
+        CertifiableWindow wrong = window();
+        change(wrong);
+        return failure_of([&] { write_windows(windows(wrong)); }).contains("-0.5 is below 0");
+    };
+    using Window = CertifiableWindow;
+    EXPECT_TRUE(refused([](Window& it) { it.own_standard_uncertainty_mps = -0.5; }));
+    EXPECT_TRUE(refused([](Window& it) { it.bias_limit_mps = -0.5; }));
+    EXPECT_TRUE(refused([](Window& it) { it.estimates->chord_difference_uncertainty_mps = -0.5; }));
+    EXPECT_TRUE(refused([](Window& it) { it.estimates->half_width_mps = -0.5; }));
+    EXPECT_TRUE(refused([](Window& it) { it.bound->along = -0.5; }));
+    EXPECT_TRUE(refused([](Window& it) { it.selection->fitted_bias_mps = -0.5; }));
+    EXPECT_TRUE(refused([](Window& it) { it.selection->bounded_bias_mps = -0.5; }));
+    EXPECT_TRUE(refused([](Window& it) { it.selection->bias_half_range_mps = -0.5; }));
+}
+
+TEST(WindowUncertainty, OfOtherEstimatesOnlyTheChordMayBeAbsent) {
+    CertifiableWindow without = window();
+    without.estimates->chord_mps = without.estimates->chord_difference_uncertainty_mps =
+        std::nullopt;
+    const CertifiableWindow back = written_and_read(without);
+    EXPECT_FALSE(back.estimates->chord_mps || back.estimates->chord_difference_uncertainty_mps);
+    EXPECT_EQ(back.estimates->softer_mps, 60.0055);
+    const std::string text = write_windows(windows(without));
+    for (const auto& [key, line] : {std::pair{"stiffer_m_s", "        stiffer_m_s: 60.0015\n"},
+                                    {"softer_m_s", "        softer_m_s: 60.0055\n"},
+                                    {"whole_m_s", "        whole_m_s: 60.0005\n"},
+                                    {"half_width_m_s", "        half_width_m_s: 0.0035\n"}})
+        EXPECT_TRUE(failure_of([&, line = line] {
+                        read_windows(test::replaced(text, line, ""), "f");
+                    }).contains(std::string("the key \"") + key + "\" is missing"))
+            << key;
+}
+
 TEST(WindowUncertainty, WhatWasNotComputedIsAbsentButTheBudgetIsListed) {
     CertifiableWindow bare;
     bare.effective_degrees_of_freedom = std::numeric_limits<double>::infinity();
     const std::string text = write_windows(windows(bare));
     const CertifiableWindow back = read_windows(text, "f").profiles.at(0).best.value();
     EXPECT_FALSE(back.effective_degrees_of_freedom || back.fitted || back.bound || back.robust ||
-                 back.selection || back.monte_carlo || back.detection_power);
+                 back.selection || back.monte_carlo || back.detection_power ||
+                 back.own_standard_uncertainty_mps || back.estimates);
+    EXPECT_EQ(back.bias_limit_mps, 0.0);
     EXPECT_TRUE(back.reliability.empty());
     const std::string without = test::replaced(text, "      budget: []\n", "");
     EXPECT_TRUE(

@@ -99,9 +99,9 @@ TEST(ProfileUncertainty, HasItsDefaults) {
         const Profile::Uncertainty found = read_profile(text, "p").uncertainty;
         EXPECT_EQ(found.tau_min_s, 0.5);
         EXPECT_EQ(found.tau_max_s, 10.0);
-        EXPECT_FALSE(found.subtract_selection_bias);
+        EXPECT_TRUE(found.subtract_selection_bias);
         EXPECT_EQ(found.error_floor_m, (std::map<std::string, double>{{"fixed", 0.02},
-                                                                      {"unknown", 0.02},
+                                                                      {"unknown", 0.5},
                                                                       {"float", 0.2},
                                                                       {"ppp", 0.1},
                                                                       {"dgps", 0.5},
@@ -109,6 +109,11 @@ TEST(ProfileUncertainty, HasItsDefaults) {
                                                                       {"single", 0.5},
                                                                       {"dead_reckoning", 0.5}}));
     }
+}
+
+TEST(ProfileUncertainty, TheBiasOfChoosingMayBeCovered) {
+    EXPECT_FALSE(read_profile(with_uncertainty("{selection_bias: covered}"), "p")
+                     .uncertainty.subtract_selection_bias);
 }
 
 TEST(ProfileUncertainty, IsReadAndWhatIsLeftOutHasItsDefault) {

@@ -32,7 +32,7 @@ Table gathered(const std::string& text, Open open) {
 }
 
 TEST(RowByRow, ReadsWhatReadingTheWholeReads) {
-    for (const std::string version : {"v1.0/", "v1.1/", "v1.2/"}) {
+    for (const std::string version : {"v1.0/", "v1.1/", "v1.2/", "v1.3/"}) {
         const std::string observations = golden(version + "1-observations.ecsv");
         EXPECT_EQ(write_observations(gathered<Observations>(observations, open_observations)),
                   write_observations(read_observations(observations, "f")));

@@ -4,7 +4,7 @@
 #include "schemas/common/revision.h"
 #include "schemas/screened/screened.h"
 
-// What revision 1.2 of the screened table added.
+// What revisions 1.2 to 1.4 of the screened table added.
 
 namespace runcert {
 namespace {
@@ -148,24 +148,77 @@ TEST(ScreeningEvidence, UnknownWordsAndEarlierRevisionsAreRefused) {
         {"noise: fitted", "noise: guessed", "\"guessed\" is not one of fitted"},
         {"power: 0.8", "power: 1.8", "1.8 is above 1"},
         {"#     limits:\n", "#     limit:\n", "unknown key \"limit\""},
-        {"version: \"1.3\"", "version: \"1.1\"", "screening: the field needs revision 1.2"},
     };
     for (const auto& c : cases) {
         const auto said = failure_of([&] { read_screened(replaced(text, c.from, c.to), "f"); });
         EXPECT_TRUE(said.contains(c.said)) << c.to << "\n" << said.problem;
     }
+    const std::string early = replaced(replaced(text, "#   time_source: unknown\n", ""),
+                                       "version: \"1.4\"", "version: \"1.1\"");
+    EXPECT_TRUE(failure_of([&] {
+                    read_screened(early, "f");
+                }).contains("screening: the field needs revision 1.2"));
     table.evidence->time.faults = {{.epoch = 1, .kind = "leap", .size_s = 1.0}};
     EXPECT_TRUE(failure_of([&] { write_screened(table); }).contains("\"leap\" is not one of gap"));
 }
 
-TEST(ScreenedColumns, OfRevision2AreRefusedInAnEarlierTable) {
-    const std::string text = write_screened(table_of({}));
-    const auto said = failure_of([&] {
-        read_screened(replaced(text, "#     version: \"1.3\"", "#     version: \"1.1\""), "f");
-    });
+TEST(ScreeningEvidence, OfTheDeviceRoundTrips) {
+    ScreenedTable table = table_of({});
+    table.evidence = evidence();
+    EXPECT_FALSE(read_screened(write_screened(table), "f").evidence->device);
+    table.evidence->device =
+        DeviceEvidence{.moving = 1200, .held = 11, .interpolated = 7, .by_chance = 0.126};
+    const std::string text = write_screened(table);
+    const DeviceEvidence back = read_screened(text, "f").evidence->device.value();
+    EXPECT_EQ(back.moving, 1200);
+    EXPECT_EQ(back.held, 11);
+    EXPECT_EQ(back.interpolated, 7);
+    EXPECT_EQ(back.by_chance, 0.13);
+    const struct {
+        std::string from, to, said;
+    } cases[] = {
+        {"moving: 1200", "moving: -1", "-1 is below 0"},
+        {"held: 11", "held: 1.5", "not a whole number"},
+        {"interpolated: 7", "interpolated: some", "not a whole number"},
+        {"by_chance: 0.13", "by_chance: -0.5", "-0.5 is below 0"},
+        {"#       held: 11\n", "", "the key \"held\" is missing"},
+        {"#       by_chance: 0.13\n", "", "the key \"by_chance\" is missing"},
+    };
+    for (const auto& c : cases) {
+        const auto said = failure_of([&] { read_screened(replaced(text, c.from, c.to), "f"); });
+        EXPECT_TRUE(said.contains(c.said)) << c.to << "\n" << said.problem;
+    }
+    const std::string early = replaced(replaced(text, "#   time_source: unknown\n", ""),
+                                       "version: \"1.4\"", "version: \"1.3\"");
     EXPECT_TRUE(
-        said.contains("the column \"source_file\" needs revision 1.3 of the schema screened"))
-        << said.problem;
+        failure_of([&] { read_screened(early, "f"); })
+            .contains("screening.device: the field needs revision 1.4 of the schema screened; "
+                      "the file follows screened/1.3"));
+}
+
+TEST(ScreenedColumns, OfLaterRevisionsAreRefusedInAnEarlierTable) {
+    const std::string text =
+        replaced(write_screened(table_of({})), "#   time_source: unknown\n", "");
+    for (const auto& [revision, column] :
+         {std::pair{"1.1", "the column \"source_file\" needs revision 1.3 of the schema screened"},
+          {"1.2", "the column \"source_file\" needs revision 1.3 of the schema screened"},
+          {"1.3", "the column \"manoeuvre\" needs revision 1.4 of the schema screened"}}) {
+        const std::string early = replaced(text, "#     version: \"1.4\"",
+                                           std::string("#     version: \"") + revision + "\"");
+        const auto said = failure_of([&] { read_screened(early, "f"); });
+        EXPECT_TRUE(said.contains(column)) << revision << "\n" << said.problem;
+    }
+}
+
+TEST(ScreenedColumns, OfManoeuvresRoundTripEachByItself) {
+    ScreenedEpoch level = decided(Reason::none, std::nullopt);
+    level.manoeuvre_mps2 = 2.0 / 3.0;
+    ScreenedEpoch upwards = decided(Reason::none, std::nullopt);
+    upwards.manoeuvre_up_mps2 = 1.25;
+    const auto rows = read_screened(write_screened(table_of({level, upwards})), "f").rows;
+    EXPECT_EQ(rows.at(0).manoeuvre_mps2, 0.666667);
+    EXPECT_FALSE(rows.at(0).manoeuvre_up_mps2 || rows.at(1).manoeuvre_mps2);
+    EXPECT_EQ(rows.at(1).manoeuvre_up_mps2, 1.25);
 }
 
 TEST(ScreenedColumns, OfTheTestsAreWrittenToTheirDecimals) {

@@ -19,14 +19,14 @@ using test::failure_of;
 using test::replaced;
 
 std::string golden(const std::string& name) {
-    const std::string folder = name == "2-enu.ecsv" ? "v1.2/" : "v1.1/";
+    const std::string folder = name == "2-enu.ecsv" ? "v1.3/" : "v1.1/";
     return test::slurp(std::string(RUNCERT_SOURCE_DIR) + "/tests/golden/" + folder + name);
 }
 
-/// 2-enu.ecsv of revision 1.3, with one more column, described by `column`, and one more field.
+/// 2-enu.ecsv of revision 1.4, with one more column, described by `column`, and one more field.
 std::string newer_enu(const std::string& column) {
     std::string text = golden("2-enu.ecsv");
-    text = replaced(text, "name: enu\n#     version: \"1.2\"", "name: enu\n#     version: \"1.3\"");
+    text = replaced(text, "name: enu\n#     version: \"1.3\"", "name: enu\n#     version: \"1.4\"");
     text = replaced(text, "# delimiter",
                     "#   - {name: later, datatype: int64" + column + "}\n# delimiter");
     text = replaced(text, "#   receiver:", "#   added_later: 1\n#   receiver:");
@@ -49,7 +49,7 @@ TEST(TableVersion, ANewerRevisionIsReadUnlessItMustBeUnderstood) {
     const auto said = failure_of([] { read_enu(newer_enu(", meta: {required: true}"), "f"); });
     EXPECT_TRUE(said.contains("the column \"later\" is not known")) << said.problem;
     const std::string same_revision =
-        replaced(newer_enu(""), "version: \"1.3\"", "version: \"1.2\"");
+        replaced(newer_enu(""), "version: \"1.4\"", "version: \"1.3\"");
     EXPECT_TRUE(failure_of([&] {
                     read_enu(replaced(same_revision, "#   added_later: 1\n", ""), "f");
                 }).contains("the column \"later\" is not known"));
@@ -61,7 +61,7 @@ TEST(TableSchema, DeviationsFromTheFieldTable) {
     const struct {
         std::string from, to, said;
     } cases[] = {
-        {"name: enu\n#     version: \"1.2\"", "name: enu\n#     version: \"2.0\"",
+        {"name: enu\n#     version: \"1.3\"", "name: enu\n#     version: \"2.0\"",
          "version \"2.0\""},
         {"name: enu\n#     version", "name: screened\n#     version",
          "schema \"screened\", expected"},

@@ -39,7 +39,7 @@ FurtherWindow further(double speed_mps, double standard_uncertainty_mps) {
 Windows windows(const ProfileWindows& profile) {
     Windows windows;
     windows.header = {.schema_name = "windows",
-                      .schema_version = "1.3",
+                      .schema_version = "1.4",
                       .stage = "window",
                       .program_version = "1.0.0",
                       .source_revision = "unknown",
@@ -73,15 +73,15 @@ TEST(WindowRuleText, EveryMemberRoundTrips) {
 }
 
 TEST(WindowRuleText, FurtherWindowsAndWhatIsMissingRoundTrip) {
-    const ProfileWindows before{
-        .profile = "p",
-        .rule = {.duration_s = 10.0, .definition = "mean_n", .count = 2},
-        .candidates = 7,
-        .missing = "two runs, but in one direction",
-        .best = window(20.0, 0.25),
-        .further = {further(19.5, 0.5)},
-        .indicated =
-            IndicatedWindow{.span = {}, .speed_mps = 21.0, .mean_mps = 20.25, .refusals = {}}};
+    ProfileWindows before{.profile = "p",
+                          .rule = {.duration_s = 10.0, .definition = "mean_n", .count = 2},
+                          .candidates = 7,
+                          .missing = "two runs, but in one direction",
+                          .best = window(20.0, 0.25),
+                          .further = {further(19.5, 0.5)},
+                          .indicated = IndicatedWindow{
+                              .span = {}, .speed_mps = 21.0, .mean_mps = 20.25, .refusals = {}}};
+    before.further[0].bias_limit_mps = 0.75;
     const ProfileWindows back = read_windows(write_windows(windows(before)), "f").profiles.at(0);
     EXPECT_EQ(back.missing, before.missing);
     EXPECT_EQ(back.best->length_m, 200.0);
@@ -91,6 +91,7 @@ TEST(WindowRuleText, FurtherWindowsAndWhatIsMissingRoundTrip) {
     EXPECT_EQ(back.further[0].arc, 2);
     EXPECT_EQ(back.further[0].speed_mps, 19.5);
     EXPECT_EQ(back.further[0].standard_uncertainty_mps, 0.5);
+    EXPECT_EQ(back.further[0].bias_limit_mps, 0.75);
     EXPECT_EQ(back.indicated->mean_mps, 20.25);
 }
 
@@ -107,8 +108,25 @@ TEST(WindowRuleText, KeepsToTheWordsOfTheFieldTable) {
     const std::string text = write_windows(
         windows({.profile = "p", .rule = {.definition = "mean_n"}, .best = {}, .indicated = {}}));
     EXPECT_TRUE(failure_of([&] {
-                    read_windows(replaced(text, "version: \"1.3\"", "version: \"1.2\""), "f");
+                    read_windows(replaced(text, "version: \"1.4\"", "version: \"1.2\""), "f");
                 }).contains("kind: the field needs revision 1.3"));
+}
+
+TEST(WindowRuleText, TheBiasOfAFurtherWindowIsOfRevision4) {
+    ProfileWindows profile{.profile = "p",
+                           .rule = {.duration_s = 10.0, .definition = "mean_n", .count = 2},
+                           .best = {},
+                           .further = {further(19.5, 0.5)},
+                           .indicated = {}};
+    const std::string early =
+        replaced(write_windows(windows(profile)), "version: \"1.4\"", "version: \"1.3\"");
+    const auto said = failure_of([&] { read_windows(early, "f"); });
+    EXPECT_TRUE(said.contains("further[0].bias_limit_m_s: the field needs revision 1.4"))
+        << said.problem;
+    const std::string without = replaced(early, "        bias_limit_m_s: 0.0\n", "");
+    EXPECT_EQ(read_windows(without, "f").profiles.at(0).further.at(0).bias_limit_mps, 0.0);
+    profile.further[0].bias_limit_mps = -0.25;
+    EXPECT_TRUE(failure_of([&] { write_windows(windows(profile)); }).contains("below 0 m / s"));
 }
 
 TEST(RuleFigure, OfOneWindowIsItsSpeed) {
@@ -117,23 +135,29 @@ TEST(RuleFigure, OfOneWindowIsItsSpeed) {
                            .best = window(20.0, 0.25),
                            .indicated = {}};
     profile.best->effective_degrees_of_freedom = 12.5;
+    profile.best->bias_limit_mps = 0.125;
     const RuleFigure figure = profile.figure().value();
     EXPECT_EQ(figure.speed_mps, 20.0);
     EXPECT_EQ(figure.standard_uncertainty_mps, 0.25);
     EXPECT_EQ(figure.effective_degrees_of_freedom, 12.5);
+    EXPECT_EQ(figure.bias_limit_mps, 0.125);
     profile.best.reset();
     EXPECT_FALSE(profile.figure());
 }
 
-/// One error common to all moves their mean as it moves each: uncertainties add as speeds do.
+/// One error common to all moves their mean as it moves each: uncertainties add as speeds do, and
+/// so do limits of a bias.
 TEST(RuleFigure, OfSeveralIsTheMeanAndItsUncertaintyThatOfACommonError) {
     ProfileWindows profile{.profile = "p",
                            .rule = {.duration_s = 10.0, .definition = "mean_n", .count = 3},
                            .best = window(20.0, 0.25),
                            .further = {further(19.0, 0.5), further(18.0, 0.75)},
                            .indicated = {}};
+    profile.best->bias_limit_mps = 0.125;
+    profile.further[1].bias_limit_mps = 0.25;
     EXPECT_DOUBLE_EQ(profile.figure()->speed_mps, 19.0);
     EXPECT_DOUBLE_EQ(profile.figure()->standard_uncertainty_mps, 0.5);
+    EXPECT_DOUBLE_EQ(profile.figure()->bias_limit_mps, 0.125);
     profile.further.pop_back();
     EXPECT_FALSE(profile.figure());  // two of three
 }

@@ -348,11 +348,62 @@ TEST(TimeCheck, ALoggersOwnClockShowsItsRate) {
     }
 }
 
-TEST(TimeCheck, AnIntervalThatNoReceiverOffersIsItsOwnNominal) {
-    Rows rows = recording(1000, 10.0);
+/// Rows whose stamps are so far apart, to the nanosecond.
+Rows every(double interval_s, std::size_t epochs = 2001) {
+    Rows rows = recording(epochs, 10.0);
     for (std::size_t k = 0; k < rows.size(); ++k)
-        rows[k].time.nanoseconds = static_cast<std::int64_t>(k) * 120'006'000;
-    EXPECT_NEAR(examine(rows, 0.12).rate_deviation, 5e-5, 1e-12);
+        rows[k].time.nanoseconds = std::llround(static_cast<double>(k) * interval_s * 1e9);
+    return rows;
+}
+
+TEST(TimeCheck, AnIntervalThatNoReceiverOffersIsItsOwnNominal) {
+    EXPECT_NEAR(examine(every(0.120006), 0.12).rate_deviation, 5e-5, 1e-9);
+    // 8 1/3 Hz is 4 % from 8 Hz, 1.5 s a quarter from 2 s, 15 s half from 10.
+    for (const double interval_s : {0.12, 1.5, 2.6, 15.0, 0.0225})
+        EXPECT_NEAR(examine(every(interval_s), interval_s).rate_deviation, 0.0, 1e-6) << interval_s;
+    // Faster than a hundred a second none is usual.
+    EXPECT_NEAR(examine(every(0.005), 0.005).rate_deviation, 0.0, 1e-6);
+}
+
+TEST(TimeCheck, StampsOfAClockThatRunsWrongAreFoundAgainstTheUsualInterval) {
+    // What the importer has for the nominal interval is of the same stamps.
+    for (const double deviation : {-0.0015, -0.002, -0.004, 0.004, -0.009})
+        for (const double usual_s : {10.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.04}) {
+            const double interval_s = usual_s * (1.0 + deviation);
+            for (const double nominal_s : {usual_s, interval_s, 0.0})
+                EXPECT_NEAR(examine(every(interval_s), nominal_s).rate_deviation, deviation, 1e-6)
+                    << usual_s << " " << deviation << " " << nominal_s;
+        }
+}
+
+TEST(TimeCheck, StampsInWholeMillisecondsTellADeviationBelowAMillisecond) {
+    // 99.85 ms is written as 99 or 100: the mean tells it.
+    for (const double deviation : {-0.0015, -0.002, -0.004}) {
+        Rows rows = every(0.1 * (1.0 + deviation));
+        for (ScreenedEpoch& row : rows)
+            row.time.nanoseconds = (row.time.nanoseconds + 500'000) / 1'000'000 * 1'000'000;
+        EXPECT_NEAR(examine(rows, 0.1).rate_deviation, deviation, 1e-5) << deviation;
+    }
+}
+
+TEST(TimeCheck, HowFarADeviationIsToldHangsOnTheNextUsualInterval) {
+    // Within 2 %, and within a quarter of what is to the next rate: of 50 Hz that is 0.5 %.
+    const auto told = [](double usual_s, double deviation) {
+        const double interval_s = usual_s * (1.0 + deviation);
+        return examine(every(interval_s), interval_s).rate_deviation;
+    };
+    for (const auto& [usual_s, limit] : {std::pair(1.0, 0.02),
+                                         {0.2, 0.02},
+                                         {0.1, 0.02},
+                                         {0.05, 0.0125},
+                                         {0.04, 0.01},
+                                         {0.02, 0.005},
+                                         {0.01, 0.0025},
+                                         {5.0, 0.02}})
+        for (const double sign : {-1.0, 1.0}) {
+            EXPECT_NEAR(told(usual_s, sign * 0.95 * limit), sign * 0.95 * limit, 1e-6) << usual_s;
+            EXPECT_NEAR(told(usual_s, sign * 1.05 * limit), 0.0, 1e-6) << usual_s;
+        }
 }
 
 TEST(TimeCheck, JitterIsTheStandardDeviationOfTheIntervals) {

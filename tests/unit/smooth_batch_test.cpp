@@ -140,6 +140,26 @@ TEST(Batch, AgreesWithTheSmootherAtIrregularSteps) {
     }
 }
 
+TEST(Batch, AgreesWithTheSmootherWhereTheMotionChanges) {
+    auto arc = simulate<2>({.error_sigma_m = 0.008});
+    test::change_motion(arc);
+    remove_measurements<2>(arc, 300, 310);
+    for (const NamedModel& one : models()) {
+        const auto smoothed = means<2>(smooth<2>(arc, one.model));
+        const Eigen::Vector4d difference =
+            largest_difference<2>(solve_batch<2>(arc, one.model).states, smoothed);
+        EXPECT_LT(difference(0), 1e-7) << one.name;
+        EXPECT_LT(difference(1), 1e-6) << one.name;
+        EXPECT_LT(difference(2), 1e-5) << one.name;
+        // Of one density for all of it the states are others.
+        auto even = arc;
+        for (ArcEpoch<2>& epoch : even)
+            epoch.jerk_factor = 1.0;
+        EXPECT_GT(largest_difference<2>(solve_batch<2>(even, one.model).states, smoothed)(0), 1e-4)
+            << one.name;
+    }
+}
+
 TEST(Batch, SolvesPositionsFreeOfNoiseAndASingleOne) {
     auto arc = simulate<2>({.epochs = 50, .missing = 0.0});
     for (auto& epoch : arc)
@@ -158,8 +178,9 @@ TEST(Batch, SolvesPositionsFreeOfNoiseAndASingleOne) {
 TEST(Batch, CovariancesAreTheSmoothers) {
     const std::size_t s = 250;
     const std::size_t e = 280;
+    auto arc = simulate<2>({.epochs = 500, .error_sigma_m = 0.008});
+    test::change_motion(arc);
     for (const NamedModel& one : models()) {
-        const auto arc = simulate<2>({.epochs = 500, .error_sigma_m = 0.008});
         const SmoothedArc<2> smoothed = smooth<2>(arc, one.model);
         const TwoStateCovariance<2> batch = batch_covariance<2>(arc, one.model, s, e);
         const StateMatrix<2> cross = smoothed.cross_covariance(s, e);

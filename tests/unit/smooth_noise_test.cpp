@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
 
 #include "arcs/noise_models.h"
 #include "core/random.h"
@@ -172,6 +174,79 @@ TEST(LearnNoise, AFitAtTheLimitOfItsRangeSaysSo) {
     EXPECT_NEAR(noise.measurement_scale.value, 1.0, 0.1);
     EXPECT_FALSE(noise.measurement_scale.at_bound);
     EXPECT_FALSE(learnt(record({})).jerk_density.at_bound);
+}
+
+/// At rest, then back and forth by 12 m every 8 s for half a minute, then at rest.
+ScreenedTable waited_and_sailed(double swing_m = 6.0) {
+    ScreenedTable table = record({.epochs = 3000});
+    RandomGenerator random(9);
+    for (std::int64_t k = 0; k < 3000; ++k) {
+        ScreenedEpoch& row = table.rows[static_cast<std::size_t>(k)];
+        const double since_s = std::clamp(0.1 * static_cast<double>(k) - 200.0, 0.0, 32.0);
+        row.east_m =
+            swing_m * (1.0 - std::cos(0.25 * std::numbers::pi * since_s)) + 0.010 * random.normal();
+        row.north_m = 0.010 * random.normal();
+    }
+    return table;
+}
+
+TEST(LearnNoise, FitsWithTheMotionWhereItIs) {
+    std::vector<Arc<2>> arcs = arcs_of<2>(waited_and_sailed());
+    const NoiseSummary noise = learn_noise<2>(arcs, config());
+    ASSERT_EQ(noise.status, "fitted");
+    const std::vector<ArcEpoch<2>>& epochs = arcs.front().epochs;
+    double least_moving = epochs[2020].jerk_factor;
+    double largest_quiet = 0.0;
+    for (std::size_t k = 2020; k < 2300; ++k)
+        least_moving = std::min(least_moving, epochs[k].jerk_factor);
+    for (std::size_t k = 0; k < 1860; ++k)
+        largest_quiet = std::max(largest_quiet, epochs[k].jerk_factor);
+    EXPECT_GT(least_moving, 1.5);
+    EXPECT_LT(largest_quiet, 0.2 * least_moving);
+    // What is white is not lost in the motion, nor the motion in it.
+    EXPECT_NEAR(noise.measurement_scale.value, 1.0, 0.05);
+    EXPECT_FALSE(noise.error_told);
+    EXPECT_TRUE(filter_health<2>(arcs, model_of(noise)).white);
+}
+
+TEST(LearnNoise, WhereNothingIsFittedNoMotionIsFollowed) {
+    std::vector<Arc<2>> arcs = arcs_of<2>(record({.epochs = 32}));
+    EXPECT_EQ(learn_noise<2>(arcs, config()).status, "too_few_epochs");
+    for (const ArcEpoch<2>& epoch : arcs.front().epochs)
+        EXPECT_EQ(epoch.jerk_factor, 1.0);
+    arcs = arcs_of<2>(record({.epochs = 300}));
+    const NoiseSummary noise = learn_noise<2>(arcs, as_stated());
+    set_jerk_densities<2>(arcs, noise, as_stated());
+    for (const ArcEpoch<2>& epoch : arcs.front().epochs)
+        EXPECT_EQ(epoch.jerk_factor, 1.0);
+}
+
+TEST(JerkDensities, AreNowhereLessThanTheClassesAndTheFittedOne) {
+    for (const double swing_m : {0.0, 0.2, 6.0}) {
+        std::vector<Arc<2>> arcs = arcs_of<2>(waited_and_sailed(swing_m));
+        const NoiseSummary noise = learn_noise<2>(arcs, config());
+        const double fitted = noise.jerk_density.value;
+        std::vector<double> motion;
+        for (const ArcEpoch<2>& epoch : arcs.front().epochs)
+            motion.push_back(fitted * epoch.jerk_factor);
+        set_jerk_densities<2>(arcs, noise, config());
+        const double floor = std::max(0.6, fitted);
+        for (std::size_t k = 0; k < motion.size(); ++k) {
+            const double density = fitted * arcs.front().epochs[k].jerk_factor;
+            EXPECT_NEAR(density, std::max(floor, motion[k]), 1e-5 * density) << swing_m << " " << k;
+        }
+        // Quiet the estimate has the freedom of the class, and no more.
+        EXPECT_NEAR(fitted * arcs.front().epochs[500].jerk_factor, floor, 1e-5) << swing_m;
+    }
+}
+
+TEST(JerkDensities, OfHardMotionAreTheMotions) {
+    // 6 m back and forth every 8 s: up to 3.7 m/s^2 and 2.9 m/s^3.
+    std::vector<Arc<2>> arcs = arcs_of<2>(waited_and_sailed());
+    const NoiseSummary noise = learn_noise<2>(arcs, config());
+    set_jerk_densities<2>(arcs, noise, config());
+    for (std::size_t k = 2020; k < 2300; ++k)
+        EXPECT_GT(noise.jerk_density.value * arcs.front().epochs[k].jerk_factor, 0.8) << k;
 }
 
 TEST(LearnNoise, WhatIsWrittenAndReadGivesTheSameModel) {

@@ -132,6 +132,15 @@ TEST(RobustChain, IsCeresSolutionAtIrregularTimes) {
     }
 }
 
+TEST(RobustChain, IsCeresSolutionWhereTheMotionChanges) {
+    for (const NamedModel& one : models()) {
+        auto arc = draw_arc<2>(one.model, 20.0, 45);
+        test::change_motion(arc);
+        arc[100].step_before = arc[360].step_before = true;
+        expect_the_same<2>(arc, one);
+    }
+}
+
 TEST(RobustChain, OfAFewEpochsIsCeresSolution) {
     for (const NamedModel& one : models())
         for (const std::size_t epochs : {1U, 2U, 3U, 5U}) {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "estimation/motion_model.h"
+#include "estimation/kalman.h"
 
 namespace runcert::test {
 
@@ -34,6 +34,13 @@ inline std::vector<NamedModel> models() {
                 {fmt::format("{}, acceleration time {} s", name, acceleration_time_s), model});
         }
     return all;
+}
+
+/// Hard motion for a while between quiet, in steps of one length.
+template <int Axes>
+void change_motion(std::vector<ArcEpoch<Axes>>& arc) {
+    for (std::size_t k = 0; k < arc.size(); ++k)
+        arc[k].jerk_factor = k % 150 < 90 ? 1.0 : k % 150 < 120 ? 12.0 : 2.5;
 }
 
 }  // namespace runcert::test

@@ -208,12 +208,114 @@ TEST(OtherEstimates, SayHowMuchHangsOnTheModel) {
                 1e-12);
     // A model that is wrong shows against the chord: motion smoothed away is not there.
     for (ArcEpoch<2>& epoch : stretch.epochs)
-        if (epoch.measurement) epoch.measurement->position.x() += 3.0 * std::sin(1.6 * epoch.time_s);
+        if (epoch.measurement)
+            epoch.measurement->position.x() += 3.0 * std::sin(1.6 * epoch.time_s);
     const auto [stiff_speed, stiff] = estimates_of(1e-4);
     EXPECT_GT(std::abs(*stiff.chord_mps - stiff_speed),
               2.0 * *stiff.chord_difference_uncertainty_mps);
     EXPECT_GE(stiff.half_width_mps, std::abs(*stiff.chord_mps - stiff_speed) -
                                         2.0 * *stiff.chord_difference_uncertainty_mps);
+}
+
+TEST(PositionNoise, TheBoundedPartIsTheLargestOfAnyCorrelationTime) {
+    // Whatever the weights came from: 0.5 s to tau_max^2 / tau_min.
+    const WindowStretch<2> stretch = irregular_stretch();
+    for (const char* definition : {"displacement", "path_length", "mean_n"}) {
+        const PositionNoise noise = noise_of(stretch, fitted_model(), bounding(), definition);
+        for (const double tau_s : {0.5, 0.7, 1.0, 3.0, 10.0, 50.0, 200.0}) {
+            const PositionNoise steady = noise_of(
+                stretch, fitted_model(), GaussMarkovError::steady(0.02, tau_s), definition);
+            EXPECT_GE(noise.correlated_mps, steady.correlated_mps) << definition << " " << tau_s;
+            EXPECT_EQ(noise.white_mps, steady.white_mps);
+            if (tau_s == 0.5 || tau_s == 10.0) {
+                EXPECT_GE(noise.own_correlated_mps, steady.correlated_mps * (1.0 - 1e-12));
+            }
+        }
+        EXPECT_LT(noise.own_correlated_mps, noise.correlated_mps) << definition;
+    }
+}
+
+TEST(PositionNoise, PartsAddUpWhereTheMotionChanges) {
+    WindowStretch<2> stretch = irregular_stretch();
+    const PositionNoise even = noise_of(stretch, fitted_model(), bounding(), "displacement");
+    stretch.epochs = test::with_changing_motion(std::move(stretch.epochs));
+    const EstimationModel model = fitted_model();
+    const PositionNoise noise = noise_of(stretch, model, bounding(), "displacement");
+    // The smoother's own variance is of the same weights with the fitted error in place of the
+    // bound.
+    const PositionNoise fitted = noise_of(stretch, model, model.error, "displacement");
+    const double u = displacement_speed(smooth<2>(stretch.epochs, model), stretch.window.first,
+                                        stretch.window.last, stretch.duration_s)
+                         .standard_uncertainty_mps;
+    EXPECT_NEAR(fitted.speed.standard_uncertainty_mps, u, 1e-9 * u);
+    EXPECT_NEAR(noise.motion_mps, fitted.motion_mps, 1e-12);
+    EXPECT_GT(std::abs(noise.motion_mps / even.motion_mps - 1.0), 0.02);
+}
+
+TEST(OtherEstimates, OfOneDensityForAllIsTheEstimateThatDoesNotFollowTheMotion) {
+    WindowStretch<2> stretch = irregular_stretch();
+    const EstimationModel model = fitted_model();
+    const SpeedQuantity quantity{"displacement"};
+    const auto other_of = [&](const std::vector<ArcEpoch<2>>& epochs) {
+        const SmoothedArc<2> smoothed = smooth<2>(epochs, model);
+        const EstimatedWindow<2> at{.epochs = epochs,
+                                    .smoothed = smoothed,
+                                    .model = model,
+                                    .window = stretch.window,
+                                    .duration_s = stretch.duration_s};
+        const auto by_weights = speed_weights(at, quantity);
+        const PositionNoise noise =
+            position_noise(at, quantity, by_weights, bounding(), bound_of());
+        return std::pair(noise.speed.speed_mps, other_estimates(at, quantity, by_weights, noise));
+    };
+    const double even_mps = other_of(stretch.epochs).first;
+    const auto [followed_mps, other] = other_of(test::with_changing_motion(stretch.epochs));
+    EXPECT_NEAR(other.whole_mps, even_mps, 1e-9);
+    EXPECT_GT(std::abs(followed_mps - even_mps), 1e-5);
+}
+
+TEST(OtherEstimates, OfSamplesNoModelChangesAnything) {
+    const WindowStretch<2> stretch = irregular_stretch();
+    const EstimationModel model = fitted_model();
+    const SmoothedArc<2> smoothed = smooth<2>(stretch.epochs, model);
+    const EstimatedWindow<2> at{.epochs = stretch.epochs,
+                                .smoothed = smoothed,
+                                .model = model,
+                                .window = stretch.window,
+                                .duration_s = stretch.duration_s};
+    SpeedQuantity samples{"displacement"};
+    samples.of_samples = true;
+    const auto by_weights = speed_weights(at, samples);
+    const PositionNoise noise = position_noise(at, samples, by_weights, bounding(), bound_of());
+    const OtherEstimates other = other_estimates(at, samples, by_weights, noise);
+    EXPECT_EQ(other.half_width_mps, 0.0);
+    EXPECT_EQ(other.stiffer_mps, noise.speed.speed_mps);
+    EXPECT_EQ(other.softer_mps, noise.speed.speed_mps);
+    EXPECT_FALSE(other.chord_mps);
+}
+
+TEST(OtherEstimates, AChordIsOfMeasuredEndsWithoutABridgedStepBetween) {
+    WindowStretch<2> stretch = irregular_stretch();
+    const EstimationModel model = fitted_model();
+    const auto has_chord = [&](const std::string& definition) {
+        const SmoothedArc<2> smoothed = smooth<2>(stretch.epochs, model);
+        const EstimatedWindow<2> at{.epochs = stretch.epochs,
+                                    .smoothed = smoothed,
+                                    .model = model,
+                                    .window = stretch.window,
+                                    .duration_s = stretch.duration_s};
+        const auto by_weights = speed_weights(at, {definition});
+        const PositionNoise noise =
+            position_noise(at, {definition}, by_weights, bounding(), bound_of());
+        return other_estimates(at, {definition}, by_weights, noise).chord_mps.has_value();
+    };
+    EXPECT_TRUE(has_chord("displacement"));
+    EXPECT_FALSE(has_chord("path_length"));
+    stretch.epochs[stretch.window.first + 3].step_before = true;
+    EXPECT_FALSE(has_chord("displacement"));
+    stretch.epochs[stretch.window.first + 3].step_before = false;
+    stretch.epochs[stretch.window.last].measurement.reset();
+    EXPECT_FALSE(has_chord("displacement"));
 }
 
 TEST(ErrorAlong, OfAnErrorInOneDirectionIsThatDirections) {

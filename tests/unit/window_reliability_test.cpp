@@ -68,8 +68,7 @@ class Reliability : public testing::TestWithParam<const char*> {
     ScreenedTable screened = screened_run();
     Arc<2> arc = arcs_of<2>(screened).front();
     WindowStretch<2> stretch = cut_stretch(arc, {320, 350}, 60.0);
-    std::vector<UndetectedError> errors =
-        errors_of(screened, arc, stretch, GetParam());
+    std::vector<UndetectedError> errors = errors_of(screened, arc, stretch, GetParam());
 };
 
 TEST_P(Reliability, NoDirectionOfAnUndetectedStepDoesMore) {
@@ -138,7 +137,8 @@ INSTANTIATE_TEST_SUITE_P(OfEachDefinition, Reliability,
 TEST(ReliabilityOfAWindow, WithoutEvidenceNothingIsClaimed) {
     ScreenedTable screened = recorded({});
     const Arc<2> arc = arcs_of<2>(screened).front();
-    const auto errors = errors_of(screened, arc, cut_stretch(arc, {320, 350}, 60.0), "displacement");
+    const auto errors =
+        errors_of(screened, arc, cut_stretch(arc, {320, 350}, 60.0), "displacement");
     EXPECT_TRUE(errors.empty());
     EXPECT_EQ(undetected_in_budget(errors), nullptr);
 }
@@ -147,12 +147,10 @@ TEST(ReliabilityOfAWindow, NoisierNeighboursHideMore) {
     ScreenedTable screened = screened_run();
     const Arc<2> arc = arcs_of<2>(screened).front();
     const WindowStretch<2> stretch = cut_stretch(arc, {320, 350}, 60.0);
-    const auto quiet =
-        errors_of(screened, arc, stretch, "displacement");
+    const auto quiet = errors_of(screened, arc, stretch, "displacement");
     for (ScreenedEpoch& row : screened.rows)
         row.local_variance_factor = 4.0;
-    const auto noisy =
-        errors_of(screened, arc, stretch, "displacement");
+    const auto noisy = errors_of(screened, arc, stretch, "displacement");
     EXPECT_NEAR(noisy.front().speed_mps, 2.0 * quiet.front().speed_mps, 1e-12);
 }
 

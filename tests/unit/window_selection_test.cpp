@@ -79,12 +79,64 @@ TEST(SelectionBias, GrowsWithTheBoundAndNotBelowTheFitted) {
     const SelectionBias of_none = selection_bias<2>(clusters, none, 60.0, 500, 1);
     const SelectionBias of_20_mm = selection_bias<2>(clusters, models(), 60.0, 500, 1);
     const SelectionBias of_100_mm = selection_bias<2>(clusters, large, 60.0, 500, 1);
-    EXPECT_NEAR(of_none.bounded_bias_mps, of_none.fitted_bias_mps,
-                0.05 * of_none.fitted_bias_mps);
+    EXPECT_NEAR(of_none.bounded_bias_mps, of_none.fitted_bias_mps, 0.05 * of_none.fitted_bias_mps);
     EXPECT_EQ(of_20_mm.fitted_bias_mps, of_none.fitted_bias_mps);
     EXPECT_GT(of_20_mm.bounded_bias_mps, 1.5 * of_20_mm.fitted_bias_mps);
     // For errors far larger than the white noise it is of their size.
     EXPECT_NEAR(of_100_mm.bounded_bias_mps / of_20_mm.bounded_bias_mps, 5.0, 1.5);
+}
+
+/// A slow error of 30 mm that forgets within two seconds, and windows to choose from.
+struct SlowErrors {
+    std::vector<Arc<2>> arcs = at_top_speed(1);
+    std::vector<WindowCluster<2>> clusters{windows_of(arcs[0], 61)};
+    SelectionModels models = runcert::models();
+
+    SlowErrors() {
+        clusters.front().chosen = 30;
+        models.estimated.error = GaussMarkovError::steady(0.03, 2.0);
+        models.bound_m = 0.0;
+    }
+    SelectionBias bias() const { return selection_bias<2>(clusters, models, 60.0, 300, 1); }
+};
+
+TEST(SelectionBias, OfTheBoundWithTheFittedTimeAloneIsThatOfTheFit) {
+    // The drawn processes are then the same, whichever way they are come to.
+    SlowErrors at;
+    at.models.tau_min_s = at.models.tau_max_s = 2.0;
+    for (const double bound_m : {0.0, 0.02, 0.03}) {
+        at.models.bound_m = bound_m;
+        const SelectionBias bias = at.bias();
+        EXPECT_GT(bias.fitted_bias_mps, 0.005);
+        EXPECT_NEAR(bias.bounded_bias_mps / bias.fitted_bias_mps, 1.0, 1e-6) << bound_m;
+    }
+    at.models.bound_m = 0.06;
+    EXPECT_GT(at.bias().bounded_bias_mps, 1.5 * at.bias().fitted_bias_mps);
+}
+
+TEST(SelectionBias, AnErrorThatWandersAsFastForLongerIsLarger) {
+    // 30 mm in two seconds is 30 mm/s^0.5: in 50 s 150 mm, which the bound of no size still has.
+    SlowErrors at;
+    at.models.tau_min_s = 2.0;
+    at.models.tau_max_s = 50.0;
+    const SelectionBias longer = at.bias();
+    EXPECT_GT(longer.bounded_bias_mps, 1.1 * longer.fitted_bias_mps);
+    // Of 3 s windows a diffusion makes no more than its whole in so long.
+    EXPECT_LT(longer.bounded_bias_mps, 3.0 * longer.fitted_bias_mps);
+}
+
+TEST(SelectionBias, IsOfTheErrorAsLargeAsItIsAlongTheWindows) {
+    // Draws of sqrt(2) times the fitted error, by the share along and by the bound.
+    SlowErrors at;
+    at.models.tau_min_s = at.models.tau_max_s = 2.0;
+    const double even_mps = at.bias().fitted_bias_mps;
+    at.models.along = std::sqrt(2.0);
+    const SelectionBias along = at.bias();
+    EXPECT_GT(along.fitted_bias_mps, 1.2 * even_mps);
+    EXPECT_NEAR(along.bounded_bias_mps / along.fitted_bias_mps, 1.0, 1e-6);
+    at.models.along = 1.0;
+    at.models.bound_m = 0.03 * std::sqrt(2.0);
+    EXPECT_NEAR(at.bias().bounded_bias_mps / along.fitted_bias_mps, 1.0, 0.15);
 }
 
 TEST(SelectionBias, IsTheSameForASeed) {

@@ -1,0 +1,314 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "check_rules_support.h"
+
+// The program's own requirements, under every rule: whose clock, whose positions, whose kind of
+// solution.
+
+namespace runcert {
+namespace {
+
+using test::clause_text, test::contains, test::profile_text, test::RuleScene;
+
+/// A run whose recording, in a table without a word on its origin, was screened and is good.
+RuleScene scene() {
+    RuleScene scene(profile_text(clause_text("margin")));
+    scene.judged.format = "csv";
+    scene.judged.time_origin = "the table's time column";
+    scene.judged.solution_source = "recording";
+    scene.judged.tests.emplace().device = DeviceEvidence{.moving = 350};
+    return scene;
+}
+
+TEST(OwnClauses, StandUnderEveryRuleBesideItsOwn) {
+    const ProfileVerdict verdict = scene().verdict();
+    ASSERT_EQ(verdict.requirements.size(), 4U);
+    EXPECT_EQ(verdict.requirements[0].clause, "margin");
+    const char* own[] = {"time-scale", "positions-as-measured", "kind-of-solution"};
+    for (std::size_t i = 0; i < 3; ++i) {
+        EXPECT_EQ(verdict.requirements[i + 1].clause, own[i]);
+        EXPECT_EQ(verdict.requirements[i + 1].source, "this program's own requirement");
+        EXPECT_FALSE(verdict.requirements[i + 1].text.empty());
+    }
+}
+
+TEST(OwnClauses, GiveWayToAClauseOfTheRuleByTheSameComputation) {
+    RuleScene other = scene();
+    other.use(profile_text(clause_text("time_scale") + clause_text("margin")));
+    const ProfileVerdict verdict = other.verdict();
+    EXPECT_EQ(verdict.requirements.size(), 4U);
+    EXPECT_EQ(std::ranges::count(verdict.requirements, std::string("time_scale"),
+                                 &Requirement::decided_by),
+              1);
+    EXPECT_EQ(other.clause("time_scale").text, "what time_scale asks");
+}
+
+TEST(TimeScale, OfSatellitesIsMet) {
+    RuleScene stamped = scene();
+    stamped.judged.facts.time_source = "satellites";
+    stamped.judged.time_origin = "GPS time of the receiver's measurements";
+    EXPECT_EQ(stamped.clause("time-scale").status, "met");
+    EXPECT_EQ(stamped.clause("time-scale").evidence, "GPS time of the receiver's measurements");
+    EXPECT_EQ(stamped.clause("time-scale").decided_by, "time_scale");
+}
+
+TEST(TimeScale, OfACounterOrAnUnknownClockIsToAttest) {
+    RuleScene unknown = scene();
+    // A rate that no receiver offers has nothing to be compared with; a good one is not proof.
+    for (const double rate : {0.0, -9.9e-5, 9.9e-5}) {
+        unknown.judged.tests->time.rate_deviation = rate;
+        const Requirement requirement = unknown.clause("time-scale");
+        EXPECT_EQ(requirement.status, "attest") << rate;
+        EXPECT_TRUE(contains(requirement.evidence, "the recording does not tell"));
+        EXPECT_NEAR(requirement.figures.at(0).value, rate * 1e6, 1e-9);
+    }
+    EXPECT_EQ(unknown.verdict().outcome, "beaten");
+}
+
+TEST(TimeScale, ThatIsSatellitesByTheAttemptsWordIsToAttestWhateverItsRate) {
+    RuleScene claimed = scene();
+    claimed.judged.facts.time_source = "attempt";
+    for (const double rate : {0.0, -2e-3}) {
+        claimed.judged.tests->time.rate_deviation = rate;
+        EXPECT_EQ(claimed.clause("time-scale").status, "attest");
+        EXPECT_TRUE(contains(claimed.clause("time-scale").evidence, "the attempt states"));
+        EXPECT_NEAR(claimed.clause("time-scale").figures.at(0).value, rate * 1e6, 1e-9);
+    }
+}
+
+struct WrongRate {
+    double deviation;
+    const char* said;
+};
+
+TEST(TimeScale, OfStampsThatRunWrongIsNotMetAndNothingIsBeaten) {
+    for (const WrongRate& wrong : {WrongRate{-0.0015, "0.150 % shorter"},
+                                   {-0.002, "0.200 % shorter"},
+                                   {-0.004, "0.400 % shorter"},
+                                   {0.002, "0.200 % longer"}}) {
+        SCOPED_TRACE(wrong.said);
+        RuleScene short_by = scene();
+        short_by.judged.tests->time.rate_deviation = wrong.deviation;
+        // Stamps of milliseconds, 351 epochs in 35 s: 5 x 0.3 ms x sqrt(401) / 40 s is 7.5e-4.
+        short_by.judged.tests->time.jitter_s = 3e-4;
+        const Requirement requirement = short_by.clause("time-scale");
+        EXPECT_EQ(requirement.status, "not_met");
+        EXPECT_TRUE(contains(requirement.evidence, wrong.said)) << requirement.evidence;
+        EXPECT_TRUE(contains(requirement.evidence, "time_source: satellites"));
+        EXPECT_EQ(short_by.verdict().outcome, "not_certifiable");
+        EXPECT_TRUE(contains(short_by.verdict().reason, "time-scale"));
+    }
+}
+
+TEST(TimeScale, IsNotBlamedForWhatTheScatterOfTheStepsMakesByChance) {
+    // 5 x 2 ms x sqrt(401) / 40 s = 0.0050
+    RuleScene jittery = scene();
+    jittery.judged.tests->time.jitter_s = 2e-3;
+    const double by_chance = 5.0 * 2e-3 * std::sqrt(401.0) / 40.0;
+    jittery.judged.tests->time.rate_deviation = -0.999 * by_chance;
+    EXPECT_EQ(jittery.clause("time-scale").status, "attest");
+    jittery.judged.tests->time.rate_deviation = -1.001 * by_chance;
+    EXPECT_EQ(jittery.clause("time-scale").status, "not_met");
+}
+
+TEST(TimeScale, OfScreeningThatSaysNothingOfItIsToAttest) {
+    RuleScene earlier = scene();
+    earlier.judged.tests.reset();
+    for (const char* source : {"unknown", "satellites", "attempt"}) {
+        earlier.judged.facts.time_source = source;
+        EXPECT_EQ(earlier.clause("time-scale").status, "attest") << source;
+    }
+}
+
+/// The recorded velocities of the window's epochs: this speed towards north.
+void set_velocities(RuleScene& scene, double speed_mps) {
+    for (ScreenedEpoch& row : scene.rows()) {
+        row.recorded_velocity_east_mps = 0.0;
+        row.recorded_velocity_north_mps = speed_mps;
+    }
+    scene.judged.tests->velocity = VelocityEvidence{
+        .compared = 400, .delay_s = 0.1, .sigma_delay_s = 0.01, .scale_mps = 0.02, .rejected = 0};
+}
+
+TEST(MeasuredPositions, WithoutAWitnessAreToAttestAndTheReasonSaysPositionsAlone) {
+    const RuleScene alone = scene();
+    const Requirement requirement = alone.clause("positions-as-measured");
+    EXPECT_EQ(requirement.status, "attest");
+    EXPECT_EQ(requirement.evidence, "nothing but the positions themselves speaks of it");
+    EXPECT_TRUE(alone.verdict().witnesses.empty());
+    EXPECT_EQ(alone.verdict().reason.find("By positions alone, the speed reaches"), 0U)
+        << alone.verdict().reason;
+}
+
+TEST(MeasuredPositions, WithVelocitiesThatAgreeAreMet) {
+    RuleScene with = scene();
+    set_velocities(with, 60.0);
+    EXPECT_EQ(with.clause("positions-as-measured").status, "met");
+    const ProfileVerdict verdict = with.verdict();
+    ASSERT_EQ(verdict.witnesses.size(), 1U);
+    EXPECT_TRUE(contains(verdict.witnesses[0], "recorded velocities give 216.000 km/h"));
+    EXPECT_FALSE(contains(verdict.reason, "positions alone")) << verdict.reason;
+}
+
+TEST(MeasuredPositions, HaveNoWitnessInVelocitiesThatDifferOrDoNotCoverTheWindow) {
+    // Twice 0.005 m/s and the 0.02 m/s that velocities and motion agree to: 0.03 m/s.
+    for (const double difference : {-0.0301, -0.0299, 0.0299, 0.0301}) {
+        RuleScene with = scene();
+        set_velocities(with, 60.0 + difference);
+        EXPECT_EQ(with.verdict().witnesses.size(), std::abs(difference) < 0.03 ? 1U : 0U)
+            << difference;
+    }
+    RuleScene with = scene();
+    set_velocities(with, 60.0);
+    with.rows()[7].recorded_velocity_north_mps = {};
+    EXPECT_TRUE(with.verdict().witnesses.empty());
+    EXPECT_EQ(with.clause("positions-as-measured").status, "attest");
+}
+
+TEST(MeasuredPositions, HaveAWitnessInVelocitiesThatLagBehindOnceTheDelayIsTakenOff) {
+    // The speed grows by 2 m/s^2 about 60 m/s; the velocities are those of 0.1 s before.
+    RuleScene lagging = scene();
+    set_velocities(lagging, 60.0);
+    for (ScreenedEpoch& row : lagging.rows())
+        row.recorded_velocity_north_mps = 60.0 + 2.0 * (row.time.seconds() - 26.5 - 0.1);
+    EXPECT_EQ(lagging.verdict().witnesses.size(), 1U);
+    EXPECT_TRUE(contains(lagging.verdict().witnesses.at(0), "216.000 km/h"));
+    lagging.judged.tests->velocity->delay_s.reset();
+    EXPECT_TRUE(lagging.verdict().witnesses.empty());
+}
+
+TEST(MeasuredPositions, HaveAWitnessInASecondMethodThatAgrees) {
+    RuleScene with = scene();
+    with.attempt.secondary_method = SecondaryMethod{.method = "radar",
+                                                    .source = "protocol",
+                                                    .speed = SecondaryMethod::Speed{60.01, 0.02},
+                                                    .times = std::nullopt};
+    EXPECT_EQ(with.clause("positions-as-measured").status, "met");
+    EXPECT_EQ(with.clause("positions-as-measured").evidence,
+              "the second method (radar) gives 216.036 km/h");
+}
+
+TEST(MeasuredPositions, SolvedHereFromRawObservationsAreMet) {
+    RuleScene solved = scene();
+    solved.judged.format = "rinex";
+    EXPECT_EQ(solved.clause("positions-as-measured").status, "met");
+}
+
+TEST(MeasuredPositions, ThatAreHeldAreNotMetWhoeverSpeaksForThem) {
+    RuleScene held = scene();
+    set_velocities(held, 60.0);
+    held.judged.tests->device = DeviceEvidence{.moving = 350, .held = 3};
+    EXPECT_EQ(held.clause("positions-as-measured").status, "met");
+    held.judged.tests->device->held = 4;  // of 350 one in a hundred is 3.5
+    const Requirement requirement = held.clause("positions-as-measured");
+    EXPECT_EQ(requirement.status, "not_met");
+    for (const char* part : {"4 of 350 positions", "repeat the one before", "held"})
+        EXPECT_TRUE(contains(requirement.evidence, part)) << requirement.evidence;
+    EXPECT_EQ(held.verdict().outcome, "not_certifiable");
+}
+
+TEST(MeasuredPositions, ThatAreInterpolatedAreNotMetUnlessChanceMakesThem) {
+    RuleScene resampled = scene();
+    set_velocities(resampled, 60.0);
+    DeviceEvidence& device = *resampled.judged.tests->device;
+    device.interpolated = 175;  // every other one
+    const Requirement requirement = resampled.clause("positions-as-measured");
+    EXPECT_EQ(requirement.status, "not_met");
+    for (const char* part : {"175 of 350 positions", "in line", "interpolated", "chance makes 0"})
+        EXPECT_TRUE(contains(requirement.evidence, part)) << requirement.evidence;
+    EXPECT_EQ(resampled.verdict().outcome, "not_certifiable");
+    // Where coordinates are coarse, so many of a steady run are in line by chance.
+    device.by_chance = 60.0;
+    EXPECT_EQ(resampled.clause("positions-as-measured").status, "met");
+    device = {.moving = 350, .held = 0, .interpolated = 70, .by_chance = 0.0};  // a fifth
+    EXPECT_EQ(resampled.clause("positions-as-measured").status, "met");
+}
+
+TEST(MeasuredPositions, ThatLookFilteredAreToAttestWhateverTheWitnesses) {
+    RuleScene filtered = scene();
+    set_velocities(filtered, 60.0);
+    filtered.judged.tests->models = {
+        {.axes = TestedAxes::horizontal, .noise = "fitted", .white_scale = 0.31}};
+    filtered.judged.estimation.horizontal = AxesEstimation{};
+    filtered.judged.estimation.horizontal->health.autocorrelation = 0.09;
+    EXPECT_EQ(filtered.clause("positions-as-measured").status, "met");
+    filtered.judged.tests->models[0].white_scale = 0.29;
+    EXPECT_EQ(filtered.clause("positions-as-measured").status, "attest");
+    EXPECT_TRUE(contains(filtered.clause("positions-as-measured").evidence,
+                         "scatter by 0.29 times what is stated"));
+    filtered.judged.tests->models[0].noise = "too_few_epochs";  // then it says nothing
+    EXPECT_EQ(filtered.clause("positions-as-measured").status, "met");
+    filtered.judged.estimation.horizontal->health.autocorrelation = 0.43;
+    EXPECT_EQ(filtered.clause("positions-as-measured").status, "attest");
+    EXPECT_TRUE(contains(filtered.clause("positions-as-measured").evidence,
+                         "follow one another (lag 1: "
+                         "+0.43)"));
+    // Without a witness the signs are told too.
+    for (ScreenedEpoch& row : filtered.rows())
+        row.recorded_velocity_north_mps = {};
+    EXPECT_TRUE(contains(filtered.clause("positions-as-measured").evidence,
+                         "nothing but the positions themselves speaks of it, and: innovations"));
+}
+
+TEST(MeasuredPositions, ThatSwingAfterEveryChangeOfAccelerationAreToAttest) {
+    RuleScene filtered = scene();
+    set_velocities(filtered, 60.0);
+    // The step response of 0.3 Hz, damping 0.3, at 5 s and 20 s: by 37 %, of which 10 Hz see 36 %.
+    const auto response = [](double t) {
+        if (t < 0.0) return 0.0;
+        const double rate = 2.0 * std::numbers::pi * 0.3, rest = std::sqrt(1.0 - 0.09);
+        return 1.0 - std::exp(-0.3 * rate * t) *
+                         (std::cos(rest * rate * t) + 0.3 / rest * std::sin(rest * rate * t));
+    };
+    for (TrajectoryEpoch& row : filtered.judged.trajectory) {
+        row.speed_mps = row.velocity_north_mps = 60.0;
+        row.acceleration_north_mps2 =
+            4.0 * (response(row.time.seconds() - 5.0) - response(row.time.seconds() - 20.0));
+        row.sigma_acceleration_east_mps2 = row.sigma_acceleration_north_mps2 = 0.03;
+    }
+    const Requirement requirement = filtered.clause("positions-as-measured");
+    EXPECT_EQ(requirement.status, "attest");
+    EXPECT_TRUE(contains(requirement.evidence,
+                         "after 2 of 2 changes of acceleration the motion swings with a period of "
+                         "3.5 s, by 36 % at first"))
+        << requirement.evidence;
+}
+
+TEST(KindOfSolution, ThatTheAttemptClaimsIsToAttest) {
+    RuleScene claimed = scene();
+    claimed.judged.solution_source = "attempt";
+    for (ScreenedEpoch& row : claimed.rows())
+        row.fix = FixKind::fixed;
+    claimed.best().bound.emplace().floor_m = 0.01;
+    claimed.best().bound->floor_fix = "fixed";
+    const Requirement requirement = claimed.clause("kind-of-solution");
+    EXPECT_EQ(requirement.status, "attest");
+    for (const char* part : {"the recording does not say", "it is fixed the attempt states",
+                             "in the window: fixed, whose slow errors are taken to be at least "
+                             "0.01 m"})
+        EXPECT_TRUE(contains(requirement.evidence, part)) << requirement.evidence;
+}
+
+TEST(KindOfSolution, ThatTheRecordingSaysOrNobodyIsMet) {
+    RuleScene said = scene();
+    EXPECT_EQ(said.clause("kind-of-solution").status, "met");
+    EXPECT_EQ(said.clause("kind-of-solution").evidence, "the recording says it");
+    for (const auto& [source, words] :
+         {std::pair{"unknown",
+                    "the recording does not say, so that the positions count as those "
+                    "of one receiver alone"},
+          {"partly",
+           "the recording says it of some positions; the others count as those of one "
+           "receiver alone"}}) {
+        said.judged.solution_source = source;
+        EXPECT_EQ(said.clause("kind-of-solution").status, "met") << source;
+        EXPECT_EQ(said.clause("kind-of-solution").evidence, words);
+    }
+}
+
+}  // namespace
+}  // namespace runcert

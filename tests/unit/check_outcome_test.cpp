@@ -1,0 +1,186 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "check_rules_support.h"
+
+// Outcome and reason where a window was refused, where several attempts were made, where choosing
+// the window may have left a bias, and what drift a decision survives.
+
+namespace runcert {
+namespace {
+
+using test::clause_text, test::contains, test::profile_text, test::RuleScene;
+
+constexpr double kmh = 1.0 / 3.6;
+constexpr double target_mps = 203.9 * kmh;
+
+/// The normal tail, not by the code under test.
+double phi(double z) {
+    return 0.5 * std::erfc(-z / std::sqrt(2.0));
+}
+
+/// Certified by so much above the speed to reach, with 0.005 m/s.
+RuleScene above_target(double above_mps) {
+    RuleScene scene(profile_text(clause_text("margin")));
+    scene.best().speed_mps = target_mps + above_mps;
+    return scene;
+}
+
+IndicatedWindow refused(double speed_mps) {
+    IndicatedWindow window{
+        .span = {}, .speed_mps = speed_mps, .refusals = {"a gap", "an epoch without a position"}};
+    window.span.start.nanoseconds = 31'500'000'000;
+    return window;
+}
+
+TEST(RefusedWindow, ThatReachesTheTargetMakesNotBeatenNotCertifiableAndIsNamed) {
+    for (const double above : {0.0, 1e-6, 5.0}) {
+        RuleScene scene = above_target(-5.0);
+        scene.windows().indicated = refused(target_mps + above);
+        const ProfileVerdict verdict = scene.verdict();
+        EXPECT_EQ(verdict.outcome, "not_certifiable") << above;
+        EXPECT_FALSE(verdict.decision->risk);
+    }
+    RuleScene scene = above_target(-5.0);
+    scene.windows().indicated = refused(57.5);
+    const std::string reason = scene.verdict().reason;
+    for (const char* part :
+         {"shows 207.000 km/h 31.500 s after its first epoch", "203.900 km/h to reach",
+          "(it holds a gap, an epoch without a position)", "185.900 km/h",
+          "does not say that the record was not beaten"})
+        EXPECT_TRUE(contains(reason, part)) << reason;
+}
+
+TEST(RefusedWindow, BelowTheTargetOrOfWhatIsCertifiedChangesNothing) {
+    RuleScene scene = above_target(-5.0);
+    EXPECT_EQ(scene.verdict().outcome, "not_beaten");
+    scene.windows().indicated = refused(target_mps - 1e-6);
+    EXPECT_EQ(scene.verdict().outcome, "not_beaten");
+    scene.windows().indicated = refused(57.5);
+    scene.windows().indicated->refusals.clear();  // the fastest is the certified one
+    EXPECT_EQ(scene.verdict().outcome, "not_beaten");
+}
+
+TEST(RefusedWindow, ChangesNothingOfOtherOutcomes) {
+    for (const auto& [above, outcome] : {std::pair{0.0, "not_proven"}, {0.1, "beaten"}}) {
+        RuleScene scene = above_target(above);
+        scene.windows().indicated = refused(target_mps + 5.0);
+        EXPECT_EQ(scene.verdict().outcome, outcome);
+    }
+}
+
+TEST(RefusedWindow, OfAMeanIsJudgedByTheMean) {
+    RuleScene scene = above_target(-5.0);
+    scene.windows().indicated = refused(target_mps + 3.0);
+    scene.windows().indicated->mean_mps = target_mps - 1.0;
+    EXPECT_EQ(scene.verdict().outcome, "not_beaten");
+    scene.windows().indicated->mean_mps = target_mps + 1.0;
+    EXPECT_EQ(scene.verdict().outcome, "not_certifiable");
+}
+
+TEST(AttemptsMade, ShareTheRiskOfOne) {
+    for (const std::int64_t attempts : {1, 2, 7, 40, 1000}) {
+        RuleScene scene = above_target(0.1);
+        scene.attempt.attempts_made = attempts;
+        const Decision decision = *scene.verdict().decision;
+        const double level = 1.0 - 0.025 / static_cast<double>(attempts);
+        EXPECT_EQ(decision.attempts_made, attempts);
+        EXPECT_NEAR(decision.level, level, 1e-15);
+        // Where the normal tail leaves the risk.
+        EXPECT_NEAR(phi((decision.acceptance_limit_mps - target_mps) / 0.005), level, 1e-9);
+    }
+    EXPECT_EQ(above_target(0.1).verdict().decision->attempts_made, 1);
+}
+
+TEST(AttemptsMade, OfManyTheBestNeedsMore) {
+    // Phi(3) = 0.99865 is enough for one, at 0.975, and not for 40, at 0.999375.
+    RuleScene scene = above_target(0.015);
+    EXPECT_EQ(scene.verdict().outcome, "beaten");
+    scene.attempt.attempts_made = 40;
+    EXPECT_EQ(scene.verdict().outcome, "not_proven");
+    EXPECT_TRUE(contains(scene.verdict().reason, "99.9375 % needed")) << scene.verdict().reason;
+    EXPECT_EQ(scene.clause("margin").status, "not_met");
+    scene.best().speed_mps = target_mps + 0.0165;  // 3.3 u, 0.99952
+    EXPECT_EQ(scene.verdict().outcome, "beaten");
+    EXPECT_EQ(scene.clause("margin").status, "met");
+    scene.best().speed_mps = target_mps - 0.015;
+    EXPECT_EQ(scene.verdict().outcome, "not_proven");
+    scene.attempt.attempts_made = 1;
+    EXPECT_EQ(scene.verdict().outcome, "not_beaten");
+}
+
+TEST(BiasLimit, IsAddedToTheExpandedUncertaintyAndToTheGuardBand) {
+    RuleScene scene = above_target(0.0298);  // 1.96 x 0.005 + 0.02 = 0.0298
+    scene.best().bias_limit_mps = 0.02;
+    const ProfileVerdict verdict = scene.verdict();
+    EXPECT_NEAR(*verdict.expanded_uncertainty_mps, 0.03, 1e-12);
+    EXPECT_EQ(verdict.decision->bias_limit_mps, 0.02);
+    EXPECT_NEAR(verdict.decision->acceptance_limit_mps - target_mps, 1.959964 * 0.005 + 0.02, 1e-8);
+    EXPECT_NEAR(verdict.decision->probability, phi(1.96), 1e-9);
+    EXPECT_NEAR(*verdict.decision->risk, phi(-1.96), 1e-9);
+    EXPECT_EQ(verdict.outcome, "beaten");
+    scene.best().speed_mps = target_mps + 0.0297;
+    EXPECT_EQ(scene.verdict().outcome, "not_proven");
+    scene.best().speed_mps = target_mps - 0.0297;
+    EXPECT_EQ(scene.verdict().outcome, "not_proven");
+    scene.best().speed_mps = target_mps - 0.0299;
+    EXPECT_EQ(scene.verdict().outcome, "not_beaten");
+    EXPECT_NEAR(*scene.verdict().decision->risk, phi(-1.98), 1e-9);
+}
+
+TEST(BiasLimit, OfAMeanOfWindowsIsTheMeanOfTheirs) {
+    RuleScene scene(profile_text(clause_text("margin"), "",
+                                 "{kind: absolute, value: 1, unit: km/h}",
+                                 "{duration_s: 3, definition: displacement, count: 2}"));
+    scene.best().bias_limit_mps = 0.02;
+    FurtherWindow other{
+        .span = scene.best().span, .arc = 1, .speed_mps = 59.0, .standard_uncertainty_mps = 0.015};
+    other.bias_limit_mps = 0.04;
+    scene.windows().further = {other};
+    EXPECT_EQ(scene.verdict().decision->bias_limit_mps, 0.03);
+    EXPECT_NEAR(*scene.verdict().expanded_uncertainty_mps, 2.0 * 0.01 + 0.03, 1e-12);
+}
+
+TEST(Drift, ThatADecisionSurvivesIsSaid) {
+    RuleScene scene = above_target(0.14);
+    for (ScreenedEpoch& row : scene.rows())
+        row.detectable.ramp_mps = 0.05;
+    scene.rows()[12].detectable.ramp_mps = 0.07;  // where it is hardest to find
+    const ProfileVerdict verdict = scene.verdict();
+    EXPECT_NEAR(*verdict.decision->drift_survived_m, 0.42, 1e-9);  // 0.14 m/s x 3 s
+    EXPECT_EQ(*verdict.decision->drift_found_mps, 0.07);
+    EXPECT_TRUE(contains(verdict.reason,
+                         "It survives a drift of the positions by 0.42 m in 3 s, 2 times the "
+                         "smallest that screening is sure to find there."))
+        << verdict.reason;
+    scene.best().bias_limit_mps = 0.04;
+    EXPECT_NEAR(*scene.verdict().decision->drift_survived_m, 0.3, 1e-9);
+}
+
+TEST(Drift, IsLeftOutWhereScreeningDoesNotSayWhatItFinds) {
+    const ProfileVerdict verdict = above_target(0.14).verdict();
+    EXPECT_FALSE(verdict.decision->drift_found_mps);
+    EXPECT_TRUE(contains(verdict.reason, "by 0.42 m in 3 s.")) << verdict.reason;
+}
+
+TEST(Drift, IsNotSurvivedByWhatIsNotAboveTheTarget) {
+    for (const double above : {-0.1, 0.0, 0.0199}) {
+        RuleScene scene = above_target(above);
+        scene.best().bias_limit_mps = 0.02;
+        EXPECT_FALSE(scene.verdict().decision->drift_survived_m) << above;
+        EXPECT_FALSE(contains(scene.verdict().reason, "drift")) << above;
+    }
+}
+
+TEST(Reason, SaysPositionsAloneOfEveryOutcomeWithoutAWitness) {
+    for (const double above : {-0.1, 0.0, 0.1})
+        EXPECT_EQ(above_target(above).verdict().reason.find("By positions alone, the "), 0U);
+    RuleScene velocity = above_target(0.1);
+    velocity.use(profile_text(clause_text("margin"), "", "{kind: absolute, value: 1, unit: km/h}",
+                              "{duration_s: 3, definition: mean_n, source: velocity}"));
+    EXPECT_FALSE(contains(velocity.verdict().reason, "positions alone"));
+}
+
+}  // namespace
+}  // namespace runcert

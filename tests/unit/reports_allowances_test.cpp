@@ -1,0 +1,249 @@
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+
+#include "core/failure.h"
+#include "reports/json_text.h"
+#include "reports/report_json.h"
+#include "reports_page_support.h"
+#include "reports_sample.h"
+
+// What revision 1.5 of the report holds of windows, verdict, screening and recording: the limit of
+// the selection bias, other models of the motion, attempts made, drift, witnesses, whose clock and
+// whose kind of solution.
+
+namespace runcert {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+CertifiableWindow& best_of(sample::Run& run) {
+    return *run.inputs.receivers[0].windows.profiles[0].best;
+}
+
+ProfileVerdict& verdict_of(sample::Run& run) {
+    return run.inputs.verdict.profiles[0];
+}
+
+Json profile_of(const sample::Run& run) {
+    return report_json(run.inputs)["predicate"]["profiles"][0];
+}
+
+Json uncertainty_of(const sample::Run& run) {
+    return profile_of(run)["window"]["uncertainty"];
+}
+
+Json receiver_of(const sample::Run& run) {
+    return report_json(run.inputs)["predicate"]["receivers"][0];
+}
+
+std::string page_of(const sample::Run& run) {
+    return print_page(report_json(run.inputs));
+}
+
+std::string fact_of(const Json& facts, const std::string& label) {
+    for (const Json& fact : facts)
+        if (fact["label"] == label) return fact["value"];
+    return "no such line";
+}
+
+void expect_in(const std::string& text, const std::string& part) {
+    EXPECT_NE(text.find(part), std::string::npos) << part << "\nin " << text.substr(0, 2000);
+}
+
+/// A run whose windows have what revision 1.4 of them says.
+sample::Run made(const sample::Options& options = {}) {
+    sample::Run run = sample::make_run(options);
+    CertifiableWindow& best = best_of(run);
+    best.own_standard_uncertainty_mps = 0.001234;
+    best.bias_limit_mps = 0.0004;
+    best.bound->along = 1.25;
+    best.estimates = OtherEstimates{.chord_mps = 60.004321,
+                                    .chord_difference_uncertainty_mps = 0.004714,
+                                    .stiffer_mps = 60.001111,
+                                    .softer_mps = 60.003333,
+                                    .whole_mps = 59.998877,
+                                    .half_width_mps = 0.0013};
+    SelectionBias& selection = *best.selection;
+    selection.treatment = "subtracted";
+    selection.fitted_bias_mps = 0.0005;
+    selection.bounded_bias_mps = 0.0013;
+    selection.bias_mps = 0.0009;
+    selection.bias_half_range_mps = 0.0004;
+    return run;
+}
+
+TEST(Allowances, OfTheWindowAreInTheReportAsInTheWindowsFile) {
+    const sample::Run run = made();
+    const Json uncertainty = uncertainty_of(run);
+    EXPECT_EQ(uncertainty["own_standard_uncertainty_m_s"], 0.001234);
+    EXPECT_EQ(uncertainty["bias_limit_m_s"], 0.0004);
+    EXPECT_EQ(uncertainty["bound"]["along"], 1.25);
+    const Json& estimates = uncertainty["estimates"];
+    EXPECT_EQ(estimates["chord_m_s"], 60.004321);
+    EXPECT_EQ(estimates["chord_difference_uncertainty_m_s"], 0.004714);
+    EXPECT_EQ(estimates["stiffer_m_s"], 60.001111);
+    EXPECT_EQ(estimates["softer_m_s"], 60.003333);
+    EXPECT_EQ(estimates["whole_m_s"], 59.998877);
+    EXPECT_EQ(estimates["half_width_m_s"], 0.0013);
+    const Json& selection = uncertainty["selection"];
+    EXPECT_EQ(selection["fitted_bias_m_s"], 0.0005);
+    EXPECT_EQ(selection["bounded_bias_m_s"], 0.0013);
+    EXPECT_EQ(selection["bias_m_s"], 0.0009);
+    EXPECT_EQ(selection["bias_half_range_m_s"], 0.0004);
+    EXPECT_EQ(selection["treatment"], "subtracted");
+    // In km/h: 60.001111, 60.003333, 59.998877 and 60.004321 m/s, and 0.0013 m/s.
+    expect_in(
+        estimates["estimates_words"],
+        "a third of the jerk density gives 216.0040, three times as much 216.0120, the one "
+        "density fitted to the whole recording 215.9960, the measured positions at both ends "
+        "alone 216.0156 km/h; the choice of the model is taken to change at most 0.0047 km/h");
+    // 0.0009, 0.0004, 0.0005 and 0.0013 m/s.
+    expect_in(selection["selection_words"],
+              "higher by 0.0018 km/h with the errors as fitted, by 0.0047 km/h with slow errors as "
+              "large as allowed for; the middle, +0.0032 km/h, is subtracted from the speed, and "
+              "half the difference, 0.0014 km/h, added to the expanded uncertainty.");
+    expect_in(uncertainty["bound"]["bound_words"],
+              "fitted 0.0000 m (1.25 times that of both axes, along the track)");
+    const std::string page = page_of(run);
+    expect_in(page, "Other models of the motion");
+    expect_in(page, "216.0156 km/h");
+}
+
+TEST(Allowances, OfTheBiasAreInEveryExpandedUncertainty) {
+    sample::Run run = made({.second_receiver = true});
+    // 2 x 0.002551 + 0.0004 = 0.005502 m/s = 0.01981 km/h; without it 0.01837 km/h.
+    const Json total = uncertainty_of(run)["budget_total"];
+    EXPECT_EQ(total["limit_text"], "0.00144");
+    EXPECT_EQ(total["expanded_text"], "0.01981");
+    expect_in(page_of(run), "and the limit of the bias of choosing, 0.00144");
+    best_of(run).effective_degrees_of_freedom.reset();
+    const Json by_receiver = profile_of(run)["by_receiver"];
+    ASSERT_FALSE(by_receiver.empty());
+    EXPECT_EQ(by_receiver[0]["expanded_uncertainty_m_s"], 0.005502);
+    best_of(run).bias_limit_mps = 0.0;
+    EXPECT_FALSE(uncertainty_of(run)["budget_total"].contains("limit_text"));
+    EXPECT_EQ(uncertainty_of(run)["budget_total"]["expanded_text"], "0.01837");
+    EXPECT_EQ(page_of(run).find("the limit of the bias of choosing"), std::string::npos);
+}
+
+TEST(Allowances, ThatTheWindowsFileLacksAreNotMadeUp) {
+    const Json uncertainty = uncertainty_of(sample::make_run());
+    for (const char* absent : {"estimates", "own_standard_uncertainty_m_s"})
+        EXPECT_FALSE(uncertainty.contains(absent)) << absent;
+    EXPECT_EQ(uncertainty["bias_limit_m_s"], 0.0);
+    sample::Run run = made();
+    best_of(run).estimates->chord_mps.reset();
+    best_of(run).estimates->chord_difference_uncertainty_mps.reset();
+    best_of(run).bound->along = 1.0;
+    const Json without = uncertainty_of(run);
+    EXPECT_FALSE(without["estimates"].contains("chord_m_s"));
+    EXPECT_EQ(without["estimates"]["estimates_words"].get<std::string>().find("both ends alone"),
+              std::string::npos);
+    EXPECT_EQ(without["bound"]["bound_words"].get<std::string>().find("along the track"),
+              std::string::npos);
+}
+
+TEST(DecisionMembers, AreThoseOfTheVerdict) {
+    sample::Run run = made();
+    Decision& decision = *verdict_of(run).decision;
+    decision.attempts_made = 7;
+    decision.level = 1.0 - 0.025 / 7.0;
+    decision.bias_limit_mps = 0.0004;
+    decision.drift_survived_m = 0.420001;
+    decision.drift_found_mps = 0.0712;
+    const Json json = profile_of(run)["decision"];
+    EXPECT_EQ(json["attempts_made"], 7);
+    EXPECT_NEAR(json["level"].get<double>(), 1.0 - 0.025 / 7.0, 1e-9);
+    EXPECT_EQ(json["bias_limit_m_s"], 0.0004);
+    EXPECT_EQ(json["drift_survived_m"], 0.420001);
+    EXPECT_EQ(json["drift_found_m_s"], 0.0712);
+    expect_in(json["decision_words"],
+              "The best of 7 attempts is judged, so that 99.6429 % is asked of it.");
+    decision = {.probability = 0.2, .level = 0.975, .acceptance_limit_mps = 61.0};
+    const Json alone = profile_of(run)["decision"];
+    EXPECT_EQ(alone["attempts_made"], 1);
+    EXPECT_FALSE(alone.contains("drift_survived_m"));
+    EXPECT_FALSE(alone.contains("drift_found_m_s"));
+    EXPECT_EQ(alone["decision_words"].get<std::string>().find("The best of"), std::string::npos);
+}
+
+TEST(DecisionMembers, HoldTheWitnessesAndSayThereAreNone) {
+    sample::Run run = made();
+    EXPECT_EQ(profile_of(run)["witnesses"], Json::array());
+    verdict_of(run).witnesses = {"the recorded velocities give 216.008 km/h", "a <radar>"};
+    EXPECT_EQ(profile_of(run)["witnesses"],
+              Json({"the recorded velocities give 216.008 km/h", "a <radar>"}));
+}
+
+TEST(Origins, OfTimesAndSolutionsAreThoseOfTheObservations) {
+    sample::Run run = made();
+    Observations& observations = run.inputs.receivers[0].observations;
+    observations.time_origin = "UTC of the receiver's position sentences";
+    observations.facts.time_source = "satellites";
+    observations.solution_source = "attempt";
+    const Json receiver = receiver_of(run);
+    EXPECT_EQ(receiver["time_origin"], "UTC of the receiver's position sentences");
+    EXPECT_EQ(receiver["time_source"], "satellites");
+    EXPECT_EQ(receiver["solution_source"], "attempt");
+    EXPECT_EQ(fact_of(receiver["recording_facts"], "Time stamps"),
+              "UTC of the receiver's position sentences");
+    expect_in(page_of(run), "as the attempt states; the recording does not say");
+
+    observations.time_origin.clear();
+    observations.facts.time_source = "unknown";
+    EXPECT_FALSE(receiver_of(run).contains("time_origin"));
+    EXPECT_EQ(receiver_of(run)["time_source"], "unknown");
+    EXPECT_EQ(fact_of(receiver_of(run)["recording_facts"], "Time stamps"), "no such line");
+}
+
+TEST(Origins, OfEverySolutionHaveWordsOfTheirOwn) {
+    sample::Run run = made();
+    std::set<std::string> words;
+    for (const char* source : {"recording", "attempt", "partly", "unknown"}) {
+        run.inputs.receivers[0].observations.solution_source = source;
+        words.insert(fact_of(receiver_of(run)["recording_facts"], "Kind of solution"));
+    }
+    EXPECT_EQ(words.size(), 4U);
+    EXPECT_TRUE(words.contains("nobody says; taken as that of one receiver alone"));
+}
+
+TEST(DeviceSigns, AreInFiguresAndWords) {
+    sample::Run run = made();
+    ScreeningEvidence& evidence = *run.inputs.receivers[0].screened.evidence;
+    const auto words = [&] {
+        return fact_of(receiver_of(run)["screening_facts"],
+                       "Signs of positions that were not measured");
+    };
+    EXPECT_FALSE(receiver_of(run)["screening"]["evidence"].contains("device"));
+    EXPECT_EQ(words(), "no such line");
+    evidence.device =
+        DeviceEvidence{.moving = 1350, .held = 12, .interpolated = 675, .by_chance = 3.456789};
+    const Json device = receiver_of(run)["screening"]["evidence"]["device"];
+    EXPECT_EQ(device["moving"], 1350);
+    EXPECT_EQ(device["held"], 12);
+    EXPECT_EQ(device["interpolated"], 675);
+    EXPECT_EQ(device["by_chance"], 3.456789);
+    EXPECT_EQ(words(),
+              "12 of 1,350 moving rows repeat the position before, 675 lie in line with "
+              "their neighbours to the last digit; chance makes 3.5 of them");
+    evidence.device = DeviceEvidence{.moving = 1350};
+    EXPECT_EQ(words(), "none in 1,350 moving rows");
+    evidence.device = DeviceEvidence{};
+    EXPECT_EQ(words(), "none looked for: the craft hardly moved");
+}
+
+TEST(RevisionOneFive, IsReadBackAndRefusedAsAnEarlierOne) {
+    sample::Run run = made();
+    verdict_of(run).witnesses = {"a witness"};
+    Json report = report_json(run.inputs);
+    EXPECT_EQ(report["predicate"]["schema"]["version"], "1.5");
+    EXPECT_EQ(parse_report(report_text_of(report), "report.json"), report);
+    report["predicate"]["schema"]["version"] = "1.4";
+    EXPECT_THROW(parse_report(report_text_of(report), "report.json"), Failure);
+}
+
+}  // namespace
+}  // namespace runcert

@@ -1,0 +1,152 @@
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "files_test_support.h"
+#include "schemas/enu/enu.h"
+#include "schemas/observations/observations.h"
+#include "schemas/screened/screened.h"
+#include "schemas/trajectory/trajectory.h"
+
+// Whose clock made the time stamps, and who says the kind of solution: what observations/1.3,
+// enu/1.3, screened/1.4 and trajectory/1.3 added for it.
+
+namespace runcert {
+namespace {
+
+using test::failure_of;
+using test::replaced;
+
+template <class Table>
+Table table_of(const std::string& stage, const std::string& time_source) {
+    Table table;
+    table.header.stage = stage;
+    table.header.program_version = "1.3.0";
+    table.header.source_revision = "0";
+    table.facts.receiver = "primary";
+    table.facts.time_source = time_source;
+    return table;
+}
+
+Observations observations_of(const std::string& time_source = "unknown") {
+    Observations table = table_of<Observations>("import", time_source);
+    table.format = "csv";
+    table.frame = "geodetic";
+    table.time_scale = "gps";
+    table.accuracy_source = "none";
+    return table;
+}
+
+/// A table written with that source, and the source that is read from it or from another text.
+struct TableKind {
+    const char *name, *newest, *before;
+    std::string (*text)(const std::string& time_source);
+    RecordingFacts (*facts)(const std::string& text);
+};
+
+constexpr TableKind kinds[] = {
+    {"observations", "1.3", "1.2",
+     [](const std::string& source) { return write_observations(observations_of(source)); },
+     [](const std::string& text) { return read_observations(text, "f").facts; }},
+    {"enu", "1.3", "1.2",
+     [](const std::string& source) { return write_enu(table_of<EnuTable>("enu", source)); },
+     [](const std::string& text) { return read_enu(text, "f").facts; }},
+    {"screened", "1.4", "1.3",
+     [](const std::string& source) {
+         return write_screened(table_of<ScreenedTable>("screen", source));
+     },
+     [](const std::string& text) { return read_screened(text, "f").facts; }},
+    {"trajectory", "1.3", "1.2",
+     [](const std::string& source) {
+         return write_trajectory(table_of<TrajectoryTable>("smooth", source));
+     },
+     [](const std::string& text) { return read_trajectory(text, "f").facts; }},
+};
+
+std::string version_line(const std::string& version) {
+    return "#     version: \"" + version + "\"\n";
+}
+
+TEST(TimeSource, StandsInEveryTable) {
+    for (const TableKind& kind : kinds)
+        for (const char* source : {"satellites", "attempt", "unknown"})
+            EXPECT_EQ(kind.facts(kind.text(source)).time_source, source) << kind.name;
+}
+
+TEST(TimeSource, IsUnknownUntilSomebodySaysIt) {
+    EXPECT_EQ(RecordingFacts{}.time_source, "unknown");
+    for (const TableKind& kind : kinds) {
+        const std::string text =
+            replaced(kind.text("satellites"), "#   time_source: satellites\n", "");
+        EXPECT_EQ(kind.facts(text).time_source, "unknown") << kind.name;
+    }
+}
+
+TEST(TimeSource, HasOnlyKnownWords) {
+    for (const TableKind& kind : kinds) {
+        EXPECT_TRUE(failure_of([&] {
+                        kind.text("clock");
+                    }).contains("\"clock\" is not one of satellites, attempt, unknown"))
+            << kind.name;
+        const std::string text = kind.text("attempt");
+        const auto said = failure_of(
+            [&] { kind.facts(replaced(text, "time_source: attempt", "time_source: device")); });
+        EXPECT_TRUE(said.contains("\"device\" is not one of satellites, attempt, unknown"))
+            << kind.name << "\n"
+            << said.problem;
+    }
+}
+
+TEST(TimeSource, AnEarlierTableHasNone) {
+    for (const TableKind& kind : kinds) {
+        const std::string early =
+            replaced(kind.text("satellites"), version_line(kind.newest), version_line(kind.before));
+        const auto said = failure_of([&] { kind.facts(early); });
+        EXPECT_TRUE(said.contains(std::string("time_source: the field needs revision ") +
+                                  kind.newest + " of the schema " + kind.name))
+            << said.problem;
+    }
+}
+
+TEST(ObservationOrigins, RoundTrip) {
+    Observations table = observations_of();
+    table.time_origin = "UTC of the receiver: \"as written\"";
+    for (const char* source : {"recording", "attempt", "partly", "unknown"}) {
+        table.solution_source = source;
+        const Observations back = read_observations(write_observations(table), "f");
+        EXPECT_EQ(back.time_origin, table.time_origin);
+        EXPECT_EQ(back.solution_source, source);
+    }
+    table.solution_source = "guessed";
+    EXPECT_TRUE(failure_of([&] {
+                    write_observations(table);
+                }).contains("\"guessed\" is not one of recording, attempt, partly, unknown"));
+}
+
+TEST(ObservationOrigins, WhatIsNotSaidIsAbsentOrUnknown) {
+    const std::string text = write_observations(observations_of());
+    EXPECT_EQ(text.find("time_origin"), std::string::npos);
+    EXPECT_EQ(read_observations(text, "f").time_origin, "");
+    const std::string without = replaced(text, "#   solution_source: unknown\n", "");
+    EXPECT_EQ(read_observations(without, "f").solution_source, "unknown");
+}
+
+TEST(ObservationOrigins, AnEarlierTableHasNone) {
+    Observations table = observations_of();
+    table.time_origin = "GPS time";
+    const std::string early =
+        replaced(replaced(write_observations(table), "#   time_source: unknown\n", ""),
+                 version_line("1.3"), version_line("1.2"));
+    for (const auto& [kept, removed] : {std::pair{"time_origin", "#   solution_source: unknown\n"},
+                                        {"solution_source", "#   time_origin: \"GPS time\"\n"}}) {
+        const auto said = failure_of(
+            [&, removed = removed] { read_observations(replaced(early, removed, ""), "f"); });
+        EXPECT_TRUE(said.contains(std::string(kept) +
+                                  ": the field needs revision 1.3 of the schema observations; the "
+                                  "file follows observations/1.2"))
+            << said.problem;
+    }
+}
+
+}  // namespace
+}  // namespace runcert

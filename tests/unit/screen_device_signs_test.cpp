@@ -1,0 +1,201 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/random.h"
+#include "stages/screen/device_signs.h"
+
+namespace runcert {
+namespace {
+
+using Rows = std::vector<ScreenedEpoch>;
+
+/// A craft on a circle of 200 m radius, as a receiver measures it at 10 Hz.
+struct Recording {
+    std::size_t epochs = 600;
+    double speed_mps = 15.0;
+    double noise_m = 0.010;
+    double resolution_m = 0.0;  ///< positions are written in whole steps of this
+    std::uint64_t seed = 1;
+};
+
+double written(double value_m, double resolution_m) {
+    return resolution_m > 0.0 ? resolution_m * std::round(value_m / resolution_m) : value_m;
+}
+
+Rows record(const Recording& recording) {
+    RandomGenerator random(recording.seed);
+    Rows rows;
+    for (std::size_t k = 0; k < recording.epochs; ++k) {
+        const double angle = recording.speed_mps * 0.1 * static_cast<double>(k) / 200.0;
+        ScreenedEpoch& row = rows.emplace_back();
+        row.time.nanoseconds = static_cast<std::int64_t>(k) * 100'000'000;
+        row.east_m = written(200.0 * std::sin(angle) + recording.noise_m * random.normal(),
+                             recording.resolution_m);
+        row.north_m = written(200.0 * std::cos(angle) + recording.noise_m * random.normal(),
+                              recording.resolution_m);
+        row.fix = FixKind::fixed;
+    }
+    return rows;
+}
+
+/// The position of each row made from those of others, in the order of the rows.
+template <class Made>
+Rows with(Rows rows, const Made& made) {
+    const auto at = [&](std::size_t k) {
+        return Eigen::Vector2d(*rows[k].east_m, *rows[k].north_m);
+    };
+    for (std::size_t k = 2; k + 1 < rows.size(); ++k) {
+        const Eigen::Vector2d position = made(k, at);
+        rows[k].east_m = position.x();
+        rows[k].north_m = position.y();
+    }
+    return rows;
+}
+
+DeviceEvidence signs_of(const Rows& rows, double resolution_m = 0.0) {
+    return find_device_signs(rows, 0.1, resolution_m);
+}
+
+TEST(DeviceSigns, AnHonestRecordingHasNone) {
+    for (const double noise_m : {0.002, 0.010, 0.5})
+        for (const std::uint64_t seed : {1U, 2U, 3U}) {
+            const DeviceEvidence signs = signs_of(record({.noise_m = noise_m, .seed = seed}));
+            // All but the five rows at each end.
+            EXPECT_EQ(signs.moving, 590);
+            EXPECT_EQ(signs.held, 0);
+            EXPECT_LE(signs.interpolated, 1) << noise_m << " " << seed;
+            EXPECT_LT(signs.by_chance, 1.0);
+        }
+}
+
+TEST(DeviceSigns, OfHonestCoarseCoordinatesAreAboutAsManyAsChanceMakes) {
+    // What is equal by rounding is expected: as much of it as a rule that allows three times that,
+    // or a few, must never refuse; nor so much that nothing could be found.
+    for (const double speed_mps : {3.0, 15.0, 40.0})
+        for (const double noise_m : {0.0005, 0.002, 0.010})
+            for (const double resolution_m : {0.001, 0.002, 0.005, 0.011, 0.020}) {
+                const DeviceEvidence signs = signs_of(record({.epochs = 3000,
+                                                              .speed_mps = speed_mps,
+                                                              .noise_m = noise_m,
+                                                              .resolution_m = resolution_m}),
+                                                      resolution_m);
+                const auto found = static_cast<double>(signs.interpolated);
+                EXPECT_EQ(signs.moving, 2990);
+                EXPECT_EQ(signs.held, 0);
+                EXPECT_LE(found, 3.0 * signs.by_chance + 10.0)
+                    << speed_mps << " " << noise_m << " " << resolution_m;
+                EXPECT_LE(signs.by_chance, 3.0 * found + 60.0)
+                    << speed_mps << " " << noise_m << " " << resolution_m;
+            }
+}
+
+TEST(DeviceSigns, PositionsHeldAreCounted) {
+    // 5 Hz written at 10.
+    const Rows every_second = with(
+        record({}), [](std::size_t k, const auto& at) { return k % 2 == 1 ? at(k - 1) : at(k); });
+    const DeviceEvidence half = signs_of(every_second);
+    EXPECT_NEAR(static_cast<double>(half.held), 295.0, 1.0);
+    // Three in a row, once.
+    const Rows stuck = with(record({}), [](std::size_t k, const auto& at) {
+        return k >= 300 && k < 303 ? at(k - 1) : at(k);
+    });
+    const DeviceEvidence once = signs_of(stuck);
+    EXPECT_EQ(once.held, 3);
+    EXPECT_LE(once.interpolated, 1);
+}
+
+TEST(DeviceSigns, PositionsBetweenTwoMeasuredOnesAreCounted) {
+    const auto between = [](std::size_t k, const auto& at) -> Eigen::Vector2d {
+        if (k % 2 == 0) return at(k);
+        return 0.5 * (at(k - 1) + at(k + 1));
+    };
+    const DeviceEvidence signs = signs_of(with(record({}), between));
+    EXPECT_NEAR(static_cast<double>(signs.interpolated), 295.0, 2.0);
+    EXPECT_GT(static_cast<double>(signs.interpolated), 20.0 * (signs.by_chance + 1.0));
+    EXPECT_EQ(signs.held, 0);
+}
+
+TEST(DeviceSigns, FourOfFiveBetweenMeasuredOnesInWholeMillimetresAreCounted) {
+    Rows rows = record({.epochs = 3000});
+    const Rows measured = rows;
+    for (std::size_t k = 0; k + 5 < rows.size(); ++k) {
+        const double share = static_cast<double>(k % 5) / 5.0;
+        const ScreenedEpoch& from = measured[k - k % 5];
+        const ScreenedEpoch& to = measured[k - k % 5 + 5];
+        rows[k].east_m = written((1.0 - share) * *from.east_m + share * *to.east_m, 0.001);
+        rows[k].north_m = written((1.0 - share) * *from.north_m + share * *to.north_m, 0.001);
+    }
+    const DeviceEvidence signs = signs_of(rows, 0.001);
+    // Rounding hides some of the 2392.
+    EXPECT_GT(signs.interpolated, 1200);
+    EXPECT_GT(static_cast<double>(signs.interpolated), 10.0 * signs.by_chance);
+}
+
+TEST(DeviceSigns, PositionsCarriedOnFromMeasuredOnesAreCounted) {
+    // For half a second along a parabola, as a device predicts with speed and acceleration.
+    const Rows predicted = with(record({}), [](std::size_t k, const auto& at) -> Eigen::Vector2d {
+        if (k < 300 || k >= 305) return at(k);
+        return 3.0 * at(k - 1) - 3.0 * at(k - 2) + at(k - 3);
+    });
+    const DeviceEvidence signs = signs_of(predicted);
+    EXPECT_GE(signs.interpolated, 4);
+    EXPECT_LE(signs.interpolated, 6);
+    EXPECT_LT(signs.by_chance, 1.0);
+}
+
+TEST(DeviceSigns, ACraftAtRestIsNotLookedAt) {
+    Rows rows = record({.speed_mps = 0.0});
+    for (ScreenedEpoch& row : rows) {
+        row.east_m = 3.0;
+        row.north_m = 4.0;
+    }
+    const DeviceEvidence signs = signs_of(rows);
+    EXPECT_EQ(signs.moving, 0);
+    EXPECT_EQ(signs.held, 0);
+    EXPECT_EQ(signs.interpolated, 0);
+    EXPECT_EQ(signs.by_chance, 0.0);
+    // Nor one whose steps the coordinates do not tell.
+    EXPECT_EQ(signs_of(record({.speed_mps = 1.5, .resolution_m = 0.1}), 0.1).moving, 0);
+    EXPECT_EQ(signs_of(record({.speed_mps = 1.5})).moving, 590);
+}
+
+TEST(DeviceSigns, RowsLostOrWithoutAFixAreNoSign) {
+    // Straight on with equal steps across a hole of five rows: its ends are far from one another.
+    Rows rows = record({});
+    rows.erase(rows.begin() + 300, rows.begin() + 305);
+    EXPECT_EQ(signs_of(rows).moving, 595 - 20);
+    rows = record({});
+    for (std::size_t k = 300; k < 310; ++k) {
+        rows[k].reason = Reason::no_fix;
+        rows[k].east_m = rows[k].north_m = 0.0;
+    }
+    const DeviceEvidence signs = signs_of(rows);
+    EXPECT_EQ(signs.held, 0);
+    EXPECT_EQ(signs.moving, 590 - 20);
+    for (std::size_t k = 300; k < 310; ++k)
+        rows[k].east_m.reset();
+    EXPECT_EQ(signs_of(rows).moving, 590 - 20);
+}
+
+TEST(DeviceSigns, OfNothingAndOfNoIntervalThereAreNone) {
+    EXPECT_EQ(signs_of({}).moving, 0);
+    EXPECT_EQ(signs_of(record({.epochs = 10})).moving, 0);
+    EXPECT_EQ(signs_of(record({.epochs = 11})).moving, 1);
+    EXPECT_EQ(find_device_signs(record({}), 0.0, 0.0).moving, 0);
+}
+
+TEST(DeviceSigns, OfARecordingThatIsAllMadeAreNotTakenForChance) {
+    // Straight at constant speed to the last digit: nothing scatters that chance could work on.
+    Rows rows = record({});
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+        rows[k].east_m = 1.5 * static_cast<double>(k);
+        rows[k].north_m = 0.25 * static_cast<double>(k);
+    }
+    const DeviceEvidence signs = signs_of(rows);
+    EXPECT_EQ(signs.interpolated, signs.moving);
+    EXPECT_EQ(signs.by_chance, 0.0);
+}
+
+}  // namespace
+}  // namespace runcert

@@ -300,8 +300,7 @@ CertifiableWindow certified(const AxesEvidence<Axes>& evidence, const WindowChoi
                                     noise.speed.speed_mps);
     const SelectionBias& selection = *window.selection;
     if (choice.profile.uncertainty.subtract_selection_bias) {
-        // A craft that stands has no speed to take a bias off.
-        window.speed_mps = std::max(0.0, window.speed_mps - selection.bias_mps);
+        window.speed_mps = less_bias(window.speed_mps, selection.bias_mps);
         window.bias_limit_mps = selection.bias_half_range_mps;
     } else {
         window.bias_limit_mps = selection.bounded_bias_mps;

@@ -9,6 +9,7 @@
 #include "core/uncertainty.h"
 #include "stages/window/budget.h"
 #include "stages/window/search_series.h"
+#include "stages/window/selection.h"
 
 namespace runcert {
 namespace {
@@ -128,7 +129,7 @@ CertifiableWindow certified_by_velocity(const ScreenedTable& screened,
         "d", "undetected error", "B", 0.0, independent,
         "not quantified: screening tests positions; velocities are only compared with them"));
     window.bias_limit_mps = 0.5 * selection;
-    window.speed_mps -= window.bias_limit_mps;
+    window.speed_mps = less_bias(window.speed_mps, window.bias_limit_mps);
     BudgetRow row = speed_row(
         "f", "choice of the fastest of many windows", "B", 0.0, independent,
         fmt::format("{} that do not overlap could have been the fastest: a bias of at most {:.4f} "

@@ -126,6 +126,10 @@ DrawnBias bias_from(const std::vector<Samples>& drawn, std::int64_t samples) {
 
 }  // namespace
 
+double less_bias(double speed_mps, double bias_mps) {
+    return std::max(0.0, speed_mps - bias_mps);
+}
+
 template <int Axes>
 SelectionBias selection_bias(const std::vector<WindowCluster<Axes>>& clusters,
                              const SelectionModels& models, double stated_mps, std::int64_t samples,

@@ -9,6 +9,10 @@
 
 namespace runcert {
 
+/// A speed less the bias (both m/s) of choosing it as the fastest, and not below 0: a craft that
+/// stands has no speed to take a bias off.
+double less_bias(double speed_mps, double bias_mps);
+
 /// Windows of one arc that could have been the best, close enough to one another to be estimated
 /// together.
 template <int Axes>

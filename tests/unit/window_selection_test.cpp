@@ -227,5 +227,10 @@ TEST(SelectionBias, SubtractedTheSpeedIsLowerByItAndItsOwnUncertaintyStays) {
     EXPECT_LT(subtracted.bias_limit_mps, covered.bias_limit_mps);
 }
 
+TEST(SelectionBias, OfACraftThatStandsLeavesItNoNegativeSpeed) {
+    EXPECT_DOUBLE_EQ(less_bias(0.5, 0.2), 0.3);
+    EXPECT_EQ(less_bias(0.02, 0.15), 0.0);
+}
+
 }  // namespace
 }  // namespace runcert

@@ -116,9 +116,8 @@ std::string motion_text(const ScreenedTable& table) {
     if (!largest) return "";
     return fmt::format(
         "Motion. At {} the acceleration was found to change beyond what the tests take for "
-        "granted, "
-        "at most by {} m/s^2 (epoch {}): a manoeuvre of the craft explains the data better than an "
-        "error, and the tests allow for it.",
+        "granted, at most by {} m/s^2 (epoch {}): a manoeuvre of the craft explains the data "
+        "better than an error, and the tests allow for it.",
         counted(manoeuvres, "epoch"), format_fixed(*largest->manoeuvre_mps2, 1), largest->epoch);
 }
 

@@ -48,8 +48,7 @@ std::string indicated_text(const ProfileWindows& windows) {
 std::string bound_text(const ErrorBound& bound) {
     return fmt::format(
         "a slow error of {} m that lasts {} s to {} s is allowed for, decided by {} (fitted {} "
-        "m{}, "
-        "stated {} m, floor {} m{})",
+        "m{}, stated {} m, floor {} m{})",
         figure_text(bound.sigma_m), figure_text(bound.tau_min_s), figure_text(bound.tau_max_s),
         bound.decided_by, figure_text(bound.fitted_m),
         bound.along > 1.0
@@ -91,8 +90,7 @@ std::string selection_text(const SelectionBias& selection) {
     return fmt::format(
         "{} windows could have been the best; the one chosen is too fast by {} m/s with the errors "
         "as fitted, {} m/s with the slow error at its bound (+- {} m/s): {} ({} trajectories "
-        "drawn, "
-        "seed {})",
+        "drawn, seed {})",
         counted(selection.candidates), figure_text(selection.fitted_bias_mps),
         figure_text(selection.bounded_bias_mps), figure_text(selection.bias_uncertainty_mps),
         subtracted ? "the middle of the two is subtracted from the speed, half their difference "

@@ -94,8 +94,7 @@ void add_health(const FilterHealth& health, const std::string& axes, Statements&
             health.autocorrelation > 0.0
                 ? "the positions look as if the device had filtered them, which hides how they err"
                 : "the positions look as if the device had filtered them, or their errors change "
-                  "along "
-                  "the recording more than their stated accuracies say"));
+                  "along the recording more than their stated accuracies say"));
     if (!health.consistent)
         statements.push_back(fmt::format(
             "The size of the {} innovations changes along the recording more than the stated "

@@ -36,12 +36,9 @@ constexpr std::array<Computation, 18> computations{{
      "same time is compared with the certified one: their difference is divided by the root of the "
      "sum of the squares of both expanded uncertainties (k = 2), which gives the normalised error. "
      "Of a second receiver only what the two do not share enters: noise, motion, each one's own "
-     "slow "
-     "error, time stamps, antenna; base station, satellites, atmosphere and frame err alike in "
-     "both, "
-     "and this cannot find it. Met where it is at most 1; with a receiver and a stated method, "
-     "where "
-     "both are.",
+     "slow error, time stamps, antenna; base station, satellites, atmosphere and frame err alike "
+     "in both, and this cannot find it. Met where it is at most 1; with a receiver and a stated "
+     "method, where both are.",
      Bound::none,
      "Record with a second receiver (receivers:) or state what a second method measured "
      "(secondary:) and run the attempt again; or compare by hand, and sign for it."},
@@ -129,18 +126,17 @@ constexpr std::array<Computation, 18> computations{{
      "A speed is a length over a time, and wrong by as much as the clock. The format of the "
      "recording says whether its stamps are the satellites' time. Met where it does. Where it does "
      "not, the mean step of the stamps is compared with that of the rates that receivers are set "
-     "to: "
-     "not met where they differ by more than 1e-4 and more than the scatter of the steps can make; "
-     "else a person must answer, and the budget holds a row for the clock.",
+     "to: not met where they differ by more than 1e-4 and more than the scatter of the steps can "
+     "make; else a person must answer, and the budget holds a row for the clock.",
      Bound::none,
      "Find out what made the time stamps. Where they are the satellites' time, write time_source: "
      "satellites for the receiver; whoever signs for this clause answers for that."},
     {"measured_positions",
      "Not met where the recording holds more held or interpolated positions than chance makes. Met "
      "where the positions were solved here from raw observations, or a witness beside the "
-     "positions "
-     "agrees (a second receiver, recorded velocities) and nothing looks as if the device had "
-     "filtered them: scatter far below what is stated, innovations that follow one another, motion "
+     "positions agrees (a second receiver, recorded velocities) and nothing looks as if the device "
+     "had filtered them: scatter far below what is stated, innovations that follow one another, "
+     "motion "
      "that swings after every change of acceleration in the same rhythm.",
      Bound::none,
      "Find out from the device's settings and raw data that its positions were not filtered, "

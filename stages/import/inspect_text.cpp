@@ -157,8 +157,8 @@ void add_quality_concerns(const Inspection& it, std::vector<std::string>& concer
     if (unknown == it.epochs)
         concerns.push_back(
             "The recording does not say which positions are fixed solutions: they count as those "
-            "of "
-            "one receiver alone (if they are fixed, write solution: fixed in the attempt and keep "
+            "of one receiver alone (if they are fixed, write solution: fixed in the attempt and "
+            "keep "
             "the proof).");
     else if (lesser > 0)
         concerns.push_back(

@@ -39,7 +39,6 @@ class RareDecision {
 
 /// What was decided of an arc, epoch by epoch.
 struct ArcDecisions {
-    ArcDecisions() = default;
     explicit ArcDecisions(std::size_t epochs)
         : left_out(epochs), breaks(epochs), manoeuvres_mps2(epochs, 0.0) {}
 

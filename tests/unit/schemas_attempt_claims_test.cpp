@@ -4,6 +4,7 @@
 
 #include "files_test_support.h"
 #include "schemas/attempt/attempt.h"
+#include "schemas_attempt_support.h"
 
 // What revision 1.6 of an attempt added: claims that somebody must answer for, and how many
 // attempts were made.
@@ -73,9 +74,7 @@ TEST(AttemptClaims, TheClocksRateMayBeBounded) {
 }
 
 TEST(AttemptClaims, BadValuesAreNamedWithTheirPlace) {
-    const struct {
-        std::string from, to, where, said;
-    } cases[] = {
+    const test::BadAttempt cases[] = {
         {"r.csv}", "r.csv, solution: rtk}", "f:5:47",
          "\"rtk\" is not one of fixed, float, ppp, dgps, sbas, single, dead_reckoning"},
         {"r.csv}", "r.csv, solution: unknown}", "f:5:47", "\"unknown\" is not one of"},
@@ -94,11 +93,7 @@ TEST(AttemptClaims, BadValuesAreNamedWithTheirPlace) {
         {"[nalsa]", "[nalsa]\nparameters: {window: {clock_rate_bound: 0.2}}", "f:7:41",
          "above 0.1"},
     };
-    for (const auto& c : cases) {
-        const auto said = failure_of([&] { read_attempt(replaced(least, c.from, c.to), "f"); });
-        EXPECT_EQ(said.where, c.where) << c.to << "\n" << said.problem;
-        EXPECT_TRUE(said.contains(c.said)) << c.to << "\n" << said.problem << ". " << said.remedy;
-    }
+    test::expect_named(least, cases);
 }
 
 TEST(AttemptClaims, NeedTheirRevision) {

@@ -4,6 +4,7 @@
 
 #include "files_test_support.h"
 #include "schemas/attempt/attempt.h"
+#include "schemas_attempt_support.h"
 
 // What revisions 1.1 and 1.2 of an attempt added.
 
@@ -77,9 +78,7 @@ TEST(AttemptRevision, ALaterFieldInAnEarlierFileNamesTheRevisionItNeeds) {
 }
 
 TEST(AttemptRevision, BadInputIsNamedWithItsPlace) {
-    const struct {
-        std::string from, to, where, said;
-    } cases[] = {
+    const test::BadAttempt cases[] = {
         {"r.csv}", "r.csv, rotation_bound_deg: 5}", "f:5:57",
          "the craft's rotation is bounded, but no lever arm is given for it to act on. Add "
          "lever_arm_m"},
@@ -105,11 +104,7 @@ TEST(AttemptRevision, BadInputIsNamedWithItsPlace) {
         {"[nalsa]", "[nalsa]\nparameters: {window: {plane_scale_bound: 0.2}}", "f:7:42",
          "0.2 is above 0.1"},
     };
-    for (const auto& c : cases) {
-        const auto said = failure_of([&] { read_attempt(replaced(least_1_1, c.from, c.to), "f"); });
-        EXPECT_EQ(said.where, c.where) << c.to << "\n" << said.problem;
-        EXPECT_TRUE(said.contains(c.said)) << c.to << "\n" << said.problem << ". " << said.remedy;
-    }
+    test::expect_named(least_1_1, cases);
 }
 
 TEST(AttemptScreening, HasItsDefaults) {

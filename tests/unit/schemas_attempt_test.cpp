@@ -5,6 +5,7 @@
 #include "files/yaml_output.h"
 #include "files_test_support.h"
 #include "schemas/attempt/attempt.h"
+#include "schemas_attempt_support.h"
 
 namespace runcert {
 namespace {
@@ -158,9 +159,7 @@ TEST(Attempt, EveryFrameHasAWord) {
 }
 
 TEST(Attempt, BadInputIsNamedWithItsPlace) {
-    const struct {
-        std::string from, to, where, said;
-    } cases[] = {
+    const test::BadAttempt cases[] = {
         {"receivers:", "reciever:", "f:4:1",
          "unknown key \"reciever\". Did you mean \"receivers\""},
         {"recording", "recoding", "f:5:19", "Did you mean \"recording\""},
@@ -249,11 +248,7 @@ TEST(Attempt, BadInputIsNamedWithItsPlace) {
         {"profiles: [nalsa]", "place: \"Nagoya\nprofiles: [nalsa]", "f:8:1", "not closed"},
     };
     ASSERT_NO_THROW(read_attempt(least, "f"));
-    for (const auto& c : cases) {
-        const auto said = failure_of([&] { read_attempt(replaced(least, c.from, c.to), "f"); });
-        EXPECT_EQ(said.where, c.where) << c.to << "\n" << said.problem;
-        EXPECT_TRUE(said.contains(c.said)) << c.to << "\n" << said.problem << ". " << said.remedy;
-    }
+    test::expect_named(least, cases);
 }
 
 TEST(Attempt, WholeFilesThatAreNoAttempt) {

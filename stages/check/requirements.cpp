@@ -118,12 +118,17 @@ Finding accuracy(const ClauseContext& context) {
     if (!context.speed || !context.profile.accuracy_limit_mps)
         return {"not_met", "there is no certifiable window whose accuracy could be stated"};
     const double u = *context.expanded_uncertainty_mps;
+    const double bias_limit_mps = context.speed->bias_limit_mps;
     const bool met = u <= *context.profile.accuracy_limit_mps;
     const std::string& unit = context.profile.accuracy_unit;
     return {met ? "met" : "not_met",
-            fmt::format("{:.3g} times the standard uncertainty is {}, the limit {}; {}",
-                        context.coverage_factor, in_unit(u, unit, 3),
-                        in_unit(*context.profile.accuracy_limit_mps, unit, 3),
+            fmt::format("{:.3g} times the standard uncertainty{} is {}, the limit {}; {}",
+                        context.coverage_factor,
+                        bias_limit_mps > 0.0
+                            ? fmt::format(", and {} that choosing the window may have left,",
+                                          in_unit(bias_limit_mps, unit, 3))
+                            : std::string(),
+                        in_unit(u, unit, 3), in_unit(*context.profile.accuracy_limit_mps, unit, 3),
                         context.profile.speed_source == "velocity"
                             ? "it rests on what the recording states of its velocities"
                             : "the bound on slow errors and the worst undetected error are in it"),

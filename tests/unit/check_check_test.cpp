@@ -96,6 +96,23 @@ TEST(Check, FewDegreesOfFreedomWidenTheExpandedUncertainty) {
     EXPECT_EQ(status_of(scene.verdict(), "accuracy"), "met");
 }
 
+TEST(Check, TheAccuracySaysWhatOfItTheChoiceOfTheWindowMayHaveLeft) {
+    Scene scene(60.0, 0.08);  // 0.576 km/h expanded, of 0.8
+    const auto accuracy = [&] {
+        for (const Requirement& requirement : scene.verdict().requirements)
+            if (requirement.clause == "accuracy") return requirement;
+        return Requirement{};
+    };
+    EXPECT_TRUE(accuracy().evidence.starts_with("2 times the standard uncertainty is 0.576 km/h,"))
+        << accuracy().evidence;
+    scene.judged.windows.profiles[0].best->bias_limit_mps = 0.1;
+    EXPECT_EQ(accuracy().status, "not_met");
+    EXPECT_TRUE(accuracy().evidence.starts_with(
+        "2 times the standard uncertainty, and 0.360 km/h that choosing the window may have left, "
+        "is 0.936 km/h, the limit 0.800 km/h"))
+        << accuracy().evidence;
+}
+
 TEST(Check, ARobustEstimateThatDisagreesIsNotCertifiable) {
     Scene scene(60.0, 0.005);
     RobustSpeed robust{.speed_mps = 60.1,

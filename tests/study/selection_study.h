@@ -8,15 +8,22 @@
 namespace runcert {
 
 /// Mean of the chosen window's stated speed less its true speed, over many runs, with its standard
-/// error; without correction, and with the reported bias taken off, as it is certified (m/s); and
-/// how often the certified speed is within its expanded uncertainty.
+/// error (m/s).
+struct MeanError {
+    double mean_mps = 0.0;
+    double standard_error_mps = 0.0;
+};
+
+/// What choosing the fastest window leaves in its speed: without correction, with the bias by the
+/// errors as fitted taken off, and with the reported one, as it is certified; and how often the
+/// certified speed is within its expanded uncertainty.
 struct SelectionStudy {
     StudyRun run;
     std::int64_t runs = 0;
-    double mean_mps = 0.0;
-    double standard_error_mps = 0.0;
-    double corrected_mean_mps = 0.0;
-    double corrected_standard_error_mps = 0.0;
+    MeanError uncorrected;
+    MeanError fitted;
+    MeanError reported;
+    double half_range_mps = 0.0;  ///< mean of what the certificate allows about the reported bias
     std::int64_t held = 0;
 };
 

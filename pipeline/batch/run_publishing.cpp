@@ -4,7 +4,7 @@
 #include "files/atomic_file.h"
 #include "files/sha256.h"
 #include "run/run_times.h"
-#include "run/signature_files.h"
+#include "trust/signature_files.h"
 
 namespace runcert {
 namespace {

@@ -8,7 +8,7 @@
 #include "files/atomic_file.h"
 #include "files/file_sync.h"
 #include "files/process.h"
-#include "run/signing.h"
+#include "trust/signing.h"
 
 namespace runcert {
 

@@ -9,7 +9,7 @@
 #include "batch/step_reason.h"
 #include "core/failure.h"
 #include "files/folder_lock.h"
-#include "run/signature_files.h"
+#include "trust/signature_files.h"
 
 namespace runcert {
 namespace {

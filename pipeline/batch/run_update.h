@@ -14,7 +14,7 @@
 #include "batch/progress.h"
 #include "batch/run_record.h"
 #include "batch/steps.h"
-#include "files/signature.h"
+#include "trust/signature.h"
 
 namespace runcert {
 

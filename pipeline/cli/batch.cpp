@@ -7,15 +7,15 @@
 #include <algorithm>
 #include <thread>
 
-#include "batch/compare_days.h"
 #include "batch/memory_budget.h"
 #include "batch/slurm_args.h"
 #include "commands.h"
 #include "core/failure.h"
 #include "core/text.h"
 #include "files/process.h"
-#include "run/signing.h"
+#include "reports/diff/day_difference.h"
 #include "schemas/day/day.h"
+#include "trust/signing.h"
 
 namespace runcert {
 namespace {

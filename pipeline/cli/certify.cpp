@@ -17,8 +17,8 @@
 #include "files/yaml_input.h"
 #include "run/chain.h"
 #include "run/run_times.h"
-#include "run/signing.h"
 #include "schemas/attempt/attempt.h"
+#include "trust/signing.h"
 
 namespace runcert {
 namespace {

@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "commands.h"
-#include "run/run_difference.h"
+#include "reports/diff/run_difference.h"
 
 namespace runcert {
 namespace {

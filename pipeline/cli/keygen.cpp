@@ -6,9 +6,9 @@
 #include "commands.h"
 #include "core/failure.h"
 #include "files/atomic_file.h"
-#include "files/roster.h"
-#include "files/signature.h"
-#include "run/signing.h"
+#include "trust/roster.h"
+#include "trust/signature.h"
+#include "trust/signing.h"
 
 namespace runcert {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "run/verification.h"
+#include "trust/verification.h"
 
 namespace runcert {
 

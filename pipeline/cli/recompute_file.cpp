@@ -8,7 +8,7 @@
 #include "core/failure.h"
 #include "files/atomic_file.h"
 #include "files/program.h"
-#include "run/table_comparison.h"
+#include "reports/diff/table_comparison.h"
 
 namespace runcert {
 namespace {

@@ -9,8 +9,8 @@
 #include "files/atomic_file.h"
 #include "files/program.h"
 #include "run/chain.h"
-#include "run/report_facts.h"
-#include "run/signature_files.h"
+#include "trust/report_facts.h"
+#include "trust/signature_files.h"
 
 namespace runcert {
 namespace {

@@ -1,4 +1,4 @@
-#include "run/seal.h"
+#include "trust/seal.h"
 
 #include <fmt/format.h>
 

@@ -5,11 +5,11 @@
 
 #include "commands.h"
 #include "core/failure.h"
-#include "files/roster.h"
-#include "files/signature.h"
 #include "run/chain.h"
-#include "run/signing.h"
-#include "run/verification.h"
+#include "trust/roster.h"
+#include "trust/signature.h"
+#include "trust/signing.h"
+#include "trust/verification.h"
 
 namespace runcert {
 namespace {

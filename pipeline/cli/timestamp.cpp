@@ -7,9 +7,9 @@
 #include "core/failure.h"
 #include "files/atomic_file.h"
 #include "files/process.h"
-#include "files/time_stamp.h"
-#include "run/report_facts.h"
-#include "run/signature_files.h"
+#include "trust/report_facts.h"
+#include "trust/signature_files.h"
+#include "trust/time_stamp.h"
 
 namespace runcert {
 namespace {

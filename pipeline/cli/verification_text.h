@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "run/verification.h"
+#include "trust/verification.h"
 
 namespace runcert {
 

@@ -8,10 +8,10 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "files/atomic_file.h"
-#include "files/roster.h"
 #include "recompute.h"
-#include "run/bundle.h"
-#include "run/verification.h"
+#include "trust/bundle.h"
+#include "trust/roster.h"
+#include "trust/verification.h"
 #include "verification_text.h"
 
 namespace runcert {

@@ -61,4 +61,16 @@ std::string plain_text(std::string_view text) {
     return plain;
 }
 
+bool is_printable_line(std::string_view text) {
+    constexpr std::uint32_t byte_order_mark = 0xFEFF;
+    while (!text.empty()) {
+        const auto character = first_character(text);
+        if (!character) return false;
+        const std::uint32_t code = character->code;
+        if (code != '\t' && (!is_shown(code) || code == byte_order_mark)) return false;
+        text.remove_prefix(character->bytes);
+    }
+    return true;
+}
+
 }  // namespace runcert

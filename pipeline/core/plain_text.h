@@ -10,4 +10,9 @@ namespace runcert {
 /// UTF-8. Each is shown as U+FFFD.
 std::string plain_text(std::string_view text);
 
+/// Whether a text is one line that prints as it stands: UTF-8, tabs but no other control
+/// characters, no line separators, and nothing that is invisible or changes the direction of what
+/// follows.
+bool is_printable_line(std::string_view text);
+
 }  // namespace runcert

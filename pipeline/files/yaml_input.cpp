@@ -5,8 +5,8 @@
 #include <algorithm>
 
 #include "core/failure.h"
+#include "core/plain_text.h"
 #include "core/text.h"
-#include "files/signature_text.h"
 #include "files/yaml_parsers.h"
 
 namespace runcert {
@@ -29,7 +29,7 @@ void refuse_unprintable_lines(std::string_view text, const std::string& where) {
         const std::size_t end = std::min(text.find('\n'), text.size());
         std::string_view content = text.substr(0, end);
         if (content.ends_with('\r')) content.remove_suffix(1);
-        if (!is_printable_ascii(content) && !signature_text::is_printable_line(content))
+        if (!is_printable_ascii(content) && !is_printable_line(content))
             throw Failure(fmt::format("{}:{}:1", where, line),
                           "the line holds control characters, or bytes that are not UTF-8",
                           "Save the file as UTF-8 text, and write such characters as escapes "

@@ -120,9 +120,4 @@ std::string to_yaml_text(const Json& document) {
     return out;
 }
 
-double rounded(double value, int decimals) {
-    if (!std::isfinite(value)) refuse_not_finite();
-    return parse_double(format_fixed(value, decimals)).value();
-}
-
 }  // namespace runcert

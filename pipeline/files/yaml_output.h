@@ -11,8 +11,4 @@ namespace runcert {
 /// Failure where a number is not finite.
 std::string to_yaml_text(const nlohmann::ordered_json& document);
 
-/// `value` rounded to that many decimals, so that its shortest form has no more than these.
-/// Failure where it is not finite.
-double rounded(double value, int decimals);
-
 }  // namespace runcert

@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/rounding.h"
 #include "files/program.h"
 #include "files/yaml_output.h"
 

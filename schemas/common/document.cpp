@@ -1,5 +1,6 @@
 #include "schemas/common/document.h"
 
+#include "core/rounding.h"
 #include "files/yaml_output.h"
 #include "schemas/common/revision.h"
 

@@ -2,9 +2,15 @@
 
 #include <algorithm>
 
-#include "files/roster.h"
-
 namespace runcert {
+bool is_role(std::string_view text) {
+    constexpr std::size_t longest = 64;
+    return !text.empty() && text.size() <= longest && std::ranges::all_of(text, [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+               c == '-' || c == '_';
+    });
+}
+
 std::vector<NeededSignatures> read_needed_signatures(const YamlValue& list) {
     std::vector<NeededSignatures> needed;
     if (!list.exists()) return needed;

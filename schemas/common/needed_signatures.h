@@ -2,11 +2,15 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "files/yaml_input.h"
 
 namespace runcert {
+
+/// Whether a text can be a role: 1 to 64 letters, digits, - and _ (ASCII).
+bool is_role(std::string_view text);
 
 /// Signatures of one role that a report needs.
 struct NeededSignatures {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/decimal_time.h"
+#include "core/rounding.h"
 
 namespace runcert {
 namespace {

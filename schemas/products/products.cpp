@@ -84,7 +84,7 @@ std::string product_version(std::string_view file) {
 
 const DocumentSchema& report_field_table() {
     static const DocumentSchema schema =
-        DocumentSchema::read(report_field_table_node(), "reports/v1.yaml");
+        DocumentSchema::read(report_field_table_node(), "reports/certificate/v1.yaml");
     return schema;
 }
 

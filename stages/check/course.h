@@ -4,7 +4,7 @@
 #include <optional>
 #include <span>
 
-#include "arcs/runs.h"
+#include "estimation/tables/runs.h"
 #include "schemas/trajectory/trajectory.h"
 
 namespace runcert {

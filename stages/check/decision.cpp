@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "core/failure.h"
+#include "core/rounding.h"
 #include "core/statistics.h"
 #include "core/uncertainty.h"
-#include "stages/check/decimal_steps.h"
 
 namespace runcert {
 namespace {

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/rounding.h"
 #include "stages/check/context.h"
-#include "stages/check/shown_figure.h"
 
 namespace runcert {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "arcs/runs.h"
+#include "estimation/tables/runs.h"
 #include "stages/check/agreement.h"
 #include "stages/check/course.h"
 #include "stages/check/decision.h"

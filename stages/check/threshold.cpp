@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "core/failure.h"
-#include "stages/check/decimal_steps.h"
+#include "core/rounding.h"
 
 namespace runcert {
 namespace {

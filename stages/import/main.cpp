@@ -8,11 +8,11 @@
 #include "run/evidence.h"
 #include "run/stage_main.h"
 #include "stages/import/claims.h"
-#include "stages/import/gpsbabel_convert.h"
+#include "stages/import/gpsbabel/convert.h"
 #include "stages/import/import.h"
 #include "stages/import/inspect.h"
-#include "stages/import/rinex.h"
-#include "stages/import/rinex_solve.h"
+#include "stages/import/rinex/rinex.h"
+#include "stages/import/rinex/solve.h"
 
 using namespace runcert;
 

@@ -7,8 +7,8 @@
 #include <tuple>
 #include <utility>
 
-#include "arcs/screening_noise.h"
 #include "estimation/memory.h"
+#include "estimation/tables/screening_noise.h"
 #include "stages/screen/section_tests.h"
 
 namespace runcert {

@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "arcs/arcs.h"
 #include "core/statistics.h"
+#include "estimation/tables/arcs.h"
 #include "stages/screen/adaptation.h"
 #include "stages/screen/decisions.h"
 #include "stages/screen/noise.h"

@@ -6,9 +6,9 @@
 #include <span>
 
 #include "core/parallel.h"
+#include "core/rounding.h"
 #include "core/statistics.h"
 #include "estimation/memory.h"
-#include "files/yaml_output.h"
 
 namespace runcert {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <map>
 
-#include "arcs/screening_noise.h"
 #include "estimation/epoch_motion.h"
+#include "estimation/tables/screening_noise.h"
 #include "stages/screen/adaptation.h"
 #include "stages/screen/noise.h"
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "arcs/arcs.h"
+#include "core/rounding.h"
 #include "core/statistics.h"
 #include "estimation/noise_fit.h"
-#include "files/yaml_output.h"
+#include "estimation/tables/arcs.h"
 
 namespace runcert {
 namespace {

@@ -4,8 +4,8 @@
 #include <optional>
 #include <utility>
 
-#include "arcs/screening_noise.h"
 #include "core/parallel.h"
+#include "estimation/tables/screening_noise.h"
 #include "stages/screen/baseline.h"
 #include "stages/screen/decisions.h"
 #include "stages/screen/device_signs.h"

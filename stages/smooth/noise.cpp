@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "arcs/noise_models.h"
+#include "core/rounding.h"
 #include "estimation/local_motion.h"
-#include "files/yaml_output.h"
+#include "estimation/tables/noise_models.h"
 
 namespace runcert {
 namespace {

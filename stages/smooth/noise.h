@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "arcs/arcs.h"
+#include "estimation/tables/arcs.h"
 #include "schemas/trajectory/trajectory.h"
 #include "stages/smooth/smooth.h"
 

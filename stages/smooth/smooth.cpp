@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "arcs/arcs.h"
-#include "arcs/noise_models.h"
 #include "core/failure.h"
 #include "core/parallel.h"
+#include "estimation/tables/arcs.h"
+#include "estimation/tables/noise_models.h"
 #include "stages/smooth/batch.h"
 #include "stages/smooth/health.h"
 #include "stages/smooth/noise.h"

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "arcs/arcs.h"
 #include "estimation/kalman.h"
+#include "estimation/tables/arcs.h"
 #include "schemas/trajectory/trajectory.h"
 
 namespace runcert {

@@ -3,9 +3,9 @@
 #include <span>
 #include <vector>
 
-#include "arcs/arcs.h"
-#include "arcs/window_ends.h"
 #include "estimation/memory.h"
+#include "estimation/tables/arcs.h"
+#include "estimation/tables/window_ends.h"
 
 namespace runcert {
 

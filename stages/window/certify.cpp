@@ -6,10 +6,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "arcs/noise_models.h"
 #include "core/failure.h"
 #include "core/tangent_plane.h"
 #include "estimation/speed.h"
+#include "estimation/tables/noise_models.h"
 #include "stages/window/budget.h"
 #include "stages/window/instants.h"
 #include "stages/window/position_noise.h"

@@ -2,9 +2,9 @@
 
 #include <vector>
 
-#include "arcs/arcs.h"
-#include "arcs/certifiable.h"
-#include "arcs/noise_models.h"
+#include "estimation/tables/arcs.h"
+#include "estimation/tables/certifiable.h"
+#include "estimation/tables/noise_models.h"
 #include "stages/window/search.h"
 #include "stages/window/speed_by_definition.h"
 #include "stages/window/window.h"

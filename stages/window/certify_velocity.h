@@ -1,6 +1,6 @@
 #pragma once
 
-#include "arcs/certifiable.h"
+#include "estimation/tables/certifiable.h"
 #include "stages/window/search.h"
 #include "stages/window/window.h"
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "arcs/arcs.h"
-#include "arcs/window_ends.h"
+#include "estimation/tables/arcs.h"
+#include "estimation/tables/window_ends.h"
 #include "stages/window/crossings.h"
 #include "stages/window/search.h"
 

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "arcs/certifiable.h"
-#include "arcs/runs.h"
+#include "estimation/tables/certifiable.h"
+#include "estimation/tables/runs.h"
 #include "schemas/profile/profile.h"
 #include "stages/window/search.h"
 

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "arcs/noise_models.h"
+#include "estimation/tables/noise_models.h"
 #include "schemas/profile/profile.h"
 #include "schemas/screened/screened.h"
 #include "schemas/windows/windows.h"

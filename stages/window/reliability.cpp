@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "arcs/screening_noise.h"
 #include "core/statistics.h"
 #include "estimation/diagnosis.h"
+#include "estimation/tables/screening_noise.h"
 
 namespace runcert {
 namespace {

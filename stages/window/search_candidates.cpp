@@ -5,7 +5,7 @@
 #include <iterator>
 #include <numbers>
 
-#include "arcs/window_ends.h"
+#include "estimation/tables/window_ends.h"
 
 namespace runcert {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "arcs/certifiable.h"
+#include "estimation/tables/certifiable.h"
 #include "schemas/profile/profile.h"
 #include "schemas/screened/screened.h"
 #include "schemas/trajectory/trajectory.h"

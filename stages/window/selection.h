@@ -3,8 +3,8 @@
 #include <optional>
 #include <vector>
 
-#include "arcs/arcs.h"
-#include "arcs/window_ends.h"
+#include "estimation/tables/arcs.h"
+#include "estimation/tables/window_ends.h"
 #include "schemas/windows/windows.h"
 
 namespace runcert {

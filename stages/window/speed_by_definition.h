@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "arcs/arcs.h"
-#include "arcs/window_ends.h"
 #include "estimation/speed.h"
+#include "estimation/tables/arcs.h"
+#include "estimation/tables/window_ends.h"
 
 namespace runcert {
 

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "arcs/certifiable.h"
+#include "estimation/tables/certifiable.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/profile/profile.h"
 #include "schemas/screened/screened.h"

@@ -2,8 +2,8 @@
 
 #include <chrono>
 
-#include "arcs/arcs.h"
 #include "core/random.h"
+#include "estimation/tables/arcs.h"
 #include "simulated_arc.h"
 #include "stages/screen/screen.h"
 

@@ -11,7 +11,7 @@
 #include "schemas/observations/observations.h"
 #include "schemas/trajectory/trajectory.h"
 #include "stages/import/import.h"
-#include "stages/import/rtklib_pos.h"
+#include "stages/import/rtklib_pos/rtklib_pos.h"
 
 // How fast tables and recordings become rows and rows become tables, on one core, in MB (10^6
 // bytes) of text for each second of processor time; beside it what the machine does with the same

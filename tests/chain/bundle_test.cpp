@@ -1,4 +1,4 @@
-#include "run/bundle.h"
+#include "trust/bundle.h"
 
 #include <fmt/format.h>
 

@@ -7,10 +7,10 @@
 #include <chrono>
 #include <regex>
 
-#include "batch/compare_days.h"
 #include "chain_support.h"
 #include "core/text.h"
 #include "files/sha256.h"
+#include "reports/diff/day_difference.h"
 
 // A day of 2,000 attempts: memory and time are printed, and bounded.
 

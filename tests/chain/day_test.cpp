@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <regex>
 
-#include "batch/compare_days.h"
 #include "chain_support.h"
 #include "core/failure.h"
 #include "core/random.h"
 #include "files/sha256.h"
+#include "reports/diff/day_difference.h"
 #include "schemas/common/header.h"
 
 // The results of a day from real run folders, and two days compared.

@@ -2,9 +2,9 @@
 
 #include "core/failure.h"
 #include "files/sha256.h"
-#include "files/signature.h"
-#include "run/signing.h"
 #include "signatures_support.h"
+#include "trust/signature.h"
+#include "trust/signing.h"
 
 // Reports that a dishonest signer wrote by hand: their signatures hold, what they say does not.
 

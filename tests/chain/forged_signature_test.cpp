@@ -1,8 +1,8 @@
 #include <fstream>
 
-#include "files/signature.h"
-#include "run/verification.h"
 #include "signatures_support.h"
+#include "trust/signature.h"
+#include "trust/verification.h"
 
 // Signatures, keys and pages that are made to say more than they do.
 

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <sstream>
 
-#include "arcs/arcs.h"
-#include "arcs/window_ends.h"
 #include "chain_support.h"
 #include "core/geodesy.h"
 #include "core/text.h"
+#include "estimation/tables/arcs.h"
+#include "estimation/tables/window_ends.h"
 #include "schemas/trajectory/trajectory.h"
 
 // Real recordings, certified, and the reference that one of them has. They lie in the folder

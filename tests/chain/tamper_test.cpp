@@ -5,7 +5,7 @@
 #include "core/failure.h"
 #include "core/random.h"
 #include "handover_support.h"
-#include "run/bundle.h"
+#include "trust/bundle.h"
 
 // Every byte of a bundle is vouched for: a signed bundle is unpacked, one byte of it changed at a
 // time, and `runcert verify` must not accept it and must name the file.

@@ -1,9 +1,9 @@
 #include <chrono>
 
-#include "files/time_stamp.h"
 #include "files/utc_second.h"
-#include "run/verification.h"
 #include "signatures_support.h"
+#include "trust/time_stamp.h"
+#include "trust/verification.h"
 
 // Time stamps, by an authority that openssl is.
 

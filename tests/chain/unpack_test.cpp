@@ -4,7 +4,7 @@
 #include "core/failure.h"
 #include "files/archive.h"
 #include "handover_support.h"
-#include "run/bundle.h"
+#include "trust/bundle.h"
 
 // Bundles that strangers may send.
 

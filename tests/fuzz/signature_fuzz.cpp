@@ -2,10 +2,10 @@
 // same text.
 
 #include "core/failure.h"
-#include "files/roster.h"
-#include "files/signature.h"
-#include "files/ssh_signature.h"
 #include "fuzz_target.h"
+#include "trust/roster.h"
+#include "trust/signature.h"
+#include "trust/ssh_signature.h"
 
 namespace runcert::fuzz {
 namespace {

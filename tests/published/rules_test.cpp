@@ -4,10 +4,10 @@
 #include <cstddef>
 #include <string>
 
+#include "core/rounding.h"
 #include "schemas/profile/profile.h"
 #include "stages/check/course_speed.h"
 #include "stages/check/decision.h"
-#include "stages/check/shown_figure.h"
 #include "stages/check/threshold.h"
 
 // Figures that the bodies themselves published.

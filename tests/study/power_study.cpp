@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "arcs/screening_noise.h"
+#include "estimation/tables/screening_noise.h"
 #include "core/random.h"
 #include "core/parallel.h"
 #include "stages/screen/adaptation.h"

@@ -4,8 +4,8 @@
 #include <regex>
 
 #include "core/failure.h"
-#include "stages/audit/record.h"
-#include "stages/audit/report_record.h"
+#include "reports/audit/record.h"
+#include "reports/audit/report_record.h"
 
 namespace runcert {
 namespace {

@@ -6,8 +6,8 @@
 #include <sstream>
 
 #include "files/atomic_file.h"
-#include "stages/audit/screening.h"
-#include "stages/audit/words.h"
+#include "reports/audit/screening.h"
+#include "reports/audit/words.h"
 
 namespace runcert {
 namespace {

@@ -6,7 +6,7 @@
 #include "core/plain_text.h"
 #include "files/atomic_file.h"
 #include "files/process.h"
-#include "stages/audit/walk.h"
+#include "reports/audit/walk.h"
 
 namespace runcert {
 namespace {

@@ -6,8 +6,8 @@
 
 #include "core/failure.h"
 #include "core/random.h"
+#include "core/rounding.h"
 #include "stages/check/decision.h"
-#include "stages/check/shown_figure.h"
 
 namespace runcert {
 namespace {

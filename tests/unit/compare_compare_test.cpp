@@ -1,4 +1,4 @@
-#include "stages/compare/compare.h"
+#include "reports/compare/compare.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,7 @@
 #include <numbers>
 
 #include "core/random.h"
-#include "stages/compare/enhanced_kalman.h"
+#include "reports/compare/enhanced_kalman.h"
 
 namespace runcert {
 namespace {

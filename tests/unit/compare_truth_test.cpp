@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/failure.h"
-#include "stages/compare/truth.h"
+#include "reports/compare/truth.h"
 
 namespace runcert {
 namespace {

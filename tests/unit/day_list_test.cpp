@@ -1,11 +1,11 @@
-#include "stages/day/day_list.h"
+#include "reports/day/day_list.h"
 
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
 
 #include "core/failure.h"
-#include "stages/day/summary.h"
+#include "reports/day/summary.h"
 
 namespace runcert {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "stages/day/ranking.h"
+#include "reports/day/ranking.h"
 
 namespace runcert::day {
 

@@ -1,4 +1,4 @@
-#include "stages/explain/explain.h"
+#include "reports/explain/explain.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "core/failure.h"
-#include "stages/explain/words.h"
+#include "reports/explain/words.h"
 
 namespace runcert {
 namespace {

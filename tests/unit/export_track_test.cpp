@@ -7,7 +7,7 @@
 #include "core/plain_text.h"
 #include "files/atomic_file.h"
 #include "files/process.h"
-#include "stages/export/export.h"
+#include "reports/export/export.h"
 
 namespace runcert {
 namespace {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/random.h"
+#include "core/rounding.h"
 #include "core/text.h"
 #include "files/yaml_input.h"
 #include "files/yaml_output.h"

@@ -1,9 +1,8 @@
-#include "stages/import/gpsbabel_convert.h"
-
 #include <algorithm>
 
 #include "gpsbabel_support.h"
 #include "import_test_support.h"
+#include "stages/import/gpsbabel/convert.h"
 
 namespace runcert {
 namespace {

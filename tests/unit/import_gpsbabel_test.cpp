@@ -1,5 +1,5 @@
 #include "import_test_support.h"
-#include "stages/import/gpsbabel.h"
+#include "stages/import/gpsbabel/gpsbabel.h"
 
 namespace runcert {
 namespace {

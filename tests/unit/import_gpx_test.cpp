@@ -2,7 +2,7 @@
 
 #include "gpsbabel_support.h"
 #include "import_test_support.h"
-#include "stages/import/gpx.h"
+#include "stages/import/gpx/gpx.h"
 
 namespace runcert {
 namespace {

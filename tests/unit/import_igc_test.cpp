@@ -2,7 +2,7 @@
 
 #include "gpsbabel_support.h"
 #include "import_test_support.h"
-#include "stages/import/igc.h"
+#include "stages/import/igc/igc.h"
 
 namespace runcert {
 namespace {

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "import_test_support.h"
-#include "stages/import/rtklib_pos.h"
+#include "stages/import/rtklib_pos/rtklib_pos.h"
 
 // Faults that fuzzing and hostile recordings have found, each by its name.
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "import_test_support.h"
-#include "stages/import/rtklib_pos.h"
+#include "stages/import/rtklib_pos/rtklib_pos.h"
 
 // A recording whose rows are not held, against the same held.
 

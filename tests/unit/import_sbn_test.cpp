@@ -3,7 +3,7 @@
 
 #include "gpsbabel_support.h"
 #include "import_test_support.h"
-#include "stages/import/sbn.h"
+#include "stages/import/sbn/sbn.h"
 
 namespace runcert {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "gpsbabel_support.h"
 #include "import_test_support.h"
-#include "stages/import/sbp.h"
+#include "stages/import/sbp/sbp.h"
 
 namespace runcert {
 namespace {

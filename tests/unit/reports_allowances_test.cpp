@@ -5,8 +5,8 @@
 #include <string>
 
 #include "core/failure.h"
-#include "reports/json_text.h"
-#include "reports/report_json.h"
+#include "reports/certificate/json_text.h"
+#include "reports/certificate/report_json.h"
 #include "reports_page_support.h"
 #include "reports_sample.h"
 

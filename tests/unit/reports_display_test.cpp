@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/failure.h"
-#include "reports/display.h"
+#include "reports/certificate/display.h"
 
 namespace runcert {
 namespace {

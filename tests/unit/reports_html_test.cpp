@@ -6,12 +6,12 @@
 #include "core/failure.h"
 #include "files/base64.h"
 #include "files/sha256.h"
-#include "files/signature.h"
-#include "reports/json_text.h"
-#include "reports/report_html.h"
-#include "reports/report_json.h"
+#include "reports/certificate/json_text.h"
+#include "reports/certificate/report_html.h"
+#include "reports/certificate/report_json.h"
 #include "reports_page_support.h"
 #include "reports_sample.h"
+#include "trust/signature.h"
 
 namespace runcert {
 namespace {

@@ -1,9 +1,9 @@
 #include <gtest/gtest.h>
 
 #include "core/failure.h"
-#include "reports/json_text.h"
-#include "reports/report_json.h"
-#include "reports/report_run.h"
+#include "reports/certificate/json_text.h"
+#include "reports/certificate/report_json.h"
+#include "reports/certificate/report_run.h"
 #include "reports_sample.h"
 
 namespace runcert {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "reports/report_html.h"
+#include "reports/certificate/report_html.h"
 
 namespace runcert {
 

@@ -5,12 +5,12 @@
 #include "core/failure.h"
 #include "files/atomic_file.h"
 #include "files/process.h"
-#include "files/signature.h"
-#include "reports/figures.h"
-#include "reports/report_json.h"
-#include "reports/report_pdf.h"
-#include "reports/report_run.h"
+#include "reports/certificate/figures.h"
+#include "reports/certificate/report_json.h"
+#include "reports/certificate/report_pdf.h"
+#include "reports/certificate/report_run.h"
 #include "reports_sample.h"
+#include "trust/signature.h"
 
 namespace runcert {
 namespace {

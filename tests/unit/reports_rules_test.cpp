@@ -2,9 +2,9 @@
 #include <gtest/gtest.h>
 
 #include "core/failure.h"
-#include "reports/json_rule.h"
-#include "reports/json_text.h"
-#include "reports/report_json.h"
+#include "reports/certificate/json_rule.h"
+#include "reports/certificate/json_text.h"
+#include "reports/certificate/report_json.h"
 #include "reports_page_support.h"
 #include "reports_sample.h"
 

@@ -10,7 +10,7 @@
 #include "files/document_schema.h"
 #include "files/program.h"
 #include "files/sha256.h"
-#include "reports/report_data.h"
+#include "reports/certificate/report_data.h"
 #include "reports_sample_evidence.h"
 #include "reports_sample_rules.h"
 #include "reports_sample_verdict.h"
@@ -477,7 +477,7 @@ inline void remove_revision_1_5(nlohmann::ordered_json& json, const DocumentSche
 inline nlohmann::ordered_json of_revision(nlohmann::ordered_json report,
                                           const std::string& revision) {
     static const DocumentSchema schema = DocumentSchema::parse(
-        read_file(std::string(RUNCERT_SOURCE_DIR) + "/reports/v1.yaml"), "report");
+        read_file(std::string(RUNCERT_SOURCE_DIR) + "/reports/certificate/v1.yaml"), "report");
     remove_revision_1_5(report["predicate"], schema);
     report["predicate"]["schema"]["version"] = revision;
     for (auto& profile : report["predicate"]["profiles"])

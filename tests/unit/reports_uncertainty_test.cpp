@@ -6,8 +6,8 @@
 #include <regex>
 
 #include "core/failure.h"
-#include "reports/json_text.h"
-#include "reports/report_json.h"
+#include "reports/certificate/json_text.h"
+#include "reports/certificate/report_json.h"
 #include "reports_page_support.h"
 #include "reports_sample.h"
 

@@ -1,10 +1,9 @@
-#include "stages/import/rinex_solve.h"
-
 #include <algorithm>
 #include <cstdlib>
 
 #include "import_test_support.h"
-#include "stages/import/rinex.h"
+#include "stages/import/rinex/rinex.h"
+#include "stages/import/rinex/solve.h"
 
 namespace runcert {
 namespace {

@@ -5,9 +5,9 @@
 #include <functional>
 #include <numbers>
 
-#include "arcs/noise_models.h"
 #include "core/random.h"
 #include "core/statistics.h"
+#include "estimation/tables/noise_models.h"
 #include "stages/smooth/health.h"
 #include "stages/smooth/noise.h"
 #include "stages/smooth/smooth.h"

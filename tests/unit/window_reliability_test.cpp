@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "arcs/screening_noise.h"
 #include "core/statistics.h"
 #include "estimation/diagnosis.h"
+#include "estimation/tables/screening_noise.h"
 #include "stages/window/position_noise.h"
 #include "stages/window/reliability.h"
 #include "window_test_support.h"

@@ -2,7 +2,7 @@
 
 #include <tuple>
 
-#include "arcs/certifiable.h"
+#include "estimation/tables/certifiable.h"
 #include "window_exhaustive_search.h"
 
 namespace runcert {

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "arcs/arcs.h"
-#include "arcs/noise_models.h"
 #include "core/random.h"
 #include "estimation/speed.h"
+#include "estimation/tables/arcs.h"
+#include "estimation/tables/noise_models.h"
 #include "schemas/profile/profile.h"
 #include "schemas/screened/screened.h"
 #include "schemas/trajectory/trajectory.h"

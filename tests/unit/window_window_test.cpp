@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "arcs/window_ends.h"
 #include "core/failure.h"
 #include "core/random.h"
+#include "estimation/tables/window_ends.h"
 #include "stages/window/course_windows.h"
 #include "window_test_support.h"
 

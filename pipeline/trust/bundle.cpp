@@ -1,0 +1,244 @@
+#include "trust/bundle.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <map>
+#include <set>
+
+#include "core/failure.h"
+#include "core/text.h"
+#include "files/archive.h"
+#include "files/atomic_file.h"
+#include "files/sha256.h"
+#include "trust/bundle_text.h"
+#include "trust/report_facts.h"
+#include "trust/roster.h"
+#include "trust/signature.h"
+#include "trust/verification.h"
+
+namespace runcert {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view program_leftover = ".runcert-";
+constexpr const char* timing_file = "run.yaml";
+
+struct BundledReport {
+    std::string attempt;
+    std::string report_id;
+    std::set<std::string> subjects = {};
+};
+
+BundledReport bundled_report(const fs::path& run_dir) {
+    const fs::path file = run_dir / "report.json";
+    const ReportFacts report = read_report_facts(run_dir);
+    BundledReport facts{.attempt = report.attempt_id, .report_id = report.report_id};
+    for (const auto& [name, sha256] : report.subjects)
+        facts.subjects.insert(name);
+    if (!is_plain_name(facts.attempt) || facts.attempt.find('/') != std::string::npos)
+        throw Failure(file.string(),
+                      fmt::format("the attempt's id \"{}\" cannot be the name of a folder",
+                                  escape_for_message(facts.attempt)),
+                      "Certify again under an id that begins with a letter or digit");
+    return facts;
+}
+
+bool is_written_beside_the_report(const std::string& name) {
+    static const std::set<std::string> plain{"report.json", "report.html",    "report.pdf",
+                                             timing_file,   bundle_sums_file, bundle_text_file};
+    if (plain.contains(name)) return true;
+    if (!name.starts_with("report.json.")) return false;
+    for (const char* ending : {".minisig", ".sig", ".tsq", ".tsr"})
+        if (name.ends_with(ending)) return true;
+    return false;
+}
+
+bool is_bundled_key(const std::string& name) {
+    return name == bundle_roster_file || name == bundle_tsa_file ||
+           (name.starts_with("keys/") && name.ends_with(".pub") &&
+            name.find('/', 5) == std::string::npos);
+}
+
+/// The names of all that lies in a run folder; "links" is what is neither file nor folder.
+struct FolderContents {
+    std::vector<std::string> known = {};
+    std::vector<std::string> unknown = {};
+    std::vector<std::string> leftovers = {};
+};
+
+FolderContents contents_of(const fs::path& run_dir, const std::set<std::string>& subjects) {
+    FolderContents contents;
+    for (auto entry = fs::recursive_directory_iterator(run_dir);
+         entry != fs::recursive_directory_iterator(); ++entry) {
+        const std::string name = entry->path().lexically_relative(run_dir).generic_string();
+        const fs::file_type type = entry->symlink_status().type();
+        if (entry.depth() == 0 && name.starts_with(program_leftover)) {
+            contents.leftovers.push_back(name);
+            entry.disable_recursion_pending();
+        } else if (type == fs::file_type::directory && name == bundle_keys_folder) {
+            continue;
+        } else if (type == fs::file_type::directory) {
+            contents.unknown.push_back(name);
+            entry.disable_recursion_pending();
+        } else if (type == fs::file_type::regular &&
+                   (subjects.contains(name) || is_written_beside_the_report(name) ||
+                    is_bundled_key(name))) {
+            contents.known.push_back(name);
+        } else {
+            contents.unknown.push_back(name);
+        }
+    }
+    for (auto* names : {&contents.known, &contents.unknown, &contents.leftovers})
+        std::sort(names->begin(), names->end());
+    return contents;
+}
+
+std::string listed(const std::vector<std::string>& names) {
+    std::string text;
+    for (const std::string& name : names)
+        text += (text.empty() ? "\"" : ", \"") + escape_for_message(name, 100) + "\"";
+    return text;
+}
+
+void require_whole(const fs::path& run_dir, const FolderContents& contents) {
+    if (!contents.unknown.empty())
+        throw Failure(run_dir.string(),
+                      fmt::format("the folder holds what is no part of the run: {}",
+                                  listed(contents.unknown)),
+                      "Move it out of the folder. What belongs to the attempt (a recording, wind) "
+                      "is named in the attempt and certified again");
+    VerificationStep files = verify_files(run_dir, read_report_facts(run_dir));
+    // These stay behind.
+    std::erase_if(files.details,
+                  [](const std::string& detail) { return detail.starts_with(program_leftover); });
+    if (!files.details.empty())
+        throw Failure(run_dir.string(),
+                      fmt::format("{}: {}", files.finding, fmt::join(files.details, "; ")),
+                      "Bundle the folder as `runcert certify` left it, or certify again");
+    if (!fs::exists(run_dir / bundle_sums_file)) return;
+    const std::vector<SumProblem> problems = check_sums(run_dir);
+    if (!problems.empty())
+        throw Failure((run_dir / problems.front().file).string(),
+                      fmt::format("{} {}", problems.front().file, problems.front().problem),
+                      fmt::format("Unpack the bundle again; or, if the change is meant, remove {}",
+                                  bundle_sums_file));
+}
+
+/// A text that goes among the keys; one that holds a secret is refused.
+std::string public_text(const fs::path& file, std::string_view what, std::string_view must_hold) {
+    std::string text = read_handwritten(file);
+    if (text.find("PRIVATE KEY") != std::string::npos ||
+        text.find("secret key") != std::string::npos)
+        throw Failure(file.string(), "this is or holds a secret key, which nobody else may have",
+                      fmt::format("Give {}", what));
+    if (text.find(must_hold) == std::string::npos)
+        throw Failure(file.string(), fmt::format("this is not {}", what),
+                      fmt::format("Give {}", what));
+    return text;
+}
+
+/// The files of keys/ that were asked for. Public keys are written anew under their id, so that no
+/// comment or file name of whoever bundles comes along.
+std::map<std::string, std::string> given_keys(const BundleInput& input) {
+    std::map<std::string, std::string> keys;
+    for (const fs::path& file : input.public_keys) {
+        const std::string text =
+            public_text(file, "a public key, the file NAME.pub that `runcert keygen` wrote", "");
+        const PublicKey key = parse_public_key(text, file.string());
+        const std::string name = fmt::format("{}/{}.pub", bundle_keys_folder, key_id_text(key));
+        const auto [place, fresh] = keys.emplace(name, public_key_file(key));
+        if (!fresh && place->second != public_key_file(key))
+            throw Failure(file.string(),
+                          fmt::format("two different keys have the id {}", key_id_text(key)),
+                          "Ask the two owners which of them is genuine");
+    }
+    if (input.roster) {
+        const std::string text =
+            public_text(*input.roster, "a roster in the form of OpenSSH's allowed signers", " ");
+        // Whatever else it may be, a secret key whose comment was changed among it, is no roster.
+        (void)parse_roster(text, input.roster->string());
+        keys[bundle_roster_file] = text;
+    }
+    if (input.tsa_ca)
+        keys[bundle_tsa_file] =
+            public_text(*input.tsa_ca, "a certificate in PEM form", "-----BEGIN CERTIFICATE-----");
+    return keys;
+}
+
+/// What goes into a bundle, by name, without SHA256SUMS.
+std::map<std::string, PackedFile> chosen_files(const BundleInput& input, const BundledReport& facts,
+                                               const FolderContents& contents) {
+    static const std::set<std::string> made_anew{timing_file, bundle_sums_file, bundle_text_file};
+    std::map<std::string, PackedFile> files;
+    for (const std::string& name : contents.known)
+        if (!made_anew.contains(name)) files[name] = {.name = name, .source = input.run_dir / name};
+    for (const auto& [name, text] : given_keys(input))
+        files[name] = {.name = name, .text = text};
+    std::vector<std::string> names;
+    for (const auto& [name, file] : files)
+        names.push_back(name);
+    files[bundle_text_file] = {
+        .name = bundle_text_file,
+        .text = bundle_text(
+            {.attempt = facts.attempt, .report_id = facts.report_id, .files = std::move(names)})};
+    return files;
+}
+
+UnpackedBundle unpack_bytes(std::string_view bytes, const std::string& where) {
+    UnpackedBundle bundle{.folder = std::make_unique<TemporaryFolder>(), .run_dir = {}};
+    std::set<std::string> tops;
+    for (const std::string& name : unpack_tar_zst(bytes, where, bundle.folder->path()))
+        tops.insert(name.substr(0, name.find('/')));
+    if (tops.size() != 1 ||
+        !fs::is_regular_file(bundle.folder->path() / *tops.begin() / "report.json"))
+        throw Failure(where,
+                      "this is no bundle of a run: one holds one folder, and that a report.json",
+                      "Give the file that `runcert bundle` wrote");
+    bundle.run_dir = bundle.folder->path() / *tops.begin();
+    return bundle;
+}
+
+}  // namespace
+
+std::vector<std::string> unknown_files(const std::filesystem::path& run_dir) {
+    return contents_of(run_dir, bundled_report(run_dir).subjects).unknown;
+}
+
+Bundle make_bundle(const BundleInput& input) {
+    if (!fs::is_directory(input.run_dir))
+        throw Failure(input.run_dir.string(), "there is no such run folder",
+                      "Name a folder that `runcert certify` wrote");
+    const BundledReport facts = bundled_report(input.run_dir);
+    const FolderContents contents = contents_of(input.run_dir, facts.subjects);
+    require_whole(input.run_dir, contents);
+    std::string sums;
+    std::vector<PackedFile> packed;
+    for (auto& [name, file] : chosen_files(input, facts, contents)) {
+        sums += sums_line(
+            file.source.empty() ? sha256_hex(file.text) : digest_file(file.source).sha256, name);
+        packed.push_back(file);
+        packed.back().name = facts.attempt + "/" + name;
+    }
+    packed.push_back({.name = fmt::format("{}/{}", facts.attempt, bundle_sums_file), .text = sums});
+    Bundle bundle{.attempt = facts.attempt,
+                  .bytes = pack_tar_zst(packed),
+                  .files = packed.size(),
+                  .left_out = contents.leftovers};
+    if (fs::exists(input.run_dir / timing_file)) bundle.left_out.emplace_back(timing_file);
+    // A file that changed between its hash and its packing is found here.
+    const UnpackedBundle again = unpack_bytes(bundle.bytes, "the bundle just made");
+    if (const auto problems = check_sums(again.run_dir); !problems.empty())
+        throw Failure((input.run_dir / problems.front().file).string(),
+                      "the file changed while it was bundled",
+                      "Try again when nothing writes to it");
+    return bundle;
+}
+
+UnpackedBundle unpack_bundle(const std::filesystem::path& file) {
+    const FileView view(file);
+    return unpack_bytes(view.bytes(), file.string());
+}
+
+}  // namespace runcert

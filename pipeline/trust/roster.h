@@ -1,0 +1,59 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "files/utc_second.h"
+#include "trust/signature.h"
+#include "trust/ssh_key.h"
+
+/// Whose signature counts: keys, the roles they may sign in, and when they are valid, in the form
+/// of OpenSSH's allowed signers (ssh-keygen(1), ALLOWED SIGNERS). The principals are roles.
+namespace runcert {
+
+/// The namespace of a signature in a role: "measurer@runcert". Signatures in minisign's form, which
+/// have none, are taken to be of it.
+std::string signature_namespace(std::string_view role);
+
+/// Refuses any other text with a Failure at `where`.
+void require_role(const std::string& role, const std::string& where);
+
+/// One line of a roster.
+struct RosterEntry {
+    std::string roles{};  ///< patterns, as the line has them
+    std::optional<std::string> namespaces{};
+    std::optional<UtcSecond> valid_after{};
+    std::optional<UtcSecond> valid_before{};  ///< itself still valid, as for ssh-keygen
+    SshPublicKey key{};
+    std::string who{};                      ///< the line's comment
+    std::size_t line = 0;                   ///< from 1
+    std::optional<PublicKey::Id> key_id{};  ///< where the key was given in minisign's form
+
+    /// Whether the key may sign in that role, at whatever time.
+    bool allows(std::string_view role) const;
+    bool is_valid_at(UtcSecond time) const;
+};
+
+struct Roster {
+    std::string text{};  ///< as ssh-keygen takes it
+    std::vector<RosterEntry> entries{};
+};
+
+/// Reads a roster. Failure with the line where one is malformed, of an unknown type of key or
+/// option, or names a certificate authority: certificates are not read here.
+Roster parse_roster(std::string_view text, const std::string& where);
+
+/// A roster of one public key that may sign in every role at any time: the text of a file in
+/// minisign's or in OpenSSH's form. `who` names it. Failure where the text is neither.
+Roster roster_of_public_key(std::string_view text, const std::string& who,
+                            const std::string& where);
+
+/// Adds the lines of another roster.
+void append(Roster& roster, const Roster& more);
+
+/// The line for a key that may sign in one role.
+std::string roster_line(const PublicKey& key, const std::string& role, std::string_view who);
+
+}  // namespace runcert

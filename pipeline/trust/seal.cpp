@@ -1,0 +1,176 @@
+#include "trust/seal.h"
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+#include "core/failure.h"
+#include "core/text.h"
+#include "files/atomic_file.h"
+#include "files/process.h"
+
+namespace runcert {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* room_for_signature = "16384";  // PoDoFo's own guess is too small for ECDSA
+constexpr std::size_t longest_reason = 200;
+constexpr int exit_no_signature = 2;  // of pdfsig
+constexpr const char* render_again =
+    "Render again: `runcert-report --render-only --run-dir RUN_DIR --attempt RUN_DIR/attempt.yaml`";
+
+/// A path that no program takes for an option.
+std::string argument(const fs::path& path) {
+    return fs::absolute(path).string();
+}
+
+/// The first line of what a program said.
+std::string first_words(const std::string& said) {
+    const std::string_view text = trim(said);
+    return escape_for_message(text.substr(0, text.find('\n')), 200);
+}
+
+ProcessResult run_words(const std::vector<std::string>& command) {
+    return run_process(command, {.environment = {{"LC_ALL", "C"}, {"TZ", "UTC"}}});
+}
+
+std::string require_openssl(const std::vector<std::string>& command, const fs::path& file,
+                            const std::string& what, const std::string& remedy) {
+    const ProcessResult result = run_words(command);
+    if (result.exit_status != 0) throw Failure(file.string(), what, remedy);
+    return result.output;
+}
+
+void require_private(const fs::path& key) {
+    struct stat status {};
+    if (::stat(key.c_str(), &status) == 0 && (status.st_mode & (S_IRWXG | S_IRWXO)) != 0)
+        throw Failure(key.string(), "others than its owner may read or change this secret key",
+                      fmt::format("Run `chmod 600 {}`; if others could have read it, make another",
+                                  key.string()));
+    const std::string text = read_handwritten(key);
+    if (text.find("ENCRYPTED") != std::string::npos)
+        throw Failure(key.string(),
+                      "the key is encrypted, and podofosign would take its password only on the "
+                      "command line, where every user of the computer sees it",
+                      "Decrypt it into a file that only you can read, seal, and remove that: "
+                      "`umask 077; openssl pkey -in KEY.pem -out PLAIN.pem`");
+    if (text.find("PRIVATE KEY-----") == std::string::npos)
+        throw Failure(key.string(), "this is no private key in PEM form",
+                      "Give the file that begins with -----BEGIN PRIVATE KEY-----. A key of "
+                      "`runcert keygen` signs report.json, not PDFs");
+}
+
+/// The public half of the key, which must be of a kind that PDFs can be signed with.
+std::string public_half(const fs::path& key) {
+    const std::string described = require_openssl(
+        {"openssl", "pkey", "-in", argument(key), "-passin", "pass:", "-noout", "-text_pub"}, key,
+        "openssl cannot read this private key", "Give an RSA or ECDSA key in PEM form");
+    if (described.find("Modulus:") == std::string::npos &&
+        described.find("ASN1 OID:") == std::string::npos)
+        throw Failure(key.string(),
+                      fmt::format("PDFs are sealed with RSA or ECDSA keys; this one is {}",
+                                  first_words(described)),
+                      "Make one: `openssl ecparam -name prime256v1 -genkey -noout -out KEY.pem`, "
+                      "and have it certified. (Ed25519 keys sign report.json.)");
+    return require_openssl({"openssl", "pkey", "-in", argument(key), "-passin", "pass:", "-pubout"},
+                           key, "openssl cannot read this private key",
+                           "Give an RSA or ECDSA key in PEM form");
+}
+
+void require_pair(const fs::path& key, const fs::path& certificate) {
+    const std::string give = "Give the certificate in PEM form";
+    read_handwritten(certificate);
+    const std::string certified =
+        require_openssl({"openssl", "x509", "-in", argument(certificate), "-noout", "-pubkey"},
+                        certificate, "openssl cannot read a certificate in this file", give);
+    if (certified != public_half(key))
+        throw Failure(
+            key.string(),
+            fmt::format("this key does not belong to the certificate {}", certificate.string()),
+            "Give the key and the certificate that was made for it");
+    require_openssl({"openssl", "x509", "-in", argument(certificate), "-noout", "-checkend", "0"},
+                    certificate, "the certificate has expired", "Have it renewed");
+}
+
+/// Whether a PDF's one attachment is a report.json of these bytes.
+bool carries(const fs::path& pdf, const std::string& report) {
+    const ProcessResult list = run_words({"pdfdetach", "-list", argument(pdf)});
+    if (list.exit_status != 0 || !list.output.starts_with("1 embedded files\n1: report.json\n"))
+        return false;
+    const TemporaryFolder folder;
+    const fs::path copy = folder.path() / "report.json";
+    run_words({"pdfdetach", "-save", "1", "-o", copy.string(), argument(pdf)});
+    return fs::exists(copy) && read_file(copy) == report;
+}
+
+void require_reason(const std::string& reason) {
+    bool printable = !reason.empty() && reason.size() <= longest_reason;
+    for (const char c : reason)
+        printable = printable && static_cast<unsigned char>(c) >= ' ' && c != '\x7f';
+    if (!printable)
+        throw Failure("--reason", "this is not one line of 1 to 200 bytes",
+                      "Say in a few words why the report is sealed");
+}
+
+void require_sealable(const fs::path& pdf, const std::string& report) {
+    if (!fs::exists(pdf))
+        throw Failure(pdf.string(), "the run folder has no report.pdf to seal", render_again);
+    const SealCheck before = check_seal(pdf);
+    if (before.present)
+        throw Failure(
+            pdf.string(),
+            fmt::format("the PDF is sealed already, and takes one seal: {}", before.words),
+            render_again);
+    if (!carries(pdf, report))
+        throw Failure(pdf.string(),
+                      "the PDF does not carry this folder's report.json as its one attachment",
+                      render_again);
+}
+
+}  // namespace
+
+SealCheck check_seal(const std::filesystem::path& pdf) {
+    const FileView view(pdf);
+    if (!view.bytes().starts_with("%PDF-"))
+        throw Failure(pdf.string(), "this is not a PDF", "Render the report again");
+    const ProcessResult result = run_words({"pdfsig", "-nocert", "-no-ocsp", argument(pdf)});
+    // The file's own name stands in the words: the last component of its path is no choice of
+    // whoever made the PDF.
+    if (result.exit_status == exit_no_signature &&
+        result.output.ends_with("does not contain any signatures\n"))
+        return {.words = "the PDF carries no seal"};
+    if (result.exit_status != 0 && result.output.empty())
+        throw Failure(pdf.string(),
+                      fmt::format("pdfsig cannot read this PDF: {}", first_words(result.errors)),
+                      "Render the report again");
+    return seal_from_words(result.output, view.bytes().size());
+}
+
+SealCheck seal_report(const std::filesystem::path& run_dir, const std::filesystem::path& key,
+                      const std::filesystem::path& certificate, const std::string& reason) {
+    const fs::path pdf = run_dir / "report.pdf";
+    const std::string report = read_file(run_dir / "report.json");
+    require_reason(reason);
+    require_private(key);
+    require_pair(key, certificate);
+    require_sealable(pdf, report);
+    const TemporaryFolder folder;
+    const fs::path sealed = folder.path() / "report.pdf";
+    const ProcessResult signing =
+        run_words({"podofosign", "-in", argument(pdf), "-out", sealed.string(), "-cert",
+                   argument(certificate), "-pkey", argument(key), "-reason", reason, "-sigsize",
+                   room_for_signature});
+    if (signing.exit_status != 0 || !fs::exists(sealed))
+        throw Failure(pdf.string(),
+                      fmt::format("podofosign could not seal it: {}", first_words(signing.errors)),
+                      "The PDF is as it was. Try another key, or render the report again");
+    SealCheck check = check_seal(sealed);
+    if (!check.holds() || !carries(sealed, report))
+        throw Failure(pdf.string(),
+                      fmt::format("the seal that podofosign made does not hold: {}", check.words),
+                      "The PDF is as it was. Try another key, or render the report again");
+    write_file_atomically(pdf, read_file(sealed));
+    return check;
+}
+
+}  // namespace runcert

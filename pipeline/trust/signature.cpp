@@ -1,0 +1,148 @@
+#include "trust/signature.h"
+
+#include <sodium.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "core/failure.h"
+#include "core/plain_text.h"
+#include "trust/signature_text.h"
+
+namespace runcert {
+namespace {
+
+using namespace signature_text;
+
+constexpr std::size_t signature_size = 64;
+constexpr std::size_t signature_record_size = 74;  // "ED", id (8), signature (64)
+constexpr std::size_t longest_trusted_comment = 8000;
+constexpr std::size_t longest_untrusted_comment = 1000;
+
+/// A signature file taken apart.
+struct SignatureFile {
+    std::string algorithm;  // "ED", or "Ed" for the legacy form
+    PublicKey signer;       // its id alone; the file does not hold the key
+    std::string signature;
+    std::string trusted_comment;
+    std::string comment_signature;
+};
+
+std::array<unsigned char, 64> blake2b_512(std::string_view message) {
+    std::array<unsigned char, 64> hash{};
+    crypto_generichash(hash.data(), hash.size(), data_of(message), message.size(), nullptr, 0);
+    return hash;
+}
+
+void require_comment(std::string_view comment, std::size_t longest, const std::string& kind) {
+    if (comment.size() > longest || !is_printable_line(comment))
+        throw Failure(
+            "the " + kind + " comment of a signature",
+            "it is not one line of printable text of at most " + std::to_string(longest) + " bytes",
+            "Leave out line breaks and control characters, or shorten it");
+}
+
+SignatureFile parse_signature_file(std::string_view text, const std::string& where) {
+    const std::string remedy = "Name the .minisig file that belongs to the signed file";
+    const std::vector<std::string_view> lines = lines_of(text);
+    if (lines.size() != 4)
+        throw Failure(where,
+                      "this is not a signature file: it has " + std::to_string(lines.size()) +
+                          " lines where four are expected",
+                      remedy);
+    if (!lines[0].starts_with(untrusted_prefix))
+        throw Failure(where + ", line 1",
+                      "it does not begin with \"" + std::string(untrusted_prefix) + "\"", remedy);
+    if (!lines[2].starts_with(trusted_prefix))
+        throw Failure(where + ", line 3",
+                      "it does not begin with \"" + std::string(trusted_prefix) + "\"", remedy);
+    SignatureFile file;
+    const std::string record =
+        bytes_of_base64(lines[1], signature_record_size, "the signature", where + ", line 2");
+    file.algorithm = record.substr(0, 2);
+    if (file.algorithm != "ED" && file.algorithm != "Ed")
+        throw Failure(where + ", line 2", "this is no Ed25519 signature of minisign's", remedy);
+    std::copy_n(record.begin() + 2, file.signer.key_id.size(), file.signer.key_id.begin());
+    file.signature = record.substr(10);
+    file.trusted_comment = lines[2].substr(trusted_prefix.size());
+    if (!is_printable_line(file.trusted_comment))
+        throw Failure(where + ", line 3", "the trusted comment is not printable text", remedy);
+    file.comment_signature = bytes_of_base64(lines[3], signature_size,
+                                             "the trusted comment's signature", where + ", line 4");
+    return file;
+}
+
+bool comment_holds(const SignatureFile& file, const PublicKey& public_key) {
+    const std::string signed_comment = file.signature + file.trusted_comment;
+    return crypto_sign_verify_detached(data_of(file.comment_signature), data_of(signed_comment),
+                                       signed_comment.size(), public_key.key.data()) == 0;
+}
+
+/// Why the signature is not this key's over this message; empty where it is.
+std::string find_fault(std::string_view message, const SignatureFile& file,
+                       const PublicKey& public_key) {
+    if (file.algorithm == "Ed")
+        return "it is in minisign's legacy format without prehashing, which is not accepted: "
+               "sign again without -l";
+    if (file.signer.key_id != public_key.key_id)
+        return "it was made with the key " + key_id_text(file.signer) + ", not with the key " +
+               key_id_text(public_key) + " that was given";
+    const std::array<unsigned char, 64> hash = blake2b_512(message);
+    if (crypto_sign_verify_detached(data_of(file.signature), hash.data(), hash.size(),
+                                    public_key.key.data()) != 0)
+        return "the signed file is not as it was when it was signed, or the signature is not the "
+               "key's";
+    if (!comment_holds(file, public_key))
+        return "the trusted comment is not as it was when it was signed";
+    return {};
+}
+
+}  // namespace
+
+std::string sign(std::string_view message, const SecretKey& secret_key,
+                 std::string_view trusted_comment, std::string_view untrusted_comment) {
+    start_libsodium();
+    require_comment(trusted_comment, longest_trusted_comment, "trusted");
+    require_comment(untrusted_comment, longest_untrusted_comment, "untrusted");
+
+    const std::array<unsigned char, 64> hash = blake2b_512(message);
+    std::array<unsigned char, signature_record_size> record{'E', 'D'};
+    std::copy(secret_key.key_id().begin(), secret_key.key_id().end(), record.begin() + 2);
+    unsigned char* signature = record.data() + 10;
+    crypto_sign_detached(signature, nullptr, hash.data(), hash.size(), secret_key.bytes().data());
+
+    std::string signed_comment(record.begin() + 10, record.end());
+    signed_comment += trusted_comment;
+    std::array<unsigned char, signature_size> comment_signature{};
+    crypto_sign_detached(comment_signature.data(), nullptr, data_of(signed_comment),
+                         signed_comment.size(), secret_key.bytes().data());
+
+    std::string text;
+    text.append(untrusted_prefix).append(untrusted_comment) += '\n';
+    text.append(base64_of(record.data(), record.size())) += '\n';
+    text.append(trusted_prefix).append(trusted_comment) += '\n';
+    text.append(base64_of(comment_signature.data(), comment_signature.size())) += '\n';
+    return text;
+}
+
+SignatureCheck check_signature(std::string_view message, std::string_view signature_file_text,
+                               const PublicKey& public_key, const std::string& where) {
+    start_libsodium();
+    SignatureFile file = parse_signature_file(signature_file_text, where);
+    SignatureCheck check;
+    check.key_id = key_id_text(file.signer);
+    check.reason = find_fault(message, file, public_key);
+    check.valid = check.reason.empty();
+    if (check.valid) check.trusted_comment = file.trusted_comment;
+    if (comment_holds(file, public_key)) check.vouched_comment = std::move(file.trusted_comment);
+    return check;
+}
+
+SignatureClaims read_signature_claims(std::string_view signature_file_text,
+                                      const std::string& where) {
+    start_libsodium();
+    SignatureFile file = parse_signature_file(signature_file_text, where);
+    return {file.signer.key_id, std::move(file.trusted_comment)};
+}
+
+}  // namespace runcert

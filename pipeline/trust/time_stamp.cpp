@@ -1,0 +1,207 @@
+#include "trust/time_stamp.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "core/failure.h"
+#include "core/text.h"
+#include "files/atomic_file.h"
+#include "files/process.h"
+#include "trust/signature_text.h"
+
+namespace runcert {
+namespace {
+
+namespace fs = std::filesystem;
+
+ProcessResult openssl_ts(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"openssl", "ts"});
+    try {
+        return run_process(arguments, {.environment = {{"LC_ALL", "C"}}});
+    } catch (const Failure& failure) {
+        throw Failure(
+            "time stamps",
+            "they are made and checked by openssl, which cannot be started: " + failure.problem(),
+            "Install the package openssl");
+    }
+}
+
+/// The line of openssl's errors that says what was wrong.
+std::string said_by_openssl(const ProcessResult& result) {
+    std::string said = "openssl gives no reason";
+    for (const std::string_view line : signature_text::lines_of(result.errors))
+        // PROCESS:error:CODE:LIBRARY:FUNCTION:REASON:FILE:LINE:DETAILS
+        if (line.find(":error:") != std::string_view::npos) {
+            std::vector<std::string_view> fields;
+            for (std::string_view rest = line; fields.size() < 8;) {
+                const std::size_t end = std::min(rest.find(':'), rest.size());
+                fields.push_back(rest.substr(0, end));
+                rest.remove_prefix(std::min(end + 1, rest.size()));
+                if (fields.size() == 8) fields.push_back(rest);
+            }
+            said = escape_for_message(fields[5], 100);
+            if (!fields[8].empty()) said += ": " + escape_for_message(fields[8], 150);
+            break;
+        }
+    return said;
+}
+
+/// What follows "NAME: " on a line of openssl's text; empty where there is none.
+std::string value_of(std::string_view text, std::string_view name) {
+    for (const std::string_view line : signature_text::lines_of(text))
+        if (line.starts_with(name)) return std::string(trim(line.substr(name.size())));
+    return {};
+}
+
+/// The hash in openssl's dump: "    0000 - e7 c2 ... d9 cf-2b 48 ...   text".
+std::string imprint_of(std::string_view text) {
+    constexpr std::size_t digits_begin = 11;
+    constexpr std::size_t digits_end = digits_begin + 16 * 3;
+    std::string imprint;
+    bool inside = false;
+    for (const std::string_view line : signature_text::lines_of(text)) {
+        if (inside && !line.starts_with("    ")) break;
+        if (inside && line.size() > digits_begin)
+            for (const char c : line.substr(digits_begin, digits_end - digits_begin))
+                if ((c >= '0' && c <= '9') || (c >= 'a' && c <= 'f')) imprint += c;
+        inside = inside || line.starts_with("Message data:");
+    }
+    return imprint;
+}
+
+StampedHash hash_of(std::string_view text) {
+    return {.algorithm = value_of(text, "Hash Algorithm:"),
+            .imprint = imprint_of(text),
+            .nonce = value_of(text, "Nonce:")};
+}
+
+/// "Nov 21 20:59:25 2026 GMT", seconds with or without decimals.
+std::optional<UtcSecond> read_openssl_time(std::string_view text) {
+    constexpr std::array<std::string_view, 12> months{"Jan", "Feb", "Mar", "Apr", "May", "Jun",
+                                                      "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"};
+    std::string plain(text);
+    if (const std::size_t point = plain.find('.'); point != std::string::npos)
+        plain.erase(point, std::min(plain.find(' ', point), plain.size()) - point);
+    if (plain.size() != 24 || !plain.ends_with(" GMT")) return std::nullopt;
+    const auto month = std::ranges::find(months, plain.substr(0, 3));
+    std::string day = plain.substr(4, 2);
+    if (day[0] == ' ') day[0] = '0';
+    return parse_iso_utc(fmt::format("{}-{:02}-{}T{}Z", plain.substr(16, 4),
+                                     month - months.begin() + 1, day, plain.substr(7, 8)));
+}
+
+/// The signed part of a reply. Only of this may the text be read: the status around it is not
+/// signed, and could hold lines that look like its.
+std::string token_of(const fs::path& reply, const fs::path& folder) {
+    (void)read_handwritten(reply);  // says where it is missing, or far too long
+    const fs::path token = folder / "token";
+    const ProcessResult taken = openssl_ts(
+        {"-reply", "-in", fs::absolute(reply).string(), "-token_out", "-out", token.string()});
+    if (taken.exit_status == 0 && fs::exists(token)) return token.string();
+    const ProcessResult shown =
+        openssl_ts({"-reply", "-in", fs::absolute(reply).string(), "-text"});
+    const std::string status = value_of(shown.output, "Status:");
+    if (shown.exit_status != 0 || status.empty())
+        throw Failure(reply.string(), "this is not a reply of a time stamp authority",
+                      "Give the file that the authority answered with (application/"
+                      "timestamp-reply)");
+    throw Failure(
+        reply.string(),
+        fmt::format("the authority gave no time stamp: {} {} {}", escape_for_message(status),
+                    escape_for_message(value_of(shown.output, "Status description:"), 100),
+                    escape_for_message(value_of(shown.output, "Failure info:"), 100)),
+        "Send the query again, or to another authority");
+}
+
+TimeStamp read_token(const std::string& token, const fs::path& reply) {
+    const ProcessResult shown = openssl_ts({"-reply", "-in", token, "-token_in", "-text"});
+    TimeStamp stamp{.hash = hash_of(shown.output)};
+    const auto time = read_openssl_time(value_of(shown.output, "Time stamp:"));
+    if (shown.exit_status != 0 || stamp.hash.imprint.empty() || !time)
+        throw Failure(reply.string(),
+                      "the time stamp in it cannot be read: " + said_by_openssl(shown),
+                      "Give the file as the authority sent it, whole");
+    stamp.time = *time;
+    return stamp;
+}
+
+/// Whether nobody can make two files with one hash of that kind.
+bool is_strong(std::string_view algorithm) {
+    constexpr std::array<std::string_view, 6> strong{"sha256",   "sha384",   "sha512",
+                                                     "sha3-256", "sha3-384", "sha3-512"};
+    return std::ranges::find(strong, algorithm) != strong.end();
+}
+
+/// All certificates in one file, for openssl.
+std::string joined_certificates(const std::vector<fs::path>& cas, const fs::path& folder) {
+    std::string certificates;
+    for (const fs::path& ca : cas) {
+        const std::string text = read_handwritten(ca);
+        if (text.find("-----BEGIN CERTIFICATE-----") == std::string::npos)
+            throw Failure(ca.string(), "there is no certificate in PEM form in it",
+                          "Give the certificate of the time stamp authority's root (PEM)");
+        certificates += text + "\n";
+    }
+    const fs::path file = folder / "ca.pem";
+    write_file_atomically(file, certificates);
+    return file.string();
+}
+
+}  // namespace
+
+std::string make_time_stamp_query(const fs::path& file) {
+    const TemporaryFolder folder;
+    const fs::path query = folder.path() / "query";
+    const ProcessResult made = openssl_ts({"-query", "-data", fs::absolute(file).string(),
+                                           "-sha512", "-cert", "-out", query.string()});
+    if (made.exit_status != 0)
+        throw Failure(file.string(), "no time stamp query can be made: " + said_by_openssl(made),
+                      "Check that the file can be read, and openssl's configuration");
+    return read_file(query);
+}
+
+StampedHash read_time_stamp_query(const fs::path& query) {
+    (void)read_handwritten(query);
+    const ProcessResult shown =
+        openssl_ts({"-query", "-in", fs::absolute(query).string(), "-text"});
+    const StampedHash hash = hash_of(shown.output);
+    if (shown.exit_status != 0 || hash.imprint.empty())
+        throw Failure(query.string(), "this is not a time stamp query",
+                      "Remove it, and let runcert timestamp write a new one");
+    return hash;
+}
+
+TimeStamp read_time_stamp_reply(const fs::path& reply) {
+    const TemporaryFolder folder;
+    return read_token(token_of(reply, folder.path()), reply);
+}
+
+TimeStampCheck check_time_stamp(const fs::path& file, const fs::path& reply,
+                                const std::vector<fs::path>& cas) {
+    const TemporaryFolder folder;
+    const std::string certificates = joined_certificates(cas, folder.path());
+    TimeStampCheck check;
+    try {
+        const std::string token = token_of(reply, folder.path());
+        const TimeStamp stamp = read_token(token, reply);
+        check.time = stamp.time;
+        if (!is_strong(stamp.hash.algorithm)) {
+            check.reason = fmt::format("it is over a {} hash, which another file can share",
+                                       escape_for_message(stamp.hash.algorithm));
+            return check;
+        }
+        const ProcessResult verified = openssl_ts(
+            {"-verify", "-data", fs::absolute(file).string(), "-in", token, "-token_in", "-CAfile",
+             certificates, "-attime", std::to_string(check.time.time_since_epoch().count())});
+        check.valid = verified.exit_status == 0 && verified.output == "Verification: OK\n";
+        if (!check.valid) check.reason = said_by_openssl(verified);
+    } catch (const Failure& failure) {
+        if (failure.where() != reply.string()) throw;
+        check.reason = failure.problem();
+    }
+    return check;
+}
+
+}  // namespace runcert

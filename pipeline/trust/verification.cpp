@@ -1,0 +1,203 @@
+#include "trust/verification.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "core/failure.h"
+#include "core/text.h"
+#include "files/atomic_file.h"
+#include "files/sha256.h"
+#include "run/evidence.h"
+#include "run/run_inventory.h"
+#include "run/stage_run.h"
+#include "schemas/products/products.h"
+#include "trust/bundle.h"
+#include "trust/signature_files.h"
+
+namespace runcert {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// File names come from outside.
+std::string shown(const std::string& name) {
+    return escape_for_message(name, 120);
+}
+
+bool is_known_companion(const fs::directory_entry& entry) {
+    const std::string name = entry.path().filename().string();
+    const fs::file_status status = entry.symlink_status();
+    if (name == "keys") return fs::is_directory(status);
+    if (name.starts_with(".runcert-")) return true;  // of a run that was killed
+    if (!fs::is_regular_file(status)) return false;
+    for (const char* known :
+         {"report.json", "report.html", "report.pdf", "run.yaml", "SHA256SUMS", "VERIFY.txt"})
+        if (name == known) return true;
+    return belongs_to_signatures(name);
+}
+
+std::optional<std::string> fault_of_subject(const fs::path& file, const std::string& sha256) {
+    const fs::file_status status = fs::symlink_status(file);
+    if (!fs::exists(status)) return "missing";
+    if (fs::is_symlink(status))
+        return "a symbolic link, which may lead elsewhere tomorrow: put the file itself here";
+    if (!fs::is_regular_file(status)) return "not a file";
+    if (digest_file(file).sha256 != sha256)
+        return "changed, its bytes are not those the report names";
+    return std::nullopt;
+}
+
+/// What does not belong into the folder of keys that a bundle brings.
+std::vector<std::string> extra_keys(const fs::path& keys) {
+    std::vector<std::string> extras;
+    if (!fs::is_directory(fs::symlink_status(keys))) return extras;
+    for (const auto& entry : fs::directory_iterator(keys)) {
+        const std::string name =
+            std::string(bundle_keys_folder) + "/" + entry.path().filename().string();
+        const bool known =
+            name == bundle_roster_file || name == bundle_tsa_file || name.ends_with(".pub");
+        if (!known || !fs::is_regular_file(entry.symlink_status()))
+            extras.push_back(shown(name) +
+                             ": neither a public key, a roster nor a certificate of "
+                             "an authority: move it away");
+    }
+    return extras;
+}
+
+/// What does not belong into a run folder, in words; by name, so that the order is always the same.
+std::vector<std::string> extra_files(const fs::path& run_dir, const ReportFacts& report) {
+    std::vector<std::string> extras = extra_keys(run_dir / bundle_keys_folder);
+    for (const auto& entry : fs::directory_iterator(run_dir)) {
+        const std::string name = entry.path().filename().string();
+        if (report.subjects.contains(name) || is_known_companion(entry)) continue;
+        extras.push_back(fs::is_symlink(entry.symlink_status())
+                             ? shown(name) + ": a symbolic link, not part of the report: remove it"
+                             : shown(name) + ": not part of the report: move it away");
+    }
+    std::ranges::sort(extras);
+    return extras;
+}
+
+/// The hashes of the predicate's own list of files, which is what the pages show.
+void compare_shown_files(const ReportFacts& report, VerificationStep& step) {
+    const auto& predicate = report.json.at("predicate");
+    if (predicate.at("files").size() != report.subjects.size()) {
+        step.passed = false;
+        step.details.push_back(fmt::format("report.json: shows {} files, it is signed for {}",
+                                           predicate.at("files").size(), report.subjects.size()));
+    }
+    for (const auto& file : predicate.at("files")) {
+        const std::string name = file.value("file", "");
+        const auto subject = report.subjects.find(name);
+        if (subject != report.subjects.end() && subject->second == file.value("sha256", ""))
+            continue;
+        step.passed = false;
+        step.details.push_back(
+            fmt::format("report.json: shows another {} than it is signed for", shown(name)));
+    }
+}
+
+/// Whether observations say how the recording was read: they repeat what the attempt states of the
+/// receiver or, as programs before wrote them, name the whole attempt and repeat nothing.
+bool say_how_read(const nlohmann::ordered_json& repeated, const std::set<std::string>& inputs,
+                  const Receiver& receiver) {
+    return repeated == receiver.stated ||
+           (repeated.empty() && inputs.contains(std::string(evidence_attempt_file)));
+}
+
+/// A stage file that does not name all that its stage reads is tied to nothing.
+std::vector<std::string> missing_inputs(
+    const fs::path& run_dir, const std::map<std::string, std::set<std::string>>& inputs_of,
+    const std::map<std::string, nlohmann::ordered_json>& parameters_of) {
+    const fs::path file = run_dir / evidence_attempt_file;
+    const Attempt attempt = read_attempt(read_handwritten(file), file.string());
+    std::vector<std::string> missing;
+    for (const Receiver& receiver : attempt.receivers) {
+        const std::string name = product_file(attempt, receiver, "1-observations", "ecsv");
+        const auto read = parameters_of.find(name);
+        const auto stated = inputs_of.find(name);
+        if (read != parameters_of.end() && stated != inputs_of.end() &&
+            !say_how_read(read->second, stated->second, receiver))
+            missing.push_back(
+                fmt::format("{}: the recording was not read as attempt.yaml has it", name));
+    }
+    for (const auto& [name, needed] : inventory_of(attempt).made_from) {
+        const auto stated = inputs_of.find(name);
+        for (const std::string& input : needed)
+            if (stated == inputs_of.end() || !stated->second.contains(input))
+                missing.push_back(
+                    fmt::format("{}: does not say from which {} it was made", name, input));
+    }
+    return missing;
+}
+
+}  // namespace
+
+VerificationStep verify_files(const fs::path& run_dir, const ReportFacts& report) {
+    VerificationStep step{.passed = true, .what = "files", .finding = {}, .details = {}};
+    std::size_t wrong = 0;
+    for (const auto& [name, sha256] : report.subjects)
+        if (const auto fault = fault_of_subject(run_dir / name, sha256)) {
+            ++wrong;
+            step.details.push_back(shown(name) + ": " + *fault);
+        }
+    const std::vector<std::string> extras = extra_files(run_dir, report);
+    step.details.insert(step.details.end(), extras.begin(), extras.end());
+    step.passed = wrong == 0 && extras.empty();
+    step.finding =
+        step.passed ? fmt::format("all {} files are those the report names", report.subjects.size())
+        : wrong > 0 ? "not all files are those the report names"
+                    : "there are files that are not part of the report";
+    return step;
+}
+
+VerificationStep verify_chain(const fs::path& run_dir, const ReportFacts& report) {
+    VerificationStep step{.passed = true, .what = "chain", .finding = {}, .details = {}};
+    std::map<std::string, std::set<std::string>> inputs_of;
+    std::map<std::string, nlohmann::ordered_json> parameters_of;
+    const auto fail = [&](std::string detail) {
+        step.passed = false;
+        step.details.push_back(std::move(detail));
+    };
+    for (const auto& [name, sha256] : report.subjects) {
+        const fs::path file = run_dir / name;
+        // Those that are not there are said by verify_files.
+        if (!is_product_name(name) || !fs::is_regular_file(fs::symlink_status(file))) continue;
+        try {
+            const Header header = read_product_header(read_file(file), name, file.string());
+            parameters_of[name] = header.parameters;
+            for (const InputFile& input : header.inputs) {
+                inputs_of[name].insert(input.file);
+                const auto subject = report.subjects.find(input.file);
+                if (subject == report.subjects.end())
+                    fail(fmt::format("{}: made from {}, which the report does not name",
+                                     shown(name), shown(input.file)));
+                else if (subject->second != input.sha256)
+                    fail(fmt::format("{}: made from another {} than the report names", shown(name),
+                                     shown(input.file)));
+            }
+        } catch (const Failure& failure) {
+            fail(fmt::format("{}: cannot be read: {}", shown(name), failure.problem()));
+        }
+    }
+    try {
+        for (std::string& detail : missing_inputs(run_dir, inputs_of, parameters_of))
+            fail(std::move(detail));
+    } catch (const Failure& failure) {
+        fail(fmt::format("attempt.yaml: cannot be read: {}", failure.problem()));
+    }
+    try {
+        compare_shown_files(report, step);
+    } catch (const nlohmann::json::exception&) {
+        fail("report.json: its list of files cannot be read");
+    }
+    step.finding = step.passed ? fmt::format("each of {} stage files was made from the files named",
+                                             inputs_of.size())
+                               : "the stage files do not belong together";
+    return step;
+}
+
+}  // namespace runcert

@@ -1,0 +1,211 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/failure.h"
+#include "core/text.h"
+#include "files/atomic_file.h"
+#include "files/sha256.h"
+#include "files/yaml_input.h"
+#include "run/evidence.h"
+#include "run/run_inventory.h"
+#include "trust/verification.h"
+
+// report.json against the files that it vouches for: whoever signs it may have written it by hand.
+
+namespace runcert {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+constexpr const char* verdict_file = "6-verdict.yaml";
+
+/// The report writes speeds with 4 decimals or more, from a verdict of 4 decimals of 1 km/h.
+constexpr double speed_resolution = 2e-4;  // in each unit
+
+std::string shown(const std::string& text) {
+    return escape_for_message(text, 120);
+}
+
+class Comparison {
+  public:
+    explicit Comparison(VerificationStep& step) : step_(step) {}
+
+    void fail(std::string detail) {
+        step_.passed = false;
+        step_.details.push_back(std::move(detail));
+    }
+    void equal(const std::string& what, const std::string& in_report, const std::string& in_file,
+               const std::string& file) {
+        if (in_report != in_file)
+            fail(fmt::format("report.json: {} is \"{}\", in {} it is \"{}\"", what,
+                             shown(in_report), file, shown(in_file)));
+    }
+    void number(const std::string& what, const std::optional<double>& in_report,
+                const std::optional<double>& in_file, const std::string& file) {
+        const auto words = [](const std::optional<double>& value) {
+            return value ? fmt::format("{}", *value) : std::string("absent");
+        };
+        const bool same = in_report.has_value() == in_file.has_value() &&
+                          (!in_report || std::abs(*in_report - *in_file) <= speed_resolution);
+        if (!same)
+            fail(fmt::format("report.json: {} is {}, in {} it is {}", what, words(in_report), file,
+                             words(in_file)));
+    }
+
+  private:
+    VerificationStep& step_;
+};
+
+std::string text_of(const Json& object, const std::string& key) {
+    return object.contains(key) ? object.at(key).get<std::string>() : "";
+}
+
+std::optional<double> number_of(const Json& object, const std::string& key) {
+    if (!object.contains(key)) return std::nullopt;
+    return object.at(key).get<double>();
+}
+
+/// The large figures at the top of the page.
+void compare_headline(const std::string& rule, const Json& profile, const YamlValue& verdict,
+                      Comparison& compare) {
+    const YamlValue figures = verdict["shown"];
+    if (!figures.exists()) return;
+    const Json headline = profile.value("headline", Json::object());
+    for (const auto& [key, name] : {std::pair("headline_speed", "speed"),
+                                    {"headline_unit", "unit"},
+                                    {"headline_uncertainty", "expanded_uncertainty"},
+                                    {"headline_target", "target"}})
+        compare.equal(fmt::format("{}, {}", rule, key), text_of(headline, key),
+                      figures[name].text_or(""), verdict_file);
+}
+
+/// The title of the outcome is what a page shows largest.
+void compare_title(const std::string& rule, const Json& profile, const std::string& outcome,
+                   Comparison& compare) {
+    std::string title;
+    if (outcome == "beaten")
+        title = "Record beaten";
+    else if (outcome == "not_beaten")
+        title = "Record not beaten";
+    else if (outcome == "not_certifiable")
+        title = "Not certifiable";
+    else
+        title =
+            profile.contains("target_km_h") ? "Not proven" : "Speed measured; no record is named";
+    compare.equal(rule + ", outcome_title", text_of(profile, "outcome_title"), title,
+                  verdict_file + std::string(" (by its outcome)"));
+}
+
+void compare_profile(const Json& profile, const YamlValue& verdict, Comparison& compare) {
+    const std::string rule = shown(verdict["profile"].text());
+    for (const char* key : {"profile", "outcome", "reason", "definition"})
+        compare.equal(fmt::format("{}, {}", rule, key), text_of(profile, key), verdict[key].text(),
+                      verdict_file);
+    compare_title(rule, profile, verdict["outcome"].text(), compare);
+    for (const char* quantity : {"speed", "expanded_uncertainty", "target"})
+        for (const char* unit : {"km_h", "m_s", "knots", "mph"}) {
+            const std::string key = fmt::format("{}_{}", quantity, unit);
+            compare.number(fmt::format("{}, {}", rule, key), number_of(profile, key),
+                           verdict[key].optional_real(), verdict_file);
+        }
+    compare.number(rule + ", coverage_factor", number_of(profile, "coverage_factor"),
+                   verdict["coverage_factor"].optional_real(), verdict_file);
+    compare_headline(rule, profile, verdict, compare);
+    const auto requirements = verdict["requirements"].list();
+    const Json& stated = profile.at("requirements");
+    if (requirements.size() != stated.size())
+        return compare.fail(fmt::format("report.json: {} has {} requirements, in {} it has {}",
+                                        rule, stated.size(), verdict_file, requirements.size()));
+    for (std::size_t i = 0; i < requirements.size(); ++i)
+        for (const char* key : {"clause", "status", "evidence"})
+            compare.equal(fmt::format("{}, requirement {}, {}", rule, i + 1, key),
+                          text_of(stated.at(i), key), requirements[i][key].text(), verdict_file);
+}
+
+void compare_verdict(const fs::path& run_dir, const ReportFacts& report, Comparison& compare) {
+    const std::string where = (run_dir / verdict_file).string();
+    const YamlValue verdict(parse_yaml(read_file(where), where), where);
+    compare.equal("the attempt's id", report.attempt_id, verdict["attempt"].text(), verdict_file);
+    const auto verdicts = verdict["profiles"].list();
+    const Json& profiles = report.json.at("predicate").at("profiles");
+    if (verdicts.size() != profiles.size())
+        return compare.fail(fmt::format("report.json: it has results by {} rules, {} has {}",
+                                        profiles.size(), verdict_file, verdicts.size()));
+    for (std::size_t i = 0; i < verdicts.size(); ++i)
+        compare_profile(profiles.at(i), verdicts[i], compare);
+}
+
+/// The signatures that rules and attempt ask for: who signs cannot do with fewer.
+void compare_required(const fs::path& run_dir, const ReportFacts& report, const Attempt& attempt,
+                      Comparison& compare) {
+    std::vector<NeededSignatures> needed;
+    for (const std::string& claimed : attempt.profiles)
+        needed =
+            combined(std::move(needed), read_claimed_profile(run_dir, claimed, attempt).signatures);
+    for (const NeededSignatures& one : combined(std::move(needed), attempt.signatures)) {
+        std::int64_t stated = 0;
+        for (const RequiredSignatures& required : report.required)
+            if (required.role == one.role) stated += static_cast<std::int64_t>(required.count);
+        if (stated < one.count)
+            compare.fail(
+                fmt::format("report.json: asks for {} signatures in the role {}, attempt "
+                            "and rules ask for {}",
+                            stated, one.role, one.count));
+    }
+}
+
+/// Attempt, recordings, rules, and what each stage made of them: all of them, and nothing else.
+void compare_subjects(const ReportFacts& report, const RunInventory& inventory,
+                      Comparison& compare) {
+    for (const std::string& file : inventory.files)
+        if (!report.subjects.contains(file))
+            compare.fail(
+                fmt::format("{}: the attempt needs it, the report does not name it", shown(file)));
+    for (const auto& [file, sha256] : report.subjects)
+        if (std::ranges::find(inventory.files, file) == inventory.files.end())
+            compare.fail(fmt::format("{}: the report names it, nothing in the attempt asks for it",
+                                     shown(file)));
+    std::string lines;
+    for (const std::string& name : report.subject_names)
+        lines += fmt::format("{}  {}\n", report.subjects.at(name), name);
+    constexpr std::size_t id_digits = 16;
+    compare.equal("its id", report.report_id, sha256_hex(lines).substr(0, id_digits),
+                  "the list of its files");
+}
+
+void compare_all(const fs::path& run_dir, const ReportFacts& report, Comparison& compare) {
+    const std::string file(evidence_attempt_file);
+    if (!report.subjects.contains(file))
+        return compare.fail("attempt.yaml: the report does not name it, and says nothing without");
+    const Attempt attempt =
+        read_attempt(read_handwritten(run_dir / file), (run_dir / file).string());
+    compare.equal("the attempt's id", report.attempt_id, attempt.id, file);
+    compare_subjects(report, inventory_of(attempt), compare);
+    compare_required(run_dir, report, attempt, compare);
+    compare_verdict(run_dir, report, compare);
+}
+
+}  // namespace
+
+VerificationStep verify_report(const fs::path& run_dir, const ReportFacts& report) {
+    VerificationStep step{.passed = true, .what = "report", .finding = {}, .details = {}};
+    Comparison compare(step);
+    try {
+        compare_all(run_dir, report, compare);
+    } catch (const Failure& failure) {
+        compare.fail(fmt::format("{}: {}", shown(fs::path(failure.where()).filename().string()),
+                                 failure.problem()));
+    } catch (const Json::exception& error) {
+        compare.fail("report.json: cannot be read: " + shown(error.what()));
+    }
+    step.finding = step.passed
+                       ? "outcome, speeds and limits are those of 6-verdict.yaml, the files "
+                         "are those that the attempt asks for"
+                       : "it does not say what its files say";
+    return step;
+}
+
+}  // namespace runcert

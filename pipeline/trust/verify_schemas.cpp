@@ -1,0 +1,132 @@
+#include <fmt/format.h>
+
+#include "core/failure.h"
+#include "core/text.h"
+#include "files/atomic_file.h"
+#include "files/program.h"
+#include "run/evidence.h"
+#include "schemas/common/document.h"
+#include "schemas/common/revision.h"
+#include "schemas/products/products.h"
+#include "trust/verification.h"
+
+namespace runcert {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Collects what is wrong, a line for each file.
+struct Findings {
+    std::size_t read = 0;
+    std::vector<std::string> faults{};
+
+    template <class Check>
+    void check(const std::string& name, const Check& body) {
+        try {
+            body();
+            ++read;
+        } catch (const Failure& failure) {
+            faults.push_back(
+                fmt::format("{}: {}", escape_for_message(name, 120), failure.problem()));
+        }
+    }
+};
+
+/// A build writes one version of each schema. A file that says it is of an earlier one, but made by
+/// the build that this is, was made to look older: so that rules which came later do not apply.
+void refuse_downgrade(const Header& header, const std::string& name) {
+    if (header.program_version != program_version() || header.source_revision != source_revision())
+        return;
+    const std::string written = product_version(name);
+    if (header.schema_version == written) return;
+    throw Failure(
+        name,
+        fmt::format("downgraded: its header says {}/{}, the program that it says made it "
+                    "({}, {}) writes {}/{}",
+                    header.schema_name, escape_for_message(header.schema_version),
+                    header.program_version, header.source_revision, header.schema_name, written),
+        "Take the original");
+}
+
+/// All of a run is made by one program. A file that says otherwise came from elsewhere, or was made
+/// to look older than the report is.
+void refuse_other_program(const Header& header, const ReportFacts& report,
+                          const std::string& name) {
+    if (header.program_version == report.program_version &&
+        header.source_revision == report.source_revision)
+        return;
+    throw Failure(
+        name,
+        fmt::format(
+            "its header says that runcert {} ({}) made it, the report that {} ({}) "
+            "made it: it is of another run, or downgraded",
+            escape_for_message(header.program_version), escape_for_message(header.source_revision),
+            escape_for_message(report.program_version), escape_for_message(report.source_revision)),
+        "Take the original, or certify again");
+}
+
+void check_stage_file(const fs::path& file, const ReportFacts& report) {
+    const std::string name = file.filename().string();
+    const std::string text = read_file(file);
+    const Header header = read_product_header(text, name, file.string());
+    // Before the fields, which would be refused in other words.
+    refuse_downgrade(header, name);
+    check_product(text, name, file.string());
+    refuse_other_program(header, report, name);
+}
+
+/// The predicate follows its own field table; JSON is YAML.
+void check_report(const ReportFacts& report, const std::string& where) {
+    const SchemaVersion own = version_of(report_field_table());
+    const auto& predicate = report.json.at("predicate");
+    const std::string version = predicate.at("schema").value("version", "");
+    if (report.json.value("predicateType", "") !=
+        fmt::format("urn:runcert:measurement-report:{}.0", own.model))
+        throw Failure(where, "its predicateType is not that of the reports of this model",
+                      "Take the original");
+    if (report.program_version == program_version() &&
+        report.source_revision == source_revision() && version != report_field_table().version())
+        throw Failure(where,
+                      fmt::format("downgraded: it says that it follows report/{}, the program that "
+                                  "it says made it writes report/{}",
+                                  escape_for_message(version), report_field_table().version()),
+                      "Take the original");
+    (void)read_document(predicate.dump(2, ' ', false, nlohmann::json::error_handler_t::replace),
+                        where, report_field_table());
+}
+
+void check_evidence(const fs::path& run_dir, Findings& findings) {
+    const std::string name(evidence_attempt_file);
+    const fs::path file = run_dir / name;
+    if (!fs::is_regular_file(fs::symlink_status(file))) return;
+    std::optional<Attempt> attempt;
+    findings.check(name, [&] { attempt = read_attempt(read_handwritten(file), file.string()); });
+    if (!attempt) return;
+    for (const std::string& claimed : attempt->profiles)
+        if (const std::string profile = evidence_profile_file(claimed);
+            fs::is_regular_file(fs::symlink_status(run_dir / profile)))
+            findings.check(profile,
+                           [&] { (void)read_claimed_profile(run_dir, claimed, *attempt); });
+}
+
+}  // namespace
+
+VerificationStep verify_schemas(const fs::path& run_dir, const ReportFacts& report) {
+    Findings findings;
+    const std::string where = (run_dir / "report.json").string();
+    findings.check("report.json", [&] { check_report(report, where); });
+    check_evidence(run_dir, findings);
+    for (const auto& [name, sha256] : report.subjects)
+        if (is_product_name(name) && fs::is_regular_file(fs::symlink_status(run_dir / name)))
+            findings.check(name, [&, file = run_dir / name] { check_stage_file(file, report); });
+    const bool passed = findings.faults.empty();
+    return {.passed = passed,
+            .what = "schemas",
+            .finding = passed
+                           ? fmt::format("all {} documents follow schemas that this program knows",
+                                         findings.read)
+                           : "not every document follows a schema that this program knows",
+            .details = findings.faults};
+}
+
+}  // namespace runcert

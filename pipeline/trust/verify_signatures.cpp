@@ -1,0 +1,196 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "core/failure.h"
+#include "core/prose.h"
+#include "core/text.h"
+#include "trust/signature_files.h"
+#include "trust/signature_judgement.h"
+#include "trust/signature_policy.h"
+#include "trust/time_stamp.h"
+#include "trust/verification.h"
+
+namespace runcert {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<std::string> stamps_in(const fs::path& run_dir) {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(run_dir)) {
+        const std::string name = entry.path().filename().string();
+        if (belongs_to_signatures(name) && name.ends_with(".tsr") &&
+            fs::is_regular_file(entry.symlink_status()))
+            names.push_back(name);
+    }
+    std::ranges::sort(names);
+    return names;
+}
+
+/// The time of each signature whose stamp holds; what is found of every stamp goes into `step`.
+struct Stamps {
+    VerificationStep step{
+        .passed = true, .what = "time stamps", .finding = {}, .details = {}, .checked = false};
+    std::map<std::string, UtcSecond> times{};
+};
+
+void check_stamp(Stamps& stamps, const fs::path& run_dir, const std::string& name,
+                 const SignatureRules& rules) {
+    const std::string signature = name.substr(0, name.rfind('.'));
+    const std::string shown = escape_for_message(name, 120);
+    if (!fs::is_regular_file(fs::symlink_status(run_dir / signature))) {
+        stamps.step.checked = true;
+        stamps.step.passed = false;
+        stamps.step.details.push_back(shown + ": the signature that it is for is not there");
+        return;
+    }
+    if (rules.time_stamp_cas.empty()) {
+        stamps.step.details.push_back(
+            shown + ": there, unchecked and not counted; give --tsa-ca to check it");
+        return;
+    }
+    TimeStampCheck check =
+        check_time_stamp(run_dir / signature, run_dir / name, rules.time_stamp_cas);
+    if (check.valid && check.time > rules.present + clock_tolerance)
+        check = {.reason = fmt::format("it is of {}, which is yet to come", iso_text(check.time))};
+    stamps.step.checked = true;
+    stamps.step.passed = stamps.step.passed && check.valid;
+    stamps.step.details.push_back(
+        check.valid ? fmt::format("{}: the signature was there at {}", shown, iso_text(check.time))
+                    : fmt::format("{}: does not hold: {}", shown, check.reason));
+    if (check.valid) stamps.times[signature] = check.time;
+}
+
+Stamps check_stamps(const fs::path& run_dir, const SignatureRules& rules) {
+    Stamps stamps;
+    const std::vector<std::string> names = stamps_in(run_dir);
+    for (const std::string& name : names)
+        check_stamp(stamps, run_dir, name, rules);
+    VerificationStep& step = stamps.step;
+    if (!step.checked) {
+        step.passed = false;
+        step.finding = names.empty() ? "there are none" : "not checked";
+    } else {
+        step.finding =
+            step.passed ? fmt::format("{} by the authorities given",
+                                      names.size() == 1 ? "it holds, signed" : "all hold, signed")
+                        : "not every time stamp holds";
+    }
+    return stamps;
+}
+
+std::string time_words(const Signer& signer) {
+    std::string words;
+    if (!signer.stated_time.empty())
+        words += fmt::format("; its signer states {}", escape_for_message(signer.stated_time));
+    if (signer.time_source == "time stamp") words += fmt::format("; time stamp {}", signer.time);
+    return words;
+}
+
+std::string signer_line(const Signer& signer) {
+    const std::string file = escape_for_message(signer.file, 120);
+    const std::string role = signer.role.empty() ? "no role stated" : signer.role;
+    const std::string who = signer.who.empty() ? "" : fmt::format(", {}", signer.who);
+    if (signer.valid) return fmt::format("{}: {}{}: holds{}", file, role, who, time_words(signer));
+    if (signer.broken) return fmt::format("{}: REFUSED: {}", file, signer.reason);
+    return fmt::format("{}: {}{}: not counted: {}", file, role, who, signer.reason);
+}
+
+/// One key that signed in two roles, or in two forms, is one signer.
+std::int64_t signers_that_count(const std::vector<Signer>& signers) {
+    std::set<std::string> keys;
+    for (const Signer& signer : signers)
+        if (signer.valid) keys.insert(key_identity(signer));
+    return static_cast<std::int64_t>(keys.size());
+}
+
+/// What the report needs, in words; sets whether it has it.
+void judge_policy(const ReportFacts& report, const std::vector<Signer>& signers,
+                  VerificationStep& step) {
+    const auto valid = std::ranges::count_if(signers, &Signer::valid);
+    const auto refused = std::ranges::count_if(signers, &Signer::broken);
+    std::vector<std::string> missing;
+    for (const RoleState& state : fill_roles(report.required, signers)) {
+        step.details.push_back(fmt::format("needed: {} in the role {}; there: {}", state.needed,
+                                           state.role, state.there));
+        if (state.there < state.needed)
+            missing.push_back(fmt::format("{} of {}", state.needed - state.there, state.role));
+    }
+    step.passed = valid > 0 && refused == 0 && missing.empty();
+    if (refused > 0)
+        step.finding = "report.json: a signature does not hold";
+    else if (valid == 0)
+        step.finding = "no signature of report.json counts";
+    else if (!missing.empty())
+        step.finding = "report.json: signatures are missing: " + listed(missing);
+    else
+        step.finding = fmt::format("report.json was signed by {}",
+                                   counted(signers_that_count(signers), "signer"));
+}
+
+/// Different keys of one holder count as different signers; the reader is told.
+std::vector<std::string> shared_holders(const std::vector<Signer>& signers) {
+    std::map<std::string, std::set<std::string>> keys_of;
+    for (const Signer& signer : signers)
+        if (signer.valid && !signer.who.empty()) keys_of[signer.who].insert(key_identity(signer));
+    std::vector<std::string> notes;
+    for (const auto& [who, keys] : keys_of)
+        if (keys.size() > 1)
+            notes.push_back(
+                fmt::format("note: {} keys that count are called \"{}\": is that one "
+                            "person?",
+                            keys.size(), who));
+    return notes;
+}
+
+constexpr std::size_t most_signatures = 200;
+
+/// Each costs a hash of the report, or two runs of ssh-keygen.
+void require_few(const std::vector<SignatureFile>& files, const fs::path& run_dir) {
+    if (files.size() > most_signatures)
+        throw Failure(run_dir.string(),
+                      fmt::format("there are {} signatures in this folder, more than the {} that "
+                                  "are looked at",
+                                  files.size(), most_signatures),
+                      "Move away those that are not needed");
+}
+
+}  // namespace
+
+SignatureLayers verify_signatures(const fs::path& run_dir, const ReportFacts& report,
+                                  const SignatureRules& rules) {
+    Stamps stamps = check_stamps(run_dir, rules);
+    SignatureLayers layers{
+        .time_stamps = std::move(stamps.step),
+        .signatures = {.passed = false, .what = "signatures", .finding = {}, .details = {}}};
+    VerificationStep& step = layers.signatures;
+    const std::vector<SignatureFile> files = signature_files(run_dir);
+    require_few(files, run_dir);
+    for (const SignatureFile& file : files) {
+        SignatureCase one{.run_dir = run_dir, .file = file};
+        const auto stamped = stamps.times.find(file.name);
+        if (stamped != stamps.times.end()) one.stamped = stamped->second;
+        layers.signers.push_back(judge_signature(one, report, rules));
+        step.details.push_back(signer_line(layers.signers.back()));
+    }
+    if (rules.at_was_given)
+        step.details.push_back(
+            fmt::format("keys without a checked time stamp were judged as of {} (--at), not as of "
+                        "the present, {}",
+                        iso_text(rules.at), iso_text(rules.present)));
+    for (std::string& note : shared_holders(layers.signers))
+        step.details.push_back(std::move(note));
+    judge_policy(report, layers.signers, step);
+    if (layers.signers.empty())
+        step.finding = "the report is UNSIGNED: nobody answers for it";
+    else if (!rules.roster)
+        step.finding =
+            "the report is signed, but no key was given to check the signatures with "
+            "(--pubkey or --roster)";
+    return layers;
+}
+
+}  // namespace runcert

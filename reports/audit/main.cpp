@@ -1,0 +1,188 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+
+#include "core/failure.h"
+#include "core/text.h"
+#include "files/atomic_file.h"
+#include "files/program.h"
+#include "reports/audit/record.h"
+#include "reports/audit/report_record.h"
+#include "run/evidence.h"
+#include "run/stage_main.h"
+
+using namespace runcert;
+
+namespace {
+
+struct Options {
+    std::string run_dir;
+    std::string receiver;
+    std::string html;
+    std::vector<std::string> stages;
+    bool all = false;
+};
+
+void require_known(const std::string& option, const std::string& word,
+                   const std::vector<std::string>& known, const std::string& what) {
+    if (std::ranges::find(known, word) != known.end()) return;
+    throw Failure(option, fmt::format("{} \"{}\"", what, escape_for_message(word)),
+                  fmt::format("Choose one of: {}", fmt::join(known, ", ")));
+}
+
+/// Reads a run folder. Every file that one names is hashed, and held against that.
+class Witnesses {
+  public:
+    explicit Witnesses(StageRun run) : run_(std::move(run)) {}
+
+    const StageRun& run() const { return run_; }
+    /// Of a file in the folder itself: what a name leads to elsewhere is none of it.
+    bool exists(const std::string& file) const {
+        return file.find('/') == std::string::npos && file.find('\0') == std::string::npos &&
+               std::filesystem::exists(run_.run_dir() / file);
+    }
+    void note(const std::string& role, const std::string& file) {
+        if (exists(file)) run_.note_file(role, file);
+    }
+    /// A product, nothing where it is not there. The files it names are noted too.
+    template <class Reader>
+    auto read(const std::string& role, const std::string& file, Reader reader)
+        -> std::optional<decltype(reader(std::string_view(), std::string()))> {
+        if (!exists(file)) return std::nullopt;
+        auto product = run_.read(role, file, reader);
+        for (const InputFile& input : product.header.inputs) {
+            named_by_[input.file].push_back(file);
+            note(input.role, input.file);
+        }
+        return product;
+    }
+    void finish(RunRecord& record) && {
+        for (const InputFile& file : run_.inputs())
+            record.files[file.file] = file;
+        record.named_by = std::move(named_by_);
+    }
+
+  private:
+    StageRun run_;
+    std::map<std::string, std::vector<std::string>> named_by_;
+};
+
+/// The files by which the audit of screening goes: evidence, the products up to its own, and what
+/// its table names.
+std::vector<std::string> witnesses_of(const ReceiverRecord& one) {
+    std::vector<std::string> files{std::string(evidence_attempt_file)};
+    const auto add = [&](const std::string& file) {
+        if (std::ranges::find(files, file) == files.end()) files.push_back(file);
+    };
+    for (const EvidenceFile& file : evidence_files(one.receiver))
+        add(file.name);
+    for (const EvidenceFile& file : solution_files(one.receiver))
+        add(file.name);
+    for (const std::string& file : {one.observations_file, one.enu_file, one.screened_file})
+        add(file);
+    if (one.screened)
+        for (const InputFile& input : one.screened->header.inputs)
+            add(input.file);
+    return files;
+}
+
+ReceiverRecord read_receiver(Witnesses& witnesses, const Receiver& receiver) {
+    const auto product = [&](std::string_view stem, std::string_view extension) {
+        return product_file(witnesses.run().attempt(), receiver, stem, extension);
+    };
+    for (const EvidenceFile& file : evidence_files(receiver))
+        witnesses.note(file.role, file.name);
+    ReceiverRecord one{.receiver = receiver,
+                       .recording = recording_names(receiver),
+                       .observations_file = product("1-observations", "ecsv"),
+                       .enu_file = product("2-enu", "ecsv"),
+                       .screened_file = product("3-screened", "ecsv"),
+                       .trajectory_file = product("4-trajectory", "ecsv"),
+                       .windows_file = product("5-windows", "yaml")};
+    one.observations = witnesses.read("observations", one.observations_file, read_observations);
+    one.enu = witnesses.read("enu", one.enu_file, read_enu);
+    one.screened = witnesses.read("screened", one.screened_file, read_screened);
+    one.trajectory = witnesses.read("trajectory", one.trajectory_file, read_trajectory);
+    one.windows = witnesses.read("windows", one.windows_file, read_windows);
+    one.witnesses = witnesses_of(one);
+    return one;
+}
+
+/// The files beside report.json that carry its name.
+std::vector<std::string> signatures_in(const std::filesystem::path& run_dir) {
+    std::vector<std::string> files;
+    for (const auto& entry : std::filesystem::directory_iterator(run_dir))
+        if (entry.path().filename().string().starts_with("report.json."))
+            files.push_back(entry.path().filename().string());
+    std::ranges::sort(files);
+    return files;
+}
+
+RunRecord read_run(const std::filesystem::path& run_dir) {
+    Witnesses witnesses(open_run("audit", run_dir));
+    RunRecord record{.attempt = witnesses.run().attempt(),
+                     .receivers = {},
+                     .verdict_file = "6-verdict.yaml",
+                     .signatures = signatures_in(run_dir)};
+    witnesses.note("attempt", std::string(evidence_attempt_file));
+    for (const Receiver& receiver : record.attempt.receivers)
+        record.receivers.push_back(read_receiver(witnesses, receiver));
+    record.verdict = witnesses.read("verdict", record.verdict_file, read_verdict);
+    if (const auto report = witnesses.read("report", "report.json", read_report_record)) {
+        record.report = report->header;
+        record.report_id = report->id;
+    }
+    const bool nothing =
+        !record.verdict && !record.report &&
+        std::ranges::none_of(record.receivers, [](const ReceiverRecord& one) {
+            return one.observations || one.enu || one.screened || one.trajectory || one.windows;
+        });
+    if (nothing)
+        throw Failure(run_dir.string(), "the folder holds no file of any stage",
+                      "Name a folder that `runcert certify` wrote");
+    std::move(witnesses).finish(record);
+    return record;
+}
+
+Walk audit(const Options& options) {
+    for (const std::string& stage : options.stages)
+        require_known("--stage", stage, audited_stages(), "there is no stage");
+    const RunRecord record = read_run(options.run_dir);
+    std::vector<std::string> receivers;
+    for (const Receiver& receiver : record.attempt.receivers)
+        receivers.push_back(receiver.id);
+    if (!options.receiver.empty())
+        require_known("--receiver", options.receiver, receivers, "the attempt has no receiver");
+    return walk_through(record, {.stages = {options.stages.begin(), options.stages.end()},
+                                 .receiver = options.receiver,
+                                 .all = options.all});
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    Options options;
+    return reader_main(
+        argc, argv, "audit", "A walk through a run: every input, decision and result",
+        [&](CLI::App& app) {
+            app.add_option("RUN_DIR", options.run_dir, "folder of a certified run")->required();
+            app.add_option("--stage", options.stages, "this stage alone (may be repeated)")
+                ->allow_extra_args(false);
+            app.add_option("--receiver", options.receiver, "which receiver (default: all)");
+            app.add_flag("--all", options.all, "hashes, parameters and epochs used in full");
+            app.add_option("--html", options.html, "write the walk to this file, as one page");
+        },
+        [&]() -> int {
+            const Walk walk = audit(options);
+            if (options.html.empty()) {
+                fmt::print("{}", walk_text(walk));
+                return 0;
+            }
+            write_file_atomically(options.html, walk_html(walk));
+            fmt::print("{}\n", escape_for_message(options.html, options.html.size()));
+            return 0;
+        });
+}

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "reports/audit/walk.h"
+#include "schemas/attempt/attempt.h"
+#include "schemas/enu/enu.h"
+#include "schemas/observations/observations.h"
+#include "schemas/screened/screened.h"
+#include "schemas/trajectory/trajectory.h"
+#include "schemas/verdict/verdict.h"
+#include "schemas/windows/windows.h"
+
+namespace runcert {
+
+/// What the stages made of one receiver. A product that is not in the folder is empty.
+struct ReceiverRecord {
+    Receiver receiver;
+    std::string recording;  ///< names of the files that were handed in
+    std::string observations_file, enu_file, screened_file, trajectory_file, windows_file;
+    std::optional<Observations> observations = {};
+    std::optional<EnuTable> enu = {};
+    std::optional<ScreenedTable> screened = {};
+    std::optional<TrajectoryTable> trajectory = {};
+    std::optional<Windows> windows = {};
+    std::vector<std::string> witnesses = {};  ///< files that the audit of screening goes by
+};
+
+/// A run folder as an audit finds it. Every hash that one of its files names of another that is
+/// there has been found to hold.
+struct RunRecord {
+    Attempt attempt;
+    std::vector<ReceiverRecord> receivers;
+    std::string verdict_file;
+    std::optional<Verdict> verdict = {};
+    /// Of report.json: its subjects as inputs; empty where there is none.
+    std::optional<Header> report = {};
+    std::string report_id = {};
+    std::vector<std::string> signatures = {};     ///< files beside report.json
+    std::map<std::string, InputFile> files = {};  ///< those that are there, hashed
+    std::map<std::string, std::vector<std::string>> named_by =
+        {};  ///< of a file: who names its hash
+};
+
+/// The stages, in the order of the chain, by the names of the programs.
+const std::vector<std::string>& audited_stages();
+
+struct WalkOptions {
+    std::set<std::string> stages = {};  ///< empty: all, and what the run is
+    std::string receiver = {};          ///< id of the one shown; empty: all
+    bool all = false;                   ///< hashes in full, and lists that are else cut
+};
+
+/// The walk through a run: what it is, and for each stage and receiver what came in, what went out,
+/// what was decided and why.
+Walk walk_through(const RunRecord& record, const WalkOptions& options);
+
+}  // namespace runcert

@@ -1,0 +1,130 @@
+#include <fmt/format.h>
+
+#include "core/prose.h"
+#include "core/text.h"
+#include "reports/audit/sections.h"
+#include "reports/audit/words.h"
+
+namespace runcert {
+namespace {
+
+std::string words_of_status(const std::string& status) {
+    return status == "not_met" ? "NOT MET" : status == "attest" ? "to attest" : status;
+}
+
+std::string in_words(std::string outcome) {
+    for (char& c : outcome)
+        if (c == '_') c = ' ';
+    return outcome;
+}
+
+Facts decision_facts(const ProfileVerdict& verdict) {
+    Facts facts{{{"Outcome", in_words(verdict.outcome)}, {"Because", verdict.reason}}};
+    const auto add = [&](const char* name, std::string value) {
+        facts.facts.push_back({name, std::move(value)});
+    };
+    if (verdict.record)
+        add("Record", fmt::format("{} {}, by: {}", figure_text(verdict.record->speed),
+                                  verdict.record->unit, verdict.record->source));
+    if (verdict.window) add("Window", span_text(*verdict.window));
+    if (verdict.speed_mps) add("Speed", speed_text(*verdict.speed_mps));
+    if (verdict.expanded_uncertainty_mps)
+        add("Expanded uncertainty",
+            fmt::format("{} m/s (k = {:.4g})", format_fixed(*verdict.expanded_uncertainty_mps, 6),
+                        verdict.coverage_factor));
+    if (verdict.target_mps) add("Speed to reach", speed_text(*verdict.target_mps));
+    if (verdict.shown)
+        add("As shown",
+            fmt::format(
+                "{} +/- {} {}{}", verdict.shown->speed, verdict.shown->expanded_uncertainty,
+                verdict.shown->unit,
+                verdict.shown->target.empty() ? "" : ", to reach " + verdict.shown->target));
+    if (verdict.decision)
+        add("Probability",
+            fmt::format("{} that the speed to reach is reached; {} is asked; from {} on the speed "
+                        "would be accepted",
+                        probability_text(verdict.decision->probability),
+                        level_text(verdict.decision->level),
+                        speed_text(verdict.decision->acceptance_limit_mps)));
+    if (verdict.current_subtracted_mps)
+        add("Current", speed_text(*verdict.current_subtracted_mps) + " subtracted");
+    return facts;
+}
+
+std::string requirement_text(const Requirement& requirement) {
+    std::string text =
+        fmt::format("{}: {}. {}", requirement.clause, words_of_status(requirement.status),
+                    sentence(requirement.evidence));
+    std::vector<std::string> figures;
+    for (const Figure& figure : requirement.figures)
+        figures.push_back(figure_text(figure));
+    if (!figures.empty()) text += ". Figures: " + listed(figures);
+    if (!requirement.decided_by.empty()) text += ". Decided by: " + requirement.decided_by;
+    return text + fmt::format(". The clause: {} Source ({}): {}", requirement.text,
+                              requirement.certainty, requirement.source);
+}
+
+FactTable replaced_table(const std::vector<Override>& overrides) {
+    FactTable table{.caption = "Figures of the rule that the attempt replaced",
+                    .heads = {"figure", "the rule's", "used", "unit", "reason"},
+                    .rows = {}};
+    for (const Override& each : overrides)
+        table.rows.push_back({each.figure, figure_text(each.rule), figure_text(each.used),
+                              each.unit, each.reason.empty() ? "none given" : each.reason});
+    return table;
+}
+
+void add_list(Section& part, const char* heading, const std::vector<std::string>& items) {
+    if (items.empty()) return;
+    part.blocks.emplace_back(Paragraph{heading});
+    part.blocks.emplace_back(Entries{.items = items});
+}
+
+Section rule_verdict(const ProfileVerdict& verdict) {
+    Section part{
+        .title = fmt::format("Rule {}: {}, {}", verdict.profile, verdict.title, verdict.body),
+        .blocks = {decision_facts(verdict)}};
+    if (verdict.overrides.empty())
+        part.blocks.emplace_back(Paragraph{"The attempt replaced no figure of the rule."});
+    else
+        part.blocks.emplace_back(replaced_table(verdict.overrides));
+    std::vector<std::string> requirements;
+    for (const Requirement& requirement : verdict.requirements)
+        requirements.push_back(requirement_text(requirement));
+    add_list(part, "Requirements:", requirements);
+    if (verdict.indicated) {
+        part.blocks.emplace_back(Paragraph{fmt::format(
+            "A window that the recording shows as {} over {} was REFUSED, because:",
+            speed_text(verdict.indicated->speed_mps), span_text(verdict.indicated->span))});
+        part.blocks.emplace_back(Entries{.items = verdict.indicated->refusals, .nested = true});
+    }
+    std::vector<std::string> course;
+    for (const Figure& figure : verdict.course)
+        course.push_back(figure_text(figure));
+    add_list(part, "Course and craft:", course);
+    add_list(part, "To be read with it:", verdict.notes);
+    return part;
+}
+
+}  // namespace
+
+Section check_section(const RunRecord& record, bool all) {
+    const std::string title = stage_title("check", {});
+    if (!record.verdict) return missing_section(title, record.verdict_file);
+    const Verdict& verdict = *record.verdict;
+    Section section{.title = title,
+                    .blocks = file_blocks(record, verdict.header, record.verdict_file,
+                                          counted(std::ssize(verdict.profiles), "verdict") +
+                                              ", of receiver " + verdict.receiver,
+                                          all)};
+    for (Block& block : parameter_blocks(record.attempt, verdict.header, all))
+        section.blocks.push_back(std::move(block));
+    for (const ProfileVerdict& each : verdict.profiles)
+        section.parts.push_back(rule_verdict(each));
+    if (!verdict.statements.empty())
+        section.parts.push_back({.title = "What holds for the whole measurement",
+                                 .blocks = {Entries{.items = verdict.statements}}});
+    return section;
+}
+
+}  // namespace runcert

@@ -1,0 +1,180 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/prose.h"
+#include "core/text.h"
+#include "reports/audit/sections.h"
+
+namespace runcert {
+namespace {
+
+/// How the format was known, and what exactly it is.
+std::string format_text(const Receiver& receiver, const Observations& observations) {
+    return fmt::format("{}{}{}", observations.format,
+                       observations.variant.empty() ? "" : " (" + observations.variant + ")",
+                       receiver.format == "auto" ? ", recognised by the recording's content"
+                                                 : ", because the attempt says so");
+}
+
+std::string frame_words(const std::string& frame) {
+    return frame == "geodetic"      ? "latitude, longitude and height on WGS 84"
+           : frame == "ecef"        ? "Earth-centred coordinates on WGS 84"
+           : frame == "utm"         ? "UTM coordinates"
+           : frame == "local_plane" ? "a plane of the recording's own"
+                                    : frame;
+}
+
+std::string scale_words(const Observations& observations) {
+    const std::string& scale = observations.time_scale;
+    const std::string first =
+        observations.facts.first_epoch
+            ? "; the first epoch is at " + to_utc_iso(*observations.facts.first_epoch)
+            : "; when the first epoch was is not known";
+    return (scale == "gps"        ? "GPS time"
+            : scale == "utc"      ? "UTC, taken to GPS time by the leap seconds of the day"
+            : scale == "relative" ? "relative to a beginning that the recording does not state"
+                                  : scale) +
+           first;
+}
+
+std::string accuracy_words(const std::string& source) {
+    return source == "recording" ? "as the recording states it, epoch by epoch"
+           : source == "attempt" ? "as the attempt states it: the recording states none"
+                                 : "stated by nobody";
+}
+
+std::string clock_words(const Observations& observations) {
+    const std::string& source = observations.facts.time_source;
+    const std::string origin =
+        observations.time_origin.empty() ? "" : observations.time_origin + ": ";
+    return origin + (source == "satellites" ? "the satellites' time, as the format says"
+                     : source == "attempt"  ? "the satellites' time, as the attempt states"
+                                            : "whose clock made them is not known");
+}
+
+std::string solution_words(const std::string& source) {
+    return source == "recording" ? "as the recording states it, epoch by epoch"
+           : source == "attempt" ? "as the attempt states it: the recording states none"
+           : source == "partly"  ? "as the recording states it, which it does not at every epoch"
+                                 : "stated by nobody";
+}
+
+std::string resolution_text(const RecordingFacts& facts) {
+    const auto part = [](const std::optional<double>& step, const char* unit) {
+        return step ? figure_text(*step) + " " + unit : std::string("unknown");
+    };
+    return fmt::format("{} in position, {} in time", part(facts.position_resolution_m, "m"),
+                       part(facts.time_resolution_s, "s"));
+}
+
+std::int64_t positions_of(const std::vector<Observation>& rows) {
+    return std::ranges::count_if(rows, [](const Observation& row) {
+        return row.latitude_deg.has_value() || row.plane_east_m.has_value();
+    });
+}
+
+Facts facts_of(const Receiver& receiver, const Observations& observations) {
+    const std::int64_t epochs = std::ssize(observations.rows);
+    const std::int64_t positions = positions_of(observations.rows);
+    Facts facts{
+        {{"Format", format_text(receiver, observations)},
+         {"Device",
+          observations.device.empty() ? "the recording does not say" : observations.device},
+         {"Coordinates", frame_words(observations.frame)},
+         {"Time scale", scale_words(observations)},
+         {"Time stamps", clock_words(observations)},
+         {"Epochs",
+          fmt::format("{}, {} with a position, mostly {} s apart", counted(epochs),
+                      counted(positions), format_fixed(observations.facts.nominal_interval_s, 3))},
+         {"Heights", observations.facts.vertical_measured ? "measured" : "not measured"},
+         {"Accuracy", accuracy_words(observations.accuracy_source)},
+         {"Kind of solution", solution_words(observations.solution_source)},
+         {"Smallest steps", resolution_text(observations.facts)},
+         {"Records", fmt::format("{} read, {} could not be read",
+                                 counted(observations.records.total - observations.records.bad),
+                                 counted(observations.records.bad))}}};
+    return facts;
+}
+
+/// What the attempt says of the receiver that changes how its recording is read.
+Facts declared(const Receiver& receiver) {
+    Facts facts;
+    const auto add = [&](const char* name, const std::string& value) {
+        if (!value.empty()) facts.facts.push_back({name, value});
+    };
+    const auto metres = [](const std::optional<double>& value) {
+        return value ? figure_text(*value) + " m" : std::string();
+    };
+    if (receiver.accuracy)
+        add("Accuracy, by the attempt",
+            fmt::format("{} horizontal{}", metres(receiver.accuracy->horizontal_m),
+                        receiver.accuracy->vertical_m
+                            ? ", " + metres(receiver.accuracy->vertical_m) + " vertical"
+                            : ""));
+    if (receiver.lever_arm)
+        add("Lever arm, by the attempt",
+            fmt::format("{} m forward, {} m right, {} m down", figure_text(receiver.lever_arm->x()),
+                        figure_text(receiver.lever_arm->y()),
+                        figure_text(receiver.lever_arm->z())));
+    add("Antenna height, by the attempt", metres(receiver.antenna_height_m));
+    add("Height, by the attempt", metres(receiver.height_m));
+    add("Start date, by the attempt", receiver.start_date);
+    if (receiver.start_gps) add("Start, by the attempt", to_utc_iso(*receiver.start_gps));
+    if (receiver.utc_offset_h)
+        add("Offset to UTC, by the attempt", figure_text(*receiver.utc_offset_h) + " h");
+    return facts;
+}
+
+std::string bad_record_text(const BadRecord& bad) {
+    std::string place = bad.file ? fmt::format("file {}, ", *bad.file) : "";
+    place += bad.line ? fmt::format("line {}", *bad.line) : fmt::format("byte {}", bad.byte);
+    if (bad.column) place += fmt::format(", byte {} of it", *bad.column);
+    return fmt::format(
+        "{} ({}): {}", place,
+        bad.epoch == 0 ? "before the first epoch" : fmt::format("at epoch {}", bad.epoch),
+        bad.what);
+}
+
+std::vector<Block> left_out_blocks(const RecordCount& records, bool all) {
+    if (records.bad == 0) return {Paragraph{"Records left out. None: every one could be read."}};
+    constexpr std::ptrdiff_t shown_at_most = 20;
+    Entries entries;
+    for (const BadRecord& bad : records.bad_records) {
+        if (!all && std::ssize(entries.items) == shown_at_most) break;
+        entries.items.push_back(bad_record_text(bad));
+    }
+    std::string heading = fmt::format("Records left out. {} of {} could not be read",
+                                      counted(records.bad), counted(records.total));
+    if (std::ssize(entries.items) < records.bad)
+        heading += fmt::format("; the first {}{}", counted(std::ssize(entries.items)),
+                               std::ssize(entries.items) < std::ssize(records.bad_records)
+                                   ? " (--all lists more)"
+                                   : ", which is all that the table holds");
+    return {Paragraph{heading + ":"}, std::move(entries)};
+}
+
+}  // namespace
+
+Section import_section(const RunRecord& record, const ReceiverRecord& one, bool all) {
+    const std::string title = stage_title("import", one.receiver.id);
+    if (!one.observations) return missing_section(title, one.observations_file);
+    const Observations& observations = *one.observations;
+    Section section{.title = title,
+                    .blocks = file_blocks(record, observations.header, one.observations_file,
+                                          counted(std::ssize(observations.rows), "epoch"), all)};
+    section.blocks.emplace_back(facts_of(one.receiver, observations));
+    if (Facts facts = declared(one.receiver); !facts.facts.empty())
+        section.blocks.emplace_back(std::move(facts));
+    for (Block& block : left_out_blocks(observations.records, all))
+        section.blocks.push_back(std::move(block));
+    if (!observations.notes.empty()) {
+        section.blocks.emplace_back(Paragraph{"Noticed while reading:"});
+        section.blocks.emplace_back(Entries{.items = observations.notes});
+    }
+    for (Block& block : parameter_blocks(record.attempt, observations.header, all))
+        section.blocks.push_back(std::move(block));
+    return section;
+}
+
+}  // namespace runcert

@@ -1,0 +1,186 @@
+#include <fmt/format.h>
+
+#include "core/prose.h"
+#include "core/text.h"
+#include "reports/audit/sections.h"
+
+namespace runcert {
+namespace {
+
+std::string rule_text(const WindowRule& rule) {
+    const std::string length = rule.kind == "time" ? figure_text(rule.duration_s) + " s"
+                               : rule.kind == "course"
+                                   ? std::string("the surveyed course")
+                                   : figure_text(rule.distance_m) + " m" +
+                                         (rule.kind == "alpha" ? ", back to where it began" : "");
+    return fmt::format(
+        "{}{}, speed by {}, {}, of the {}{}{}",
+        rule.count > 1 ? fmt::format("{} windows of ", rule.count) : "", length, rule.definition,
+        rule.dimension, rule.source == "velocity" ? "recorded velocities" : "positions",
+        rule.ends == "epochs" ? ", from epoch to epoch" : ", beginning and ending anywhere",
+        rule.opposite_runs ? ", two runs in opposite directions" : "");
+}
+
+std::string best_text(const CertifiableWindow& best) {
+    std::string text = fmt::format("{} over {}, in arc {}; combined standard uncertainty {} m/s",
+                                   speed_text(best.speed_mps), span_text(best.span), best.arc,
+                                   format_fixed(best.standard_uncertainty_mps, 6));
+    if (best.bias_limit_mps > 0.0)
+        text += fmt::format("; a bias of choosing it of at most {} m/s either way is left",
+                            format_fixed(best.bias_limit_mps, 6));
+    if (best.own_standard_uncertainty_mps)
+        text += fmt::format("; {} m/s of the uncertainty another receiver does not share",
+                            format_fixed(*best.own_standard_uncertainty_mps, 6));
+    if (best.repaired_steps > 0)
+        text += fmt::format("; {} inside", counted(best.repaired_steps, "bridged step"));
+    return text;
+}
+
+std::string indicated_text(const ProfileWindows& windows) {
+    const IndicatedWindow& indicated = *windows.indicated;
+    const bool refused = !indicated.refusals.empty();
+    std::string text = fmt::format("the recording's own fastest: {} over {}",
+                                   speed_text(indicated.speed_mps), span_text(indicated.span));
+    if (indicated.mean_mps) text += "; mean of those asked for " + speed_text(*indicated.mean_mps);
+    return text + (refused ? ": REFUSED, because" : ": nothing is wrong with it");
+}
+
+std::string bound_text(const ErrorBound& bound) {
+    return fmt::format(
+        "a slow error of {} m that lasts {} s to {} s is allowed for, decided by {} (fitted {} "
+        "m{}, stated {} m, floor {} m{})",
+        figure_text(bound.sigma_m), figure_text(bound.tau_min_s), figure_text(bound.tau_max_s),
+        bound.decided_by, figure_text(bound.fitted_m),
+        bound.along > 1.0
+            ? fmt::format(", {} times that of both axes because the course shows more of it",
+                          figure_text(bound.along))
+            : "",
+        figure_text(bound.stated_m), figure_text(bound.floor_m),
+        bound.floor_fix.empty() ? "" : " for " + bound.floor_fix);
+}
+
+std::string estimates_text(const OtherEstimates& estimates) {
+    std::string text;
+    if (estimates.chord_mps)
+        text = fmt::format("{} m/s from the measured ends alone",
+                           format_fixed(*estimates.chord_mps, 6)) +
+               (estimates.chord_difference_uncertainty_mps
+                    ? fmt::format(" (u of the difference {} m/s)",
+                                  format_fixed(*estimates.chord_difference_uncertainty_mps, 6))
+                    : "") +
+               "; ";
+    return text + fmt::format(
+                      "{} m/s with a third of the jerk density, {} m/s with three times it, {} m/s "
+                      "with the one of the whole recording; the choice is taken to change the "
+                      "speed by at most {} m/s",
+                      format_fixed(estimates.stiffer_mps, 6), format_fixed(estimates.softer_mps, 6),
+                      format_fixed(estimates.whole_mps, 6),
+                      format_fixed(estimates.half_width_mps, 6));
+}
+
+std::string selection_text(const SelectionBias& selection) {
+    if (selection.bounded_bias_mps == 0.0 && selection.bias_mps != 0.0)  // before revision 1.4
+        return fmt::format(
+            "{} windows could have been the best; the one chosen is too fast by {} m/s +- {} m/s, "
+            "which is {} ({} trajectories drawn, seed {})",
+            counted(selection.candidates), figure_text(selection.bias_mps),
+            figure_text(selection.bias_uncertainty_mps), selection.treatment,
+            counted(selection.samples), selection.seed);
+    const bool subtracted = selection.treatment == "subtracted";
+    return fmt::format(
+        "{} windows could have been the best; the one chosen is too fast by {} m/s with the errors "
+        "as fitted, {} m/s with the slow error at its bound (+- {} m/s): {} ({} trajectories "
+        "drawn, seed {})",
+        counted(selection.candidates), figure_text(selection.fitted_bias_mps),
+        figure_text(selection.bounded_bias_mps), figure_text(selection.bias_uncertainty_mps),
+        subtracted ? "the middle of the two is subtracted from the speed, half their difference "
+                     "added to the expanded uncertainty"
+                   : "the larger is added to the expanded uncertainty",
+        counted(selection.samples), selection.seed);
+}
+
+std::string monte_carlo_text(const MonteCarloCheck& check) {
+    return fmt::format(
+        "{} draws (seed {}): mean {} m/s, standard deviation {} m/s, 95 % within {} to {} m/s; {}",
+        counted(check.trials), check.seed, format_fixed(check.mean_mps, 6),
+        format_fixed(check.standard_uncertainty_mps, 6), format_fixed(check.lower_mps, 6),
+        format_fixed(check.upper_mps, 6), check.converged ? "settled" : "NOT SETTLED");
+}
+
+Facts checks_of(const CertifiableWindow& best) {
+    Facts facts;
+    const auto add = [&](const char* name, std::string value) {
+        facts.facts.push_back({name, std::move(value)});
+    };
+    if (best.robust)
+        add("Robust batch", fmt::format("{}, {} m/s from the screened solution, limit {} m/s: {}",
+                                        speed_text(best.robust->speed_mps),
+                                        figure_text(best.robust->difference_mps),
+                                        figure_text(best.robust->limit_mps),
+                                        best.robust->agrees ? "agrees" : "DOES NOT AGREE"));
+    if (best.estimates) add("Other estimates", estimates_text(*best.estimates));
+    if (best.bound) add("Bound", bound_text(*best.bound));
+    if (best.selection) add("Choice of the fastest", selection_text(*best.selection));
+    if (best.monte_carlo) add("Check of linearisation", monte_carlo_text(*best.monte_carlo));
+    for (const UndetectedError& error : best.reliability)
+        add("Could have been missed",
+            fmt::format("{} of {} {} at epochs {} to {}: changes the speed by {} m/s",
+                        error.hypothesis, figure_text(error.size), error.unit, error.epoch,
+                        error.last_epoch, figure_text(error.speed_mps)));
+    return facts;
+}
+
+FactTable budget_table(const std::vector<BudgetRow>& budget) {
+    FactTable table{.caption = "Budget: standard uncertainties",
+                    .heads = {"symbol", "u of it", "u of the speed", "type", "source"},
+                    .rows = {}};
+    for (const BudgetRow& row : budget)
+        table.rows.push_back({row.symbol,
+                              fmt::format("{}{}{}", figure_text(row.standard_uncertainty),
+                                          row.unit.empty() ? "" : " ", row.unit),
+                              format_fixed(row.contribution_mps, 6) + " m/s", row.type,
+                              row.source});
+    return table;
+}
+
+Section rule_windows(const ProfileWindows& windows) {
+    Section part{.title = fmt::format("Rule {}", windows.profile)};
+    Facts facts{{{"Looked for", rule_text(windows.rule)},
+                 {"Compared", counted(windows.candidates, "certifiable window")},
+                 {"Best", windows.best              ? best_text(*windows.best)
+                          : windows.missing.empty() ? "none: breaks and epochs left out leave no "
+                                                      "stretch long enough"
+                                                    : "none: " + windows.missing}}};
+    for (const FurtherWindow& further : windows.further)
+        facts.facts.push_back({"Further", fmt::format("{} over {}", speed_text(further.speed_mps),
+                                                      span_text(further.span))});
+    if (windows.indicated) facts.facts.push_back({"Indicated", indicated_text(windows)});
+    part.blocks.emplace_back(std::move(facts));
+    if (windows.indicated && !windows.indicated->refusals.empty())
+        part.blocks.emplace_back(Entries{.items = windows.indicated->refusals, .nested = true});
+    if (windows.best) {
+        if (Facts checks = checks_of(*windows.best); !checks.facts.empty())
+            part.blocks.emplace_back(std::move(checks));
+        if (!windows.best->budget.empty())
+            part.blocks.emplace_back(budget_table(windows.best->budget));
+    }
+    return part;
+}
+
+}  // namespace
+
+Section window_section(const RunRecord& record, const ReceiverRecord& one, bool all) {
+    const std::string title = stage_title("window", one.receiver.id);
+    if (!one.windows) return missing_section(title, one.windows_file);
+    const Windows& windows = *one.windows;
+    Section section{.title = title,
+                    .blocks = file_blocks(record, windows.header, one.windows_file,
+                                          counted(std::ssize(windows.profiles), "rule"), all)};
+    for (Block& block : parameter_blocks(record.attempt, windows.header, all))
+        section.blocks.push_back(std::move(block));
+    for (const ProfileWindows& each : windows.profiles)
+        section.parts.push_back(rule_windows(each));
+    return section;
+}
+
+}  // namespace runcert

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "reports/audit/record.h"
+
+// The sections of a walk; `walk_through` puts them together.
+
+namespace runcert {
+
+/// What the run is, who made its files, and what is missing.
+Section run_section(const RunRecord& record, const WalkOptions& options);
+
+/// A stage's section where its product is there; else one that says that it is not.
+Section import_section(const RunRecord& record, const ReceiverRecord& one, bool all);
+Section enu_section(const RunRecord& record, const ReceiverRecord& one, bool all);
+Section screen_section(const RunRecord& record, const ReceiverRecord& one, bool all);
+Section smooth_section(const RunRecord& record, const ReceiverRecord& one, bool all);
+Section window_section(const RunRecord& record, const ReceiverRecord& one, bool all);
+Section check_section(const RunRecord& record, bool all);
+
+/// Where a product comes from and what became of it, for the head of a stage's section: a table of
+/// its inputs, and the facts of its own file. `contents` says what is in it ("601 epochs").
+std::vector<Block> file_blocks(const RunRecord& record, const Header& header,
+                               const std::string& file, const std::string& contents, bool all);
+
+/// The parameters of a stage that are not the default, each with it; with `all` every one.
+std::vector<Block> parameter_blocks(const Attempt& attempt, const Header& header, bool all);
+
+/// A section that says that the product is missing.
+Section missing_section(const std::string& title, const std::string& file);
+
+/// "3. screen, receiver primary"
+std::string stage_title(const std::string& stage, const std::string& receiver);
+
+/// The first digits of a hash, or all.
+std::string hash_text(const std::string& sha256, bool all);
+
+/// "62.130 m/s (223.670 km/h)"
+std::string speed_text(double speed_mps);
+/// "3.000 s from 57.000 s on (epochs 571 to 601; 2026-03-14T04:05:57.000Z)"
+std::string span_text(const WindowSpan& span);
+/// In its shortest form: "0.8", "1000".
+std::string figure_text(double value);
+/// "0.8 km/h +/- 0.1 km/h (k = 2)"
+std::string figure_text(const Figure& figure);
+
+}  // namespace runcert

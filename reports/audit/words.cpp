@@ -1,0 +1,137 @@
+#include "reports/audit/words.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/text.h"
+
+namespace runcert {
+namespace {
+
+/// The part along one axis: "0.174 m east", "0.057 m south".
+std::string part(double value, std::string_view unit, std::string_view towards,
+                 std::string_view away, const std::string& uncertainty = {}) {
+    return fmt::format("{} {}{} {}", format_fixed(std::abs(value), 3), unit, uncertainty,
+                       value < 0.0 ? away : towards);
+}
+
+}  // namespace
+
+std::string one_or_range(const std::string& low, const std::string& high) {
+    return low == high ? low : low + " to " + high;
+}
+
+std::string once_in(double probability) {
+    const double times = 1.0 / probability;
+    if (!(times < 1e15)) return fmt::format("less than once in {} million", counted(1'000'000'000));
+    const double unit = times < 1e6 ? 1.0 : 1e6;
+    const double value = times / unit;
+    // Two digits that count.
+    const double step = std::pow(10.0, std::max(0.0, std::floor(std::log10(value)) - 1.0));
+    const auto whole = static_cast<std::int64_t>(std::llround(value / step) * std::llround(step));
+    return fmt::format("once in {}{}", counted(whole), unit > 1.0 ? " million" : "");
+}
+
+std::string sentence(std::string text) {
+    if (!text.empty() && text[0] >= 'a' && text[0] <= 'z')
+        text[0] = static_cast<char>(text[0] - 'a' + 'A');
+    return text;
+}
+
+std::string components(const EstimatedError& error) {
+    const auto plus_minus = [](double sigma_m) {
+        return fmt::format(" +- {} m", format_fixed(sigma_m, 3));
+    };
+    if (error.up_m)
+        return part(*error.up_m, "m", "up", "down",
+                    error.sigma_up_m ? plus_minus(*error.sigma_up_m) : "");
+    if (!error.east_m || !error.north_m) return {};
+    std::string east_uncertainty;
+    std::string north_uncertainty;
+    if (error.sigma_east_m && error.sigma_north_m) {
+        east_uncertainty = plus_minus(*error.sigma_east_m);
+        north_uncertainty = plus_minus(*error.sigma_north_m);
+    }
+    const bool equal = east_uncertainty == north_uncertainty;
+    std::string text = part(*error.east_m, "m", "east", "west", equal ? "" : east_uncertainty) +
+                       ", " +
+                       part(*error.north_m, "m", "north", "south", equal ? "" : north_uncertainty);
+    if (equal && !east_uncertainty.empty()) text += ", each" + east_uncertainty;
+    return text;
+}
+
+std::optional<double> size_of(const EstimatedError& error) {
+    if (error.up_m) return std::abs(*error.up_m);
+    if (error.east_m && error.north_m) return std::hypot(*error.east_m, *error.north_m);
+    return std::nullopt;
+}
+
+std::optional<double> rate_of(const EstimatedError& error) {
+    if (error.rate_up_mps) return std::abs(*error.rate_up_mps);
+    if (error.rate_east_mps && error.rate_north_mps)
+        return std::hypot(*error.rate_east_mps, *error.rate_north_mps);
+    return std::nullopt;
+}
+
+std::string rate_components(const EstimatedError& error) {
+    if (error.rate_up_mps) return part(*error.rate_up_mps, "m/s", "up", "down");
+    if (!error.rate_east_mps || !error.rate_north_mps) return {};
+    return part(*error.rate_east_mps, "m/s", "east", "west") + ", " +
+           part(*error.rate_north_mps, "m/s", "north", "south");
+}
+
+std::string_view words_of(FixKind fix) {
+    switch (fix) {
+        case FixKind::unknown:
+            return "unknown kind of solution";
+        case FixKind::none:
+            return "no solution";
+        case FixKind::single:
+            return "single";
+        case FixKind::dgps:
+            return "differential (DGPS)";
+        case FixKind::sbas:
+            return "differential (SBAS)";
+        case FixKind::ppp:
+            return "precise point positioning";
+        case FixKind::float_ambiguities:
+            return "carrier phase, ambiguities not fixed";
+        case FixKind::fixed:
+            return "carrier phase, ambiguities fixed";
+        case FixKind::dead_reckoning:
+            return "dead reckoning";
+    }
+    return "";
+}
+
+std::string_view words_of(Hypothesis hypothesis) {
+    switch (hypothesis) {
+        case Hypothesis::outlier:
+            return "wrong position";
+        case Hypothesis::burst:
+            return "several wrong positions";
+        case Hypothesis::step:
+            return "step";
+        case Hypothesis::ramp:
+            return "drift";
+        case Hypothesis::time_shift:
+            return "jump of the time stamps";
+        case Hypothesis::model:
+            return "no motion of the model";
+        case Hypothesis::velocity:
+            return "recorded velocity";
+        case Hypothesis::acceleration:
+            return "acceleration";
+        case Hypothesis::jerk:
+            return "jerk";
+        case Hypothesis::vertical_rate:
+            return "vertical rate";
+        case Hypothesis::baseline:
+            return "other receiver";
+    }
+    return "";
+}
+
+}  // namespace runcert

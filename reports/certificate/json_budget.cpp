@@ -1,0 +1,185 @@
+#include "reports/certificate/json_budget.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/rounding.h"
+#include "core/text.h"
+#include "core/uncertainty.h"
+
+namespace runcert {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+constexpr double monte_carlo_probability = 0.95;
+
+/// Above so many the normal distribution and Student's t are one.
+constexpr double many_degrees_of_freedom = 10000.0;
+
+/// Decimals for every contribution of a budget: three digits of the combined uncertainty, no finer
+/// than the files hold it.
+int contribution_decimals(const CertifiableWindow& window, const SpeedUnit& unit) {
+    return std::min(uncertainty_decimals(window.standard_uncertainty_mps * unit.per_mps) + 1, 5);
+}
+
+std::string contribution_text(double contribution_mps, const CertifiableWindow& window,
+                              const SpeedUnit& unit) {
+    if (contribution_mps == 0.0) return "0";
+    return format_fixed(contribution_mps * unit.per_mps, contribution_decimals(window, unit));
+}
+
+std::string degrees_text(const std::optional<double>& degrees_of_freedom) {
+    if (!degrees_of_freedom) return "∞";
+    if (*degrees_of_freedom > many_degrees_of_freedom)
+        return fmt::format("> {:.0f}", many_degrees_of_freedom);
+    return format_fixed(std::floor(*degrees_of_freedom), 0);
+}
+
+/// A row's quantity is a speed: shown in the page's unit instead of m/s.
+bool is_speed(const BudgetRow& row) {
+    return row.unit == "m / s";
+}
+
+/// "s" for "s", "m/s" for "m / s", nothing for a pure number.
+std::string written_unit(const std::string& unit) {
+    if (unit == "1") return {};
+    constexpr std::string_view per = " / ";
+    const std::size_t at = unit.find(per);
+    if (at == std::string::npos) return unit;
+    return fmt::format("{}/{}", unit.substr(0, at), unit.substr(at + per.size()));
+}
+
+std::string with_unit(std::string figure, std::string_view unit) {
+    if (!unit.empty()) figure += fmt::format(" {}", unit);
+    return figure;
+}
+
+void set_row_texts(Json& json, const BudgetRow& row, const SpeedUnit& unit) {
+    const std::string quantity_unit =
+        is_speed(row) ? std::string(unit.name) : written_unit(row.unit);
+    const double factor = is_speed(row) ? unit.per_mps : 1.0;
+    json["estimate_text"] = with_unit(fmt::format("{:.4g}", row.estimate * factor), quantity_unit);
+    json["uncertainty_text"] =
+        with_unit(significant_text(row.standard_uncertainty * factor, 2), quantity_unit);
+    json["evaluation_text"] = fmt::format("{}, {}", row.type, row.distribution);
+    json["degrees_text"] = degrees_text(row.degrees_of_freedom);
+    if (is_speed(row)) {
+        json["sensitivity_text"] = fmt::format("{:.3g}", row.sensitivity);
+        return;
+    }
+    json["sensitivity_text"] =
+        fmt::format("{} {}{}{}", significant_text(row.sensitivity * unit.per_mps, 3), unit.name,
+                    quantity_unit.empty() ? "" : " per ", quantity_unit);
+}
+
+double variance_of(const std::vector<BudgetRow>& rows) {
+    double sum = 0.0;
+    for (const BudgetRow& row : rows)
+        sum += row.contribution_mps * row.contribution_mps;
+    return sum;
+}
+
+/// Both intervals of 95 %, in words that say which of them is on the safe side.
+std::string interval_words(const MonteCarloCheck& check, double lower_mps, double upper_mps,
+                           bool agrees, const UncertaintyScale& scale) {
+    const auto text = [&](double speed_mps) {
+        return speed_text(speed_mps, check.standard_uncertainty_mps, scale.unit);
+    };
+    const std::string both = fmt::format("The budget's 95 % interval, {} to {} {}, ",
+                                         text(lower_mps), text(upper_mps), scale.unit.name);
+    if (agrees) return both + "agrees within that tolerance.";
+    return both + (lower_mps <= check.lower_mps && upper_mps >= check.upper_mps
+                       ? "holds it and is wider: it is on the safe side."
+                       : "does not agree within that tolerance.");
+}
+
+}  // namespace
+
+Json budget_json(const CertifiableWindow& window, const UncertaintyScale& scale) {
+    const double variance = variance_of(window.budget);
+    Json rows = Json::array();
+    for (const BudgetRow& row : window.budget) {
+        const double share =
+            variance > 0.0 ? row.contribution_mps * row.contribution_mps / variance : 0.0;
+        Json json{{"symbol", row.symbol}, {"quantity", row.source}};
+        json["estimate"] = rounded(row.estimate, 9);
+        if (!row.unit.empty()) json["quantity_unit"] = row.unit;
+        json["standard_uncertainty"] = rounded(row.standard_uncertainty, 9);
+        json["type"] = row.type;
+        json["distribution"] = row.distribution;
+        if (row.degrees_of_freedom)
+            json["degrees_of_freedom"] = rounded(*row.degrees_of_freedom, 2);
+        json["sensitivity"] = rounded(row.sensitivity, 6);
+        set_speeds(json, "contribution", row.contribution_mps);
+        json["share_percent"] = rounded(100.0 * share, 2);
+        if (!row.correlation.empty()) json["correlation"] = row.correlation;
+        if (!row.note.empty()) json["row_note"] = row.note;
+        set_row_texts(json, row, scale.unit);
+        json["contribution_text"] = contribution_text(row.contribution_mps, window, scale.unit);
+        json["share_text"] = row.contribution_mps == 0.0
+                                 ? std::string("0 %")
+                                 : fmt::format("{} %", format_fixed(100.0 * share, 1));
+        rows.push_back(std::move(json));
+    }
+    return rows;
+}
+
+Json budget_total_json(const CertifiableWindow& window, const UncertaintyScale& scale) {
+    const double expanded_mps =
+        scale.coverage_factor * window.standard_uncertainty_mps + window.bias_limit_mps;
+    Json json{
+        {"budget_unit", scale.unit.name},
+        {"combined_text", contribution_text(window.standard_uncertainty_mps, window, scale.unit)},
+        {"effective_text", degrees_text(window.effective_degrees_of_freedom)},
+        {"coverage_text", coverage_text(scale.coverage_factor)},
+        {"expanded_text", contribution_text(expanded_mps, window, scale.unit)}};
+    if (window.bias_limit_mps > 0.0)
+        json["limit_text"] = contribution_text(window.bias_limit_mps, window, scale.unit);
+    return json;
+}
+
+Json monte_carlo_json(const CertifiableWindow& window, const UncertaintyScale& scale) {
+    const MonteCarloCheck& check = *window.monte_carlo;
+    const double half_width_mps =
+        coverage_factor(monte_carlo_probability, window.effective_degrees_of_freedom) *
+        window.standard_uncertainty_mps;
+    const double lower_mps = window.speed_mps - half_width_mps;
+    const double upper_mps = window.speed_mps + half_width_mps;
+    const bool uncertainty_agrees =
+        std::abs(check.standard_uncertainty_mps - window.standard_uncertainty_mps) <=
+        check.tolerance_mps;
+    const bool interval_agrees = std::abs(check.lower_mps - lower_mps) <= check.tolerance_mps &&
+                                 std::abs(check.upper_mps - upper_mps) <= check.tolerance_mps;
+    Json json{{"seed", check.seed}, {"trials", check.trials}};
+    set_speeds(json, "mean", check.mean_mps);
+    set_speeds(json, "standard_uncertainty", check.standard_uncertainty_mps);
+    set_speeds(json, "lower", check.lower_mps);
+    set_speeds(json, "upper", check.upper_mps);
+    json["tolerance_m_s"] = rounded(check.tolerance_mps, 9);
+    json["converged"] = check.converged;
+    set_speeds(json, "budget_lower", lower_mps);
+    set_speeds(json, "budget_upper", upper_mps);
+    json["uncertainty_agrees"] = uncertainty_agrees;
+    json["interval_agrees"] = interval_agrees;
+    const auto text = [&](double speed_mps) {
+        return speed_text(speed_mps, check.standard_uncertainty_mps, scale.unit);
+    };
+    json["monte_carlo_words"] = fmt::format(
+        "Check of linearisation, the same rows drawn {} times (Monte Carlo, seed {}): {} {}, u = "
+        "{} {}, 95 % interval {} to {} {}; {}, "
+        "numerical tolerance {} {}. Its u {} with the budget's. {}",
+        check.trials, check.seed, text(check.mean_mps), scale.unit.name,
+        contribution_text(check.standard_uncertainty_mps, window, scale.unit), scale.unit.name,
+        text(check.lower_mps), text(check.upper_mps), scale.unit.name,
+        check.converged ? "converged" : "not converged",
+        significant_text(check.tolerance_mps * scale.unit.per_mps, 2), scale.unit.name,
+        uncertainty_agrees ? "agrees" : "does not agree",
+        interval_words(check, lower_mps, upper_mps, interval_agrees, scale));
+    return json;
+}
+
+}  // namespace runcert

@@ -1,0 +1,158 @@
+#include "reports/certificate/json_certificate.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/rounding.h"
+#include "files/program.h"
+#include "reports/certificate/display.h"
+#include "reports/certificate/json_rule.h"
+
+namespace runcert {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+/// A unit of speed as D-SI writes it (https://doi.org/10.5281/zenodo.3522631); it has none for the
+/// statute mile.
+std::string d_si_unit(const SpeedUnit& unit) {
+    if (unit.name == "km/h") return "\\kilo\\metre\\per\\hour";
+    if (unit.name == "kn") return "\\nauticalmile\\per\\hour";
+    return "\\metre\\per\\second";
+}
+
+/// The unit of speed in which D-SI can give what the rule gives.
+const SpeedUnit& certificate_unit(const Profile& profile) {
+    const SpeedUnit& own = rule_unit(profile);
+    return own.name == "mph" ? speed_unit("km/h") : own;
+}
+
+/// That an interval of so many standard uncertainties holds a normal variable ([GUM] G.1.3).
+double coverage_probability(double nominal_factor) {
+    return std::erf(nominal_factor / std::sqrt(2.0));
+}
+
+Json result_json(const ProfileVerdict& verdict, const Profile& profile) {
+    const SpeedUnit& unit = certificate_unit(profile);
+    return {{"rule", verdict.profile},
+            {"name", rule_words(profile)},
+            {"value", rounded(*verdict.speed_mps * unit.per_mps, 6)},
+            {"unit", d_si_unit(unit)},
+            {"expanded_uncertainty", rounded(*verdict.expanded_uncertainty_mps * unit.per_mps, 6)},
+            {"coverage_factor", verdict.coverage_factor},
+            {"coverage_probability", rounded(coverage_probability(profile.coverage_factor), 4)},
+            {"distribution", "Student's t with the effective degrees of freedom of the budget"}};
+}
+
+Json software_json(const ReportInputs& inputs) {
+    Json list = Json::array();
+    const auto add = [&](const std::string& name, const std::string& release,
+                         const std::string& revision) {
+        Json entry{{"name", name}, {"release", release}, {"source_revision", revision}};
+        if (std::find(list.begin(), list.end(), entry) == list.end()) list.push_back(entry);
+    };
+    for (const ReceiverResults& results : inputs.receivers)
+        for (const Header* header :
+             {&results.observations.header, &results.enu_header, &results.screened.header,
+              &results.trajectory.header, &results.windows.header, &inputs.verdict.header})
+            add(header->stage, header->program_version, header->source_revision);
+    add("runcert-report", program_version(), source_revision());
+    return list;
+}
+
+/// A figure of the method that is not its default is a deviation from it.
+Json deviations_json(const ReportInputs& inputs) {
+    Json list = Json::array();
+    for (const std::string& parameter : inputs.attempt.overrides) {
+        const std::size_t dot = parameter.find('.');
+        const auto stage = inputs.attempt.parameters.find(parameter.substr(0, dot));
+        const std::string name = dot == std::string::npos ? "" : parameter.substr(dot + 1);
+        const bool known = stage != inputs.attempt.parameters.end() && stage->second.contains(name);
+        list.push_back(fmt::format(
+            "Parameter {}{}, set by the attempt.", parameter,
+            known ? ": " + stage->second[name].dump(-1, ' ', false, Json::error_handler_t::replace)
+                  : ""));
+    }
+    for (const ProfileVerdict& verdict : inputs.verdict.profiles)
+        for (const Override& figure : verdict.overrides)
+            list.push_back(fmt::format(
+                "Rule {}, {}: {} in place of {}{}{}. Reason: {}.", verdict.profile, figure.figure,
+                plain_text(figure.used), plain_text(figure.rule), figure.unit.empty() ? "" : " ",
+                figure.unit, figure.reason.empty() ? "none given" : figure.reason));
+    return list;
+}
+
+void set_times(Json& json, const ReceiverResults& judged) {
+    const auto& first = judged.observations.facts.first_epoch;
+    if (!first || judged.screened.rows.empty()) return;
+    ElapsedTime last;
+    for (const ScreenedEpoch& row : judged.screened.rows)
+        last = std::max(last, row.time);
+    json["begin_performance"] = to_utc_iso(*first, 3);
+    json["end_performance"] = to_utc_iso(first->plus_nanoseconds(last.nanoseconds), 3);
+}
+
+Json certificate_facts(const Json& certificate) {
+    Json facts = Json::array();
+    const auto add = [&](const char* label, const char* key) {
+        if (certificate.contains(key)) facts.push_back(fact(label, certificate[key]));
+    };
+    add("Measured from, UTC", "begin_performance");
+    add("until", "end_performance");
+    const std::size_t deviations = certificate["deviations"].size();
+    facts.push_back(fact(
+        "Deviations from method and rules",
+        deviations == 0
+            ? "none"
+            : counted(static_cast<std::int64_t>(deviations), "figure") + ", each listed below"));
+    return facts;
+}
+
+}  // namespace
+
+Json signatures_required_json(const ReportInputs& inputs) {
+    std::vector<NeededSignatures> needed;
+    for (const Profile& profile : inputs.profiles)
+        needed = combined(std::move(needed), profile.signatures);
+    Json list = Json::array();
+    for (const NeededSignatures& one : combined(std::move(needed), inputs.attempt.signatures))
+        list.push_back({{"role", one.role}, {"count", one.count}});
+    return list;
+}
+
+Json certificate_json(const ReportInputs& inputs, const std::string& report_id) {
+    const Attempt& attempt = inputs.attempt;
+    Json json{{"unique_identifier", report_id},
+              {"item", {{"name", attempt.craft_name}, {"class", attempt.craft_class}}}};
+    if (!attempt.place.empty()) json["performance_location"] = attempt.place;
+    set_times(json, inputs.receivers.front());
+    json["responsible_persons"] = Json::array();
+    for (const Official& official : attempt.officials) {
+        Json person{{"role", official.role}};
+        if (!official.name.empty()) person["person_name"] = official.name;
+        json["responsible_persons"].push_back(std::move(person));
+    }
+    json["software"] = software_json(inputs);
+    json["results"] = Json::array();
+    for (std::size_t i = 0; i < inputs.profiles.size(); ++i) {
+        const ProfileVerdict& verdict = inputs.verdict.profiles[i];
+        if (verdict.speed_mps && verdict.expanded_uncertainty_mps &&
+            verdict.outcome != "not_certifiable")
+            json["results"].push_back(result_json(verdict, inputs.profiles[i]));
+    }
+    json["deviations"] = deviations_json(inputs);
+    json["facts"] = certificate_facts(json);
+    return json;
+}
+
+Json amends_json(const Attempt& attempt) {
+    if (!attempt.amends) return nullptr;
+    return {{"report_id", attempt.amends->report_id},
+            {"sha256", attempt.amends->sha256},
+            {"amends_reason", attempt.amends->reason}};
+}
+
+}  // namespace runcert

@@ -1,0 +1,79 @@
+#include "reports/certificate/json_course.h"
+
+#include <fmt/format.h>
+
+#include "core/rounding.h"
+#include "core/text.h"
+#include "reports/certificate/json_rule.h"
+#include "reports/certificate/json_window.h"
+
+namespace runcert {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+Json quantity_json(const Figure& figure) {
+    Json json{{"quantity_name", figure.name}, {"quantity_value", rounded(figure.value, 6)}};
+    if (!figure.unit.empty()) json["quantity_unit"] = figure.unit;
+    if (figure.expanded_uncertainty)
+        json["quantity_uncertainty"] = rounded(*figure.expanded_uncertainty, 6);
+    json["quantity_text"] = quantity_text(figure.value, figure.expanded_uncertainty) +
+                            (figure.unit.empty() ? "" : " " + figure.unit);
+    if (!figure.note.empty()) json["quantity_note"] = figure.note;
+    return json;
+}
+
+std::string began_words(const std::string& began) {
+    if (began == "standing") return "from a standstill";
+    if (began == "turn") return "after a turn";
+    return began == "gap" ? "after a gap" : "with the recording";
+}
+
+std::string ended_words(const std::string& ended) {
+    if (ended == "standing") return "at a standstill";
+    if (ended == "turn") return "at a turn";
+    return ended == "gap" ? "at a gap" : "with the recording";
+}
+
+bool holds(const WindowSpan& run, const std::optional<WindowSpan>& window) {
+    return window && run.first_epoch <= window->first_epoch && window->last_epoch <= run.last_epoch;
+}
+
+Json run_json(const RunSummary& run, std::size_t number, const ProfileVerdict& verdict,
+              const SpeedUnit& unit) {
+    Json json{{"run", number}};
+    json.update(span_json(run.span));
+    json["length_m"] = rounded(run.length_m, 3);
+    set_speeds(json, "top_speed", run.top_speed_mps);
+    json["heading_deg"] = rounded(run.heading_deg, 3);
+    json["began"] = run.began;
+    json["ended"] = run.ended;
+    json["holds_window"] = holds(run.span, verdict.window);
+    json["run_start"] = seconds_text(run.span.start);
+    json["run_time"] = seconds_text(run.span.duration);
+    json["run_length"] = format_fixed(run.length_m, 1) + " m";
+    json["run_speed"] =
+        fmt::format("{} {}", speed_text(run.top_speed_mps, std::nullopt, unit), unit.name);
+    json["run_heading"] = format_fixed(run.heading_deg, 1) + "°";
+    json["run_words"] =
+        fmt::format("begins {}, ends {}", began_words(run.began), ended_words(run.ended));
+    return json;
+}
+
+}  // namespace
+
+Json quantities_json(const std::vector<Figure>& figures) {
+    Json list = Json::array();
+    for (const Figure& figure : figures)
+        list.push_back(quantity_json(figure));
+    return list;
+}
+
+void set_course(Json& json, const ProfileVerdict& verdict, const Profile& profile) {
+    if (!verdict.course.empty()) json["course"] = quantities_json(verdict.course);
+    for (std::size_t i = 0; i < verdict.runs.size(); ++i)
+        json["runs"].push_back(run_json(verdict.runs[i], i + 1, verdict, rule_unit(profile)));
+}
+
+}  // namespace runcert

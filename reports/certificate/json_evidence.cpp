@@ -1,0 +1,258 @@
+#include "reports/certificate/json_evidence.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/rounding.h"
+#include "core/text.h"
+#include "reports/certificate/display.h"
+
+namespace runcert {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+constexpr std::size_t faults_listed = 20;  ///< in the report
+constexpr std::size_t faults_shown = 3;    ///< in words
+
+Json model_json(const ScreeningModel& model) {
+    return {{"axes", to_text(model.axes)},
+            {"noise", model.noise},
+            {"jerk_density", rounded(model.jerk_density, 6)},
+            {"measurement_scale", rounded(model.measurement_scale, 6)},
+            {"white_scale", rounded(model.white_scale, 6)},
+            {"error_sigma_m", rounded(model.error_sigma_m, 6)},
+            {"error_tau_s", rounded(model.error_tau_s, 6)}};
+}
+
+Json kind_json(const FixKindEvidence& kind) {
+    return {{"fix", to_text(kind.fix)},
+            {"axes", to_text(kind.axes)},
+            {"epochs", kind.epochs},
+            {"variance_factor", rounded(kind.variance_factor, 4)},
+            {"judgement", kind.judgement}};
+}
+
+Json velocity_json(const VelocityEvidence& velocity) {
+    Json json{{"compared", velocity.compared}};
+    if (velocity.delay_s) json["delay_s"] = rounded(*velocity.delay_s, 6);
+    if (velocity.sigma_delay_s) json["sigma_delay_s"] = rounded(*velocity.sigma_delay_s, 6);
+    json["scale_m_s"] = rounded(velocity.scale_mps, 6);
+    json["rejected"] = velocity.rejected;
+    return json;
+}
+
+/// Counts hold every fault, the table a thousand of them at most.
+std::int64_t faults_of(const TimeEvidence& time) {
+    return std::max(time.gaps + time.duplicates + time.backward, std::ssize(time.faults));
+}
+
+Json time_json(const TimeEvidence& time) {
+    Json json{{"sessions", time.sessions},
+              {"gaps", time.gaps},
+              {"longest_gap_s", rounded(time.longest_gap_s, 9)},
+              {"duplicates", time.duplicates},
+              {"backward", time.backward},
+              {"rate_deviation", rounded(time.rate_deviation, 9)},
+              {"jitter_s", rounded(time.jitter_s, 9)},
+              {"faults_found", faults_of(time)},
+              {"faults", Json::array()}};
+    for (std::size_t i = 0; i < std::min(time.faults.size(), faults_listed); ++i)
+        json["faults"].push_back({{"epoch", time.faults[i].epoch},
+                                  {"kind", time.faults[i].kind},
+                                  {"size_s", rounded(time.faults[i].size_s, 9)}});
+    return json;
+}
+
+Json limits_json(const LimitEvidence& limits) {
+    return {{"acceleration_max_m_s2", rounded(limits.acceleration_max_mps2, 6)},
+            {"jerk_max_m_s3", rounded(limits.jerk_max_mps3, 6)},
+            {"vertical_rate_max_m_s", rounded(limits.vertical_rate_max_mps, 6)},
+            {"acceleration_m_s2", rounded(limits.acceleration_mps2, 6)},
+            {"jerk_m_s3", rounded(limits.jerk_mps3, 6)},
+            {"vertical_rate_m_s", rounded(limits.vertical_rate_mps, 6)},
+            {"rejected", limits.rejected}};
+}
+
+Json device_json(const DeviceEvidence& device) {
+    return {{"moving", device.moving},
+            {"held", device.held},
+            {"interpolated", device.interpolated},
+            {"by_chance", rounded(device.by_chance, 6)}};
+}
+
+Json baseline_json(const BaselineEvidence& baseline) {
+    return {{"receiver", baseline.receiver},
+            {"compared", baseline.compared},
+            {"length_m", rounded(baseline.length_m, 6)},
+            {"sd_m", rounded(baseline.sd_m, 6)},
+            {"rejected", baseline.rejected}};
+}
+
+std::string false_alarm_text(const ScreeningEvidence& evidence) {
+    const double rate = evidence.family_false_alarm_rate;
+    if (!(rate > 0.0)) return "not stated";
+    return fmt::format(
+        "of {} recordings without a wrong position at most one would have anything marked, by all "
+        "{} tests together",
+        std::llround(std::floor(1.0 / rate + 1e-9)), evidence.tests);
+}
+
+std::string model_text(const ScreeningModel& model) {
+    if (model.noise == "fitted") return "learnt from the recording";
+    const std::string_view why = model.noise == "too_few_epochs" ? "too few epochs to learn from"
+                                 : model.noise == "constant_positions"
+                                     ? "the positions hardly change"
+                                     : "the attempt asks for it";
+    return fmt::format("{} times the stated one ({})", significant_text(model.measurement_scale, 2),
+                       why);
+}
+
+/// Once, where it is the same on all axes.
+std::string noise_text(const std::vector<ScreeningModel>& models) {
+    if (models.empty()) return "none: nothing could be tested";
+    std::string first = model_text(models.front());
+    if (std::all_of(models.begin(), models.end(),
+                    [&](const ScreeningModel& model) { return model_text(model) == first; }))
+        return first;
+    std::string text;
+    for (const ScreeningModel& model : models)
+        text += fmt::format("{}{}: {}", text.empty() ? "" : "; ", to_text(model.axes),
+                            model_text(model));
+    return text;
+}
+
+/// What the innovations show: an error that lasts over many epochs is not in it.
+std::string kind_text(const FixKindEvidence& kind) {
+    if (kind.judgement == "too_few_epochs")
+        return fmt::format("{}: too few epochs ({}) to tell", to_text(kind.axes), kind.epochs);
+    const std::string_view judgement = kind.judgement == "too_good"  ? "clearly larger"
+                                       : kind.judgement == "too_bad" ? "clearly smaller"
+                                                                     : "as stated, within chance";
+    return fmt::format("{}: errors from epoch to epoch {} times as large as stated ({})",
+                       to_text(kind.axes), significant_text(std::sqrt(kind.variance_factor), 2),
+                       judgement);
+}
+
+/// Kinds of solution in their order, a line for each with all of its axes.
+void add_kinds(Json& facts, const std::vector<FixKindEvidence>& kinds) {
+    std::vector<std::pair<FixKind, std::string>> lines;
+    for (const FixKindEvidence& kind : kinds) {
+        const auto line = std::find_if(lines.begin(), lines.end(),
+                                       [&](const auto& each) { return each.first == kind.fix; });
+        if (line == lines.end())
+            lines.emplace_back(kind.fix, kind_text(kind));
+        else
+            line->second += "; " + kind_text(kind);
+    }
+    for (auto& [fix, text] : lines)
+        facts.push_back(
+            fact(fmt::format("Solutions of the kind “{}”", to_text(fix)), std::move(text)));
+}
+
+std::string velocity_text(const std::optional<VelocityEvidence>& velocity) {
+    if (!velocity) return "hardly any were recorded: no witness of the positions";
+    if (velocity->compared == 0) return "could not be compared with the motion";
+    std::string delay = "how late they are cannot be told from the motion";
+    if (velocity->delay_s) {
+        const double delay_s = *velocity->delay_s;
+        const int decimals = velocity->sigma_delay_s && *velocity->sigma_delay_s > 0.0
+                                 ? uncertainty_decimals(*velocity->sigma_delay_s)
+                                 : 3;
+        delay = format_fixed(std::abs(delay_s), decimals);
+        if (velocity->sigma_delay_s)
+            delay += fmt::format(" ± {}", format_fixed(*velocity->sigma_delay_s, decimals));
+        delay += fmt::format(" s {} the positions, which is allowed for",
+                             delay_s < 0.0 ? "ahead of" : "behind");
+    }
+    return fmt::format("{}; compared at {}, of which they contradict {}", delay,
+                       counted(velocity->compared, "epoch"), velocity->rejected);
+}
+
+std::string fault_text(const TimeFault& fault) {
+    const std::string size = format_fixed(std::abs(fault.size_s), 3) + " s";
+    std::string what = fault.kind;
+    if (fault.kind == "gap") what = size + " missing";
+    if (fault.kind == "backward") what = "back by " + size;
+    if (fault.kind == "duplicate") what = "the time of the epoch before";
+    if (fault.kind == "session")
+        what = fmt::format("another session, {} {}", size, fault.size_s < 0.0 ? "back" : "later");
+    if (fault.kind == "whole_second_shift")
+        what = fmt::format("the clock jumps by {} while the positions go on", size);
+    return fmt::format("epoch {}: {}", fault.epoch, what);
+}
+
+std::string time_text(const TimeEvidence& time) {
+    const std::int64_t faults = faults_of(time);
+    if (faults == 0) return "no fault";
+    std::string text = counted(faults, "fault");
+    const std::size_t shown = std::min(time.faults.size(), faults_shown);
+    for (std::size_t i = 0; i < shown; ++i)
+        text += (i == 0 ? ": " : "; ") + fault_text(time.faults[i]);
+    const std::int64_t left = faults - static_cast<std::int64_t>(shown);
+    return left > 0 ? text + fmt::format("; and {} more", left) : text;
+}
+
+std::string device_text(const DeviceEvidence& device) {
+    if (device.moving == 0) return "none looked for: the craft hardly moved";
+    if (device.held + device.interpolated == 0)
+        return fmt::format("none in {}", counted(device.moving, "moving row"));
+    return fmt::format(
+        "{} of {} repeat the position before, {} lie in line with their neighbours to the last "
+        "digit; chance makes {} of them",
+        device.held, counted(device.moving, "moving row"), device.interpolated,
+        significant_text(device.by_chance, 2));
+}
+
+std::string baseline_text(const BaselineEvidence& baseline) {
+    if (baseline.compared == 0) return "could not be compared: no epochs at the same time";
+    return fmt::format(
+        "“{}” {} m away, standard deviation {} m over {}; they contradict each "
+        "other at {}",
+        baseline.receiver, format_fixed(baseline.length_m, 3), format_fixed(baseline.sd_m, 3),
+        counted(baseline.compared, "epoch"), baseline.rejected);
+}
+
+}  // namespace
+
+Json evidence_json(const ScreeningEvidence& evidence) {
+    Json json{{"family_false_alarm_rate", rounded(evidence.family_false_alarm_rate, 12)},
+              {"tests", evidence.tests},
+              {"test_size", rounded(evidence.test_size, 18)},
+              {"power", rounded(evidence.power, 6)},
+              {"burst_epochs_max", evidence.burst_epochs_max},
+              {"passes", evidence.passes},
+              {"models", Json::array()},
+              {"fix_kinds", Json::array()}};
+    for (const ScreeningModel& model : evidence.models)
+        json["models"].push_back(model_json(model));
+    for (const FixKindEvidence& kind : evidence.fix_kinds)
+        json["fix_kinds"].push_back(kind_json(kind));
+    if (evidence.velocity) json["velocity"] = velocity_json(*evidence.velocity);
+    if (evidence.device) json["device"] = device_json(*evidence.device);
+    json["time"] = time_json(evidence.time);
+    json["limits"] = limits_json(evidence.limits);
+    if (evidence.baseline) json["baseline"] = baseline_json(*evidence.baseline);
+    return json;
+}
+
+Json evidence_facts(const ScreeningEvidence& evidence) {
+    Json facts = Json::array();
+    facts.push_back(fact("False alarms", false_alarm_text(evidence)));
+    facts.push_back(fact("Noise that the tests rest on", noise_text(evidence.models)));
+    add_kinds(facts, evidence.fix_kinds);
+    facts.push_back(fact("Recorded velocities", velocity_text(evidence.velocity)));
+    if (evidence.device)
+        facts.push_back(
+            fact("Signs of positions that were not measured", device_text(*evidence.device)));
+    facts.push_back(fact("Order and spacing of the time stamps", time_text(evidence.time)));
+    if (evidence.baseline)
+        facts.push_back(fact("Other receiver", baseline_text(*evidence.baseline)));
+    return facts;
+}
+
+}  // namespace runcert

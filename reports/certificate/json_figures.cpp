@@ -1,0 +1,273 @@
+#include "reports/certificate/json_figures.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+
+#include "core/rounding.h"
+#include "reports/certificate/curve.h"
+#include "reports/certificate/json_parts.h"
+
+namespace runcert {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+constexpr std::size_t points_of_a_line = 1000;
+constexpr std::size_t points_of_a_window = 400;
+constexpr std::size_t unused_bins = 400;  ///< as narrow as can be seen over the width of a page
+
+bool is_horizontal(const Json& profile) {
+    return !profile.contains("rule_dimension");
+}
+
+std::string profile_name_of(const Json& profile) {
+    return profile["profile"].get<std::string>();
+}
+
+Json span_between(const std::string& name, const char* kind, double from, double to) {
+    return {{"span_name", name},
+            {"span_kind", kind},
+            {"from", rounded(from, 6)},
+            {"to", rounded(to, 6)}};
+}
+
+void add_window_span(Json& spans, const Json& window, const std::string& name, const char* kind) {
+    const double start = window["start_time_s"].get<double>();
+    spans.push_back(span_between(name, kind, start, start + window["duration_s"].get<double>()));
+}
+
+/// The windows of all rules, certified and refused, and those that make a figure with them.
+Json window_spans(const Json& profiles) {
+    Json spans = Json::array();
+    for (const Json& profile : profiles) {
+        const std::string of = ", " + profile_name_of(profile);
+        if (profile.contains("window")) {
+            add_window_span(spans, profile["window"], "window" + of, "window");
+            if (profile["window"].contains("further"))
+                for (const Json& further : profile["window"]["further"])
+                    add_window_span(spans, further, "further window" + of, "window");
+        }
+        if (profile.contains("indicated"))
+            add_window_span(spans, profile["indicated"], "refused window" + of, "refused");
+    }
+    return spans;
+}
+
+/// Stretches of epochs that were not used; where there are very many, in bins of the time.
+void add_unused_spans(Json& spans, const std::vector<ScreenedEpoch>& rows) {
+    if (rows.empty()) return;
+    const double begin = rows.front().time.seconds();
+    const double width =
+        std::max(rows.back().time.seconds() - begin, 1e-9) / static_cast<double>(unused_bins);
+    double from = 0.0, to = 0.0;
+    bool open = false;
+    const auto close = [&] {
+        if (open) spans.push_back(span_between("epochs not used", "unusable", from, to));
+        open = false;
+    };
+    for (const ScreenedEpoch& row : rows) {
+        if (row.usable) continue;
+        const double time = row.time.seconds();
+        if (open && time > to + width) close();
+        if (!open) from = time;
+        to = std::max(time, from + 0.5 * width);
+        open = true;
+    }
+    close();
+}
+
+std::vector<const TrajectoryEpoch*> estimated(const TrajectoryTable& table) {
+    std::vector<const TrajectoryEpoch*> rows;
+    for (const TrajectoryEpoch& row : table.rows)
+        if (row.arc && row.speed_mps) rows.push_back(&row);
+    return rows;
+}
+
+/// The curves of the methods around a window, and the range that they take.
+struct MethodCurves {
+    Json curves = Json::array();
+    Range speeds;
+};
+
+void add_curve(MethodCurves& methods, const std::vector<const TrajectoryEpoch*>& rows,
+               const CurveStyle& style, std::optional<double> TrajectoryEpoch::*speed) {
+    Curve curve(style);
+    std::optional<std::int64_t> arc;
+    for (const TrajectoryEpoch* row : rows) {
+        if (row->arc != arc) curve.interrupt();
+        arc = row->arc;
+        if (!(row->*speed)) continue;
+        const double value = *(row->*speed) * kmh_per_mps;
+        if (speed == &TrajectoryEpoch::speed_mps && row->sigma_speed_mps) {
+            const double band = 2.0 * *row->sigma_speed_mps * kmh_per_mps;
+            curve.add(row->time.seconds(), value, value - band, value + band);
+            methods.speeds.widen(value - band);
+            methods.speeds.widen(value + band);
+        } else {
+            curve.add(row->time.seconds(), value);
+        }
+        if (speed != &TrajectoryEpoch::speed_kalman_mps) methods.speeds.widen(value);
+    }
+    if (!curve.empty()) methods.curves.push_back(curve.json());
+}
+
+/// Those that differ most from the others come first, so that they do not hide them.
+MethodCurves method_curves(const std::vector<const TrajectoryEpoch*>& rows) {
+    MethodCurves methods;
+    add_curve(methods, rows, {"method v1 of [DHD22]", "points", "green"},
+              &TrajectoryEpoch::speed_v1_mps);
+    add_curve(methods, rows, {"method v2 of [DHD22]", "points", "vermilion"},
+              &TrajectoryEpoch::speed_v2_mps);
+    add_curve(methods, rows, {"forward filter of [DHD22]", "dashed", "purple"},
+              &TrajectoryEpoch::speed_kalman_mps);
+    add_curve(methods, rows, {"smoothed, ± 2 standard uncertainties", "line", "blue"},
+              &TrajectoryEpoch::speed_mps);
+    add_curve(methods, rows, {"batch least squares", "dashed", "black"},
+              &TrajectoryEpoch::speed_batch_mps);
+    return methods;
+}
+
+std::vector<const TrajectoryEpoch*> rows_around(const TrajectoryTable& table, double from,
+                                                double to) {
+    std::vector<const TrajectoryEpoch*> rows;
+    for (const TrajectoryEpoch* row : estimated(table))
+        if (row->time.seconds() >= from && row->time.seconds() <= to) rows.push_back(row);
+    const std::size_t every = 1 + rows.size() / points_of_a_window;
+    std::vector<const TrajectoryEpoch*> thinned;
+    for (std::size_t i = 0; i < rows.size(); i += every)
+        thinned.push_back(rows[i]);
+    return thinned;
+}
+
+std::string window_caption(const Json& profile) {
+    return std::string(
+               "Smoothed speed with a band of twice its standard uncertainty, and the speeds by "
+               "other methods. Shaded: the window. Straight across it: the speed that counts. "
+               "Dashed: the speed to reach, where it is within the figure.") +
+           (is_horizontal(profile)
+                ? ""
+                : " The rule counts another than the horizontal speed, so that neither is drawn.");
+}
+
+/// The speed that counts, over its window, and the speed to reach where it is near.
+void add_counting_speeds(Json& figure, Range& speeds, const Json& profile, double start,
+                         double end) {
+    if (!is_horizontal(profile)) return;
+    if (profile.contains("speed_km_h")) {
+        const double speed = profile["speed_km_h"].get<double>();
+        speeds.widen(speed);
+        figure["segments"].push_back({{"segment_name", "speed that counts"},
+                                      {"x", {rounded(start, 6), rounded(end, 6)}},
+                                      {"y", {rounded(speed, 4), rounded(speed, 4)}}});
+    }
+    if (!profile.contains("target_km_h") || !speeds.least) return;
+    const double target = profile["target_km_h"].get<double>();
+    const double room = std::max(speeds.span(), 0.1);
+    if (target < *speeds.least - room || target > *speeds.most + room) return;
+    speeds.widen(target);
+    figure["levels"].push_back(
+        {{"level_name", "speed to reach, " + profile_name_of(profile)}, {"level", target}});
+}
+
+}  // namespace
+
+std::size_t thinning(std::size_t rows) {
+    return 1 + rows / points_of_a_line;
+}
+
+std::string thinning_words(std::size_t every) {
+    return every > 1 ? fmt::format(" One epoch in {} is drawn.", every) : "";
+}
+
+Json empty_figure(const std::string& kind, const std::string& title, const std::string& caption,
+                  const std::string& x_label, const std::string& y_label) {
+    return {{"figure", kind},          {"figure_title", title},    {"caption", caption},
+            {"x_label", x_label},      {"y_label", y_label},       {"equal_scale", false},
+            {"curves", Json::array()}, {"levels", Json::array()},  {"spans", Json::array()},
+            {"marks", Json::array()},  {"segments", Json::array()}};
+}
+
+void set_axes(Json& figure, double x_min, double x_max, double y_min, double y_max) {
+    const double x_room = x_max > x_min ? 0.0 : 0.5;
+    const double y_room = y_max > y_min ? 0.05 * (y_max - y_min) : 0.5;
+    figure["x_min"] = rounded(x_min - x_room, 6);
+    figure["x_max"] = rounded(x_max + x_room, 6);
+    figure["y_min"] = rounded(y_min - y_room, 6);
+    figure["y_max"] = rounded(y_max + y_room, 6);
+}
+
+Json speed_figure(const ReceiverResults& results, const Json& profiles) {
+    const auto rows = estimated(results.trajectory);
+    const std::size_t every = thinning(results.trajectory.rows.size());
+    Json figure = empty_figure(
+        "speed", "Horizontal speed over the whole run",
+        "Smoothed speed; the line is broken where the recording is. Marked at the foot: epochs "
+        "that were not used. Shaded: the windows, the certified and the fastest of the raw "
+        "positions where that one was refused. Dashed: the speed to reach." +
+            thinning_words(every),
+        time_label, "horizontal speed (km/h)");
+    Curve curve({"smoothed speed", "line", "blue"});
+    Range times, speeds;
+    speeds.widen(0.0);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const bool begins = i == 0 || rows[i]->arc != rows[i - 1]->arc;
+        times.widen(rows[i]->time.seconds());
+        speeds.widen(*rows[i]->speed_mps * kmh_per_mps);
+        if (begins) curve.interrupt();
+        if (begins || i % every == 0)
+            curve.add(rows[i]->time.seconds(), *rows[i]->speed_mps * kmh_per_mps);
+    }
+    figure["curves"].push_back(curve.json());
+    for (const Json& profile : profiles) {
+        if (!profile.contains("target_km_h") || !is_horizontal(profile)) continue;
+        speeds.widen(profile["target_km_h"].get<double>());
+        figure["levels"].push_back({{"level_name", "speed to reach, " + profile_name_of(profile)},
+                                    {"level", profile["target_km_h"]}});
+    }
+    figure["spans"] = window_spans(profiles);
+    add_unused_spans(figure["spans"], results.screened.rows);
+    const auto& screened = results.screened.rows;
+    for (const auto& row : {screened.begin(), std::prev(screened.end())})
+        times.widen(row->time.seconds());
+    set_axes(figure, *times.least, *times.most, 0.0, *speeds.most);
+    return figure;
+}
+
+Json window_figure(const TrajectoryTable& table, const Json& profile) {
+    const Json& window = profile["window"];
+    const double start = window["start_time_s"].get<double>();
+    const double end = start + window["duration_s"].get<double>();
+    const double pad = std::max(0.5 * (end - start), 1.0);
+    Json figure = empty_figure("window", "The window under the rule " + profile_name_of(profile),
+                               window_caption(profile), time_label, "horizontal speed (km/h)");
+    figure["figure_profile"] = profile["profile"];
+    MethodCurves methods = method_curves(rows_around(table, start - pad, end + pad));
+    figure["curves"] = std::move(methods.curves);
+    add_window_span(figure["spans"], window, "window, " + profile_name_of(profile), "window");
+    add_counting_speeds(figure, methods.speeds, profile, start, end);
+    set_axes(figure, start - pad, end + pad, methods.speeds.least.value_or(0.0),
+             methods.speeds.most.value_or(0.0));
+    return figure;
+}
+
+Json figures_json(const ReportInputs& inputs, const Json& profiles) {
+    Json figures = Json::array();
+    const ReceiverResults& judged = inputs.receivers.front();
+    if (estimated(judged.trajectory).size() < 2) return figures;
+    for (const Json& profile : profiles)
+        if (profile.contains("window"))
+            figures.push_back(window_figure(judged.trajectory, profile));
+    figures.push_back(speed_figure(judged, profiles));
+    figures.push_back(track_figure(inputs, profiles));
+    for (const Json& figure : std::array{residual_figure(judged), test_figure(judged.screened)})
+        if (!figure.is_null()) figures.push_back(figure);
+    for (std::size_t i = 0; i < figures.size(); ++i)
+        figures[i]["figure_id"] = fmt::format("figure-{}", i);
+    return figures;
+}
+
+}  // namespace runcert

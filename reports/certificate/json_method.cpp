@@ -1,0 +1,170 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "reports/certificate/display.h"
+#include "reports/certificate/json_parts.h"
+
+namespace runcert {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+std::string value_text(const Json& value) {
+    if (value.is_string()) return value.get<std::string>();
+    if (!value.is_array()) return value.dump();
+    std::string text;
+    for (const Json& item : value)
+        text += (text.empty() ? "" : ", ") + value_text(item);
+    return text;
+}
+
+Json parameter_json(const std::string& stage, const std::string& name, const Json& value,
+                    const std::vector<std::string>& overrides) {
+    const std::string path = stage + "." + name;
+    Json json{{"parameter", path}, {"value", value}, {"value_text", value_text(value)}};
+    const bool import = stage == "import";  // what the attempt states of the receiver
+    if (const FieldRule* rule =
+            attempt_schema().find(import ? "receivers[]." + name : "parameters." + path)) {
+        if (!rule->unit.empty()) json["value_unit"] = rule->unit;
+        json["meaning"] = rule->description;
+    }
+    json["set_by_attempt"] =
+        import || std::find(overrides.begin(), overrides.end(), path) != overrides.end();
+    return json;
+}
+
+/// A stage with the parameters it says it used.
+Json stage_json(const Header& header, const Attempt& attempt) {
+    std::string stage = header.stage;
+    if (stage.starts_with("runcert-")) stage.erase(0, 8);
+    Json json{{"stage", header.stage},
+              {"stage_version", header.program_version},
+              {"stage_revision", header.source_revision},
+              {"stage_parameters", header.parameters},
+              {"parameters", Json::array()}};
+    if (header.parameters.is_object())
+        for (const auto& [name, value] : header.parameters.items())
+            if (!value.is_null() && !value.is_object())
+                json["parameters"].push_back(parameter_json(stage, name, value, attempt.overrides));
+    return json;
+}
+
+/// The method of files of revision 1.0.
+void describe_stated_noise(Json& words) {
+    words.push_back(
+        "Within each stretch position, velocity and acceleration are estimated from all usable "
+        "epochs at once, in two ways that must agree: batch least squares, and a Kalman filter "
+        "with Rauch-Tung-Striebel smoothing. Covariances are multiplied by the a posteriori "
+        "variance of unit weight where it exceeds one.");
+    words.push_back(
+        "Every window of the rule's length that lies within one stretch and holds usable epochs "
+        "only is compared; the fastest is the certified one. The standard uncertainty of its "
+        "speed is propagated from the joint covariance of the positions at both its ends.");
+}
+
+/// The screening of files of revision 1.1 and before.
+void describe_innovation_test(Json& words) {
+    words.push_back(
+        "Every epoch is screened: the kind of its solution, its stated accuracy, the order of "
+        "time, and whether its position follows from those before it (innovation test of a "
+        "Kalman filter with constant acceleration and white-noise jerk). Epochs are marked, never "
+        "deleted. A gap in time, or several rejections in a row, ends a stretch.");
+}
+
+void describe_tests(Json& words, const ScreeningEvidence& evidence) {
+    words.push_back(
+        "Every epoch is screened. Epochs are marked, never deleted. First each by itself: the kind "
+        "of its solution, what the recording says of satellites, ambiguities and corrections, its "
+        "stated accuracy, the order of time. A gap in time ends a stretch.");
+    words.push_back(fmt::format(
+        "Then by detection, identification and adaptation (Baarda 1968; Teunissen 2018) in the "
+        "state-space model of the motion, horizontally and, where heights were measured, "
+        "vertically. The noise is learnt from what a first look leaves, a variance factor for each "
+        "kind of solution with it. Every epoch is tested for a wrong position, for up to {} wrong "
+        "positions in a row, for a step and a drift of the positions and for a jump of the time "
+        "stamps; every span of epochs for the model as a whole. Each test uses all measurements of "
+        "the stretch, before and after the supposed error: one pass of the Kalman filter forward "
+        "and one of scores backward (de Jong & Penzer 1998) give what a least-squares adjustment "
+        "with that error as an unknown would.",
+        evidence.burst_epochs_max));
+    words.push_back(
+        "The best supported error is adapted to: wrong positions are left out; a step, a drift or "
+        "a jump of the time stamps ends the stretch, or, a step where the attempt asks for it, is "
+        "bridged with its offset as an unknown of the estimate. The tests are repeated until they "
+        "find nothing more. Their thresholds are such that all of them together raise a false "
+        "alarm at most at the family-wise rate, if the noise is as learnt.");
+    words.push_back(
+        "Witnesses beside the positions follow: the recorded velocities, whose delay is estimated "
+        "first; the accelerations, jerks and vertical rates that a craft of the class can make; "
+        "and "
+        "the other receiver, where there is one.");
+}
+
+void describe_learnt_noise(Json& words, bool tested) {
+    words.push_back(
+        "The noise is learnt from the recording where the attempt does not ask for the stated one: "
+        "the jerk density of the motion, the scale of the stated standard deviations, and the size "
+        "and correlation time of a slow position error are the most likely ones given all usable "
+        "epochs. Where the recording cannot tell them, the stated noise is used, its variances "
+        "multiplied by the a posteriori variance of unit weight where it exceeds one.");
+    words.push_back(
+        "Within each stretch position, velocity and acceleration are estimated from all usable "
+        "epochs at once, in two ways that must agree: batch least squares, and a Kalman filter "
+        "with Rauch-Tung-Striebel smoothing. A batch with a robust loss, over the epochs that "
+        "the " +
+        std::string(tested ? "tests" : "innovation test") +
+        " rejected too, is the check on screening.");
+    words.push_back(
+        "Every window of the rule's length that lies within one stretch and holds usable epochs "
+        "only is compared; the fastest is the certified one. Its speed is estimated with a bound "
+        "on slow position errors in place of the fitted ones. Its standard uncertainty is that of "
+        "the budget, one row for each source, by the law of propagation of uncertainty; a Monte "
+        "Carlo propagation of the same distributions checks it.");
+    if (tested)
+        words.push_back(
+            "What screening could have missed is bounded by the external reliability of the speed "
+            "(Baarda 1968): for each kind of error, at every epoch and in every direction, the "
+            "size that its test finds with the stated power only, and what that does to the speed. "
+            "The largest that is not a drift is a row of the budget.");
+}
+
+Json description(const ReportInputs& inputs) {
+    Json words = Json::array();
+    if (inputs.receivers.front().screened.facts.georeferenced)
+        words.push_back(
+            "Positions are taken from the recording as they are and expressed as east, north and "
+            "up at the origin given above, on the WGS 84 ellipsoid, their covariances rotated with "
+            "them.");
+    else
+        words.push_back("Plane coordinates are taken from the recording as they are.");
+    const auto& evidence = inputs.receivers.front().screened.evidence;
+    if (evidence)
+        describe_tests(words, *evidence);
+    else
+        describe_innovation_test(words);
+    if (inputs.receivers.front().trajectory.estimation.horizontal)
+        describe_learnt_noise(words, evidence.has_value());
+    else
+        describe_stated_noise(words);
+    words.push_back(
+        "The speeds of [DHD22] (Deakin, Holden & Daddo 2022, Precision of Derived Velocity from "
+        "Kinematic GPS for Land Yachting Speed Record Attempt) are computed beside it for "
+        "comparison and decide nothing.");
+    return words;
+}
+
+}  // namespace
+
+Json method_json(const ReportInputs& inputs) {
+    Json json{{"description", description(inputs)}, {"stages", Json::array()}};
+    const ReceiverResults& judged = inputs.receivers.front();
+    for (const Header* header :
+         {&judged.observations.header, &judged.enu_header, &judged.screened.header,
+          &judged.trajectory.header, &judged.windows.header, &inputs.verdict.header})
+        json["stages"].push_back(stage_json(*header, inputs.attempt));
+    return json;
+}
+
+}  // namespace runcert

@@ -1,0 +1,202 @@
+#include "reports/certificate/json_noise.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+
+#include "core/rounding.h"
+#include "core/text.h"
+#include "reports/certificate/display.h"
+
+namespace runcert {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+Json parameter_json(const NoiseParameter& parameter) {
+    Json json{{"value", rounded(parameter.value, 6)}};
+    if (parameter.relative_uncertainty)
+        json["relative_uncertainty"] = rounded(*parameter.relative_uncertainty, 4);
+    json["at_bound"] = parameter.at_bound;
+    return json;
+}
+
+void set_parameter(Json& json, const char* key, const std::optional<NoiseParameter>& parameter) {
+    if (parameter) json[key] = parameter_json(*parameter);
+}
+
+Json noise_json(const NoiseSummary& noise) {
+    Json json{{"status", noise.status},
+              {"epochs", noise.epochs},
+              {"epochs_needed", noise.epochs_needed},
+              {"stated_sigma_m", rounded(noise.stated_sigma_m, 6)},
+              {"stated_all_equal", noise.stated_all_equal},
+              {"tau_min_s", rounded(noise.tau_min_s, 6)},
+              {"tau_max_s", rounded(noise.tau_max_s, 6)}};
+    json["jerk_density"] = parameter_json(noise.jerk_density);
+    json["measurement_scale"] = parameter_json(noise.measurement_scale);
+    set_parameter(json, "acceleration_time_s", noise.acceleration_time_s);
+    json["singer_gain"] = rounded(noise.singer_gain, 2);
+    json["error_told"] = noise.error_told;
+    json["error_gain"] = rounded(noise.error_gain, 2);
+    set_parameter(json, "error_diffusion", noise.error_diffusion);
+    set_parameter(json, "error_tau_s", noise.error_tau_s);
+    set_parameter(json, "error_sigma_m", noise.error_sigma_m);
+    json["white_scale"] = rounded(noise.white_scale, 6);
+    json["evaluations"] = noise.evaluations;
+    json["converged"] = noise.converged;
+    json["models"] = noise.posterior.size();
+    return json;
+}
+
+Json health_json(const FilterHealth& health) {
+    return {{"innovations", health.innovations},
+            {"mean_statistic", rounded(health.mean_statistic, 4)},
+            {"lower", rounded(health.lower, 4)},
+            {"upper", rounded(health.upper, 4)},
+            {"spans", health.spans},
+            {"spans_outside", health.spans_outside},
+            {"spans_allowed", health.spans_allowed},
+            {"consistent", health.consistent},
+            {"autocorrelation_stated", rounded(health.autocorrelation_stated, 4)},
+            {"autocorrelation", rounded(health.autocorrelation, 4)},
+            {"white", health.white},
+            {"largest_condition", rounded(health.largest_condition, 1)},
+            {"largest_asymmetry", rounded(health.largest_asymmetry, 18)},
+            {"repaired", health.repaired}};
+}
+
+std::string status_text(const NoiseSummary& noise) {
+    if (noise.status == "fitted")
+        return fmt::format("learnt from {}", counted(noise.epochs, "epoch"));
+    if (noise.status == "too_few_epochs")
+        return fmt::format("not learnt: {} where {} are needed",
+                           counted(noise.epochs, "usable epoch"), noise.epochs_needed);
+    if (noise.status == "constant_positions") return "not learnt: all positions are the same";
+    return "as stated: the attempt asks for it";
+}
+
+/// A parameter with its uncertainty: as a sum where that is small, else as a factor, since it is
+/// the logarithm that is nearly normal.
+std::string parameter_text(const NoiseParameter& parameter, const NoiseSummary& noise,
+                           const std::string& unit) {
+    constexpr double small = 0.3;
+    const auto& relative = parameter.relative_uncertainty;
+    std::string text = significant_text(parameter.value, 3) + unit;
+    if (noise.status != "fitted") return text;
+    if (!relative)
+        text += ", uncertainty not told";
+    else if (*relative<small&& * relative * parameter.value> 0.0) {
+        const double sigma = *relative * parameter.value;
+        text = fmt::format("{} ± {}{}", format_fixed(parameter.value, uncertainty_decimals(sigma)),
+                           uncertainty_text(sigma), unit);
+    } else
+        text += fmt::format(", × or ÷ {}", significant_text(std::exp(*relative), 3));
+    return text + (parameter.at_bound ? ", at a limit of the search" : "");
+}
+
+std::string error_text(const std::optional<NoiseParameter>& parameter, const NoiseSummary& noise,
+                       const std::string& unit) {
+    if (noise.error_told && parameter) return parameter_text(*parameter, noise, unit);
+    return noise.status == "fitted" ? "not told" : "not looked for";
+}
+
+std::string acceleration_text(const NoiseSummary& noise) {
+    if (!noise.acceleration_time_s) return "acceleration persists";
+    return parameter_text(*noise.acceleration_time_s, noise, " s");
+}
+
+std::string search_text(const NoiseSummary& noise) {
+    if (noise.status != "fitted") return "none";
+    return fmt::format("{} after {} of the likelihood",
+                       noise.converged ? "converged" : "stopped before it converged",
+                       counted(noise.evaluations, "evaluation"));
+}
+
+std::string innovations_text(const FilterHealth& health) {
+    if (health.innovations == 0) return "no innovations";
+    return fmt::format("{}: mean square {} of {}, limits {} to {}; {} of {} outside, {} allowed",
+                       health.consistent ? "passed" : "not passed",
+                       format_fixed(health.mean_statistic, 3),
+                       counted(health.innovations, "innovation"), format_fixed(health.lower, 3),
+                       format_fixed(health.upper, 3), health.spans_outside,
+                       counted(health.spans, "span"), health.spans_allowed);
+}
+
+std::string autocorrelation_text(const FilterHealth& health) {
+    if (health.innovations == 0) return "no innovations";
+    return fmt::format("{} with noise as stated, {} with the noise used: {}",
+                       format_fixed(health.autocorrelation_stated, 3),
+                       format_fixed(health.autocorrelation, 3),
+                       health.white ? "white" : "not white");
+}
+
+std::string covariance_text(const FilterHealth& health) {
+    return fmt::format("condition at most {}, asymmetry at most {}, {} repaired",
+                       significant_text(health.largest_condition, 3),
+                       scientific_text(health.largest_asymmetry), health.repaired);
+}
+
+/// A line of the table, of which each set of axes makes a cell.
+struct NoiseLine {
+    const char* label;
+    std::string (*cell)(const AxesEstimation& axes);
+};
+
+constexpr std::array<NoiseLine, 11> noise_lines{{
+    {"Noise", [](const AxesEstimation& axes) { return status_text(axes.noise); }},
+    {"Jerk density of the motion",
+     [](const AxesEstimation& axes) {
+         return parameter_text(axes.noise.jerk_density, axes.noise, " m s^-2.5");
+     }},
+    {"Correlation time of the acceleration",
+     [](const AxesEstimation& axes) { return acceleration_text(axes.noise); }},
+    {"Scale of the stated standard deviations",
+     [](const AxesEstimation& axes) {
+         return fmt::format(
+             "{}; stated {} m, {}", parameter_text(axes.noise.measurement_scale, axes.noise, ""),
+             significant_text(axes.noise.stated_sigma_m, 2),
+             axes.noise.stated_all_equal ? "equal at all epochs" : "root mean square");
+     }},
+    {"Slow position error, standard deviation",
+     [](const AxesEstimation& axes) {
+         return error_text(axes.noise.error_sigma_m, axes.noise, " m");
+     }},
+    {"its correlation time",
+     [](const AxesEstimation& axes) {
+         return error_text(axes.noise.error_tau_s, axes.noise, " s");
+     }},
+    {"how it wanders at first",
+     [](const AxesEstimation& axes) {
+         return error_text(axes.noise.error_diffusion, axes.noise, " m s^-0.5");
+     }},
+    {"Search", [](const AxesEstimation& axes) { return search_text(axes.noise); }},
+    {"Autocorrelation of the innovations, lag 1",
+     [](const AxesEstimation& axes) { return autocorrelation_text(axes.health); }},
+    {"Innovation test", [](const AxesEstimation& axes) { return innovations_text(axes.health); }},
+    {"Covariances", [](const AxesEstimation& axes) { return covariance_text(axes.health); }},
+}};
+
+}  // namespace
+
+Json axes_json(const AxesEstimation& axes) {
+    return {{"noise", noise_json(axes.noise)}, {"health", health_json(axes.health)}};
+}
+
+Json noise_table(const EstimationSummary& estimation) {
+    if (!estimation.horizontal) return nullptr;
+    Json table{{"axes", Json::array({"Horizontal"})}, {"lines", Json::array()}};
+    if (estimation.vertical) table["axes"].push_back("Vertical");
+    for (const NoiseLine& line : noise_lines) {
+        Json cells = Json::array();
+        cells.push_back({{"axis", "Horizontal"}, {"text", line.cell(*estimation.horizontal)}});
+        if (estimation.vertical)
+            cells.push_back({{"axis", "Vertical"}, {"text", line.cell(*estimation.vertical)}});
+        table["lines"].push_back({{"label", line.label}, {"cells", std::move(cells)}});
+    }
+    return table;
+}
+
+}  // namespace runcert

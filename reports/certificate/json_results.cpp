@@ -1,0 +1,183 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/statistics.h"
+#include "core/uncertainty.h"
+#include "reports/certificate/display.h"
+#include "reports/certificate/json_course.h"
+#include "reports/certificate/json_parts.h"
+#include "reports/certificate/json_rule.h"
+#include "reports/certificate/json_window.h"
+
+namespace runcert {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+struct OutcomeWords {
+    std::string title;
+    std::string mark;
+    std::string tone;  ///< how the page colours it
+};
+
+OutcomeWords outcome_words(const ProfileVerdict& verdict) {
+    if (verdict.outcome == "beaten") return {"Record beaten", "✓", "yes"};
+    if (verdict.outcome == "not_beaten") return {"Record not beaten", "✗", "no"};
+    if (verdict.outcome == "not_certifiable") return {"Not certifiable", "✗", "refused"};
+    if (!verdict.target_mps) return {"Speed measured; no record is named", "–", "open"};
+    return {"Not proven", "–", "open"};
+}
+
+std::string status_words(const std::string& status) {
+    if (status == "met") return "met";
+    return status == "not_met" ? "not met" : "to attest";
+}
+
+std::string certainty_words(const std::string& certainty) {
+    if (certainty == "quoted") return "quoted from the rule";
+    return certainty == "secondary" ? "as told by others" : "not confirmed";
+}
+
+/// The record that the verdict is about; that of the whole attempt in a file of revision 1.0.
+std::optional<double> record_mps(const ReportInputs& inputs, const ProfileVerdict& verdict) {
+    if (verdict.record) return verdict.record->speed_mps;
+    if (inputs.verdict.record && verdict.target_mps) return inputs.verdict.record->speed_mps;
+    return std::nullopt;
+}
+
+/// The speed as it is to be read.
+Json headline_json(const ProfileVerdict& verdict, const Profile& profile) {
+    if (const auto& shown = verdict.shown) {
+        Json json{{"headline_speed", shown->speed},
+                  {"headline_unit", shown->unit},
+                  {"headline_uncertainty", shown->expanded_uncertainty},
+                  {"headline_note", "Speed rounded down, uncertainty rounded up."}};
+        if (!shown->target.empty()) {
+            json["headline_target"] = shown->target;
+            json["headline_note"] =
+                "Speed rounded down, uncertainty and speed to reach rounded up.";
+        }
+        return json;
+    }
+    const SpeedUnit& unit = rule_unit(profile);
+    const auto& uncertainty = verdict.expanded_uncertainty_mps;
+    Json json{{"headline_speed", speed_text(*verdict.speed_mps, uncertainty, unit)},
+              {"headline_unit", unit.name}};
+    if (uncertainty) json["headline_uncertainty"] = uncertainty_text(*uncertainty * unit.per_mps);
+    return json;
+}
+
+void set_results(Json& json, const ReportInputs& inputs, const ProfileVerdict& verdict,
+                 const Profile& profile) {
+    const auto& uncertainty = verdict.expanded_uncertainty_mps;
+    std::optional<double> standard, lower, acceptance;
+    if (uncertainty) standard = *uncertainty / verdict.coverage_factor;
+    if (verdict.speed_mps && uncertainty) lower = *verdict.speed_mps - *uncertainty;
+    if (verdict.decision) acceptance = verdict.decision->acceptance_limit_mps;
+    set_speeds(json, "speed", verdict.speed_mps);
+    set_speeds(json, "standard_uncertainty", standard);
+    set_speeds(json, "expanded_uncertainty", uncertainty);
+    set_speeds(json, "lower_limit", lower);
+    set_speeds(json, "target", verdict.target_mps);
+    json["speed_table"] = speed_table(
+        {{"Speed", verdict.speed_mps},
+         {fmt::format("Expanded uncertainty (k = {})", coverage_text(verdict.coverage_factor)),
+          uncertainty, SpeedRow::uncertainty},
+         {"Speed less expanded uncertainty", lower},
+         {"Least speed that would be accepted", acceptance},
+         {"Speed to reach", verdict.target_mps},
+         {"Standing record", record_mps(inputs, verdict), SpeedRow::stated}},
+        profile, uncertainty);
+    if (verdict.speed_mps) json["headline"] = headline_json(verdict, profile);
+}
+
+Json requirement_json(const Requirement& requirement) {
+    Json json{{"clause", requirement.clause},
+              {"status", requirement.status},
+              {"status_words", status_words(requirement.status)},
+              {"clause_text", requirement.text},
+              {"evidence", requirement.evidence},
+              {"source", requirement.source},
+              {"certainty", requirement.certainty},
+              {"certainty_words", certainty_words(requirement.certainty)}};
+    if (!requirement.decided_by.empty()) json["decided_by"] = requirement.decided_by;
+    if (!requirement.figures.empty())
+        json["requirement_figures"] = quantities_json(requirement.figures);
+    return json;
+}
+
+/// The same rule by each receiver, where there are two.
+Json by_receiver_json(const ReportInputs& inputs, const Profile& profile) {
+    Json list = Json::array();
+    if (inputs.receivers.size() < 2) return list;
+    for (const ReceiverResults& results : inputs.receivers) {
+        Json entry{{"receiver", results.windows.receiver}};
+        const ProfileWindows* windows = results.windows.of(profile.id);
+        if (const auto figure = windows == nullptr ? std::nullopt : windows->figure()) {
+            const double u = figure->standard_uncertainty_mps *
+                                 equivalent_coverage_factor(profile.coverage_factor,
+                                                            figure->effective_degrees_of_freedom) +
+                             figure->bias_limit_mps;
+            const SpeedUnit& unit = rule_unit(profile);
+            set_speeds(entry, "speed", figure->speed_mps);
+            set_speeds(entry, "expanded_uncertainty", u);
+            entry["by_receiver_words"] =
+                fmt::format("{}, {} after its first epoch",
+                            speed_with_uncertainty_text(figure->speed_mps, u, unit),
+                            seconds_text(windows->best->span.start));
+        } else {
+            entry["by_receiver_words"] = "no certifiable window";
+        }
+        list.push_back(std::move(entry));
+    }
+    return list;
+}
+
+std::string qualification(const ProfileVerdict& verdict) {
+    const auto count =
+        std::count_if(verdict.requirements.begin(), verdict.requirements.end(),
+                      [](const Requirement& entry) { return entry.status == "attest"; });
+    return count == 0 ? ""
+                      : fmt::format("{} of {} left for a person to attest: see below.",
+                                    counted(count, "requirement"), verdict.requirements.size());
+}
+
+}  // namespace
+
+Json profile_json(const ReportInputs& inputs, std::size_t index) {
+    const ProfileVerdict& verdict = inputs.verdict.profiles[index];
+    const Profile& profile = inputs.profiles[index];
+    const OutcomeWords words = outcome_words(verdict);
+    Json json{{"profile", verdict.profile},
+              {"body", verdict.body},
+              {"title", verdict.title},
+              {"outcome", verdict.outcome},
+              {"outcome_title", words.title},
+              {"outcome_mark", words.mark},
+              {"tone", words.tone},
+              {"reason", verdict.reason},
+              {"definition", verdict.definition},
+              {"coverage_factor", verdict.coverage_factor}};
+    if (const std::string words_left = qualification(verdict); !words_left.empty())
+        json["qualification"] = words_left;
+    json["rule_words"] = rule_words(profile);
+    set_rule(json, profile);
+    set_decision(json, verdict, profile);
+    set_reservations(json, verdict);
+    set_results(json, inputs, verdict, profile);
+    const ProfileWindows* windows = inputs.receivers.front().windows.of(verdict.profile);
+    if (windows != nullptr && !windows->missing.empty())
+        json["missing_words"] = fmt::format("What is missing: {}.", windows->missing);
+    if (verdict.window) json["window"] = window_json(verdict, windows, profile);
+    set_course(json, verdict, profile);
+    if (verdict.indicated) json["indicated"] = indicated_json(*verdict.indicated, profile);
+    json["by_receiver"] = by_receiver_json(inputs, profile);
+    json["requirements"] = Json::array();
+    for (const Requirement& requirement : verdict.requirements)
+        json["requirements"].push_back(requirement_json(requirement));
+    return json;
+}
+
+}  // namespace runcert

@@ -1,0 +1,177 @@
+#include "reports/certificate/json_rule.h"
+
+#include <fmt/format.h>
+
+#include "core/rounding.h"
+
+namespace runcert {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+std::string dimension_words(const Profile& profile) {
+    if (profile.dimension == "vertical") return "Vertical speed";
+    return profile.dimension == "space" ? "Speed in space" : "Speed";
+}
+
+/// How many windows make the figure.
+std::string count_words(const Profile& profile) {
+    if (profile.opposite_runs_within_s)
+        return fmt::format(", the mean of two runs in opposite directions within {:g} s",
+                           *profile.opposite_runs_within_s);
+    if (profile.windows == 1) return "";
+    return fmt::format(", the mean of the {} fastest windows that do not overlap", profile.windows);
+}
+
+std::string ends_words(const Profile& profile) {
+    if (profile.window_kind == "course" || profile.speed_source == "velocity") return "";
+    if (profile.ends_anywhere) return " A window may begin and end at any instant.";
+    return profile.exact_duration ? " A window's ends are measured epochs exactly that far apart."
+                                  : "";
+}
+
+/// The verdict of a file of revision 1.0, which did not know the probability.
+bool decided_by_interval(const ProfileVerdict& verdict) {
+    return !verdict.decision && verdict.speed_mps && verdict.target_mps;
+}
+
+std::string decision_rule(const ProfileVerdict& verdict, const Profile& profile) {
+    if (decided_by_interval(verdict))
+        return fmt::format(
+            "The record counts as beaten where the speed less its expanded uncertainty (k = {}) "
+            "reaches the speed to reach.",
+            coverage_text(verdict.coverage_factor));
+    const double level = verdict.decision ? verdict.decision->level : profile.decision_probability;
+    return fmt::format(
+        "The record counts as beaten where the probability that the true speed reaches the speed "
+        "to reach is at least {}, as not beaten where it is at most {}; what is in between is not "
+        "proven (guarded acceptance and rejection, JCGM 106).",
+        level_text(level), level_text(1.0 - level));
+}
+
+std::string record_words(const RecordToBeat& record) {
+    const std::string own =
+        record.expanded_uncertainty && *record.expanded_uncertainty > 0.0
+            ? fmt::format(" ± {} {} (k = 2)", plain_text(*record.expanded_uncertainty), record.unit)
+            : "";
+    return fmt::format("{} {}{}: {}", plain_text(record.speed), record.unit, own, record.source);
+}
+
+Json record_json(const RecordToBeat& record) {
+    Json json{{"speed", record.speed}, {"unit", record.unit}, {"source", record.source}};
+    set_speeds(json, "speed", record.speed_mps);
+    if (record.expanded_uncertainty) json["expanded_uncertainty"] = *record.expanded_uncertainty;
+    json["record_words"] = record_words(record);
+    return json;
+}
+
+std::string decision_words(const ProfileVerdict& verdict, const SpeedUnit& unit) {
+    const Decision& decision = *verdict.decision;
+    std::string words = verdict.outcome == "not_certifiable"
+                            ? "The speed cannot be certified, so that no comparison counts. "
+                            : "";
+    words +=
+        fmt::format("Probability that the true speed reaches the speed to reach: {}; {} is asked.",
+                    probability_text(decision.probability), level_text(decision.level));
+    if (decision.target_standard_uncertainty_mps > 0.0)
+        words += fmt::format(
+            " The record's own standard uncertainty, {} {} of the speed to reach, is taken in.",
+            uncertainty_text(decision.target_standard_uncertainty_mps * unit.per_mps), unit.name);
+    if (decision.attempts_made > 1)
+        words += fmt::format(" The best of {} attempts is judged, so that {} is asked of it.",
+                             decision.attempts_made, level_text(decision.level));
+    if (decision.risk)
+        words += fmt::format(" Probability that this outcome is wrong: {}.",
+                             probability_text(*decision.risk));
+    return words;
+}
+
+Json decision_json(const ProfileVerdict& verdict, const SpeedUnit& unit) {
+    const Decision& decision = *verdict.decision;
+    Json json{
+        {"probability", rounded(decision.probability, 9)},
+        {"level", rounded(decision.level, 9)},
+        {"target_standard_uncertainty_m_s", rounded(decision.target_standard_uncertainty_mps, 6)}};
+    set_speeds(json, "acceptance_limit", decision.acceptance_limit_mps);
+    if (decision.risk) json["risk"] = rounded(*decision.risk, 9);
+    json["attempts_made"] = decision.attempts_made;
+    json["bias_limit_m_s"] = rounded(decision.bias_limit_mps, 6);
+    if (decision.drift_survived_m)
+        json["drift_survived_m"] = rounded(*decision.drift_survived_m, 6);
+    if (decision.drift_found_mps) json["drift_found_m_s"] = rounded(*decision.drift_found_mps, 6);
+    json["decision_words"] = decision_words(verdict, unit);
+    return json;
+}
+
+Json override_json(const Override& figure) {
+    const std::string unit = figure.unit.empty() ? "" : " " + figure.unit;
+    Json json{{"replaced_figure", figure.figure},
+              {"rule_value", figure.rule},
+              {"used_value", figure.used}};
+    if (!figure.unit.empty()) json["replaced_unit"] = figure.unit;
+    json["rule_text"] = plain_text(figure.rule) + unit;
+    json["used_text"] = plain_text(figure.used) + unit;
+    json["override_reason"] = figure.reason.empty() ? "none given" : figure.reason;
+    return json;
+}
+
+}  // namespace
+
+const SpeedUnit& rule_unit(const Profile& profile) {
+    return speed_unit(rule_unit_name(profile));
+}
+
+std::string definition_words(std::string_view definition) {
+    if (definition == "displacement") return "Displacement over time";
+    if (definition == "path_length") return "Path length over time";
+    if (definition == "mean_n_plus_1") return "Mean of the speeds, both ends included";
+    if (definition == "elapsed_time") return "Surveyed length over the time between the lines";
+    return "Mean of the speeds after the first";
+}
+
+std::string rule_words(const Profile& profile) {
+    const bool recorded = profile.speed_source == "velocity";
+    return fmt::format(
+        "{} over {}{}, by the definition: {}{}.{}{}", dimension_words(profile),
+        window_words(profile), count_words(profile), definition_words(profile.definition),
+        recorded ? ", from the velocities that the recording states" : "", ends_words(profile),
+        profile.subtract_current ? " The current's component along the course is subtracted." : "");
+}
+
+void set_rule(Json& json, const Profile& profile) {
+    if (profile.window_kind == "time") {
+        json["rule_duration_s"] = profile.duration_s;
+    } else {
+        json["rule_kind"] = profile.window_kind;
+        json["rule_distance_m"] = profile.distance_m;
+    }
+    if (profile.dimension != "horizontal") json["rule_dimension"] = profile.dimension;
+    if (profile.speed_source != "position") json["rule_source"] = profile.speed_source;
+    if (profile.windows != 1) json["rule_windows"] = profile.windows;
+}
+
+void set_decision(Json& json, const ProfileVerdict& verdict, const Profile& profile) {
+    json["decision_rule"] = decision_rule(verdict, profile);
+    if (verdict.record) json["record"] = record_json(*verdict.record);
+    if (verdict.decision) json["decision"] = decision_json(verdict, rule_unit(profile));
+    if (!verdict.current_subtracted_mps) return;
+    const SpeedUnit& unit = rule_unit(profile);
+    set_speeds(json, "current_subtracted", verdict.current_subtracted_mps);
+    json["current_words"] =
+        fmt::format("The current's component along the course, {} {}, is subtracted.",
+                    speed_text(*verdict.current_subtracted_mps, std::nullopt, unit), unit.name);
+}
+
+void set_reservations(Json& json, const ProfileVerdict& verdict) {
+    json["witnesses"] = verdict.witnesses;
+    if (!verdict.notes.empty()) json["notes"] = verdict.notes;
+    for (const Override& figure : verdict.overrides)
+        json["overrides"].push_back(override_json(figure));
+    for (const Requirement& requirement : verdict.requirements)
+        if (requirement.certainty == "unconfirmed")
+            json["unconfirmed"].push_back(fmt::format("{}: {} Source: {}.", requirement.clause,
+                                                      requirement.text, requirement.source));
+}
+
+}  // namespace runcert

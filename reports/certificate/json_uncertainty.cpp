@@ -1,0 +1,239 @@
+#include "reports/certificate/json_uncertainty.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/rounding.h"
+#include "core/text.h"
+#include "reports/certificate/json_budget.h"
+#include "reports/certificate/json_rule.h"
+
+namespace runcert {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+bool says_nothing(const CertifiableWindow& best) {
+    return best.budget.empty() && !best.fitted && !best.bound && !best.robust && !best.selection &&
+           !best.monte_carlo;
+}
+
+std::string difference_text(double difference_mps, const UncertaintyScale& scale) {
+    const std::string text = format_fixed(difference_mps * scale.unit.per_mps, 4);
+    return fmt::format("{}{} {}", difference_mps > 0.0 ? "+" : "", text, scale.unit.name);
+}
+
+std::string uncertainty_with_unit(double uncertainty_mps, const UncertaintyScale& scale) {
+    return fmt::format("{} {}", uncertainty_text(uncertainty_mps * scale.unit.per_mps),
+                       scale.unit.name);
+}
+
+std::string metres(double length_m) {
+    return format_fixed(length_m, 4) + " m";
+}
+
+Json fitted_json(const FittedSpeed& fitted, const UncertaintyScale& scale) {
+    const double expanded_mps = scale.coverage_factor * fitted.standard_uncertainty_mps;
+    Json json = Json::object();
+    set_speeds(json, "speed", fitted.speed_mps);
+    set_speeds(json, "standard_uncertainty", fitted.standard_uncertainty_mps);
+    set_speeds(json, "expanded_uncertainty", expanded_mps);
+    json["models"] = fitted.models;
+    json["fitted_words"] = fmt::format(
+        "{} (k = {}), by {}",
+        speed_with_uncertainty_text(fitted.speed_mps, expanded_mps, scale.unit),
+        coverage_text(scale.coverage_factor),
+        fitted.models == 1 ? std::string("one noise model")
+                           : fmt::format("{} noise models, averaged over their profile likelihood",
+                                         fitted.models));
+    return json;
+}
+
+Json robust_json(const RobustSpeed& robust, const UncertaintyScale& scale) {
+    Json json = Json::object();
+    set_speeds(json, "speed", robust.speed_mps);
+    set_speeds(json, "difference", robust.difference_mps);
+    set_speeds(json, "limit", robust.limit_mps);
+    json["agrees"] = robust.agrees;
+    json["downweighted"] = robust.downweighted;
+    json["robust_words"] = fmt::format(
+        "{} {}: {} with the screened solution of the same noise (difference {}, limit {}); {} of "
+        "the window at less than half weight",
+        speed_text(robust.speed_mps, robust.limit_mps, scale.unit), scale.unit.name,
+        robust.agrees ? "agrees" : "does not agree", difference_text(robust.difference_mps, scale),
+        uncertainty_with_unit(robust.limit_mps, scale), counted(robust.downweighted, "epoch"));
+    return json;
+}
+
+std::string decided_words(const ErrorBound& bound) {
+    if (bound.decided_by == "fitted") return "the size fitted to the recording";
+    if (bound.decided_by == "stated") return "the stated accuracy times its scale";
+    return bound.floor_fix.empty()
+               ? "the floor that the rule sets"
+               : fmt::format("the floor for solutions of the kind “{}”", bound.floor_fix);
+}
+
+Json bound_json(const ErrorBound& bound, const UncertaintyScale& scale) {
+    Json json{
+        {"tau_min_s", rounded(bound.tau_min_s, 6)}, {"tau_max_s", rounded(bound.tau_max_s, 6)},
+        {"sigma_m", rounded(bound.sigma_m, 6)},     {"fitted_m", rounded(bound.fitted_m, 6)},
+        {"stated_m", rounded(bound.stated_m, 6)},   {"floor_m", rounded(bound.floor_m, 6)}};
+    if (!bound.floor_fix.empty()) json["floor_fix"] = bound.floor_fix;
+    json["along"] = rounded(bound.along, 6);
+    json["decided_by"] = bound.decided_by;
+    set_speeds(json, "standard_uncertainty", bound.standard_uncertainty_mps);
+    json["bound_words"] = fmt::format(
+        "allowed for up to a standard deviation of {}, with any correlation time from {:g} s to "
+        "{:g} "
+        "s. Decided by {}: fitted {}{}, stated times its scale {}, floor {}. The positions alone "
+        "so give u = {}",
+        metres(bound.sigma_m), bound.tau_min_s, bound.tau_max_s, decided_words(bound),
+        metres(bound.fitted_m),
+        bound.along > 1.0
+            ? fmt::format(" ({:.2f} times that of both axes, along the track)", bound.along)
+            : std::string(),
+        metres(bound.stated_m), metres(bound.floor_m),
+        uncertainty_with_unit(bound.standard_uncertainty_mps, scale));
+    return json;
+}
+
+std::string treatment_words(const SelectionBias& selection, const UncertaintyScale& scale) {
+    return selection.treatment == "subtracted"
+               ? fmt::format(
+                     "the middle, {}, is subtracted from the speed, and half the "
+                     "difference, {}, added to the expanded uncertainty",
+                     difference_text(selection.bias_mps, scale),
+                     uncertainty_with_unit(selection.bias_half_range_mps, scale))
+               : "the larger is added to the expanded uncertainty";
+}
+
+Json estimates_json(const OtherEstimates& other, const UncertaintyScale& scale) {
+    Json json = Json::object();
+    if (other.chord_mps) json["chord_m_s"] = rounded(*other.chord_mps, 6);
+    if (other.chord_difference_uncertainty_mps)
+        json["chord_difference_uncertainty_m_s"] =
+            rounded(*other.chord_difference_uncertainty_mps, 6);
+    json["stiffer_m_s"] = rounded(other.stiffer_mps, 6);
+    json["softer_m_s"] = rounded(other.softer_mps, 6);
+    json["whole_m_s"] = rounded(other.whole_mps, 6);
+    json["half_width_m_s"] = rounded(other.half_width_mps, 6);
+    const auto speed = [&](double speed_mps) {
+        return speed_text(speed_mps, std::max(other.half_width_mps, 1e-3), scale.unit);
+    };
+    json["estimates_words"] = fmt::format(
+        "a third of the jerk density gives {}, three times as much {}, the one density fitted to "
+        "the whole recording {}{} {}; the choice of the model is taken to change at most {}",
+        speed(other.stiffer_mps), speed(other.softer_mps), speed(other.whole_mps),
+        other.chord_mps
+            ? fmt::format(", the measured positions at both ends alone {}", speed(*other.chord_mps))
+            : std::string(),
+        scale.unit.name, uncertainty_with_unit(other.half_width_mps, scale));
+    return json;
+}
+
+Json selection_json(const SelectionBias& selection, std::int64_t compared,
+                    const UncertaintyScale& scale) {
+    Json json{{"selection_candidates", selection.candidates}};
+    set_speeds(json, "chosen_mean", selection.chosen_mean_mps);
+    set_speeds(json, "chosen_sd", selection.chosen_sd_mps);
+    set_speeds(json, "best_mean", selection.best_mean_mps);
+    set_speeds(json, "best_sd", selection.best_sd_mps);
+    json["fitted_bias_m_s"] = rounded(selection.fitted_bias_mps, 6);
+    json["bounded_bias_m_s"] = rounded(selection.bounded_bias_mps, 6);
+    json["bias_half_range_m_s"] = rounded(selection.bias_half_range_mps, 6);
+    set_speeds(json, "bias", selection.bias_mps);
+    set_speeds(json, "bias_uncertainty", selection.bias_uncertainty_mps);
+    json["treatment"] = selection.treatment;
+    json["samples"] = selection.samples;
+    json["seed"] = selection.seed;
+    json["selection_words"] = fmt::format(
+        "The fastest of {} was chosen; {} could have been it. That makes its speed look higher by "
+        "{} with the errors as fitted, by {} with slow errors as large as allowed for; {}.",
+        counted(compared, "window"), selection.candidates,
+        uncertainty_with_unit(selection.fitted_bias_mps, scale),
+        uncertainty_with_unit(selection.bounded_bias_mps, scale),
+        treatment_words(selection, scale));
+    const auto distribution = [&](double mean_mps, double sd_mps) {
+        return fmt::format("{} {}, standard deviation {}", speed_text(mean_mps, sd_mps, scale.unit),
+                           scale.unit.name, uncertainty_with_unit(sd_mps, scale));
+    };
+    json["distribution_words"] = fmt::format(
+        "True speed over {} (seed {}): of the window chosen {}; of the window truly fastest {}.",
+        counted(selection.samples, "sample"), selection.seed,
+        distribution(selection.chosen_mean_mps, selection.chosen_sd_mps),
+        distribution(selection.best_mean_mps, selection.best_sd_mps));
+    return json;
+}
+
+/// What the budget is of, where that is not the whole of the certified speed.
+std::string budget_subject(const ProfileVerdict& verdict, const ProfileWindows& windows,
+                           const UncertaintyScale& scale) {
+    const CertifiableWindow& best = *windows.best;
+    if (windows.further.empty() && !verdict.current_subtracted_mps) return {};
+    return fmt::format(
+        "What follows is of the fastest window alone, of {}{}{}.",
+        speed_with_uncertainty_text(
+            best.speed_mps,
+            scale.coverage_factor * best.standard_uncertainty_mps + best.bias_limit_mps,
+            scale.unit),
+        windows.further.empty()
+            ? ""
+            : fmt::format("; the certified speed is the mean of {} windows, with the mean of their "
+                          "uncertainties, as if their errors were the same",
+                          windows.further.size() + 1),
+        verdict.current_subtracted_mps
+            ? "; the current's component is subtracted from it, and adds its own uncertainty"
+            : "");
+}
+
+/// Lines beneath the certified speed.
+Json comparison_facts(const Json& uncertainty) {
+    Json facts = Json::array();
+    const auto add = [&](const char* label, const char* part, const char* words) {
+        if (uncertainty.contains(part))
+            facts.push_back(fact(label, uncertainty[part][words].get<std::string>()));
+    };
+    add("With the fitted noise alone", "fitted", "fitted_words");
+    add("Robust estimate", "robust", "robust_words");
+    add("Other models of the motion", "estimates", "estimates_words");
+    add("Slow position errors", "bound", "bound_words");
+    return facts;
+}
+
+}  // namespace
+
+Json uncertainty_json(const ProfileVerdict& verdict, const ProfileWindows& windows,
+                      const Profile& profile) {
+    if (!windows.best || says_nothing(*windows.best)) return nullptr;
+    const CertifiableWindow& best = *windows.best;
+    const UncertaintyScale scale{rule_unit(profile), verdict.coverage_factor};
+    const double speed_mps = verdict.speed_mps.value_or(best.speed_mps);
+    const double expanded_mps = verdict.expanded_uncertainty_mps.value_or(
+        scale.coverage_factor * best.standard_uncertainty_mps + best.bias_limit_mps);
+    Json json{{"certified_words",
+               fmt::format("{} (k = {})",
+                           speed_with_uncertainty_text(speed_mps, expanded_mps, scale.unit),
+                           coverage_text(scale.coverage_factor))}};
+    if (const std::string words = budget_subject(verdict, windows, scale); !words.empty())
+        json["budget_subject"] = words;
+    if (best.effective_degrees_of_freedom)
+        json["effective_degrees_of_freedom"] = rounded(*best.effective_degrees_of_freedom, 2);
+    if (best.fitted) json["fitted"] = fitted_json(*best.fitted, scale);
+    json["bias_limit_m_s"] = rounded(best.bias_limit_mps, 6);
+    if (best.own_standard_uncertainty_mps)
+        json["own_standard_uncertainty_m_s"] = rounded(*best.own_standard_uncertainty_mps, 6);
+    if (best.estimates) json["estimates"] = estimates_json(*best.estimates, scale);
+    if (best.robust) json["robust"] = robust_json(*best.robust, scale);
+    if (best.bound) json["bound"] = bound_json(*best.bound, scale);
+    if (best.selection)
+        json["selection"] = selection_json(*best.selection, windows.candidates, scale);
+    json["budget"] = budget_json(best, scale);
+    if (!best.budget.empty()) json["budget_total"] = budget_total_json(best, scale);
+    if (best.monte_carlo) json["monte_carlo"] = monte_carlo_json(best, scale);
+    json["comparison"] = comparison_facts(json);
+    return json;
+}
+
+}  // namespace runcert

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "reports/certificate/report_data.h"
+
+namespace runcert {
+
+/// Where the uncertainty of a certified speed comes from: what the fitted noise alone and the
+/// robust estimate say, the bound on slow errors, the choice of the fastest window, the budget and
+/// its Monte Carlo check. Speeds as shown are in the rule's unit. Null where the run's files say
+/// nothing of it, as those of revision 1.0 do not.
+nlohmann::ordered_json uncertainty_json(const ProfileVerdict& verdict,
+                                        const ProfileWindows& windows, const Profile& profile);
+
+}  // namespace runcert

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "reports/certificate/display.h"
+#include "reports/certificate/report_data.h"
+
+namespace runcert {
+
+/// A span with its end on the clock, where it has one.
+nlohmann::ordered_json span_json(const WindowSpan& span);
+
+/// One speed, to be shown in every unit.
+struct SpeedRow {
+    enum Kind { measured, uncertainty, stated };
+    std::string label;
+    std::optional<double> speed_mps;
+    Kind kind = measured;  ///< a measured one takes the decimals of its uncertainty
+};
+
+/// Rows of one speed each, in every unit, the rule's own first. Rows without a speed are left out.
+nlohmann::ordered_json speed_table(const std::vector<SpeedRow>& rows, const Profile& profile,
+                                   std::optional<double> uncertainty_mps);
+
+/// The certified window of a verdict, which has one. `windows` is null where the search's results
+/// do not hold the rule.
+nlohmann::ordered_json window_json(const ProfileVerdict& verdict, const ProfileWindows* windows,
+                                   const Profile& profile);
+
+nlohmann::ordered_json indicated_json(const RefusedWindow& indicated, const Profile& profile);
+
+}  // namespace runcert

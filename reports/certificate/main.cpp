@@ -1,0 +1,104 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+
+#include "files/atomic_file.h"
+#include "reports/certificate/report_html.h"
+#include "reports/certificate/report_run.h"
+#include "run/evidence.h"
+#include "run/stage_main.h"
+#include "trust/signature_files.h"
+#include "trust/signing.h"
+
+using namespace runcert;
+
+namespace {
+
+ReceiverResults gather_receiver(StageRun& run, const Receiver& receiver) {
+    const auto name = [&](std::string_view stem, std::string_view extension) {
+        return product_file(run.attempt(), receiver, stem, extension);
+    };
+    for (const EvidenceFile& file : evidence_files(receiver))
+        run.note_file(file.role, file.name,
+                      std::filesystem::path(file.original).filename().string());
+    for (const EvidenceFile& file : solution_files(receiver))
+        run.note_file(file.role, file.name);
+    ReceiverResults results;
+    results.observations =
+        run.read("observations", name("1-observations", "ecsv"), read_observations);
+    results.enu_header = run.read("enu", name("2-enu", "ecsv"), read_enu).header;
+    results.screened = run.read("screened", name("3-screened", "ecsv"), read_screened);
+    results.trajectory = run.read("trajectory", name("4-trajectory", "ecsv"), read_trajectory);
+    results.windows = run.read("windows", name("5-windows", "yaml"), read_windows);
+    return results;
+}
+
+/// Reads the whole run. Every file noted on the way, in the order in which the chain made them,
+/// becomes a subject of the report.
+ReportInputs gather(StageRun& run) {
+    ReportInputs inputs;
+    inputs.attempt = run.attempt();
+    run.note_attempt();
+    for (const std::string& claimed : run.attempt().profiles) {
+        inputs.profiles.push_back(read_claimed_profile(run.run_dir(), claimed, run.attempt()));
+        run.note_file("profile", evidence_profile_file(claimed));
+    }
+    for (const EvidenceFile& file : flow_files(run.attempt()))
+        run.note_file(file.role, file.name,
+                      std::filesystem::path(file.original).filename().string());
+    for (const Receiver& receiver : run.attempt().receivers)
+        inputs.receivers.push_back(gather_receiver(run, receiver));
+    inputs.verdict = run.read("verdict", "6-verdict.yaml", read_verdict);
+    for (const InputFile& file : run.inputs())
+        inputs.subjects.push_back({.role = file.role,
+                                   .file = file.file,
+                                   .sha256 = file.sha256,
+                                   .bytes = file.bytes,
+                                   .original = file.original});
+    return inputs;
+}
+
+/// The signatures that go with the report. Whether they hold is for `runcert verify` to say.
+std::vector<SignatureText> signatures_of(const std::filesystem::path& run_dir) {
+    std::vector<SignatureText> signatures;
+    for (const SignatureFile& file : signature_files(run_dir))
+        signatures.push_back({.file = file.name, .text = file.text});
+    return signatures;
+}
+
+/// A new report makes the signatures of an earlier one void.
+void write_report(const StageRun& run, const std::string& report) {
+    remove_signatures(run.run_dir());
+    run.write("report.json", report);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    std::string key;
+    bool no_render = false;
+    bool no_pdf = false;
+    bool render_only = false;
+    return stage_main(
+        argc, argv, "report", "The measurement report: report.json, and from it HTML and PDF",
+        [&](StageRun& run) {
+            if (!render_only) write_report(run, write_report_json(gather(run)));
+            if (!key.empty())
+                sign_report(run.run_dir(), read_report_facts(run.run_dir()), load_secret_key(key),
+                            signing_role(run.attempt()));
+            if (no_render) {
+                run.say("report.json");
+                return;
+            }
+            render_report(run.run_dir(), read_file(run.run_dir() / "report.json"),
+                          {.signatures = signatures_of(run.run_dir()), .pdf = !no_pdf});
+            run.say(no_pdf ? "report.json, report.html" : "report.json, report.html, report.pdf");
+        },
+        [&](CLI::App& app) {
+            app.add_option("--key", key, "secret key to sign report.json with");
+            app.add_flag("--no-render", no_render, "stop after report.json");
+            app.add_flag("--no-pdf", no_pdf, "no PDF, which takes longest");
+            app.add_flag("--render-only", render_only, "HTML and PDF of the report.json there is");
+        });
+}

@@ -1,0 +1,147 @@
+#include "reports/certificate/report_json.h"
+
+#include <fmt/format.h>
+
+#include "core/failure.h"
+#include "files/program.h"
+#include "files/sha256.h"
+#include "files/yaml_output.h"
+#include "reports/certificate/json_certificate.h"
+#include "reports/certificate/json_parts.h"
+#include "reports/certificate/json_text.h"
+#include "schemas/common/document.h"
+
+namespace runcert {
+
+YamlNode report_own_field_table_node();
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+constexpr const char* statement_type = "https://in-toto.io/Statement/v1";
+constexpr const char* predicate_type = "urn:runcert:measurement-report:1.0";
+
+const DocumentSchema& report_schema() {
+    static const DocumentSchema schema =
+        DocumentSchema::read(report_own_field_table_node(), "reports/certificate/v1.yaml");
+    return schema;
+}
+
+Json files_json(const std::vector<ReportSubject>& subjects) {
+    Json json = Json::array();
+    for (const ReportSubject& subject : subjects) {
+        Json entry{{"file_role", subject.role},
+                   {"file", subject.file},
+                   {"sha256", subject.sha256},
+                   {"bytes", subject.bytes}};
+        if (!subject.original.empty() && subject.original != subject.file)
+            entry["original"] = subject.original;
+        json.push_back(std::move(entry));
+    }
+    return json;
+}
+
+Json attestations_json(const Verdict& verdict) {
+    Json json = Json::array();
+    for (const ProfileVerdict& profile : verdict.profiles)
+        for (const Requirement& requirement : profile.requirements)
+            if (requirement.status == "attest")
+                json.push_back({{"profile", profile.profile},
+                                {"clause", requirement.clause},
+                                {"text", requirement.text}});
+    return json;
+}
+
+void check_inputs(const ReportInputs& inputs) {
+    const auto refuse = [](const std::string& what) {
+        throw Failure("report", what, "Run all stages of the attempt again, into an empty folder");
+    };
+    if (inputs.receivers.empty() || inputs.receivers.size() != inputs.attempt.receivers.size())
+        refuse(fmt::format("the run has results of {}, the attempt names {}",
+                           inputs.receivers.size(), inputs.attempt.receivers.size()));
+    if (inputs.verdict.attempt != inputs.attempt.id)
+        refuse(fmt::format("the verdict is on the attempt \"{}\", not on \"{}\"",
+                           inputs.verdict.attempt, inputs.attempt.id));
+    if (inputs.profiles.size() != inputs.verdict.profiles.size())
+        refuse(fmt::format("the verdict is by {} rules, {} were given",
+                           inputs.verdict.profiles.size(), inputs.profiles.size()));
+    for (std::size_t i = 0; i < inputs.profiles.size(); ++i)
+        if (inputs.profiles[i].id != inputs.verdict.profiles[i].profile)
+            refuse(fmt::format("the verdict is by the rule \"{}\" where \"{}\" was given",
+                               inputs.verdict.profiles[i].profile, inputs.profiles[i].id));
+}
+
+/// As YAML, so that the field tables of the stages' products serve for the report too; not as JSON,
+/// which leaves marks of the direction of writing in names as they are. Of a curve's many points a
+/// few stand for all: they are made by one line of code.
+void check_predicate(Json predicate, const std::string& where) {
+    for (Json& figure : predicate["figures"]) {
+        if (!figure.contains("curves")) continue;  // of revision 1.3 or before
+        for (Json& curve : figure["curves"])
+            for (const char* values : {"x", "y", "lower", "upper"})
+                if (curve.contains(values) && curve[values].size() > 3)
+                    curve[values].erase(curve[values].begin() + 3, curve[values].end());
+    }
+    (void)read_document(to_yaml_text(predicate), where, report_schema());
+}
+
+}  // namespace
+
+std::string report_id(const std::vector<ReportSubject>& subjects) {
+    std::string lines;
+    for (const ReportSubject& subject : subjects)
+        lines += fmt::format("{}  {}\n", subject.sha256, subject.file);
+    return sha256_hex(lines).substr(0, 16);
+}
+
+Json report_json(const ReportInputs& inputs) {
+    check_inputs(inputs);
+    Json predicate;
+    predicate["schema"] = {{"name", report_schema().name()},
+                           {"version", report_schema().version()}};
+    predicate["report_id"] = report_id(inputs.subjects);
+    predicate["program"] = {{"name", "runcert"},
+                            {"version", program_version()},
+                            {"source_revision", source_revision()}};
+    predicate["signatures_required"] = signatures_required_json(inputs);
+    predicate["certificate"] = certificate_json(inputs, predicate["report_id"].get<std::string>());
+    if (Json amends = amends_json(inputs.attempt); !amends.is_null())
+        predicate["amends"] = std::move(amends);
+    predicate["attempt"] = attempt_json(inputs.attempt, inputs.verdict);
+    predicate["profiles"] = Json::array();
+    for (std::size_t i = 0; i < inputs.profiles.size(); ++i)
+        predicate["profiles"].push_back(profile_json(inputs, i));
+    predicate["statements"] = inputs.verdict.statements;
+    predicate["attestations"] = attestations_json(inputs.verdict);
+    predicate["frame"] = frame_json(inputs);
+    predicate["receivers"] = Json::array();
+    for (std::size_t i = 0; i < inputs.receivers.size(); ++i)
+        predicate["receivers"].push_back(
+            receiver_json(inputs.receivers[i], inputs.attempt.receivers[i]));
+    predicate["method"] = method_json(inputs);
+    predicate["figures"] = figures_json(inputs, predicate["profiles"]);
+    predicate["files"] = files_json(inputs.subjects);
+    check_predicate(predicate, "report");
+
+    Json statement{{"_type", statement_type}, {"subject", Json::array()}};
+    for (const ReportSubject& subject : inputs.subjects)
+        statement["subject"].push_back(
+            {{"name", subject.file}, {"digest", {{"sha256", subject.sha256}}}});
+    statement["predicateType"] = predicate_type;
+    statement["predicate"] = std::move(predicate);
+    return statement;
+}
+
+Json parse_report(const std::string& text, const std::string& where) {
+    Json report = Json::parse(text, nullptr, false);
+    if (!report.is_object() || !report.contains("predicate") ||
+        report.value("predicateType", Json()) != Json(predicate_type))
+        throw Failure(where, "this is not a measurement report of this program's version",
+                      "Give the report.json of a run folder, or use the version of the program "
+                      "that made it");
+    check_predicate(report.at("predicate"), where);
+    return report;
+}
+
+}  // namespace runcert

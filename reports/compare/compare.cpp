@@ -1,0 +1,286 @@
+#include "reports/compare/compare.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/failure.h"
+#include "core/statistics.h"
+#include "estimation/tables/certifiable.h"
+
+namespace runcert {
+namespace {
+
+using TruthRows = std::vector<std::optional<TruthEpoch>>;
+
+/// Rows of a window, first to last. Between them lie only rows of the same arc.
+using RowPair = EpochPair;
+
+/// The windows that can be certified, in order. Those across a bridged step are left out: the
+/// methods' positions jump there.
+std::vector<RowPair> candidate_rows(const TrajectoryTable& trajectory, double duration_s,
+                                    double duration_tolerance_s) {
+    const std::vector<ArcRows> arcs = arcs_in(trajectory);
+    const auto windows = certifiable_windows(trajectory, arcs, duration_s, duration_tolerance_s,
+                                             BridgedSteps::refused);
+    std::vector<RowPair> rows;
+    for (std::size_t a = 0; a < arcs.size(); ++a)
+        for (const EpochPair& window : windows[a])
+            rows.push_back({arcs[a].rows[window.first], arcs[a].rows[window.last]});
+    return rows;
+}
+
+/// Speeds of windows, of a method or of the truth.
+class WindowSpeeds {
+  public:
+    WindowSpeeds(const TrajectoryTable& trajectory, const MethodTrack& track, std::string_view by)
+        : trajectory_(trajectory), track_(track), by_(by) {}
+
+    /// Empty where a value is missing.
+    std::optional<double> operator()(RowPair window) const {
+        if (by_ == "mean_n_plus_1") return mean_speed(window.first, window.last);
+        if (by_ == "mean_n") return mean_speed(window.first + 1, window.last);
+        if (by_ == "path_length") return length_over_time(window, 1);
+        return length_over_time(window, window.last - window.first);
+    }
+
+  private:
+    std::optional<double> mean_speed(std::size_t first, std::size_t last) const {
+        double sum = 0.0;
+        for (std::size_t i = first; i <= last; ++i) {
+            if (!track_.speeds_mps[i]) return std::nullopt;
+            sum += *track_.speeds_mps[i];
+        }
+        return sum / static_cast<double>(last - first + 1);
+    }
+    std::optional<double> length_over_time(RowPair window, std::size_t stride) const {
+        double length_m = 0.0;
+        for (std::size_t i = window.first; i < window.last; i += stride) {
+            const auto& from = track_.positions[i];
+            const auto& to = track_.positions[i + stride];
+            if (!from || !to) return std::nullopt;
+            length_m += (*to - *from).norm();
+        }
+        return length_m / (trajectory_.rows[window.last].time.seconds() -
+                           trajectory_.rows[window.first].time.seconds());
+    }
+
+    const TrajectoryTable& trajectory_;
+    const MethodTrack& track_;
+    std::string_view by_;
+};
+
+std::string_view name_of(WindowSpeed by) {
+    switch (by) {
+        case WindowSpeed::displacement:
+            return "displacement";
+        case WindowSpeed::mean_n_plus_1:
+            return "mean_n_plus_1";
+        case WindowSpeed::mean_n:
+            return "mean_n";
+    }
+    return "";
+}
+
+MethodTrack track_of_truth(const TruthRows& truth) {
+    MethodTrack track;
+    for (const std::optional<TruthEpoch>& epoch : truth) {
+        track.positions.push_back(epoch ? std::optional(epoch->position) : std::nullopt);
+        track.speeds_mps.push_back(epoch ? std::optional(epoch->speed_mps) : std::nullopt);
+    }
+    return track;
+}
+
+std::optional<double> difference(std::optional<double> a, std::optional<double> b) {
+    if (!a || !b) return std::nullopt;
+    return *a - *b;
+}
+
+std::optional<double> rms_error(const MethodTrack& track, const MethodTrack& truth) {
+    std::vector<double> errors;
+    for (std::size_t i = 0; i < track.speeds_mps.size(); ++i)
+        if (const auto error = difference(track.speeds_mps[i], truth.speeds_mps[i]))
+            errors.push_back(*error);
+    if (errors.empty()) return std::nullopt;
+    return root_mean_square(errors);
+}
+
+/// What one profile's comparison rests on.
+struct Task {
+    const TrajectoryTable& trajectory;
+    const ProfileWindows& windows;
+    std::vector<RowPair> candidates;
+    std::optional<RowPair> certified;
+    const MethodTrack* truth = nullptr;
+
+    std::optional<double> truth_in(RowPair window) const {
+        if (!truth) return std::nullopt;
+        return WindowSpeeds(trajectory, *truth, windows.rule.definition)(window);
+    }
+};
+
+MethodResult result_of(const Task& task, const MethodTrack& track) {
+    MethodResult result;
+    result.name = track.name;
+    result.window_speed = name_of(track.window_speed);
+    const WindowSpeeds speed(task.trajectory, track, result.window_speed);
+    std::optional<RowPair> best;
+    for (const RowPair window : task.candidates) {
+        const std::optional<double> speed_mps = speed(window);
+        if (!speed_mps || (result.best_mps && *speed_mps <= *result.best_mps)) continue;
+        result.best_mps = speed_mps;
+        best = window;
+    }
+    if (best) {
+        result.best_start = task.trajectory.rows[best->first].time;
+        result.best_error_mps = difference(result.best_mps, task.truth_in(*best));
+    }
+    const bool jumps = track.window_speed == WindowSpeed::displacement && task.windows.best &&
+                       task.windows.best->repaired_steps > 0;
+    if (task.certified && !jumps) {
+        result.certified_mps = speed(*task.certified);
+        result.certified_error_mps =
+            difference(result.certified_mps, task.truth_in(*task.certified));
+    }
+    if (task.truth) result.rms_error_mps = rms_error(track, *task.truth);
+    return result;
+}
+
+/// The speed that is certified, as another row.
+MethodResult certified_result(const ProfileWindows& windows, std::optional<double> true_mps) {
+    MethodResult result;
+    result.name = "certified";
+    result.window_speed = windows.rule.definition;
+    if (!windows.best) return result;
+    result.best_start = windows.best->span.start;
+    result.best_mps = result.certified_mps = windows.best->speed_mps;
+    result.certified_error_mps = result.best_error_mps = difference(result.best_mps, true_mps);
+    return result;
+}
+
+/// The rows of the certified window; none where there is none.
+std::optional<RowPair> certified_rows(const TrajectoryTable& trajectory,
+                                      const ProfileWindows& windows) {
+    if (!windows.best) return std::nullopt;
+    const auto row_of = [&](std::int64_t number) {
+        const auto found =
+            std::find_if(trajectory.rows.begin(), trajectory.rows.end(),
+                         [&](const TrajectoryEpoch& row) { return row.epoch == number; });
+        if (found == trajectory.rows.end())
+            throw Failure("5-windows of receiver " + trajectory.facts.receiver,
+                          fmt::format("epoch {} of the window for {} is not in the trajectory",
+                                      number, windows.profile),
+                          "Certify the attempt again");
+        return static_cast<std::size_t>(found - trajectory.rows.begin());
+    };
+    return RowPair{row_of(windows.best->span.first_epoch), row_of(windows.best->span.last_epoch)};
+}
+
+void require_truth(const Task& task) {
+    if (!task.truth || !task.certified || task.truth_in(*task.certified)) return;
+    throw Failure(
+        "the truth file",
+        fmt::format("it does not tell the speed in the certified window for {}, {:.3f} s to "
+                    "{:.3f} s after the recording's first epoch",
+                    task.windows.profile,
+                    task.trajectory.rows[task.certified->first].time.seconds(),
+                    task.trajectory.rows[task.certified->last].time.seconds()),
+        "Give the truth of this recording, at its own epochs, in seconds from the first of them");
+}
+
+ProfileComparison compare_profile(const Task& task, const Methods& methods) {
+    const ProfileWindows& windows = task.windows;
+    require_truth(task);
+    ProfileComparison comparison;
+    comparison.profile = windows.profile;
+    comparison.duration_s = windows.rule.duration_s;
+    comparison.definition = windows.rule.definition;
+    comparison.candidates = static_cast<std::int64_t>(task.candidates.size());
+    if (windows.best) {
+        comparison.certified_start = windows.best->span.start;
+        comparison.certified_duration = windows.best->span.duration;
+        comparison.true_mps = task.truth_in(*task.certified);
+    }
+    for (const MethodTrack& track : methods.tracks)
+        comparison.methods.push_back(result_of(task, track));
+    comparison.methods.push_back(certified_result(windows, comparison.true_mps));
+    return comparison;
+}
+
+/// Whether every method has a speed by that rule.
+bool is_comparable(const WindowRule& rule) {
+    return rule.kind == "time" && rule.dimension == "horizontal" && rule.source == "position" &&
+           rule.ends == "epochs" && !rule.exact;
+}
+
+void count_truth(const TrajectoryTable& trajectory, const TruthRows* truth,
+                 Comparison& comparison) {
+    for (std::size_t i = 0; i < trajectory.rows.size(); ++i) {
+        if (!trajectory.rows[i].arc) continue;
+        ++comparison.epochs;
+        if (truth && (*truth)[i]) ++comparison.epochs_with_truth;
+    }
+    if (truth && comparison.epochs_with_truth == 0)
+        throw Failure("the truth file", "no epoch of it has the time of an epoch of the recording",
+                      "Give the truth of this recording, at its own epochs, in seconds from the "
+                      "first of them");
+}
+
+}  // namespace
+
+CompareConfig compare_config(const Attempt& attempt) {
+    const nlohmann::ordered_json& smooth = attempt.parameters.at("smooth");
+    using Motion = NoiseFitOptions::Motion;
+    CompareConfig config;
+    config.fit.initial_jerk_density = smooth.at("jerk_density");
+    config.fit.tau_min_s = smooth.at("error_time_min_s");
+    config.fit.tau_max_s = smooth.at("error_time_max_s");
+    const std::string motion = smooth.at("motion_model");
+    config.fit.motion = motion == "singer"                  ? Motion::singer
+                        : motion == "constant_acceleration" ? Motion::constant_acceleration
+                                                            : Motion::by_likelihood;
+    config.duration_tolerance_s = attempt.parameters.at("window").at("duration_tolerance_s");
+    return config;
+}
+
+Comparison compare_methods(const ScreenedTable& screened, const TrajectoryTable& trajectory,
+                           const Windows& windows, const CompareConfig& config,
+                           const TruthRows* truth) {
+    Comparison comparison;
+    comparison.receiver = trajectory.facts.receiver;
+    comparison.with_truth = truth != nullptr;
+    count_truth(trajectory, truth, comparison);
+    std::optional<MethodTrack> true_track;
+    if (truth) true_track = track_of_truth(*truth);
+    Methods methods = methods_of(screened, trajectory, config);
+    std::vector<std::string> left_out;
+    for (const ProfileWindows& entry : windows.profiles) {
+        if (!is_comparable(entry.rule)) {
+            left_out.push_back(fmt::format(
+                "{} is left out: methods are compared by horizontal speeds over windows of time, "
+                "from positions, between epochs",
+                entry.profile));
+            continue;
+        }
+        comparison.profiles.push_back(compare_profile(
+            {.trajectory = trajectory,
+             .windows = entry,
+             .candidates =
+                 candidate_rows(trajectory, entry.rule.duration_s, config.duration_tolerance_s),
+             .certified = certified_rows(trajectory, entry),
+             .truth = true_track ? &*true_track : nullptr},
+            methods));
+    }
+    comparison.notes = std::move(methods.notes);
+    comparison.notes.insert(comparison.notes.end(), left_out.begin(), left_out.end());
+    if (std::ranges::any_of(trajectory.rows, &TrajectoryEpoch::begins_after_step))
+        comparison.notes.emplace_back(
+            "Steps of the positions were bridged: windows across them are not compared");
+    for (const MethodTrack& track : methods.tracks)
+        if (!track.unavailable.empty())
+            comparison.notes.push_back(
+                fmt::format("Not available: {}: {}", track.name, track.unavailable));
+    return comparison;
+}
+
+}  // namespace runcert

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "reports/compare/methods.h"
+#include "reports/compare/truth.h"
+#include "schemas/attempt/attempt.h"
+#include "schemas/windows/windows.h"
+
+namespace runcert {
+
+CompareConfig compare_config(const Attempt& attempt);
+
+/// One method and one profile. Speeds and errors (estimate less truth) in m/s; empty where the
+/// method has no value, or no truth is known.
+struct MethodResult {
+    std::string name;
+    std::string window_speed;  ///< "displacement", "path_length", "mean_n_plus_1", "mean_n"
+    std::optional<ElapsedTime> best_start;  ///< of its own best window
+    std::optional<double> best_mps;
+    std::optional<double> certified_mps;  ///< in the certified window
+    std::optional<double> rms_error_mps;  ///< of its speeds, over all epochs with truth
+    std::optional<double> certified_error_mps;
+    std::optional<double> best_error_mps;
+};
+
+struct ProfileComparison {
+    std::string profile;
+    double duration_s = 0.0;
+    std::string definition;
+    std::int64_t candidates = 0;                 ///< certifiable windows
+    std::optional<ElapsedTime> certified_start;  ///< empty where there is no certified window
+    std::optional<ElapsedTime> certified_duration;
+    std::optional<double> true_mps;  ///< in the certified window, by the profile's definition
+    std::vector<MethodResult> methods;
+};
+
+struct Comparison {
+    std::string receiver;
+    bool with_truth = false;
+    std::int64_t epochs = 0;             ///< in arcs
+    std::int64_t epochs_with_truth = 0;  ///< of them
+    std::vector<ProfileComparison> profiles;
+    std::vector<std::string> notes;  ///< a sentence each
+};
+
+/// All estimators' best windows side by side.
+///
+/// Every method chooses among the same windows: those that can be certified (all epochs usable, of
+/// one arc, as long as the rule says), less those in which the method has no value. A window's
+/// speed is the displacement over time for methods that give positions, the mean of the speeds for
+/// methods that give speeds. The truth of a window is by the profile's definition, whatever the
+/// method: the error is what a certificate by that method would have been wrong by.
+///
+/// `truth` has a place for each row of the trajectory; null for none. Failure where it does not
+/// cover a certified window, or no epoch at all.
+Comparison compare_methods(const ScreenedTable& screened, const TrajectoryTable& trajectory,
+                           const Windows& windows, const CompareConfig& config,
+                           const std::vector<std::optional<TruthEpoch>>* truth);
+
+/// The comparison as an aligned table of at most 100 columns, for people; speeds in km/h.
+std::string comparison_text(const Comparison& comparison, const std::string& attempt);
+
+}  // namespace runcert

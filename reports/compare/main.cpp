@@ -1,0 +1,59 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+
+#include "core/failure.h"
+#include "files/atomic_file.h"
+#include "files/program.h"
+#include "reports/compare/compare.h"
+#include "run/evidence.h"
+#include "run/stage_main.h"
+
+using namespace runcert;
+
+namespace {
+
+struct Options {
+    std::string run_dir;
+    std::string truth;
+    std::string receiver;
+};
+
+std::string compare_run(const Options& options) {
+    StageRun run = open_run("compare", options.run_dir);
+    const Attempt& attempt = run.attempt();
+    const Receiver& receiver = receiver_of(attempt, options.receiver);
+    const auto file = [&](std::string_view stem, std::string_view extension) {
+        return product_file(attempt, receiver, stem, extension);
+    };
+    const ScreenedTable screened = run.read("screened", file("3-screened", "ecsv"), read_screened);
+    const TrajectoryTable trajectory =
+        run.read("trajectory", file("4-trajectory", "ecsv"), read_trajectory);
+    const Windows windows = run.read("windows", file("5-windows", "yaml"), read_windows);
+    std::optional<std::vector<std::optional<TruthEpoch>>> truth;
+    if (!options.truth.empty())
+        truth = truth_at_rows(read_truth(read_file(options.truth), options.truth), trajectory);
+    return comparison_text(compare_methods(screened, trajectory, windows, compare_config(attempt),
+                                           truth ? &*truth : nullptr),
+                           attempt.id);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    Options options;
+    return reader_main(
+        argc, argv, "compare",
+        "All estimators' best windows side by side, for every profile of a run",
+        [&](CLI::App& app) {
+            app.add_option("RUN_DIR", options.run_dir, "folder of a certified run")->required();
+            app.add_option("--truth", options.truth,
+                           "the true run (CSV, as runcert simulate writes)");
+            app.add_option("--receiver", options.receiver, "which receiver (default: the first)");
+        },
+        [&]() -> int {
+            fmt::print("{}", compare_run(options));
+            return 0;
+        });
+}

@@ -1,0 +1,152 @@
+#include "reports/compare/recorded_velocity.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "reports/compare/enhanced_kalman.h"
+
+namespace runcert {
+namespace {
+
+// Where the recording states no accuracy of its velocities, or zero.
+constexpr double default_velocity_sigma_mps = 0.1;
+// Heights that were not measured, or whose accuracy is not known.
+constexpr double loose_height_sigma_m = 1.0;
+
+bool has_velocity(const RecordedVelocity& row) {
+    return row.recorded_velocity_east_mps && row.recorded_velocity_north_mps;
+}
+
+bool stated(const std::optional<double>& sigma) {
+    return sigma && *sigma > 0.0;
+}
+
+bool accuracy_stated(const RecordedVelocity& row) {
+    return stated(row.sigma_recorded_velocity_east_mps) &&
+           stated(row.sigma_recorded_velocity_north_mps) &&
+           (!row.recorded_velocity_up_mps || stated(row.sigma_recorded_velocity_up_mps));
+}
+
+/// The recorded velocity in the axes of the place, `rotation` * frame.
+MeasuredVelocity velocity_of(const RecordedVelocity& row, const Eigen::Matrix3d& rotation) {
+    const auto variance = [](const std::optional<double>& sigma) {
+        const double taken_mps = stated(sigma) ? *sigma : default_velocity_sigma_mps;
+        return taken_mps * taken_mps;
+    };
+    const Eigen::Vector3d frame_mps(*row.recorded_velocity_east_mps,
+                                    *row.recorded_velocity_north_mps,
+                                    row.recorded_velocity_up_mps.value_or(0.0));
+    const Eigen::Vector3d variances(variance(row.sigma_recorded_velocity_east_mps),
+                                    variance(row.sigma_recorded_velocity_north_mps),
+                                    variance(row.sigma_recorded_velocity_up_mps));
+    return {.enu_mps = rotation * frame_mps,
+            .covariance_m2_s2 = rotation * variances.asDiagonal() * rotation.transpose()};
+}
+
+EnhancedKalmanEpoch epoch_of(const ScreenedEpoch& row, const LocalFrame& frame) {
+    EnhancedKalmanEpoch epoch;
+    epoch.time_s = row.time.seconds();
+    if (!row.east_m || !row.north_m) return epoch;
+    const Geodetic position =
+        frame.geodetic_from_enu({{*row.east_m, *row.north_m, row.up_m.value_or(0.0)}});
+    const Eigen::Matrix3d rotation =
+        frame.rotation_from_local(position.latitude, position.longitude).transpose();
+    if (row.usable) {
+        Eigen::Matrix3d covariance = stated_covariance<3>(row);
+        if (!row.up_m || !row.sigma_up_m)
+            covariance(2, 2) = loose_height_sigma_m * loose_height_sigma_m;
+        epoch.position =
+            MeasuredGeodetic{.position = position,
+                             .covariance_enu_m2 = rotation * covariance * rotation.transpose()};
+    }
+    if (has_velocity(row)) epoch.velocity = velocity_of(row, rotation);
+    return epoch;
+}
+
+/// Runs the filter along rows of one arc, between bridged steps.
+void filter_arc(const ScreenedTable& screened, const LocalFrame& frame,
+                const std::vector<std::size_t>& rows, MethodTrack& track) {
+    std::vector<EnhancedKalmanEpoch> epochs;
+    epochs.reserve(rows.size());
+    for (const std::size_t row : rows)
+        epochs.push_back(epoch_of(screened.rows[row], frame));
+    const auto states = filter_enhanced_kalman(epochs);
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+        if (!states[k]) continue;
+        track.positions[rows[k]] = frame.enu_from_geodetic(states[k]->position).m.head<2>();
+        if (states[k]->velocity_enu_mps)
+            track.speeds_mps[rows[k]] = states[k]->velocity_enu_mps->head<2>().norm();
+    }
+}
+
+std::string accuracy_note(const ScreenedTable& screened) {
+    std::int64_t velocities = 0;
+    std::int64_t without = 0;
+    for (const ScreenedEpoch& row : screened.rows)
+        if (row.arc && has_velocity(row)) {
+            ++velocities;
+            without += accuracy_stated(row) ? 0 : 1;
+        }
+    if (without == 0) return {};
+    return fmt::format(
+        "[EKF] takes {} m/s for the accuracy of {} of {} recorded velocities, which is not stated",
+        default_velocity_sigma_mps, without, velocities);
+}
+
+bool any_velocity(const ScreenedTable& screened) {
+    return std::any_of(screened.rows.begin(), screened.rows.end(),
+                       [](const ScreenedEpoch& row) { return row.arc && has_velocity(row); });
+}
+
+MethodTrack empty_track(const std::string& name, WindowSpeed window_speed,
+                        const ScreenedTable& screened) {
+    MethodTrack track;
+    track.name = name;
+    track.window_speed = window_speed;
+    track.positions.resize(screened.rows.size());
+    track.speeds_mps.resize(screened.rows.size());
+    if (!any_velocity(screened)) track.unavailable = "the recording has no velocities";
+    return track;
+}
+
+}  // namespace
+
+MethodTrack recorded_speed(const ScreenedTable& screened) {
+    MethodTrack track = empty_track("recorded velocity", WindowSpeed::mean_n_plus_1, screened);
+    for (std::size_t i = 0; i < screened.rows.size(); ++i) {
+        const ScreenedEpoch& row = screened.rows[i];
+        if (row.arc && has_velocity(row))
+            track.speeds_mps[i] =
+                std::hypot(*row.recorded_velocity_east_mps, *row.recorded_velocity_north_mps);
+    }
+    return track;
+}
+
+EnhancedKalmanTrack enhanced_kalman_track(const ScreenedTable& screened) {
+    EnhancedKalmanTrack result;
+    MethodTrack& track = result.track;
+    track = empty_track("enhanced Kalman filter [EKF]", WindowSpeed::mean_n, screened);
+    if (!track.unavailable.empty()) return result;
+    if (!screened.origin) {
+        track.unavailable = "the positions are not on the Earth but in a local plane";
+        return result;
+    }
+    const LocalFrame frame(screened.origin->position);
+    std::vector<std::size_t> rows;
+    for (std::size_t i = 0; i < screened.rows.size(); ++i) {
+        if (!screened.rows[i].arc) continue;
+        const bool breaks = screened.rows[i].break_before == ArcBreak::bridged;
+        if (!rows.empty() && (breaks || screened.rows[rows.back()].arc != screened.rows[i].arc)) {
+            filter_arc(screened, frame, rows, track);
+            rows.clear();
+        }
+        rows.push_back(i);
+    }
+    filter_arc(screened, frame, rows, track);
+    result.note = accuracy_note(screened);
+    return result;
+}
+
+}  // namespace runcert

@@ -1,0 +1,80 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+
+#include "core/csv_cell.h"
+#include "core/text.h"
+#include "reports/day/day.h"
+
+namespace runcert {
+namespace {
+
+constexpr std::string_view columns =
+    "attempt,source,state,craft,class,profile,rank,not_told_apart_up_to_rank,"
+    "not_told_apart_down_to_rank,outcome,speed_m_s,expanded_uncertainty_m_s,coverage_factor,"
+    "target_m_s,shown_unit,shown_speed,shown_expanded_uncertainty,shown_target,window_start_utc,"
+    "window_start_time_s,window_duration_s,reason,replaced_figures,failed_step,problem,where,"
+    "remedy,notes,report_id,report\n";
+
+/// Places by attempt.
+using Places = std::map<std::string_view, const DayPlace*>;
+
+std::string joined(const std::vector<std::string>& texts) {
+    std::string all;
+    for (const std::string& text : texts)
+        all += (all.empty() ? "" : "; ") + text;
+    return all;
+}
+
+std::string cell(const std::optional<double>& value, int decimals) {
+    return value ? format_fixed(*value, decimals) : "";
+}
+
+std::string cell(const std::optional<std::int64_t>& value) {
+    return value ? fmt::format("{}", *value) : "";
+}
+
+/// The columns from `profile` to `shown_target`'s successors that belong to one rule.
+std::string result_cells(const DayResult& result, const DayPlace& place) {
+    const DayShown shown = result.shown.value_or(DayShown{});
+    return fmt::format(
+        "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}", csv_cell(result.profile),
+        cell(place.rank), cell(place.not_told_apart_up_to), cell(place.not_told_apart_down_to),
+        result.outcome, cell(result.speed_mps, 6), cell(result.expanded_uncertainty_mps, 6),
+        format_fixed(result.coverage_factor, 6), cell(result.target_mps, 6), shown.unit,
+        csv_cell(shown.speed), csv_cell(shown.expanded_uncertainty), csv_cell(shown.target),
+        csv_cell(result.start_utc), cell(result.start_time_s, 9), cell(result.duration_s, 9));
+}
+
+std::string row(const AttemptResult& attempt, const DayResult* result, const DayPlace* place) {
+    const DayCraft craft = attempt.craft.value_or(DayCraft{});
+    const DayFailure failure = attempt.failure.value_or(DayFailure{});
+    constexpr std::string_view no_result = ",,,,,,,,,,,,,,,";
+    return fmt::format(
+        "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_cell(attempt.id),
+        csv_cell(attempt.source), attempt.state, csv_cell(craft.name), csv_cell(craft.craft_class),
+        result ? result_cells(*result, *place) : std::string(no_result),
+        csv_cell(result ? result->reason : attempt.reason),
+        csv_cell(result ? joined(result->replaced) : ""), csv_cell(failure.step),
+        csv_cell(failure.problem), csv_cell(failure.where), csv_cell(failure.remedy),
+        csv_cell(joined(attempt.notes)), attempt.report_id, csv_cell(attempt.report));
+}
+
+}  // namespace
+
+std::string day_csv(const DayResults& results) {
+    std::map<std::string_view, Places> places;
+    for (const DayProfile& profile : results.profiles)
+        for (const DayPlace& place : profile.ranking)
+            places[profile.profile][place.id] = &place;
+    std::string csv(columns);
+    for (const AttemptResult& attempt : results.attempts) {
+        if (attempt.results.empty()) csv += row(attempt, nullptr, nullptr);
+        for (const DayResult& result : attempt.results)
+            csv += row(attempt, &result, places.at(result.profile).at(attempt.id));
+    }
+    return csv;
+}
+
+}  // namespace runcert

@@ -1,0 +1,99 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+
+#include "core/failure.h"
+#include "core/prose.h"
+#include "files/atomic_file.h"
+#include "files/program.h"
+#include "files/sha256.h"
+#include "reports/day/day.h"
+#include "reports/day/ranking.h"
+#include "reports/day/summary.h"
+#include "run/stage_main.h"
+
+using namespace runcert;
+
+namespace {
+
+struct Options {
+    std::filesystem::path out;
+    std::filesystem::path list;
+};
+
+/// The bytes of a file of the day, noted as an input. Failure where it is not the one listed.
+std::string read_listed(const Options& options, const ListedFile& listed, const std::string& role,
+                        Header& header) {
+    const std::filesystem::path path = options.out / listed.file;
+    std::string text = read_file(path);
+    const FileDigest found = digest_of(text);
+    if (found.sha256 != listed.sha256 || found.bytes != listed.bytes)
+        throw Failure(path.string(),
+                      fmt::format("the file is not the one that its run wrote: its SHA-256 is {}, "
+                                  "expected {}",
+                                  found.sha256, listed.sha256),
+                      "Run the batch again, which certifies the attempt anew");
+    header.inputs.push_back({.role = role,
+                             .file = listed.file,
+                             .sha256 = found.sha256,
+                             .bytes = found.bytes,
+                             .original = {}});
+    return text;
+}
+
+/// An attempt that is done: its verdict and its report are read, and let go of.
+AttemptResult read_done(const Options& options, const ListedAttempt& listed, DayResults& results) {
+    const auto where = [&](const ListedFile& file) { return (options.out / file.file).string(); };
+    const Verdict verdict = read_verdict(
+        read_listed(options, *listed.verdict, "verdict", results.header), where(*listed.verdict));
+    const ReportIdentity report = read_report_identity(
+        read_listed(options, *listed.report, "report", results.header), where(*listed.report));
+    add_rules(results.profiles, verdict);
+    return summary_of(listed, verdict, report);
+}
+
+DayResults results_of_day(const Options& options) {
+    const DayList list = read_day_list(read_file(options.list), options.list.string());
+    DayResults results{.header = {}, .day = list.day};
+    results.header.stage = "day";
+    results.header.program_version = program_version();
+    results.header.source_revision = source_revision();
+    results.notes = list.notes;
+    for (const ListedAttempt& listed : list.attempts)
+        results.attempts.push_back(listed.state == "done" ? read_done(options, listed, results)
+                                                          : summary_of(listed));
+    results.counts = counts_of(results.attempts);
+    for (DayProfile& profile : results.profiles) {
+        profile.ranking = ranking_by(profile.profile, results.attempts);
+        profile.counts = outcomes_by(profile.profile, results.attempts);
+        profile.best = best_by(profile.profile, results.attempts, profile.ranking);
+    }
+    return results;
+}
+
+int write_day(const Options& options) {
+    const DayResults results = results_of_day(options);
+    write_file_atomically(options.out / "day.yaml", write_day_results(results));
+    write_file_atomically(options.out / "day.csv", day_csv(results));
+    write_file_atomically(options.out / "day.html", day_page(results));
+    fmt::print("day       {}, {} done, {} failed\n", counted(results.counts.attempts, "attempt"),
+               counted(results.counts.done), counted(results.counts.failed));
+    return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    Options options;
+    return reader_main(
+        argc, argv, "day", "The results of a day's runs: day.yaml, day.csv, day.html",
+        [&](CLI::App& app) {
+            app.add_option("--out", options.out, "folder of the day, which holds the run folders")
+                ->required();
+            app.add_option("--list", options.list,
+                           "what became of each attempt: JSON, as `runcert batch` writes it")
+                ->required();
+        },
+        [&]() -> int { return write_day(options); });
+}

@@ -1,0 +1,191 @@
+#include "reports/day/page_parts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/failure.h"
+#include "core/plain_text.h"
+#include "core/prose.h"
+#include "core/speed_unit.h"
+#include "reports/day/page_words.h"
+
+namespace runcert {
+namespace {
+
+constexpr std::size_t drawn_at_most = 24;
+
+TemplateData list() {
+    return TemplateData{TemplateData::type::list};
+}
+
+/// The page of a report to go to, or the report itself.
+std::string main_page(const AttemptResult& attempt) {
+    const auto html = std::ranges::find_if(
+        attempt.pages, [](const std::string& page) { return page.ends_with(".html"); });
+    return html == attempt.pages.end() ? attempt.report : *html;
+}
+
+/// The ranks next to one's own, of the place at `index`.
+std::optional<std::int64_t> next_rank(const std::vector<DayPlace>& places, std::size_t index,
+                                      std::ptrdiff_t step) {
+    for (auto i = static_cast<std::ptrdiff_t>(index); i >= 0 && i < std::ssize(places); i += step) {
+        const auto& rank = places[static_cast<std::size_t>(i)].rank;
+        if (rank != places[index].rank) return rank;
+    }
+    return std::nullopt;
+}
+
+bool shares_rank(const std::vector<DayPlace>& places, std::size_t i) {
+    const auto same = [&](std::size_t other) { return places[other].rank == places[i].rank; };
+    return places[i].rank && ((i > 0 && same(i - 1)) || (i + 1 < places.size() && same(i + 1)));
+}
+
+void set_speed(TemplateData& row, const DayResult& result) {
+    const auto speed = speed_words(result);
+    row.set("has_speed", TemplateData(speed.has_value()));
+    if (!speed) return;
+    set_text(row, "speed", speed->speed);
+    set_text(row, "uncertainty", speed->uncertainty);
+    set_text(row, "unit", speed->unit);
+    set_text(row, "target", speed->target);
+}
+
+TemplateData place_data(const DayProfile& profile, std::size_t i, const AttemptResult& attempt) {
+    const DayPlace& place = profile.ranking[i];
+    const DayResult& result = *attempt.by(profile.profile);
+    const OutcomeWords outcome = outcome_words(result);
+    TemplateData row = template_map();
+    set_text(row, "rank", place.rank ? fmt::format("{}", *place.rank) : "");
+    row.set("shared", TemplateData(shares_rank(profile.ranking, i)));
+    set_text(row, "apart",
+             told_apart_words(place, next_rank(profile.ranking, i, -1),
+                              next_rank(profile.ranking, i, 1)));
+    set_text(row, "id", attempt.id);
+    row.set("link", link_to(main_page(attempt)));
+    const DayCraft craft = attempt.craft.value_or(DayCraft{});
+    set_text(row, "craft", craft.name);
+    set_text(row, "class", craft.craft_class);
+    set_text(row, "outcome", outcome.words);
+    set_text(row, "sign", outcome.sign);
+    set_text(row, "tone", outcome.tone);
+    set_speed(row, result);
+    set_text(row, "window", window_words(result));
+    set_text(row, "reason", result.reason);
+    set_text(row, "replaced", listed(result.replaced));
+    return row;
+}
+
+void set_picture(TemplateData& data, const DayProfile& profile, const AttemptsById& attempts) {
+    const Picture picture = picture_of(profile, attempts, drawn_at_most);
+    data.set("has_picture", TemplateData(!picture.lines.empty()));
+    data.set("picture", picture_svg(picture));
+    const auto with_speed = std::ranges::count_if(profile.ranking, [&](const DayPlace& place) {
+        return attempts.at(place.id)->by(profile.profile)->speed_mps.has_value();
+    });
+    const auto drawn = std::ssize(picture.lines);
+    set_text(data, "cut",
+             drawn < with_speed
+                 ? fmt::format("The first {} of {} speeds are drawn; the table below "
+                               "has them all.",
+                               drawn, counted(with_speed))
+                 : "");
+}
+
+void set_count(TemplateData& counts, const std::string& sign, const std::string& words,
+               const std::string& tone, std::int64_t count) {
+    if (count == 0) return;
+    TemplateData entry = template_map();
+    set_text(entry, "sign", sign);
+    set_text(entry, "words", words);
+    set_text(entry, "tone", tone);
+    set_text(entry, "count", counted(count));
+    counts.push_back(entry);
+}
+
+TemplateData tally_of(const DayProfile& profile, const AttemptsById& attempts) {
+    const auto no_record = std::ranges::count_if(profile.ranking, [&](const DayPlace& place) {
+        const DayResult& result = *attempts.at(place.id)->by(profile.profile);
+        return result.outcome == "not_proven" && !result.target_mps;
+    });
+    TemplateData counts = list();
+    set_count(counts, "✓", "beaten", "yes", profile.counts.beaten);
+    set_count(counts, "?", "not proven", "open", profile.counts.not_proven - no_record);
+    set_count(counts, "–", "measured, no record named", "open", no_record);
+    set_count(counts, "✗", "not beaten", "no", profile.counts.not_beaten);
+    set_count(counts, "⊘", "not certifiable", "refused", profile.counts.not_certifiable);
+    return counts;
+}
+
+}  // namespace
+
+AttemptsById attempts_by_id(const DayResults& results) {
+    AttemptsById attempts;
+    for (const AttemptResult& attempt : results.attempts)
+        if (const auto [found, added] = attempts.try_emplace(attempt.id, &attempt);
+            !added && attempt.state == "done")
+            found->second = &attempt;
+    return attempts;
+}
+
+TemplateData template_map() {
+    return TemplateData{TemplateData::type::object};
+}
+
+void set_list(TemplateData& map, const std::string& name, TemplateData items, bool any) {
+    map.set(name, std::move(items));
+    map.set("has_" + name, TemplateData(any));
+}
+
+void set_text(TemplateData& map, const std::string& name, const std::string& text) {
+    // An empty text is nothing to a template: a section of that name is left out.
+    if (text.empty())
+        map.set(name, TemplateData(false));
+    else
+        map.set(name, plain_text(text));
+}
+
+Picture picture_of(const DayProfile& profile, const AttemptsById& attempts, std::size_t at_most) {
+    Picture picture{.title = fmt::format("Speeds by {} with their expanded uncertainties, in the "
+                                         "order of the ranking; the table has the figures",
+                                         profile.profile),
+                    .unit = {},
+                    .lines = {}};
+    for (const DayPlace& place : profile.ranking) {
+        const DayResult& result = *attempts.at(place.id)->by(profile.profile);
+        const auto words = speed_words(result);
+        if (!words) continue;
+        if (picture.lines.size() == at_most) break;
+        if (picture.unit.empty()) picture.unit = words->unit;
+        const double unit_mps = metres_per_second(picture.unit);
+        PictureLine line{
+            .label = place.rank ? fmt::format("{} · {}", *place.rank, place.id) : "– · " + place.id,
+            .figure = fmt::format("{} ± {}", words->speed, words->uncertainty),
+            .tone = outcome_words(result).tone,
+            .speed = *result.speed_mps / unit_mps,
+            .expanded_uncertainty = result.expanded_uncertainty_mps.value_or(0.0) / unit_mps};
+        if (result.target_mps) line.target = *result.target_mps / unit_mps;
+        if (words->unit != picture.unit) line.figure += " " + words->unit;
+        picture.lines.push_back(std::move(line));
+    }
+    return picture;
+}
+
+TemplateData profile_data(const DayProfile& profile, const AttemptsById& attempts,
+                          std::size_t number) {
+    TemplateData data = template_map();
+    data.set("anchor", fmt::format("rule-{}", number));
+    set_text(data, "profile", profile.profile);
+    set_text(data, "body", profile.body);
+    set_text(data, "title", profile.title);
+    data.set("tally", tally_of(profile, attempts));
+    set_text(data, "best", profile.best ? best_words(*profile.best) : "");
+    set_picture(data, profile, attempts);
+    TemplateData places = list();
+    for (std::size_t i = 0; i < profile.ranking.size(); ++i)
+        places.push_back(place_data(profile, i, *attempts.at(profile.ranking[i].id)));
+    data.set("places", places);
+    return data;
+}
+
+}  // namespace runcert

@@ -1,0 +1,88 @@
+#include "reports/day/page_words.h"
+
+#include <fmt/format.h>
+
+#include "core/prose.h"
+#include "core/text.h"
+
+namespace runcert {
+
+OutcomeWords outcome_words(const DayResult& result) {
+    if (result.outcome == "beaten") return {"Record beaten", "✓", "yes"};
+    if (result.outcome == "not_beaten") return {"Not beaten", "✗", "no"};
+    if (result.outcome == "not_certifiable") return {"Not certifiable", "⊘", "refused"};
+    if (!result.target_mps) return {"Measured, no record named", "–", "open"};
+    return {"Not proven", "?", "open"};
+}
+
+std::optional<SpeedWords> speed_words(const DayResult& result) {
+    constexpr int decimals = 3;
+    if (!result.speed_mps) return std::nullopt;
+    if (result.shown)
+        return SpeedWords{.speed = result.shown->speed,
+                          .uncertainty = result.shown->expanded_uncertainty,
+                          .target = result.shown->target,
+                          .unit = result.shown->unit};
+    const auto text = [](const std::optional<double>& value) {
+        return value ? format_fixed(*value, decimals) : std::string();
+    };
+    return SpeedWords{.speed = text(result.speed_mps),
+                      .uncertainty = text(result.expanded_uncertainty_mps),
+                      .target = text(result.target_mps),
+                      .unit = "m/s"};
+}
+
+std::string window_words(const DayResult& result) {
+    if (!result.start_utc.empty()) {
+        std::string text = result.start_utc;
+        if (const std::size_t t = text.find('T'); t != std::string::npos) text[t] = ' ';
+        if (text.ends_with('Z')) text.pop_back();
+        return text + " UTC";
+    }
+    if (!result.start_time_s) return {};
+    return format_fixed(*result.start_time_s, 3) + " s after the first epoch";
+}
+
+std::string told_apart_words(const DayPlace& place, std::optional<std::int64_t> above,
+                             std::optional<std::int64_t> below) {
+    const auto& up = place.not_told_apart_up_to;
+    const auto& down = place.not_told_apart_down_to;
+    if (!up && !down) return {};
+    const auto range = [](std::int64_t first, std::int64_t last) {
+        return first == last ? fmt::format("rank {}", first)
+                             : fmt::format("ranks {} to {}", first, last);
+    };
+    const std::string begin = "not told apart from ";
+    if (up && down) {
+        if (up == above && down == below) return begin + fmt::format("ranks {} and {}", *up, *down);
+        return begin + range(*up, *down);
+    }
+    return begin + (up ? range(*up, above.value_or(*up)) : range(below.value_or(*down), *down));
+}
+
+std::string best_words(const BestOfDay& best) {
+    const bool alone = best.attempts == 1;
+    return fmt::format(
+        "{} a probability of {} that its speed reaches the one to reach. {} has {}, so that {}.",
+        alone ? std::string("One attempt was made; it needs")
+              : fmt::format("{} attempts were made; the best of so many needs", best.attempts),
+        level_text(best.level), best.id, probability_text(best.probability),
+        !best.beaten ? "it may be the luckiest of them: as the best of so many it is not proven"
+        : alone      ? "the record is beaten"
+                     : "the record is beaten as the best of them too");
+}
+
+std::string link_to(std::string_view file) {
+    std::string link;
+    for (const char c : file) {
+        const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+                           (c >= '0' && c <= '9') ||
+                           std::string_view("-._~/").find(c) != std::string_view::npos;
+        link += plain
+                    ? std::string(1, c)
+                    : fmt::format("%{:02X}", static_cast<unsigned>(static_cast<unsigned char>(c)));
+    }
+    return link;
+}
+
+}  // namespace runcert

@@ -1,0 +1,125 @@
+#include "reports/day/ranking.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <tuple>
+
+namespace runcert {
+namespace {
+
+constexpr std::array<std::string_view, 4> outcome_order{"beaten", "not_proven", "not_beaten",
+                                                        "not_certifiable"};
+
+struct Entry {
+    std::string_view id;
+    const DayResult* result;
+
+    auto outcome() const { return std::ranges::find(outcome_order, result->outcome); }
+    double speed() const { return result->speed_mps.value_or(0.0); }
+    double uncertainty() const { return result->expanded_uncertainty_mps.value_or(0.0); }
+    bool is_ranked() const {
+        return result->speed_mps.has_value() && result->outcome != "not_certifiable";
+    }
+    /// Less is ahead.
+    auto merit() const {
+        return std::tuple(outcome(), !result->speed_mps.has_value(), -speed(), uncertainty());
+    }
+};
+
+bool told_apart(const Entry& a, const Entry& b) {
+    return !(std::abs(a.speed() - b.speed()) < std::hypot(a.uncertainty(), b.uncertainty()));
+}
+
+/// The last place that one is not told apart from, going step by step (1 or -1) from it; nothing
+/// where that has its own rank.
+std::optional<std::int64_t> not_told_apart(const std::vector<Entry>& entries,
+                                           const std::vector<DayPlace>& places, std::size_t from,
+                                           std::ptrdiff_t step) {
+    std::optional<std::int64_t> last;
+    for (std::ptrdiff_t i = static_cast<std::ptrdiff_t>(from) + step;
+         i >= 0 && i < std::ssize(entries); i += step) {
+        const auto other = static_cast<std::size_t>(i);
+        if (!places[other].rank) break;
+        if (places[other].rank == places[from].rank) continue;
+        if (told_apart(entries[from], entries[other])) break;
+        last = places[other].rank;
+    }
+    return last;
+}
+
+}  // namespace
+
+std::vector<DayPlace> ranking_by(std::string_view profile,
+                                 const std::vector<AttemptResult>& attempts) {
+    std::vector<Entry> entries;
+    for (const AttemptResult& attempt : attempts)
+        if (const DayResult* result = attempt.by(profile)) entries.push_back({attempt.id, result});
+    std::ranges::stable_sort(entries, [](const Entry& a, const Entry& b) {
+        return std::tuple(a.merit(), a.id) < std::tuple(b.merit(), b.id);
+    });
+    std::vector<DayPlace> places;
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+        DayPlace place{.rank = std::nullopt, .id = std::string(entries[i].id)};
+        if (entries[i].is_ranked()) {
+            const bool tied = i > 0 && entries[i].merit() == entries[i - 1].merit();
+            place.rank = tied ? places[i - 1].rank : static_cast<std::int64_t>(i) + 1;
+        }
+        places.push_back(std::move(place));
+    }
+    for (std::size_t i = 0; i < entries.size(); ++i)
+        if (places[i].rank) {
+            places[i].not_told_apart_up_to = not_told_apart(entries, places, i, -1);
+            places[i].not_told_apart_down_to = not_told_apart(entries, places, i, 1);
+        }
+    return places;
+}
+
+std::optional<BestOfDay> best_by(std::string_view profile,
+                                 const std::vector<AttemptResult>& attempts,
+                                 const std::vector<DayPlace>& ranking) {
+    if (ranking.empty()) return std::nullopt;
+    const auto first = std::ranges::find_if(attempts, [&](const AttemptResult& attempt) {
+        return attempt.id == ranking.front().id && attempt.by(profile);
+    });
+    const DayResult& result = *first->by(profile);
+    if (result.outcome != "beaten" || !result.probability || !result.level) return std::nullopt;
+    const double risk = (1.0 - *result.level) * static_cast<double>(result.attempts_made);
+    BestOfDay best{.id = ranking.front().id,
+                   .attempts = std::ssize(ranking),
+                   .probability = *result.probability};
+    for (const AttemptResult& attempt : attempts)
+        if (const DayResult* other = attempt.by(profile))
+            best.attempts = std::max(best.attempts, other->attempts_made);
+    best.level = 1.0 - risk / static_cast<double>(best.attempts);
+    best.beaten = best.probability >= best.level;
+    return best;
+}
+
+OutcomeCounts outcomes_by(std::string_view profile, const std::vector<AttemptResult>& attempts) {
+    OutcomeCounts counts;
+    for (const AttemptResult& attempt : attempts) {
+        const DayResult* result = attempt.by(profile);
+        if (!result) continue;
+        if (result->outcome == "beaten") ++counts.beaten;
+        if (result->outcome == "not_proven") ++counts.not_proven;
+        if (result->outcome == "not_beaten") ++counts.not_beaten;
+        if (result->outcome == "not_certifiable") ++counts.not_certifiable;
+    }
+    return counts;
+}
+
+DayCounts counts_of(const std::vector<AttemptResult>& attempts) {
+    const auto of_state = [&](std::string_view state) {
+        return std::ranges::count(attempts, state, &AttemptResult::state);
+    };
+    return {.attempts = std::ssize(attempts),
+            .done = of_state("done"),
+            .failed = of_state("failed"),
+            .not_processed = of_state("not_processed"),
+            .beaten = std::ranges::count_if(attempts, [](const AttemptResult& attempt) {
+                return std::ranges::count(attempt.results, "beaten", &DayResult::outcome) > 0;
+            })};
+}
+
+}  // namespace runcert

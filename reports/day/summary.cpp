@@ -1,0 +1,129 @@
+#include "reports/day/summary.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "core/failure.h"
+#include "core/text.h"
+
+namespace runcert {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::string_view verdict_file = "6-verdict.yaml";
+constexpr const char* again = "Certify the attempt again: `runcert batch` with --force and --only";
+
+std::optional<DayShown> shown_of(const ProfileVerdict& verdict) {
+    if (!verdict.shown || verdict.shown->speed.empty()) return std::nullopt;
+    return DayShown{.unit = verdict.shown->unit,
+                    .speed = verdict.shown->speed,
+                    .expanded_uncertainty = verdict.shown->expanded_uncertainty,
+                    .target = verdict.shown->target};
+}
+
+DayResult result_of(const ProfileVerdict& verdict) {
+    DayResult result{.profile = verdict.profile,
+                     .outcome = verdict.outcome,
+                     .reason = verdict.reason,
+                     .speed_mps = verdict.speed_mps,
+                     .expanded_uncertainty_mps = verdict.expanded_uncertainty_mps,
+                     .coverage_factor = verdict.coverage_factor,
+                     .target_mps = verdict.target_mps,
+                     .shown = shown_of(verdict)};
+    if (verdict.window) {
+        if (verdict.window->start_gps) result.start_utc = to_utc_iso(*verdict.window->start_gps, 3);
+        result.start_time_s = verdict.window->start.seconds();
+        result.duration_s = verdict.window->duration.seconds();
+    }
+    if (verdict.decision) {
+        result.probability = verdict.decision->probability;
+        result.level = verdict.decision->level;
+        result.attempts_made = verdict.decision->attempts_made;
+    }
+    for (const Override& figure : verdict.overrides)
+        result.replaced.push_back(figure.figure);
+    return result;
+}
+
+/// Of a report's members those that are read below: a report holds every curve of its figures.
+bool is_kept(int depth, Json::parse_event_t event, const Json& parsed) {
+    static const std::set<std::string> of_statement{"predicate", "subject"};
+    static const std::set<std::string> of_predicate{"report_id", "attempt"};
+    if (event != Json::parse_event_t::key || depth > 2) return true;
+    const std::string key = parsed.get<std::string>();
+    return (depth == 1 ? of_statement : of_predicate).contains(key);
+}
+
+}  // namespace
+
+ReportIdentity read_report_identity(std::string_view text, const std::string& where) {
+    try {
+        const Json report = Json::parse(text, is_kept);
+        const Json& predicate = report.at("predicate");
+        const Json& attempt = predicate.at("attempt");
+        ReportIdentity identity{.report_id = predicate.at("report_id").get<std::string>(),
+                                .attempt = attempt.at("id").get<std::string>(),
+                                .craft_name = attempt.at("craft_name").get<std::string>(),
+                                .craft_class = attempt.at("craft_class").get<std::string>(),
+                                .verdict_sha256 = {}};
+        for (const Json& subject : report.at("subject"))
+            if (subject.at("name") == verdict_file)
+                identity.verdict_sha256 = subject.at("digest").at("sha256").get<std::string>();
+        return identity;
+    } catch (const Json::exception& fault) {
+        throw Failure(where,
+                      fmt::format("this is not a measurement report: {}",
+                                  escape_for_message(fault.what(), 200)),
+                      again);
+    }
+}
+
+AttemptResult summary_of(const ListedAttempt& listed, const Verdict& verdict,
+                         const ReportIdentity& report) {
+    if (verdict.attempt != listed.id)
+        throw Failure(listed.verdict->file,
+                      fmt::format("the verdict is on the attempt \"{}\", not on \"{}\"",
+                                  escape_for_message(verdict.attempt), listed.id),
+                      again);
+    if (report.attempt != listed.id || report.verdict_sha256 != listed.verdict->sha256)
+        throw Failure(listed.report->file,
+                      fmt::format("the report is not on the verdict {}", listed.verdict->file),
+                      again);
+    AttemptResult attempt{.id = listed.id,
+                          .source = listed.source,
+                          .state = listed.state,
+                          .craft = DayCraft{report.craft_name, report.craft_class},
+                          .report_id = report.report_id,
+                          .report = listed.report->file,
+                          .pages = listed.pages,
+                          .notes = listed.notes};
+    for (const ProfileVerdict& profile : verdict.profiles)
+        attempt.results.push_back(result_of(profile));
+    return attempt;
+}
+
+AttemptResult summary_of(const ListedAttempt& listed) {
+    AttemptResult attempt{.id = listed.id,
+                          .source = listed.source,
+                          .state = listed.state,
+                          .reason = listed.reason,
+                          .notes = listed.notes};
+    if (listed.state == "failed")
+        attempt.failure = DayFailure{.step = listed.step,
+                                     .problem = listed.problem,
+                                     .where = listed.where,
+                                     .remedy = listed.remedy};
+    return attempt;
+}
+
+void add_rules(std::vector<DayProfile>& profiles, const Verdict& verdict) {
+    for (const ProfileVerdict& rule : verdict.profiles)
+        if (std::ranges::find(profiles, rule.profile, &DayProfile::profile) == profiles.end())
+            profiles.push_back({.profile = rule.profile, .body = rule.body, .title = rule.title});
+}
+
+}  // namespace runcert

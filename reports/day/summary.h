@@ -1,0 +1,37 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "reports/day/day_list.h"
+#include "schemas/day_results/day_results.h"
+#include "schemas/verdict/verdict.h"
+
+namespace runcert {
+
+/// What the day takes from a report.json.
+struct ReportIdentity {
+    std::string report_id;
+    std::string attempt;
+    std::string craft_name;
+    std::string craft_class;
+    std::string verdict_sha256;  ///< of the verdict that it reports
+};
+
+/// Reads that much of a report, without holding the rest of it in memory. Failure, with `where`,
+/// where it is none.
+ReportIdentity read_report_identity(std::string_view text, const std::string& where);
+
+/// An attempt that is done, from its verdict and its report. Failure where the two, or the id under
+/// which the day lists it, do not belong together.
+AttemptResult summary_of(const ListedAttempt& listed, const Verdict& verdict,
+                         const ReportIdentity& report);
+
+/// An attempt that is not done.
+AttemptResult summary_of(const ListedAttempt& listed);
+
+/// Adds the rules of a verdict that are not among these, without counts and ranking.
+void add_rules(std::vector<DayProfile>& profiles, const Verdict& verdict);
+
+}  // namespace runcert

@@ -1,0 +1,144 @@
+#include "reports/diff/day_difference.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "core/failure.h"
+#include "files/atomic_file.h"
+
+namespace runcert {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* day_file = "day.yaml";
+
+/// By id; of equal ids the one that is done.
+using Attempts = std::map<std::string, const AttemptResult*>;
+
+Attempts by_id(const DayResults& day) {
+    Attempts attempts;
+    for (const AttemptResult& attempt : day.attempts) {
+        const AttemptResult*& known = attempts[attempt.id];
+        if (known == nullptr || attempt.state == "done") known = &attempt;
+    }
+    return attempts;
+}
+
+const AttemptResult* find(const Attempts& attempts, const std::string& id) {
+    const auto found = attempts.find(id);
+    return found == attempts.end() ? nullptr : found->second;
+}
+
+bool same_failure(const std::optional<DayFailure>& a, const std::optional<DayFailure>& b) {
+    if (!a || !b) return a.has_value() == b.has_value();
+    return a->step == b->step && a->problem == b->problem;
+}
+
+std::optional<double> standard_uncertainty(const DayResult& result) {
+    if (!result.expanded_uncertainty_mps || !(result.coverage_factor > 0.0)) return std::nullopt;
+    return *result.expanded_uncertainty_mps / result.coverage_factor;
+}
+
+/// Sets what moved of a result that both days have.
+void compare_speeds(ResultChange& change) {
+    const DayResult& from = *change.old_result;
+    const DayResult& to = *change.new_result;
+    if (!from.speed_mps || !to.speed_mps) {
+        change.speed_moved = from.speed_mps.has_value() != to.speed_mps.has_value();
+        return;
+    }
+    const double difference = *to.speed_mps - *from.speed_mps;
+    const auto u_old = standard_uncertainty(from);
+    const auto u_new = standard_uncertainty(to);
+    if (!u_old || !u_new || !(std::min(*u_old, *u_new) > 0.0)) {
+        change.speed_moved = difference != 0.0;
+        return;
+    }
+    const double smaller = std::min(*u_old, *u_new);
+    change.moved_by = difference / smaller;
+    change.speed_moved = std::abs(*change.moved_by) > moved_fraction_of_uncertainty;
+    change.uncertainty_moved = std::abs(*u_new - *u_old) > moved_fraction_of_uncertainty * smaller;
+}
+
+void compare_rule(DayComparison& comparison, const std::string& profile, const AttemptResult& from,
+                  const AttemptResult& to) {
+    ResultChange change{.id = from.id, .profile = profile};
+    if (const DayResult* result = from.by(profile)) change.old_result = *result;
+    if (const DayResult* result = to.by(profile)) change.new_result = *result;
+    if (change.old_result && change.new_result) {
+        change.outcome_changed = change.old_result->outcome != change.new_result->outcome;
+        compare_speeds(change);
+    } else {
+        change.outcome_changed = true;
+    }
+    if (change.outcome_changed || change.speed_moved || change.uncertainty_moved)
+        comparison.results.push_back(std::move(change));
+}
+
+void compare_attempt(DayComparison& comparison, const AttemptResult& from,
+                     const AttemptResult& to) {
+    const std::size_t before = comparison.states.size() + comparison.results.size();
+    if (from.state != to.state || !same_failure(from.failure, to.failure)) {
+        comparison.states.push_back({.id = from.id,
+                                     .old_state = from.state,
+                                     .new_state = to.state,
+                                     .old_failure = from.failure,
+                                     .new_failure = to.failure});
+    } else {
+        for (const DayResult& result : from.results)
+            compare_rule(comparison, result.profile, from, to);
+        for (const DayResult& result : to.results)
+            if (!from.by(result.profile)) compare_rule(comparison, result.profile, from, to);
+    }
+    ++comparison.in_both;
+    if (comparison.states.size() + comparison.results.size() == before) ++comparison.unchanged;
+}
+
+DayResults read_day(const fs::path& out) {
+    const fs::path file = out / day_file;
+    if (!fs::is_regular_file(file))
+        throw Failure(file.string(), "there is no such file: this is not the folder of a day",
+                      "Name the folder that `runcert batch` was given with --out");
+    return read_day_results(read_file(file), file.string());
+}
+
+ChangeCauses causes_of(const std::string& id, const fs::path& old_out, const fs::path& new_out) {
+    ChangeCauses found{.id = id};
+    try {
+        found.causes = causes_between(old_out / id, new_out / id);
+    } catch (const Failure& failure) {
+        found.unknown = failure.where() + ": " + failure.problem();
+    }
+    return found;
+}
+
+}  // namespace
+
+DayComparison compare_results(const DayResults& old_day, const DayResults& new_day) {
+    const Attempts then = by_id(old_day);
+    const Attempts now = by_id(new_day);
+    DayComparison comparison;
+    for (const AttemptResult& attempt : old_day.attempts)
+        if (find(then, attempt.id) == &attempt && !now.contains(attempt.id))
+            comparison.only_old.push_back(attempt.id);
+    for (const AttemptResult& attempt : new_day.attempts) {
+        if (find(now, attempt.id) != &attempt) continue;
+        if (const AttemptResult* before = find(then, attempt.id))
+            compare_attempt(comparison, *before, attempt);
+        else
+            comparison.only_new.push_back(attempt.id);
+    }
+    return comparison;
+}
+
+DayComparison compare_days(const fs::path& old_out, const fs::path& new_out) {
+    DayComparison comparison = compare_results(read_day(old_out), read_day(new_out));
+    for (const ResultChange& change : comparison.results)
+        if (comparison.causes.empty() || comparison.causes.back().id != change.id)
+            comparison.causes.push_back(causes_of(change.id, old_out, new_out));
+    return comparison;
+}
+
+}  // namespace runcert

@@ -1,0 +1,211 @@
+#include "reports/diff/run_causes.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <optional>
+#include <string_view>
+
+#include "core/failure.h"
+#include "files/atomic_file.h"
+#include "reports/diff/table_comparison.h"
+#include "run/evidence.h"
+#include "run/stage_run.h"
+#include "schemas/common/header.h"
+#include "schemas/products/products.h"
+
+namespace runcert {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+std::vector<std::string> product_names(const Attempt& attempt) {
+    std::vector<std::string> names;
+    for (const auto& [stem, extension] :
+         {std::pair("1-observations", "ecsv"), std::pair("2-enu", "ecsv"),
+          std::pair("3-screened", "ecsv"), std::pair("4-trajectory", "ecsv"),
+          std::pair("5-windows", "yaml")})
+        for (const Receiver& receiver : attempt.receivers)
+            names.push_back(product_file(attempt, receiver, stem, extension));
+    names.emplace_back("6-verdict.yaml");
+    return names;
+}
+
+std::string maker_of(const Json& header) {
+    const Json& stage = header.at("stage");
+    return fmt::format("runcert {}, source {}", stage.value("version", "unknown"),
+                       stage.value("source_revision", "unknown"));
+}
+
+std::vector<Change> as_changes(const std::vector<ValueDifference>& values) {
+    std::vector<Change> changes;
+    for (const ValueDifference& value : values)
+        changes.push_back({value.path, value.a, value.b});
+    return changes;
+}
+
+void add_makers(RunCauses& causes, const std::string& product, const Json& header_a,
+                const Json& header_b) {
+    const Change change{product, maker_of(header_a), maker_of(header_b)};
+    if (change.a == change.b) return;
+    for (Change& known : causes.programs)
+        if (known.a == change.a && known.b == change.b) {
+            known.what += ", " + product;
+            return;
+        }
+    causes.programs.push_back(change);
+}
+
+void add_parameters(RunCauses& causes, const Json& header_a, const Json& header_b) {
+    for (Change& change :
+         as_changes(value_differences(header_a.value("parameters", Json::object()),
+                                      header_b.value("parameters", Json::object())))) {
+        change.what = fmt::format("{}.{}", header_a.at("stage").value("name", ""), change.what);
+        if (std::ranges::find(causes.parameters, change) == causes.parameters.end())
+            causes.parameters.push_back(std::move(change));
+    }
+}
+
+constexpr std::array<std::string_view, 3> header_members{"stage", "inputs", "parameters"};
+
+/// The lines of a map in block style that hold these members, at the text's own margin. Lines of a
+/// member are those below its key that stand deeper, or begin a list's item at its place.
+class MemberLines {
+  public:
+    /// Takes the next line of the text; false where the map is at its end.
+    bool take(std::string_view line) {
+        const std::size_t indent = line.find_first_not_of(' ');
+        if (indent == std::string_view::npos) return true;
+        if (!margin_) margin_ = indent;
+        if (indent < *margin_) return false;
+        if (indent == *margin_ && line[indent] != '-') {
+            const std::string_view key = line.substr(indent, line.find(':') - indent);
+            wanted_ = std::ranges::find(header_members, key) != header_members.end();
+            if (wanted_) ++found_;
+        }
+        if (wanted_) text_.append(line.substr(*margin_)) += '\n';
+        return true;
+    }
+    /// The members, where each was found once.
+    std::optional<std::string> text() const {
+        return found_ == header_members.size() ? std::optional(text_) : std::nullopt;
+    }
+
+  private:
+    std::optional<std::size_t> margin_;
+    bool wanted_ = false;
+    std::size_t found_ = 0;
+    std::string text_;
+};
+
+/// The header's members as text, cut out of a product; nothing where it is not laid out as the
+/// program writes it.
+std::optional<std::string> header_text(std::string_view product, bool is_table) {
+    MemberLines members;
+    bool inside = !is_table;
+    while (!product.empty()) {
+        const std::size_t end = product.find('\n');
+        std::string_view line = product.substr(0, end);
+        product.remove_prefix(end == std::string_view::npos ? product.size() : end + 1);
+        if (is_table) {
+            if (!line.starts_with("# ")) break;
+            line.remove_prefix(2);
+            if (!inside) {
+                inside = line == "meta:";
+                continue;
+            }
+        }
+        if (!members.take(line)) break;
+    }
+    return members.text();
+}
+
+/// The header alone. Parsing all that a table says of its columns takes ten times as long as
+/// parsing what is needed here.
+Json header_in(const RunFolder& run, const std::string& product) {
+    const fs::path file = run.folder / product;
+    const FileView view(file);
+    const auto text = header_text(view.bytes(), product.ends_with(".ecsv"));
+    if (!text) return header_of(view.bytes(), file.string());
+    return json_from_yaml(YamlValue(parse_yaml(*text, file.string()), file.string()));
+}
+
+/// Files that a run was made from, by name, with their hashes.
+using Claims = std::map<std::string, std::string>;
+
+void add_claims(Claims& claims, const Json& header) {
+    for (const Json& input : header.value("inputs", Json::array())) {
+        const std::string file = input.value("file", "");
+        // The attempt is compared key by key, and products are no causes.
+        if (file != evidence_attempt_file && !is_product_name(file))
+            claims[file] = input.value("sha256", "");
+    }
+}
+
+std::vector<Change> claim_changes(const Claims& a, const Claims& b) {
+    Claims names = a;
+    names.insert(b.begin(), b.end());
+    const auto hash = [](const Claims& claims, const std::string& name) {
+        const auto found = claims.find(name);
+        return found == claims.end() ? std::string("not used") : found->second;
+    };
+    std::vector<Change> changes;
+    for (const auto& [name, unused] : names)
+        if (hash(a, name) != hash(b, name)) changes.push_back({name, hash(a, name), hash(b, name)});
+    return changes;
+}
+
+}  // namespace
+
+RunFolder read_run_folder(const fs::path& folder) {
+    const fs::path attempt_file = folder / evidence_attempt_file;
+    if (!fs::is_directory(folder) || !fs::exists(attempt_file))
+        throw Failure(folder.string(), "this is not the folder of a run",
+                      "Name two folders that `runcert certify` wrote");
+    const std::string text = read_handwritten(attempt_file);
+    RunFolder run{.folder = folder,
+                  .attempt = read_attempt(text, attempt_file.string()),
+                  .attempt_document = json_from_yaml(
+                      YamlValue(parse_yaml(text, attempt_file.string()), attempt_file.string())),
+                  .products = {}};
+    run.attempt_document.erase("parameters");
+    for (const std::string& name : product_names(run.attempt))
+        if (fs::exists(folder / name)) run.products.push_back(name);
+    if (run.products.empty())
+        throw Failure(folder.string(), "the folder holds no file of any stage",
+                      "Name two folders that `runcert certify` wrote");
+    return run;
+}
+
+std::vector<Change> attempt_changes(const RunFolder& a, const RunFolder& b) {
+    return as_changes(value_differences(a.attempt_document, b.attempt_document));
+}
+
+void add_header_changes(RunCauses& causes, const std::string& product, const Json& header_a,
+                        const Json& header_b) {
+    add_makers(causes, product, header_a, header_b);
+    add_parameters(causes, header_a, header_b);
+}
+
+RunCauses causes_between(const fs::path& folder_a, const fs::path& folder_b) {
+    const RunFolder a = read_run_folder(folder_a);
+    const RunFolder b = read_run_folder(folder_b);
+    std::map<std::string, Json> headers_a, headers_b;
+    Claims claims_a, claims_b;
+    for (const std::string& product : a.products)
+        add_claims(claims_a, headers_a[product] = header_in(a, product));
+    for (const std::string& product : b.products)
+        add_claims(claims_b, headers_b[product] = header_in(b, product));
+    RunCauses causes;
+    causes.inputs = claim_changes(claims_a, claims_b);
+    causes.attempt = attempt_changes(a, b);
+    for (const auto& [product, header] : headers_a)
+        if (const auto other = headers_b.find(product); other != headers_b.end())
+            add_header_changes(causes, product, header, other->second);
+    return causes;
+}
+
+}  // namespace runcert

@@ -1,0 +1,160 @@
+#include "reports/diff/run_difference.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/failure.h"
+#include "files/atomic_file.h"
+#include "files/sha256.h"
+#include "run/evidence.h"
+#include "run/stage_run.h"
+
+namespace runcert {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+/// File to SHA-256, or "missing".
+using Evidence = std::map<std::string, std::string>;
+
+constexpr const char* missing = "missing";
+
+std::vector<std::string> evidence_names(const Attempt& attempt) {
+    std::vector<std::string> names;
+    for (const Receiver& receiver : attempt.receivers) {
+        for (const EvidenceFile& file : evidence_files(receiver))
+            names.push_back(file.name);
+        for (const EvidenceFile& file : solution_files(receiver))
+            names.push_back(file.name);
+    }
+    for (const EvidenceFile& file : flow_files(attempt))
+        names.push_back(file.name);
+    for (const std::string& claimed : attempt.profiles)
+        names.push_back(evidence_profile_file(claimed));
+    return names;
+}
+
+Evidence evidence_of(const RunFolder& run) {
+    Evidence evidence;
+    for (const std::string& name : evidence_names(run.attempt))
+        evidence[name] =
+            fs::exists(run.folder / name) ? digest_file(run.folder / name).sha256 : missing;
+    return evidence;
+}
+
+bool holds(const std::vector<std::string>& names, const std::string& name) {
+    return std::ranges::find(names, name) != names.end();
+}
+
+std::vector<std::string> in_either(const std::vector<std::string>& a,
+                                   const std::vector<std::string>& b) {
+    std::vector<std::string> names = a;
+    for (const std::string& name : b)
+        if (!holds(names, name)) names.push_back(name);
+    std::ranges::sort(names);
+    return names;
+}
+
+std::vector<Change> input_changes(const RunFolder& run_a, const RunFolder& run_b) {
+    const Evidence a = evidence_of(run_a);
+    const Evidence b = evidence_of(run_b);
+    std::vector<Change> changes;
+    const auto hash = [](const Evidence& evidence, const std::string& name) {
+        const auto found = evidence.find(name);
+        return found == evidence.end() ? std::string("not named") : found->second;
+    };
+    Evidence names = a;
+    names.insert(b.begin(), b.end());
+    for (const auto& [name, unused] : names)
+        if (hash(a, name) != hash(b, name)) changes.push_back({name, hash(a, name), hash(b, name)});
+    return changes;
+}
+
+/// One product in both runs.
+class ProductPair {
+  public:
+    ProductPair(const RunFolder& a, const RunFolder& b, const std::string& name)
+        : name_(name),
+          where_a_((a.folder / name).string()),
+          where_b_((b.folder / name).string()),
+          text_a_(read_file(where_a_)),
+          text_b_(read_file(where_b_)),
+          header_a_(header_of(text_a_, where_a_)),
+          header_b_(header_of(text_b_, where_b_)) {}
+
+    void add_to(RunDifference& difference) const {
+        add_header_changes(difference, name_, header_a_, header_b_);
+        add_results(difference);
+    }
+
+  private:
+    std::string stage() const { return header_a_.at("stage").value("name", ""); }
+
+    void add_results(RunDifference& difference) const {
+        ProductDifference product{.file = name_, .stage = stage(), .table = {}, .values = {}};
+        if (name_.ends_with(".ecsv")) {
+            product.table = compare_tables(text_a_, text_b_, where_a_, where_b_);
+            if (stage() == "screen") {
+                difference.epochs.push_back(epoch_difference(text_a_, text_b_, where_a_, where_b_));
+                difference.epochs.back().receiver = receiver();
+            }
+        } else {
+            const Json a = results_of(text_a_, where_a_);
+            const Json b = results_of(text_b_, where_b_);
+            product.values = value_differences(a, b);
+            const std::string of = " of receiver " + receiver();
+            auto& changes = stage() == "window" ? difference.windows : difference.verdicts;
+            for (Change& change : stage() == "window" ? window_changes(a, b, is_first() ? "" : of)
+                                                      : verdict_changes(a, b))
+                changes.push_back(std::move(change));
+        }
+        difference.products.push_back(std::move(product));
+    }
+
+    /// The products of the first receiver do not name it.
+    bool is_first() const { return std::ranges::count(name_, '.') == 1; }
+    std::string receiver() const {
+        const Json results = results_of(text_a_, where_a_);
+        return results.value("receiver", "");
+    }
+
+    std::string name_, where_a_, where_b_, text_a_, text_b_;
+    Json header_a_, header_b_;
+};
+
+}  // namespace
+
+std::map<std::string, std::int64_t> EpochDifference::counts() const {
+    std::map<std::string, std::int64_t> counted;
+    for (const EpochChange& change : changes)
+        ++counted[fmt::format("{} -> {}", change.a, change.b)];
+    return counted;
+}
+
+bool RunDifference::equal() const {
+    return none() && windows.empty() && verdicts.empty() &&
+           std::ranges::all_of(epochs, &EpochDifference::equal) &&
+           std::ranges::all_of(products, &ProductDifference::equal);
+}
+
+RunDifference difference_of_runs(const fs::path& folder_a, const fs::path& folder_b) {
+    const RunFolder a = read_run_folder(folder_a);
+    const RunFolder b = read_run_folder(folder_b);
+    RunDifference difference;
+    difference.inputs = input_changes(a, b);
+    difference.attempt = attempt_changes(a, b);
+    for (const std::string& name : in_either(a.products, b.products)) {
+        if (holds(a.products, name) && holds(b.products, name)) {
+            ProductPair(a, b, name).add_to(difference);
+            continue;
+        }
+        ProductDifference product{.file = name, .stage = {}, .table = {}, .values = {}};
+        (holds(a.products, name) ? product.only_a : product.only_b) = true;
+        difference.products.push_back(std::move(product));
+    }
+    return difference;
+}
+
+}  // namespace runcert

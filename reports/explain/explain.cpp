@@ -1,0 +1,142 @@
+#include "reports/explain/explain.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+
+#include "core/failure.h"
+#include "core/plain_text.h"
+#include "core/text.h"
+#include "reports/explain/parts.h"
+#include "reports/explain/words.h"
+
+namespace runcert {
+namespace {
+
+constexpr std::string_view verdict_file = "6-verdict.yaml";
+
+std::vector<ProfileView> views_of(const Verdict& verdict, const std::vector<Profile>& profiles,
+                                  const std::string& wanted) {
+    std::vector<ProfileView> views;
+    std::vector<std::string_view> known;
+    for (const ProfileVerdict& entry : verdict.profiles) {
+        known.push_back(entry.profile);
+        if (!wanted.empty() && entry.profile != wanted) continue;
+        const auto profile = std::ranges::find(profiles, entry.profile, &Profile::id);
+        if (profile == profiles.end())
+            throw Failure(std::string(verdict_file),
+                          fmt::format("the verdict is by the profile {}, which the attempt does "
+                                      "not claim",
+                                      escape_for_message(entry.profile)),
+                          "Run the stages again, or `runcert certify`");
+        views.push_back({verdict, entry, *profile});
+    }
+    if (views.empty())
+        throw Failure("--profile",
+                      fmt::format("the verdict has no profile \"{}\"", escape_for_message(wanted)),
+                      fmt::format("Use one of: {}", fmt::join(known, ", ")));
+    return views;
+}
+
+ClauseView clause_view(const ProfileView& view, const Requirement& requirement) {
+    const auto clause = std::ranges::find(view.profile.clauses, requirement.clause, &Clause::id);
+    return {view, requirement, clause == view.profile.clauses.end() ? nullptr : &*clause};
+}
+
+std::string full_name(const ProfileView& view, std::string_view clause) {
+    return fmt::format("{}/{}", view.verdict.profile, clause);
+}
+
+[[noreturn]] void refuse_clause(const std::vector<ProfileView>& views, const std::string& clause) {
+    std::vector<std::string> known{"outcome", "decision"};
+    for (const ProfileView& view : views)
+        for (const Requirement& requirement : view.verdict.requirements)
+            known.push_back(full_name(view, requirement.clause));
+    std::vector<std::string_view> candidates;
+    for (const std::string& name : known) {
+        candidates.push_back(name);
+        candidates.push_back(std::string_view(name).substr(name.find('/') + 1));
+    }
+    throw Failure("CLAUSE",
+                  fmt::format("the verdict has no clause \"{}\"", escape_for_message(clause)),
+                  fmt::format("Did you mean {}? There are: {}", nearest(clause, candidates),
+                              fmt::join(known, ", ")));
+}
+
+bool is_decision(const ProfileView& view, const std::string& name) {
+    return std::ranges::any_of(
+        std::array<std::string_view, 2>{"outcome", "decision"},
+        [&](std::string_view word) { return name == word || name == full_name(view, word); });
+}
+
+std::string one_clause(const std::vector<ProfileView>& views, const std::string& name) {
+    std::vector<std::string> blocks;
+    for (const ProfileView& view : views) {
+        if (is_decision(view, name)) blocks.push_back(decision_text(view));
+        for (const Requirement& requirement : view.verdict.requirements)
+            if (requirement.clause == name || full_name(view, requirement.clause) == name)
+                blocks.push_back(clause_text(clause_view(view, requirement)));
+    }
+    if (blocks.empty()) refuse_clause(views, name);
+    return fmt::format("{}", fmt::join(blocks, "\n"));
+}
+
+std::string counts_of(const ProfileVerdict& verdict) {
+    const auto count = [&](std::string_view status) {
+        return std::ranges::count(verdict.requirements, status, &Requirement::status);
+    };
+    return fmt::format("{}: {} met, {} not met, {} for a person to attest",
+                       counted(std::ssize(verdict.requirements), "clause"), count("met"),
+                       count("not_met"), count("attest"));
+}
+
+std::string in_short(const ProfileView& view) {
+    std::string text = decision_in_short(view);
+    text += labelled("Clauses", counts_of(view.verdict));
+    for (const std::string& words : override_words(view.verdict, {}))
+        text += labelled("Replaced", words);
+    for (const std::string& note : notes_of(view.verdict))
+        text += labelled("Note", note);
+    for (const Requirement& requirement : view.verdict.requirements)
+        text += fmt::format("\n{}", clause_in_short(clause_view(view, requirement)));
+    return text;
+}
+
+}  // namespace
+
+std::string explain_text(const Verdict& verdict, const std::vector<Profile>& profiles,
+                         const ExplainOptions& options) {
+    const std::vector<ProfileView> views = views_of(verdict, profiles, options.profile);
+    if (!options.clause.empty()) return one_clause(views, options.clause);
+    std::string text;
+    for (const ProfileView& view : views)
+        text += fmt::format("{}\n", in_short(view));
+    const ProfileView& first = views.front();
+    return text +
+           wrapped(fmt::format("One clause in full: runcert explain RUN_DIR {}. How the outcome "
+                               "was decided: runcert explain RUN_DIR decision.",
+                               first.verdict.requirements.empty()
+                                   ? "CLAUSE"
+                                   : shell_word(plain_text(full_name(
+                                         first, first.verdict.requirements.front().clause)))),
+                   0);
+}
+
+std::string profiles_text(const std::vector<Profile>& profiles) {
+    std::string text;
+    for (const Profile& profile : profiles) {
+        text += wrapped(profile.id, 0);
+        text += "    " + wrapped(sentence(profile.title), 4, 4);
+        text += "    " + wrapped(sentence(profile.body), 4, 4);
+        text += "    " + wrapped(fmt::format("Speed over {}{}.", window_words(profile),
+                                             profile.windows == 1
+                                                 ? ""
+                                                 : fmt::format(", mean of {}", profile.windows)),
+                                 4, 4);
+    }
+    return text;
+}
+
+}  // namespace runcert

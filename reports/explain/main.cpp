@@ -1,0 +1,85 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+
+#include "core/failure.h"
+#include "files/program.h"
+#include "reports/explain/explain.h"
+#include "reports/explain/words.h"
+#include "run/evidence.h"
+#include "run/stage_main.h"
+
+using namespace runcert;
+
+namespace {
+
+struct Options {
+    std::string run_dir;
+    ExplainOptions what;
+    bool profiles = false;
+};
+
+/// Hashes what the verdict was made from, and is in the run folder. The names of what is not.
+std::vector<std::string> check_inputs(StageRun& run, const Verdict& verdict) {
+    std::vector<std::string> missing;
+    for (const InputFile& input : verdict.header.inputs) {
+        const std::filesystem::path name(input.file);
+        if (name.has_parent_path() || !std::filesystem::is_regular_file(run.run_dir() / name))
+            missing.push_back(input.file);
+        else
+            run.note_file(input.role, input.file);
+    }
+    return missing;
+}
+
+std::string explain_run(const Options& options) {
+    const std::filesystem::path run_dir(options.run_dir);
+    StageRun run = open_run("explain", run_dir);
+    run.note_attempt();
+    const Verdict verdict = run.read("verdict", "6-verdict.yaml", read_verdict);
+    std::vector<Profile> profiles;
+    for (const std::string& claimed : run.attempt().profiles) {
+        run.note_file("profile", evidence_profile_file(claimed));
+        profiles.push_back(read_claimed_profile(run_dir, claimed, run.attempt()));
+    }
+    const std::vector<std::string> missing = check_inputs(run, verdict);
+    std::string text = explain_text(verdict, profiles, options.what);
+    if (!missing.empty())
+        text += "\n" + wrapped(fmt::format("Not checked, since the folder does not hold it: {}.",
+                                           fmt::join(missing, ", ")),
+                               4);
+    return text;
+}
+
+std::string builtin_profiles_text() {
+    std::vector<Profile> profiles;
+    for (const std::string& name : builtin_profiles())
+        profiles.push_back(read_profile(builtin_profile(name), name + ".yaml"));
+    return profiles_text(profiles);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    Options options;
+    return reader_main(
+        argc, argv, "explain", "What decides a verdict, clause by clause, in plain words",
+        [&](CLI::App& app) {
+            auto* run_dir = app.add_option("RUN_DIR", options.run_dir, "folder of a certified run");
+            app.add_option("CLAUSE", options.what.clause,
+                           "clause, or outcome (default: all in short)");
+            app.add_option("--profile", options.what.profile, "which profile (default: all)");
+            app.add_flag("--profiles", options.profiles,
+                         "list the profiles that come with the program")
+                ->excludes(run_dir);
+        },
+        [&]() -> int {
+            if (!options.profiles && options.run_dir.empty())
+                throw Failure("the command line", "no run folder is named",
+                              "Name a folder that `runcert certify` wrote, or give --profiles");
+            fmt::print("{}", options.profiles ? builtin_profiles_text() : explain_run(options));
+            return 0;
+        });
+}

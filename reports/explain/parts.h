@@ -1,0 +1,64 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "reports/explain/explain.h"
+
+// The parts of an explanation; `explain_text` puts them together.
+
+namespace runcert {
+
+/// One profile of the verdict, and its rule.
+struct ProfileView {
+    const Verdict& all;
+    const ProfileVerdict& verdict;
+    const Profile& profile;
+};
+
+/// One of its clauses. `clause` is null where the profile does not have it.
+struct ClauseView {
+    const ProfileView& of;
+    const Requirement& requirement;
+    const Clause* clause = nullptr;
+
+    /// The computation that decided it, or "attest"; the profile's word for it where the verdict is
+    /// of revision 1.0.
+    std::string decided_by() const;
+    /// What the computation compared with, "1 m"; empty where it takes no limit.
+    std::string limit() const;
+};
+
+/// A clause in full: text, source, computation, figures, limit, outcome.
+std::string clause_text(const ClauseView& view);
+/// Its outcome, text and evidence.
+std::string clause_in_short(const ClauseView& view);
+
+/// How the outcome of a profile was decided, in full.
+std::string decision_text(const ProfileView& view);
+/// Outcome, speed and reason.
+std::string decision_in_short(const ProfileView& view);
+
+/// How a computation makes its figure and compares it, in sentences.
+std::string computation_words(const ClauseView& view);
+/// What a person must do for a clause that the data did not decide.
+std::string to_attest_words(const ClauseView& view);
+
+/// By how much the record must be beaten: "by 1 mph".
+std::string margin_words(const Profile& profile);
+/// How the body rounds the speed to reach.
+std::string rounding_words(const Profile& profile);
+/// The unit that the verdict shows speeds in, else the rule's.
+std::string unit_of(const ProfileView& view);
+/// The speed as it is to be read: "216.00 km/h +/- 0.02 km/h (k = 2)"; empty where there is none.
+std::string speed_shown(const ProfileView& view);
+
+/// The replaced figures whose names are among these, or all: "margin.value is 2 mph in place of the
+/// rule's 1 mph. Reason: agreed".
+std::vector<std::string> override_words(const ProfileVerdict& verdict,
+                                        const std::vector<std::string>& names);
+/// The notes without those on a replaced figure, which `override_words` tells.
+std::vector<std::string> notes_of(const ProfileVerdict& verdict);
+
+}  // namespace runcert

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "reports/export/track.h"
+
+namespace runcert {
+
+/// KML 2.2 for Google Earth: arcs, windows (each rule and kind in a style of its own) and gates as
+/// lines clamped to the ground, because heights above the ellipsoid are not heights above sea
+/// level. Text from outside is escaped for XML and, in descriptions, for HTML.
+std::string kml_text(const Track& track);
+
+/// GeoJSON (RFC 7946, whose heights are above the ellipsoid too): a feature for each arc, window
+/// and gate, with simplestyle colours.
+std::string geojson_text(const Track& track);
+
+/// GPX 1.1: a track of a segment for each arc. A point has `time` where the recording's time is
+/// absolute, and `ele` (above the ellipsoid, as the file's description says) where it was measured.
+std::string gpx_text(const Track& track);
+
+/// A table (ECSV) as plain CSV: one header row, no comments, LF. Text that a spreadsheet would take
+/// for a formula gets an apostrophe before it; numbers stay as they are. `where` names the table in
+/// messages.
+std::string csv_text(std::string_view table, const std::string& where);
+
+}  // namespace runcert

@@ -1,0 +1,122 @@
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+
+#include "core/failure.h"
+#include "files/atomic_file.h"
+#include "files/program.h"
+#include "reports/export/export.h"
+#include "run/evidence.h"
+#include "run/stage_main.h"
+
+using namespace runcert;
+
+namespace {
+
+struct Options {
+    std::string run_dir;
+    std::string format;
+    std::string out;
+    std::string table;
+    std::string receiver;
+    std::int64_t every = 1;
+    bool force = false;
+};
+
+/// The stem of a table's file; the trajectory's where none was asked for.
+std::string table_stem(const std::string& table) {
+    if (table == "observations") return "1-observations";
+    if (table == "enu") return "2-enu";
+    if (table == "screened") return "3-screened";
+    return "4-trajectory";
+}
+
+std::string table_text(StageRun& run, const Receiver& receiver, const Options& options) {
+    const std::string file =
+        product_file(run.attempt(), receiver, table_stem(options.table), "ecsv");
+    return csv_text(run.read_text("table", file), (run.run_dir() / file).string());
+}
+
+std::string map_text(StageRun& run, const Receiver& receiver, const Options& options) {
+    const Attempt& attempt = run.attempt();
+    const TrajectoryTable trajectory = run.read(
+        "trajectory", product_file(attempt, receiver, "4-trajectory", "ecsv"), read_trajectory);
+    TrackInput input{.attempt = &attempt,
+                     .receiver = &receiver,
+                     .trajectory = &trajectory,
+                     .every = options.every};
+    Windows windows;
+    Verdict verdict;
+    if (receiver.id == attempt.receivers.front().id) {
+        windows =
+            run.read("windows", product_file(attempt, receiver, "5-windows", "yaml"), read_windows);
+        verdict = run.read("verdict", "6-verdict.yaml", read_verdict);
+        input.windows = &windows;
+        input.verdict = &verdict;
+    }
+    const Track track = track_of(input);
+    if (options.format == "kml") return kml_text(track);
+    if (options.format == "gpx") return gpx_text(track);
+    return geojson_text(track);
+}
+
+std::filesystem::path out_file(const Attempt& attempt, const Receiver& receiver,
+                               const Options& options) {
+    if (!options.out.empty()) return options.out;
+    std::string name = attempt.id;
+    if (receiver.id != attempt.receivers.front().id) name += "." + receiver.id;
+    if (options.format == "csv") name += "." + table_stem(options.table).substr(2);
+    return name + "." + options.format;
+}
+
+void check_options(const Options& options) {
+    if (!options.table.empty() && options.format != "csv")
+        throw Failure("--table", "only --format csv exports a table",
+                      "Leave it out: a map is made of the trajectory");
+    if (options.every != 1 && options.format == "csv")
+        throw Failure("--every", "a table is exported with all its rows",
+                      "Leave it out, or export a map");
+}
+
+int export_run(const Options& options) {
+    check_options(options);
+    StageRun run = open_run("export", options.run_dir);
+    const Receiver& receiver = receiver_of(run.attempt(), options.receiver);
+    const std::filesystem::path out = out_file(run.attempt(), receiver, options);
+    const bool printed = out == "-";
+    if (!printed && !options.force && std::filesystem::exists(out))
+        throw Failure(out.string(), "the file exists already",
+                      "Choose another name with --out, or replace it with --force");
+    const std::string text = options.format == "csv" ? table_text(run, receiver, options)
+                                                     : map_text(run, receiver, options);
+    if (printed) {
+        fmt::print("{}", text);
+        return 0;
+    }
+    write_file_atomically(out, text);
+    fmt::print("export    {}\n", out.string());
+    return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    Options options;
+    return reader_main(
+        argc, argv, "export", "A run for maps and spreadsheets",
+        [&](CLI::App& app) {
+            app.add_option("RUN_DIR", options.run_dir, "folder of a certified run")->required();
+            app.add_option("--format", options.format, "kml, geojson, gpx or csv")
+                ->required()
+                ->check(CLI::IsMember({"kml", "geojson", "gpx", "csv"}));
+            app.add_option("--out", options.out, "file to write, - for standard output");
+            app.add_option("--table", options.table, "of csv: which table")
+                ->check(CLI::IsMember({"observations", "enu", "screened", "trajectory"}));
+            app.add_option("--receiver", options.receiver, "which receiver (default: the first)");
+            app.add_option("--every", options.every, "of a map: every so many epochs")
+                ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000}));
+            app.add_flag("--force", options.force, "replace the file if it exists");
+        },
+        [&]() -> int { return export_run(options); });
+}

@@ -1,0 +1,130 @@
+#include "reports/export/window_words.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "core/speed_unit.h"
+#include "core/text.h"
+
+namespace runcert {
+namespace {
+
+constexpr int speed_decimals = 6;
+constexpr std::string_view refused_rgb = "D55E00";
+constexpr std::array<std::string_view, 4> rule_rgb{"0072B2", "009E73", "CC79A7", "56B4E9"};
+constexpr int widest = 10;
+constexpr int narrower = 2;
+constexpr int narrowest = 4;
+
+std::string outcome_words(const std::string& outcome) {
+    if (outcome == "not_beaten") return "not beaten";
+    if (outcome == "not_proven") return "not proven";
+    if (outcome == "not_certifiable") return "not certifiable";
+    return outcome;
+}
+
+/// The speed for people: as the verdict shows it, or in km/h.
+std::string speed_words(const TrackWindow& window) {
+    if (window.shown)
+        return fmt::format("{0} {2} +/- {1} {2}", window.shown->speed,
+                           window.shown->expanded_uncertainty, window.shown->unit);
+    const double unit_mps = metres_per_second("km/h");
+    return format_fixed(window.speed_mps / unit_mps, 2) + " km/h";
+}
+
+void add_time(std::vector<MapFact>& facts, const std::string& name, const std::string& label,
+              const std::optional<GpsTime>& instant) {
+    if (instant) facts.push_back({name, label, to_utc_iso(*instant)});
+}
+
+}  // namespace
+
+std::string name_of(const TrackWindow& window) {
+    switch (window.kind) {
+        case WindowKind::best:
+            return fmt::format("{}: {}, {}", window.profile, speed_words(window),
+                               outcome_words(window.outcome));
+        case WindowKind::further:
+            return fmt::format("{}: {}, another window of the mean", window.profile,
+                               speed_words(window));
+        case WindowKind::refused:
+            return fmt::format("{}: {} REFUSED, not certified", window.profile,
+                               speed_words(window));
+    }
+    return {};
+}
+
+std::string name_of(const TrackArc& arc) {
+    return fmt::format("track, arc {}", arc.number);
+}
+
+std::string name_of(const TrackGate& gate) {
+    return fmt::format("{} line", gate.name);
+}
+
+std::vector<MapFact> facts_of(const TrackWindow& window) {
+    const bool certified = window.kind != WindowKind::refused;
+    std::vector<MapFact> facts{{"kind", "", std::string(to_text(window.kind))},
+                               {"rule", "Rule", window.profile},
+                               {"body", "Body", window.body},
+                               {"title", "Title", window.title},
+                               {"definition", "Speed defined as", window.definition},
+                               {"rule_outcome", "", window.outcome}};
+    if (certified) facts.push_back({"reason", "Outcome", window.reason});
+    facts.push_back({"speed_m_s", "Speed (m/s)", format_fixed(window.speed_mps, speed_decimals)});
+    if (window.expanded_uncertainty_mps)
+        facts.push_back({"expanded_uncertainty_m_s", "Expanded uncertainty, k = 2 (m/s)",
+                         format_fixed(*window.expanded_uncertainty_mps, speed_decimals)});
+    facts.push_back({"speed_shown", "", speed_words(window)});
+    if (!window.refusals.empty())
+        facts.push_back({"refused_because", "Not certified, because",
+                         fmt::format("{}", fmt::join(window.refusals, "; "))});
+    if (window.span.start_gps) {
+        add_time(facts, "start_utc", "Begins (UTC)", window.span.start_gps);
+        add_time(facts, "end_utc", "Ends (UTC)",
+                 window.span.start_gps->plus_nanoseconds(window.span.duration.nanoseconds));
+    }
+    facts.push_back({"start_time_s", "Begins (s after the first epoch)",
+                     format_fixed(window.span.start.seconds(), 3)});
+    facts.push_back(
+        {"duration_s", "Duration (s)", format_fixed(window.span.duration.seconds(), 3)});
+    facts.push_back({"first_epoch", "First epoch", std::to_string(window.span.first_epoch)});
+    facts.push_back({"last_epoch", "Last epoch", std::to_string(window.span.last_epoch)});
+    return facts;
+}
+
+std::vector<MapFact> facts_of(const TrackArc& arc) {
+    std::vector<MapFact> facts{{"kind", "", "track"}, {"arc", "", std::to_string(arc.number)}};
+    add_time(facts, "start_utc", "Begins (UTC)", arc.points.front().instant);
+    add_time(facts, "end_utc", "Ends (UTC)", arc.points.back().instant);
+    facts.push_back({"start_time_s", "Begins (s after the first epoch)",
+                     format_fixed(arc.points.front().time.seconds(), 3)});
+    facts.push_back({"end_time_s", "", format_fixed(arc.points.back().time.seconds(), 3)});
+    return facts;
+}
+
+LineStyle style_of(const TrackWindow& window) {
+    const int order = static_cast<int>(std::min<std::size_t>(window.rule, widest));
+    const int width = std::max(narrowest, widest - narrower * order);
+    if (window.kind == WindowKind::refused) return {std::string(refused_rgb), width + narrower};
+    return {std::string(rule_rgb[window.rule % rule_rgb.size()]), width};
+}
+
+std::vector<std::string> about(const Track& track) {
+    std::vector<std::string> lines{fmt::format("Craft: {}", track.craft)};
+    if (!track.place.empty()) lines.push_back(fmt::format("Place: {}", track.place));
+    lines.push_back(fmt::format("Receiver: {}", track.receiver));
+    lines.emplace_back(
+        "Track: smoothed positions (WGS 84), cut at gaps; a map for looking, not the record: that "
+        "is report.json.");
+    lines.emplace_back(track.heights_measured
+                           ? "Heights are above the WGS 84 ellipsoid, not above sea level."
+                           : "Heights were not measured.");
+    return lines;
+}
+
+}  // namespace runcert

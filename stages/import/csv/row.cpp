@@ -1,0 +1,216 @@
+#include "stages/import/csv/row.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "core/failure.h"
+#include "core/geodesy.h"
+#include "core/text.h"
+#include "stages/import/clock.h"
+#include "stages/import/earth.h"
+#include "stages/import/fix.h"
+
+namespace runcert::csv {
+namespace {
+
+/// The fields of one row, by column.
+class Fields {
+  public:
+    Fields(std::span<const Cell> cells, const Layout& layout) : cells_(cells), layout_(layout) {}
+
+    /// Whether the column is there and its field not empty.
+    bool has(Column column) const { return layout_[column] && !cell(column).text.empty(); }
+    const Cell& cell(Column column) const { return cells_[*layout_[column]]; }
+    double real(Column column) const { return read_real(cell(column), name_of(column)); }
+    std::optional<double> optional_real(Column column) const {
+        if (!has(column)) return std::nullopt;
+        return real(column);
+    }
+    /// Empty, and zero, are unknown.
+    std::optional<double> deviation(Column column) const {
+        if (!has(column)) return std::nullopt;
+        const double value = read_deviation(cell(column), name_of(column));
+        return value > 0.0 ? std::optional(value) : std::nullopt;
+    }
+
+  private:
+    std::span<const Cell> cells_;
+    const Layout& layout_;
+};
+
+GpsTime read_seconds(const Cell& cell, const Receiver& receiver) {
+    const std::int64_t nanoseconds = read_nanoseconds(cell, "time");
+    try {
+        return receiver.start_gps.value_or(GpsTime()).plus_nanoseconds(nanoseconds);
+    } catch (const Failure& failure) {
+        cell.fail(failure.problem(), failure.remedy());
+    }
+}
+
+GpsTime read_instant(const Fields& fields, const Description& description,
+                     const Receiver& receiver) {
+    const Clock clock = description.clock;
+    const Cell& time = fields.cell(Column::time);
+    if (time.text.empty())
+        time.fail("the time is missing",
+                  "Take the line out; if it holds units or other notes under the header, too");
+    switch (description.time_format) {
+        case TimeFormat::seconds:
+            return read_seconds(time, receiver);
+        case TimeFormat::seconds_of_week:
+            return read_week_time(fields.cell(Column::week), time, clock);
+        case TimeFormat::unix:
+            return read_unix(time);
+        case TimeFormat::iso:
+            return read_iso(time, clock);
+        case TimeFormat::time_of_day:
+            break;
+    }
+    return read_calendar(fields.cell(Column::date), time, clock);
+}
+
+Geodetic read_utm(const Fields& fields, const Receiver& receiver, double height_m) {
+    const double easting_m = fields.real(Column::east);
+    const double northing_m = fields.real(Column::north);
+    try {
+        return geodetic_from_utm(*receiver.utm_zone, easting_m, northing_m, height_m);
+    } catch (const Failure& failure) {
+        fields.cell(Column::east).fail(failure.problem(), failure.remedy());
+    }
+}
+
+/// A position on the Earth. All the coordinates that are recorded are there.
+Geodetic read_place(const Fields& fields, const Description& description,
+                    const Receiver& receiver) {
+    if (description.frame == CoordinateFrame::ecef)
+        return checked_ecef(
+            {fields.real(Column::x), fields.real(Column::y), fields.real(Column::z)},
+            fields.cell(Column::x));
+    const bool utm = description.frame == CoordinateFrame::utm;
+    const Column height = utm ? Column::up : Column::height;
+    const double height_m =
+        description.has_up ? fields.real(height) : *description.constant_height_m;
+    const Cell& first = fields.cell(utm ? Column::east : Column::latitude);
+    const Geodetic position =
+        utm ? read_utm(fields, receiver, height_m)
+            : Geodetic{.latitude = Angle::from_degrees(fields.real(Column::latitude)),
+                       .longitude = Angle::from_degrees(fields.real(Column::longitude)),
+                       .height_m = height_m};
+    return checked_geodetic(position, first, fields.cell(utm ? Column::north : Column::longitude),
+                            description.has_up ? fields.cell(height) : first);
+}
+
+bool has_position(const Fields& fields, const Description& description) {
+    switch (description.frame) {
+        case CoordinateFrame::geodetic:
+            return fields.has(Column::latitude) && fields.has(Column::longitude) &&
+                   (!description.has_up || fields.has(Column::height));
+        case CoordinateFrame::ecef:
+            return fields.has(Column::x) && fields.has(Column::y) && fields.has(Column::z);
+        case CoordinateFrame::utm:
+        case CoordinateFrame::local_plane:
+            break;
+    }
+    return fields.has(Column::east) && fields.has(Column::north) &&
+           (!description.has_up || fields.has(Column::up));
+}
+
+/// Deviations along the axes of a UTM grid, in its metres, as those towards true east and north
+/// on the ground. Grid north has the bearing of the convergence.
+StatedAccuracy accuracy_from_grid(const StatedAccuracy& grid, const UtmGeometry& geometry) {
+    StatedAccuracy result;
+    result.sigma_up_m = grid.sigma_up_m;
+    if (!grid.sigma_east_m || !grid.sigma_north_m) return result;
+    const double sine = std::sin(geometry.convergence.radians());
+    const double cosine = std::cos(geometry.convergence.radians());
+    Eigen::Matrix3d true_from_grid = Eigen::Matrix3d::Zero();
+    true_from_grid.topLeftCorner<2, 2>() << cosine, sine, -sine, cosine;
+    const Eigen::Vector3d deviations =
+        Eigen::Vector3d(*grid.sigma_east_m, *grid.sigma_north_m, 0.0) / geometry.scale;
+    const Eigen::Matrix3d covariance = deviations.cwiseAbs2().asDiagonal();
+    const StatedAccuracy turned =
+        accuracy_from_covariance(true_from_grid * covariance * true_from_grid.transpose());
+    result.sigma_east_m = turned.sigma_east_m;
+    result.sigma_north_m = turned.sigma_north_m;
+    result.correlation_east_north = turned.correlation_east_north;
+    return result;
+}
+
+StatedAccuracy read_accuracy(const Fields& fields, const Description& description,
+                             const Receiver& receiver) {
+    StatedAccuracy accuracy;
+    accuracy.sigma_up_m = fields.deviation(Column::sigma_up);
+    if (!accuracy.sigma_up_m) accuracy.sigma_up_m = fields.deviation(Column::quality_height);
+    if (const auto quality = fields.deviation(Column::quality_2d)) {
+        // The quality is sqrt(sigma_east^2 + sigma_north^2), and does not say how it is shared.
+        accuracy.sigma_east_m = accuracy.sigma_north_m = *quality / std::sqrt(2.0);
+        return accuracy;
+    }
+    accuracy.sigma_east_m = fields.deviation(Column::sigma_east);
+    accuracy.sigma_north_m = fields.deviation(Column::sigma_north);
+    if (description.frame != CoordinateFrame::utm) return accuracy;
+    return accuracy_from_grid(accuracy, utm_geometry(*receiver.utm_zone, fields.real(Column::east),
+                                                     fields.real(Column::north)));
+}
+
+void set_written_coordinates(WrittenCells& written, const Fields& fields, CoordinateFrame frame) {
+    const auto text = [&](Column column) { return fields.cell(column).text; };
+    switch (frame) {
+        case CoordinateFrame::geodetic:
+            written.unit = CoordinateUnit::degree;
+            written.coordinates = {text(Column::latitude), text(Column::longitude)};
+            break;
+        case CoordinateFrame::ecef:
+            written.coordinates = {text(Column::x), text(Column::y), text(Column::z)};
+            break;
+        case CoordinateFrame::utm:
+        case CoordinateFrame::local_plane:
+            written.coordinates = {text(Column::east), text(Column::north)};
+            break;
+    }
+}
+
+FixKind read_fix(const Fields& fields) {
+    if (!fields.has(Column::fix)) return FixKind::unknown;
+    const Cell& cell = fields.cell(Column::fix);
+    FixKind fix{};
+    if (from_text(cell.text, fix)) return fix;
+    if (parse_double(cell.text)) return read_rtklib_quality(cell);
+    cell.fail(fmt::format("the fix \"{}\" is not known", escape_for_message(cell.text)),
+              "Write fixed, float, ppp, dgps, sbas, single, dead_reckoning, none, unknown, or "
+              "RTKLIB's number Q");
+}
+
+}  // namespace
+
+TimedRow read_row(std::span<const Cell> cells, const Layout& layout, const Description& description,
+                  const Receiver& receiver) {
+    const Fields fields(cells, layout);
+    TimedRow row;
+    Observation& observation = row.observation;
+    row.instant = read_instant(fields, description, receiver);
+    row.written.time = fields.cell(Column::time).text;
+    observation.fix = read_fix(fields);
+    if (fields.has(Column::satellites))
+        observation.satellites = read_satellites(fields.cell(Column::satellites));
+    observation.recorded_velocity_east_mps = fields.optional_real(Column::velocity_east);
+    observation.recorded_velocity_north_mps = fields.optional_real(Column::velocity_north);
+    observation.recorded_velocity_up_mps = fields.optional_real(Column::velocity_up);
+    if (!has_position(fields, description)) {
+        observation.fix = FixKind::none;
+        return row;
+    }
+    if (description.frame == CoordinateFrame::local_plane) {
+        observation.plane_east_m = fields.real(Column::east);
+        observation.plane_north_m = fields.real(Column::north);
+        observation.plane_up_m = fields.optional_real(Column::up);
+    } else {
+        set_position(observation, read_place(fields, description, receiver));
+    }
+    set_written_coordinates(row.written, fields, description.frame);
+    static_cast<StatedAccuracy&>(observation) = read_accuracy(fields, description, receiver);
+    return row;
+}
+
+}  // namespace runcert::csv

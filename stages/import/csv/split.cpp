@@ -1,0 +1,68 @@
+#include "stages/import/csv/split.h"
+
+#include "core/failure.h"
+
+namespace runcert::csv {
+namespace {
+
+bool is_blank(char c) {
+    return c == ' ' || c == '\t';
+}
+
+/// Where the quoted field that begins at `at` ends: its closing quotation mark.
+std::size_t closing_mark(std::string_view text, std::size_t at, const Cell& start) {
+    for (std::size_t i = at + 1; i < text.size(); ++i) {
+        if (text[i] != '"') continue;
+        if (i + 1 == text.size() || text[i + 1] != '"') return i;
+        ++i;
+    }
+    start.fail("a quotation mark is not closed on its line", "Close it, or take it out");
+}
+
+}  // namespace
+
+char find_delimiter(std::string_view line) {
+    for (const char delimiter : {';', '\t'}) {
+        bool quoted = false;
+        for (const char c : line) {
+            if (c == '"') quoted = !quoted;
+            if (c == delimiter && !quoted) return delimiter;
+        }
+    }
+    return ',';
+}
+
+std::vector<Cell> split(const SourceLine& line, const RecordingBytes& recording, char delimiter) {
+    const std::string_view text = line.text;
+    const auto blank = [&](std::size_t at) { return is_blank(text[at]) && text[at] != delimiter; };
+    const auto cell = [&](std::size_t from, std::size_t to) {
+        return Cell{text.substr(from, to - from), &recording, line.number, from + 1};
+    };
+    std::vector<Cell> cells;
+    for (std::size_t at = 0;; ++at) {
+        while (at < text.size() && blank(at))
+            ++at;
+        if (at < text.size() && text[at] == '"') {
+            const std::size_t mark = closing_mark(text, at, cell(at, at + 1));
+            cells.push_back(cell(at + 1, mark));
+            at = mark + 1;
+            while (at < text.size() && blank(at))
+                ++at;
+            if (at < text.size() && text[at] != delimiter)
+                cell(at, at + 1)
+                    .fail("something follows a closing quotation mark",
+                          "Put the whole field in quotation marks");
+        } else {
+            const std::size_t from = at;
+            while (at < text.size() && text[at] != delimiter)
+                ++at;
+            std::size_t to = at;
+            while (to > from && blank(to - 1))
+                --to;
+            cells.push_back(cell(from, to));
+        }
+        if (at >= text.size()) return cells;
+    }
+}
+
+}  // namespace runcert::csv

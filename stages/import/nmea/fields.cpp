@@ -1,0 +1,226 @@
+#include "stages/import/nmea/fields.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <optional>
+
+#include "core/failure.h"
+#include "core/gps_time.h"
+#include "core/text.h"
+
+namespace runcert::nmea {
+namespace {
+
+constexpr const char* as_written = "Take the recording as the receiver wrote it";
+
+bool is_digit(char c) {
+    return c >= '0' && c <= '9';
+}
+
+/// The number of exactly `size` digits at `at`.
+std::optional<int> digits(std::string_view text, std::size_t at, std::size_t size) {
+    if (text.size() < at + size) return std::nullopt;
+    int value = 0;
+    for (const char c : text.substr(at, size)) {
+        if (!is_digit(c)) return std::nullopt;
+        value = value * 10 + (c - '0');
+    }
+    return value;
+}
+
+/// Nanoseconds of the decimals of a second, from their point on.
+std::optional<std::int64_t> fraction_ns(std::string_view text) {
+    if (text.empty()) return 0;
+    if (text.front() != '.' || text.size() > 10) return std::nullopt;
+    std::int64_t value = 0;
+    for (std::size_t i = 1; i < 10; ++i) {
+        const char c = i < text.size() ? text[i] : '0';
+        if (!is_digit(c)) return std::nullopt;
+        value = value * 10 + (c - '0');
+    }
+    return value;
+}
+
+std::optional<std::int64_t> day_of(int year, int month, int day) {
+    using namespace std::chrono;
+    const year_month_day date{std::chrono::year{year} /
+                              std::chrono::month{static_cast<unsigned>(month)} /
+                              std::chrono::day{static_cast<unsigned>(day)}};
+    if (!date.ok() || year < 1980 || year > 2200) return std::nullopt;
+    constexpr sys_days gps_epoch{std::chrono::year{1980} / 1 / 6};
+    return (sys_days{date} - gps_epoch).count();
+}
+
+/// The whole number and the decimals of a text of digits and one point at most.
+struct Decimal {
+    std::uint64_t whole = 0;
+    std::uint64_t scaled_fraction = 0;  ///< in units of 1 / scale
+    double scale = 1.0;
+    std::uint64_t scale_integer = 1;
+};
+
+std::optional<Decimal> read_decimal(std::string_view text, std::size_t most_whole_digits) {
+    /// Further decimals of a minute are less than a picometre.
+    constexpr std::size_t decimals_used = 12;
+    const std::size_t point = text.find('.');
+    const std::string_view whole = text.substr(0, point);
+    if (whole.empty() || whole.size() > most_whole_digits) return std::nullopt;
+    Decimal decimal;
+    for (const char c : whole) {
+        if (!is_digit(c)) return std::nullopt;
+        decimal.whole = decimal.whole * 10 + static_cast<std::uint64_t>(c - '0');
+    }
+    if (point == std::string_view::npos) return decimal;
+    const std::string_view fraction = text.substr(point + 1);
+    for (std::size_t i = 0; i < fraction.size(); ++i) {
+        if (!is_digit(fraction[i])) return std::nullopt;
+        if (i >= decimals_used) continue;
+        decimal.scaled_fraction =
+            decimal.scaled_fraction * 10 + static_cast<std::uint64_t>(fraction[i] - '0');
+        decimal.scale_integer *= 10;
+    }
+    decimal.scale = static_cast<double>(decimal.scale_integer);
+    return decimal;
+}
+
+[[noreturn]] void refuse_date(const Cell& cell) {
+    cell.fail(fmt::format("\"{}\" is not a date", escape_for_message(cell.text)), as_written);
+}
+
+}  // namespace
+
+std::int64_t read_time_of_day(const Cell& cell) {
+    const auto hour = digits(cell.text, 0, 2);
+    const auto minute = digits(cell.text, 2, 2);
+    const auto second = digits(cell.text, 4, 2);
+    const auto fraction =
+        cell.text.size() >= 6 ? fraction_ns(cell.text.substr(6)) : std::optional<std::int64_t>();
+    if (!hour || !minute || !second || !fraction || *hour > 23 || *minute > 59 ||
+        *second > (*hour == 23 && *minute == 59 ? 60 : 59))
+        cell.fail(
+            fmt::format("\"{}\" is not a time of day, hhmmss.ss", escape_for_message(cell.text)),
+            as_written);
+    return ((*hour * 60 + *minute) * 60 + *second) * GpsTime::nanoseconds_per_second + *fraction;
+}
+
+std::int64_t read_date(const Cell& cell) {
+    const auto day = digits(cell.text, 0, 2);
+    const auto month = digits(cell.text, 2, 2);
+    const auto year = digits(cell.text, 4, 2);
+    if (cell.text.size() != 6 || !day || !month || !year) refuse_date(cell);
+    const auto found = day_of(*year + (*year >= 80 ? 1900 : 2000), *month, *day);
+    if (!found) refuse_date(cell);
+    return *found;
+}
+
+std::int64_t read_date(const Cell& day, const Cell& month, const Cell& year) {
+    const auto found = day_of(static_cast<int>(read_whole(year, "year", 0, 9999)),
+                              static_cast<int>(read_whole(month, "month", 0, 99)),
+                              static_cast<int>(read_whole(day, "day", 0, 99)));
+    if (!found) refuse_date(year);
+    return *found;
+}
+
+std::int64_t read_iso_date(std::string_view text, const std::string& place) {
+    const auto year = digits(text, 0, 4);
+    const auto month = digits(text, 5, 2);
+    const auto day = digits(text, 8, 2);
+    const bool separated = text.size() == 10 && text[4] == '-' && text[7] == '-';
+    const auto found =
+        separated && year && month && day ? day_of(*year, *month, *day) : std::nullopt;
+    if (!found)
+        throw Failure(place,
+                      fmt::format("start_date \"{}\" is not a date", escape_for_message(text)),
+                      "Write it as 2023-07-11: year, month, day");
+    return *found;
+}
+
+Angle read_angle(const Cell& cell, const Cell& hemisphere, char positive, char negative,
+                 int most_degrees) {
+    const auto decimal = read_decimal(cell.text, most_degrees > 90 ? 5 : 4);
+    const std::uint64_t degrees = decimal ? decimal->whole / 100 : 0;
+    const std::uint64_t minutes = decimal ? decimal->whole % 100 : 60;
+    if (minutes >= 60 || degrees > static_cast<std::uint64_t>(most_degrees))
+        cell.fail(fmt::format("\"{}\" is not an angle, degrees and minutes as {}mm.mmmm",
+                              escape_for_message(cell.text), most_degrees > 90 ? "ddd" : "dd"),
+                  as_written);
+    const bool north_or_east = hemisphere.text.size() == 1 && hemisphere.text[0] == positive;
+    if (!north_or_east && !(hemisphere.text.size() == 1 && hemisphere.text[0] == negative))
+        hemisphere.fail(fmt::format("the hemisphere is \"{}\", not {} or {}",
+                                    escape_for_message(hemisphere.text), positive, negative),
+                        as_written);
+    // A quotient of whole numbers below 2^53, where the minutes have at most eleven decimals.
+    const std::uint64_t scaled_minutes =
+        (degrees * 60 + minutes) * decimal->scale_integer + decimal->scaled_fraction;
+    const double magnitude_deg = static_cast<double>(scaled_minutes) / (60.0 * decimal->scale);
+    return Angle::from_degrees(north_or_east ? magnitude_deg : -magnitude_deg);
+}
+
+WrittenNumber WrittenNumber::times(double factor) const {
+    if (!value) return {};
+    return {*value * factor, step * factor};
+}
+
+WrittenNumber read_written(const Cell& cell, std::string_view meaning, double least, double most) {
+    if (cell.text.empty()) return {};
+    const double value = read_real(cell, meaning);
+    if (!(value >= least && value <= most))
+        cell.fail(fmt::format("the {} {} is not from {} to {}", meaning,
+                              escape_for_message(cell.text), least, most),
+                  as_written);
+    constexpr std::array<double, 10> steps{1.0,  1e-1, 1e-2, 1e-3, 1e-4,
+                                           1e-5, 1e-6, 1e-7, 1e-8, 1e-9};
+    const std::size_t point = cell.text.find('.');
+    const std::size_t decimals = point == std::string_view::npos ? 0 : cell.text.size() - point - 1;
+    return {value, steps[std::min(decimals, steps.size() - 1)]};
+}
+
+const WrittenNumber& finer(const WrittenNumber& a, const WrittenNumber& b) {
+    return b.step < a.step ? b : a;
+}
+
+FixKind read_quality(const Cell& cell) {
+    if (cell.text.empty()) return FixKind::unknown;
+    switch (read_whole(cell, "quality", 0, 9)) {
+        case 0:
+            return FixKind::none;
+        case 1:
+        case 3:  // PPS: the precise code, without corrections
+            return FixKind::single;
+        case 2:
+            return FixKind::dgps;
+        case 4:
+            return FixKind::fixed;
+        case 5:
+            return FixKind::float_ambiguities;
+        case 6:
+            return FixKind::dead_reckoning;
+        default:
+            return FixKind::unknown;
+    }
+}
+
+FixKind fix_of_mode(char mode) {
+    switch (mode) {
+        case 'N':
+            return FixKind::none;
+        case 'A':
+        case 'P':
+            return FixKind::single;
+        case 'D':
+            return FixKind::dgps;
+        case 'R':
+            return FixKind::fixed;
+        case 'F':
+            return FixKind::float_ambiguities;
+        case 'E':
+            return FixKind::dead_reckoning;
+        default:
+            return FixKind::unknown;
+    }
+}
+
+}  // namespace runcert::nmea

@@ -1,0 +1,164 @@
+#include "stages/import/nmea/nmea.h"
+
+#include <fmt/format.h>
+
+#include <array>
+
+#include "core/failure.h"
+#include "stages/import/finish.h"
+#include "stages/import/nmea/date.h"
+#include "stages/import/nmea/row.h"
+
+namespace runcert::nmea {
+namespace {
+
+/// "NMEA 0183 with GGA, RMC, GST".
+std::string variant_of(unsigned sentences) {
+    constexpr std::array<std::string_view, 7> names{"GGA", "GNS", "RMC", "VTG",
+                                                    "GST", "GSA", "ZDA"};
+    std::string text = "NMEA 0183 with ";
+    std::string_view separator;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        if (!((sentences >> i) & 1U)) continue;
+        text += separator;
+        text += names[i];
+        separator = ", ";
+    }
+    return text;
+}
+
+/// A note that counts something, where there was any: "Sentences ...: 3."
+void note(Observations& observations, std::string_view what, std::int64_t count) {
+    if (count > 0) observations.notes.push_back(fmt::format("{}: {}.", what, count));
+}
+
+void note_sentences(Observations& observations, const Tally& tally, const PassedOver& passed_over) {
+    note(observations, "Sentences that have no checksum, and were taken as they are",
+         tally.without_checksum);
+    note(observations, "Lines that hold no NMEA sentence, and were passed over",
+         passed_over.lines_without_sentence);
+    note(observations, "Sentences whose time field is empty, which were left out",
+         tally.without_time);
+    note(observations,
+         "Sentences that repeat one of the same type and time, and were left out, because the "
+         "recording may be of two receivers merged",
+         tally.repeated);
+    note(observations,
+         "GGA sentences with a quality of 7 or more (manual input, simulator or a maker's own), "
+         "whose kind of solution is unknown",
+         tally.odd_qualities);
+}
+
+void note_rows(Observations& observations, const RowTally& tally) {
+    note(observations,
+         "Heights written without a geoid separation, which are above mean sea level and not above "
+         "the ellipsoid",
+         tally.above_sea_level);
+    if (tally.without_height < static_cast<std::int64_t>(observations.rows.size()))
+        note(observations, "Positions from RMC, which have no height", tally.without_height);
+    note(observations,
+         "Epochs that are two-dimensional solutions, whose height was assumed and not measured",
+         tally.in_plane);
+    note(observations,
+         "Epochs whose VTG speed is not that of RMC, whose own is used, because VTG does not say "
+         "at which time it holds",
+         tally.velocities_disagree);
+    note(observations,
+         "GST error ellipses that do not agree with the standard deviations beside them, which are "
+         "used without a correlation",
+         tally.ellipses_disagree);
+}
+
+/// What dates the recording: its own dates, or else the attempt's.
+std::optional<FirstDay> first_day_of(const Receiver& receiver, const RecordingBytes& recording,
+                                     Observations& observations) {
+    const std::optional<FirstDay> recorded = find_first_day(recording);
+    if (recorded) {
+        observations.time_scale = "utc";
+        if (recorded->without_fix)
+            observations.notes.push_back(
+                "The only dates in the recording are from epochs without a fix: they are those of "
+                "the receiver's own clock, and may be wrong.");
+        if (!receiver.start_date.empty())
+            observations.notes.push_back(
+                "The attempt's start_date is not used: the recording has dates of its own.");
+        return recorded;
+    }
+    if (receiver.start_date.empty()) {
+        observations.time_scale = "relative";
+        observations.notes.push_back(
+            "The recording has times of day and no date: start_date in the receiver would date "
+            "it.");
+        return std::nullopt;
+    }
+    observations.time_scale = "utc";
+    observations.notes.push_back(fmt::format(
+        "The recording has no date; the attempt's start_date is used: {}.", receiver.start_date));
+    return FirstDay{.day = read_iso_date(receiver.start_date, receiver.place)};
+}
+
+void require_position_sentences(const RecordingBytes& recording, const TimedRows& timed,
+                                const Tally& tally) {
+    if (!timed.empty() || timed.records().bad > 0) return;
+    throw Failure(place_in(recording, 1, 1),
+                  tally.without_time > 0
+                      ? "the recording has NMEA sentences, and none of them has a time: the "
+                        "receiver never found one"
+                      : "the recording has no GGA, GNS or RMC sentences with a time, and so no "
+                        "positions",
+                  "Switch GGA, RMC and GST on in the receiver or logger, and record again under "
+                  "open sky");
+}
+
+}  // namespace
+
+bool recognises(std::string_view bytes) {
+    const RecordingBytes nameless{{}, bytes};
+    std::int64_t unchecked = 0;
+    try {
+        SentenceReader sentences(nameless);
+        while (const Sentence* sentence = sentences.next()) {
+            if (sentence->damage != Damage::none) continue;
+            if (sentence->has_checksum || ++unchecked > 1) return true;
+        }
+    } catch (const Failure&) {
+        return false;  // a line that is too long: no text
+    }
+    return false;
+}
+
+Observations read(const Receiver& receiver, const RecordingBytes& recording) {
+    Observations observations;
+    observations.format = "nmea";
+    observations.frame = "geodetic";
+    Dating dating(first_day_of(receiver, recording, observations));
+    TimedRows timed(recording);
+    EpochReader epochs(recording, &timed);
+    RowMaker maker;
+    std::int64_t without_position = 0;
+    while (const auto epoch = epochs.next()) {
+        if (!says_position(*epoch)) {
+            ++without_position;
+            continue;
+        }
+        const RecordPlace place = place_of(*epoch);
+        try {
+            timed.add(maker.row(*epoch, dating.instant(*epoch, recording)), place);
+        } catch (const Failure& failure) {
+            timed.count_bad(place, failure);
+        }
+    }
+    require_position_sentences(recording, timed, epochs.tally());
+    observations.variant = variant_of(epochs.tally().sentences);
+    observations.device = epochs.tally().device;
+    set_rows(observations, std::move(timed));
+    note_sentences(observations, epochs.tally(), epochs.passed_over());
+    note(observations, "Times that have no GGA, GNS or RMC sentence, and are no epochs",
+         without_position);
+    note_rows(observations, maker.tally());
+    apply_attempt(observations, receiver);
+    note_text(observations, recording);
+    return observations;
+}
+
+}  // namespace runcert::nmea

@@ -1,0 +1,270 @@
+#include "stages/import/ubx/epoch.h"
+
+#include <Eigen/Core>
+#include <bit>
+#include <cmath>
+
+#include "stages/import/byte_order.h"
+#include "stages/import/clock.h"
+#include "stages/import/earth.h"
+
+// Layouts: u-blox "F9 HPG interface description" (UBX-22008968), section 3.15, and "u-blox 8 / M8
+// receiver description" (UBX-13003221), section 32.17, for NAV-SOL. All numbers are little endian.
+
+namespace runcert::ubx {
+namespace {
+
+template <class Integer>
+Integer number(std::string_view payload, std::size_t at) {
+    return little_endian<Integer>(payload, at);
+}
+
+bool bit(std::string_view payload, std::size_t at, unsigned place) {
+    return (static_cast<unsigned char>(payload[at]) >> place) & 1U;
+}
+
+double real(std::string_view payload, std::size_t at) {
+    return std::bit_cast<float>(number<std::uint32_t>(payload, at));
+}
+
+/// Accuracies in units of 1 / `units_per_metre`; the largest number stands for "unknown".
+double accuracy(std::string_view payload, std::size_t at, double units_per_metre) {
+    const auto value = number<std::uint32_t>(payload, at);
+    return value == 0xffffffffU ? 0.0 : value / units_per_metre;
+}
+
+/// A UTC time that a receiver rounds to its second and a signed rest.
+struct RoundedUtc {
+    CalendarTime second;
+    std::int32_t rest_ns = 0;
+    bool valid = false;
+};
+
+/// Year, month, day, hour, minute and second from `at` on.
+CalendarTime calendar(std::string_view payload, std::size_t at) {
+    const auto byte = [&](std::size_t i) { return number<std::uint8_t>(payload, at + i); };
+    return {.year = number<std::uint16_t>(payload, at),
+            .month = byte(2),
+            .day = byte(3),
+            .hour = byte(4),
+            .minute = byte(5),
+            .second = byte(6)};
+}
+
+RoundedUtc utc_of(const Epoch& epoch) {
+    if (epoch.has(Part::pvt)) {
+        const std::string_view pvt = epoch[Part::pvt];
+        return {.second = calendar(pvt, 4),
+                .rest_ns = number<std::int32_t>(pvt, 16),
+                .valid = bit(pvt, 11, 0) && bit(pvt, 11, 1)};
+    }
+    const std::string_view time = epoch[Part::timeutc];
+    return {.second = calendar(time, 12),
+            .rest_ns = number<std::int32_t>(time, 8),
+            .valid = bit(time, 19, 2)};
+}
+
+/// fixType of PVT, gpsFix of SOL: the solutions of both are numbered alike.
+enum SolutionType : std::uint8_t {
+    no_solution = 0,
+    dead_reckoning_only = 1,
+    two_dimensional = 2,
+    three_dimensional = 3,
+    with_dead_reckoning = 4,
+    time_only = 5
+};
+
+std::uint8_t solution_type(const Epoch& epoch) {
+    if (epoch.has(Part::pvt)) return number<std::uint8_t>(epoch[Part::pvt], 20);
+    return epoch.has(Part::sol) ? number<std::uint8_t>(epoch[Part::sol], 10)
+                                : std::uint8_t{three_dimensional};
+}
+
+/// PVT's carrSoln is of receivers that resolve ambiguities. A solution that is combined with dead
+/// reckoning counts as that: its errors are no longer those of satellites alone.
+FixKind fix_of_pvt(std::string_view pvt) {
+    const auto type = number<std::uint8_t>(pvt, 20);
+    const bool position_is_bad = pvt.size() >= 92 && bit(pvt, 78, 0);
+    if (!bit(pvt, 21, 0) || position_is_bad) return FixKind::none;
+    if (type == dead_reckoning_only || type == with_dead_reckoning) return FixKind::dead_reckoning;
+    if (type != two_dimensional && type != three_dimensional) return FixKind::none;
+    switch (static_cast<unsigned char>(pvt[21]) >> 6) {
+        case 1:
+            return FixKind::float_ambiguities;
+        case 2:
+            return FixKind::fixed;
+        default:
+            return bit(pvt, 21, 1) ? FixKind::dgps : FixKind::single;
+    }
+}
+
+FixKind fix_of_sol(std::string_view sol) {
+    const auto type = number<std::uint8_t>(sol, 10);
+    if (!bit(sol, 11, 0)) return FixKind::none;
+    if (type == dead_reckoning_only || type == with_dead_reckoning) return FixKind::dead_reckoning;
+    if (type != two_dimensional && type != three_dimensional) return FixKind::none;
+    return bit(sol, 11, 1) ? FixKind::dgps : FixKind::single;
+}
+
+FixKind fix_of(const Epoch& epoch) {
+    if (epoch.has(Part::pvt)) return fix_of_pvt(epoch[Part::pvt]);
+    return epoch.has(Part::sol) ? fix_of_sol(epoch[Part::sol]) : FixKind::unknown;
+}
+
+/// Longitude, latitude (1e-7 degrees), height above the ellipsoid (mm) from `at` on, as PVT and
+/// POSLLH have them.
+Geodetic position_at(std::string_view payload, std::size_t at) {
+    return {.latitude = Angle::from_degrees(number<std::int32_t>(payload, at + 4) / 1e7),
+            .longitude = Angle::from_degrees(number<std::int32_t>(payload, at) / 1e7),
+            .height_m = number<std::int32_t>(payload, at + 8) / 1e3};
+}
+
+/// The same with HPPOSLLH's further digits: 1e-9 degrees and 0.1 mm.
+Geodetic high_precision_position(std::string_view hp) {
+    const auto joined = [&](std::size_t coarse, std::size_t fine, std::int64_t steps) {
+        return static_cast<double>(number<std::int32_t>(hp, coarse) * steps +
+                                   number<std::int8_t>(hp, fine));
+    };
+    return {.latitude = Angle::from_degrees(joined(12, 25, 100) / 1e9),
+            .longitude = Angle::from_degrees(joined(8, 24, 100) / 1e9),
+            .height_m = joined(16, 26, 10) / 1e4};
+}
+
+/// The covariance towards east, north, up of COV's six numbers towards north, east, down.
+Eigen::Matrix3d covariance_at(std::string_view cov, std::size_t at) {
+    const auto term = [&](std::size_t i) { return real(cov, at + 4 * i); };
+    const double nn = term(0), ne = term(1), nd = term(2), ee = term(3), ed = term(4), dd = term(5);
+    Eigen::Matrix3d covariance;
+    covariance << ee, ne, -ed, ne, nn, -nd, -ed, -nd, dd;
+    return covariance;
+}
+
+/// Whether COV states a covariance with variances that are some.
+bool is_usable(const Eigen::Matrix3d& covariance) {
+    return covariance.allFinite() && (covariance.diagonal().array() > 0.0).all();
+}
+
+void set_position_accuracy(StatedAccuracy& row, std::string_view payload, std::size_t horizontal,
+                           double units_per_metre) {
+    set_radial_accuracy(row, accuracy(payload, horizontal, units_per_metre));
+    const double up_m = accuracy(payload, horizontal + 4, units_per_metre);
+    if (up_m > 0.0) row.sigma_up_m = up_m;
+}
+
+/// Velocity towards north, east, down from `at` on, and its accuracy, in units of 1 /
+/// `units_per_mps`.
+void set_velocity_of(Observation& row, std::string_view payload, std::size_t at,
+                     std::size_t accuracy_at, double units_per_mps) {
+    const auto component = [&](std::size_t i) {
+        return number<std::int32_t>(payload, at + 4 * i) / units_per_mps;
+    };
+    set_velocity(row, component(1), component(0));
+    row.recorded_velocity_up_mps = 0.0 - component(2);
+    set_velocity_accuracy(row, accuracy(payload, accuracy_at, units_per_mps), 3);
+}
+
+void set_covariances(Observation& row, std::string_view cov) {
+    const Eigen::Matrix3d position_m2 = covariance_at(cov, 16);
+    const Eigen::Matrix3d velocity_m2ps2 = covariance_at(cov, 40);
+    if (number<std::uint8_t>(cov, 5) == 1 && is_usable(position_m2))
+        static_cast<StatedAccuracy&>(row) = accuracy_from_covariance(position_m2);
+    if (number<std::uint8_t>(cov, 6) != 1 || !is_usable(velocity_m2ps2) ||
+        !row.recorded_velocity_east_mps)
+        return;
+    row.sigma_recorded_velocity_east_mps = std::sqrt(velocity_m2ps2(0, 0));
+    row.sigma_recorded_velocity_north_mps = std::sqrt(velocity_m2ps2(1, 1));
+    row.sigma_recorded_velocity_up_mps = std::sqrt(velocity_m2ps2(2, 2));
+}
+
+}  // namespace
+
+std::optional<Part> part_of(const Frame& frame) {
+    const auto if_size = [&](std::size_t size, Part part) {
+        return frame.payload.size() == size ? std::optional(part) : std::nullopt;
+    };
+    switch (frame.id) {
+        case 0x0107:  // 84 bytes up to protocol version 14, 92 since; more may follow
+            return frame.payload.size() >= 84 ? std::optional(Part::pvt) : std::nullopt;
+        case 0x0114:
+            return if_size(36, Part::hpposllh);
+        case 0x0136:
+            return if_size(64, Part::cov);
+        case 0x0102:
+            return if_size(28, Part::posllh);
+        case 0x0112:
+            return if_size(36, Part::velned);
+        case 0x0121:
+            return if_size(20, Part::timeutc);
+        case 0x0106:
+            return if_size(52, Part::sol);
+        default:
+            return std::nullopt;
+    }
+}
+
+std::uint32_t time_of_week_ms(Part part, std::string_view payload) {
+    return number<std::uint32_t>(payload, part == Part::hpposllh ? 4 : 0);
+}
+
+std::optional<GpsTime> RowMaker::instant(const Epoch& epoch) {
+    const RoundedUtc utc = utc_of(epoch);
+    if (!utc.valid) {
+        ++tally_.without_time;
+        return std::nullopt;
+    }
+    const GpsTime shown =
+        instant_of_utc(utc.second, recording_, epoch.place()).plus_nanoseconds(utc.rest_ns);
+    constexpr std::int64_t second = GpsTime::nanoseconds_per_second;
+    constexpr std::int64_t week = GpsTime::nanoseconds_per_week;
+    std::int64_t off =
+        (std::int64_t{epoch.time_of_week_ms} * 1'000'000 - shown.nanoseconds_of_week()) % week;
+    if (off > week / 2) off -= week;
+    if (off < -week / 2) off += week;
+    const std::int64_t seconds = (off + (off < 0 ? -second : second) / 2) / second;
+    constexpr std::int64_t most_leap_seconds = 40;
+    if (seconds == 0 || std::abs(seconds) > most_leap_seconds) return shown;
+    ++tally_.other_second;
+    return shown.plus_nanoseconds(seconds * second);
+}
+
+void RowMaker::set_place(Observation& row, const Epoch& epoch) {
+    const RecordPlace place = epoch.place();
+    if (epoch.has(Part::hpposllh) && !bit(epoch[Part::hpposllh], 3, 0)) {
+        const std::string_view hp = epoch[Part::hpposllh];
+        set_position(row, checked_geodetic(high_precision_position(hp), recording_, place));
+        set_position_accuracy(row, hp, 28, 1e4);
+        ++tally_.high_precision;
+        return;
+    }
+    const bool pvt = epoch.has(Part::pvt);
+    const std::string_view payload = epoch[pvt ? Part::pvt : Part::posllh];
+    set_position(row, checked_geodetic(position_at(payload, pvt ? 24 : 4), recording_, place));
+    set_position_accuracy(row, payload, pvt ? 40 : 20, 1e3);
+    ++tally_.standard_precision;
+}
+
+std::optional<TimedRow> RowMaker::row(const Epoch& epoch) {
+    const std::optional<GpsTime> when = instant(epoch);
+    if (!when) return std::nullopt;
+    TimedRow timed;
+    timed.instant = *when;
+    Observation& row = timed.observation;
+    row.fix = fix_of(epoch);
+    if (epoch.has(Part::pvt))
+        row.satellites = number<std::uint8_t>(epoch[Part::pvt], 23);
+    else if (epoch.has(Part::sol))
+        row.satellites = number<std::uint8_t>(epoch[Part::sol], 47);
+    if (row.fix == FixKind::none) return timed;
+    set_place(row, epoch);
+    if (epoch.has(Part::pvt))
+        set_velocity_of(row, epoch[Part::pvt], 48, 68, 1e3);
+    else if (epoch.has(Part::velned))
+        set_velocity_of(row, epoch[Part::velned], 4, 28, 1e2);
+    if (epoch.has(Part::cov)) set_covariances(row, epoch[Part::cov]);
+    const std::uint8_t type = solution_type(epoch);
+    if (type == two_dimensional) ++tally_.in_plane;
+    if (type == with_dead_reckoning) ++tally_.with_dead_reckoning;
+    return timed;
+}
+
+}  // namespace runcert::ubx

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "stages/import/finish.h"
+#include "stages/import/ubx/frames.h"
+
+namespace runcert::ubx {
+
+/// The messages that make an epoch. POSLLH, VELNED, TIMEUTC and SOL are those of receivers too old
+/// for PVT.
+enum class Part : std::uint8_t { pvt, hpposllh, cov, posllh, velned, timeutc, sol };
+inline constexpr std::size_t part_count = 7;
+
+/// Which part a message is; nothing for another message, or one of a size that it never has.
+std::optional<Part> part_of(const Frame& frame);
+
+/// GPS time of week (ms) of the navigation epoch that a part belongs to.
+std::uint32_t time_of_week_ms(Part part, std::string_view payload);
+
+/// The messages of one navigation epoch.
+struct Epoch {
+    std::uint32_t time_of_week_ms = 0;
+    std::array<std::optional<Frame>, part_count> parts;
+
+    bool has(Part part) const { return parts[static_cast<std::size_t>(part)].has_value(); }
+    /// The payload of a part that is there.
+    std::string_view operator[](Part part) const {
+        return parts[static_cast<std::size_t>(part)]->payload;
+    }
+    /// Whether there is enough to make a row of.
+    bool is_whole() const { return has(Part::pvt) || (has(Part::posllh) && has(Part::timeutc)); }
+    RecordPlace place() const {
+        return RecordPlace(
+            parts[static_cast<std::size_t>(has(Part::pvt) ? Part::pvt : Part::posllh)]->offset);
+    }
+};
+
+/// What the rows of a recording were made of.
+struct RowTally {
+    std::int64_t without_time = 0;    ///< epochs left out
+    std::int64_t other_second = 0;    ///< UTC whole seconds off the GPS time of week
+    std::int64_t high_precision = 0;  ///< positions of HPPOSLLH
+    std::int64_t standard_precision = 0;
+    std::int64_t in_plane = 0;  ///< two-dimensional solutions
+    std::int64_t with_dead_reckoning = 0;
+};
+
+/// Makes rows of epochs, and counts what is worth saying of them.
+class RowMaker {
+  public:
+    explicit RowMaker(const RecordingBytes& recording) : recording_(recording) {}
+
+    /// The row of an epoch that is_whole; nothing where the receiver did not know the time.
+    /// Failure where its time or position is impossible.
+    std::optional<TimedRow> row(const Epoch& epoch);
+    const RowTally& tally() const { return tally_; }
+
+  private:
+    std::optional<GpsTime> instant(const Epoch& epoch);
+    void set_place(Observation& row, const Epoch& epoch);
+
+    const RecordingBytes& recording_;
+    RowTally tally_;
+};
+
+}  // namespace runcert::ubx

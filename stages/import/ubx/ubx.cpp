@@ -1,0 +1,220 @@
+#include "stages/import/ubx/ubx.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "core/failure.h"
+#include "core/text.h"
+#include "stages/import/finish.h"
+#include "stages/import/nmea/nmea.h"
+#include "stages/import/ubx/epoch.h"
+#include "stages/import/ubx/frames.h"
+
+namespace runcert::ubx {
+namespace {
+
+constexpr MessageId raw_measurements = 0x0215;  ///< RXM-RAWX
+constexpr MessageId receiver_version = 0x0a04;  ///< MON-VER
+
+/// A text of a fixed size, filled up with NUL; empty where it is none.
+std::string_view text_at(std::string_view payload, std::size_t at, std::size_t size) {
+    const std::string_view field = payload.substr(std::min(at, payload.size()), size);
+    const std::string_view text = trim(field.substr(0, field.find('\0')));
+    return is_printable_ascii(text) ? text : std::string_view();
+}
+
+/// "u-blox ZED-F9P, FWVER=HPG 1.13" of a MON-VER: hardware, or the module and firmware that its
+/// extensions name.
+std::string device_of(std::string_view version) {
+    constexpr std::size_t extensions_at = 40, extension_size = 30, software_size = 30;
+    std::string_view module = text_at(version, software_size, 10);
+    std::string_view firmware = text_at(version, 0, software_size);
+    for (std::size_t at = extensions_at; at + extension_size <= version.size();
+         at += extension_size) {
+        const std::string_view extension = text_at(version, at, extension_size);
+        if (extension.starts_with("MOD=")) module = extension.substr(4);
+        if (extension.starts_with("FWVER=")) firmware = extension.substr(6);
+    }
+    return fmt::format("u-blox {}, firmware {}", module, firmware);
+}
+
+/// Reads a recording frame by frame, and joins those of one navigation epoch.
+class Reader {
+  public:
+    explicit Reader(const RecordingBytes& recording)
+        : recording_(recording),
+          frames_(recording.bytes),
+          maker_(recording),
+          timed_(recording, WrittenResolution(CoordinateUnit::degree, 1e-7, 1e-9)) {}
+
+    Observations read() {
+        while (const auto frame = frames_.next()) {
+            if (frame->good)
+                take_in(*frame);
+            else
+                count_bad(*frame);
+        }
+        finish_epoch();
+        require_rows();
+        observations_.variant = variant();
+        observations_.time_scale = "utc";
+        set_rows(observations_, std::move(timed_));
+        set_resolution();
+        add_notes();
+        return std::move(observations_);
+    }
+
+  private:
+    void take_in(const Frame& frame) {
+        timed_.count_good();
+        if (frame.id == raw_measurements) ++raw_;
+        if (frame.id == receiver_version) observations_.device = device_of(frame.payload);
+        const auto part = part_of(frame);
+        if (!part) return;
+        const std::uint32_t time_ms = time_of_week_ms(*part, frame.payload);
+        if (epoch_ && epoch_->time_of_week_ms != time_ms) finish_epoch();
+        if (!epoch_) {
+            epoch_.emplace();
+            epoch_->time_of_week_ms = time_ms;
+        }
+        auto& place = epoch_->parts[static_cast<std::size_t>(*part)];
+        if (place)
+            ++repeated_;
+        else
+            place = frame;
+        parts_ |= 1U << static_cast<unsigned>(*part);
+    }
+
+    void count_bad(const Frame& frame) {
+        // Of a file of nothing but these, only those that are listed are worth a message each.
+        static const Failure unlisted("", "", "");
+        const bool listed = timed_.records().bad_records.size() < RecordCount::listed_at_most;
+        timed_.count_bad(RecordPlace(frame.offset),
+                         listed ? failure_of(frame, recording_) : unlisted,
+                         epoch_ && epoch_->is_whole());
+    }
+
+    void finish_epoch() {
+        const std::optional<Epoch> epoch = std::exchange(epoch_, std::nullopt);
+        if (!epoch || !epoch->is_whole()) return;
+        try {
+            if (const auto row = maker_.row(*epoch)) timed_.add(*row, epoch->place());
+        } catch (const Failure& failure) {
+            // The frames were whole: what they say is counted as a record of its own.
+            timed_.count_bad(epoch->place(), failure);
+        }
+    }
+
+    void require_rows() const {
+        if (!timed_.empty() || timed_.records().total == 0 ||
+            2 * timed_.records().bad > timed_.records().total)
+            return;
+        const std::string where = place_in(recording_, RecordPlace(std::size_t{0}));
+        if (maker_.tally().without_time > 0)
+            throw Failure(where,
+                          fmt::format("the receiver knew the time in none of the recording's {} "
+                                      "navigation epochs",
+                                      maker_.tally().without_time),
+                          "Record again under open sky, until the receiver has a fix");
+        if (raw_ > 0)
+            throw Failure(where,
+                          fmt::format("the recording holds raw measurements ({} RXM-RAWX) and no "
+                                      "NAV-PVT messages, and so no positions",
+                                      raw_),
+                          "Convert it to RINEX with RTKLIB's convbin, and give that to the "
+                          "attempt with base and navigation files (format: rinex)");
+        throw Failure(where,
+                      fmt::format("none of the recording's {} UBX frames is a NAV-PVT message, and "
+                                  "so there are no positions",
+                                  timed_.records().total),
+                      "Switch UBX-NAV-PVT on in the receiver (u-center: Messages view), and record "
+                      "again");
+    }
+
+    /// "UBX with NAV-PVT, NAV-HPPOSLLH".
+    std::string variant() const {
+        constexpr std::array<std::string_view, part_count> names{
+            "PVT", "HPPOSLLH", "COV", "POSLLH", "VELNED", "TIMEUTC", "SOL"};
+        std::string text = "UBX with";
+        for (std::size_t i = 0; i < part_count; ++i)
+            if ((parts_ >> i) & 1U)
+                text += fmt::format("{} NAV-{}", text.ends_with("with") ? "" : ",", names[i]);
+        return text;
+    }
+
+    /// Positions that are all of HPPOSLLH are finer than those of PVT.
+    void set_resolution() {
+        if (maker_.tally().high_precision == 0 || maker_.tally().standard_precision > 0) return;
+        for (const Observation& row : observations_.rows) {
+            if (!row.latitude_deg) continue;
+            observations_.facts.position_resolution_m =
+                WrittenResolution(CoordinateUnit::degree, 1e-9, 1e-9)
+                    .position_m(Angle::from_degrees(*row.latitude_deg));
+            return;
+        }
+    }
+
+    void note(std::string_view what, std::int64_t count) {
+        if (count > 0) observations_.notes.push_back(fmt::format("{}: {}.", what, count));
+    }
+
+    void add_notes() {
+        const RowTally& tally = maker_.tally();
+        note("Bytes between the frames that are neither NMEA nor RTCM, and were passed over",
+             frames_.junk_bytes());
+        note("Navigation epochs before the receiver knew the time, which were left out",
+             tally.without_time);
+        note("Messages that repeat one of the same kind and epoch, and were left out", repeated_);
+        note(
+            "Epochs whose UTC is whole seconds off the GPS time of week beside it, which counts, "
+            "because the receiver had yet to learn the leap seconds",
+            tally.other_second);
+        note("Epochs that are two-dimensional solutions, whose height was assumed and not measured",
+             tally.in_plane);
+        note(
+            "Epochs in which satellites and dead reckoning are combined, which count as dead "
+            "reckoning",
+            tally.with_dead_reckoning);
+        if (parts_ & (1U << static_cast<unsigned>(Part::pvt))) return;
+        observations_.notes.push_back(
+            "The recording has no NAV-PVT messages; NAV-POSLLH and NAV-TIMEUTC are used instead.");
+    }
+
+    const RecordingBytes& recording_;
+    FrameReader frames_;
+    RowMaker maker_;
+    TimedRows timed_;
+    Observations observations_;
+    std::optional<Epoch> epoch_;
+    unsigned parts_ = 0;  ///< bit set of the Parts that were there
+    std::int64_t raw_ = 0;
+    std::int64_t repeated_ = 0;
+};
+
+}  // namespace
+
+bool recognises(std::string_view bytes) {
+    FrameReader frames(bytes);
+    bool any = false;
+    while (const auto frame = frames.next()) {
+        if (!frame->good) continue;
+        any = true;
+        const auto part = part_of(*frame);
+        if (part == Part::pvt || part == Part::posllh) return true;
+    }
+    // Receivers can mix both, and then the positions may be in NMEA sentences alone.
+    return any && !nmea::recognises(bytes);
+}
+
+Observations read(const Receiver& receiver, const RecordingBytes& recording) {
+    Observations observations = Reader(recording).read();
+    observations.format = "ubx";
+    observations.frame = "geodetic";
+    apply_attempt(observations, receiver);
+    return observations;
+}
+
+}  // namespace runcert::ubx

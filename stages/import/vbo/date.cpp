@@ -1,0 +1,199 @@
+#include "stages/import/vbo/date.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/failure.h"
+#include "core/text.h"
+
+namespace runcert::vbo {
+namespace {
+
+using std::chrono::sys_days;
+
+constexpr std::int64_t half_day_ns = GpsTime::nanoseconds_per_day / 2;
+constexpr double ns_per_hour = 3600e9;
+constexpr double largest_offset_h = 14.0;
+constexpr std::int64_t most_days = 36'500;
+constexpr int first_year = 1990, last_year = 2200;
+
+/// The header's date and time.
+struct Created {
+    sys_days day;
+    std::optional<std::int64_t> time_ns;  ///< since midnight
+};
+
+/// Takes a whole number of at most four digits off the text; nothing where none begins it.
+std::optional<unsigned> take_number(std::string_view& text) {
+    unsigned value = 0;
+    std::size_t size = 0;
+    for (; size < text.size() && size < 4 && text[size] >= '0' && text[size] <= '9'; ++size)
+        value = value * 10 + static_cast<unsigned>(text[size] - '0');
+    text.remove_prefix(size);
+    if (size == 0) return std::nullopt;
+    return value;
+}
+
+/// Takes what is no digit off the text.
+void skip_to_digit(std::string_view& text) {
+    text.remove_prefix(std::min(text.find_first_of("0123456789"), text.size()));
+}
+
+std::optional<std::int64_t> take_time_ns(std::string_view& text) {
+    std::int64_t seconds = 0;
+    constexpr unsigned limits[] = {24, 60, 60};
+    for (int part = 0; part < 3; ++part) {
+        if (part > 0 && text.starts_with(':')) text.remove_prefix(1);
+        const auto value = take_number(text);
+        if (!value && part == 2) {  // "08:21"
+            seconds *= 60;
+            continue;
+        }
+        if (!value || *value >= limits[part]) return std::nullopt;
+        seconds = seconds * 60 + *value;
+    }
+    return seconds * GpsTime::nanoseconds_per_second;
+}
+
+std::optional<sys_days> valid_day(unsigned year, unsigned month, unsigned day) {
+    const std::chrono::year_month_day date{std::chrono::year{static_cast<int>(year)},
+                                           std::chrono::month{month}, std::chrono::day{day}};
+    if (!date.ok() || year < first_year || year > last_year) return std::nullopt;
+    return sys_days{date};
+}
+
+/// "01/08/2025 @ 14:00:12", "07/12/2014 09:02:23", "15/04/2004 at 08:21".
+std::optional<Created> read_created(std::string_view text) {
+    const auto day = take_number(text);
+    skip_to_digit(text);
+    const auto month = take_number(text);
+    skip_to_digit(text);
+    const auto year = take_number(text);
+    if (!day || !month || !year) return std::nullopt;
+    const auto date = valid_day(*year, *month, *day);
+    if (!date) return std::nullopt;
+    skip_to_digit(text);
+    return Created{*date, take_time_ns(text)};
+}
+
+std::string to_text(sys_days day) {
+    const std::chrono::year_month_day date{day};
+    return fmt::format("{:04}-{:02}-{:02}", static_cast<int>(date.year()), unsigned{date.month()},
+                       unsigned{date.day()});
+}
+
+/// "5 h behind", "10 h 30 min ahead of" UTC, to the quarter of an hour.
+std::string offset_text(double offset_h) {
+    const auto quarters = static_cast<int>(std::lround(std::abs(offset_h) * 4.0));
+    if (quarters == 0) return "equal to";
+    const std::string minutes =
+        quarters % 4 == 0 ? std::string() : fmt::format(" {} min", quarters % 4 * 15);
+    return fmt::format("about {} h{} {}", quarters / 4, minutes,
+                       offset_h < 0.0 ? "behind" : "ahead of");
+}
+
+FirstDay by_created(const Receiver& receiver, const Created& created, std::string_view text,
+                    std::int64_t time_of_day_ns, std::optional<double> longitude_deg) {
+    const double expected_h =
+        receiver.utc_offset_h.value_or(longitude_deg ? *longitude_deg / 15.0 : 0.0);
+    if (!created.time_ns)
+        return {created.day, fmt::format("The recording gives times of day in UTC; its date is "
+                                         "that of its header (\"{}\").",
+                                         escape_for_message(text))};
+    FirstDay best;
+    double best_h = 0.0, least_h = std::numeric_limits<double>::infinity();
+    for (const int shift : {0, -1, 1}) {
+        const double offset_h =
+            static_cast<double>(*created.time_ns - time_of_day_ns) / ns_per_hour - 24.0 * shift;
+        if (std::abs(offset_h) > largest_offset_h || std::abs(offset_h - expected_h) >= least_h)
+            continue;
+        least_h = std::abs(offset_h - expected_h);
+        best_h = offset_h;
+        best.utc = created.day + std::chrono::days{shift};
+    }
+    best.note = fmt::format(
+        "The recording gives times of day in UTC, and in its header the local date and time at "
+        "which it was begun (\"{}\"): its first epoch is taken to be on {}, UTC, local time being "
+        "{} UTC.",
+        escape_for_message(text), to_text(*best.utc), offset_text(best_h));
+    return best;
+}
+
+/// The UTC day by which a time of day is nearest to an instant.
+sys_days day_nearest_to(GpsTime instant, std::int64_t time_of_day_ns) {
+    const CalendarTime utc = utc_from_gps(instant).time;
+    const sys_days day{std::chrono::year{utc.year} /
+                       std::chrono::month{static_cast<unsigned>(utc.month)} /
+                       std::chrono::day{static_cast<unsigned>(utc.day)}};
+    const std::int64_t shown_ns =
+        (std::int64_t{3600} * utc.hour + std::int64_t{60} * utc.minute + utc.second) *
+        GpsTime::nanoseconds_per_second;
+    const std::int64_t ahead_ns = time_of_day_ns - shown_ns;
+    if (ahead_ns > half_day_ns) return day - std::chrono::days{1};
+    if (ahead_ns < -half_day_ns) return day + std::chrono::days{1};
+    return day;
+}
+
+}  // namespace
+
+FirstDay find_first_day(const Receiver& receiver, std::string_view created_text,
+                        std::int64_t time_of_day_ns, std::optional<double> longitude_deg) {
+    std::string_view date = receiver.start_date;
+    const auto year = take_number(date);
+    skip_to_digit(date);
+    const auto month = take_number(date);
+    skip_to_digit(date);
+    const auto day = take_number(date);
+    if (year && month && day)
+        if (const auto start = valid_day(*year, *month, *day))
+            return {start, "The date of the first epoch is the attempt's start_date."};
+    if (const auto created = read_created(created_text))
+        return by_created(receiver, *created, created_text, time_of_day_ns, longitude_deg);
+    const std::string no_date =
+        created_text.empty()
+            ? "The recording gives times of day and no date"
+            : fmt::format(
+                  "The recording gives times of day, and the date in its header (\"{}\") "
+                  "is not written as 31/12/2023 12:30:00",
+                  escape_for_message(created_text));
+    if (receiver.start_gps)
+        return {.utc = day_nearest_to(*receiver.start_gps, time_of_day_ns),
+                .note = no_date + "; the date is that of the attempt's start_gps.",
+                .by_start_gps = true};
+    return {std::nullopt, no_date +
+                              ": its time is relative until start_date in the receiver says "
+                              "the UTC date of the first epoch."};
+}
+
+GpsTime DayClock::midnight_of(std::int64_t day) const {
+    if (!first_day_) return GpsTime().plus_nanoseconds(day * GpsTime::nanoseconds_per_day);
+    const std::chrono::year_month_day date{*first_day_ + std::chrono::days{day}};
+    return gps_from_utc({.year = static_cast<int>(date.year()),
+                         .month = static_cast<int>(unsigned{date.month()}),
+                         .day = static_cast<int>(unsigned{date.day()})});
+}
+
+GpsTime DayClock::next(std::int64_t time_of_day_ns) {
+    std::int64_t day = day_;
+    if (before_ns_ && time_of_day_ns - *before_ns_ < -half_day_ns) ++day;
+    if (before_ns_ && time_of_day_ns - *before_ns_ > half_day_ns) --day;
+    if (std::abs(day) > most_days)
+        throw Failure("time", "midnight has passed more often than in a hundred years",
+                      "Take the recording as the logger wrote it");
+    if (known_day_ != day) {
+        midnight_ = midnight_of(day);
+        length_ns_ = midnight_of(day + 1).nanoseconds_since(midnight_);
+        known_day_ = day;
+    }
+    if (time_of_day_ns >= length_ns_)
+        throw Failure("time", "that day had no second 60", "The line is damaged; take it out");
+    const GpsTime instant = midnight_.plus_nanoseconds(time_of_day_ns);
+    day_ = day;
+    before_ns_ = time_of_day_ns;
+    return instant;
+}
+
+}  // namespace runcert::vbo

@@ -1,0 +1,255 @@
+#include "stages/import/vbo/header.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <initializer_list>
+#include <span>
+
+#include "core/failure.h"
+#include "core/text.h"
+#include "stages/import/cell.h"
+
+namespace runcert::vbo {
+namespace {
+
+constexpr std::size_t most_channels = 10'000;
+constexpr std::size_t comments_kept = 100;
+constexpr std::string_view created_on = "file created on";
+
+/// A unit by the letters of its name.
+struct Unit {
+    std::string_view name;
+    double factor;
+};
+
+constexpr std::array<Unit, 10> speed_units{{{"kmh", 1.0 / 3.6},
+                                            {"kph", 1.0 / 3.6},
+                                            {"kmph", 1.0 / 3.6},
+                                            {"knots", 1852.0 / 3600.0},
+                                            {"knot", 1852.0 / 3600.0},
+                                            {"kts", 1852.0 / 3600.0},
+                                            {"kn", 1852.0 / 3600.0},
+                                            {"mph", 1609.344 / 3600.0},
+                                            {"ms", 1.0},
+                                            {"mps", 1.0}}};
+/// Units of other columns, which no figure depends on, except degrees.
+constexpr std::array<Unit, 9> other_units{{{"deg", 1.0},
+                                           {"degrees", 1.0},
+                                           {"min", 1.0},
+                                           {"mins", 1.0},
+                                           {"minutes", 1.0},
+                                           {"m", 1.0},
+                                           {"metres", 1.0},
+                                           {"s", 1.0},
+                                           {"utc", 1.0}}};
+
+struct Name {
+    std::string_view name;
+    Column column;
+};
+
+/// Longer names before those that they begin with.
+constexpr std::array<Name, 16> names{{{"satellites", Column::satellites},
+                                      {"sats", Column::satellites},
+                                      {"time", Column::time},
+                                      {"latitude", Column::latitude},
+                                      {"lat", Column::latitude},
+                                      {"longitude", Column::longitude},
+                                      {"long", Column::longitude},
+                                      {"lon", Column::longitude},
+                                      {"velocity", Column::velocity},
+                                      {"heading", Column::heading},
+                                      {"height", Column::height},
+                                      {"altitude", Column::height},
+                                      {"verticalvelocity", Column::vertical_velocity},
+                                      {"verticalvel", Column::vertical_velocity},
+                                      {"vertvel", Column::vertical_velocity},
+                                      {"solutiontype", Column::solution_type}}};
+
+/// A channel by its name.
+struct Channel {
+    Column column;
+    std::string unit;  ///< empty where the name has none
+};
+
+/// The letters and digits of a name, in lower case: "vert-vel" and "Vert Vel" are one.
+std::string letters(std::string_view name) {
+    std::string text = lower_case(name);
+    std::erase_if(text, [](char c) { return !((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9')); });
+    return text;
+}
+
+std::optional<double> factor_of(std::string_view unit, std::span<const Unit> units) {
+    const auto found =
+        std::find_if(units.begin(), units.end(), [&](const Unit& u) { return u.name == unit; });
+    if (found == units.end()) return std::nullopt;
+    return found->factor;
+}
+
+bool is_speed(Column column) {
+    return column == Column::velocity || column == Column::vertical_velocity;
+}
+
+/// "velocity kmh" is the velocity, "velocity quality" is none of the columns.
+std::optional<Channel> channel_of(std::string_view text) {
+    const std::string name = letters(text);
+    for (const Name& known : names) {
+        if (!name.starts_with(known.name)) continue;
+        const std::string unit = name.substr(known.name.size());
+        if (unit.empty() ||
+            (is_speed(known.column) ? factor_of(unit, speed_units) : factor_of(unit, other_units)))
+            return Channel{known.column, unit};
+    }
+    return std::nullopt;
+}
+
+/// The unit of a column: of its own name, else of its name in [header], else in [channel units]
+/// where that has a line for every column.
+std::string unit_of(const Header& header, const Channel& channel, std::size_t field,
+                    std::size_t fields) {
+    if (!channel.unit.empty()) return channel.unit;
+    for (const std::string_view text : header.channels)
+        if (const auto named = channel_of(text);
+            named && named->column == channel.column && !named->unit.empty())
+            return named->unit;
+    return header.units.size() == fields ? letters(header.units[field]) : std::string();
+}
+
+void set_unit(Layout& layout, Column column, const std::string& unit) {
+    const std::optional<double> speed = factor_of(unit, speed_units);
+    if (column == Column::velocity) layout.velocity_mps = speed ? *speed : 1.0 / 3.6;
+    if (column == Column::vertical_velocity) layout.vertical_velocity_mps = speed;
+    if (column == Column::longitude && unit.starts_with("deg"))
+        layout.coordinates = CoordinateUnit::degree;
+}
+
+/// "[comments]" gives "comments"; nothing for a line that begins no section.
+std::optional<std::string> section_of(std::string_view text) {
+    if (!text.starts_with('[') || !text.ends_with(']')) return std::nullopt;
+    return lower_case(trim(text.substr(1, text.size() - 2)));
+}
+
+void add_channel(std::vector<std::string_view>& channels, std::string_view text,
+                 const SourceLine& line, const RecordingBytes& recording) {
+    if (channels.size() == most_channels)
+        throw Failure(place_in(recording, line),
+                      fmt::format("the header names more than {} channels", most_channels),
+                      "Take the recording as the logger wrote it");
+    channels.push_back(text);
+}
+
+/// Takes in a line of a section.
+void read_line(Header& header, const std::string& section, std::string_view text,
+               const SourceLine& line, const RecordingBytes& recording) {
+    if (section == "header") {
+        if (header.channels.empty() && header.columns.empty()) header.names_line = line.number;
+        add_channel(header.channels, text, line, recording);
+    } else if (section == "channel units") {
+        add_channel(header.units, text, line, recording);
+    } else if (section == "column names") {
+        if (header.columns.empty()) header.names_line = line.number;
+        for (std::string_view word = take_word(text); !word.empty(); word = take_word(text))
+            add_channel(header.columns, word, line, recording);
+    } else if (section == "comments" && header.comments.size() < comments_kept) {
+        header.comments.push_back(text);
+    }
+}
+
+/// What stands behind the colon of the first comment of one of these names.
+std::string_view comment_of(const Header& header,
+                            std::initializer_list<std::string_view> its_names) {
+    for (const std::string_view comment : header.comments) {
+        const std::size_t colon = comment.find(':');
+        if (colon == std::string_view::npos) continue;
+        const std::string name = letters(comment.substr(0, colon));
+        if (std::find(its_names.begin(), its_names.end(), name) != its_names.end())
+            return trim(comment.substr(colon + 1));
+    }
+    return {};
+}
+
+}  // namespace
+
+bool Layout::has(Column column) const {
+    return std::find(column_of.begin(), column_of.end(), static_cast<std::uint8_t>(column)) !=
+           column_of.end();
+}
+
+std::string_view take_word(std::string_view& line) {
+    constexpr std::string_view blanks = " \t\r";
+    line.remove_prefix(std::min(line.find_first_not_of(blanks), line.size()));
+    const std::string_view word = line.substr(0, line.find_first_of(blanks));
+    line.remove_prefix(word.size());
+    return word;
+}
+
+std::string lower_case(std::string_view text) {
+    std::string lower(text);
+    for (char& c : lower)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return lower;
+}
+
+Header read_header(LineReader& lines, const RecordingBytes& recording) {
+    Header header;
+    std::string section;
+    while (const auto line = lines.next()) {
+        const std::string_view text = trim(line->text);
+        if (const auto begun = section_of(text)) {
+            section = *begun;
+            if (section == "data") return header;
+        } else if (section.empty() && lower_case(text.substr(0, created_on.size())) == created_on) {
+            header.created = trim(text.substr(created_on.size()));
+        } else if (!text.empty()) {
+            read_line(header, section, text, *line, recording);
+        }
+    }
+    throw Failure(place_in(recording, 1, 1), "the VBO file has no section [data]",
+                  "It holds a header at most; take the whole recording");
+}
+
+Layout find_layout(const Header& header, std::size_t fields, const RecordingBytes& recording) {
+    const bool by_header = header.columns.size() != fields && header.channels.size() == fields;
+    const std::vector<std::string_view>& named =
+        by_header || header.columns.empty() ? header.channels : header.columns;
+    Layout layout;
+    for (std::size_t field = 0; field < named.size(); ++field) {
+        layout.column_of.push_back(column_count);
+        const auto channel = channel_of(named[field]);
+        if (!channel || layout.has(channel->column)) continue;
+        layout.column_of.back() = static_cast<std::uint8_t>(channel->column);
+        set_unit(layout, channel->column, unit_of(header, *channel, field, named.size()));
+    }
+    constexpr std::array<Name, 3> required{
+        {{"time", Column::time}, {"lat", Column::latitude}, {"long", Column::longitude}}};
+    for (const Name& name : required)
+        if (!layout.has(name.column))
+            throw Failure(place_in(recording, header.names_line, 1),
+                          fmt::format("no column is named \"{}\"", name.name),
+                          "Take the recording as the logger wrote it, with its section "
+                          "[column names]");
+    return layout;
+}
+
+std::string device_of(const Header& header) {
+    std::string_view type = comment_of(header, {"type"});
+    if (type.empty())
+        for (const std::string_view comment : header.comments)
+            if (comment.find(':') == std::string_view::npos && !comment.starts_with('(') &&
+                !comment.starts_with('<')) {
+                type = comment;
+                break;
+            }
+    std::string device = escape_for_message(type, 80);
+    const auto add = [&](std::string_view what, std::string_view text) {
+        if (text.empty()) return;
+        device +=
+            fmt::format("{}{} {}", device.empty() ? "" : ", ", what, escape_for_message(text, 80));
+    };
+    add("serial number", comment_of(header, {"serial", "serialnumber"}));
+    add("firmware", comment_of(header, {"firmware"}));
+    return device;
+}
+
+}  // namespace runcert::vbo

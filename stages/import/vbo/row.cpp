@@ -1,0 +1,161 @@
+#include "stages/import/vbo/row.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "core/decimal_time.h"
+#include "core/failure.h"
+#include "stages/import/earth.h"
+
+namespace runcert::vbo {
+namespace {
+
+constexpr std::int64_t ns_per_minute = 60 * GpsTime::nanoseconds_per_second;
+
+// What Racelogic adds to the number of satellites.
+constexpr std::int64_t satellites_mask = 63;  // 64: the brake trigger is on
+constexpr std::int64_t differential_mark = 128;
+constexpr std::int64_t largest_mark = 255;
+
+void require_count(const SourceLine& line, const RecordingBytes& recording, std::size_t expected,
+                   std::size_t count, bool last) {
+    if (count == expected) return;
+    const Cell start{line.text, &recording, line.number, 1};
+    if (count < expected && last)
+        start.fail(fmt::format("the last line is cut off: it has {} fields of {}", count, expected),
+                   "Take the whole recording, or take that line out");
+    start.fail(fmt::format("the line has {} fields; the header names {}", count, expected),
+               "Take the recording as the logger wrote it");
+}
+
+/// "solution type" of the VBOX manuals.
+FixKind fix_of_solution(const Cell& cell) {
+    switch (read_whole(cell, "solution type", -1, largest_mark)) {
+        case -1:
+        case 0:
+            return FixKind::none;
+        case 1:
+            return FixKind::single;
+        case 2:  // corrections of a base station or a satellite
+            return FixKind::dgps;
+        case 3:
+            return FixKind::float_ambiguities;
+        case 4:
+            return FixKind::fixed;
+        case 6:
+            return FixKind::dead_reckoning;
+        default:
+            return FixKind::unknown;
+    }
+}
+
+void read_quality(const RowFields& fields, const Layout& layout, EpochQuality& quality) {
+    const bool has_solution = layout.has(Column::solution_type);
+    if (has_solution) quality.fix = fix_of_solution(fields.cell(Column::solution_type));
+    if (!layout.has(Column::satellites)) return;
+    const std::int64_t marked =
+        read_whole(fields.cell(Column::satellites), "count of satellites", 0, largest_mark);
+    quality.satellites = static_cast<std::int16_t>(marked & satellites_mask);
+    if (*quality.satellites == 0 && quality.fix != FixKind::dead_reckoning)
+        quality.fix = FixKind::none;
+    else if (!has_solution && (marked & differential_mark) != 0)
+        quality.fix = FixKind::dgps;
+}
+
+void read_velocity(const RowFields& fields, const Layout& layout, RecordedVelocity& velocity) {
+    if (layout.vertical_velocity_mps)
+        velocity.recorded_velocity_up_mps =
+            fields.real(Column::vertical_velocity, "vertical velocity") *
+            *layout.vertical_velocity_mps;
+    if (!layout.velocity_mps || !layout.has(Column::heading)) return;
+    const double speed = fields.real(Column::velocity, "velocity");
+    if (speed < 0.0)
+        fields.cell(Column::velocity)
+            .fail(fmt::format("a velocity of {} is impossible", speed),
+                  "Take the recording as the logger wrote it");
+    const double heading_deg = fields.real(Column::heading, "heading");
+    if (!(std::abs(heading_deg) <= 360.0))
+        fields.cell(Column::heading)
+            .fail(fmt::format("a heading of {} degrees is impossible", heading_deg),
+                  "Take the recording as the logger wrote it");
+    set_velocity(velocity, speed * *layout.velocity_mps, Angle::from_degrees(heading_deg));
+}
+
+}  // namespace
+
+RowFields::RowFields(const SourceLine& line, const RecordingBytes& recording, const Layout& layout)
+    : line_(line), recording_(recording) {
+    std::string_view rest = line.text;
+    for (std::string_view word = take_word(rest); !word.empty(); word = take_word(rest)) {
+        if (count_ < layout.column_of.size() && layout.column_of[count_] < column_count)
+            texts_[layout.column_of[count_]] = word;
+        ++count_;
+    }
+}
+
+Cell RowFields::cell(Column column) const {
+    const std::string_view field = text(column);
+    const std::size_t before =
+        field.empty() ? 0 : static_cast<std::size_t>(field.data() - line_.text.data());
+    return {field, &recording_, line_.number, before + 1};
+}
+
+std::optional<std::int64_t> time_of_day_ns(std::string_view text) {
+    std::array<char, 6> digits{'0', '0', '0', '0', '0', '0'};
+    const std::size_t point = std::min(text.find('.'), text.size());
+    std::size_t left = digits.size();
+    const bool colons = point == 8 && text[2] == ':' && text[5] == ':';
+    for (std::size_t i = point; i-- > 0;) {
+        if (colons && (i == 2 || i == 5)) continue;
+        if (text[i] < '0' || text[i] > '9' || left == 0) return std::nullopt;
+        digits[--left] = text[i];
+    }
+    if (point == 0) return std::nullopt;
+    const auto pair = [&](std::size_t at) {
+        return std::int64_t{10} * (digits[at] - '0') + (digits[at + 1] - '0');
+    };
+    const std::int64_t hour = pair(0), minute = pair(2), second = pair(4);
+    const bool end_of_day = hour == 23 && minute == 59;
+    if (hour > 23 || minute > 59 || second > (end_of_day ? 60 : 59)) return std::nullopt;
+    std::int64_t fraction_ns = 0;
+    if (point < text.size()) {
+        const std::string_view decimals = text.substr(point);
+        const auto value = decimals.size() == 1 ? 0 : parse_decimal_nanoseconds(decimals);
+        if (!value) return std::nullopt;
+        fraction_ns = *value;
+    }
+    return (60 * hour + minute) * ns_per_minute + second * GpsTime::nanoseconds_per_second +
+           fraction_ns;
+}
+
+TimedRow read_row(const SourceLine& line, const RecordingBytes& recording, const Layout& layout,
+                  const RowFields& fields, bool east_positive, bool last) {
+    require_count(line, recording, layout.column_of.size(), fields.count(), last);
+    TimedRow row;
+    row.written.time = fields.text(Column::time);
+    read_quality(fields, layout, row.observation);
+    if (row.observation.fix == FixKind::none) return row;
+    const double per_degree = layout.coordinates == CoordinateUnit::degree ? 1.0 : 60.0;
+    const double latitude_deg = fields.real(Column::latitude, "latitude") / per_degree;
+    const double longitude_deg =
+        fields.real(Column::longitude, "longitude") / (east_positive ? per_degree : -per_degree);
+    if (latitude_deg == 0.0 && longitude_deg == 0.0) {
+        row.observation.fix = FixKind::none;
+        return row;
+    }
+    const bool has_height = layout.has(Column::height);
+    const Geodetic position = checked_geodetic(
+        {.latitude = Angle::from_degrees(latitude_deg),
+         .longitude = Angle::from_degrees(longitude_deg),
+         .height_m = has_height ? fields.real(Column::height, "height") : 0.0},
+        fields.cell(Column::latitude), fields.cell(Column::longitude), fields.cell(Column::height));
+    set_position(row.observation, position);
+    if (!has_height) row.observation.height_m.reset();
+    row.written.unit = layout.coordinates;
+    row.written.coordinates = {fields.text(Column::latitude), fields.text(Column::longitude)};
+    read_velocity(fields, layout, row.observation);
+    return row;
+}
+
+}  // namespace runcert::vbo

@@ -1,0 +1,117 @@
+#include "stages/import/vbo/vbo.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/failure.h"
+#include "core/text.h"
+#include "stages/import/finish.h"
+#include "stages/import/vbo/date.h"
+#include "stages/import/vbo/header.h"
+#include "stages/import/vbo/row.h"
+#include "stages/import/vbo/survey.h"
+
+namespace runcert::vbo {
+namespace {
+
+/// Fields of the first row of data from here on; 0 where there is none.
+std::size_t fields_of_first_row(LineReader lines) {
+    while (const auto line = lines.next()) {
+        std::string_view rest = line->text;
+        std::size_t fields = 0;
+        while (!take_word(rest).empty())
+            ++fields;
+        if (fields > 0) return fields;
+    }
+    return 0;
+}
+
+[[noreturn]] void refuse_time(const Cell& cell) {
+    cell.fail(fmt::format("the time \"{}\" is not a time of day", escape_for_message(cell.text)),
+              "Times are written as 062345.04: hours, minutes and seconds of UTC");
+}
+
+/// Reads the rows, of which the clock gives the instants.
+TimedRows read_rows(LineReader lines, const RecordingBytes& recording, const Layout& layout,
+                    bool east_positive, DayClock clock) {
+    TimedRows timed(recording);
+    while (const auto line = lines.next()) {
+        if (trim(line->text).empty()) continue;
+        timed.add_record(*line, [&] {
+            const RowFields fields(*line, recording, layout);
+            TimedRow row =
+                read_row(*line, recording, layout, fields, east_positive, lines.at_end());
+            const auto time_ns = time_of_day_ns(fields.text(Column::time));
+            if (!time_ns) refuse_time(fields.cell(Column::time));
+            try {
+                row.instant = clock.next(*time_ns);
+            } catch (const Failure& failure) {
+                fields.cell(Column::time).fail(failure.problem(), failure.remedy());
+            }
+            return row;
+        });
+    }
+    return timed;
+}
+
+void note_columns(Observations& observations, const Layout& layout) {
+    if (layout.has(Column::height)) observations.notes.emplace_back(note_heights_above_sea_level);
+    if (layout.velocity_mps && !layout.has(Column::heading))
+        observations.notes.push_back(
+            "Speeds are recorded without headings, and are not used: a velocity needs both.");
+    if (layout.has(Column::vertical_velocity) && !layout.vertical_velocity_mps)
+        observations.notes.push_back(
+            "The vertical velocity is recorded in a unit that the header does not name, and is not "
+            "used.");
+}
+
+void note_longitudes(Observations& observations, LongitudeSense sense) {
+    const auto first =
+        std::find_if(observations.rows.begin(), observations.rows.end(),
+                     [](const Observation& row) { return row.latitude_deg.has_value(); });
+    if (first != observations.rows.end())
+        observations.notes.push_back(
+            longitude_note(sense, *first->latitude_deg, *first->longitude_deg));
+}
+
+}  // namespace
+
+bool recognises(std::string_view bytes) {
+    LineReader lines(bytes);
+    bool named = false, header = false;
+    while (const auto line = lines.next()) {
+        const std::string text = lower_case(trim(line->text).substr(0, 40));
+        if (line->number == 1 && text.starts_with("file created on")) return true;
+        named = named || text == "[column names]";
+        header = header || text == "[header]";
+        if (text == "[data]") return named || header;
+    }
+    return named;
+}
+
+Observations read(const Receiver& receiver, const RecordingBytes& recording) {
+    require_text(recording);
+    LineReader lines(recording);
+    const Header header = read_header(lines, recording);
+    const Layout layout = find_layout(header, fields_of_first_row(lines), recording);
+    const Survey surveyed = survey(lines, recording, layout);
+    const FirstDay first_day = find_first_day(
+        receiver, header.created, surveyed.first_time_ns.value_or(0), surveyed.first_longitude_deg);
+    Observations observations;
+    observations.format = "vbo";
+    observations.device = device_of(header);
+    observations.frame = "geodetic";
+    observations.time_scale = first_day.utc ? "utc" : "relative";
+    set_rows(observations, read_rows(lines, recording, layout,
+                                     surveyed.longitudes == LongitudeSense::east_positive,
+                                     DayClock(first_day.utc)));
+    observations.notes.push_back(first_day.note);
+    note_longitudes(observations, surveyed.longitudes);
+    note_columns(observations, layout);
+    apply_attempt(observations, receiver, first_day.by_start_gps);
+    note_text(observations, recording);
+    return observations;
+}
+
+}  // namespace runcert::vbo

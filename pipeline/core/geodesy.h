@@ -32,8 +32,8 @@ void require_valid(const Geodetic& position);
 Ecef ecef_from_geodetic(const Geodetic& position);
 
 /// The position of Earth-centred coordinates, longitude in [-180, 180] degrees. Failure where a
-/// coordinate is not finite. Accurate to about 5 nm (GeographicLib::Geocentric, [Karney 2011],
-/// "Geodesics on an ellipsoid of revolution", app. B).
+/// coordinate is not finite. Accurate to about 5 nm (GeographicLib::Geocentric, [Karney11]
+/// app. B).
 Geodetic geodetic_from_ecef(const Ecef& position);
 
 /// The matrix that turns an Earth-centred vector into east, north, up of a place.

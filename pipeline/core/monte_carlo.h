@@ -22,7 +22,7 @@ struct MonteCarloOptions {
     std::int64_t block = 10'000;
     /// Blocks before the first test for convergence, at least 2. [GUM-S1] tests from the second
     /// on, where the standard deviation of two averages is small by chance often enough to stop
-    /// far too early (Wuebbeler, Harris, Cox & Elster 2010, Metrologia 47, 317): of 200 seeds of a
+    /// far too early [WHCE10]: of 200 seeds of a
     /// normal result with u = 2.0, 32 had a figure beyond the tolerance, and none with 10 blocks.
     std::int64_t blocks_min = 10;
     /// Most trials, and what bounds the memory: each value is kept, 8 bytes.

@@ -9,12 +9,11 @@
 
 namespace runcert {
 
-/// One step of SplitMix64 (Steele, Lea & Flood 2014; S. Vigna's splitmix64.c): advances `state`
+/// One step of SplitMix64 ([SLF14]; S. Vigna's splitmix64.c): advances `state`
 /// and returns the next number. Used to spread a seed over a larger state.
 std::uint64_t splitmix64(std::uint64_t& state);
 
-/// The generator xoshiro256** 1.0 (Blackman & Vigna 2021, "Scrambled linear pseudorandom number
-/// generators", ACM TOMS 47(4)). The state must not be all zero.
+/// The generator xoshiro256** 1.0 [BV21]. The state must not be all zero.
 struct Xoshiro256StarStar {
     std::array<std::uint64_t, 4> state;
 

@@ -8,10 +8,10 @@
 #include "estimation/kalman.h"
 
 // Tests of supposed errors of an arc's measurements, from one pass of the filter forward and one of
-// scores backward (de Jong & Penzer 1998, "Diagnosing shocks in time series"). Every test uses all
+// scores backward [JP98]. Every test uses all
 // measurements of the arc, before and after the supposed error, and equals the likelihood-ratio
-// test against the model with that error as an unknown: Baarda's w-test and its generalisation to
-// several unknowns (Teunissen 2018, "Distributional theory for the DIA method").
+// test against the model with that error as an unknown: Baarda's w-test [Baarda68] and its
+// generalisation to several unknowns [Teunissen18].
 
 namespace runcert {
 

@@ -21,7 +21,7 @@ using LanePositions = std::array<Lane<Lanes>, static_cast<std::size_t>(Axes)>;
 /// cost of `smooth`.
 ///
 /// The forward pass is the filter's; backward go the scores of the measurements from each epoch on
-/// (de Jong & Penzer 1998, as in `ArcDiagnosis`) in place of the smoothed states: with them each
+/// ([JP98], as in `ArcDiagnosis`) in place of the smoothed states: with them each
 /// smoothed position is the predicted one and a few rows of its covariance, where the RTS form
 /// needs a gain of the state's whole size at every epoch.
 template <int Axes>

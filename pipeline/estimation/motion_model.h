@@ -22,8 +22,8 @@ template <int Axes>
 using PositionMatrix = Eigen::Matrix<double, Axes, Axes>;
 
 /// How the craft moves, each axis for itself: white-noise jerk on an acceleration that persists
-/// (model (32) of [DHD22] in continuous time), or that dies away with a correlation time (Singer
-/// 1970, "Estimating optimal tracking filter performance for manned maneuvering targets").
+/// (model (32) of [DHD22] in continuous time), or that dies away with a correlation time
+/// [Singer70].
 struct MotionModel {
     double jerk_density = 1.0;  ///< root spectral density of the driving noise, m s^-2.5
     /// Correlation time of the acceleration, s; infinite where it persists.
@@ -44,7 +44,7 @@ struct GaussMarkovError {
     /// The process whose covariance bounds that of every steady error of standard deviation
     /// `sigma_m` with a correlation time between `tau_min_s` and `tau_max_s`: correlation time
     /// tau_max, process noise larger by tau_max / tau_min, initial variance
-    /// 2 sigma^2 / (1 + tau_min / tau_max) (Langel, Garcia Crespo & Joerger 2021).
+    /// 2 sigma^2 / (1 + tau_min / tau_max) [LGJ21].
     ///
     /// Bounds: the covariance between all epochs less the true one is positive semidefinite, so
     /// that any weighted sum of the errors, by whatever estimator, has at most this variance. The

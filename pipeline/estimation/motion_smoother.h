@@ -10,7 +10,7 @@
 namespace runcert {
 
 /// Filter and fixed-interval smoother over one arc in the form of Bryson and Frazier as modified by
-/// Bierman (1973, "Fixed interval smoothing with discrete measurements"; [YSM22] for the model):
+/// Bierman ([Bierman73]; [YSM22] for the model):
 /// the states of `smooth`, without its gains, from the last epoch to the first.
 ///
 /// Nothing is inverted but the innovations' covariances, so that an epoch costs a small part of an

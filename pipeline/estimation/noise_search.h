@@ -60,8 +60,8 @@ class NoiseSearch {
     /// White noise alone: the jerk density first over its whole range, then closely.
     Best fit_white();
 
-    /// The maximum near a point, of the parameters that are free, by Powell's BOBYQA within bounds;
-    /// `step`: how far it looks first.
+    /// The maximum near a point, of the parameters that are free, by BOBYQA [Powell09] within
+    /// bounds; `step`: how far it looks first.
     Best maximise(const Point& start, double step, const std::vector<bool>& free);
     Best maximise(const Point& start, double step) {
         return maximise(start, step, std::vector<bool>(start.size(), true));

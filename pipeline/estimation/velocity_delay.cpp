@@ -99,7 +99,7 @@ double huber_weight(double x) {
 }
 
 /// Standard deviation of the M-estimate by the sandwich: curvature of the criterion, and the sum of
-/// its terms' covariances over two seconds (Bartlett weights, Newey & West 1987), because
+/// its terms' covariances over two seconds (Bartlett weights, [NW87]), because
 /// neighbouring differences share the errors of the smoothed motion.
 double delay_sigma(const std::vector<DelayTerm>& terms, double scale, double interval_s) {
     const double span_s = std::max(2.0, 3.0 * interval_s);
@@ -133,7 +133,7 @@ struct CoarseDelay {
 };
 
 /// The delay on a grid over the whole range that has the least Huber criterion, in the scale of
-/// the grid's least median (Rousseeuw 1984), which up to half of the epochs cannot spoil.
+/// the grid's least median [Rousseeuw84], which up to half of the epochs cannot spoil.
 CoarseDelay coarse_delay(const Knots& knots, const std::vector<Comparison>& comparisons,
                          double delay_max_s) {
     constexpr int half = 25;

@@ -10,7 +10,7 @@
 namespace runcert {
 namespace {
 
-/// Keys by the slot they fill: augmenting paths (H. W. Kuhn, 1955).
+/// Keys by the slot they fill: augmenting paths [Kuhn55].
 class Matching {
   public:
     explicit Matching(std::vector<std::set<std::string>> keys_of_slot)

@@ -24,8 +24,8 @@ std::string name_of(const TrackGate& gate);
 std::vector<MapFact> facts_of(const TrackWindow& window);
 std::vector<MapFact> facts_of(const TrackArc& arc);
 
-/// How a window is drawn: colours of Okabe and Ito, which the colour-blind tell apart. Windows of
-/// several rules lie over one another, and get narrower from the first on.
+/// How a window is drawn: colours of Okabe and Ito [OI08], which the colour-blind tell apart.
+/// Windows of several rules lie over one another, and get narrower from the first on.
 struct LineStyle {
     std::string rgb;  ///< six hexadecimal digits
     int width = 2;

@@ -44,7 +44,7 @@ ScreenConfig screen_config(const Attempt& attempt);
 /// Marks the epochs that may not take part in the estimate, and cuts the rest into arcs.
 ///
 /// First each epoch by itself: position, kind of solution, time, stated accuracy; then gaps. Then
-/// detection, identification and adaptation (Baarda 1968; Teunissen 2018), horizontally and
+/// detection, identification and adaptation ([Baarda68], [Teunissen18]), horizontally and
 /// vertically: the noise is learnt from what a first look leaves; every epoch is tested for an
 /// outlier, a burst, a step, a ramp and a shift of its stamps, every stretch for the model as a
 /// whole; the best supported hypothesis is adapted to, and the tests are repeated until none is

@@ -17,7 +17,7 @@ namespace runcert {
 /// smoother would. The same minimum as that of the general program for which the problem is a
 /// sparse matrix (BatchProblem, with a scale), in a tenth of its time.
 ///
-/// Begun with reweighted steps (Holland & Welsch 1977), which cannot raise the cost, from wherever
+/// Begun with reweighted steps [HW77], which cannot raise the cost, from wherever
 /// the start is; once little is gained, with Newton's, whose convergence is quadratic.
 ///
 /// Only differences are iterated: those of the states from the start, and what each measurement and

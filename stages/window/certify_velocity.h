@@ -9,7 +9,7 @@ namespace runcert {
 /// The speed of a window from the velocities that the recording states, with what they state of
 /// their accuracy: its errors are taken as the same throughout the window, so that no mean makes
 /// them smaller. `all` are the windows that it was chosen from: the fastest of so many adds at most
-/// u sqrt(2 ln n) in the mean, whatever their correlation (Boucheron, Lugosi & Massart 2013, 2.5),
+/// u sqrt(2 ln n) in the mean, whatever their correlation ([BLM13] 2.5),
 /// u being the part of the uncertainty that differs between windows.
 ///
 /// Failure where an epoch inside states no accuracy of its velocity.

@@ -6,7 +6,7 @@
 
 namespace runcert {
 
-/// External reliability of a window's speed (Baarda 1968): for each hypothesis that screening
+/// External reliability of a window's speed [Baarda68]: for each hypothesis that screening
 /// tests, the error that its test finds with no more than the stated power and that changes the
 /// speed most, over all epochs of the stretch and all directions. Largest effect first.
 ///

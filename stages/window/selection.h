@@ -51,7 +51,7 @@ enum class DrawnErrors {
 /// its fastest window is compared with that window's true one; what smoothing itself does to the
 /// window is so part of the answer. The motion so estimated still holds some noise, which makes the
 /// answer too small; the same is done from motions estimated from drawn recordings, and the
-/// difference put on (a bootstrap, calibrated by a second one: Efron & Tibshirani 1993, 18).
+/// difference put on (a bootstrap, calibrated by a second one: [ET93] 18).
 ///
 /// A slow error of the positions looks like motion, so that the recording does not say how much of
 /// it chose the window. The bias lies between that of the errors as fitted and that with the slow

@@ -38,12 +38,19 @@ struct DetectableSizes {
 std::optional<DetectableSizes> detectable_sizes(const std::vector<ScreenedEpoch>& rows,
                                                 std::optional<double> DetectableError::*size);
 
+/// The certified window of a rule.
+struct AuditedWindow {
+    std::string profile;
+    double duration_s = 0.0;
+};
+
 /// What an audit is about, beside the table itself.
 struct AuditSubject {
     std::string attempt;
     std::string recording;               ///< name of the file that was handed in
     std::vector<std::string> checked;    ///< files whose hash is the one that another file names
     std::vector<std::string> unchecked;  ///< files that are not there, or that none there names
+    std::vector<AuditedWindow> windows = {};
 };
 
 /// The audit of one receiver's screening: what the tests rested on, every decision with its rows in

@@ -27,7 +27,7 @@ std::string break_text(const std::vector<ScreenedEpoch>& rows, std::size_t at);
 bool explains_break(const ScreenedEpoch& row);
 
 /// The smallest errors that could be found, and what they would do to a speed.
-std::vector<Block> smallest_blocks(const ScreenedTable& table);
+std::vector<Block> smallest_blocks(const ScreenedTable& table, const AuditSubject& subject);
 
 /// Whether the table's revision holds evidence: 1.2 and later.
 bool holds_evidence(const ScreenedTable& table);

@@ -17,7 +17,7 @@ Section screening_section(const ScreenedTable& table, const AuditSubject& subjec
             .blocks = basis_blocks(table, subject),
             .parts = {{.title = "Decisions", .blocks = decision_blocks(table, subject, all)},
                       {.title = "Smallest errors that the tests find",
-                       .blocks = smallest_blocks(table)}}};
+                       .blocks = smallest_blocks(table, subject)}}};
 }
 
 }  // namespace runcert

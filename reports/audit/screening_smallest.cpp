@@ -7,7 +7,6 @@
 namespace runcert {
 namespace {
 
-constexpr double average_s = 3.0;
 constexpr double km_h_per_mps = 3.6;
 
 struct Quantity {
@@ -36,22 +35,31 @@ std::string line_of(const Quantity& quantity, const DetectableSizes& sizes) {
     return line + ".";
 }
 
+/// By how much a step inside a window changes its speed, for the window of each rule.
+std::string change_by(double step_m, const std::vector<AuditedWindow>& windows) {
+    if (windows.empty())
+        return fmt::format("{} m over the duration of the window", format_fixed(step_m, 3));
+    std::vector<std::string> changes;
+    for (const AuditedWindow& window : windows)
+        changes.push_back(fmt::format("{} km/h under {} ({} s)",
+                                      format_fixed(step_m / window.duration_s * km_h_per_mps, 3),
+                                      window.profile, format_fixed(window.duration_s, 3)));
+    return listed(changes);
+}
+
 /// What an undiscovered step makes of a speed.
-std::string consequence(const DetectableSizes& step) {
-    const auto change = [](double step_m) {
-        return format_fixed(step_m / average_s * km_h_per_mps, 3) + " km/h";
-    };
+std::string consequence(const DetectableSizes& step, const std::vector<AuditedWindow>& windows) {
     return fmt::format(
-        "A step of {} m in the middle of a {} s average, not found, makes its speed "
-        "wrong by at most {}: it moves one end of the window against the other. The "
-        "worst, of {} m, makes it wrong by at most {}.",
-        format_fixed(step.median, 3), format_fixed(average_s, 0), change(step.median),
-        format_fixed(step.worst, 3), change(step.worst));
+        "A step of {} m in the middle of a window, not found, moves one end of it against the "
+        "other and makes its speed wrong by at most {}. The worst, of {} m, makes it wrong by at "
+        "most {}.",
+        format_fixed(step.median, 3), change_by(step.median, windows), format_fixed(step.worst, 3),
+        change_by(step.worst, windows));
 }
 
 }  // namespace
 
-std::vector<Block> smallest_blocks(const ScreenedTable& table) {
+std::vector<Block> smallest_blocks(const ScreenedTable& table, const AuditSubject& subject) {
     if (!table.evidence)
         return {Paragraph{holds_evidence(table)
                               ? "No test was made, so that no size could be found."
@@ -70,7 +78,7 @@ std::vector<Block> smallest_blocks(const ScreenedTable& table) {
                     format_fixed(100.0 * table.evidence->power, 1))}};
     blocks.emplace_back(std::move(lines));
     if (const auto step = detectable_sizes(table.rows, &DetectableError::step_m))
-        blocks.emplace_back(Paragraph{consequence(*step)});
+        blocks.emplace_back(Paragraph{consequence(*step, subject.windows)});
     return blocks;
 }
 

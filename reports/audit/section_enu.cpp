@@ -56,6 +56,11 @@ Section screen_section(const RunRecord& record, const ReceiverRecord& one, bool 
         const bool checked = record.files.contains(file) && named != record.named_by.end();
         (checked ? subject.checked : subject.unchecked).push_back(file);
     }
+    if (one.windows)
+        for (const ProfileWindows& windows : one.windows->profiles)
+            if (windows.best)
+                subject.windows.push_back({.profile = windows.profile,
+                                           .duration_s = windows.best->span.duration.seconds()});
     Section screening = screening_section(*one.screened, subject, all);
     const ScreeningSummary summary = summarise(one.screened->rows);
     Section section{

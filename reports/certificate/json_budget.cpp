@@ -15,8 +15,6 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-constexpr double monte_carlo_probability = 0.95;
-
 /// Above so many the normal distribution and Student's t are one.
 constexpr double many_degrees_of_freedom = 10000.0;
 
@@ -84,17 +82,17 @@ double variance_of(const std::vector<BudgetRow>& rows) {
 }
 
 /// Both intervals of 95 %, in words that say which of them is on the safe side.
-std::string interval_words(const MonteCarloCheck& check, double lower_mps, double upper_mps,
-                           bool agrees, const UncertaintyScale& scale) {
+std::string interval_words(const MonteCarloCheck& check, const LinearisationJudgement& judged,
+                           const UncertaintyScale& scale) {
     const auto text = [&](double speed_mps) {
         return speed_text(speed_mps, check.standard_uncertainty_mps, scale.unit);
     };
-    const std::string both = fmt::format("The budget's 95 % interval, {} to {} {}, ",
-                                         text(lower_mps), text(upper_mps), scale.unit.name);
-    if (agrees) return both + "agrees within that tolerance.";
-    return both + (lower_mps <= check.lower_mps && upper_mps >= check.upper_mps
-                       ? "holds it and is wider: it is on the safe side."
-                       : "does not agree within that tolerance.");
+    const std::string both =
+        fmt::format("The budget's 95 % interval, {} to {} {}, ", text(judged.lower_mps),
+                    text(judged.upper_mps), scale.unit.name);
+    if (judged.interval_agrees) return both + "agrees within that tolerance.";
+    return both + (judged.interval_holds ? "holds it and is wider: it is on the safe side."
+                                         : "does not agree within that tolerance.");
 }
 
 }  // namespace
@@ -129,8 +127,7 @@ Json budget_json(const CertifiableWindow& window, const UncertaintyScale& scale)
 }
 
 Json budget_total_json(const CertifiableWindow& window, const UncertaintyScale& scale) {
-    const double expanded_mps =
-        scale.coverage_factor * window.standard_uncertainty_mps + window.bias_limit_mps;
+    const double expanded_mps = expanded_uncertainty_mps(window, scale.coverage_factor);
     Json json{
         {"budget_unit", scale.unit.name},
         {"combined_text", contribution_text(window.standard_uncertainty_mps, window, scale.unit)},
@@ -144,16 +141,7 @@ Json budget_total_json(const CertifiableWindow& window, const UncertaintyScale& 
 
 Json monte_carlo_json(const CertifiableWindow& window, const UncertaintyScale& scale) {
     const MonteCarloCheck& check = *window.monte_carlo;
-    const double half_width_mps =
-        coverage_factor(monte_carlo_probability, window.effective_degrees_of_freedom) *
-        window.standard_uncertainty_mps;
-    const double lower_mps = window.speed_mps - half_width_mps;
-    const double upper_mps = window.speed_mps + half_width_mps;
-    const bool uncertainty_agrees =
-        std::abs(check.standard_uncertainty_mps - window.standard_uncertainty_mps) <=
-        check.tolerance_mps;
-    const bool interval_agrees = std::abs(check.lower_mps - lower_mps) <= check.tolerance_mps &&
-                                 std::abs(check.upper_mps - upper_mps) <= check.tolerance_mps;
+    const LinearisationJudgement judged = judge_linearisation(window);
     Json json{{"seed", check.seed}, {"trials", check.trials}};
     set_speeds(json, "mean", check.mean_mps);
     set_speeds(json, "standard_uncertainty", check.standard_uncertainty_mps);
@@ -161,10 +149,10 @@ Json monte_carlo_json(const CertifiableWindow& window, const UncertaintyScale& s
     set_speeds(json, "upper", check.upper_mps);
     json["tolerance_m_s"] = rounded(check.tolerance_mps, 9);
     json["converged"] = check.converged;
-    set_speeds(json, "budget_lower", lower_mps);
-    set_speeds(json, "budget_upper", upper_mps);
-    json["uncertainty_agrees"] = uncertainty_agrees;
-    json["interval_agrees"] = interval_agrees;
+    set_speeds(json, "budget_lower", judged.lower_mps);
+    set_speeds(json, "budget_upper", judged.upper_mps);
+    json["uncertainty_agrees"] = judged.uncertainty_agrees;
+    json["interval_agrees"] = judged.interval_agrees;
     const auto text = [&](double speed_mps) {
         return speed_text(speed_mps, check.standard_uncertainty_mps, scale.unit);
     };
@@ -177,8 +165,8 @@ Json monte_carlo_json(const CertifiableWindow& window, const UncertaintyScale& s
         text(check.lower_mps), text(check.upper_mps), scale.unit.name,
         check.converged ? "converged" : "not converged",
         significant_text(check.tolerance_mps * scale.unit.per_mps, 2), scale.unit.name,
-        uncertainty_agrees ? "agrees" : "does not agree",
-        interval_words(check, lower_mps, upper_mps, interval_agrees, scale));
+        judged.uncertainty_agrees ? "agrees" : "does not agree",
+        interval_words(check, judged, scale));
     return json;
 }
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "core/statistics.h"
-#include "core/uncertainty.h"
 #include "reports/certificate/display.h"
 #include "reports/certificate/json_course.h"
 #include "reports/certificate/json_parts.h"
@@ -116,10 +115,7 @@ Json by_receiver_json(const ReportInputs& inputs, const Profile& profile) {
         Json entry{{"receiver", results.windows.receiver}};
         const ProfileWindows* windows = results.windows.of(profile.id);
         if (const auto figure = windows == nullptr ? std::nullopt : windows->figure()) {
-            const double u = figure->standard_uncertainty_mps *
-                                 equivalent_coverage_factor(profile.coverage_factor,
-                                                            figure->effective_degrees_of_freedom) +
-                             figure->bias_limit_mps;
+            const double u = expanded_uncertainty_by_rule_mps(*figure, profile.coverage_factor);
             const SpeedUnit& unit = rule_unit(profile);
             set_speeds(entry, "speed", figure->speed_mps);
             set_speeds(entry, "expanded_uncertainty", u);

@@ -175,9 +175,7 @@ std::string budget_subject(const ProfileVerdict& verdict, const ProfileWindows& 
     return fmt::format(
         "What follows is of the fastest window alone, of {}{}{}.",
         speed_with_uncertainty_text(
-            best.speed_mps,
-            scale.coverage_factor * best.standard_uncertainty_mps + best.bias_limit_mps,
-            scale.unit),
+            best.speed_mps, expanded_uncertainty_mps(best, scale.coverage_factor), scale.unit),
         windows.further.empty()
             ? ""
             : fmt::format("; the certified speed is the mean of {} windows, with the mean of their "
@@ -211,7 +209,7 @@ Json uncertainty_json(const ProfileVerdict& verdict, const ProfileWindows& windo
     const UncertaintyScale scale{rule_unit(profile), verdict.coverage_factor};
     const double speed_mps = verdict.speed_mps.value_or(best.speed_mps);
     const double expanded_mps = verdict.expanded_uncertainty_mps.value_or(
-        scale.coverage_factor * best.standard_uncertainty_mps + best.bias_limit_mps);
+        expanded_uncertainty_mps(best, scale.coverage_factor));
     Json json{{"certified_words",
                fmt::format("{} (k = {})",
                            speed_with_uncertainty_text(speed_mps, expanded_mps, scale.unit),

@@ -64,7 +64,7 @@ std::string other_definition(const Profile& profile) {
 
 /// To which speeds beside the certified one are rounded.
 double shown_uncertainty(const CertifiableWindow& window, const Profile& profile) {
-    return window.standard_uncertainty_mps * profile.coverage_factor + window.bias_limit_mps;
+    return expanded_uncertainty_mps(window, profile.coverage_factor);
 }
 
 std::string definition_note(const CertifiableWindow& best, const Profile& profile) {

@@ -138,7 +138,7 @@ void add_windows(const TrackInput& input, std::size_t rule, const ToTheEarth& ea
             TrackWindow& window = add(WindowKind::further, further.span);
             window.speed_mps = further.speed_mps;
             window.expanded_uncertainty_mps =
-                verdict.coverage_factor * further.standard_uncertainty_mps + further.bias_limit_mps;
+                expanded_uncertainty_mps(further, verdict.coverage_factor);
         }
     if (verdict.window && verdict.speed_mps) {
         TrackWindow& best = add(WindowKind::best, *verdict.window);

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/failure.h"
+#include "core/uncertainty.h"
 #include "schemas/common/document.h"
 #include "schemas/common/members.h"
 
@@ -226,6 +228,36 @@ double SpeedDefinitions::by_name(std::string_view name) const {
     if (name == "mean_n") return mean_n_mps;
     throw Failure("definition of speed", fmt::format("\"{}\" is not known", name),
                   "Use displacement, path_length, mean_n_plus_1 or mean_n");
+}
+
+LinearisationJudgement judge_linearisation(const CertifiableWindow& window) {
+    constexpr double probability = 0.95;
+    const MonteCarloCheck& check = window.monte_carlo.value();
+    const double half_width_mps =
+        coverage_factor(probability, window.effective_degrees_of_freedom) *
+        window.standard_uncertainty_mps;
+    const auto agree = [&](double drawn, double propagated) {
+        return std::abs(drawn - propagated) <= check.tolerance_mps;
+    };
+    LinearisationJudgement judged{.lower_mps = window.speed_mps - half_width_mps,
+                                  .upper_mps = window.speed_mps + half_width_mps};
+    judged.uncertainty_agrees =
+        agree(check.standard_uncertainty_mps, window.standard_uncertainty_mps);
+    judged.interval_agrees =
+        agree(check.lower_mps, judged.lower_mps) && agree(check.upper_mps, judged.upper_mps);
+    judged.interval_holds =
+        judged.lower_mps <= check.lower_mps && judged.upper_mps >= check.upper_mps;
+    return judged;
+}
+
+double expanded_uncertainty_by_rule_mps(const CertifiableWindow& window, double rule_factor) {
+    return expanded_uncertainty_mps(
+        window, equivalent_coverage_factor(rule_factor, window.effective_degrees_of_freedom));
+}
+
+double expanded_uncertainty_by_rule_mps(const RuleFigure& figure, double rule_factor) {
+    return expanded_uncertainty_mps(
+        figure, equivalent_coverage_factor(rule_factor, figure.effective_degrees_of_freedom));
 }
 
 std::optional<RuleFigure> ProfileWindows::figure() const {

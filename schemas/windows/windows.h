@@ -212,6 +212,29 @@ struct ProfileWindows {
     std::optional<RuleFigure> figure() const;
 };
 
+/// Whether the law of propagation and the draws through the same model agree ([GUM-S1] 8).
+struct LinearisationJudgement {
+    double lower_mps = 0.0;  ///< the budget's 95 % interval
+    double upper_mps = 0.0;
+    bool uncertainty_agrees = false;  ///< both standard uncertainties, within the tolerance
+    bool interval_agrees = false;     ///< both intervals, at either end
+    bool interval_holds = false;      ///< or the budget's holds that of the draws: the safe side
+};
+
+/// Of a window that has the check.
+LinearisationJudgement judge_linearisation(const CertifiableWindow& window);
+
+/// What is stated with a speed: `coverage_factor` standard uncertainties and, added to them, the
+/// limit of a bias that is not known better.
+template <class Speed>
+double expanded_uncertainty_mps(const Speed& speed, double coverage_factor) {
+    return coverage_factor * speed.standard_uncertainty_mps + speed.bias_limit_mps;
+}
+
+/// The same with the coverage factor that the rule's stands for at the speed's degrees of freedom.
+double expanded_uncertainty_by_rule_mps(const CertifiableWindow& window, double rule_factor);
+double expanded_uncertainty_by_rule_mps(const RuleFigure& figure, double rule_factor);
+
 /// 5-windows.yaml, `schemas/windows/v1.yaml`.
 struct Windows {
     Header header;

@@ -107,8 +107,7 @@ void set_speed(ClauseContext& context) {
     }
     context.coverage_factor =
         equivalent_coverage_factor(context.profile.coverage_factor, speed.degrees_of_freedom);
-    context.expanded_uncertainty_mps =
-        context.coverage_factor * speed.standard_uncertainty_mps + speed.bias_limit_mps;
+    context.expanded_uncertainty_mps = expanded_uncertainty_mps(speed, context.coverage_factor);
     context.speed = speed;
 }
 

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "core/statistics.h"
-#include "core/uncertainty.h"
 
 namespace runcert {
 namespace {
@@ -139,18 +138,23 @@ void add_propagation(const ReceiverEvidence& judged, Statements& statements) {
     for (const ProfileWindows& windows : judged.windows.profiles) {
         if (!windows.best || !windows.best->monte_carlo) continue;
         const MonteCarloCheck& check = *windows.best->monte_carlo;
-        const double difference_mps =
-            std::abs(check.standard_uncertainty_mps - windows.best->standard_uncertainty_mps);
+        const LinearisationJudgement judged = judge_linearisation(*windows.best);
         if (!check.converged)
             statements.push_back(
                 fmt::format("The check of linearisation under {} did not converge in {} trials.",
                             windows.profile, check.trials));
-        else if (difference_mps > check.tolerance_mps)
+        else if (!judged.uncertainty_agrees)
             statements.push_back(fmt::format(
                 "Under {} the check of linearisation gives a standard uncertainty of {:.4f} m/s "
                 "where the law of propagation gives {:.4f} m/s.",
                 windows.profile, check.standard_uncertainty_mps,
                 windows.best->standard_uncertainty_mps));
+        else if (!judged.interval_agrees && !judged.interval_holds)
+            statements.push_back(fmt::format(
+                "Under {} the check of linearisation gives a 95 % interval of {:.4f} m/s to {:.4f} "
+                "m/s where the law of propagation gives {:.4f} m/s to {:.4f} m/s.",
+                windows.profile, check.lower_mps, check.upper_mps, judged.lower_mps,
+                judged.upper_mps));
     }
 }
 
@@ -272,10 +276,7 @@ void add_undetected(const CheckInput& input, Statements& statements) {
         if (row == best.budget.end() || !(row->contribution_mps > 0.0)) continue;
         const double error_mps = std::sqrt(3.0) * row->contribution_mps;
         const double expanded_mps =
-            best.standard_uncertainty_mps *
-                equivalent_coverage_factor(profile->coverage_factor,
-                                           best.effective_degrees_of_freedom) +
-            best.bias_limit_mps;
+            expanded_uncertainty_by_rule_mps(best, profile->coverage_factor);
         const double other_mps =
             std::sqrt(std::max(best.standard_uncertainty_mps * best.standard_uncertainty_mps -
                                    row->contribution_mps * row->contribution_mps,

@@ -8,7 +8,6 @@
 #include <numbers>
 
 #include "core/failure.h"
-#include "core/uncertainty.h"
 #include "core/parallel.h"
 #include "stages/smooth/smooth.h"
 #include "stages/window/window.h"
@@ -100,9 +99,7 @@ void record_velocities(const SimulatedRecording& recording,
 void judge_window(const CertifiableWindow& best, const EstimationSummary& estimation,
                   const Profile& profile, double true_mps, CertifiedRun& run) {
     run.error_mps = best.speed_mps - true_mps;
-    run.expanded_mps =
-        equivalent_coverage_factor(profile.coverage_factor, best.effective_degrees_of_freedom) *
-        best.standard_uncertainty_mps;
+    run.expanded_mps = expanded_uncertainty_by_rule_mps(best, profile.coverage_factor);
     for (const UndetectedError& error : best.reliability)
         run.undetected_mps = std::max(run.undetected_mps, error.speed_mps);
     run.first_epoch = best.span.first_epoch;

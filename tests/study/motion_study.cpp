@@ -7,7 +7,6 @@
 
 #include "core/failure.h"
 #include "core/parallel.h"
-#include "core/uncertainty.h"
 #include "stages/check/decision.h"
 #include "stages/smooth/smooth.h"
 #include "stages/window/window.h"
@@ -122,10 +121,7 @@ void judge(const CertifiableWindow& window, const EstimationSummary& estimation,
                                    .standard_uncertainty_mps = window.standard_uncertainty_mps,
                                    .degrees_of_freedom = window.effective_degrees_of_freedom,
                                    .bias_limit_mps = window.bias_limit_mps};
-    result.expanded_mps =
-        equivalent_coverage_factor(profile.coverage_factor, posterior.degrees_of_freedom) *
-            posterior.standard_uncertainty_mps +
-        posterior.bias_limit_mps;
+    result.expanded_mps = expanded_uncertainty_by_rule_mps(window, profile.coverage_factor);
     const auto outcome = [&](double target_mps) {
         return decide(posterior, Threshold{.speed_mps = target_mps}, profile.decision_probability);
     };

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "core/statistics.h"
-#include "core/uncertainty.h"
 #include "simulated_arc.h"
 #include "stages/smooth/smooth.h"
 #include "stages/window/window.h"
@@ -62,10 +61,7 @@ SelectionStudy study_selection(const StudyRun& run, std::int64_t runs, std::uint
         less_reported.push_back(error_mps - best.selection->bias_mps);
         half_ranges.push_back(best.selection->bias_half_range_mps);
         const double expanded_mps =
-            best.standard_uncertainty_mps *
-                equivalent_coverage_factor(profiles.front().coverage_factor,
-                                           best.effective_degrees_of_freedom) +
-            best.bias_limit_mps;
+            expanded_uncertainty_by_rule_mps(best, profiles.front().coverage_factor);
         held += std::abs(best.speed_mps - true_mps) <= expanded_mps ? 1 : 0;
     }
     return {.run = run,

@@ -633,13 +633,19 @@ TEST(Audit, SmallestErrorsAreMedianAndWorstOfTheEpochsUsed) {
     EXPECT_DOUBLE_EQ(sizes->worst, 0.09);
     EXPECT_EQ(sizes->worst_epoch, 4);
     EXPECT_FALSE(detectable_sizes(table.rows, &DetectableError::outlier_m));
-    // 0.07 m in 3 s is 0.0233 m/s, which is 0.084 km/h.
-    expect_in(unwrapped(audit_text(table, subject, false)),
+    // 0.07 m in 3 s is 0.0233 m/s, which is 0.084 km/h; in 2 s 0.126 km/h.
+    AuditSubject with_windows = subject;
+    with_windows.windows = {{.profile = "nalsa", .duration_s = 3.0},
+                            {.profile = "fisly", .duration_s = 2.0}};
+    expect_in(unwrapped(audit_text(table, with_windows, false)),
               {"A step of the positions: 0.070 m, at worst 0.090 m (epoch 4); at 1 epoch no size "
                "could be found.",
-               "A step of 0.070 m in the middle of a 3 s average, not found, makes its speed wrong "
-               "by at most 0.084 km/h",
-               "of 0.090 m, makes it wrong by at most 0.108 km/h"});
+               "A step of 0.070 m in the middle of a window, not found, moves one end of it "
+               "against the other and makes its speed wrong by at most 0.084 km/h under nalsa "
+               "(3.000 s) and 0.126 km/h under fisly (2.000 s)",
+               "of 0.090 m, makes it wrong by at most 0.108 km/h under nalsa"});
+    expect_in(unwrapped(audit_text(table, subject, false)),
+              {"by at most 0.070 m over the duration of the window"});
 }
 
 // --- tables of other revisions ----------------------------------------------------------------

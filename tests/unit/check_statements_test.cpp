@@ -195,6 +195,13 @@ TEST(Statements, WhereMonteCarloDoesNotAgreeOrConverge) {
     EXPECT_EQ(
         scene.count({"Under nalsa the check of linearisation gives", "0.0106 m/s", "0.0100 m/s"}),
         1);
+    // An interval that the budget's does not hold; the budget's is +- 1.96 x 0.010 m/s.
+    windows.best->monte_carlo->standard_uncertainty_mps = 0.010;
+    windows.best->monte_carlo->lower_mps = -0.0250;
+    scene.judged.windows.profiles = {windows};
+    EXPECT_EQ(scene.count({"Under nalsa the check of linearisation gives a 95 % interval",
+                           "-0.0250 m/s to 0.0000 m/s", "-0.0196 m/s to 0.0196 m/s"}),
+              1);
     windows.best->monte_carlo->converged = false;
     windows.best->monte_carlo->trials = 1'000'000;
     scene.judged.windows.profiles = {windows};

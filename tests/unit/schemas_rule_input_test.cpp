@@ -114,7 +114,7 @@ TEST(RuleInput, OneNameClaimsAllOfGpsSpeedSailing) {
           {"[gps-speed-sailing-1h, gps-speed-sailing]", "f:6:34"},
           {"[gps-speed-sailing, gps-speed-sailing]", "f:6:31"},
           {"[gps-speed-sailing, mine/gps-speed-sailing-2s.yaml]", "f:6:31"}}) {
-        const Said said = failure_of([&] { profiles(list); });
+        const Said said = failure_of([&, &claimed = list] { profiles(claimed); });
         EXPECT_EQ(said.where, where) << list;
         EXPECT_TRUE(said.contains("the profile is claimed twice. Name each profile once")) << list;
     }
@@ -139,7 +139,8 @@ TEST(RuleInput, AnEarlierFileIsToldTheRevisionThatItNeeds) {
           {"secondary: {method: m, source: s}\n", "f:7:12"},
           {"record: {speed: 1, unit: kn, source: s, expanded_uncertainty: 0}\n", "f:7:63"}}) {
         for (const std::string revision : {"1.3", "1.0"}) {
-            const Said said = failure_of([&] { read_attempt(with(more, revision), "f"); });
+            const Said said =
+                failure_of([&, &added = more] { read_attempt(with(added, revision), "f"); });
             EXPECT_EQ(said.where, where) << more;
             EXPECT_TRUE(
                 said.contains("the field needs revision 1.4 of the schema attempt; the file "

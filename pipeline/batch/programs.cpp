@@ -4,10 +4,10 @@
 
 #include <vector>
 
-#include "batch/steps.h"
 #include "core/failure.h"
 #include "files/process.h"
 #include "files/sha256.h"
+#include "run/steps.h"
 
 namespace runcert {
 namespace {
@@ -15,13 +15,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* not_installed = "none";
-
-/// Programs of others that a step may call.
-std::vector<std::string> called_by(const std::string& step) {
-    if (step == "import") return {"gpsbabel", "rnx2rtkp"};
-    if (step == "render") return {"gnuplot", "weasyprint"};
-    return {};
-}
 
 }  // namespace
 
@@ -40,16 +33,16 @@ std::map<std::string, StepPrograms> programs_of_steps(const fs::path& folder) {
         return entry->second;
     };
     std::map<std::string, StepPrograms> all;
-    for (const std::string& step : step_names()) {
-        StepPrograms& programs = all[step];
-        if (const std::string own = program_of_step(step); !own.empty()) {
-            const std::string file = fs::absolute(folder / own).string();
-            programs[own] = hash_of(file);
-            if (programs[own] == not_installed)
+    for (const Step& step : steps()) {
+        StepPrograms& programs = all[step.name];
+        if (!step.program.empty()) {
+            const std::string file = fs::absolute(folder / step.program).string();
+            programs[step.program] = hash_of(file);
+            if (programs[step.program] == not_installed)
                 throw Failure(file, "the program of a stage is missing",
                               "Build or install the program again");
         }
-        for (const std::string& other : called_by(step))
+        for (const std::string& other : step.calls)
             programs[other] = hash_of(other);
     }
     return all;

@@ -10,7 +10,7 @@ namespace runcert {
 /// and those of others that it calls; "none" for one that is not installed.
 using StepPrograms = std::map<std::string, std::string>;
 
-/// Those of every step (`step_names`), from the folder of the stages and from PATH. Each program is
+/// Those of every step (`steps`), from the folder of the stages and from PATH. Each program is
 /// read once. Failure where a stage's own is missing.
 std::map<std::string, StepPrograms> programs_of_steps(const std::filesystem::path& folder);
 

@@ -40,7 +40,6 @@ class RunMaking {
     void do_step(const std::string& step, StepRecord record);
     void execute(const std::string& step, StepRecord& record);
     void require_as_hashed(const std::string& step, const StepRecord& record);
-    std::vector<std::string> command_of(const std::string& step) const;
     void run_program(const std::string& step, StepRecord& record);
 
     /// run_publishing.cpp: the way from and into the run folder.

@@ -3,6 +3,7 @@
 #include "batch/run_making.h"
 #include "files/atomic_file.h"
 #include "files/sha256.h"
+#include "run/run_lock.h"
 #include "run/run_times.h"
 #include "trust/signature_files.h"
 
@@ -55,16 +56,19 @@ void RunMaking::publish() {
     std::vector<std::string> names;
     for (const auto& [name, hash] : current_)
         names.push_back(name);
-    std::ranges::stable_partition(names, [](const std::string& name) { return !is_report(name); });
+    std::stable_partition(names.begin(), names.end(),
+                          [](const std::string& name) { return !is_report(name); });
     if (!is_published()) {
+        make_directory(files_.run_dir());
+        const RunLock lock(files_.run_dir());
         withdraw_void();
         std::vector<StageDone> stages;
-        for (const std::string& step : step_names())
-            if (const auto done = record_.steps.find(step);
+        for (const Step& step : steps())
+            if (const auto done = record_.steps.find(step.name);
                 done != record_.steps.end() && is_step_of(step, context_.report))
-                stages.push_back(
-                    {.name = step, .said = done->second.said, .seconds = done->second.seconds});
-        make_directory(files_.run_dir());
+                stages.push_back({.name = step.name,
+                                  .said = done->second.said,
+                                  .seconds = done->second.seconds});
         write_file_atomically(files_.run_dir() / times_file, run_times_text(started_, stages));
         files_.publish(names);
     }

@@ -25,25 +25,18 @@ void RunMaking::prepare() {
         files_.bring_to_work(name, hash);
 }
 
-std::vector<std::string> RunMaking::command_of(const std::string& step) const {
-    // Every step reads the attempt that was hashed, and not the file, which may change meanwhile.
-    const auto attempt = files_.work_dir() / std::string(evidence_attempt_file);
-    std::vector<std::string> command{(context_.program_folder / program_of_step(step)).string(),
-                                     "--attempt", attempt.string(), "--run-dir",
-                                     files_.work_dir().string()};
-    if (step == "import")
-        command.insert(command.end(),
-                       {"--folder", claim_.source.folder.empty() ? std::string(".")
-                                                                 : claim_.source.folder.string()});
-    if (step == "report") command.emplace_back("--no-render");
-    if (step == "render") command.emplace_back("--render-only");
-    if (step == "render" && !context_.report.pdf) command.emplace_back("--no-pdf");
-    return command;
-}
-
 void RunMaking::run_program(const std::string& step, StepRecord& record) {
+    // Every step reads the attempt that was hashed, and not the file, which may change meanwhile.
+    const auto copy = files_.work_dir() / std::string(evidence_attempt_file);
+    const std::string folder =
+        claim_.source.folder.empty() ? std::string(".") : claim_.source.folder.string();
     const ProcessResult result = run_process(
-        command_of(step),
+        command_of(step_named(step),
+                   {.attempt = copy,
+                    .run_dir = files_.work_dir(),
+                    .import_options = {"--folder", folder},
+                    .pdf = context_.report.pdf},
+                   context_.program_folder),
         {.environment = {synced_by_caller(), {"RUNCERT_THREADS", std::to_string(context_.threads)}},
          .time_limit = context_.time_limit,
          .stop = stop_,
@@ -51,7 +44,6 @@ void RunMaking::run_program(const std::string& step, StepRecord& record) {
          .own_group = true});
     if (result.end == ProcessEnd::stopped) throw Interrupted{};
     if (result.end != ProcessEnd::by_itself || result.exit_status != 0) {
-        const auto copy = files_.work_dir() / std::string(evidence_attempt_file);
         throw StepError{
             failure_of_program(step, result, context_.time_limit,
                                {{copy.string(), claim_.source.file.string()},
@@ -62,7 +54,8 @@ void RunMaking::run_program(const std::string& step, StepRecord& record) {
 
 /// Does a step in the work folder; the record then has what it said and wrote.
 void RunMaking::execute(const std::string& step, StepRecord& record) {
-    std::vector<std::string> outputs = outputs_of_step(step, claim_.attempt, context_.report);
+    std::vector<std::string> outputs =
+        outputs_of(step_named(step), claim_.attempt, context_.report);
     if (step == "claim") {
         // Messages about the attempt name this file.
         if (given_.file.empty()) {

@@ -7,6 +7,7 @@
 
 #include "batch/run_making.h"
 #include "batch/step_reason.h"
+#include "batch/step_settings.h"
 #include "core/failure.h"
 #include "files/folder_lock.h"
 #include "trust/signature_files.h"
@@ -30,7 +31,7 @@ RunFailure failure_of(const std::string& step, const Failure& failure) {
 /// Does what a run comes to. What no step foresaw, a lock that cannot be taken or memory that is
 /// not there, is a failure of this run too, and stops no other.
 RunState guarded(const fs::path& run_dir, const std::function<RunState()>& work) {
-    const std::string& step = step_names().front();
+    const std::string& step = steps().front().name;
     try {
         return work();
     } catch (const Failure& failure) {
@@ -65,7 +66,7 @@ StepRecord RunMaking::expected(const std::string& step) const {
                       .inputs = {},
                       .outputs = {},
                       .said = {}};
-    for (const std::string& name : inputs_of_step(step, claim_.attempt))
+    for (const std::string& name : inputs_of(step_named(step), claim_.attempt))
         record.inputs[name] = current_.at(name);
     if (step == "claim") record.inputs = claim_.files;
     if (step == "import") record.inputs = recording_hashes(claim_);
@@ -79,10 +80,10 @@ StepRecord RunMaking::expected(const std::string& step) const {
 
 /// Why a step must be done again; empty where it need not.
 std::string RunMaking::why(const std::string& step, const StepRecord& now) {
-    const auto& names = step_names();
     if (!looking_ && context_.force) return "--force";
     if (!looking_ && !context_.from.empty() &&
-        std::ranges::find(names, step) >= std::ranges::find(names, context_.from))
+        std::ranges::find(steps(), step, &Step::name) >=
+            std::ranges::find(steps(), context_.from, &Step::name))
         return "--from " + context_.from;
     const auto known = record_.steps.find(step);
     if (known == record_.steps.end()) return "not done yet";
@@ -122,13 +123,13 @@ RunState RunMaking::ended(const RunFailure& failure) {
 }
 
 RunState RunMaking::update() {
-    std::string step = step_names().front();
+    std::string step = steps().front().name;
     try {
         files_.remove_left();
         claim_ = read_claim(given_, folders_.composed(given_.id));
-        for (const std::string& name : step_names()) {
-            step = name;
-            if (!is_step_of(step, context_.report)) continue;
+        for (const Step& one : steps()) {
+            step = one.name;
+            if (!is_step_of(one, context_.report)) continue;
             StepRecord now = expected(step);
             if (!keeps(step, now)) do_step(step, std::move(now));
         }
@@ -155,12 +156,12 @@ bool RunMaking::is_published() {
 
 RunState RunMaking::inspect() {
     looking_ = true;
-    std::string step = step_names().front();
+    std::string step = steps().front().name;
     try {
         claim_ = read_claim(given_, folders_.composed(given_.id));
-        for (const std::string& name : step_names()) {
-            step = name;
-            if (is_step_of(step, context_.report) && !keeps(step, expected(step))) break;
+        for (const Step& one : steps()) {
+            step = one.name;
+            if (is_step_of(one, context_.report) && !keeps(step, expected(step))) break;
         }
     } catch (const Failure& failure) {
         state_.failure = failure_of(step, failure);
@@ -186,7 +187,7 @@ RunState update_run(const DayAttempt& attempt, const BatchContext& context, cons
             FolderLock::try_lock(BatchFolders(context.out).lock(attempt.id), LockKind::exclusive);
         if (!taken.lock)
             return {.failure =
-                        RunFailure{.step = step_names().front(),
+                        RunFailure{.step = steps().front().name,
                                    .problem = "another batch makes this run: " + taken.holder,
                                    .where = run_dir.string(),
                                    .remedy = "Wait until it has ended, and run this again"}};

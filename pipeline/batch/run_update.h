@@ -13,7 +13,7 @@
 #include "batch/day_attempts.h"
 #include "batch/progress.h"
 #include "batch/run_record.h"
-#include "batch/steps.h"
+#include "run/steps.h"
 #include "trust/signature.h"
 
 namespace runcert {

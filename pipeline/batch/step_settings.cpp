@@ -1,8 +1,9 @@
+#include "batch/step_settings.h"
+
 #include <algorithm>
 #include <array>
 #include <string>
 
-#include "batch/steps.h"
 #include "run/evidence.h"
 
 namespace runcert {

@@ -49,10 +49,10 @@ struct BatchOptions {
 
 /// Steps that a user may name: the stages, report and render.
 std::vector<std::string> nameable_steps() {
-    std::vector<std::string> steps = step_names();
-    std::erase(steps, "claim");
-    std::erase(steps, "sign");
-    return steps;
+    std::vector<std::string> names;
+    for (const Step& step : steps())
+        if (!step.program.empty()) names.push_back(step.name);
+    return names;
 }
 
 /// out/NAME, NAME being that of the folder, of the day file, or of the folder it is in.

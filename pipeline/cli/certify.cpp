@@ -16,6 +16,7 @@
 #include "files/program.h"
 #include "files/yaml_input.h"
 #include "run/chain.h"
+#include "run/evidence.h"
 #include "run/run_times.h"
 #include "schemas/attempt/attempt.h"
 #include "trust/signing.h"
@@ -179,21 +180,14 @@ int certify(const CertifyOptions& options) {
     };
     try {
         run_stages(options.attempt, workshop.path(), {}, done);
-        const std::vector<std::string> report{"--attempt",
-                                              (workshop.path() / "attempt.yaml").string(),
-                                              "--run-dir", workshop.path().string()};
-        auto with = [&](const char* flag) {
-            auto arguments = report;
-            arguments.emplace_back(flag);
-            return arguments;
-        };
+        const StepCall call{.attempt = workshop.path() / evidence_attempt_file,
+                            .run_dir = workshop.path(),
+                            .pdf = !options.no_pdf};
         const ProcessOptions unsynced{.environment = {synced_by_caller()}};
-        StageDone written = run_stage("report", with("--no-render"), unsynced);
+        StageDone written = run_step("report", call, unsynced);
         if (key) sign_report(workshop.path(), read_report_facts(workshop.path()), *key, role);
         if (!options.no_render) {
-            auto arguments = with("--render-only");
-            if (options.no_pdf) arguments.emplace_back("--no-pdf");
-            const StageDone rendered = run_stage("report", arguments, unsynced);
+            const StageDone rendered = run_step("render", call, unsynced);
             written.seconds += rendered.seconds;
             written.said = rendered.said;
         }

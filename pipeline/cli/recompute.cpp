@@ -13,6 +13,7 @@
 #include "recompute_file.h"
 #include "recompute_pages.h"
 #include "run/chain.h"
+#include "schemas/products/products.h"
 
 namespace runcert {
 namespace {
@@ -27,16 +28,11 @@ std::vector<std::string> products_of(const fs::path& a, const fs::path& b) {
     for (const fs::path& folder : {a, b})
         for (const auto& entry : fs::directory_iterator(folder)) {
             const std::string name = entry.path().filename().string();
-            const bool product =
-                name.size() > 2 && name[0] >= '1' && name[0] <= '6' && name[1] == '-';
-            if (product && std::ranges::find(names, name) == names.end()) names.push_back(name);
+            if (is_product_name(name) && std::ranges::find(names, name) == names.end())
+                names.push_back(name);
         }
     std::ranges::sort(names);
     return names;
-}
-
-std::vector<std::string> report_arguments(const fs::path& folder, const char* option) {
-    return {"--attempt", (folder / "attempt.yaml").string(), "--run-dir", folder.string(), option};
 }
 
 /// All stages' files again. Nothing where it is done; else what the stage said.
@@ -56,7 +52,7 @@ std::optional<std::string> recompute_report(const fs::path& run_dir, const fs::p
         if (entry.is_regular_file() && !entry.path().filename().string().starts_with("report."))
             fs::copy_file(entry.path(), folder / entry.path().filename());
     try {
-        run_stage("report", report_arguments(folder, "--no-render"));
+        run_step("report", {.attempt = folder / "attempt.yaml", .run_dir = folder});
     } catch (const StageFailed& failed) {
         return failed.errors;
     }

@@ -105,8 +105,7 @@ PageComparison compare_pages(const fs::path& run_dir, const fs::path& folder) {
     const std::string page = html ? read_file(run_dir / html_file) : std::string();
     take_report(run_dir, folder, page);
     try {
-        run_stage("report", {"--attempt", (folder / "attempt.yaml").string(), "--run-dir",
-                             folder.string(), "--render-only"});
+        run_step("render", {.attempt = folder / "attempt.yaml", .run_dir = folder});
     } catch (const StageFailed& failed) {
         comparison.details.push_back(
             plain_text("NOTE: the pages could not be made again, and what they show was not "

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 
 #include "commands.h"
+#include "run/run_lock.h"
 
 namespace runcert {
 namespace {
@@ -17,6 +18,7 @@ struct SealOptions {
 };
 
 int seal(const SealOptions& options) {
+    const RunLock lock(options.run_dir);
     const SealCheck check =
         seal_report(options.run_dir, options.key, options.certificate, options.reason);
     fmt::print("seal      {}/report.pdf: {}\ntype      {}\n", options.run_dir, check.words,

@@ -6,6 +6,7 @@
 #include "commands.h"
 #include "core/failure.h"
 #include "run/chain.h"
+#include "run/run_lock.h"
 #include "trust/roster.h"
 #include "trust/signature.h"
 #include "trust/signing.h"
@@ -35,8 +36,7 @@ void require_passed(const std::filesystem::path& run_dir, const VerificationStep
 /// The pages name the signatures, so they are made anew.
 int render(const std::filesystem::path& run_dir) {
     try {
-        run_stage("report", {"--attempt", (run_dir / "attempt.yaml").string(), "--run-dir",
-                             run_dir.string(), "--render-only"});
+        run_step("render", {.attempt = run_dir / "attempt.yaml", .run_dir = run_dir});
     } catch (const StageFailed& failed) {
         fmt::print(stderr,
                    "{}the report is signed; its pages could not be made again and do not name the "
@@ -56,7 +56,11 @@ int sign_run(const SignOptions& options) {
     require_passed(run_dir, verify_chain(run_dir, report));
     require_passed(run_dir, verify_report(run_dir, report));
     const SecretKey key = load_secret_key(options.key);
-    const std::string file = sign_report(run_dir, report, key, options.role);
+    std::string file;
+    {
+        const RunLock lock(run_dir);
+        file = sign_report(run_dir, report, key, options.role);
+    }
     fmt::print("signed  report {} of {}, as {}, by the key {}\nfile    {}\n", report.report_id,
                report.attempt_id, options.role, key_id_text(public_key_of(key)),
                (run_dir / file).string());

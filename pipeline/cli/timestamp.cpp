@@ -7,6 +7,7 @@
 #include "core/failure.h"
 #include "files/atomic_file.h"
 #include "files/process.h"
+#include "run/run_lock.h"
 #include "trust/report_facts.h"
 #include "trust/signature_files.h"
 #include "trust/time_stamp.h"
@@ -102,6 +103,7 @@ int timestamp(const TimestampOptions& options) {
     if (signatures.empty())
         throw Failure(run_dir.string(), "the report is not signed: there is nothing to stamp",
                       "Sign it first: runcert sign");
+    const RunLock lock(run_dir);
     return options.reply.empty() ? write_queries(run_dir, signatures)
                                  : take_reply(run_dir, signatures, options);
 }

@@ -1,8 +1,6 @@
 #include "run/chain.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -13,6 +11,7 @@
 #include "files/atomic_file.h"
 #include "files/file_sync.h"
 #include "files/process.h"
+#include "run/evidence.h"
 
 namespace runcert {
 namespace {
@@ -21,25 +20,13 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view workshop_prefix = ".runcert-";
 
-/// Opens a folder and takes its lock, which ends with the process however that ends; -1 where
-/// another has it.
-int lock_folder(const fs::path& folder) {
-    const int file = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (file >= 0 && flock(file, LOCK_EX | LOCK_NB) == 0) return file;
-    if (file >= 0) close(file);
-    return -1;
-}
-
-/// Removes workshops of runs that were killed: those whose lock nobody holds.
+/// Removes workshops of runs that were killed: whoever makes one holds the lock of the run folder.
 void remove_abandoned(const fs::path& run_dir) {
     for (const auto& entry : fs::directory_iterator(run_dir)) {
         if (!entry.path().filename().string().starts_with(workshop_prefix) || !entry.is_directory())
             continue;
-        const int lock = lock_folder(entry.path());
-        if (lock < 0) continue;
         std::error_code ignored;
         fs::remove_all(entry.path(), ignored);
-        close(lock);
     }
 }
 
@@ -49,59 +36,54 @@ bool is_report(const std::string& name) {
 
 }  // namespace
 
-StageDone run_stage(const std::string& name, const std::vector<std::string>& arguments,
-                    const ProcessOptions& options) {
-    std::vector<std::string> command{(program_folder() / ("runcert-" + name)).string()};
-    command.insert(command.end(), arguments.begin(), arguments.end());
+StageDone run_step(std::string_view step, const StepCall& call, const ProcessOptions& options) {
+    const Step& what = step_named(step);
     const auto begin = std::chrono::steady_clock::now();
-    const ProcessResult result = run_process(command, options);
-    if (result.exit_status == 2) throw StageFailed{name, result.errors};
+    const ProcessResult result = run_process(command_of(what, call, program_folder()), options);
+    if (result.exit_status == 2) throw StageFailed{what.name, result.errors};
     if (result.exit_status != 0)
-        throw Failure("runcert-" + name,
+        throw Failure(what.program,
                       fmt::format("the program ended with status {}: {}", result.exit_status,
                                   escape_for_message(result.errors, 400)),
                       "This is a fault of the program; please report it with the attempt");
     return {
-        .name = name,
+        .name = what.name,
         .said = lines_of(result.output),
         .seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count()};
 }
 
 void run_stages(const fs::path& attempt, const fs::path& run_dir, const fs::path& evidence,
                 const std::function<void(const StageDone&)>& done) {
-    std::vector<std::string> import_arguments{"--attempt", attempt.string(), "--run-dir",
-                                              run_dir.string()};
-    if (!evidence.empty()) {
-        import_arguments.emplace_back("--evidence");
-        import_arguments.push_back(evidence.string());
-    }
+    StepCall call{.attempt = attempt, .run_dir = run_dir};
+    if (!evidence.empty()) call.import_options = {"--evidence", evidence.string()};
     const ProcessOptions options{.environment = {synced_by_caller()}};
-    done(run_stage("import", import_arguments, options));
-    // From here on the run folder's own copy of the attempt is read. What is wrong with it is for
-    // its author to find in the original.
-    const std::string copy = (run_dir / "attempt.yaml").string();
-    const std::vector<std::string> arguments{"--attempt", copy, "--run-dir", run_dir.string()};
-    for (const char* stage : {"enu", "screen", "smooth", "window", "check"})
+    const fs::path copy = run_dir / evidence_attempt_file;
+    for (const Step& step : steps()) {
+        if (step.product == nullptr) continue;
         try {
-            done(run_stage(stage, arguments, options));
+            done(run_step(step.name, call, options));
         } catch (StageFailed& failed) {
-            const std::size_t at = failed.errors.find(copy);
-            if (at != std::string::npos) failed.errors.replace(at, copy.size(), attempt.string());
+            const std::size_t at = failed.errors.find(copy.string());
+            if (at != std::string::npos)
+                failed.errors.replace(at, copy.string().size(), attempt.string());
             throw;
         }
+        // From here on the run folder's own copy of the attempt is read. What is wrong with it is
+        // for its author to find in the original.
+        call.attempt = copy;
+    }
 }
 
 Workshop::Workshop(fs::path run_dir)
     : run_dir_(std::move(run_dir)), created_run_dir_(!fs::exists(run_dir_)) {
     make_directory(run_dir_);
+    lock_.emplace(run_dir_);
     remove_abandoned(run_dir_);
     path_ = run_dir_ / fmt::format("{}{}", workshop_prefix, getpid());
     make_directory(path_);
-    lock_ = lock_folder(path_);
 }
 
 Workshop::~Workshop() {
-    if (lock_ >= 0) close(lock_);
     std::error_code ignored;
     fs::remove_all(path_, ignored);
     if (created_run_dir_ && fs::is_empty(run_dir_, ignored)) fs::remove(run_dir_, ignored);

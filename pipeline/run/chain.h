@@ -2,10 +2,14 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "files/process.h"
+#include "run/run_lock.h"
+#include "run/steps.h"
 
 namespace runcert {
 
@@ -22,10 +26,9 @@ struct StageFailed {
     std::string errors;
 };
 
-/// Runs a companion program "runcert-NAME" to its end. Throws StageFailed where it ends with
-/// status 2, Failure where it ends in any other way but well.
-StageDone run_stage(const std::string& name, const std::vector<std::string>& arguments,
-                    const ProcessOptions& options = {});
+/// Runs the program of a step to its end. Throws StageFailed where it ends with status 2, Failure
+/// where it ends in any other way but well.
+StageDone run_step(std::string_view step, const StepCall& call, const ProcessOptions& options = {});
 
 /// The stages from import to check, each on the attempt and run folder given; `evidence`, if not
 /// empty, is a run folder to take recordings and profiles from. `done` is called after each. What
@@ -36,7 +39,7 @@ void run_stages(const std::filesystem::path& attempt, const std::filesystem::pat
 
 /// A folder inside a run folder in which new results are made, so that earlier ones stay whole
 /// until all new ones are. Removed at the end with what is left in it, and the run folder too if it
-/// did not exist before and holds nothing.
+/// did not exist before and holds nothing. Meanwhile it holds the run folder's lock.
 class Workshop {
   public:
     explicit Workshop(std::filesystem::path run_dir);
@@ -54,7 +57,7 @@ class Workshop {
     std::filesystem::path run_dir_;
     std::filesystem::path path_;
     bool created_run_dir_ = false;
-    int lock_ = -1;
+    std::optional<RunLock> lock_;  ///< of the run folder
 };
 
 }  // namespace runcert

@@ -13,6 +13,7 @@
 #include "core/plain_text.h"
 #include "core/text.h"
 #include "files/program.h"
+#include "run/run_lock.h"
 
 namespace runcert {
 
@@ -82,6 +83,7 @@ int stage_main(int argc, char** argv, const std::string& stage, const std::strin
         if (options) options(app);
         if (const auto status = parsed(app, argc, argv)) return *status;
         StageRun run(stage, attempt, run_dir);
+        const RunLock lock(run_dir);
         body(run);
         for (const std::string& line : run.said())
             fmt::print("{}\n", plain_text(line));

@@ -8,6 +8,7 @@
 #include "files/program.h"
 #include "files/sha256.h"
 #include "run/evidence.h"
+#include "run/steps.h"
 
 namespace runcert {
 namespace {
@@ -91,6 +92,10 @@ void StageRun::note_claims(const std::string& file, const Header& header) {
     }
 }
 
+std::string StageRun::file_of(const ProductFile& product, const Receiver& receiver) const {
+    return product_file(attempt_, receiver, product);
+}
+
 Header StageRun::header() const {
     Header header;
     header.stage = stage_;
@@ -128,12 +133,6 @@ const Receiver& receiver_of(const Attempt& attempt, const std::string& id) {
     throw Failure("--receiver",
                   fmt::format("the attempt has no receiver \"{}\"", escape_for_message(id)),
                   "Choose one of: " + known);
-}
-
-std::string product_file(const Attempt& attempt, const Receiver& receiver, std::string_view stem,
-                         std::string_view extension) {
-    if (receiver.id == attempt.receivers.front().id) return fmt::format("{}.{}", stem, extension);
-    return fmt::format("{}.{}.{}", stem, receiver.id, extension);
 }
 
 }  // namespace runcert

@@ -11,6 +11,7 @@
 #include "files/atomic_file.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/common/header.h"
+#include "schemas/common/product_files.h"
 
 namespace runcert {
 
@@ -98,6 +99,12 @@ class StageRun {
         return product;
     }
 
+    /// The product of a receiver, in its role.
+    template <class Reader>
+    auto read(const ProductFile& product, const Receiver& receiver, Reader reader) {
+        return read(std::string(product.name), file_of(product, receiver), reader);
+    }
+
     /// A product that is a table, to be gone through row by row: `open_table(text, where)` gives
     /// its head and the reader of its rows (OpenTable).
     template <class Open>
@@ -108,6 +115,20 @@ class StageRun {
         return RowsOfFile(std::move(view), std::move(table));
     }
 
+    template <class Open>
+    auto open(const ProductFile& product, const Receiver& receiver, Open open_table) {
+        return open(std::string(product.name), file_of(product, receiver), open_table);
+    }
+
+    /// The verdict, which is of the whole run.
+    template <class Reader>
+    auto read(const ProductFile& product, Reader reader) {
+        return read(product, attempt_.receivers.front(), reader);
+    }
+
+    /// The name of a product in the run folder.
+    std::string file_of(const ProductFile& product, const Receiver& receiver) const;
+
     /// The header of what the stage writes: the inputs noted so far, and the stage's parameters.
     Header header() const;
 
@@ -115,6 +136,10 @@ class StageRun {
     void write(const std::string& file, std::string_view text) const;
     /// The same of an open file, piece by piece.
     void write(const std::string& file, const FileView& view) const;
+
+    void write(const ProductFile& product, const Receiver& receiver, std::string_view text) const {
+        write(file_of(product, receiver), text);
+    }
 
     /// Adds to what the stage says on standard output when it is done.
     void say(std::string line) { said_.push_back(std::move(line)); }
@@ -147,10 +172,5 @@ StageRun open_run(const std::string& program, const std::filesystem::path& run_d
 /// The receiver of that id, the first where it is empty. Failure (at "--receiver") where there is
 /// none.
 const Receiver& receiver_of(const Attempt& attempt, const std::string& id);
-
-/// The name of a product: "2-enu.ecsv" for the first receiver of an attempt,
-/// "2-enu.secondary.ecsv" for the receiver of that id otherwise.
-std::string product_file(const Attempt& attempt, const Receiver& receiver, std::string_view stem,
-                         std::string_view extension);
 
 }  // namespace runcert

@@ -11,8 +11,8 @@
 #include "files/atomic_file.h"
 #include "files/sha256.h"
 #include "run/evidence.h"
-#include "run/run_inventory.h"
 #include "run/stage_run.h"
+#include "run/steps.h"
 #include "schemas/products/products.h"
 #include "trust/bundle.h"
 #include "trust/signature_files.h"
@@ -116,7 +116,7 @@ std::vector<std::string> missing_inputs(
     const Attempt attempt = read_attempt(read_handwritten(file), file.string());
     std::vector<std::string> missing;
     for (const Receiver& receiver : attempt.receivers) {
-        const std::string name = product_file(attempt, receiver, "1-observations", "ecsv");
+        const std::string name = product_file(attempt, receiver, products::observations);
         const auto read = parameters_of.find(name);
         const auto stated = inputs_of.find(name);
         if (read != parameters_of.end() && stated != inputs_of.end() &&

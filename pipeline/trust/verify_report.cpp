@@ -9,7 +9,7 @@
 #include "files/sha256.h"
 #include "files/yaml_input.h"
 #include "run/evidence.h"
-#include "run/run_inventory.h"
+#include "run/steps.h"
 #include "trust/verification.h"
 
 // report.json against the files that it vouches for: whoever signs it may have written it by hand.

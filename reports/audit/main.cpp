@@ -90,18 +90,18 @@ std::vector<std::string> witnesses_of(const ReceiverRecord& one) {
 }
 
 ReceiverRecord read_receiver(Witnesses& witnesses, const Receiver& receiver) {
-    const auto product = [&](std::string_view stem, std::string_view extension) {
-        return product_file(witnesses.run().attempt(), receiver, stem, extension);
+    const auto file = [&](const ProductFile& product) {
+        return witnesses.run().file_of(product, receiver);
     };
     for (const EvidenceFile& file : evidence_files(receiver))
         witnesses.note(file.role, file.name);
     ReceiverRecord one{.receiver = receiver,
                        .recording = recording_names(receiver),
-                       .observations_file = product("1-observations", "ecsv"),
-                       .enu_file = product("2-enu", "ecsv"),
-                       .screened_file = product("3-screened", "ecsv"),
-                       .trajectory_file = product("4-trajectory", "ecsv"),
-                       .windows_file = product("5-windows", "yaml")};
+                       .observations_file = file(products::observations),
+                       .enu_file = file(products::enu),
+                       .screened_file = file(products::screened),
+                       .trajectory_file = file(products::trajectory),
+                       .windows_file = file(products::windows)};
     one.observations = witnesses.read("observations", one.observations_file, read_observations);
     one.enu = witnesses.read("enu", one.enu_file, read_enu);
     one.screened = witnesses.read("screened", one.screened_file, read_screened);

@@ -16,21 +16,17 @@ using namespace runcert;
 namespace {
 
 ReceiverResults gather_receiver(StageRun& run, const Receiver& receiver) {
-    const auto name = [&](std::string_view stem, std::string_view extension) {
-        return product_file(run.attempt(), receiver, stem, extension);
-    };
     for (const EvidenceFile& file : evidence_files(receiver))
         run.note_file(file.role, file.name,
                       std::filesystem::path(file.original).filename().string());
     for (const EvidenceFile& file : solution_files(receiver))
         run.note_file(file.role, file.name);
     ReceiverResults results;
-    results.observations =
-        run.read("observations", name("1-observations", "ecsv"), read_observations);
-    results.enu_header = run.read("enu", name("2-enu", "ecsv"), read_enu).header;
-    results.screened = run.read("screened", name("3-screened", "ecsv"), read_screened);
-    results.trajectory = run.read("trajectory", name("4-trajectory", "ecsv"), read_trajectory);
-    results.windows = run.read("windows", name("5-windows", "yaml"), read_windows);
+    results.observations = run.read(products::observations, receiver, read_observations);
+    results.enu_header = run.read(products::enu, receiver, read_enu).header;
+    results.screened = run.read(products::screened, receiver, read_screened);
+    results.trajectory = run.read(products::trajectory, receiver, read_trajectory);
+    results.windows = run.read(products::windows, receiver, read_windows);
     return results;
 }
 
@@ -49,7 +45,7 @@ ReportInputs gather(StageRun& run) {
                       std::filesystem::path(file.original).filename().string());
     for (const Receiver& receiver : run.attempt().receivers)
         inputs.receivers.push_back(gather_receiver(run, receiver));
-    inputs.verdict = run.read("verdict", "6-verdict.yaml", read_verdict);
+    inputs.verdict = run.read(products::verdict, read_verdict);
     for (const InputFile& file : run.inputs())
         inputs.subjects.push_back({.role = file.role,
                                    .file = file.file,

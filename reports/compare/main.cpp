@@ -24,13 +24,9 @@ std::string compare_run(const Options& options) {
     StageRun run = open_run("compare", options.run_dir);
     const Attempt& attempt = run.attempt();
     const Receiver& receiver = receiver_of(attempt, options.receiver);
-    const auto file = [&](std::string_view stem, std::string_view extension) {
-        return product_file(attempt, receiver, stem, extension);
-    };
-    const ScreenedTable screened = run.read("screened", file("3-screened", "ecsv"), read_screened);
-    const TrajectoryTable trajectory =
-        run.read("trajectory", file("4-trajectory", "ecsv"), read_trajectory);
-    const Windows windows = run.read("windows", file("5-windows", "yaml"), read_windows);
+    const ScreenedTable screened = run.read(products::screened, receiver, read_screened);
+    const TrajectoryTable trajectory = run.read(products::trajectory, receiver, read_trajectory);
+    const Windows windows = run.read(products::windows, receiver, read_windows);
     std::optional<std::vector<std::optional<TruthEpoch>>> truth;
     if (!options.truth.empty())
         truth = truth_at_rows(read_truth(read_file(options.truth), options.truth), trajectory);

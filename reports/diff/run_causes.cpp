@@ -13,6 +13,7 @@
 #include "reports/diff/table_comparison.h"
 #include "run/evidence.h"
 #include "run/stage_run.h"
+#include "run/steps.h"
 #include "schemas/common/header.h"
 #include "schemas/products/products.h"
 
@@ -21,18 +22,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-
-std::vector<std::string> product_names(const Attempt& attempt) {
-    std::vector<std::string> names;
-    for (const auto& [stem, extension] :
-         {std::pair("1-observations", "ecsv"), std::pair("2-enu", "ecsv"),
-          std::pair("3-screened", "ecsv"), std::pair("4-trajectory", "ecsv"),
-          std::pair("5-windows", "yaml")})
-        for (const Receiver& receiver : attempt.receivers)
-            names.push_back(product_file(attempt, receiver, stem, extension));
-    names.emplace_back("6-verdict.yaml");
-    return names;
-}
 
 std::string maker_of(const Json& header) {
     const Json& stage = header.at("stage");
@@ -172,7 +161,7 @@ RunFolder read_run_folder(const fs::path& folder) {
                       YamlValue(parse_yaml(text, attempt_file.string()), attempt_file.string())),
                   .products = {}};
     run.attempt_document.erase("parameters");
-    for (const std::string& name : product_names(run.attempt))
+    for (const std::string& name : product_files(run.attempt))
         if (fs::exists(folder / name)) run.products.push_back(name);
     if (run.products.empty())
         throw Failure(folder.string(), "the folder holds no file of any stage",

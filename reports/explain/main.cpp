@@ -38,7 +38,7 @@ std::string explain_run(const Options& options) {
     const std::filesystem::path run_dir(options.run_dir);
     StageRun run = open_run("explain", run_dir);
     run.note_attempt();
-    const Verdict verdict = run.read("verdict", "6-verdict.yaml", read_verdict);
+    const Verdict verdict = run.read(products::verdict, read_verdict);
     std::vector<Profile> profiles;
     for (const std::string& claimed : run.attempt().profiles) {
         run.note_file("profile", evidence_profile_file(claimed));

@@ -24,24 +24,21 @@ struct Options {
     bool force = false;
 };
 
-/// The stem of a table's file; the trajectory's where none was asked for.
-std::string table_stem(const std::string& table) {
-    if (table == "observations") return "1-observations";
-    if (table == "enu") return "2-enu";
-    if (table == "screened") return "3-screened";
-    return "4-trajectory";
+/// The product that holds a table; the trajectory where none was asked for.
+const ProductFile& product_of(const std::string& table) {
+    for (const ProductFile& product : products::all)
+        if (product.name == table) return product;
+    return products::trajectory;
 }
 
 std::string table_text(StageRun& run, const Receiver& receiver, const Options& options) {
-    const std::string file =
-        product_file(run.attempt(), receiver, table_stem(options.table), "ecsv");
+    const std::string file = run.file_of(product_of(options.table), receiver);
     return csv_text(run.read_text("table", file), (run.run_dir() / file).string());
 }
 
 std::string map_text(StageRun& run, const Receiver& receiver, const Options& options) {
     const Attempt& attempt = run.attempt();
-    const TrajectoryTable trajectory = run.read(
-        "trajectory", product_file(attempt, receiver, "4-trajectory", "ecsv"), read_trajectory);
+    const TrajectoryTable trajectory = run.read(products::trajectory, receiver, read_trajectory);
     TrackInput input{.attempt = &attempt,
                      .receiver = &receiver,
                      .trajectory = &trajectory,
@@ -49,9 +46,8 @@ std::string map_text(StageRun& run, const Receiver& receiver, const Options& opt
     Windows windows;
     Verdict verdict;
     if (receiver.id == attempt.receivers.front().id) {
-        windows =
-            run.read("windows", product_file(attempt, receiver, "5-windows", "yaml"), read_windows);
-        verdict = run.read("verdict", "6-verdict.yaml", read_verdict);
+        windows = run.read(products::windows, receiver, read_windows);
+        verdict = run.read(products::verdict, read_verdict);
         input.windows = &windows;
         input.verdict = &verdict;
     }
@@ -66,7 +62,7 @@ std::filesystem::path out_file(const Attempt& attempt, const Receiver& receiver,
     if (!options.out.empty()) return options.out;
     std::string name = attempt.id;
     if (receiver.id != attempt.receivers.front().id) name += "." + receiver.id;
-    if (options.format == "csv") name += "." + table_stem(options.table).substr(2);
+    if (options.format == "csv") name += "." + std::string(product_of(options.table).name);
     return name + "." + options.format;
 }
 

@@ -10,14 +10,11 @@ using namespace runcert;
 namespace {
 
 ReceiverEvidence gather(StageRun& run, const Receiver& receiver) {
-    const auto file = [&](std::string_view stem, std::string_view extension) {
-        return product_file(run.attempt(), receiver, stem, extension);
-    };
     // Every table is gone through whole, whose values are checked thereby; what is not used of it
     // is not kept.
-    auto observations = run.open("observations", file("1-observations", "ecsv"), open_observations);
-    auto enu = run.open("enu", file("2-enu", "ecsv"), open_enu);
-    auto screened = run.open("screened", file("3-screened", "ecsv"), open_screened);
+    auto observations = run.open(products::observations, receiver, open_observations);
+    auto enu = run.open(products::enu, receiver, open_enu);
+    auto screened = run.open(products::screened, receiver, open_screened);
     TrajectoryTable trajectory;
     Windows windows;
     ScreenedEvidence evidence;
@@ -27,8 +24,8 @@ ReceiverEvidence gather(StageRun& run, const Receiver& receiver) {
             enu.read_to_end();
         },
         [&] {
-            trajectory = run.read("trajectory", file("4-trajectory", "ecsv"), read_trajectory);
-            windows = run.read("windows", file("5-windows", "yaml"), read_windows);
+            trajectory = run.read(products::trajectory, receiver, read_trajectory);
+            windows = run.read(products::windows, receiver, read_windows);
             for (ScreenedEpoch row; screened.next(row);)
                 evidence.add(row, windows);
         });
@@ -91,7 +88,7 @@ void check_run(StageRun& run) {
                              .wind = wind ? &*wind : nullptr,
                              .current = current ? &*current : nullptr});
     verdict.header = run.header();
-    run.write("6-verdict.yaml", write_verdict(verdict));
+    run.write(products::verdict, run.attempt().receivers.front(), write_verdict(verdict));
     say_verdict(run, verdict);
 }
 

@@ -11,9 +11,7 @@ namespace {
 void convert(StageRun& run, const Receiver& receiver) {
     StageRun one = run;
     const Attempt& attempt = run.attempt();
-    auto observations =
-        one.open("observations", product_file(attempt, receiver, "1-observations", "ecsv"),
-                 open_observations);
+    auto observations = one.open(products::observations, receiver, open_observations);
     const RecordingFacts& facts = observations.head().facts;
     FirstPosition first;
     if (ToLocalFrame::needs_first_position(facts, attempt.origin))
@@ -21,7 +19,7 @@ void convert(StageRun& run, const Receiver& receiver) {
     const ToLocalFrame to_local(facts, attempt.origin, first.position());
     const EnuTable head{
         .header = one.header(), .facts = facts, .origin = to_local.origin(), .rows = {}};
-    AtomicFile file(run.run_dir() / product_file(attempt, receiver, "2-enu", "ecsv"));
+    AtomicFile file(run.run_dir() / run.file_of(products::enu, receiver));
     EnuWriter table(head, [&file](std::string_view piece) { file.write(piece); });
     for (Observation row; observations.next(row);)
         table.write(to_local(row));

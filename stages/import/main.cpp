@@ -133,7 +133,7 @@ void import_receiver(StageRun& run, const Receiver& receiver, const AttemptSourc
         one.write(file.name, open.views[i]);
     }
     observations.head.header = one.header();
-    write_rows(one, product_file(run.attempt(), receiver, "1-observations", "ecsv"), observations);
+    write_rows(one, one.file_of(products::observations, receiver), observations);
     run.say(fmt::format("{} epochs from {} ({})", observations.rows, recording_names(receiver),
                         observations.head.format));
 }

@@ -11,14 +11,12 @@ int main(int argc, char** argv) {
             const Attempt& attempt = run.attempt();
             std::vector<EnuTable> tables;
             for (const Receiver& receiver : attempt.receivers)
-                tables.push_back(
-                    run.read("enu", product_file(attempt, receiver, "2-enu", "ecsv"), read_enu));
+                tables.push_back(run.read(products::enu, receiver, read_enu));
             std::vector<ScreenedTable> screened = screen_receivers(tables, screen_config(attempt));
             for (std::size_t i = 0; i < screened.size(); ++i) {
                 // Each table rests on what was read of all receivers.
                 screened[i].header = run.header();
-                run.write(product_file(attempt, attempt.receivers[i], "3-screened", "ecsv"),
-                          write_screened(screened[i]));
+                run.write(products::screened, attempt.receivers[i], write_screened(screened[i]));
                 const ScreeningSummary summary = summarise(screened[i].rows);
                 run.say(fmt::format("{} of {} epochs usable, in {} {}", summary.usable,
                                     screened[i].rows.size(), summary.arcs,

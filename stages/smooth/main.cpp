@@ -26,14 +26,12 @@ int main(int argc, char** argv) {
                           const Attempt& attempt = run.attempt();
                           for (const Receiver& receiver : attempt.receivers) {
                               StageRun one = run;
-                              const ScreenedTable screened = one.read(
-                                  "screened", product_file(attempt, receiver, "3-screened", "ecsv"),
-                                  read_screened);
+                              const ScreenedTable screened =
+                                  one.read(products::screened, receiver, read_screened);
                               TrajectoryTable table =
                                   smooth_trajectory(screened, smooth_config(attempt));
                               table.header = one.header();
-                              one.write(product_file(attempt, receiver, "4-trajectory", "ecsv"),
-                                        write_trajectory(table));
+                              one.write(products::trajectory, receiver, write_trajectory(table));
                               run.say(summary_line(table.estimation));
                           }
                       });

@@ -15,18 +15,14 @@ int main(int argc, char** argv) {
                 profiles.push_back(read_claimed_profile(run.run_dir(), claimed, attempt));
             for (const Receiver& receiver : attempt.receivers) {
                 StageRun one = run;
-                const auto file = [&](std::string_view stem) {
-                    return product_file(attempt, receiver, stem, "ecsv");
-                };
                 const ScreenedTable screened =
-                    one.read("screened", file("3-screened"), read_screened);
+                    one.read(products::screened, receiver, read_screened);
                 const TrajectoryTable trajectory =
-                    one.read("trajectory", file("4-trajectory"), read_trajectory);
+                    one.read(products::trajectory, receiver, read_trajectory);
                 Windows windows = find_windows(screened, trajectory, profiles,
                                                window_config(attempt, receiver), attempt.course);
                 windows.header = one.header();
-                one.write(product_file(attempt, receiver, "5-windows", "yaml"),
-                          write_windows(windows));
+                one.write(products::windows, receiver, write_windows(windows));
                 for (const ProfileWindows& entry : windows.profiles)
                     run.say(entry.best
                                 ? fmt::format("{}: best of {} windows {:.3f} km/h, standard "

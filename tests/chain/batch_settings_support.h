@@ -7,7 +7,7 @@
 #include <set>
 
 #include "batch/claim.h"
-#include "batch/steps.h"
+#include "batch/step_settings.h"
 #include "chain_support.h"
 #include "schemas/common/header.h"
 
@@ -98,15 +98,15 @@ class AttemptCase {
         if (fs::create_directory(claim))
             bring_in_claim(claim_.attempt, claim_.text, claim_.source, claim);
         fs::copy(claim, run_dir);
-        for (const std::string& name : inputs_of_step(step, claim_.attempt))
+        for (const std::string& name : inputs_of(step_named(step), claim_.attempt))
             fs::copy_file(given / name, run_dir / name, fs::copy_options::overwrite_existing);
-        std::vector<std::string> command{RUNCERT_PROGRAMS "/" + program_of_step(step), "--attempt",
-                                         (run_dir / "attempt.yaml").string(), "--run-dir",
-                                         run_dir.string()};
-        if (step == "import") command.insert(command.end(), {"--folder", folder_.string()});
-        if (step == "report") command.emplace_back("--no-render");
-        if (step == "render") command.insert(command.end(), {"--render-only", "--no-pdf"});
-        const ProcessResult result = run_process(command);
+        const ProcessResult result =
+            run_process(command_of(step_named(step),
+                                   {.attempt = run_dir / "attempt.yaml",
+                                    .run_dir = run_dir,
+                                    .import_options = {"--folder", folder_.string()},
+                                    .pdf = false},
+                                   RUNCERT_PROGRAMS));
         EXPECT_EQ(result.exit_status, 0) << step << "\n" << result.errors;
         return run_dir;
     }
@@ -117,10 +117,10 @@ class AttemptCase {
         const fs::path all = folder_ / "all";
         fs::create_directories(all);
         bring_in_claim(claim_.attempt, claim_.text, claim_.source, all);
-        for (const std::string& step : step_names()) {
-            if (program_of_step(step).empty()) continue;
-            const fs::path run_dir = run(step, all);
-            for (const std::string& name : outputs_of_step(step, attempt(), {.pdf = false}))
+        for (const Step& step : steps()) {
+            if (step.program.empty()) continue;
+            const fs::path run_dir = run(step.name, all);
+            for (const std::string& name : outputs_of(step, attempt(), {.pdf = false}))
                 if (fs::exists(run_dir / name))
                     fs::copy_file(run_dir / name, all / name, fs::copy_options::overwrite_existing);
         }
@@ -134,10 +134,10 @@ class AttemptCase {
 
 /// The steps whose settings differ.
 inline std::set<std::string> redone(const AttemptCase& a, const AttemptCase& b) {
-    std::set<std::string> steps;
+    std::set<std::string> changed;
     for (const std::string& step : judged_steps)
-        if (a.settings(step).dump() != b.settings(step).dump()) steps.insert(step);
-    return steps;
+        if (a.settings(step).dump() != b.settings(step).dump()) changed.insert(step);
+    return changed;
 }
 
 /// Whether two changes touch the same keys, and not in the same way.

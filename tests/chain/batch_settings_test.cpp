@@ -152,7 +152,7 @@ class BatchSettings : public testing::Test {
         for (const std::string& step : judged_steps) {
             if (done_again.contains(step)) continue;
             const fs::path run_dir = other.run(step, made);
-            for (const std::string& name : outputs_of_step(step, base.attempt(), {}))
+            for (const std::string& name : outputs_of(step_named(step), base.attempt(), {}))
                 if (!fs::exists(run_dir / name) ||
                     read_file(run_dir / name) != read_file(made / name))
                     return step;
@@ -231,19 +231,19 @@ TEST_F(BatchSettings, NameEveryKeyOfAProfileThatAStepDependsOn) {
 TEST_F(BatchSettings, EachStepReadsAndWritesWhatItSays) {
     const AttemptCase base = case_of(json_of(course_case));
     const fs::path made = base.run_all();  // each step in a folder with its inputs alone
-    for (const std::string& step : step_names()) {
-        if (program_of_step(step).empty()) continue;
+    for (const Step& step : steps()) {
+        if (step.program.empty()) continue;
         std::set<std::string> said;
-        for (const std::string& name : inputs_of_step(step, base.attempt()))
+        for (const std::string& name : inputs_of(step, base.attempt()))
             said.insert(name);
-        for (const std::string& name : outputs_of_step(step, base.attempt(), {.pdf = false}))
+        for (const std::string& name : outputs_of(step, base.attempt(), {.pdf = false}))
             said.insert(name);
-        for (const std::string& name : outputs_of_step("claim", base.attempt(), {}))
+        for (const std::string& name : outputs_of(step_named("claim"), base.attempt(), {}))
             said.insert(name);
         std::set<std::string> there;
-        for (const auto& [name, bytes] : contents_of(base.folder() / ("run-" + step)))
+        for (const auto& [name, bytes] : contents_of(base.folder() / ("run-" + step.name)))
             there.insert(name);
-        EXPECT_EQ(there, said) << step;
+        EXPECT_EQ(there, said) << step.name;
     }
     EXPECT_TRUE(fs::exists(made / "report.html"));
 }

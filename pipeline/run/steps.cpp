@@ -1,0 +1,171 @@
+#include "run/steps.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+
+#include "run/evidence.h"
+
+namespace runcert {
+namespace {
+
+using Names = std::vector<std::string>;
+
+void append(Names& names, const Names& more) {
+    names.insert(names.end(), more.begin(), more.end());
+}
+
+/// Recordings, and what import makes of them beside its table.
+Names recorded_files(const Receiver& receiver) {
+    Names names;
+    for (const auto& files : {evidence_files(receiver), solution_files(receiver)})
+        for (const EvidenceFile& file : files)
+            names.push_back(file.name);
+    return names;
+}
+
+/// What the attempt claims by: itself, rules, series of wind and current.
+Names claim_files(const Attempt& attempt) {
+    Names names{std::string(evidence_attempt_file)};
+    for (const std::string& claimed : attempt.profiles)
+        names.push_back(evidence_profile_file(claimed));
+    for (const EvidenceFile& file : flow_files(attempt))
+        names.push_back(file.name);
+    return names;
+}
+
+/// The files of the products, of that receiver alone.
+Names files_of(const std::vector<ProductFile>& products, const Attempt& attempt,
+               const Receiver& receiver) {
+    Names names;
+    for (const ProductFile& product : products)
+        names.push_back(product_file(attempt, receiver, product));
+    return names;
+}
+
+}  // namespace
+
+const std::vector<Step>& steps() {
+    using namespace products;
+    static const std::vector<Step> all{
+        {.name = "claim"},
+        {.name = "import",
+         .program = "runcert-import",
+         .calls = {"gpsbabel", "rnx2rtkp"},
+         .product = &observations},
+        {.name = "enu", .program = "runcert-enu", .product = &enu, .made_from = {observations}},
+        {.name = "screen",
+         .program = "runcert-screen",
+         .product = &screened,
+         .made_from = {products::enu}},
+        {.name = "smooth",
+         .program = "runcert-smooth",
+         .product = &trajectory,
+         .made_from = {screened}},
+        {.name = "window",
+         .program = "runcert-window",
+         .product = &windows,
+         .made_from = {screened, trajectory}},
+        {.name = "check",
+         .program = "runcert-check",
+         .product = &verdict,
+         .made_from = {observations, products::enu, screened, trajectory, windows}},
+        {.name = "report", .program = "runcert-report", .options = {"--no-render"}},
+        {.name = "sign"},
+        {.name = "render",
+         .program = "runcert-report",
+         .options = {"--render-only"},
+         .calls = {"gnuplot", "weasyprint"}}};
+    return all;
+}
+
+const Step& step_named(std::string_view name) {
+    const auto found = std::ranges::find(steps(), name, &Step::name);
+    assert(found != steps().end());
+    return *found;
+}
+
+bool is_step_of(const Step& step, const ReportChoice& choice) {
+    if (step.name == "sign") return !choice.signer.empty();
+    return step.name != "render" || choice.render;
+}
+
+Names inputs_of(const Step& step, const Attempt& attempt) {
+    if (step.name == "sign" || step.name == "render") return {"report.json"};
+    if (step.name == "report") return inventory_of(attempt).files;
+    if (step.made_from.empty()) return {};  // they read what is outside
+    Names names;
+    if (!step.product->each_receiver) names = claim_files(attempt);
+    for (const Receiver& receiver : attempt.receivers)
+        append(names, files_of(step.made_from, attempt, receiver));
+    return names;
+}
+
+Names outputs_of(const Step& step, const Attempt& attempt, const ReportChoice& choice) {
+    if (step.name == "claim") return claim_files(attempt);
+    if (step.name == "report") return {"report.json"};
+    if (step.name == "render")
+        return choice.pdf ? Names{"report.html", "report.pdf"} : Names{"report.html"};
+    if (step.product == nullptr) return {};
+    if (!step.product->each_receiver)
+        return {product_file(attempt, attempt.receivers.front(), *step.product)};
+    Names names;
+    for (const Receiver& receiver : attempt.receivers) {
+        if (step.made_from.empty()) append(names, recorded_files(receiver));
+        names.push_back(product_file(attempt, receiver, *step.product));
+    }
+    return names;
+}
+
+std::string product_file(const Attempt& attempt, const Receiver& receiver,
+                         const ProductFile& product) {
+    if (!product.each_receiver || receiver.id == attempt.receivers.front().id)
+        return fmt::format("{}.{}", product.stem, product.extension);
+    return fmt::format("{}.{}.{}", product.stem, receiver.id, product.extension);
+}
+
+Names product_files(const Attempt& attempt) {
+    Names names;
+    for (const ProductFile& product : products::all) {
+        const std::size_t count = product.each_receiver ? attempt.receivers.size() : 1;
+        for (std::size_t i = 0; i < count; ++i)
+            names.push_back(product_file(attempt, attempt.receivers[i], product));
+    }
+    return names;
+}
+
+RunInventory inventory_of(const Attempt& attempt) {
+    RunInventory inventory{.claim = claim_files(attempt)};
+    inventory.files = inventory.claim;
+    for (const Receiver& receiver : attempt.receivers) {
+        const Names recorded = recorded_files(receiver);
+        append(inventory.files, recorded);
+        for (const Step& step : steps()) {
+            if (step.product == nullptr || !step.product->each_receiver) continue;
+            const std::string file = product_file(attempt, receiver, *step.product);
+            inventory.files.push_back(file);
+            inventory.made_from[file] =
+                step.made_from.empty() ? recorded : files_of(step.made_from, attempt, receiver);
+        }
+    }
+    for (const Step& step : steps()) {
+        if (step.product == nullptr || step.product->each_receiver) continue;
+        const std::string file = outputs_of(step, attempt, {}).front();
+        inventory.files.push_back(file);
+        inventory.made_from[file] = inputs_of(step, attempt);
+    }
+    return inventory;
+}
+
+Names command_of(const Step& step, const StepCall& call, const std::filesystem::path& programs) {
+    assert(!step.program.empty());
+    Names command{(programs / step.program).string(), "--attempt", call.attempt.string(),
+                  "--run-dir", call.run_dir.string()};
+    append(command, step.options);
+    if (step.name == "import") append(command, call.import_options);
+    if (step.name == "render" && !call.pdf) command.emplace_back("--no-pdf");
+    return command;
+}
+
+}  // namespace runcert

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <array>
+#include <string_view>
+
+namespace runcert {
+
+/// A file that a stage writes into the run folder.
+struct ProductFile {
+    std::string_view name;       ///< what it is, "screened": its schema, and its role as an input
+    std::string_view stem;       ///< what the file's name begins with, "3-screened"
+    std::string_view extension;  ///< "ecsv"
+    bool each_receiver = true;   ///< one for every receiver, or one for the run
+};
+
+namespace products {
+inline constexpr ProductFile observations{"observations", "1-observations", "ecsv"};
+inline constexpr ProductFile enu{"enu", "2-enu", "ecsv"};
+inline constexpr ProductFile screened{"screened", "3-screened", "ecsv"};
+inline constexpr ProductFile trajectory{"trajectory", "4-trajectory", "ecsv"};
+inline constexpr ProductFile windows{"windows", "5-windows", "yaml"};
+inline constexpr ProductFile verdict{"verdict", "6-verdict", "yaml", false};
+
+/// In the order in which the chain makes them.
+inline constexpr std::array all{observations, enu, screened, trajectory, windows, verdict};
+}  // namespace products
+
+}  // namespace runcert

@@ -48,7 +48,7 @@ class DenseTests {
                 const auto row = static_cast<Eigen::Index>(j) * Axes;
                 covariance.block(row, at, Axes, Axes) = design * carried * design.transpose();
                 covariance.block(at, row, Axes, Axes) =
-                    covariance.block(row, at, Axes, Axes).transpose();
+                    covariance.block(row, at, Axes, Axes).transpose().eval();
             }
             // An epoch without a measurement has one that says nothing.
             const auto& measurement = arc[k].measurement;

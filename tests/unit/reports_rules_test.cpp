@@ -184,7 +184,8 @@ TEST(Reservations, WhatCouldNotBeConfirmedIsListed) {
 
 TEST(Course, FiguresOfRequirementsStandUnderTheirEvidence) {
     const sample::Run run = sample::make_run();
-    for (const Json& requirement : profile_of(run)["requirements"])
+    const Json profile = profile_of(run);
+    for (const Json& requirement : profile["requirements"])
         EXPECT_EQ(
             requirement.contains("requirement_figures"),
             requirement["clause"] == "accuracy" || requirement["clause"] == "secondary-method");

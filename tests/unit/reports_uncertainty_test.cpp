@@ -77,7 +77,8 @@ TEST(Uncertainty, EveryRowOfTheBudgetStandsInReportAndPage) {
 
 // What a board does with a pocket calculator: standard uncertainty times sensitivity, as shown.
 TEST(Uncertainty, TheShownFiguresMultiplyToTheShownContribution) {
-    for (const Json& row : uncertainty_of(sample::make_run())["budget"]) {
+    const Json uncertainty = uncertainty_of(sample::make_run());
+    for (const Json& row : uncertainty["budget"]) {
         const double product = std::stod(row["uncertainty_text"].get<std::string>()) *
                                std::abs(std::stod(row["sensitivity_text"].get<std::string>()));
         const double contribution = std::stod(row["contribution_text"].get<std::string>());
@@ -118,7 +119,8 @@ TEST(Uncertainty, RowsThatContributeNothingStayWithTheirReason) {
     EXPECT_EQ(zeros, 3);
     for (BudgetRow& row : best_of(run).budget)
         row.contribution_mps = row.standard_uncertainty = 0.0;
-    for (const Json& row : uncertainty_of(run)["budget"])
+    const Json uncertainty = uncertainty_of(run);
+    for (const Json& row : uncertainty["budget"])
         EXPECT_EQ(row["share_percent"], 0.0);
 }
 

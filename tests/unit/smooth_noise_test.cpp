@@ -289,10 +289,10 @@ TEST(LearnNoise, WhatIsWrittenAndReadGivesTheSameModel) {
             expect_same(models[i].model, again[i].model);
             EXPECT_EQ(models[i].weight, again[i].weight);
         }
-        // And the same states to the last bit, from what was read.
+        // And the same states, from what was read: to the last bits, which are the compiler's.
         const SmoothedArc<2> smoothed =
             smooth<2>(arcs_of<2>(table, trajectory).front().epochs, model_of(read));
-        EXPECT_EQ(smoothed.states[123].mean(0), *trajectory.rows[123].east_m);
+        EXPECT_NEAR(smoothed.states[123].mean(0), trajectory.rows[123].east_m.value(), 1e-11);
     }
 }
 

@@ -90,18 +90,18 @@ std::vector<std::string> witnesses_of(const ReceiverRecord& one) {
 }
 
 ReceiverRecord read_receiver(Witnesses& witnesses, const Receiver& receiver) {
-    const auto file = [&](const ProductFile& product) {
+    const auto named = [&](const ProductFile& product) {
         return witnesses.run().file_of(product, receiver);
     };
     for (const EvidenceFile& file : evidence_files(receiver))
         witnesses.note(file.role, file.name);
     ReceiverRecord one{.receiver = receiver,
                        .recording = recording_names(receiver),
-                       .observations_file = file(products::observations),
-                       .enu_file = file(products::enu),
-                       .screened_file = file(products::screened),
-                       .trajectory_file = file(products::trajectory),
-                       .windows_file = file(products::windows)};
+                       .observations_file = named(products::observations),
+                       .enu_file = named(products::enu),
+                       .screened_file = named(products::screened),
+                       .trajectory_file = named(products::trajectory),
+                       .windows_file = named(products::windows)};
     one.observations = witnesses.read("observations", one.observations_file, read_observations);
     one.enu = witnesses.read("enu", one.enu_file, read_enu);
     one.screened = witnesses.read("screened", one.screened_file, read_screened);

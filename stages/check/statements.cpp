@@ -138,23 +138,23 @@ void add_propagation(const ReceiverEvidence& judged, Statements& statements) {
     for (const ProfileWindows& windows : judged.windows.profiles) {
         if (!windows.best || !windows.best->monte_carlo) continue;
         const MonteCarloCheck& check = *windows.best->monte_carlo;
-        const LinearisationJudgement judged = judge_linearisation(*windows.best);
+        const LinearisationJudgement linear = judge_linearisation(*windows.best);
         if (!check.converged)
             statements.push_back(
                 fmt::format("The check of linearisation under {} did not converge in {} trials.",
                             windows.profile, check.trials));
-        else if (!judged.uncertainty_agrees)
+        else if (!linear.uncertainty_agrees)
             statements.push_back(fmt::format(
                 "Under {} the check of linearisation gives a standard uncertainty of {:.4f} m/s "
                 "where the law of propagation gives {:.4f} m/s.",
                 windows.profile, check.standard_uncertainty_mps,
                 windows.best->standard_uncertainty_mps));
-        else if (!judged.interval_agrees && !judged.interval_holds)
+        else if (!linear.interval_agrees && !linear.interval_holds)
             statements.push_back(fmt::format(
                 "Under {} the check of linearisation gives a 95 % interval of {:.4f} m/s to {:.4f} "
                 "m/s where the law of propagation gives {:.4f} m/s to {:.4f} m/s.",
-                windows.profile, check.lower_mps, check.upper_mps, judged.lower_mps,
-                judged.upper_mps));
+                windows.profile, check.lower_mps, check.upper_mps, linear.lower_mps,
+                linear.upper_mps));
     }
 }
 

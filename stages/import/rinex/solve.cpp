@@ -25,7 +25,7 @@ constexpr const char* cpu_seconds = "--cpu=600";
 constexpr const char* address_space = "--as=4294967296";
 
 std::string configuration_of(const Receiver& receiver, std::string_view pass) {
-    std::string text(rtklib_configuration("rtklib.conf"));
+    std::string text(rtklib_configuration("rinex/rtklib.conf"));
     text += fmt::format("pos1-soltype       ={}\n", pass);
     if (const auto& base = receiver.base_position)
         text += fmt::format(

@@ -9,6 +9,7 @@
 #include "core/text.h"
 #include "files/ecsv.h"
 #include "files/yaml_input.h"
+#include "schemas/common/product_files.h"
 #include "schemas/enu/enu.h"
 #include "schemas/observations/observations.h"
 #include "schemas/screened/screened.h"
@@ -35,25 +36,25 @@ struct Product {
     void (*read)(std::string_view, const std::string&);
 };
 
-constexpr std::array<Product, 6> products{{
-    {"1-observations", observations_field_table_node,
+constexpr std::array<Product, 6> known_products{{
+    {products::observations.stem, observations_field_table_node,
      [](std::string_view text, const std::string& where) { (void)read_observations(text, where); }},
-    {"2-enu", enu_field_table_node,
+    {products::enu.stem, enu_field_table_node,
      [](std::string_view text, const std::string& where) { (void)read_enu(text, where); }},
-    {"3-screened", screened_field_table_node,
+    {products::screened.stem, screened_field_table_node,
      [](std::string_view text, const std::string& where) { (void)read_screened(text, where); }},
-    {"4-trajectory", trajectory_field_table_node,
+    {products::trajectory.stem, trajectory_field_table_node,
      [](std::string_view text, const std::string& where) { (void)read_trajectory(text, where); }},
-    {"5-windows", windows_field_table_node,
+    {products::windows.stem, windows_field_table_node,
      [](std::string_view text, const std::string& where) { (void)read_windows(text, where); }},
-    {"6-verdict", verdict_field_table_node,
+    {products::verdict.stem, verdict_field_table_node,
      [](std::string_view text, const std::string& where) { (void)read_verdict(text, where); }},
 }};
 
 const Product& product_of(std::string_view file, const std::string& where) {
     const std::string_view stem = file.substr(0, file.find('.'));
-    const auto found = std::ranges::find(products, stem, &Product::stem);
-    if (found == products.end())
+    const auto found = std::ranges::find(known_products, stem, &Product::stem);
+    if (found == known_products.end())
         throw Failure(where,
                       fmt::format("\"{}\" is no product of a stage that this program knows",
                                   escape_for_message(file)),

@@ -229,18 +229,6 @@ std::string baseline_text(const BaselineEvidence& baseline) {
         format_fixed(baseline.sd_m, 3), counted(baseline.rejected, "epoch"));
 }
 
-std::string old_tests_text(const ScreenedTable& table) {
-    if (holds_evidence(table))
-        return "Tests. None was made: the table has no evidence because no stretch could be "
-               "tested.";
-    std::string text = fmt::format(
-        "Tests. The table follows revision {} and does not hold the evidence of 1.2: neither what "
-        "the tests rested on, nor the errors as estimated, nor the smallest that could be found. "
-        "The innovation test took the errors' variance as {} times the stated one.",
-        table.header.schema_version, format_fixed(table.variance_factor, 2));
-    return text;
-}
-
 }  // namespace
 
 std::vector<Block> basis_blocks(const ScreenedTable& table, const AuditSubject& subject) {
@@ -249,7 +237,7 @@ std::vector<Block> basis_blocks(const ScreenedTable& table, const AuditSubject& 
     say(recording_text(table, subject));
     say(files_text(table, subject));
     if (!table.evidence) {
-        say(old_tests_text(table));
+        say("Tests. None was made: no stretch could be tested.");
         return blocks;
     }
     const ScreeningEvidence& evidence = *table.evidence;

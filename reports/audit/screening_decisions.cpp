@@ -34,12 +34,8 @@ std::string where_of(const ScreenedEpoch& first, const ScreenedEpoch& last) {
 
 /// How often chance exceeds a threshold; empty where the table does not tell.
 std::string chance_text(const ScreenedTable& table) {
-    if (table.evidence)
-        return table.evidence->test_size > 0.0 ? once_in(table.evidence->test_size) : "";
-    const auto rate = table.header.parameters.find("false_alarm_rate");
-    const bool told = !holds_evidence(table) && rate != table.header.parameters.end() &&
-                      rate->is_number() && rate->get<double>() > 0.0;
-    return told ? once_in(rate->get<double>()) : "";
+    return table.evidence && table.evidence->test_size > 0.0 ? once_in(table.evidence->test_size)
+                                                             : "";
 }
 
 /// "; statistic 133.3 where 37.0 is exceeded by chance once in 590 million"

@@ -29,7 +29,4 @@ bool explains_break(const ScreenedEpoch& row);
 /// The smallest errors that could be found, and what they would do to a speed.
 std::vector<Block> smallest_blocks(const ScreenedTable& table, const AuditSubject& subject);
 
-/// Whether the table's revision holds evidence: 1.2 and later.
-bool holds_evidence(const ScreenedTable& table);
-
 }  // namespace runcert

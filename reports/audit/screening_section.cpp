@@ -1,15 +1,8 @@
 #include <fmt/format.h>
 
-#include "core/text.h"
 #include "reports/audit/screening_parts.h"
 
 namespace runcert {
-
-bool holds_evidence(const ScreenedTable& table) {
-    const std::string& version = table.header.schema_version;
-    const auto revision = parse_integer(version.substr(version.find('.') + 1));
-    return table.evidence.has_value() || (revision && *revision >= 2);
-}
 
 Section screening_section(const ScreenedTable& table, const AuditSubject& subject, bool all) {
     return {.title = fmt::format("Audit of screening: attempt {}, receiver {}, recording {}",

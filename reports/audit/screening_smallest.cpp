@@ -60,11 +60,7 @@ std::string consequence(const DetectableSizes& step, const std::vector<AuditedWi
 }  // namespace
 
 std::vector<Block> smallest_blocks(const ScreenedTable& table, const AuditSubject& subject) {
-    if (!table.evidence)
-        return {Paragraph{holds_evidence(table)
-                              ? "No test was made, so that no size could be found."
-                              : "The table does not hold the evidence of revision 1.2: it does not "
-                                "tell them."}};
+    if (!table.evidence) return {Paragraph{"No test was made, so that no size could be found."}};
     Entries lines;
     for (const Quantity& quantity : quantities)
         if (const auto sizes = detectable_sizes(table.rows, quantity.size))

@@ -50,7 +50,4 @@ std::optional<double> rate_of(const EstimatedError& error);
 /// A ramp towards two directions, or upwards.
 std::string rate_components(const EstimatedError& error);
 
-std::string_view words_of(FixKind fix);
-std::string_view words_of(Hypothesis hypothesis);
-
 }  // namespace runcert

@@ -16,81 +16,12 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-constexpr std::size_t faults_listed = 20;  ///< in the report
-constexpr std::size_t faults_shown = 3;    ///< in words
-
-Json model_json(const ScreeningModel& model) {
-    return {{"axes", to_text(model.axes)},
-            {"noise", model.noise},
-            {"jerk_density", rounded(model.jerk_density, 6)},
-            {"measurement_scale", rounded(model.measurement_scale, 6)},
-            {"white_scale", rounded(model.white_scale, 6)},
-            {"error_sigma_m", rounded(model.error_sigma_m, 6)},
-            {"error_tau_s", rounded(model.error_tau_s, 6)}};
-}
-
-Json kind_json(const FixKindEvidence& kind) {
-    return {{"fix", to_text(kind.fix)},
-            {"axes", to_text(kind.axes)},
-            {"epochs", kind.epochs},
-            {"variance_factor", rounded(kind.variance_factor, 4)},
-            {"judgement", kind.judgement}};
-}
-
-Json velocity_json(const VelocityEvidence& velocity) {
-    Json json{{"compared", velocity.compared}};
-    if (velocity.delay_s) json["delay_s"] = rounded(*velocity.delay_s, 6);
-    if (velocity.sigma_delay_s) json["sigma_delay_s"] = rounded(*velocity.sigma_delay_s, 6);
-    json["scale_m_s"] = rounded(velocity.scale_mps, 6);
-    json["rejected"] = velocity.rejected;
-    return json;
-}
+constexpr std::ptrdiff_t faults_listed = 20;  ///< in the report
+constexpr std::size_t faults_shown = 3;       ///< in words
 
 /// Counts hold every fault, the table a thousand of them at most.
 std::int64_t faults_of(const TimeEvidence& time) {
     return std::max(time.gaps + time.duplicates + time.backward, std::ssize(time.faults));
-}
-
-Json time_json(const TimeEvidence& time) {
-    Json json{{"sessions", time.sessions},
-              {"gaps", time.gaps},
-              {"longest_gap_s", rounded(time.longest_gap_s, 9)},
-              {"duplicates", time.duplicates},
-              {"backward", time.backward},
-              {"rate_deviation", rounded(time.rate_deviation, 9)},
-              {"jitter_s", rounded(time.jitter_s, 9)},
-              {"faults_found", faults_of(time)},
-              {"faults", Json::array()}};
-    for (std::size_t i = 0; i < std::min(time.faults.size(), faults_listed); ++i)
-        json["faults"].push_back({{"epoch", time.faults[i].epoch},
-                                  {"kind", time.faults[i].kind},
-                                  {"size_s", rounded(time.faults[i].size_s, 9)}});
-    return json;
-}
-
-Json limits_json(const LimitEvidence& limits) {
-    return {{"acceleration_max_m_s2", rounded(limits.acceleration_max_mps2, 6)},
-            {"jerk_max_m_s3", rounded(limits.jerk_max_mps3, 6)},
-            {"vertical_rate_max_m_s", rounded(limits.vertical_rate_max_mps, 6)},
-            {"acceleration_m_s2", rounded(limits.acceleration_mps2, 6)},
-            {"jerk_m_s3", rounded(limits.jerk_mps3, 6)},
-            {"vertical_rate_m_s", rounded(limits.vertical_rate_mps, 6)},
-            {"rejected", limits.rejected}};
-}
-
-Json device_json(const DeviceEvidence& device) {
-    return {{"moving", device.moving},
-            {"held", device.held},
-            {"interpolated", device.interpolated},
-            {"by_chance", rounded(device.by_chance, 6)}};
-}
-
-Json baseline_json(const BaselineEvidence& baseline) {
-    return {{"receiver", baseline.receiver},
-            {"compared", baseline.compared},
-            {"length_m", rounded(baseline.length_m, 6)},
-            {"sd_m", rounded(baseline.sd_m, 6)},
-            {"rejected", baseline.rejected}};
 }
 
 std::string false_alarm_text(const ScreeningEvidence& evidence) {
@@ -220,23 +151,11 @@ std::string baseline_text(const BaselineEvidence& baseline) {
 }  // namespace
 
 Json evidence_json(const ScreeningEvidence& evidence) {
-    Json json{{"family_false_alarm_rate", rounded(evidence.family_false_alarm_rate, 12)},
-              {"tests", evidence.tests},
-              {"test_size", rounded(evidence.test_size, 18)},
-              {"power", rounded(evidence.power, 6)},
-              {"burst_epochs_max", evidence.burst_epochs_max},
-              {"passes", evidence.passes},
-              {"models", Json::array()},
-              {"fix_kinds", Json::array()}};
-    for (const ScreeningModel& model : evidence.models)
-        json["models"].push_back(model_json(model));
-    for (const FixKindEvidence& kind : evidence.fix_kinds)
-        json["fix_kinds"].push_back(kind_json(kind));
-    if (evidence.velocity) json["velocity"] = velocity_json(*evidence.velocity);
-    if (evidence.device) json["device"] = device_json(*evidence.device);
-    json["time"] = time_json(evidence.time);
-    json["limits"] = limits_json(evidence.limits);
-    if (evidence.baseline) json["baseline"] = baseline_json(*evidence.baseline);
+    Json json = members_json(evidence);
+    Json& faults = json["time"]["faults"];
+    if (std::ssize(evidence.time.faults) > faults_listed)
+        faults.erase(faults.begin() + faults_listed, faults.end());
+    json["time"]["faults_found"] = faults_of(evidence.time);
     return json;
 }
 

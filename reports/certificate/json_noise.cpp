@@ -15,59 +15,6 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-Json parameter_json(const NoiseParameter& parameter) {
-    Json json{{"value", rounded(parameter.value, 6)}};
-    if (parameter.relative_uncertainty)
-        json["relative_uncertainty"] = rounded(*parameter.relative_uncertainty, 4);
-    json["at_bound"] = parameter.at_bound;
-    return json;
-}
-
-void set_parameter(Json& json, const char* key, const std::optional<NoiseParameter>& parameter) {
-    if (parameter) json[key] = parameter_json(*parameter);
-}
-
-Json noise_json(const NoiseSummary& noise) {
-    Json json{{"status", noise.status},
-              {"epochs", noise.epochs},
-              {"epochs_needed", noise.epochs_needed},
-              {"stated_sigma_m", rounded(noise.stated_sigma_m, 6)},
-              {"stated_all_equal", noise.stated_all_equal},
-              {"tau_min_s", rounded(noise.tau_min_s, 6)},
-              {"tau_max_s", rounded(noise.tau_max_s, 6)}};
-    json["jerk_density"] = parameter_json(noise.jerk_density);
-    json["measurement_scale"] = parameter_json(noise.measurement_scale);
-    set_parameter(json, "acceleration_time_s", noise.acceleration_time_s);
-    json["singer_gain"] = rounded(noise.singer_gain, 2);
-    json["error_told"] = noise.error_told;
-    json["error_gain"] = rounded(noise.error_gain, 2);
-    set_parameter(json, "error_diffusion", noise.error_diffusion);
-    set_parameter(json, "error_tau_s", noise.error_tau_s);
-    set_parameter(json, "error_sigma_m", noise.error_sigma_m);
-    json["white_scale"] = rounded(noise.white_scale, 6);
-    json["evaluations"] = noise.evaluations;
-    json["converged"] = noise.converged;
-    json["models"] = noise.posterior.size();
-    return json;
-}
-
-Json health_json(const FilterHealth& health) {
-    return {{"innovations", health.innovations},
-            {"mean_statistic", rounded(health.mean_statistic, 4)},
-            {"lower", rounded(health.lower, 4)},
-            {"upper", rounded(health.upper, 4)},
-            {"spans", health.spans},
-            {"spans_outside", health.spans_outside},
-            {"spans_allowed", health.spans_allowed},
-            {"consistent", health.consistent},
-            {"autocorrelation_stated", rounded(health.autocorrelation_stated, 4)},
-            {"autocorrelation", rounded(health.autocorrelation, 4)},
-            {"white", health.white},
-            {"largest_condition", rounded(health.largest_condition, 1)},
-            {"largest_asymmetry", rounded(health.largest_asymmetry, 18)},
-            {"repaired", health.repaired}};
-}
-
 std::string status_text(const NoiseSummary& noise) {
     if (noise.status == "fitted")
         return fmt::format("learnt from {}", counted(noise.epochs, "epoch"));
@@ -180,10 +127,6 @@ constexpr std::array<NoiseLine, 11> noise_lines{{
 }};
 
 }  // namespace
-
-Json axes_json(const AxesEstimation& axes) {
-    return {{"noise", noise_json(axes.noise)}, {"health", health_json(axes.health)}};
-}
 
 Json noise_table(const EstimationSummary& estimation) {
     if (!estimation.horizontal) return nullptr;

@@ -6,11 +6,9 @@
 
 namespace runcert {
 
-/// The noise learnt for one set of axes, and whether filter and smoother behaved by it.
-nlohmann::ordered_json axes_json(const AxesEstimation& axes);
-
-/// The same as shown: a column for the horizontal axes and one for the vertical one where heights
-/// were measured. Null where the run's files do not say it, as those of revision 1.0 do not.
+/// The noise learnt, and whether filter and smoother behaved by it, as shown: a column for the
+/// horizontal axes and one for the vertical one where heights were measured. Null where the run's
+/// files do not say it.
 nlohmann::ordered_json noise_table(const EstimationSummary& estimation);
 
 }  // namespace runcert

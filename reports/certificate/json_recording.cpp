@@ -53,21 +53,6 @@ ElapsedTime last_time(const std::vector<ScreenedEpoch>& rows) {
     return last;
 }
 
-Json estimation_json(const EstimationSummary& summary) {
-    Json json{{"arcs", summary.arcs},
-              {"degrees_of_freedom", summary.degrees_of_freedom},
-              {"variance_factor", rounded(summary.variance_factor, 4)},
-              {"variance_factor_applied", rounded(summary.variance_factor_applied, 4)},
-              {"largest_position_difference_m", summary.largest_position_difference_m},
-              {"largest_velocity_difference_m_s", summary.largest_velocity_difference_mps}};
-    if (!summary.horizontal) return json;  // of revision 1.0
-    json["batch_stretches"] = summary.batch_stretches;
-    json["robust_downweighted"] = summary.robust_downweighted;
-    json["horizontal"] = axes_json(*summary.horizontal);
-    if (summary.vertical) json["vertical"] = axes_json(*summary.vertical);
-    return json;
-}
-
 std::string solution_words(const std::string& source) {
     if (source == "recording") return "as the recording says";
     if (source == "attempt") return "as the attempt states; the recording does not say";
@@ -222,7 +207,7 @@ Json receiver_json(const ReceiverResults& results, const Receiver& receiver) {
     json["stated"] = stated_json(receiver);
     json["notes"] = observations.notes;
     json["screening"] = screening_json(results.screened);
-    json["estimation"] = estimation_json(results.trajectory.estimation);
+    json["estimation"] = members_json(results.trajectory.estimation);
     json["recording_facts"] = recording_facts(results, json);
     json["screening_facts"] = screening_facts(results.screened);
     json["estimation_facts"] = estimation_facts(json["estimation"]);

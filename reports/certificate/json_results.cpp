@@ -113,8 +113,8 @@ Json by_receiver_json(const ReportInputs& inputs, const Profile& profile) {
     if (inputs.receivers.size() < 2) return list;
     for (const ReceiverResults& results : inputs.receivers) {
         Json entry{{"receiver", results.windows.receiver}};
-        const ProfileWindows* windows = results.windows.of(profile.id);
-        if (const auto figure = windows == nullptr ? std::nullopt : windows->figure()) {
+        const ProfileWindows* windows = windows_of(results.windows, profile.id);
+        if (const auto figure = windows == nullptr ? std::nullopt : figure_of(*windows)) {
             const double u = expanded_uncertainty_by_rule_mps(*figure, profile.coverage_factor);
             const SpeedUnit& unit = rule_unit(profile);
             set_speeds(entry, "speed", figure->speed_mps);
@@ -163,7 +163,7 @@ Json profile_json(const ReportInputs& inputs, std::size_t index) {
     set_decision(json, verdict, profile);
     set_reservations(json, verdict);
     set_results(json, inputs, verdict, profile);
-    const ProfileWindows* windows = inputs.receivers.front().windows.of(verdict.profile);
+    const ProfileWindows* windows = windows_of(inputs.receivers.front().windows, verdict.profile);
     if (windows != nullptr && !windows->missing.empty())
         json["missing_words"] = fmt::format("What is missing: {}.", windows->missing);
     if (verdict.window) json["window"] = window_json(verdict, windows, profile);

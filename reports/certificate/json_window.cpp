@@ -95,10 +95,10 @@ void set_definitions(Json& json, const CertifiableWindow& best, const Profile& p
     for (const std::string_view name : {"displacement", "path_length", "mean_n_plus_1", "mean_n"}) {
         const bool counts = other.empty() && name == profile.definition;
         Json entry{{"definition", name}, {"counts", counts}};
-        set_speeds(entry, "speed", all.by_name(name));
+        set_speeds(entry, "speed", speed_by(all, name));
         json["definitions"].push_back(std::move(entry));
         rows.push_back(
-            {definition_words(name) + (counts ? " – the rule's" : ""), all.by_name(name)});
+            {definition_words(name) + (counts ? " – the rule's" : ""), speed_by(all, name)});
     }
     const std::string note = definition_note(best, profile);
     if (!note.empty()) json["definition_note"] = note;
@@ -125,7 +125,7 @@ void set_further(Json& json, const ProfileWindows& windows, const Profile& profi
         json["further"].push_back(std::move(entry));
         rows.push_back({window_label(further.span), further.speed_mps});
     }
-    if (const auto figure = windows.figure())
+    if (const auto figure = figure_of(windows))
         rows.push_back({fmt::format("Mean of the {}", rows.size()), figure->speed_mps});
     json["further_table"] = speed_table(rows, profile, u);
 }
@@ -152,7 +152,7 @@ void set_methods(Json& json, const CertifiableWindow& best, const Profile& profi
 }  // namespace
 
 Json span_json(const WindowSpan& span) {
-    Json json = window_span_json(span);
+    Json json = members_json(span);
     if (span.start_gps) {
         const GpsTime end = span.start_gps->plus_nanoseconds(span.duration.nanoseconds);
         json["end_gps"] = to_iso(end, 3);

@@ -10,10 +10,9 @@
 #include "reports/certificate/json_parts.h"
 #include "reports/certificate/json_text.h"
 #include "schemas/common/document.h"
+#include "schemas/products/products.h"
 
 namespace runcert {
-
-YamlNode report_own_field_table_node();
 
 using Json = nlohmann::ordered_json;
 
@@ -21,12 +20,6 @@ namespace {
 
 constexpr const char* statement_type = "https://in-toto.io/Statement/v1";
 constexpr const char* predicate_type = "urn:runcert:measurement-report:1.0";
-
-const DocumentSchema& report_schema() {
-    static const DocumentSchema schema =
-        DocumentSchema::read(report_own_field_table_node(), "reports/certificate/v1.yaml");
-    return schema;
-}
 
 Json files_json(const std::vector<ReportSubject>& subjects) {
     Json json = Json::array();
@@ -83,7 +76,7 @@ void check_predicate(Json predicate, const std::string& where) {
                 if (curve.contains(values) && curve[values].size() > 3)
                     curve[values].erase(curve[values].begin() + 3, curve[values].end());
     }
-    (void)read_document(to_yaml_text(predicate), where, report_schema());
+    (void)read_document(to_yaml_text(predicate), where, report_field_table());
 }
 
 }  // namespace
@@ -98,8 +91,8 @@ std::string report_id(const std::vector<ReportSubject>& subjects) {
 Json report_json(const ReportInputs& inputs) {
     check_inputs(inputs);
     Json predicate;
-    predicate["schema"] = {{"name", report_schema().name()},
-                           {"version", report_schema().version()}};
+    predicate["schema"] = {{"name", report_field_table().name()},
+                           {"version", report_field_table().version()}};
     predicate["report_id"] = report_id(inputs.subjects);
     predicate["program"] = {{"name", "runcert"},
                             {"version", program_version()},
@@ -120,6 +113,7 @@ Json report_json(const ReportInputs& inputs) {
         predicate["receivers"].push_back(
             receiver_json(inputs.receivers[i], inputs.attempt.receivers[i]));
     predicate["method"] = method_json(inputs);
+    round_to_table(predicate, report_field_table());
     predicate["figures"] = figures_json(inputs, predicate["profiles"]);
     predicate["files"] = files_json(inputs.subjects);
     check_predicate(predicate, "report");

@@ -273,7 +273,7 @@ Comparison compare_methods(const ScreenedTable& screened, const TrajectoryTable&
     }
     comparison.notes = std::move(methods.notes);
     comparison.notes.insert(comparison.notes.end(), left_out.begin(), left_out.end());
-    if (std::ranges::any_of(trajectory.rows, &TrajectoryEpoch::begins_after_step))
+    if (std::ranges::any_of(trajectory.rows, begins_after_step))
         comparison.notes.emplace_back(
             "Steps of the positions were bridged: windows across them are not compared");
     for (const MethodTrack& track : methods.tracks)

@@ -82,7 +82,7 @@ std::vector<TrackArc> arcs_of(const TrackInput& input, const ToTheEarth& earth) 
         const bool placed = rows[i].arc && rows[i].east_m && rows[i].north_m;
         // An unknown step of the positions is a gap on the map: there is no track across it.
         if (!placed || (!arc_rows.empty() &&
-                        (rows[arc_rows.back()].arc != rows[i].arc || rows[i].begins_after_step())))
+                        (rows[arc_rows.back()].arc != rows[i].arc || begins_after_step(rows[i]))))
             finish();
         if (placed) arc_rows.push_back(i);
     }
@@ -133,7 +133,7 @@ void add_windows(const TrackInput& input, std::size_t rule, const ToTheEarth& ea
         refused.speed_mps = verdict.indicated->speed_mps;
         refused.refusals = verdict.indicated->refusals;
     }
-    if (const ProfileWindows* found = input.windows->of(verdict.profile))
+    if (const ProfileWindows* found = windows_of(*input.windows, verdict.profile))
         for (const FurtherWindow& further : found->further) {
             TrackWindow& window = add(WindowKind::further, further.span);
             window.speed_mps = further.speed_mps;

@@ -10,6 +10,8 @@
 
 #include "core/text.h"
 #include "files/yaml_input.h"
+#include "schemas/common/codec.h"
+#include "schemas/common/header.h"
 
 // A struct of plain members as a map of a document, and back, by one list of names for both ways.
 // An enumeration needs `to_text(Enum)` and `bool from_text(std::string_view, Enum&)`.
@@ -28,11 +30,6 @@ Member(const char*, T Struct::*) -> Member<Struct, T>;
 /// The members of a struct that stand in a file: specialise with a std::tuple of Member.
 template <class Struct>
 inline constexpr auto members = nullptr;
-
-template <class Struct>
-nlohmann::ordered_json members_json(const Struct& value);
-template <class Struct>
-Struct read_members(const YamlValue& map);
 
 namespace member {
 
@@ -74,9 +71,11 @@ void write(nlohmann::ordered_json& map, const char* name, const T& value) {
     if constexpr (std::is_same_v<T, std::optional<double>>) {
         if (value && !std::isinf(*value)) map[name] = *value;
     } else if constexpr (Unwrapped<T>::optional) {
-        if (value) map[name] = json_of(*value);
+        if (value) write(map, name, *value);
     } else if constexpr (std::is_same_v<T, std::string>) {
         if (!value.empty()) map[name] = value;
+    } else if constexpr (std::is_same_v<T, GpsTime>) {
+        map[name] = to_iso(value, 9);
     } else {
         map[name] = json_of(value);
     }
@@ -84,7 +83,9 @@ void write(nlohmann::ordered_json& map, const char* name, const T& value) {
 
 template <class T>
 T read(const YamlValue& value) {
-    if constexpr (Unwrapped<T>::optional) {
+    if constexpr (std::is_same_v<T, std::optional<GpsTime>>) {
+        return read_gps_time(value);
+    } else if constexpr (Unwrapped<T>::optional) {
         return read<typename Unwrapped<T>::type>(value);
     } else if constexpr (Unwrapped<T>::list) {
         T list;
@@ -111,9 +112,34 @@ T read(const YamlValue& value) {
     }
 }
 
+/// The member of that name, where the map has it.
+template <class T>
+void take(const YamlValue& map, const char* name, T& value) {
+    if (const YamlValue found = map[name]; found.exists()) value = read<T>(found);
+}
+
+/// A struct whose members stand in the map of the one that it is part of.
+template <class T>
+void take_all(const YamlValue& map, T& value) {
+    value = read_members<T>(map);
+}
+
+/// A speed in the four units people use (knot 1852 m/h, statute mile 1609.344 m, both exact).
+inline void put_speed(nlohmann::ordered_json& map, const std::string& name,
+                      const std::optional<double>& speed_mps) {
+    if (!speed_mps) return;
+    map[name + "_km_h"] = *speed_mps * 3.6;
+    map[name + "_m_s"] = *speed_mps;
+    map[name + "_knots"] = *speed_mps * 3600.0 / 1852.0;
+    map[name + "_mph"] = *speed_mps * 3600.0 / 1609.344;
+}
+template <class T>
+void take_speed(const YamlValue& map, const std::string& name, T& speed_mps) {
+    take(map, (name + "_m_s").c_str(), speed_mps);
+}
+
 }  // namespace member
 
-/// The struct as a map.
 template <class Struct>
 nlohmann::ordered_json members_json(const Struct& value) {
     auto map = nlohmann::ordered_json::object();
@@ -123,16 +149,12 @@ nlohmann::ordered_json members_json(const Struct& value) {
     return map;
 }
 
-/// The struct that a map holds. What is not there keeps the value that a new struct has: the field
-/// table says what may be left out.
 template <class Struct>
 Struct read_members(const YamlValue& map) {
     Struct value;
-    const auto read_into = [&map]<class T>(const char* name, T& target) {
-        if (const YamlValue found = map[name]; found.exists()) target = member::read<T>(found);
-    };
-    std::apply([&](const auto&... each) { (read_into(each.name, value.*each.pointer), ...); },
-               members<Struct>);
+    std::apply(
+        [&](const auto&... each) { (member::take(map, each.name, value.*each.pointer), ...); },
+        members<Struct>);
     return value;
 }
 

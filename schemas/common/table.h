@@ -295,4 +295,19 @@ class TableFormat {
     std::vector<ColumnBinding<Row>> bindings_;
 };
 
+/// Writes a table row by row, in memory that does not grow with it.
+template <class Row>
+class TableWriter {
+  public:
+    TableWriter(const TableFormat<Row>& format, EcsvWriter out)
+        : format_(&format), out_(std::move(out)) {}
+    void write(const Row& row) { format_->write_row(out_, row); }
+    /// Gives the sink what it has not yet.
+    void finish() { out_.finish(); }
+
+  private:
+    const TableFormat<Row>* format_;
+    EcsvWriter out_;
+};
+
 }  // namespace runcert

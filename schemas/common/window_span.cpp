@@ -21,7 +21,8 @@ ElapsedTime read_elapsed(const YamlValue& value) {
 
 }  // namespace
 
-nlohmann::ordered_json window_span_json(const WindowSpan& span) {
+template <>
+nlohmann::ordered_json members_json(const WindowSpan& span) {
     nlohmann::ordered_json json;
     json["start_time_s"] = rounded(span.start.seconds(), 9);
     json["duration_s"] = rounded(span.duration.seconds(), 9);
@@ -34,7 +35,8 @@ nlohmann::ordered_json window_span_json(const WindowSpan& span) {
     return json;
 }
 
-WindowSpan read_window_span(const YamlValue& value) {
+template <>
+WindowSpan read_members(const YamlValue& value) {
     WindowSpan span;
     span.first_epoch = value["first_epoch"].integer();
     span.last_epoch = value["last_epoch"].integer();

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "core/gps_time.h"
+#include "schemas/common/codec.h"
 #include "schemas/common/table.h"
 
 namespace runcert {
@@ -16,8 +17,9 @@ struct WindowSpan {
     std::optional<GpsTime> start_gps;  ///< empty where the recording's time is relative
 };
 
-/// The members of a document that hold a span, and back.
-nlohmann::ordered_json window_span_json(const WindowSpan& span);
-WindowSpan read_window_span(const YamlValue& value);
+template <>
+nlohmann::ordered_json members_json(const WindowSpan& span);
+template <>
+WindowSpan read_members(const YamlValue& value);
 
 }  // namespace runcert

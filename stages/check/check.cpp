@@ -83,7 +83,7 @@ std::string refusal_of(const ClauseContext& context, const std::vector<Requireme
     if (!failed.empty()) return "Not met: " + failed.front();
     if (!best) return "There is no certifiable window.";
     if (!context.speed)
-        return context.windows.figure()
+        return figure_of(context.windows)
                    ? "The rule subtracts the current, which is not known for the window: give "
                      "current: in the attempt, with a series that covers it."
                    : "There are too few certifiable windows for the mean that the rule takes.";

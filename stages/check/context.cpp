@@ -92,7 +92,7 @@ std::optional<FlowInWindow> flow_of(const FlowSeries* series, FlowKind kind,
 /// The speed that the rule counts, and its expanded uncertainty; nothing where the current that it
 /// subtracts is not known.
 void set_speed(ClauseContext& context) {
-    const std::optional<RuleFigure> figure = context.windows.figure();
+    const std::optional<RuleFigure> figure = figure_of(context.windows);
     if (!figure) return;
     SpeedPosterior speed{.speed_mps = figure->speed_mps,
                          .standard_uncertainty_mps = figure->standard_uncertainty_mps,

@@ -69,7 +69,7 @@ std::vector<Place> places_of(std::span<const TrajectoryEpoch> rows, std::size_t 
         if (!places.empty()) {
             const Place& last = places.back();
             place.step_variance = last.step_variance;
-            if (row.begins_after_step()) {
+            if (begins_after_step(row)) {
                 const double time_s = place.time_s - last.time_s;
                 const Vector3d moved = 0.5 * time_s * (last.velocity_mps + place.velocity_mps);
                 const Vector3d step = place.position_m - last.position_m - moved;

@@ -47,7 +47,7 @@ void add_windows(const ClauseContext& context, Notes& notes) {
     const ProfileWindows& windows = context.windows;
     if (!windows.missing.empty() && !windows.best)
         notes.push_back("There is no window because " + windows.missing + ".");
-    if (windows.best && !windows.further.empty() && windows.figure()) {
+    if (windows.best && !windows.further.empty() && figure_of(windows)) {
         std::vector<std::string> speeds{fmt::format("{:.3f}", windows.best->speed_mps * 3.6)};
         for (const FurtherWindow& one : windows.further)
             speeds.push_back(fmt::format("{:.3f}", one.speed_mps * 3.6));
@@ -125,7 +125,7 @@ double path_m(const std::vector<TrajectoryEpoch>& rows, const CraftRun& run) {
     for (std::size_t i = run.first_row; i <= run.last_row; ++i) {
         const TrajectoryEpoch& row = rows[i];
         if (!row.arc) continue;
-        if (before != nullptr && !row.begins_after_step())
+        if (before != nullptr && !begins_after_step(row))
             length_m += std::hypot(*row.east_m - *before->east_m, *row.north_m - *before->north_m);
         before = &row;
     }

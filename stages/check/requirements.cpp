@@ -94,7 +94,7 @@ std::vector<Figure> crossing_figures(const ClauseContext& context) {
 
 Finding window_complete(const ClauseContext& context) {
     if (!context.windows.best) return {"not_met", no_window(context)};
-    if (!context.windows.figure())
+    if (!figure_of(context.windows))
         return {"not_met", fmt::format("of {} windows of {} that the rule takes the mean of, {} "
                                        "are certifiable without overlapping",
                                        context.profile.windows, window_words(context.profile),

@@ -173,17 +173,13 @@ void add_recording(const RecordingFacts& facts, Statements& statements) {
             "the date of the recording.");
 }
 
-std::string_view words_of(TestedAxes axes) {
-    return axes == TestedAxes::vertical ? "vertical" : "horizontal";
-}
-
 void add_kinds(const std::vector<FixKindEvidence>& kinds, Statements& statements) {
     for (const FixKindEvidence& kind : kinds) {
         if (kind.judgement != "too_good" && kind.judgement != "too_bad") continue;
         statements.push_back(fmt::format(
             "The {} accuracies stated for {} solutions are {}: the errors that the epochs show "
             "against one another are {:.2f} times as large.",
-            words_of(kind.axes), to_text(kind.fix),
+            to_text(kind.axes), to_text(kind.fix),
             kind.judgement == "too_good" ? "too good" : "too bad",
             std::sqrt(kind.variance_factor)));
     }
@@ -311,7 +307,7 @@ void add_screening(const ReceiverEvidence& judged, Statements& statements) {
             statements.push_back(fmt::format(
                 "The {} tests rest on the stated accuracies times {:.2f}, not on noise learnt from "
                 "the recording.",
-                words_of(model.axes), model.measurement_scale));
+                to_text(model.axes), model.measurement_scale));
     add_kinds(tests.fix_kinds, statements);
     add_time(tests.time, statements);
     if (tests.velocity) add_velocity(*tests.velocity, statements);

@@ -20,7 +20,8 @@ void convert(StageRun& run, const Receiver& receiver) {
     const EnuTable head{
         .header = one.header(), .facts = facts, .origin = to_local.origin(), .rows = {}};
     AtomicFile file(run.run_dir() / run.file_of(products::enu, receiver));
-    EnuWriter table(head, [&file](std::string_view piece) { file.write(piece); });
+    TableWriter<EnuEpoch> table =
+        begin_enu(head, [&file](std::string_view piece) { file.write(piece); });
     for (Observation row; observations.next(row);)
         table.write(to_local(row));
     table.finish();

@@ -142,7 +142,7 @@ void TimedRows::count_bad(const RecordPlace& place, const Failure& why, bool in_
     // What is nothing but bad records is not read to its end.
     if (records_.bad % bad_to_give_up == 0 && 10 * records_.bad > 9 * records_.total)
         require_mostly_good(records_, first_bad_);
-    if (records_.bad_records.size() >= RecordCount::listed_at_most) return;
+    if (records_.bad_records.size() >= bad_records_listed_at_most) return;
     records_.bad_records.push_back({.line = place.line,
                                     .column = column_of(why, place),
                                     .byte = place.byte,

@@ -75,7 +75,7 @@ void append_records(RecordCount& all, const RecordCount& part, std::int64_t epoc
     all.total += part.total;
     all.bad += part.bad;
     for (BadRecord bad : part.bad_records) {
-        if (all.bad_records.size() >= RecordCount::listed_at_most) return;
+        if (all.bad_records.size() >= bad_records_listed_at_most) return;
         bad.epoch += epochs_before;
         bad.file = file;
         all.bad_records.push_back(std::move(bad));

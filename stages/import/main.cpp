@@ -112,8 +112,8 @@ RowByRow read_receiver(StageRun& run, const Receiver& receiver, const OpenFiles&
 
 void write_rows(const StageRun& run, const std::string& file_name, const RowByRow& observations) {
     AtomicFile file(run.run_dir() / file_name);
-    ObservationsWriter table(observations.head,
-                             [&file](std::string_view piece) { file.write(piece); });
+    TableWriter<Observation> table = begin_observations(
+        observations.head, [&file](std::string_view piece) { file.write(piece); });
     observations.give([&table](const Observation& row) { table.write(row); });
     table.finish();
     file.commit();

@@ -232,7 +232,7 @@ AxesEvidence<Axes> evidence_of(const ScreenedTable& screened, const TrajectoryTa
                                 .times = {}};
     const auto same_steps = [&](const Arc<Axes>& arc) {
         for (std::size_t k = 0; k < arc.rows.size(); ++k)
-            if (arc.epochs[k].step_before != trajectory.rows[arc.rows[k]].begins_after_step())
+            if (arc.epochs[k].step_before != begins_after_step(trajectory.rows[arc.rows[k]]))
                 return false;
         return true;
     };

@@ -124,7 +124,7 @@ CertifiableWindow certified_by_velocity(const ScreenedTable& screened,
         independent,
         fmt::format("taken as one error throughout the window; the smoothed positions give {:.3f} "
                     "m/s over the same window",
-                    window.definitions.by_name(profile.definition))));
+                    speed_by(window.definitions, profile.definition))));
     window.budget.push_back(speed_row(
         "d", "undetected error", "B", 0.0, independent,
         "not quantified: screening tests positions; velocities are only compared with them"));

@@ -10,27 +10,7 @@ namespace runcert {
 namespace {
 
 std::string describe(Reason reason, std::int64_t count) {
-    static const std::map<Reason, std::string_view> sentences{
-        {Reason::no_position, "without a position"},
-        {Reason::no_fix, "without a fix"},
-        {Reason::float_ambiguities, "with float ambiguities, not fixed ones"},
-        {Reason::other_fix, "of a kind of solution that is not allowed"},
-        {Reason::duplicate_time, "with the time of the epoch before"},
-        {Reason::backward_time, "with a time out of order"},
-        {Reason::accuracy_missing, "without a stated accuracy"},
-        {Reason::accuracy_absurd, "with an absurd stated accuracy"},
-        {Reason::few_satellites, "from too few satellites for a check of the position"},
-        {Reason::low_ratio, "whose ambiguities are hardly better than others"},
-        {Reason::old_corrections, "with corrections that are too old"},
-        {Reason::innovation, "rejected by the innovation test"},
-        {Reason::short_arc, "in a stretch too short to be used"},
-        {Reason::outlier, "contradicted by those before and after"},
-        {Reason::burst, "in a run of wrong positions"},
-        {Reason::model, "in a stretch that no single error explains"},
-        {Reason::velocity, "contradicted by the recorded velocity"},
-        {Reason::physical_limit, "of a motion that the craft cannot make"},
-        {Reason::baseline, "contradicted by the other receiver"}};
-    return fmt::format("{} {} {}", count, count == 1 ? "epoch" : "epochs", sentences.at(reason));
+    return fmt::format("{} {} {}", count, count == 1 ? "epoch" : "epochs", phrase_of(reason));
 }
 
 /// Breaks inside a window, by what they mean for it.

@@ -62,7 +62,7 @@ SearchSeries arc_series(const ScreenedTable& screened, const TrajectoryTable& tr
     for (std::size_t k = 0; k < arc.rows.size(); ++k) {
         const TrajectoryEpoch& row = trajectory.rows[arc.rows[k]];
         const Eigen::Vector3d position(*row.east_m, *row.north_m, row.up_m.value_or(0.0));
-        if (k > 0 && row.begins_after_step())
+        if (k > 0 && begins_after_step(row))
             offset += position - before - motion_over(trajectory.rows[arc.rows[k - 1]], row);
         before = position;
         if (profile.speed_source == "velocity") {
@@ -87,7 +87,7 @@ std::vector<std::int64_t> obstacles_in(const ScreenedTable& screened,
     obstacles.reserve(trajectory.rows.size());
     for (std::size_t i = 0; i < trajectory.rows.size(); ++i) {
         const TrajectoryEpoch& row = trajectory.rows[i];
-        const bool step = !profile.repaired_steps && row.begins_after_step();
+        const bool step = !profile.repaired_steps && begins_after_step(row);
         const bool silent = profile.speed_source == "velocity" &&
                             !recorded_speed(screened.rows[i], profile.dimension);
         obstacles.push_back((obstacles.empty() ? 0 : obstacles.back()) +

@@ -159,7 +159,8 @@ void write_ecsv_row_by_row(benchmark::State& state) {
     const EnuTable table = enu_table();
     measure(state, write_enu(table).size(), [&] {
         std::size_t bytes = 0;
-        EnuWriter out(table, [&bytes](std::string_view piece) { bytes += piece.size(); });
+        TableWriter<EnuEpoch> out =
+            begin_enu(table, [&bytes](std::string_view piece) { bytes += piece.size(); });
         for (const EnuEpoch& row : table.rows)
             out.write(row);
         out.finish();

@@ -100,7 +100,7 @@ TEST(BridgedStep, CertifiesNoWindowAcrossItByDefault) {
     for (std::size_t k = 1; k < run.screened.rows.size(); ++k) {
         const bool step = run.screened.rows[k].epoch == step_epoch;
         EXPECT_EQ(run.screened.rows[k].break_before == ArcBreak::bridged, step) << k;
-        EXPECT_EQ(run.trajectory.rows[k].begins_after_step(), step) << k;
+        EXPECT_EQ(begins_after_step(run.trajectory.rows[k]), step) << k;
     }
     const CertifiableWindow& best = run.windows.best.value();
     EXPECT_FALSE(holds_step(best.span));
@@ -138,7 +138,7 @@ TEST(BridgedStep, EndsTheArcWhereTheAttemptSaysSo) {
     EXPECT_EQ(summarise(run.screened.rows).arcs, 2);
     EXPECT_EQ(run.trajectory.estimation.arcs, 2);
     for (const TrajectoryEpoch& row : run.trajectory.rows)
-        EXPECT_FALSE(row.begins_after_step());
+        EXPECT_FALSE(begins_after_step(row));
     const CertifiableWindow& best = run.windows.best.value();
     EXPECT_FALSE(holds_step(best.span));
     EXPECT_EQ(best.repaired_steps, 0);

@@ -52,7 +52,7 @@ void check(const Observations& observations, std::size_t size) {
     }
     const RecordCount& records = observations.records;
     require(records.bad >= 0 && 2 * records.bad <= records.total, "half of the records good");
-    require(records.bad_records.size() <= RecordCount::listed_at_most, "bad records listed");
+    require(records.bad_records.size() <= bad_records_listed_at_most, "bad records listed");
     require(observations.facts.first_epoch.has_value() == (observations.time_scale != "relative"),
             "a first epoch");
 }

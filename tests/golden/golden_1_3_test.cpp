@@ -9,7 +9,7 @@ namespace {
 using golden::text_of;
 
 TEST(Golden13, RecordsThatCouldNotBeRead) {
-    const Observations table = read_observations(text_of("v1.2/1-observations.ecsv"), "f");
+    const Observations table = read_observations(text_of("v1.0/1-observations.ecsv"), "f");
     EXPECT_EQ(table.variant, "with velocities");
     EXPECT_EQ(table.device, "logger, firmware 1.2");
     EXPECT_EQ(table.records.total, 7);
@@ -26,11 +26,11 @@ TEST(Golden13, RecordsThatCouldNotBeRead) {
 }
 
 TEST(Golden13, TheFileOfEachRow) {
-    const Observations observations = read_observations(text_of("v1.2/1-observations.ecsv"), "f");
+    const Observations observations = read_observations(text_of("v1.0/1-observations.ecsv"), "f");
     EXPECT_EQ(*observations.rows.at(1).source_file, 1);
     EXPECT_EQ(*observations.rows.at(2).source_file, 2);
-    EXPECT_EQ(*read_enu(text_of("v1.2/2-enu.ecsv"), "f").rows.at(2).source_file, 2);
-    const ScreenedTable screened = read_screened(text_of("v1.3/3-screened.ecsv"), "f");
+    EXPECT_EQ(*read_enu(text_of("v1.0/2-enu.ecsv"), "f").rows.at(2).source_file, 2);
+    const ScreenedTable screened = read_screened(text_of("v1.0/3-screened.ecsv"), "f");
     EXPECT_FALSE(screened.rows.at(0).source_file);
     EXPECT_EQ(*screened.rows.at(5).source_file, 2);
 }

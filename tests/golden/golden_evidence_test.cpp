@@ -22,18 +22,18 @@ TEST(GoldenEvidence, Attempt) {
 
 TEST(GoldenEvidence, WhoseClockMadeTheTimeStampsStandsInEveryTable) {
     for (const RecordingFacts& facts :
-         {read_observations(text_of("v1.3/1-observations.ecsv"), "f").facts,
-          read_enu(text_of("v1.3/2-enu.ecsv"), "f").facts,
-          read_screened(text_of("v1.4/3-screened.ecsv"), "f").facts,
-          read_trajectory(text_of("v1.3/4-trajectory.ecsv"), "f").facts})
+         {read_observations(text_of("v1.0/1-observations.ecsv"), "f").facts,
+          read_enu(text_of("v1.0/2-enu.ecsv"), "f").facts,
+          read_screened(text_of("v1.0/3-screened.ecsv"), "f").facts,
+          read_trajectory(text_of("v1.0/4-trajectory.ecsv"), "f").facts})
         EXPECT_EQ(facts.time_source, "satellites");
-    const Observations table = read_observations(text_of("v1.3/1-observations.ecsv"), "f");
+    const Observations table = read_observations(text_of("v1.0/1-observations.ecsv"), "f");
     EXPECT_EQ(table.time_origin, "GPS time of the receiver's measurements, as RTKLIB solved it");
     EXPECT_EQ(table.solution_source, "recording");
 }
 
 TEST(GoldenEvidence, SignsOfTheDeviceAndManoeuvres) {
-    const ScreenedTable table = read_screened(text_of("v1.4/3-screened.ecsv"), "f");
+    const ScreenedTable table = read_screened(text_of("v1.0/3-screened.ecsv"), "f");
     ASSERT_TRUE(table.evidence && table.evidence->device);
     EXPECT_EQ(table.evidence->device->moving, 15);
     EXPECT_EQ(table.evidence->device->held, 2);
@@ -50,7 +50,7 @@ TEST(GoldenEvidence, SignsOfTheDeviceAndManoeuvres) {
 }
 
 TEST(GoldenEvidence, JerkDensityOfEachEpoch) {
-    const auto rows = read_trajectory(text_of("v1.3/4-trajectory.ecsv"), "f").rows;
+    const auto rows = read_trajectory(text_of("v1.0/4-trajectory.ecsv"), "f").rows;
     ASSERT_EQ(rows.size(), 5U);
     EXPECT_EQ(rows[0].jerk_density, 0.6125);
     EXPECT_EQ(rows[0].jerk_density_up, 0.6);
@@ -61,7 +61,7 @@ TEST(GoldenEvidence, JerkDensityOfEachEpoch) {
 }
 
 TEST(GoldenEvidence, WhatOtherEstimatesSayOfAWindow) {
-    const Windows windows = read_windows(text_of("v1.4/5-windows.yaml"), "f");
+    const Windows windows = read_windows(text_of("v1.0/5-windows.yaml"), "f");
     const CertifiableWindow& best = windows.profiles.at(0).best.value();
     EXPECT_EQ(best.own_standard_uncertainty_mps, 0.01125);
     ASSERT_TRUE(best.estimates);
@@ -77,22 +77,22 @@ TEST(GoldenEvidence, WhatOtherEstimatesSayOfAWindow) {
 }
 
 TEST(GoldenEvidence, WhatMayRemainOfTheBiasOfChoosing) {
-    const Windows windows = read_windows(text_of("v1.4/5-windows.yaml"), "f");
+    const Windows windows = read_windows(text_of("v1.0/5-windows.yaml"), "f");
     const CertifiableWindow& best = windows.profiles.at(0).best.value();
     EXPECT_EQ(best.selection->fitted_bias_mps, 0.001);
     EXPECT_EQ(best.selection->bounded_bias_mps, 0.0015);
     EXPECT_EQ(best.selection->bias_mps, 0.00125);
     EXPECT_EQ(best.selection->bias_half_range_mps, 0.00025);
     EXPECT_EQ(best.bias_limit_mps, 0.0015);
-    EXPECT_EQ(windows.profiles[0].figure()->bias_limit_mps, 0.0015);
+    EXPECT_EQ(figure_of(windows.profiles[0])->bias_limit_mps, 0.0015);
     const ProfileWindows& mean = windows.profiles.at(2);
     EXPECT_EQ(mean.best->bias_limit_mps, 0.0025);
     EXPECT_EQ(mean.further.at(0).bias_limit_mps, 0.005);
-    EXPECT_EQ(mean.figure()->bias_limit_mps, 0.00375);
+    EXPECT_EQ(figure_of(mean)->bias_limit_mps, 0.00375);
 }
 
 TEST(GoldenEvidence, DecisionAndWitnesses) {
-    const Verdict verdict = read_verdict(text_of("v1.3/6-verdict.yaml"), "f");
+    const Verdict verdict = read_verdict(text_of("v1.0/6-verdict.yaml"), "f");
     ASSERT_EQ(verdict.profiles.size(), 3U);
     const ProfileVerdict& nalsa = verdict.profiles[0];
     EXPECT_EQ(nalsa.decision->attempts_made, 2);
@@ -124,41 +124,12 @@ TEST(GoldenEvidence, BestOfADay) {
     EXPECT_TRUE(day.profiles[0].best->beaten);
 }
 
-TEST(GoldenEvidence, EarlierInputsAndTablesHaveNoneOfIt) {
+TEST(GoldenEvidence, EarlierInputsHaveNoneOfIt) {
     const Attempt attempt = read_attempt(text_of("v1.5/attempt.yaml"), "f");
     EXPECT_EQ(attempt.attempts_made, 1);
     EXPECT_EQ(attempt.receivers.at(0).solution, "");
     EXPECT_EQ(attempt.receivers.at(0).time_source, "");
     EXPECT_EQ(attempt.parameters.at("window").at("clock_rate_bound"), 0.0001);
-    const Observations observations = read_observations(text_of("v1.2/1-observations.ecsv"), "f");
-    EXPECT_EQ(observations.time_origin, "");
-    EXPECT_EQ(observations.solution_source, "unknown");
-    const ScreenedTable screened = read_screened(text_of("v1.3/3-screened.ecsv"), "f");
-    EXPECT_FALSE(screened.evidence->device);
-    for (const ScreenedEpoch& row : screened.rows)
-        EXPECT_FALSE(row.manoeuvre_mps2 || row.manoeuvre_up_mps2);
-    const TrajectoryTable trajectory = read_trajectory(text_of("v1.2/4-trajectory.ecsv"), "f");
-    for (const TrajectoryEpoch& row : trajectory.rows)
-        EXPECT_FALSE(row.jerk_density || row.jerk_density_up);
-    for (const RecordingFacts& facts :
-         {observations.facts, read_enu(text_of("v1.2/2-enu.ecsv"), "f").facts, screened.facts,
-          trajectory.facts})
-        EXPECT_EQ(facts.time_source, "unknown");
-}
-
-TEST(GoldenEvidence, EarlierResultsHaveNoneOfIt) {
-    const Windows windows = read_windows(text_of("v1.3/5-windows.yaml"), "f");
-    const CertifiableWindow& best = windows.profiles.at(0).best.value();
-    EXPECT_FALSE(best.estimates || best.own_standard_uncertainty_mps);
-    EXPECT_EQ(best.bias_limit_mps, 0.0);
-    EXPECT_EQ(best.bound->along, 1.0);
-    EXPECT_EQ(best.selection->bounded_bias_mps, 0.0);
-    EXPECT_EQ(windows.profiles.at(2).figure()->bias_limit_mps, 0.0);
-    const ProfileVerdict verdict = read_verdict(text_of("v1.2/6-verdict.yaml"), "f").profiles.at(0);
-    EXPECT_EQ(verdict.decision->attempts_made, 1);
-    EXPECT_EQ(verdict.decision->bias_limit_mps, 0.0);
-    EXPECT_FALSE(verdict.decision->drift_survived_m || verdict.decision->drift_found_mps);
-    EXPECT_TRUE(verdict.witnesses.empty());
     const DayResults day = read_day_results(text_of("v1.0/day_results.yaml"), "f");
     EXPECT_FALSE(day.attempts.at(0).results.at(0).probability || day.profiles.at(0).best);
     EXPECT_EQ(day.attempts.at(0).results.at(0).attempts_made, 1);

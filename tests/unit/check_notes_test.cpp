@@ -29,7 +29,7 @@ std::string margin_profile(
 
 void set_definitions(RuleScene& scene, const SpeedDefinitions& definitions) {
     scene.best().definitions = definitions;
-    scene.best().speed_mps = definitions.by_name(scene.profiles[0].definition);
+    scene.best().speed_mps = speed_by(definitions, scene.profiles[0].definition);
 }
 
 const SpeedDefinitions straddling{.displacement_mps = 203.89 * kmh,
@@ -145,7 +145,7 @@ TEST(SeveralWindows, HaveTheirMeanAndAreNoSurerThanOne) {
     RuleScene scene = three_windows();
     scene.windows().indicated =
         IndicatedWindow{.span = {}, .speed_mps = 60.0, .mean_mps = 58.5, .refusals = {}};
-    const std::optional<RuleFigure> figure = scene.windows().figure();
+    const std::optional<RuleFigure> figure = figure_of(scene.windows());
     ASSERT_TRUE(figure.has_value());
     EXPECT_NEAR(figure->speed_mps, 58.0, 1e-12);
     // Fully correlated: the mean of 5, 20 and 11 mm/s.
@@ -163,7 +163,7 @@ TEST(SeveralWindows, HaveTheirMeanAndAreNoSurerThanOne) {
 TEST(SeveralWindows, OfWhichTooFewAreCertifiableAreNone) {
     RuleScene scene = three_windows();
     scene.windows().further.pop_back();
-    EXPECT_FALSE(scene.windows().figure().has_value());
+    EXPECT_FALSE(figure_of(scene.windows()).has_value());
     const ProfileVerdict verdict = scene.verdict();
     EXPECT_EQ(verdict.outcome, "not_certifiable");
     EXPECT_FALSE(verdict.speed_mps || verdict.shown);

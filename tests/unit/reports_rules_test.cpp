@@ -293,16 +293,5 @@ TEST(Windows, AVerticalRuleSaysSo) {
               std::string::npos);
 }
 
-// A report that was signed before revision 1.3 is still read and drawn; one that claims to be of
-// that revision and holds more is not.
-TEST(Decision, AReportOfRevisionOneTwoIsRead) {
-    const Json before =
-        sample::of_revision(report_json(sample::make_run({.verdict_1_0 = true}).inputs), "1.2");
-    const Json read = parse_report(report_text_of(before), "report.json");
-    expect_in(print_page(read), "216.009 ± 0.018 km/h");
-    const Json more = sample::of_revision(report_json(sample::make_run().inputs), "1.2");
-    EXPECT_THROW(parse_report(report_text_of(more), "report.json"), Failure);
-}
-
 }  // namespace
 }  // namespace runcert

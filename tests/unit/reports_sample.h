@@ -454,42 +454,4 @@ inline Run make_run(const Options& options = {}) {
     return run;
 }
 
-/// Without the members that revision 1.5 added, by the report's own field table.
-inline void remove_revision_1_5(nlohmann::ordered_json& json, const DocumentSchema& schema,
-                                const std::string& path = {}) {
-    if (json.is_array())
-        for (auto& entry : json)
-            remove_revision_1_5(entry, schema, path + "[]");
-    if (!json.is_object()) return;
-    std::vector<std::string> later;
-    for (auto& [key, value] : json.items()) {
-        const std::string inner = path.empty() ? key : path + "." + key;
-        if (schema.find(inner) != nullptr && since_of(schema, inner) >= 5)
-            later.push_back(key);
-        else
-            remove_revision_1_5(value, schema, inner);
-    }
-    for (const std::string& key : later)
-        json.erase(key);
-}
-
-/// As a report of that revision would be, of files that were of revision 1.2 or before.
-inline nlohmann::ordered_json of_revision(nlohmann::ordered_json report,
-                                          const std::string& revision) {
-    static const DocumentSchema schema = DocumentSchema::parse(
-        read_file(std::string(RUNCERT_SOURCE_DIR) + "/reports/certificate/v1.yaml"), "report");
-    remove_revision_1_5(report["predicate"], schema);
-    report["predicate"]["schema"]["version"] = revision;
-    for (auto& profile : report["predicate"]["profiles"])
-        profile.erase("unconfirmed");
-    for (const char* later : {"signatures_required", "certificate"})
-        report["predicate"].erase(later);
-    for (auto& figure : report["predicate"]["figures"])
-        figure = {{"figure", figure["figure"] == "window" ? "window" : "speed"},
-                  {"figure_title", figure["figure_title"]},
-                  {"caption", figure["caption"]},
-                  {"every", 1}};
-    return report;
-}
-
 }  // namespace runcert::sample

@@ -282,17 +282,5 @@ TEST(Reliability, FilesOfRevisionOneOneSayNothingOfIt) {
     EXPECT_NE(page.find("class=\"budget"), std::string::npos);
 }
 
-// A report that was signed before revision 1.2 is still read and drawn; one that claims to be of
-// that revision and holds more is not.
-TEST(Reliability, AReportOfRevisionOneOneIsRead) {
-    Json report =
-        sample::of_revision(report_json(sample::make_run({.revision_1_1 = true}).inputs), "1.1");
-    const Json read = parse_report(report_text_of(report), "report.json");
-    EXPECT_NE(print_page(read).find("class=\"budget"), std::string::npos);
-    report =
-        sample::of_revision(report_json(sample::make_run({.verdict_1_0 = true}).inputs), "1.1");
-    EXPECT_THROW(parse_report(report_text_of(report), "report.json"), Failure);
-}
-
 }  // namespace
 }  // namespace runcert

@@ -242,18 +242,5 @@ TEST(Uncertainty, TheReportHoldsNoiseAndHealthInFigures) {
             .contains("vertical"));
 }
 
-// A report that was signed before revision 1.1 is still read and drawn.
-TEST(Uncertainty, AReportOfRevisionOneZeroIsRead) {
-    Json report = report_json(sample::make_run({.earlier_revision = true}).inputs);
-    EXPECT_EQ(report["predicate"]["schema"]["version"], "1.5");
-    report = sample::of_revision(report, "1.0");
-    const Json read = parse_report(report_text_of(report), "report.json");
-    EXPECT_NE(print_page(read).find("earlier revision"), std::string::npos);
-
-    report =
-        sample::of_revision(report_json(sample::make_run({.verdict_1_0 = true}).inputs), "1.0");
-    EXPECT_THROW(parse_report(report_text_of(report), "report.json"), Failure);
-}
-
 }  // namespace
 }  // namespace runcert

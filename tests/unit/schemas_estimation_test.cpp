@@ -171,7 +171,7 @@ TEST(TrajectoryEstimation, IsRoundedToTheFieldTable) {
     EXPECT_EQ(back.estimation.horizontal->health.largest_condition, 1234.6);
 }
 
-TEST(TrajectoryEstimation, JerkDensitiesAreOfRevision3AndToTheirDecimals) {
+TEST(TrajectoryEstimation, JerkDensitiesAreWrittenToTheirDecimals) {
     TrajectoryTable table = trajectory();
     table.rows[0].jerk_density = 1.0 / 3.0;
     table.rows[0].jerk_density_up = 2.0 / 3.0;
@@ -179,13 +179,6 @@ TEST(TrajectoryEstimation, JerkDensitiesAreOfRevision3AndToTheirDecimals) {
     const TrajectoryEpoch back = read_trajectory(text, "f").rows.at(0);
     EXPECT_EQ(back.jerk_density, 0.333333);
     EXPECT_EQ(back.jerk_density_up, 0.666667);
-    const std::string early = test::replaced(test::replaced(text, "#   time_source: unknown\n", ""),
-                                             "version: \"1.3\"", "version: \"1.2\"");
-    const auto said = failure_of([&] { read_trajectory(early, "f"); });
-    EXPECT_TRUE(
-        said.contains("the column \"jerk_density\" needs revision 1.3 of the schema "
-                      "trajectory; the file follows trajectory/1.2"))
-        << said.problem;
     table.rows[0].jerk_density = std::numeric_limits<double>::infinity();
     EXPECT_EQ(failure_of([&] { write_trajectory(table); }).where, "column jerk_density");
 }
@@ -229,45 +222,6 @@ Windows windows(const CertifiableWindow& best) {
                          .best = best,
                          .indicated = std::nullopt}};
     return windows;
-}
-
-/// What revision 1.4 added, each with what stands inside it.
-const std::vector<std::vector<std::string>> of_revision_4{
-    {"own_standard_uncertainty_m_s"},
-    {"bias_limit_m_s"},
-    {"estimates", "chord_m_s", "chord_difference_uncertainty_m_s", "stiffer_m_s", "softer_m_s",
-     "whole_m_s", "half_width_m_s"},
-    {"along"},
-    {"fitted_bias_m_s"},
-    {"bounded_bias_m_s"},
-    {"bias_half_range_m_s"}};
-
-/// As revision 1.3 wrote it; but `kept` and what stands inside it stays.
-std::string without_revision_4(const std::string& text, const std::string& kept = "") {
-    std::string out;
-    for (std::size_t at = 0; at < text.size();) {
-        const std::size_t end = text.find('\n', at) + 1;
-        const std::string line = text.substr(at, end - at);
-        const std::string key = line.substr(line.find_first_not_of(' '));
-        bool later = false;
-        for (const std::vector<std::string>& group : of_revision_4)
-            for (const std::string& name : group)
-                later = later || (group.front() != kept && key.starts_with(name + ":"));
-        if (!later) out += line;
-        at = end;
-    }
-    return test::replaced(out, "version: \"1.4\"", "version: \"1.3\"");
-}
-
-/// As revision 1.2 wrote it.
-std::string without_revision_3(const std::string& text) {
-    return test::replaced(
-        test::replaced(test::replaced(without_revision_4(text), "    kind: time\n", ""),
-                       "    dimension: horizontal\n    source: position\n"
-                       "    ends: epochs\n    exact: false\n    count: 1\n"
-                       "    opposite_runs: false\n",
-                       ""),
-        "version: \"1.3\"", "version: \"1.2\"");
 }
 
 CertifiableWindow written_and_read(const CertifiableWindow& best) {
@@ -370,7 +324,7 @@ TEST(WindowReliability, RoundTrips) {
     }
 }
 
-TEST(WindowReliability, HasOnlyKnownWordsAndIsOfRevision2) {
+TEST(WindowReliability, HasOnlyKnownWords) {
     CertifiableWindow wrong = window();
     wrong.reliability[0].hypothesis = "slip";
     EXPECT_TRUE(
@@ -379,33 +333,6 @@ TEST(WindowReliability, HasOnlyKnownWordsAndIsOfRevision2) {
     wrong.reliability[0].unit = "km";
     EXPECT_TRUE(
         failure_of([&] { write_windows(windows(wrong)); }).contains("is not one of m, m / s"));
-    const std::string early = test::replaced(without_revision_3(write_windows(windows(window()))),
-                                             "version: \"1.2\"", "version: \"1.1\"");
-    EXPECT_TRUE(failure_of([&] {
-                    read_windows(early, "f");
-                }).contains("repaired_steps: the field needs revision 1.2"));
-}
-
-TEST(WindowUncertainty, WhatRevision4AddedIsRefusedInAnEarlierFile) {
-    const std::string text = write_windows(windows(window()));
-    for (const std::vector<std::string>& group : of_revision_4) {
-        const std::string early = without_revision_4(text, group.front());
-        const auto said = failure_of([&] { read_windows(early, "f"); });
-        EXPECT_TRUE(said.contains(group.front() + ": the field needs revision 1.4 of the schema "
-                                                  "windows; the file follows windows/1.3"))
-            << group.front() << "\n"
-            << said.problem;
-    }
-    const CertifiableWindow back =
-        read_windows(without_revision_4(text), "f").profiles.at(0).best.value();
-    EXPECT_FALSE(back.own_standard_uncertainty_mps || back.estimates);
-    EXPECT_EQ(back.bias_limit_mps, 0.0);
-    EXPECT_EQ(back.bound->along, 1.0);
-    EXPECT_EQ(back.bound->fitted_m, 0.0075);
-    EXPECT_EQ(back.selection->fitted_bias_mps, 0.0);
-    EXPECT_EQ(back.selection->bounded_bias_mps, 0.0);
-    EXPECT_EQ(back.selection->bias_half_range_mps, 0.0);
-    EXPECT_EQ(back.selection->bias_mps, 0.0025);
 }
 
 TEST(WindowUncertainty, WhatRevision4AddedIsNowhereNegative) {
@@ -456,10 +383,6 @@ TEST(WindowUncertainty, WhatWasNotComputedIsAbsentButTheBudgetIsListed) {
     const std::string without = test::replaced(text, "      budget: []\n", "");
     EXPECT_TRUE(
         failure_of([&] { read_windows(without, "f"); }).contains("the key \"budget\" is missing"));
-    const std::string earlier = test::replaced(
-        test::replaced(without_revision_3(without), "version: \"1.2\"", "version: \"1.0\""),
-        "      repaired_steps: 0\n      reliability: []\n", "");
-    EXPECT_TRUE(read_windows(earlier, "f").profiles.at(0).best->budget.empty());
     bare.fitted = FittedSpeed{60.0, std::numeric_limits<double>::quiet_NaN(), 1};
     EXPECT_TRUE(failure_of([&] { write_windows(windows(bare)); }).contains("finite"));
 }

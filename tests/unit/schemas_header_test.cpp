@@ -116,8 +116,8 @@ TEST(WindowSpan, RoundTripsToTheNanosecond) {
                               .start = {start},
                               .duration = {3'000'000'001},
                               .start_gps = parse_gps_iso("2022-03-18T08:51:22.300")};
-        const std::string text = to_yaml_text(window_span_json(span));
-        const WindowSpan back = read_window_span({parse_yaml(text, "f"), "f"});
+        const std::string text = to_yaml_text(members_json(span));
+        const WindowSpan back = read_members<WindowSpan>({parse_yaml(text, "f"), "f"});
         EXPECT_EQ(back.start.nanoseconds, start) << text;
         EXPECT_EQ(back.duration.nanoseconds, 3'000'000'001);
         EXPECT_EQ(back.first_epoch, 3);
@@ -141,7 +141,7 @@ TEST(WindowSpan, BadTimesAreNamedWithTheirPlace) {
     };
     for (const auto& c : cases) {
         const auto said = failure_of([&] {
-            read_window_span({parse_yaml(replaced(good, c.from, c.to), "f"), "f"});
+            read_members<WindowSpan>({parse_yaml(replaced(good, c.from, c.to), "f"), "f"});
         });
         EXPECT_EQ(said.where, c.where) << c.to << ": " << said.problem;
         EXPECT_TRUE(said.contains(c.said)) << c.to << ": " << said.problem;

@@ -18,11 +18,11 @@ using test::failure_of;
 using test::replaced;
 
 template <class Table>
-Table table_of(const std::string& stage, const std::string& time_source) {
+Table table_of(std::string stage, const std::string& time_source) {
     Table table;
-    table.header.stage = stage;
+    table.header.stage = std::move(stage);
     table.header.program_version = "1.3.0";
-    table.header.source_revision = "0";
+    table.header.source_revision = "0123";
     table.facts.receiver = "primary";
     table.facts.time_source = time_source;
     return table;
@@ -39,33 +39,28 @@ Observations observations_of(const std::string& time_source = "unknown") {
 
 /// A table written with that source, and the source that is read from it or from another text.
 struct TableKind {
-    const char *name, *newest, *before;
+    const char* name;
     std::string (*text)(const std::string& time_source);
     RecordingFacts (*facts)(const std::string& text);
 };
 
 constexpr TableKind kinds[] = {
-    {"observations", "1.3", "1.2",
+    {"observations",
      [](const std::string& source) { return write_observations(observations_of(source)); },
      [](const std::string& text) { return read_observations(text, "f").facts; }},
-    {"enu", "1.3", "1.2",
-     [](const std::string& source) { return write_enu(table_of<EnuTable>("enu", source)); },
+    {"enu", [](const std::string& source) { return write_enu(table_of<EnuTable>("enu", source)); },
      [](const std::string& text) { return read_enu(text, "f").facts; }},
-    {"screened", "1.4", "1.3",
+    {"screened",
      [](const std::string& source) {
          return write_screened(table_of<ScreenedTable>("screen", source));
      },
      [](const std::string& text) { return read_screened(text, "f").facts; }},
-    {"trajectory", "1.3", "1.2",
+    {"trajectory",
      [](const std::string& source) {
          return write_trajectory(table_of<TrajectoryTable>("smooth", source));
      },
      [](const std::string& text) { return read_trajectory(text, "f").facts; }},
 };
-
-std::string version_line(const std::string& version) {
-    return "#     version: \"" + version + "\"\n";
-}
 
 TEST(TimeSource, StandsInEveryTable) {
     for (const TableKind& kind : kinds)
@@ -97,17 +92,6 @@ TEST(TimeSource, HasOnlyKnownWords) {
     }
 }
 
-TEST(TimeSource, AnEarlierTableHasNone) {
-    for (const TableKind& kind : kinds) {
-        const std::string early =
-            replaced(kind.text("satellites"), version_line(kind.newest), version_line(kind.before));
-        const auto said = failure_of([&] { kind.facts(early); });
-        EXPECT_TRUE(said.contains(std::string("time_source: the field needs revision ") +
-                                  kind.newest + " of the schema " + kind.name))
-            << said.problem;
-    }
-}
-
 TEST(ObservationOrigins, RoundTrip) {
     Observations table = observations_of();
     table.time_origin = "UTC of the receiver: \"as written\"";
@@ -129,23 +113,6 @@ TEST(ObservationOrigins, WhatIsNotSaidIsAbsentOrUnknown) {
     EXPECT_EQ(read_observations(text, "f").time_origin, "");
     const std::string without = replaced(text, "#   solution_source: unknown\n", "");
     EXPECT_EQ(read_observations(without, "f").solution_source, "unknown");
-}
-
-TEST(ObservationOrigins, AnEarlierTableHasNone) {
-    Observations table = observations_of();
-    table.time_origin = "GPS time";
-    const std::string early =
-        replaced(replaced(write_observations(table), "#   time_source: unknown\n", ""),
-                 version_line("1.3"), version_line("1.2"));
-    for (const auto& [kept, removed] : {std::pair{"time_origin", "#   solution_source: unknown\n"},
-                                        {"solution_source", "#   time_origin: \"GPS time\"\n"}}) {
-        const auto said = failure_of(
-            [&, removed = removed] { read_observations(replaced(early, removed, ""), "f"); });
-        EXPECT_TRUE(said.contains(std::string(kept) +
-                                  ": the field needs revision 1.3 of the schema observations; the "
-                                  "file follows observations/1.2"))
-            << said.problem;
-    }
 }
 
 }  // namespace

@@ -32,35 +32,35 @@ Table gathered(const std::string& text, Open open) {
 }
 
 TEST(RowByRow, ReadsWhatReadingTheWholeReads) {
-    for (const std::string version : {"v1.0/", "v1.1/", "v1.2/", "v1.3/"}) {
-        const std::string observations = golden(version + "1-observations.ecsv");
-        EXPECT_EQ(write_observations(gathered<Observations>(observations, open_observations)),
-                  write_observations(read_observations(observations, "f")));
-        const std::string enu = golden(version + "2-enu.ecsv");
-        EXPECT_EQ(write_enu(gathered<EnuTable>(enu, open_enu)), write_enu(read_enu(enu, "f")));
-        const std::string screened = golden(version + "3-screened.ecsv");
-        EXPECT_EQ(write_screened(gathered<ScreenedTable>(screened, open_screened)),
-                  write_screened(read_screened(screened, "f")));
-        const std::string trajectory = golden(version + "4-trajectory.ecsv");
-        EXPECT_EQ(write_trajectory(gathered<TrajectoryTable>(trajectory, open_trajectory)),
-                  write_trajectory(read_trajectory(trajectory, "f")));
-    }
+    const std::string observations = golden("v1.0/1-observations.ecsv");
+    EXPECT_EQ(write_observations(gathered<Observations>(observations, open_observations)),
+              write_observations(read_observations(observations, "f")));
+    const std::string enu = golden("v1.0/2-enu.ecsv");
+    EXPECT_EQ(write_enu(gathered<EnuTable>(enu, open_enu)), write_enu(read_enu(enu, "f")));
+    const std::string screened = golden("v1.0/3-screened.ecsv");
+    EXPECT_EQ(write_screened(gathered<ScreenedTable>(screened, open_screened)),
+              write_screened(read_screened(screened, "f")));
+    const std::string trajectory = golden("v1.0/4-trajectory.ecsv");
+    EXPECT_EQ(write_trajectory(gathered<TrajectoryTable>(trajectory, open_trajectory)),
+              write_trajectory(read_trajectory(trajectory, "f")));
 }
 
 TEST(RowByRow, WritesWhatWritingTheWholeWrites) {
-    const EnuTable enu = read_enu(golden("v1.2/2-enu.ecsv"), "f");
+    const EnuTable enu = read_enu(golden("v1.0/2-enu.ecsv"), "f");
     ASSERT_FALSE(enu.rows.empty());
     std::string text;
-    EnuWriter enu_rows(enu, [&text](std::string_view piece) { text += piece; });
+    TableWriter<EnuEpoch> enu_rows =
+        begin_enu(enu, [&text](std::string_view piece) { text += piece; });
     for (const EnuEpoch& row : enu.rows)
         enu_rows.write(row);
     enu_rows.finish();
     EXPECT_EQ(text, write_enu(enu));
 
-    const Observations observations = read_observations(golden("v1.1/1-observations.ecsv"), "f");
+    const Observations observations = read_observations(golden("v1.0/1-observations.ecsv"), "f");
     ASSERT_FALSE(observations.rows.empty());
     text.clear();
-    ObservationsWriter rows(observations, [&text](std::string_view piece) { text += piece; });
+    TableWriter<Observation> rows =
+        begin_observations(observations, [&text](std::string_view piece) { text += piece; });
     for (const Observation& row : observations.rows)
         rows.write(row);
     rows.finish();
@@ -68,7 +68,7 @@ TEST(RowByRow, WritesWhatWritingTheWholeWrites) {
 }
 
 TEST(RowByRow, ABadCellFailsAsInTheWhole) {
-    std::string text = golden("v1.2/2-enu.ecsv");
+    std::string text = golden("v1.0/2-enu.ecsv");
     text[text.rfind('.')] = 'x';  // in the last row
     const auto whole = failure_of([&] { read_enu(text, "f"); });
     const auto streamed = failure_of([&] { gathered<EnuTable>(text, open_enu); });

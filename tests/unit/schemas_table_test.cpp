@@ -19,14 +19,13 @@ using test::failure_of;
 using test::replaced;
 
 std::string golden(const std::string& name) {
-    const std::string folder = name == "2-enu.ecsv" ? "v1.3/" : "v1.1/";
-    return test::slurp(std::string(RUNCERT_SOURCE_DIR) + "/tests/golden/" + folder + name);
+    return test::slurp(std::string(RUNCERT_SOURCE_DIR) + "/tests/golden/v1.0/" + name);
 }
 
-/// 2-enu.ecsv of revision 1.4, with one more column, described by `column`, and one more field.
+/// 2-enu.ecsv of revision 1.1, with one more column, described by `column`, and one more field.
 std::string newer_enu(const std::string& column) {
     std::string text = golden("2-enu.ecsv");
-    text = replaced(text, "name: enu\n#     version: \"1.3\"", "name: enu\n#     version: \"1.4\"");
+    text = replaced(text, "name: enu\n#     version: \"1.0\"", "name: enu\n#     version: \"1.1\"");
     text = replaced(text, "# delimiter",
                     "#   - {name: later, datatype: int64" + column + "}\n# delimiter");
     text = replaced(text, "#   receiver:", "#   added_later: 1\n#   receiver:");
@@ -49,7 +48,7 @@ TEST(TableVersion, ANewerRevisionIsReadUnlessItMustBeUnderstood) {
     const auto said = failure_of([] { read_enu(newer_enu(", meta: {required: true}"), "f"); });
     EXPECT_TRUE(said.contains("the column \"later\" is not known")) << said.problem;
     const std::string same_revision =
-        replaced(newer_enu(""), "version: \"1.4\"", "version: \"1.3\"");
+        replaced(newer_enu(""), "version: \"1.1\"", "version: \"1.0\"");
     EXPECT_TRUE(failure_of([&] {
                     read_enu(replaced(same_revision, "#   added_later: 1\n", ""), "f");
                 }).contains("the column \"later\" is not known"));
@@ -61,7 +60,7 @@ TEST(TableSchema, DeviationsFromTheFieldTable) {
     const struct {
         std::string from, to, said;
     } cases[] = {
-        {"name: enu\n#     version: \"1.3\"", "name: enu\n#     version: \"2.0\"",
+        {"name: enu\n#     version: \"1.0\"", "name: enu\n#     version: \"2.0\"",
          "version \"2.0\""},
         {"name: enu\n#     version", "name: screened\n#     version",
          "schema \"screened\", expected"},
@@ -120,50 +119,53 @@ TEST(TableSchema, WriterRefusesWhatIsNotFinite) {
     EXPECT_TRUE(failure_of([&] { write_enu(table); }).contains("not a finite number"));
 }
 
-/// 4-trajectory.ecsv of revision 1.1 without its column robust_weight.
-std::string without_robust_weight(std::string text) {
-    const std::size_t begin = text.find("#   - name: robust_weight");
-    text.erase(begin, text.find("#   - name: arc") - begin);
-    text = replaced(text, "robust_north,robust_weight,", "robust_north,");
-    for (const char* cells :
-         {"-0.000250,1.0000", "2.107750,0.9875", "4.215750,0.1250", "6.323750,"}) {
-        const std::string all = cells;
-        text = replaced(text, all + ",1,", all.substr(0, all.find(',')) + ",1,");
-    }
-    return replaced(text, ",,,False", ",,False");
-}
+/// A table whose second column, and a field, came with revision 1.1.
+struct GrownRow {
+    std::int64_t epoch = 0;
+    std::optional<double> later;
+};
+
+constexpr const char* grown_table = R"(schema: grown
+version: "1.1"
+fields:
+  added: {type: integer, since: "1.1", description: "a field that came later"}
+columns:
+  - {name: epoch, type: integer, description: "number"}
+  - {name: later, type: real, decimals: 1, since: "1.1", description: "a column that came later"}
+)";
 
 TEST(TableRevision, AColumnOfThisRevisionMayBeMissingInAnEarlierOneOnly) {
-    const std::string text = without_robust_weight(golden("4-trajectory.ecsv"));
-    EXPECT_TRUE(failure_of([&] {
-                    read_trajectory(text, "f");
-                }).contains("the column \"robust_weight\" is missing"));
-    const std::string newer =
-        replaced(replaced(text, "version: \"1.1\"", "version: \"1.2\""), "robust_downweighted: 1\n",
-                 "robust_downweighted: 1\n#     robust_unsolved: 0\n");
-    EXPECT_TRUE(failure_of([&] {
-                    read_trajectory(newer, "f");
-                }).contains("the column \"robust_weight\" is missing"));
-}
+    const TableFormat<GrownRow> format(
+        grown_table, "grown",
+        {column<GrownRow, &GrownRow::epoch>("epoch"), column<GrownRow, &GrownRow::later>("later")});
+    nlohmann::ordered_json meta = header_json({});
+    meta["added"] = 7;
+    const std::vector<GrownRow> rows{{1, 2.5}};
+    const std::string text = format.write(meta, rows);
+    EXPECT_EQ(format.read(text, "f").rows.at(0).later, 2.5);
 
-TEST(TableRevision, AnEarlierFileHasNoLaterColumnAndNoLaterField) {
-    const std::string earlier =
-        replaced(golden("4-trajectory.ecsv"), "version: \"1.1\"", "version: \"1.0\"");
-    const auto field = failure_of([&] { read_trajectory(earlier, "f"); });
+    std::string without = replaced(text, "\nepoch,later\n1,2.5\n", "\nepoch\n1\n");
+    const std::size_t begin = without.find("#   - name: later");
+    ASSERT_NE(begin, std::string::npos) << text;
+    without.erase(begin, without.find("# delimiter") - begin);
     EXPECT_TRUE(
-        field.contains("position_resolution_m: the field needs revision 1.1 of the schema "
-                       "trajectory; the file follows trajectory/1.0"))
+        failure_of([&] { format.read(without, "f"); }).contains("the column \"later\" is missing"));
+
+    const auto earlier = [](const std::string& of) {
+        return replaced(of, "version: \"1.1\"", "version: \"1.0\"");
+    };
+    const auto field = failure_of([&] { format.read(earlier(without), "f"); });
+    EXPECT_TRUE(
+        field.contains("added: the field needs revision 1.1 of the schema grown; the file "
+                       "follows grown/1.0"))
         << field.problem;
-    const std::size_t facts = earlier.find("#   position_resolution_m");
-    const std::size_t added = earlier.find("#     batch_stretches");
-    std::string columns_only = earlier;
-    columns_only.erase(added, earlier.find("\nepoch,") + 1 - added);
-    columns_only.erase(facts, earlier.find("#   origin:") - facts);
-    const auto column = failure_of([&] { read_trajectory(columns_only, "f"); });
+    const auto no_field = [](const std::string& of) { return replaced(of, "#   added: 7\n", ""); };
+    EXPECT_FALSE(format.read(earlier(no_field(without)), "f").rows.at(0).later);
+    const auto said = failure_of([&] { format.read(earlier(no_field(text)), "f"); });
     EXPECT_TRUE(
-        column.contains("the column \"robust_east\" needs revision 1.1 of the schema "
-                        "trajectory; the file follows trajectory/1.0"))
-        << column.problem;
+        said.contains("the column \"later\" needs revision 1.1 of the schema grown; the "
+                      "file follows grown/1.0"))
+        << said.problem;
 }
 
 TEST(TableRevision, ARequiredFieldOfThisRevisionIsRequiredInIt) {
@@ -260,7 +262,7 @@ TEST(ProductTables, AstropyReadsTheSame) {
                 SCOPED_TRACE(ours.columns()[i].name);
                 expect_equal(ours, i, found["columns"][i]["values"].at(row));
             }
-        EXPECT_EQ(row, 5U);
+        EXPECT_GE(row, 5U);
         for (std::size_t i = 0; i < columns; ++i) {
             EXPECT_EQ(found["columns"][i]["name"], ours.columns()[i].name);
             EXPECT_EQ(found["columns"][i]["unit"], ours.columns()[i].unit);

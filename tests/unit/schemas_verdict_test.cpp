@@ -50,17 +50,6 @@ ProfileVerdict written_and_read(const Verdict& verdict) {
     return read_verdict(write_verdict(verdict), "f").profiles.at(0);
 }
 
-/// As revision 1.2 wrote it; but the line of `kept` stays.
-std::string without_revision_3(std::string text, const std::string& kept = "") {
-    for (const std::string line :
-         {"      attempts_made: 5\n", "      bias_limit_m_s: 0.0025\n",
-          "      drift_survived_m: 1.25\n", "      drift_found_m_s: 0.375\n",
-          "    witnesses:\n      - heard\n"})
-        if (kept.empty() || line.find(kept + ":") == std::string::npos)
-            text = replaced(text, line, "");
-    return replaced(text, "version: \"1.3\"", "version: \"1.2\"");
-}
-
 TEST(VerdictDecision, RoundTrips) {
     const Decision back = written_and_read(verdict_of(decision())).decision.value();
     EXPECT_EQ(back.probability, 0.9995);
@@ -122,27 +111,6 @@ TEST(VerdictWitnesses, RoundTripAndAreListedWhereThereIsNone) {
     const std::string none = write_verdict(verdict_of(decision()));
     EXPECT_NE(none.find("    witnesses: []\n"), std::string::npos);
     EXPECT_TRUE(read_verdict(none, "f").profiles.at(0).witnesses.empty());
-}
-
-TEST(VerdictRevision, AnEarlierFileHasNoneOfIt) {
-    const std::string text = write_verdict(verdict_of(decision(), {"heard"}));
-    const ProfileVerdict back = read_verdict(without_revision_3(text), "f").profiles.at(0);
-    EXPECT_EQ(back.decision->risk, 0.0005);
-    EXPECT_EQ(back.decision->attempts_made, 1);
-    EXPECT_EQ(back.decision->bias_limit_mps, 0.0);
-    EXPECT_FALSE(back.decision->drift_survived_m || back.decision->drift_found_mps);
-    EXPECT_TRUE(back.witnesses.empty());
-    for (const std::string field :
-         {"decision.attempts_made", "decision.bias_limit_m_s", "decision.drift_survived_m",
-          "decision.drift_found_m_s", "witnesses"}) {
-        const std::string kept = field.substr(field.find('.') + 1);
-        const auto said = failure_of([&] { read_verdict(without_revision_3(text, kept), "f"); });
-        EXPECT_TRUE(said.contains("profiles[0]." + field +
-                                  ": the field needs revision 1.3 of the schema verdict; the file "
-                                  "follows verdict/1.2"))
-            << field << "\n"
-            << said.problem;
-    }
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ std::vector<std::vector<EpochPair>> certifiable_windows(const TrajectoryTable& t
     std::vector<std::int64_t> obstacles;
     obstacles.reserve(trajectory.rows.size());
     for (const TrajectoryEpoch& row : trajectory.rows) {
-        const bool step = bridged == BridgedSteps::refused && row.begins_after_step();
+        const bool step = bridged == BridgedSteps::refused && begins_after_step(row);
         obstacles.push_back((obstacles.empty() ? 0 : obstacles.back()) +
                             (!row.usable || step ? 1 : 0));
     }

@@ -59,7 +59,7 @@ void EpochReader::count_damaged(const Sentence& sentence) {
     // Of a file of nothing but these, only those that are listed are worth a message each.
     static const Failure unlisted("", "", "");
     if (!counts_) return;
-    const bool listed = counts_->records().bad_records.size() < RecordCount::listed_at_most;
+    const bool listed = counts_->records().bad_records.size() < bad_records_listed_at_most;
     count_bad(sentence, listed ? failure_of(sentence) : unlisted);
 }
 

@@ -91,7 +91,7 @@ class Reader {
     void count_bad(const Frame& frame) {
         // Of a file of nothing but these, only those that are listed are worth a message each.
         static const Failure unlisted("", "", "");
-        const bool listed = timed_.records().bad_records.size() < RecordCount::listed_at_most;
+        const bool listed = timed_.records().bad_records.size() < bad_records_listed_at_most;
         timed_.count_bad(RecordPlace(frame.offset),
                          listed ? failure_of(frame, recording_) : unlisted,
                          epoch_ && epoch_->is_whole());

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+
+#include "core/geodesy.h"
+#include "schemas/common/codec.h"
+
+namespace runcert {
+
+/// Where the local frame stands on the Earth.
+struct FrameOrigin {
+    Geodetic position;
+    std::string source;  ///< "attempt" or "first_epoch"
+};
+
+template <>
+nlohmann::ordered_json members_json(const FrameOrigin& origin);
+template <>
+FrameOrigin read_members(const YamlValue& origin);
+
+}  // namespace runcert

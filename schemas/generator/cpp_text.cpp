@@ -1,0 +1,409 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "schemas/generator/declaration.h"
+
+namespace runcert {
+namespace {
+
+bool is_set(const YamlValue& entry, std::string_view key) {
+    return entry[key].exists() && entry[key].boolean();
+}
+
+std::string comment(const std::string& about, const char* indent = "") {
+    return fmt::format("{}/// {}.\n", indent, about);
+}
+
+/// The C++ type of one value, without what makes it optional; empty for a type that is none.
+std::string value_type(const Declaration& declaration, const std::string& type) {
+    if (declaration.map(type) || declaration.words(type)) return type;
+    if (type == "text") return "std::string";
+    if (type == "integer") return "std::int64_t";
+    if (type == "real" || type == "speed") return "double";
+    if (type == "boolean") return "bool";
+    if (type == "elapsed") return "ElapsedTime";
+    if (type == "gps_time") return "GpsTime";
+    return {};
+}
+
+std::string initial_value(const Declaration& declaration, const YamlValue& entry,
+                          const std::string& type) {
+    const bool is_said = entry["initially"].exists();
+    const std::string said = is_said ? std::string(entry["initially"].node().scalar()) : "";
+    if (const DeclaredWords* words = declaration.words(type)) {
+        if (!is_said) return type + "::" + words->words.front().enumerator;
+        for (const DeclaredWord& word : words->words)
+            if (word.word == said) return type + "::" + word.enumerator;
+        entry["initially"].fail("is no word of " + type, "Give one of its words");
+    }
+    if (type == "real" || type == "speed") return is_said ? said : "0.0";
+    if (type == "integer") return is_said ? said : "0";
+    if (type == "boolean") return is_said ? said : "false";
+    return is_said ? '"' + said + '"' : "{}";
+}
+
+std::string declared_member(const Declaration& declaration, const std::string& member,
+                            const YamlValue& entry) {
+    const std::string type = entry["type"].text();
+    std::string cpp;
+    std::string initial = "{}";
+    if (type == "list") {
+        cpp = "std::vector<" + value_type(declaration, entry["of"].text()) + ">";
+    } else {
+        cpp = value_type(declaration, type);
+        if (cpp.empty()) entry["type"].fail("has no type in C++", "Use one of the known types");
+        if (is_set(entry, "required") || is_set(entry, "flat") || entry["omit"].exists() ||
+            type == "text") {
+            initial = initial_value(declaration, entry, type);
+        } else {
+            cpp = "std::optional<" + cpp + ">";
+            initial = "std::nullopt";
+        }
+    }
+    return comment(entry["description"].text(), "    ") +
+           fmt::format("    {} {} = {};\n", cpp, member, initial);
+}
+
+/// What is computed for the readers of the file has none.
+bool has_member(const DeclaredStruct& made, std::size_t i) {
+    return !made.fields[i]["computed"].exists();
+}
+
+std::string struct_of(const Declaration& declaration, const DeclaredStruct& made,
+                      const std::string& before = {}, const std::string& after = {}) {
+    std::string out = comment(made.about) + "struct " + made.name + " {\n" + before;
+    for (std::size_t i = 0; i < made.fields.size(); ++i)
+        if (has_member(made, i))
+            out += declared_member(declaration, member_name(made.names[i], made.fields[i]),
+                                   made.fields[i]);
+    out += after;
+    if (made.comparable)
+        out += fmt::format("    bool operator==(const {}&) const = default;\n", made.name);
+    return out + "};\n";
+}
+
+/// Where a member is left out of a file for its value, though it is no optional.
+std::string condition_of(const YamlValue& entry, const std::string& member) {
+    if (entry["omit"].exists())
+        return fmt::format("if ({} != {}) ", member, entry["omit"].node().scalar());
+    if (entry["type"].text() == "list" && !is_set(entry, "required"))
+        return fmt::format("if (!{}.empty()) ", member);
+    return {};
+}
+
+/// Statements that put the members of `value` into `map`, or take them from it.
+std::string codec(const DeclaredStruct& made, bool writes) {
+    std::string out;
+    for (std::size_t i = 0; i < made.fields.size(); ++i) {
+        const YamlValue& entry = made.fields[i];
+        const std::string& name = made.names[i];
+        if (writes && entry["computed"].exists())
+            out += fmt::format("    map[\"{}\"] = value.{};\n", name, entry["computed"].text());
+        if (!has_member(made, i)) continue;
+        const std::string member = "value." + member_name(name, entry);
+        const std::string type = entry["type"].text();
+        std::string line;
+        if (is_set(entry, "flat"))
+            line = writes ? fmt::format("map.update(members_json({}));", member)
+                          : fmt::format("member::take_all(map, {});", member);
+        else if (type == "speed")
+            line = fmt::format("member::{}_speed(map, \"{}\", {});", writes ? "put" : "take", name,
+                               member);
+        else if (entry["scale"].exists())
+            line = writes
+                       ? fmt::format("member::write(map, \"{}\", {} * {});", name, member,
+                                     entry["scale"].node().scalar())
+                       : fmt::format("if (map[\"{0}\"].exists()) {1} = map[\"{0}\"].real() / {2};",
+                                     name, member, entry["scale"].node().scalar());
+        else
+            line = fmt::format("{}member::{}(map, \"{}\", {});",
+                               writes ? condition_of(entry, member) : "", writes ? "write" : "take",
+                               name, member);
+        out += "    " + line + "\n";
+    }
+    return out;
+}
+
+bool has_phrases(const DeclaredWords& words) {
+    return std::ranges::any_of(words.words,
+                               [](const DeclaredWord& word) { return !word.phrase.empty(); });
+}
+
+std::string enumeration(const DeclaredWords& words) {
+    std::string out = comment(words.about) + "enum class " + words.name + " : std::uint8_t {\n";
+    for (const DeclaredWord& word : words.words)
+        out += fmt::format("    {},  ///< {}\n", word.enumerator, word.description);
+    out += fmt::format(
+        "}};\n"
+        "std::string_view to_text({0} word);\n"
+        "bool from_text(std::string_view text, {0}& word);\n"
+        "/// What the word says, for people.\n"
+        "std::string_view words_of({0} word);\n",
+        words.name);
+    if (has_phrases(words))
+        out += fmt::format(
+            "/// The same after what it is said of: \"3 epochs ...\".\n"
+            "std::string_view phrase_of({0} word);\n",
+            words.name);
+    return out + "\n";
+}
+
+/// A function that has a text for each word.
+std::string text_function(const DeclaredWords& words, const char* name,
+                          std::string DeclaredWord::*text) {
+    std::string cases;
+    for (const DeclaredWord& word : words.words)
+        cases += fmt::format("        case {}::{}: return {};\n", words.name, word.enumerator,
+                             in_quotes(word.*text));
+    return fmt::format(
+        "std::string_view {}({} word) {{\n    switch (word) {{\n{}    }}\n    return {{}};\n}}\n",
+        name, words.name, cases);
+}
+
+std::string enumeration_source(const DeclaredWords& words) {
+    std::string out = text_function(words, "to_text", &DeclaredWord::word) +
+                      text_function(words, "words_of", &DeclaredWord::description);
+    if (has_phrases(words)) out += text_function(words, "phrase_of", &DeclaredWord::phrase);
+    out += fmt::format("bool from_text(std::string_view text, {}& word) {{\n", words.name);
+    for (const DeclaredWord& word : words.words)
+        out += fmt::format("    if (text == {}) return word = {}::{}, true;\n",
+                           in_quotes(word.word), words.name, word.enumerator);
+    return out + "    return false;\n}\n\n";
+}
+
+// Columns.
+
+std::string column_type(const Declaration& declaration, const YamlValue& column, bool compact) {
+    const std::string type = column["type"].text();
+    const std::string cpp = value_type(declaration, type);
+    if (is_set(column, "always")) return cpp;
+    if (!compact || declaration.words(type) || type == "boolean")
+        return "std::optional<" + cpp + ">";
+    if (type == "real") return "OptionalReal";
+    return fmt::format("OptionalNumber<std::int{}_t>",
+                       column["bits"].optional_integer().value_or(64));
+}
+
+std::string column_member(const Declaration& declaration, const YamlValue& column, bool compact) {
+    const std::string type = column["type"].text();
+    const std::string cpp = column_type(declaration, column, compact);
+    std::string initial = "{}";
+    if (is_set(column, "always")) initial = initial_value(declaration, column, type);
+    return comment(column["description"].text(), "    ") +
+           fmt::format("    {} {} = {};\n", cpp, column_member_name(column), initial);
+}
+
+/// Bytes of a compact member: those of a group stand by size, so that no room is lost between them.
+std::int64_t size_of(const Declaration& declaration, const YamlValue& column) {
+    if (declaration.words(column["type"].text())) return 1;
+    return column["bits"].optional_integer().value_or(64) / 8;
+}
+
+std::string group_struct(const Declaration& declaration, const DeclaredStruct& group) {
+    std::string out = comment(group.about) + "struct " + group.name + " {\n";
+    std::vector<YamlValue> members = group.fields;
+    if (group.compact)
+        std::ranges::stable_sort(
+            members, {}, [&](const YamlValue& column) { return size_of(declaration, column); });
+    for (const YamlValue& column : members)
+        out += column_member(declaration, column, group.compact);
+    return out + "};\n\n";
+}
+
+std::string row_name(const Declaration& declaration) {
+    return declaration.source()["row"]["name"].text();
+}
+
+std::string row_struct(const Declaration& declaration) {
+    const YamlValue row = declaration.source()["row"];
+    std::string bases, members;
+    const auto add_base = [&](const std::string& base) {
+        bases += (bases.empty() ? " : " : ", ") + base;
+    };
+    if (row["extends"].exists()) add_base(declaration.extended_row());
+    for (const YamlValue& entry : declaration.source()["columns"].list())
+        if (!entry["group"].exists())
+            members += column_member(declaration, entry, is_set(row, "compact"));
+        else if (entry["member"].exists())
+            members += fmt::format("    {} {};\n", entry["group"].text(), entry["member"].text());
+        else
+            add_base(entry["group"].text());
+    return comment(row["about"].text()) + "struct " + row_name(declaration) + bases + " {\n" +
+           members + "};\n\n";
+}
+
+std::string bindings(const Declaration& declaration) {
+    std::string out;
+    for (const DeclaredColumn& column : declaration.columns()) {
+        const std::string place =
+            column.member.empty()
+                ? std::string()
+                : fmt::format("&Row::{}, &{}::", column.member, column.group->name);
+        out += fmt::format("        column<Row, {}{}>(\"{}\"),\n", place.empty() ? "&Row::" : place,
+                           column_member_name(column.entry), column.entry["name"].text());
+    }
+    return out;
+}
+
+bool is_table(const Declaration& declaration) {
+    return !declaration.columns().empty();
+}
+
+std::string product_functions(const Declaration& declaration) {
+    const std::string name = declaration.source()["schema"].text();
+    const std::string& type = declaration.top().name;
+    std::string out = fmt::format(
+        "/// The file's text.\nstd::string write_{0}(const {1}& {0});\n"
+        "/// `where` names the file in messages. Failure on any deviation "
+        "from the field table.\n"
+        "{1} read_{0}(std::string_view text, const std::string& where);\n",
+        name, type);
+    if (is_table(declaration))
+        out += fmt::format(
+            "/// The same row by row, in memory that does not grow with the table: the head holds "
+            "all but the\n/// rows. `text` must outlive what is returned.\n"
+            "OpenTable<{1}> open_{0}(std::string_view text, const std::string& where);\n"
+            "TableWriter<{2}> begin_{0}(const {1}& head, EcsvWriter::Sink sink);\n",
+            name, type, row_name(declaration));
+    return out;
+}
+
+std::string document_source(const Declaration& declaration) {
+    return fmt::format(
+        R"(namespace {{
+const DocumentSchema& product_schema() {{
+    static const DocumentSchema schema =
+        DocumentSchema::read({0}_field_table_node(), "schemas/{0}/v1.yaml", &header_schema());
+    return schema;
+}}
+}}  // namespace
+
+std::string write_{0}(const {1}& value) {{
+    nlohmann::ordered_json map = header_json(value.header);
+{2}    return write_document(std::move(map), product_schema());
+}}
+
+{1} read_{0}(std::string_view text, const std::string& where) {{
+    const YamlValue map = read_document(text, where, product_schema());
+    {1} value;
+    value.header = read_header(map);
+{3}    return value;
+}}
+)",
+        declaration.source()["schema"].text(), declaration.top().name,
+        codec(declaration.top(), true), codec(declaration.top(), false));
+}
+
+std::string format_source(const Declaration& declaration) {
+    return fmt::format(
+        R"(const TableFormat<{1}>& {0}_format() {{
+    using Row = {1};
+    static const TableFormat<Row> instance({0}_field_table_node(), "schemas/{0}/v1.yaml", {{
+{2}    }});
+    return instance;
+}}
+
+)",
+        declaration.source()["schema"].text(), row_name(declaration), bindings(declaration));
+}
+
+std::string table_source(const Declaration& declaration) {
+    return fmt::format(
+        R"(namespace {{
+nlohmann::ordered_json meta_of(const {1}& value) {{
+    nlohmann::ordered_json map = header_json(value.header);
+{2}    return map;
+}}
+
+{1} head_of(const YamlValue& map) {{
+    {1} value;
+    value.header = read_header(map);
+{3}    return value;
+}}
+}}  // namespace
+
+std::string write_{0}(const {1}& value) {{ return {0}_format().write(meta_of(value), value.rows); }}
+
+{1} read_{0}(std::string_view text, const std::string& where) {{
+    auto contents = {0}_format().read(text, where);
+    {1} value = head_of(contents.meta);
+    value.rows = std::move(contents.rows);
+    return value;
+}}
+
+OpenTable<{1}> open_{0}(std::string_view text, const std::string& where) {{
+    RowReader<{4}> rows({0}_format(), text, where);
+    return {{head_of(rows.meta()), std::move(rows)}};
+}}
+
+TableWriter<{4}> begin_{0}(const {1}& head, EcsvWriter::Sink sink) {{
+    return {{{0}_format(), {0}_format().begin(meta_of(head), std::move(sink))}};
+}}
+)",
+        declaration.source()["schema"].text(), declaration.top().name,
+        codec(declaration.top(), true), codec(declaration.top(), false), row_name(declaration));
+}
+
+}  // namespace
+
+std::string header_text(const Declaration& declaration) {
+    std::string out = "#pragma once\n\n// Written by the build from schemas/" +
+                      declaration.source()["schema"].text() +
+                      "/v1.yaml.\n\n#include <cstdint>\n#include <optional>\n"
+                      "#include <string>\n#include <string_view>\n#include <vector>\n\n"
+                      "#include \"core/optional_number.h\"\n";
+    if (declaration.source()["includes"].exists())
+        for (const YamlValue& header : declaration.source()["includes"].list())
+            out += "#include \"" + header.text() + "\"\n";
+    out += "\nnamespace runcert {\n\n";
+    for (const DeclaredWords& words : declaration.own_words())
+        out += enumeration(words);
+    for (const DeclaredStruct& group : declaration.own_groups())
+        out += group_struct(declaration, group);
+    for (const DeclaredStruct& map : declaration.own_maps())
+        if (!map.by_hand)
+            out += struct_of(declaration, map) +
+                   fmt::format(
+                       "template <>\nnlohmann::ordered_json members_json(const {0}& value);\n"
+                       "template <>\n{0} read_members(const YamlValue& map);\n\n",
+                       map.name);
+    if (is_table(declaration))
+        out += row_struct(declaration) +
+               fmt::format(
+                   "/// The table: its columns, bound to the members of a row.\n"
+                   "const TableFormat<{}>& {}_format();\n\n",
+                   row_name(declaration), declaration.source()["schema"].text());
+    if (!declaration.top().name.empty())
+        out += struct_of(declaration, declaration.top(), "    Header header;\n",
+                         is_table(declaration)
+                             ? "    std::vector<" + row_name(declaration) + "> rows;\n"
+                             : "") +
+               "\n" + product_functions(declaration);
+    return out + "\n}  // namespace runcert\n";
+}
+
+std::string source_text(const Declaration& declaration) {
+    const std::string name = declaration.source()["schema"].text();
+    std::string out = fmt::format(
+        "// Written by the build from schemas/{0}/v1.yaml.\n\n#include \"schemas/{0}/{0}.h\"\n\n"
+        "#include \"schemas/common/members.h\"\n\nnamespace runcert {{\n\n"
+        "YamlNode {0}_field_table_node();\n\n",
+        name);
+    for (const DeclaredWords& words : declaration.own_words())
+        out += enumeration_source(words);
+    for (const DeclaredStruct& map : declaration.own_maps())
+        if (!map.by_hand)
+            out += fmt::format(
+                "template <>\nnlohmann::ordered_json members_json(const {0}& value) {{\n"
+                "    auto map = nlohmann::ordered_json::object();\n{1}    return map;\n}}\n"
+                "template <>\n{0} read_members(const YamlValue& map) {{\n"
+                "    {0} value;\n{2}    return value;\n}}\n\n",
+                map.name, codec(map, true), codec(map, false));
+    if (is_table(declaration)) out += format_source(declaration);
+    if (!declaration.top().name.empty())
+        out += is_table(declaration) ? table_source(declaration) : document_source(declaration);
+    return out + "\n}  // namespace runcert\n";
+}
+
+}  // namespace runcert

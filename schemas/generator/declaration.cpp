@@ -1,0 +1,161 @@
+#include "schemas/generator/declaration.h"
+
+#include <array>
+#include <utility>
+
+#include "files/atomic_file.h"
+
+namespace runcert {
+namespace {
+
+YamlValue parsed(const std::filesystem::path& path) {
+    return {parse_yaml(read_file(path), path.string()), path.string()};
+}
+
+DeclaredWords read_words(const std::string& name, const YamlValue& entry) {
+    DeclaredWords words{.name = name, .about = entry["about"].text(), .words = {}};
+    const YamlValue list = entry["words"];
+    for (const std::string& word : list.keys()) {
+        const YamlValue said = list[word];
+        if (said.is_map())
+            words.words.push_back({word, said["enumerator"].text_or(word),
+                                   said["description"].text(), said["phrase"].text_or("")});
+        else
+            words.words.push_back({word, word, said.text(), {}});
+    }
+    return words;
+}
+
+bool is_set(const YamlValue& entry, std::string_view key) {
+    return entry[key].exists() && entry[key].boolean();
+}
+
+DeclaredStruct read_struct(const std::string& name, const YamlValue& entry) {
+    DeclaredStruct made{.name = name,
+                        .about = entry["about"].text(),
+                        .fields = {},
+                        .names = {},
+                        .by_hand = is_set(entry, "by_hand"),
+                        .comparable = is_set(entry, "comparable"),
+                        .compact = is_set(entry, "compact")};
+    if (const YamlValue fields = entry["fields"]; fields.exists())
+        for (const std::string& key : fields.keys()) {
+            made.names.push_back(key);
+            made.fields.push_back(fields[key]);
+        }
+    if (const YamlValue columns = entry["columns"]; columns.exists())
+        for (const YamlValue& column : columns.list()) {
+            made.names.push_back(column["name"].text());
+            made.fields.push_back(column);
+        }
+    return made;
+}
+
+template <class Item>
+const Item* find(const std::map<std::string, Item>& items, const std::string& name) {
+    const auto found = items.find(name);
+    return found == items.end() ? nullptr : &found->second;
+}
+
+/// The ends of names and units that C++ writes in another way than files.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 3> unit_ends{
+    {{"_m_s", "_mps"}, {"_m_s2", "_mps2"}, {"_m_s3", "_mps3"}}};
+constexpr std::array<std::pair<std::string_view, std::string_view>, 5> column_units{
+    {{"m", "_m"}, {"m / s", "_mps"}, {"m / s2", "_mps2"}, {"s", "_s"}, {"deg", "_deg"}}};
+
+}  // namespace
+
+Declaration::Declaration(const std::string& path, const std::filesystem::path& products) {
+    source_ = parsed(path);
+    const YamlValue uses = source_["uses"];
+    const std::string extended =
+        source_["row"].exists() ? source_["row"]["extends"].text_or("") : "";
+    if (uses.exists())
+        for (const YamlValue& product : uses.list()) {
+            const YamlValue other = parsed(products / product.text() / "v1.yaml");
+            read(other, false);
+            if (product.text() != extended) continue;
+            extended_row_ = other["row"]["name"].text();
+            read_columns(other, true);
+        }
+    read(source_, true);
+    read_columns(source_, false);
+}
+
+void Declaration::read_columns(const YamlValue& table, bool inherited) {
+    if (!table["columns"].exists()) return;
+    for (const YamlValue& entry : table["columns"].list()) {
+        if (!entry["group"].exists()) {
+            columns_.push_back({entry, nullptr, {}, inherited});
+            continue;
+        }
+        const DeclaredStruct* columns = group(entry["group"].text());
+        if (!columns) entry["group"].fail("is no group of columns", "Declare it under groups");
+        for (const YamlValue& column : columns->fields)
+            columns_.push_back({column, columns, entry["member"].text_or(""), inherited});
+    }
+}
+
+void Declaration::read(const YamlValue& table, bool own) {
+    const auto each = [&](const char* section, auto make, auto& all, auto& mine) {
+        if (!table[section].exists()) return;
+        for (const std::string& name : table[section].keys()) {
+            auto made = make(name, table[section][name]);
+            if (own) mine.push_back(made);
+            all.insert_or_assign(name, std::move(made));
+        }
+    };
+    each("words", read_words, words_, own_words_);
+    each("maps", read_struct, maps_, own_maps_);
+    each("groups", read_struct, groups_, own_groups_);
+    if (!own) return;
+    const YamlValue fields = table["fields"];
+    for (const std::string& key : fields.keys()) {
+        top_.names.push_back(key);
+        top_.fields.push_back(fields[key]);
+    }
+    if (table["struct"].exists()) {
+        top_.name = table["struct"]["name"].text();
+        top_.about = table["struct"]["about"].text();
+    }
+}
+
+const DeclaredWords* Declaration::words(const std::string& name) const {
+    return find(words_, name);
+}
+const DeclaredStruct* Declaration::map(const std::string& name) const {
+    return find(maps_, name);
+}
+const DeclaredStruct* Declaration::group(const std::string& name) const {
+    return find(groups_, name);
+}
+
+std::string member_name(const std::string& field, const YamlValue& entry) {
+    if (entry["member"].exists()) return entry["member"].text();
+    if (entry["type"].text() == "speed") return field + "_mps";
+    for (const auto& [end, written] : unit_ends)
+        if (field.ends_with(end))
+            return field.substr(0, field.size() - end.size()) + std::string(written);
+    return field;
+}
+
+std::string column_member_name(const YamlValue& column) {
+    if (column["member"].exists()) return column["member"].text();
+    const std::string name = column["name"].text();
+    if (column["type"].text() == "elapsed") return name;
+    const std::string unit = column["unit"].text_or("");
+    for (const auto& [known, end] : column_units)
+        if (unit == known) return name + std::string(end);
+    return name;
+}
+
+std::string in_quotes(std::string_view text) {
+    std::string out = "\"";
+    for (const char c : text) {
+        if (c == '"' || c == '\\') out += '\\';
+        out += c;
+    }
+    return out + "\"";
+}
+
+}  // namespace runcert

@@ -1,0 +1,125 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "files/yaml_input.h"
+
+// The declaration of a product (`schemas/PRODUCT/v1.yaml`): every field, map, column and word once,
+// from which the build writes the structs, their readers and writers, and the field table.
+//
+//   schema, version   name and revision of the product
+//   uses              products whose words, groups and maps are used here
+//   includes          headers that declare what is written by hand
+//   struct            name and about of what holds the whole product
+//   words             enumerations: a word of the file, and what it says to people; where that is
+//                     no name in C++, with `enumerator`; where it is said otherwise after what it
+//                     is said of ("3 epochs without a position"), with `phrase`
+//   maps              maps, each a struct: about, fields; `by_hand` where C++ code has the struct
+//                     and its codec
+//   groups            columns that several tables have, or that are a struct in the row
+//   row, columns      the rows of a table: name and about of their struct, `extends` a product
+//                     whose columns come first, `compact` where empty cells take no room
+//   fields            the fields outside every map
+//
+// A field has the keys of a field table (type, unit, required, min, max, values, decimals,
+// description). Its type may also be a map, an enumeration, `gps_time`, or `speed`, which stands in
+// four units; a `list` is `of` a type, and `item` describes what is in it. What is not required is
+// an optional in C++, an empty text or an empty list. For C++ alone: `member` (where its name is
+// not the field's), `initially` (the value of a new struct), `flat` (the members of a map stand
+// beside those of the one it is in), `omit` (the value that is left out), `scale` (file over
+// member), `computed` (an expression of the struct, written and never read). A `unit` of "*" is
+// that of the field which the map is used for. A column that is never empty says `always`.
+
+namespace runcert {
+
+/// A word of an enumeration.
+struct DeclaredWord {
+    std::string word;         ///< as it stands in files
+    std::string enumerator;   ///< the same, where that is no name in C++
+    std::string description;  ///< for people
+    std::string phrase;       ///< the same after what it is said of, where that differs
+};
+
+struct DeclaredWords {
+    std::string name;
+    std::string about;
+    std::vector<DeclaredWord> words;
+};
+
+/// A map, a group of columns, or what holds the whole product, with the struct made of it.
+struct DeclaredStruct {
+    std::string name;
+    std::string about;
+    std::vector<YamlValue> fields;   ///< a map of each, in the order of the declaration
+    std::vector<std::string> names;  ///< their keys
+    bool by_hand = false;            ///< C++ code has the struct and its codec
+    bool comparable = false;
+    bool compact = false;  ///< a group whose empty cells take no room of their own
+};
+
+/// A column of a product's table, in the order of the file.
+struct DeclaredColumn {
+    YamlValue entry;
+    const DeclaredStruct* group = nullptr;  ///< that it belongs to
+    std::string member;                     ///< of the row, that is the group; empty: a base of it
+    bool inherited = false;                 ///< of the row that this one extends
+};
+
+class Declaration {
+  public:
+    /// Reads a declaration, and before it those of the folder `products` that it uses, for their
+    /// maps, groups and words.
+    Declaration(const std::string& path, const std::filesystem::path& products);
+
+    const YamlValue& source() const { return source_; }
+    const DeclaredWords* words(const std::string& name) const;
+    const DeclaredStruct* map(const std::string& name) const;
+    const DeclaredStruct* group(const std::string& name) const;
+    /// Those that the file itself declares, in its order.
+    const std::vector<DeclaredWords>& own_words() const { return own_words_; }
+    const std::vector<DeclaredStruct>& own_maps() const { return own_maps_; }
+    const std::vector<DeclaredStruct>& own_groups() const { return own_groups_; }
+    /// All columns: those of the row that this one extends, groups taken apart.
+    const std::vector<DeclaredColumn>& columns() const { return columns_; }
+    /// The name of the row that this product's extends.
+    const std::string& extended_row() const { return extended_row_; }
+    /// The fields outside every map.
+    const DeclaredStruct& top() const { return top_; }
+
+  private:
+    void read(const YamlValue& table, bool own);
+    void read_columns(const YamlValue& table, bool inherited);
+
+    YamlValue source_{YamlNode(), ""};
+    std::map<std::string, DeclaredWords> words_;
+    std::map<std::string, DeclaredStruct> maps_;
+    std::map<std::string, DeclaredStruct> groups_;
+    std::vector<DeclaredWords> own_words_;
+    std::vector<DeclaredStruct> own_maps_;
+    std::vector<DeclaredStruct> own_groups_;
+    std::vector<DeclaredColumn> columns_;
+    std::string extended_row_;
+    DeclaredStruct top_;
+};
+
+/// The field table of a declaration, with every map written out where it is used: YAML text.
+std::string field_table_text(const Declaration& declaration);
+
+/// The header of a declaration: enumerations, structs, and the functions that read and write them.
+std::string header_text(const Declaration& declaration);
+/// Their definitions.
+std::string source_text(const Declaration& declaration);
+
+/// The text in double quotes, as YAML and C++ read them.
+std::string in_quotes(std::string_view text);
+
+/// The name of a field's member: "speed_m_s" is `speed_mps` in C++.
+std::string member_name(const std::string& field, const YamlValue& entry);
+/// The name of a column's member: it ends with the column's unit.
+std::string column_member_name(const YamlValue& column);
+
+}  // namespace runcert

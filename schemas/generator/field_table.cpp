@@ -1,0 +1,130 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "schemas/generator/declaration.h"
+
+namespace runcert {
+namespace {
+
+/// What a declaration says for C++ alone, or in other words than a field table.
+constexpr std::array<std::string_view, 11> not_of_tables{"member",    "of",    "item",    "flat",
+                                                         "initially", "scale", "omit",    "always",
+                                                         "about",     "bits",  "computed"};
+
+std::string yaml_text(const YamlNode& node) {
+    if (node.is_list()) {
+        std::string out;
+        for (std::size_t i = 0; i < node.size(); ++i)
+            out += (i ? ", " : "") + yaml_text(node.item(i));
+        return "[" + out + "]";
+    }
+    return node.is_quoted() ? in_quotes(node.scalar()) : std::string(node.scalar());
+}
+
+class Table {
+  public:
+    explicit Table(const Declaration& declaration) : declaration_(declaration) {}
+
+    void fields(const DeclaredStruct& made, const std::string& prefix, const std::string& unit) {
+        for (std::size_t i = 0; i < made.fields.size(); ++i)
+            field(prefix, made.names[i], made.fields[i], unit);
+    }
+
+    void columns() {
+        if (declaration_.columns().empty()) return;
+        text_ += "columns:\n";
+        for (const DeclaredColumn& column : declaration_.columns())
+            text_ += "  - {" + facts(column.entry, "") + "}\n";
+    }
+
+    std::string take() && { return std::move(text_); }
+
+  private:
+    /// The entry's facts, but its type's where `type` is given; "*" as a unit is the one of the
+    /// field that the map is used for.
+    std::string facts(const YamlValue& entry, const std::string& type,
+                      const std::string& unit_of_use = {}) const {
+        std::string out;
+        const auto add = [&](std::string_view key, const std::string& value) {
+            if (!out.empty()) out += ", ";
+            out += fmt::format("{}: {}", key, value);
+        };
+        for (const std::string& key : entry.keys()) {
+            if (std::ranges::find(not_of_tables, key) != not_of_tables.end()) continue;
+            const std::string said = key == "type" ? entry[key].text() : std::string();
+            if (key == "unit" && !type.empty()) continue;
+            if (key == "unit" && entry[key].text() == "*") {
+                if (!unit_of_use.empty()) add(key, unit_of_use);
+            } else if (!said.empty() && !type.empty()) {
+                add(key, type);
+            } else if (said == "elapsed") {
+                add(key, "real, unit: s, decimals: 9");
+            } else if (said == "gps_time") {
+                add(key, "text");
+            } else if (const DeclaredWords* words = declaration_.words(said)) {
+                std::string list;
+                for (const DeclaredWord& word : words->words)
+                    list += (list.empty() ? "" : ", ") + in_quotes(word.word);
+                add(key, "text, values: [" + list + "]");
+            } else {
+                add(key, yaml_text(entry[key].node()));
+            }
+        }
+        return out;
+    }
+
+    void line(const std::string& path, const std::string& facts) {
+        text_ += fmt::format("  \"{}\": {{{}}}\n", path, facts);
+    }
+
+    void field(const std::string& prefix, const std::string& name, const YamlValue& entry,
+               const std::string& unit_of_use) {
+        const std::string path = prefix + name;
+        const std::string type = entry["type"].text();
+        const std::string unit =
+            entry["unit"].exists() ? yaml_text(entry["unit"].node()) : std::string();
+        if (const DeclaredStruct* map = declaration_.map(type)) {
+            const bool flat = entry["flat"].exists() && entry["flat"].boolean();
+            if (!flat) line(path, facts(entry, "map"));
+            fields(*map, flat ? prefix : path + ".", unit);
+        } else if (type == "list" && entry["of"].exists()) {
+            line(path, facts(entry, "list"));
+            const std::string of = entry["of"].text();
+            const DeclaredStruct* item = declaration_.map(of);
+            line(path + "[]", fmt::format("type: {}, description: {}", item ? "map" : of,
+                                          in_quotes(entry["item"].exists() ? entry["item"].text()
+                                                                           : "one of them")));
+            if (item) fields(*item, path + "[].", unit);
+        } else if (type == "speed") {
+            constexpr std::array<std::pair<const char*, const char*>, 4> units{
+                {{"_km_h", "unit: km/h, decimals: 4"},
+                 {"_m_s", "unit: m / s, decimals: 6"},
+                 {"_knots", "unit: kn, decimals: 4"},
+                 {"_mph", "unit: mph, decimals: 4"}}};
+            for (const auto& [end, said] : units)
+                line(path + end, facts(entry, fmt::format("real, {}", said)));
+        } else {
+            line(path, facts(entry, "", unit_of_use));
+        }
+    }
+
+    const Declaration& declaration_;
+    std::string text_;
+};
+
+}  // namespace
+
+std::string field_table_text(const Declaration& declaration) {
+    Table table(declaration);
+    table.fields(declaration.top(), "", "");
+    std::string fields = std::move(table).take();
+    Table columns(declaration);
+    columns.columns();
+    return fmt::format("schema: {}\nversion: \"{}\"\nfields:\n{}{}",
+                       declaration.source()["schema"].text(),
+                       declaration.source()["version"].text(), fields, std::move(columns).take());
+}
+
+}  // namespace runcert

@@ -16,6 +16,7 @@
 #include "core/prose.h"
 #include "files/atomic_file.h"
 #include "run/evidence.h"
+#include "schemas/common/product_files.h"
 
 namespace runcert {
 namespace {
@@ -90,7 +91,7 @@ class Search {
             return std::any_of(entries.begin(), entries.end(),
                                [&](const auto& entry) { return entry.path().filename() == name; });
         };
-        if (holds(evidence_attempt_file) && holds("1-observations.ecsv")) {
+        if (holds(evidence_attempt_file) && holds(products::observations_file)) {
             ++run_folders_;
             return;
         }

@@ -6,7 +6,7 @@
 
 namespace runcert {
 
-/// What the text of a YAML file says that it is: "attempt/1.6", "day/1.0"; empty where it does not
+/// What the text of a YAML file says that it is: "attempt/1.0", "day/1.0"; empty where it does not
 /// say so, or cannot be parsed. Quick: parsed only where the schema does not stand on a line of its
 /// own.
 std::string written_schema(std::string_view text);

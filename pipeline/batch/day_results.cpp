@@ -9,6 +9,7 @@
 #include "files/atomic_file.h"
 #include "files/process.h"
 #include "files/sha256.h"
+#include "schemas/common/product_files.h"
 
 namespace runcert {
 namespace {
@@ -25,7 +26,7 @@ Json file_json(const DayAttempt& attempt, const FileHashes& files, const std::st
 }
 
 void add_done(Json& json, const DayAttempt& attempt, const FileHashes& files, const fs::path& out) {
-    json["verdict"] = file_json(attempt, files, "6-verdict.yaml", out);
+    json["verdict"] = file_json(attempt, files, std::string(products::verdict_file), out);
     json["report"] = file_json(attempt, files, "report.json", out);
     json["pages"] = Json::array();
     for (const char* page : {"report.html", "report.pdf"})

@@ -9,6 +9,7 @@
 
 #include "batch/memory_budget.h"
 #include "batch/run_files.h"
+#include "schemas/common/product_files.h"
 
 namespace runcert {
 namespace {
@@ -43,7 +44,7 @@ std::string error_text(const RunFailure& failure) {
 FileHashes named_in_results(const FileHashes& files) {
     FileHashes named;
     for (const auto& [name, hash] : files)
-        if (name.starts_with("report.") || name == "6-verdict.yaml") named[name] = hash;
+        if (name.starts_with("report.") || name == products::verdict_file) named[name] = hash;
     return named;
 }
 

@@ -19,6 +19,7 @@
 #include "run/evidence.h"
 #include "run/run_times.h"
 #include "schemas/attempt/attempt.h"
+#include "schemas/common/product_files.h"
 #include "trust/signing.h"
 
 namespace runcert {
@@ -137,7 +138,7 @@ bool print_verdict(const YamlValue& profile, const fs::path& run_dir) {
 }
 
 bool print_verdicts(const fs::path& run_dir, bool signed_report, bool rendered) {
-    const fs::path file = run_dir / "6-verdict.yaml";
+    const fs::path file = run_dir / products::verdict_file;
     const YamlValue verdict(parse_yaml(read_file(file), file.string()), file.string());
     bool all_beaten = true;
     for (const YamlValue& profile : verdict["profiles"].list())
@@ -216,8 +217,8 @@ void add_certify(CLI::App& app, Command& chosen) {
         "Exit status: 0 every profile says beaten, 1 one does not, 2 it could not be done.\n"
         "RUNCERT_THREADS=N in the environment: no more than N threads (left out: one for each\n"
         "processor). The results are the same.\n\n"
-        "An attempt (schema attempt/1.6; examples/ has some that run as they are):\n\n"
-        "  schema: attempt/1.6\n"
+        "An attempt (schema attempt/1.0; examples/ has some that run as they are):\n\n"
+        "  schema: attempt/1.0\n"
         "  id: lake-run-1\n"
         "  craft: {{name: yacht, class: land-yacht}}\n"
         "  officials: [{{role: measurer}}]\n"

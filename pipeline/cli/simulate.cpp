@@ -44,11 +44,11 @@ Json receiver_of(const SimulationSpec& spec) {
     return receiver;
 }
 
-/// The attempt that certifies the recording as it stands. What attempt/1.3 refuses of the spec's
-/// own part is a Failure at that part.
+/// The attempt that certifies the recording as it stands. What an attempt's field table refuses of
+/// the spec's own part is a Failure at that part.
 std::string attempt_text(const SimulationDocument& simulation) {
     const SimulationSpec& spec = simulation.spec;
-    Json attempt = {{"schema", "attempt/1.3"}};
+    Json attempt = {{"schema", attempt_schema().name() + "/" + attempt_schema().version()}};
     const auto take = [&](std::initializer_list<const char*> keys) {
         for (const char* key : keys)
             if (simulation.attempt.contains(key)) attempt[key] = simulation.attempt[key];

@@ -5,48 +5,9 @@
 #include <algorithm>
 
 #include "core/failure.h"
-#include "core/plain_text.h"
 #include "core/text.h"
-#include "files/yaml_parsers.h"
 
 namespace runcert {
-namespace {
-
-void refuse_other_encodings(std::string_view text, const std::string& where) {
-    if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
-        throw Failure(where, "the file is UTF-16 text", "Save it as UTF-8");
-    const std::size_t nul = text.find('\0');
-    if (nul != std::string_view::npos)
-        throw Failure(where, fmt::format("byte {} is zero: this is not a text file", nul),
-                      "Save it as UTF-8 text");
-}
-
-/// yaml-cpp passes malformed UTF-8 through, and takes the control character 4 for the end of the
-/// file and a lone carriage return for a line's.
-void refuse_unprintable_lines(std::string_view text, const std::string& where) {
-    if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
-    for (std::size_t line = 1; !text.empty(); ++line) {
-        const std::size_t end = std::min(text.find('\n'), text.size());
-        std::string_view content = text.substr(0, end);
-        if (content.ends_with('\r')) content.remove_suffix(1);
-        if (!is_printable_ascii(content) && !is_printable_line(content))
-            throw Failure(fmt::format("{}:{}:1", where, line),
-                          "the line holds control characters, or bytes that are not UTF-8",
-                          "Save the file as UTF-8 text, and write such characters as escapes "
-                          "(\"\\u200f\")");
-        text.remove_prefix(std::min(end + 1, text.size()));
-    }
-}
-
-}  // namespace
-
-YamlNode parse_yaml(std::string_view text, const std::string& where) {
-    refuse_other_encodings(text, where);
-    refuse_unprintable_lines(text, where);
-    if (std::optional<YamlNode> document = parse_common_yaml(text)) return *document;
-    return parse_any_yaml(text, where);
-}
-
 std::string yaml_place(const std::string& where, const YamlNode& node) {
     const YamlMark mark = node.mark();
     if (mark.line < 0) return where;

@@ -77,32 +77,30 @@ void YamlBuilder::begin(YamlKind list_or_map, YamlMark mark, bool is_ordered_map
         {{.mark = mark, .kind = list_or_map, .is_ordered_map = is_ordered_map}, pending_.size()});
 }
 
-bool YamlBuilder::has_equal_keys(std::span<const YamlEntry> pairs) const {
-    constexpr std::size_t few = 16;
-    if (pairs.size() <= few) {
-        for (std::size_t i = 2; i < pairs.size(); i += 2)
-            for (std::size_t j = 0; j < i; j += 2)
-                if (text_of(pairs[i], texts_) == text_of(pairs[j], texts_)) return true;
-        return false;
-    }
-    std::vector<std::string_view> keys;
-    for (std::size_t i = 0; i < pairs.size(); i += 2)
-        keys.push_back(text_of(pairs[i], texts_));
-    std::sort(keys.begin(), keys.end());
-    return std::adjacent_find(keys.begin(), keys.end()) != keys.end();
+std::optional<YamlKey> YamlBuilder::repeated_key(std::span<const YamlEntry> pairs) const {
+    const auto key = [&](std::size_t i) { return text_of(pairs[i], texts_); };
+    std::vector<std::size_t> keys(pairs.size() / 2);
+    for (std::size_t i = 0; i < keys.size(); ++i)
+        keys[i] = 2 * i;
+    std::ranges::stable_sort(keys, {}, key);
+    const auto first = std::ranges::adjacent_find(keys, {}, key);
+    if (first == keys.end()) return std::nullopt;
+    const std::size_t second = *std::next(first);
+    return YamlKey{std::string(key(second)), pairs[second].mark};
 }
 
-bool YamlBuilder::end() {
+std::optional<YamlKey> YamlBuilder::end() {
     Level level = levels_.back();
     levels_.pop_back();
     const auto children = std::span<const YamlEntry>(pending_).subspan(level.first_child);
-    const bool is_sound = level.container.kind != YamlKind::map || !has_equal_keys(children);
+    std::optional<YamlKey> repeated;
+    if (level.container.kind == YamlKind::map) repeated = repeated_key(children);
     level.container.begin = static_cast<std::uint32_t>(entries_.size());
     level.container.count = static_cast<std::uint32_t>(children.size());
     entries_.insert(entries_.end(), children.begin(), children.end());
     pending_.resize(level.first_child);
     pending_.push_back(level.container);
-    return is_sound;
+    return repeated;
 }
 
 void YamlBuilder::copy(const YamlNode& node) {

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -82,14 +83,20 @@ class YamlNode {
     const YamlEntry* entry_ = nullptr;
 };
 
+/// A key of a map, and where it stands.
+struct YamlKey {
+    std::string text;
+    YamlMark mark;
+};
+
 /// Makes a document of its nodes in the order of the text: a map's keys and values in turn.
 class YamlBuilder {
   public:
     void null(YamlMark mark);
     void scalar(std::string_view text, bool is_quoted, YamlMark mark);
     void begin(YamlKind list_or_map, YamlMark mark, bool is_ordered_map = false);
-    /// Ends the list or map begun last; false where a map holds two equal keys.
-    bool end();
+    /// Ends the list or map begun last. Where it is a map that holds two equal keys, the second.
+    std::optional<YamlKey> end();
     /// A node of another document, with all below it.
     void copy(const YamlNode& node);
 
@@ -111,7 +118,7 @@ class YamlBuilder {
         YamlEntry container;
         std::size_t first_child;  ///< in `pending_`
     };
-    bool has_equal_keys(std::span<const YamlEntry> pairs) const;
+    std::optional<YamlKey> repeated_key(std::span<const YamlEntry> pairs) const;
 
     std::vector<Level> levels_;
     std::vector<YamlEntry> pending_;  ///< children, complete, of what is not ended

@@ -78,7 +78,7 @@ int stage_main(int argc, char** argv, const std::string& stage, const std::strin
         CLI::App app(summary, "runcert-" + stage);
         std::string attempt;
         std::string run_dir;
-        app.add_option("--attempt", attempt, "the attempt (schema attempt/1.6)")->required();
+        app.add_option("--attempt", attempt, "the attempt (schema attempt/1.0)")->required();
         app.add_option("--run-dir", run_dir, "folder of the run's files")->required();
         if (options) options(app);
         if (const auto status = parsed(app, argc, argv)) return *status;

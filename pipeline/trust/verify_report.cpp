@@ -10,6 +10,7 @@
 #include "files/yaml_input.h"
 #include "run/evidence.h"
 #include "run/steps.h"
+#include "schemas/common/product_files.h"
 #include "trust/verification.h"
 
 // report.json against the files that it vouches for: whoever signs it may have written it by hand.
@@ -20,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-constexpr const char* verdict_file = "6-verdict.yaml";
+const std::string verdict_file(products::verdict_file);
 
 /// The report writes speeds with 4 decimals or more, from a verdict of 4 decimals of 1 km/h.
 constexpr double speed_resolution = 2e-4;  // in each unit
@@ -96,7 +97,7 @@ void compare_title(const std::string& rule, const Json& profile, const std::stri
         title =
             profile.contains("target_km_h") ? "Not proven" : "Speed measured; no record is named";
     compare.equal(rule + ", outcome_title", text_of(profile, "outcome_title"), title,
-                  verdict_file + std::string(" (by its outcome)"));
+                  verdict_file + " (by its outcome)");
 }
 
 void compare_profile(const Json& profile, const YamlValue& verdict, Comparison& compare) {

@@ -32,16 +32,17 @@ struct Findings {
     }
 };
 
-/// A build writes one version of each schema. A file that says it is of an earlier one, but made by
-/// the build that this is, was made to look older: so that rules which came later do not apply.
-void refuse_downgrade(const Header& header, const std::string& name) {
+/// A build writes one version of each schema. A file that says it is of another one, but made by
+/// the build that this is, was changed: made to look older, so that rules which came later do not
+/// apply.
+void refuse_other_revision(const Header& header, const std::string& name) {
     if (header.program_version != program_version() || header.source_revision != source_revision())
         return;
     const std::string written = product_version(name);
     if (header.schema_version == written) return;
     throw Failure(
         name,
-        fmt::format("downgraded: its header says {}/{}, the program that it says made it "
+        fmt::format("not as written: its header says {}/{}, the program that it says made it "
                     "({}, {}) writes {}/{}",
                     header.schema_name, escape_for_message(header.schema_version),
                     header.program_version, header.source_revision, header.schema_name, written),
@@ -59,7 +60,7 @@ void refuse_other_program(const Header& header, const ReportFacts& report,
         name,
         fmt::format(
             "its header says that runcert {} ({}) made it, the report that {} ({}) "
-            "made it: it is of another run, or downgraded",
+            "made it: it is of another run, or was changed",
             escape_for_message(header.program_version), escape_for_message(header.source_revision),
             escape_for_message(report.program_version), escape_for_message(report.source_revision)),
         "Take the original, or certify again");
@@ -70,7 +71,7 @@ void check_stage_file(const fs::path& file, const ReportFacts& report) {
     const std::string text = read_file(file);
     const Header header = read_product_header(text, name, file.string());
     // Before the fields, which would be refused in other words.
-    refuse_downgrade(header, name);
+    refuse_other_revision(header, name);
     check_product(text, name, file.string());
     refuse_other_program(header, report, name);
 }
@@ -86,11 +87,12 @@ void check_report(const ReportFacts& report, const std::string& where) {
                       "Take the original");
     if (report.program_version == program_version() &&
         report.source_revision == source_revision() && version != report_field_table().version())
-        throw Failure(where,
-                      fmt::format("downgraded: it says that it follows report/{}, the program that "
-                                  "it says made it writes report/{}",
-                                  escape_for_message(version), report_field_table().version()),
-                      "Take the original");
+        throw Failure(
+            where,
+            fmt::format("not as written: it says that it follows report/{}, the program that "
+                        "it says made it writes report/{}",
+                        escape_for_message(version), report_field_table().version()),
+            "Take the original");
     (void)read_document(predicate.dump(2, ' ', false, nlohmann::json::error_handler_t::replace),
                         where, report_field_table());
 }

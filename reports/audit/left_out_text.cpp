@@ -112,9 +112,8 @@ std::string physical_limit(const ScreenedTable& table, Rows rows) {
     const std::string figure = limit ? range_text(rows, 1, limit->unit, statistic_of) : "";
     if (figure.empty()) return motion;
     std::string text = fmt::format("{}: {} of {}", motion, limit->name, figure);
-    if (table.evidence)
-        text += fmt::format(", where its class can make {}{}",
-                            format_fixed(table.evidence->limits.*limit->allowed, 1), limit->unit);
+    text += fmt::format(", where its class can make {}{}",
+                        format_fixed(table.evidence.limits.*limit->allowed, 1), limit->unit);
     const std::string threshold =
         range_text(rows, 1, limit->unit, [](const ScreenedEpoch& each) { return each.threshold; });
     if (!threshold.empty())
@@ -158,10 +157,9 @@ std::string left_out_text(const ScreenedTable& table, const AuditEntry& entry) {
         case Reason::physical_limit:
             return physical_limit(table, rows);
         case Reason::baseline:
-            return fmt::format("{}{}", words_of(row.reason),
-                               table.evidence && table.evidence->baseline
-                                   ? ", " + table.evidence->baseline->receiver
-                                   : "");
+            return fmt::format(
+                "{}{}", words_of(row.reason),
+                table.evidence.baseline ? ", " + table.evidence.baseline->receiver : "");
         default:
             return std::string(words_of(row.reason));
     }

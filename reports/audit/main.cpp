@@ -13,6 +13,7 @@
 #include "reports/audit/report_record.h"
 #include "run/evidence.h"
 #include "run/stage_main.h"
+#include "schemas/common/product_files.h"
 
 using namespace runcert;
 
@@ -125,7 +126,7 @@ RunRecord read_run(const std::filesystem::path& run_dir) {
     Witnesses witnesses(open_run("audit", run_dir));
     RunRecord record{.attempt = witnesses.run().attempt(),
                      .receivers = {},
-                     .verdict_file = "6-verdict.yaml",
+                     .verdict_file = std::string(products::verdict_file),
                      .signatures = signatures_in(run_dir)};
     witnesses.note("attempt", std::string(evidence_attempt_file));
     for (const Receiver& receiver : record.attempt.receivers)

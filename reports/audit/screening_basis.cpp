@@ -72,7 +72,7 @@ std::string noise_sentence(const ScreeningModel& model) {
 
 std::string noise_text(const ScreenedTable& table) {
     std::string text = "Noise.";
-    for (const ScreeningModel& model : table.evidence->models)
+    for (const ScreeningModel& model : table.evidence.models)
         text += noise_sentence(model);
     const ScreenedEpoch* loudest = nullptr;
     for (const ScreenedEpoch& row : table.rows)
@@ -168,7 +168,7 @@ std::string velocity_text(const VelocityEvidence& velocity) {
 }
 
 std::string time_text(const ScreenedTable& table) {
-    const TimeEvidence& time = table.evidence->time;
+    const TimeEvidence& time = table.evidence.time;
     std::string text = fmt::format("Time stamps. {}, ", counted(time.sessions, "session"));
     text += time.gaps == 0 ? "no gap"
                            : fmt::format("{}, the longest {} s", counted(time.gaps, "gap"),
@@ -208,7 +208,7 @@ std::string fault_line(const ScreenedTable& table, const TimeFault& fault) {
 }
 
 std::string limits_text(const ScreenedTable& table) {
-    const LimitEvidence& limits = table.evidence->limits;
+    const LimitEvidence& limits = table.evidence.limits;
     std::string text = fmt::format(
         "Limits. Of the epochs kept the largest acceleration is {} m/s^2 (a craft of the class can "
         "make {} m/s^2), the largest jerk {} m/s^3 ({} m/s^3)",
@@ -236,11 +236,7 @@ std::vector<Block> basis_blocks(const ScreenedTable& table, const AuditSubject& 
     const auto say = [&](std::string text) { blocks.emplace_back(Paragraph{std::move(text)}); };
     say(recording_text(table, subject));
     say(files_text(table, subject));
-    if (!table.evidence) {
-        say("Tests. None was made: no stretch could be tested.");
-        return blocks;
-    }
-    const ScreeningEvidence& evidence = *table.evidence;
+    const ScreeningEvidence& evidence = table.evidence;
     if (!evidence.models.empty()) say(noise_text(table));
     say(tests_text(evidence));
     std::string kinds = "Solutions.";

@@ -32,10 +32,9 @@ std::string where_of(const ScreenedEpoch& first, const ScreenedEpoch& last) {
                        one_or_range(time(first), time(last)));
 }
 
-/// How often chance exceeds a threshold; empty where the table does not tell.
+/// How often chance exceeds a threshold; empty where no test was made.
 std::string chance_text(const ScreenedTable& table) {
-    return table.evidence && table.evidence->test_size > 0.0 ? once_in(table.evidence->test_size)
-                                                             : "";
+    return table.evidence.test_size > 0.0 ? once_in(table.evidence.test_size) : "";
 }
 
 /// "; statistic 133.3 where 37.0 is exceeded by chance once in 590 million"
@@ -125,13 +124,13 @@ std::vector<Block> decision_blocks(const ScreenedTable& table, const AuditSubjec
         if (!is_used || all) entries.items.push_back(entry_text(table, entry, chance));
     }
     const std::string count =
-        !all ? counted(used, "epoch") + " used (--all lists each of them)."
-             : fmt::format(
-                   "{} used: after each {}the statistic and the threshold that this stays "
-                   "below{}.",
-                   counted(used, "epoch"),
-                   table.evidence ? "the hypothesis that it supports best, " : "",
-                   table.evidence ? ", and the smallest errors that the tests find there" : "");
+        !all
+            ? counted(used, "epoch") + " used (--all lists each of them)."
+            : fmt::format(
+                  "{} used: after each the hypothesis that it supports best, the statistic and the "
+                  "threshold that this stays below, and the smallest errors that the tests find "
+                  "there.",
+                  counted(used, "epoch"));
     return {Paragraph{order}, std::move(entries), Paragraph{count}};
 }
 

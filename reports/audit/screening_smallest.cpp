@@ -60,7 +60,6 @@ std::string consequence(const DetectableSizes& step, const std::vector<AuditedWi
 }  // namespace
 
 std::vector<Block> smallest_blocks(const ScreenedTable& table, const AuditSubject& subject) {
-    if (!table.evidence) return {Paragraph{"No test was made, so that no size could be found."}};
     Entries lines;
     for (const Quantity& quantity : quantities)
         if (const auto sizes = detectable_sizes(table.rows, quantity.size))
@@ -71,7 +70,7 @@ std::vector<Block> smallest_blocks(const ScreenedTable& table, const AuditSubjec
         fmt::format("Found with a probability of {} %, in the direction in which they are hardest "
                     "to find. The first figure is the median over the epochs used at which a size "
                     "could be found.",
-                    format_fixed(100.0 * table.evidence->power, 1))}};
+                    format_fixed(100.0 * table.evidence.power, 1))}};
     blocks.emplace_back(std::move(lines));
     if (const auto step = detectable_sizes(table.rows, &DetectableError::step_m))
         blocks.emplace_back(Paragraph{consequence(*step, subject.windows)});

@@ -137,8 +137,7 @@ Section smooth_section(const RunRecord& record, const ReceiverRecord& one, bool 
     section.blocks.emplace_back(agreement_facts(table.estimation));
     for (Block& block : parameter_blocks(record.attempt, table.header, all))
         section.blocks.push_back(std::move(block));
-    if (const auto& axes = table.estimation.horizontal)
-        section.parts.push_back(axes_part("Horizontally", *axes, follows));
+    section.parts.push_back(axes_part("Horizontally", table.estimation.horizontal, follows));
     if (const auto& axes = table.estimation.vertical)
         section.parts.push_back(axes_part("Vertically", *axes, follows));
     return section;

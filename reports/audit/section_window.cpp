@@ -79,13 +79,6 @@ std::string estimates_text(const OtherEstimates& estimates) {
 }
 
 std::string selection_text(const SelectionBias& selection) {
-    if (selection.bounded_bias_mps == 0.0 && selection.bias_mps != 0.0)  // before revision 1.4
-        return fmt::format(
-            "{} windows could have been the best; the one chosen is too fast by {} m/s +- {} m/s, "
-            "which is {} ({} trajectories drawn, seed {})",
-            counted(selection.candidates), figure_text(selection.bias_mps),
-            figure_text(selection.bias_uncertainty_mps), selection.treatment,
-            counted(selection.samples), selection.seed);
     const bool subtracted = selection.treatment == "subtracted";
     return fmt::format(
         "{} windows could have been the best; the one chosen is too fast by {} m/s with the errors "

@@ -74,11 +74,6 @@ std::string finished(std::string svg, const std::string& title) {
     return svg;
 }
 
-/// A report of revision 1.3 or before says what to draw, but not the points.
-bool holds_points(const Json& figure) {
-    return figure.contains("curves");
-}
-
 void run_gnuplot(const std::filesystem::path& script) {
     const ProcessResult result =
         run_process({"gnuplot", "-d", script.string()},
@@ -100,15 +95,13 @@ std::vector<std::string> draw_figures(const Json& predicate) {
     const auto svg_of = [&](std::size_t i) { return folder.path() / fmt::format("{}.svg", i); };
     std::string script(report_text("gnuplot/common.gp"));
     for (std::size_t i = 0; i < figures.size(); ++i)
-        if (holds_points(figures[i])) script += gnuplot_script(figures[i], svg_of(i).string());
+        script += gnuplot_script(figures[i], svg_of(i).string());
     write_file_atomically(folder.path() / "figures.gp", script);
     run_gnuplot(folder.path() / "figures.gp");
     std::vector<std::string> drawn;
     for (std::size_t i = 0; i < figures.size(); ++i)
         drawn.push_back(
-            holds_points(figures[i])
-                ? finished(read_file(svg_of(i)), figures[i]["figure_title"].get<std::string>())
-                : "");
+            finished(read_file(svg_of(i)), figures[i]["figure_title"].get<std::string>()));
     return drawn;
 }
 

@@ -103,19 +103,8 @@ Json budget_json(const CertifiableWindow& window, const UncertaintyScale& scale)
     for (const BudgetRow& row : window.budget) {
         const double share =
             variance > 0.0 ? row.contribution_mps * row.contribution_mps / variance : 0.0;
-        Json json{{"symbol", row.symbol}, {"quantity", row.source}};
-        json["estimate"] = rounded(row.estimate, 9);
-        if (!row.unit.empty()) json["quantity_unit"] = row.unit;
-        json["standard_uncertainty"] = rounded(row.standard_uncertainty, 9);
-        json["type"] = row.type;
-        json["distribution"] = row.distribution;
-        if (row.degrees_of_freedom)
-            json["degrees_of_freedom"] = rounded(*row.degrees_of_freedom, 2);
-        json["sensitivity"] = rounded(row.sensitivity, 6);
-        set_speeds(json, "contribution", row.contribution_mps);
-        json["share_percent"] = rounded(100.0 * share, 2);
-        if (!row.correlation.empty()) json["correlation"] = row.correlation;
-        if (!row.note.empty()) json["row_note"] = row.note;
+        Json json = members_json(row);
+        json["share_percent"] = 100.0 * share;
         set_row_texts(json, row, scale.unit);
         json["contribution_text"] = contribution_text(row.contribution_mps, window, scale.unit);
         json["share_text"] = row.contribution_mps == 0.0
@@ -142,15 +131,9 @@ Json budget_total_json(const CertifiableWindow& window, const UncertaintyScale& 
 Json monte_carlo_json(const CertifiableWindow& window, const UncertaintyScale& scale) {
     const MonteCarloCheck& check = *window.monte_carlo;
     const LinearisationJudgement judged = judge_linearisation(window);
-    Json json{{"seed", check.seed}, {"trials", check.trials}};
-    set_speeds(json, "mean", check.mean_mps);
-    set_speeds(json, "standard_uncertainty", check.standard_uncertainty_mps);
-    set_speeds(json, "lower", check.lower_mps);
-    set_speeds(json, "upper", check.upper_mps);
-    json["tolerance_m_s"] = rounded(check.tolerance_mps, 9);
-    json["converged"] = check.converged;
-    set_speeds(json, "budget_lower", judged.lower_mps);
-    set_speeds(json, "budget_upper", judged.upper_mps);
+    Json json = members_json(check);
+    json["budget_lower_m_s"] = judged.lower_mps;
+    json["budget_upper_m_s"] = judged.upper_mps;
     json["uncertainty_agrees"] = judged.uncertainty_agrees;
     json["interval_agrees"] = judged.interval_agrees;
     const auto text = [&](double speed_mps) {

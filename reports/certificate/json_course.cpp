@@ -14,13 +14,9 @@ using Json = nlohmann::ordered_json;
 namespace {
 
 Json quantity_json(const Figure& figure) {
-    Json json{{"quantity_name", figure.name}, {"quantity_value", rounded(figure.value, 6)}};
-    if (!figure.unit.empty()) json["quantity_unit"] = figure.unit;
-    if (figure.expanded_uncertainty)
-        json["quantity_uncertainty"] = rounded(*figure.expanded_uncertainty, 6);
+    Json json = members_json(figure);
     json["quantity_text"] = quantity_text(figure.value, figure.expanded_uncertainty) +
                             (figure.unit.empty() ? "" : " " + figure.unit);
-    if (!figure.note.empty()) json["quantity_note"] = figure.note;
     return json;
 }
 
@@ -43,12 +39,8 @@ bool holds(const WindowSpan& run, const std::optional<WindowSpan>& window) {
 Json run_json(const RunSummary& run, std::size_t number, const ProfileVerdict& verdict,
               const SpeedUnit& unit) {
     Json json{{"run", number}};
-    json.update(span_json(run.span));
-    json["length_m"] = rounded(run.length_m, 3);
-    set_speeds(json, "top_speed", run.top_speed_mps);
-    json["heading_deg"] = rounded(run.heading_deg, 3);
-    json["began"] = run.began;
-    json["ended"] = run.ended;
+    json.update(members_json(run));
+    set_end(json, run.span);
     json["holds_window"] = holds(run.span, verdict.window);
     json["run_start"] = seconds_text(run.span.start);
     json["run_time"] = seconds_text(run.span.duration);

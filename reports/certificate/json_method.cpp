@@ -51,28 +51,6 @@ Json stage_json(const Header& header, const Attempt& attempt) {
     return json;
 }
 
-/// The method of files of revision 1.0.
-void describe_stated_noise(Json& words) {
-    words.push_back(
-        "Within each stretch position, velocity and acceleration are estimated from all usable "
-        "epochs at once, in two ways that must agree: batch least squares, and a Kalman filter "
-        "with Rauch-Tung-Striebel smoothing. Covariances are multiplied by the a posteriori "
-        "variance of unit weight where it exceeds one.");
-    words.push_back(
-        "Every window of the rule's length that lies within one stretch and holds usable epochs "
-        "only is compared; the fastest is the certified one. The standard uncertainty of its "
-        "speed is propagated from the joint covariance of the positions at both its ends.");
-}
-
-/// The screening of files of revision 1.1 and before.
-void describe_innovation_test(Json& words) {
-    words.push_back(
-        "Every epoch is screened: the kind of its solution, its stated accuracy, the order of "
-        "time, and whether its position follows from those before it (innovation test of a "
-        "Kalman filter with constant acceleration and white-noise jerk). Epochs are marked, never "
-        "deleted. A gap in time, or several rejections in a row, ends a stretch.");
-}
-
 void describe_tests(Json& words, const ScreeningEvidence& evidence) {
     words.push_back(
         "Every epoch is screened. Epochs are marked, never deleted. First each by itself: the kind "
@@ -102,7 +80,7 @@ void describe_tests(Json& words, const ScreeningEvidence& evidence) {
         "the other receiver, where there is one.");
 }
 
-void describe_learnt_noise(Json& words, bool tested) {
+void describe_learnt_noise(Json& words) {
     words.push_back(
         "The noise is learnt from the recording where the attempt does not ask for the stated one: "
         "the jerk density of the motion, the scale of the stated standard deviations, and the size "
@@ -112,22 +90,19 @@ void describe_learnt_noise(Json& words, bool tested) {
     words.push_back(
         "Within each stretch position, velocity and acceleration are estimated from all usable "
         "epochs at once, in two ways that must agree: batch least squares, and a Kalman filter "
-        "with Rauch-Tung-Striebel smoothing. A batch with a robust loss, over the epochs that "
-        "the " +
-        std::string(tested ? "tests" : "innovation test") +
-        " rejected too, is the check on screening.");
+        "with Rauch-Tung-Striebel smoothing. A batch with a robust loss, over the epochs that the "
+        "tests rejected too, is the check on screening.");
     words.push_back(
         "Every window of the rule's length that lies within one stretch and holds usable epochs "
         "only is compared; the fastest is the certified one. Its speed is estimated with a bound "
         "on slow position errors in place of the fitted ones. Its standard uncertainty is that of "
         "the budget, one row for each source, by the law of propagation of uncertainty; a Monte "
         "Carlo propagation of the same distributions checks it.");
-    if (tested)
-        words.push_back(
-            "What screening could have missed is bounded by the external reliability of the speed "
-            "(Baarda 1968): for each kind of error, at every epoch and in every direction, the "
-            "size that its test finds with the stated power only, and what that does to the speed. "
-            "The largest that is not a drift is a row of the budget.");
+    words.push_back(
+        "What screening could have missed is bounded by the external reliability of the speed "
+        "(Baarda 1968): for each kind of error, at every epoch and in every direction, the size "
+        "that its test finds with the stated power only, and what that does to the speed. The "
+        "largest that is not a drift is a row of the budget.");
 }
 
 Json description(const ReportInputs& inputs) {
@@ -139,15 +114,8 @@ Json description(const ReportInputs& inputs) {
             "them.");
     else
         words.push_back("Plane coordinates are taken from the recording as they are.");
-    const auto& evidence = inputs.receivers.front().screened.evidence;
-    if (evidence)
-        describe_tests(words, *evidence);
-    else
-        describe_innovation_test(words);
-    if (inputs.receivers.front().trajectory.estimation.horizontal)
-        describe_learnt_noise(words, evidence.has_value());
-    else
-        describe_stated_noise(words);
+    describe_tests(words, inputs.receivers.front().screened.evidence);
+    describe_learnt_noise(words);
     words.push_back(
         "The speeds of [DHD22] (Deakin, Holden & Daddo 2022, Precision of Derived Velocity from "
         "Kinematic GPS for Land Yachting Speed Record Attempt) are computed beside it for "

@@ -129,12 +129,11 @@ constexpr std::array<NoiseLine, 11> noise_lines{{
 }  // namespace
 
 Json noise_table(const EstimationSummary& estimation) {
-    if (!estimation.horizontal) return nullptr;
     Json table{{"axes", Json::array({"Horizontal"})}, {"lines", Json::array()}};
     if (estimation.vertical) table["axes"].push_back("Vertical");
     for (const NoiseLine& line : noise_lines) {
         Json cells = Json::array();
-        cells.push_back({{"axis", "Horizontal"}, {"text", line.cell(*estimation.horizontal)}});
+        cells.push_back({{"axis", "Horizontal"}, {"text", line.cell(estimation.horizontal)}});
         if (estimation.vertical)
             cells.push_back({{"axis", "Vertical"}, {"text", line.cell(*estimation.vertical)}});
         table["lines"].push_back({{"label", line.label}, {"cells", std::move(cells)}});

@@ -98,12 +98,7 @@ std::string drift_words(const UndetectedError& drift, const SpeedUnit& unit) {
 }
 
 Json error_json(const UndetectedError& error, const SpeedUnit& unit) {
-    Json json{{"hypothesis", error.hypothesis},
-              {"epoch", error.epoch},
-              {"last_epoch", error.last_epoch},
-              {"size", rounded(error.size, 9)},
-              {"unit", error.unit}};
-    set_speeds(json, "speed", error.speed_mps);
+    Json json = members_json(error);
     const bool nothing = is_nothing(error);
     const bool unlimited = is_unlimited(error);
     json["kind_text"] = kind_words(error);

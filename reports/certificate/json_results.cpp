@@ -39,13 +39,6 @@ std::string certainty_words(const std::string& certainty) {
     return certainty == "secondary" ? "as told by others" : "not confirmed";
 }
 
-/// The record that the verdict is about; that of the whole attempt in a file of revision 1.0.
-std::optional<double> record_mps(const ReportInputs& inputs, const ProfileVerdict& verdict) {
-    if (verdict.record) return verdict.record->speed_mps;
-    if (inputs.verdict.record && verdict.target_mps) return inputs.verdict.record->speed_mps;
-    return std::nullopt;
-}
-
 /// The speed as it is to be read.
 Json headline_json(const ProfileVerdict& verdict, const Profile& profile) {
     if (const auto& shown = verdict.shown) {
@@ -68,8 +61,7 @@ Json headline_json(const ProfileVerdict& verdict, const Profile& profile) {
     return json;
 }
 
-void set_results(Json& json, const ReportInputs& inputs, const ProfileVerdict& verdict,
-                 const Profile& profile) {
+void set_results(Json& json, const ProfileVerdict& verdict, const Profile& profile) {
     const auto& uncertainty = verdict.expanded_uncertainty_mps;
     std::optional<double> standard, lower, acceptance;
     if (uncertainty) standard = *uncertainty / verdict.coverage_factor;
@@ -87,23 +79,18 @@ void set_results(Json& json, const ReportInputs& inputs, const ProfileVerdict& v
          {"Speed less expanded uncertainty", lower},
          {"Least speed that would be accepted", acceptance},
          {"Speed to reach", verdict.target_mps},
-         {"Standing record", record_mps(inputs, verdict), SpeedRow::stated}},
+         {"Standing record",
+          verdict.record ? std::optional(verdict.record->speed_mps) : std::nullopt,
+          SpeedRow::stated}},
         profile, uncertainty);
     if (verdict.speed_mps) json["headline"] = headline_json(verdict, profile);
 }
 
 Json requirement_json(const Requirement& requirement) {
-    Json json{{"clause", requirement.clause},
-              {"status", requirement.status},
-              {"status_words", status_words(requirement.status)},
-              {"clause_text", requirement.text},
-              {"evidence", requirement.evidence},
-              {"source", requirement.source},
-              {"certainty", requirement.certainty},
-              {"certainty_words", certainty_words(requirement.certainty)}};
-    if (!requirement.decided_by.empty()) json["decided_by"] = requirement.decided_by;
-    if (!requirement.figures.empty())
-        json["requirement_figures"] = quantities_json(requirement.figures);
+    Json json = members_json(requirement);
+    json["status_words"] = status_words(requirement.status);
+    json["certainty_words"] = certainty_words(requirement.certainty);
+    json["figures"] = quantities_json(requirement.figures);
     return json;
 }
 
@@ -162,7 +149,7 @@ Json profile_json(const ReportInputs& inputs, std::size_t index) {
     set_rule(json, profile);
     set_decision(json, verdict, profile);
     set_reservations(json, verdict);
-    set_results(json, inputs, verdict, profile);
+    set_results(json, verdict, profile);
     const ProfileWindows* windows = windows_of(inputs.receivers.front().windows, verdict.profile);
     if (windows != nullptr && !windows->missing.empty())
         json["missing_words"] = fmt::format("What is missing: {}.", windows->missing);

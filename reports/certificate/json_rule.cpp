@@ -31,17 +31,7 @@ std::string ends_words(const Profile& profile) {
                                   : "";
 }
 
-/// The verdict of a file of revision 1.0, which did not know the probability.
-bool decided_by_interval(const ProfileVerdict& verdict) {
-    return !verdict.decision && verdict.speed_mps && verdict.target_mps;
-}
-
 std::string decision_rule(const ProfileVerdict& verdict, const Profile& profile) {
-    if (decided_by_interval(verdict))
-        return fmt::format(
-            "The record counts as beaten where the speed less its expanded uncertainty (k = {}) "
-            "reaches the speed to reach.",
-            coverage_text(verdict.coverage_factor));
     const double level = verdict.decision ? verdict.decision->level : profile.decision_probability;
     return fmt::format(
         "The record counts as beaten where the probability that the true speed reaches the speed "
@@ -88,31 +78,17 @@ std::string decision_words(const ProfileVerdict& verdict, const SpeedUnit& unit)
 }
 
 Json decision_json(const ProfileVerdict& verdict, const SpeedUnit& unit) {
-    const Decision& decision = *verdict.decision;
-    Json json{
-        {"probability", rounded(decision.probability, 9)},
-        {"level", rounded(decision.level, 9)},
-        {"target_standard_uncertainty_m_s", rounded(decision.target_standard_uncertainty_mps, 6)}};
-    set_speeds(json, "acceptance_limit", decision.acceptance_limit_mps);
-    if (decision.risk) json["risk"] = rounded(*decision.risk, 9);
-    json["attempts_made"] = decision.attempts_made;
-    json["bias_limit_m_s"] = rounded(decision.bias_limit_mps, 6);
-    if (decision.drift_survived_m)
-        json["drift_survived_m"] = rounded(*decision.drift_survived_m, 6);
-    if (decision.drift_found_mps) json["drift_found_m_s"] = rounded(*decision.drift_found_mps, 6);
+    Json json = members_json(*verdict.decision);
     json["decision_words"] = decision_words(verdict, unit);
     return json;
 }
 
 Json override_json(const Override& figure) {
     const std::string unit = figure.unit.empty() ? "" : " " + figure.unit;
-    Json json{{"replaced_figure", figure.figure},
-              {"rule_value", figure.rule},
-              {"used_value", figure.used}};
-    if (!figure.unit.empty()) json["replaced_unit"] = figure.unit;
+    Json json = members_json(figure);
     json["rule_text"] = plain_text(figure.rule) + unit;
     json["used_text"] = plain_text(figure.used) + unit;
-    json["override_reason"] = figure.reason.empty() ? "none given" : figure.reason;
+    if (figure.reason.empty()) json["reason"] = "none given";
     return json;
 }
 

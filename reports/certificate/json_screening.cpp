@@ -99,13 +99,12 @@ Json screening_json(const ScreenedTable& table) {
         json["reasons"].push_back({{"reason", to_text(reason)},
                                    {"words", reason == Reason::none ? "used" : words_of(reason)},
                                    {"count", count}});
-    if (!table.evidence) return json;
     json["decisions"] = Json::array();
     for (const auto& [hypothesis, count] : summary.decisions)
         json["decisions"].push_back({{"hypothesis", to_text(hypothesis)},
                                      {"words", decided_for(hypothesis).one},
                                      {"count", count}});
-    json["evidence"] = evidence_json(*table.evidence);
+    json["evidence"] = evidence_json(table.evidence);
     return json;
 }
 
@@ -113,16 +112,8 @@ Json screening_facts(const ScreenedTable& table) {
     const ScreeningSummary summary = summarise(table.rows);
     Json facts = Json::array();
     facts.push_back(fact("Epochs used", used_text(table, summary)));
-    if (!table.evidence) {
-        facts.push_back(
-            fact("Variance factor of the innovations", format_fixed(table.variance_factor, 2)));
-        facts.push_back(fact("What the tests rested on",
-                             "not stated: the files are of an earlier revision, or no stretch "
-                             "could be tested"));
-        return facts;
-    }
     facts.push_back(fact("Decided by the tests", decisions_text(summary)));
-    for (Json& line : evidence_facts(*table.evidence))
+    for (Json& line : evidence_facts(table.evidence))
         facts.push_back(std::move(line));
     return facts;
 }

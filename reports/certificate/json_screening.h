@@ -6,8 +6,7 @@
 
 namespace runcert {
 
-/// What screening decided: epochs by reason, decisions by hypothesis, and what the tests rested on
-/// where the table says it, as those of revision 1.1 and before do not.
+/// What screening decided: epochs by reason, decisions by hypothesis, and what the tests rested on.
 nlohmann::ordered_json screening_json(const ScreenedTable& table);
 
 /// The same as shown, a line for each thing that an official asks.

@@ -15,11 +15,6 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-bool says_nothing(const CertifiableWindow& best) {
-    return best.budget.empty() && !best.fitted && !best.bound && !best.robust && !best.selection &&
-           !best.monte_carlo;
-}
-
 std::string difference_text(double difference_mps, const UncertaintyScale& scale) {
     const std::string text = format_fixed(difference_mps * scale.unit.per_mps, 4);
     return fmt::format("{}{} {}", difference_mps > 0.0 ? "+" : "", text, scale.unit.name);
@@ -36,11 +31,7 @@ std::string metres(double length_m) {
 
 Json fitted_json(const FittedSpeed& fitted, const UncertaintyScale& scale) {
     const double expanded_mps = scale.coverage_factor * fitted.standard_uncertainty_mps;
-    Json json = Json::object();
-    set_speeds(json, "speed", fitted.speed_mps);
-    set_speeds(json, "standard_uncertainty", fitted.standard_uncertainty_mps);
-    set_speeds(json, "expanded_uncertainty", expanded_mps);
-    json["models"] = fitted.models;
+    Json json = members_json(fitted);
     json["fitted_words"] = fmt::format(
         "{} (k = {}), by {}",
         speed_with_uncertainty_text(fitted.speed_mps, expanded_mps, scale.unit),
@@ -52,12 +43,7 @@ Json fitted_json(const FittedSpeed& fitted, const UncertaintyScale& scale) {
 }
 
 Json robust_json(const RobustSpeed& robust, const UncertaintyScale& scale) {
-    Json json = Json::object();
-    set_speeds(json, "speed", robust.speed_mps);
-    set_speeds(json, "difference", robust.difference_mps);
-    set_speeds(json, "limit", robust.limit_mps);
-    json["agrees"] = robust.agrees;
-    json["downweighted"] = robust.downweighted;
+    Json json = members_json(robust);
     json["robust_words"] = fmt::format(
         "{} {}: {} with the screened solution of the same noise (difference {}, limit {}); {} of "
         "the window at less than half weight",
@@ -76,14 +62,7 @@ std::string decided_words(const ErrorBound& bound) {
 }
 
 Json bound_json(const ErrorBound& bound, const UncertaintyScale& scale) {
-    Json json{
-        {"tau_min_s", rounded(bound.tau_min_s, 6)}, {"tau_max_s", rounded(bound.tau_max_s, 6)},
-        {"sigma_m", rounded(bound.sigma_m, 6)},     {"fitted_m", rounded(bound.fitted_m, 6)},
-        {"stated_m", rounded(bound.stated_m, 6)},   {"floor_m", rounded(bound.floor_m, 6)}};
-    if (!bound.floor_fix.empty()) json["floor_fix"] = bound.floor_fix;
-    json["along"] = rounded(bound.along, 6);
-    json["decided_by"] = bound.decided_by;
-    set_speeds(json, "standard_uncertainty", bound.standard_uncertainty_mps);
+    Json json = members_json(bound);
     json["bound_words"] = fmt::format(
         "allowed for up to a standard deviation of {}, with any correlation time from {:g} s to "
         "{:g} "
@@ -110,15 +89,7 @@ std::string treatment_words(const SelectionBias& selection, const UncertaintySca
 }
 
 Json estimates_json(const OtherEstimates& other, const UncertaintyScale& scale) {
-    Json json = Json::object();
-    if (other.chord_mps) json["chord_m_s"] = rounded(*other.chord_mps, 6);
-    if (other.chord_difference_uncertainty_mps)
-        json["chord_difference_uncertainty_m_s"] =
-            rounded(*other.chord_difference_uncertainty_mps, 6);
-    json["stiffer_m_s"] = rounded(other.stiffer_mps, 6);
-    json["softer_m_s"] = rounded(other.softer_mps, 6);
-    json["whole_m_s"] = rounded(other.whole_mps, 6);
-    json["half_width_m_s"] = rounded(other.half_width_mps, 6);
+    Json json = members_json(other);
     const auto speed = [&](double speed_mps) {
         return speed_text(speed_mps, std::max(other.half_width_mps, 1e-3), scale.unit);
     };
@@ -135,19 +106,7 @@ Json estimates_json(const OtherEstimates& other, const UncertaintyScale& scale) 
 
 Json selection_json(const SelectionBias& selection, std::int64_t compared,
                     const UncertaintyScale& scale) {
-    Json json{{"selection_candidates", selection.candidates}};
-    set_speeds(json, "chosen_mean", selection.chosen_mean_mps);
-    set_speeds(json, "chosen_sd", selection.chosen_sd_mps);
-    set_speeds(json, "best_mean", selection.best_mean_mps);
-    set_speeds(json, "best_sd", selection.best_sd_mps);
-    json["fitted_bias_m_s"] = rounded(selection.fitted_bias_mps, 6);
-    json["bounded_bias_m_s"] = rounded(selection.bounded_bias_mps, 6);
-    json["bias_half_range_m_s"] = rounded(selection.bias_half_range_mps, 6);
-    set_speeds(json, "bias", selection.bias_mps);
-    set_speeds(json, "bias_uncertainty", selection.bias_uncertainty_mps);
-    json["treatment"] = selection.treatment;
-    json["samples"] = selection.samples;
-    json["seed"] = selection.seed;
+    Json json = members_json(selection);
     json["selection_words"] = fmt::format(
         "The fastest of {} was chosen; {} could have been it. That makes its speed look higher by "
         "{} with the errors as fitted, by {} with slow errors as large as allowed for; {}.",
@@ -204,8 +163,7 @@ Json comparison_facts(const Json& uncertainty) {
 
 Json uncertainty_json(const ProfileVerdict& verdict, const ProfileWindows& windows,
                       const Profile& profile) {
-    if (!windows.best || says_nothing(*windows.best)) return nullptr;
-    const CertifiableWindow& best = *windows.best;
+    const CertifiableWindow& best = windows.best.value();
     const UncertaintyScale scale{rule_unit(profile), verdict.coverage_factor};
     const double speed_mps = verdict.speed_mps.value_or(best.speed_mps);
     const double expanded_mps = verdict.expanded_uncertainty_mps.value_or(

@@ -8,8 +8,7 @@ namespace runcert {
 
 /// Where the uncertainty of a certified speed comes from: what the fitted noise alone and the
 /// robust estimate say, the bound on slow errors, the choice of the fastest window, the budget and
-/// its Monte Carlo check. Speeds as shown are in the rule's unit. Null where the run's files say
-/// nothing of it, as those of revision 1.0 do not.
+/// its Monte Carlo check. Speeds as shown are in the rule's unit.
 nlohmann::ordered_json uncertainty_json(const ProfileVerdict& verdict,
                                         const ProfileWindows& windows, const Profile& profile);
 

@@ -78,10 +78,6 @@ std::string definition_note(const CertifiableWindow& best, const Profile& profil
     if (best.estimates && best.selection && best.selection->treatment == "subtracted")
         return "These figures are of the smoothed trajectory. The certified speed is the rule's, "
                "less what choosing the fastest window makes it look higher by.";
-    // In revisions 1.1 to 1.3 the certified speed had a noise of its own.
-    if (best.fitted && !best.estimates)
-        return "These figures are of the smoothed trajectory, whose noise is the one fitted. The "
-               "certified speed is estimated with the bound on slow position errors.";
     return {};
 }
 
@@ -118,7 +114,8 @@ void set_further(Json& json, const ProfileWindows& windows, const Profile& profi
     const double u = shown_uncertainty(*windows.best, profile);
     std::vector<SpeedRow> rows{{window_label(windows.best->span), windows.best->speed_mps}};
     for (const FurtherWindow& further : windows.further) {
-        Json entry = span_json(further.span);
+        Json entry = members_json(further.span);
+        set_end(entry, further.span);
         entry["arc"] = further.arc;
         set_speeds(entry, "speed", further.speed_mps);
         set_speeds(entry, "standard_uncertainty", further.standard_uncertainty_mps);
@@ -151,14 +148,11 @@ void set_methods(Json& json, const CertifiableWindow& best, const Profile& profi
 
 }  // namespace
 
-Json span_json(const WindowSpan& span) {
-    Json json = members_json(span);
-    if (span.start_gps) {
-        const GpsTime end = span.start_gps->plus_nanoseconds(span.duration.nanoseconds);
-        json["end_gps"] = to_iso(end, 3);
-        json["end_utc"] = to_utc_iso(end, 3);
-    }
-    return json;
+void set_end(Json& json, const WindowSpan& span) {
+    if (!span.start_gps) return;
+    const GpsTime end = span.start_gps->plus_nanoseconds(span.duration.nanoseconds);
+    json["end_gps"] = to_iso(end, 3);
+    json["end_utc"] = to_utc_iso(end, 3);
 }
 
 Json speed_table(const std::vector<SpeedRow>& rows, const Profile& profile,
@@ -186,7 +180,8 @@ Json speed_table(const std::vector<SpeedRow>& rows, const Profile& profile,
 
 Json window_json(const ProfileVerdict& verdict, const ProfileWindows* windows,
                  const Profile& profile) {
-    Json json = span_json(*verdict.window);
+    Json json = members_json(*verdict.window);
+    set_end(json, *verdict.window);
     Json facts = place_facts(*verdict.window);
     if (windows != nullptr && windows->best) {
         const CertifiableWindow& best = *windows->best;
@@ -207,8 +202,7 @@ Json window_json(const ProfileVerdict& verdict, const ProfileWindows* windows,
         set_definitions(json, best, profile);
         set_further(json, *windows, profile);
         set_methods(json, best, profile);
-        if (Json uncertainty = uncertainty_json(verdict, *windows, profile); !uncertainty.is_null())
-            json["uncertainty"] = std::move(uncertainty);
+        json["uncertainty"] = uncertainty_json(verdict, *windows, profile);
         set_reliability(json, best, {rule_unit(profile), verdict.coverage_factor});
         if (best.repaired_steps > 0)
             facts.push_back(fact("Steps inside it, bridged with their offsets as unknowns",
@@ -220,12 +214,11 @@ Json window_json(const ProfileVerdict& verdict, const ProfileWindows* windows,
 }
 
 Json indicated_json(const RefusedWindow& indicated, const Profile& profile) {
-    Json json = span_json(indicated.span);
-    set_speeds(json, "speed", indicated.speed_mps);
+    Json json = members_json(indicated);
+    set_end(json, indicated.span);
     const SpeedUnit& unit = rule_unit(profile);
     json["indicated_speed"] =
         fmt::format("{} {}", speed_text(indicated.speed_mps, std::nullopt, unit), unit.name);
-    json["refusals"] = indicated.refusals;
     Json facts = time_facts(indicated.span);
     for (const Json& place : place_facts(indicated.span))
         facts.push_back(place);

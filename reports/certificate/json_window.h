@@ -11,8 +11,8 @@
 
 namespace runcert {
 
-/// A span with its end on the clock, where it has one.
-nlohmann::ordered_json span_json(const WindowSpan& span);
+/// Sets the end of a span on the clock, `end_gps` and `end_utc`, where it has one.
+void set_end(nlohmann::ordered_json& json, const WindowSpan& span);
 
 /// One speed, to be shown in every unit.
 struct SpeedRow {

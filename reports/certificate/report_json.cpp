@@ -69,13 +69,11 @@ void check_inputs(const ReportInputs& inputs) {
 /// which leaves marks of the direction of writing in names as they are. Of a curve's many points a
 /// few stand for all: they are made by one line of code.
 void check_predicate(Json predicate, const std::string& where) {
-    for (Json& figure : predicate["figures"]) {
-        if (!figure.contains("curves")) continue;  // of revision 1.3 or before
+    for (Json& figure : predicate["figures"])
         for (Json& curve : figure["curves"])
             for (const char* values : {"x", "y", "lower", "upper"})
                 if (curve.contains(values) && curve[values].size() > 3)
                     curve[values].erase(curve[values].begin() + 3, curve[values].end());
-    }
     (void)read_document(to_yaml_text(predicate), where, report_field_table());
 }
 

@@ -17,11 +17,8 @@ void render_report(const std::filesystem::path& run_folder, const std::string& r
     const auto report = parse_report(report_text, (run_folder / "report.json").string());
     const std::vector<std::string> drawings = draw_figures(report["predicate"]);
     const std::string on_paper = report_print_page(report, drawings, options.signatures);
-    // A report of revision 1.3 or before may hold what ends a script: its page carries none.
-    const bool embeddable = report_text.find_first_of("<>&") == std::string::npos;
-    write_file_atomically(
-        run_folder / "report.html",
-        embeddable ? report_page(report_text, report, drawings, options.signatures) : on_paper);
+    write_file_atomically(run_folder / "report.html",
+                          report_page(report_text, report, drawings, options.signatures));
     if (options.pdf)
         write_file_atomically(run_folder / "report.pdf", report_pdf(on_paper, report_text));
 }

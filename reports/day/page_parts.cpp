@@ -53,7 +53,7 @@ void set_speed(TemplateData& row, const DayResult& result) {
 
 TemplateData place_data(const DayProfile& profile, std::size_t i, const AttemptResult& attempt) {
     const DayPlace& place = profile.ranking[i];
-    const DayResult& result = *attempt.by(profile.profile);
+    const DayResult& result = *result_by(attempt, profile.profile);
     const OutcomeWords outcome = outcome_words(result);
     TemplateData row = template_map();
     set_text(row, "rank", place.rank ? fmt::format("{}", *place.rank) : "");
@@ -81,7 +81,7 @@ void set_picture(TemplateData& data, const DayProfile& profile, const AttemptsBy
     data.set("has_picture", TemplateData(!picture.lines.empty()));
     data.set("picture", picture_svg(picture));
     const auto with_speed = std::ranges::count_if(profile.ranking, [&](const DayPlace& place) {
-        return attempts.at(place.id)->by(profile.profile)->speed_mps.has_value();
+        return result_by(*attempts.at(place.id), profile.profile)->speed_mps.has_value();
     });
     const auto drawn = std::ssize(picture.lines);
     set_text(data, "cut",
@@ -105,7 +105,7 @@ void set_count(TemplateData& counts, const std::string& sign, const std::string&
 
 TemplateData tally_of(const DayProfile& profile, const AttemptsById& attempts) {
     const auto no_record = std::ranges::count_if(profile.ranking, [&](const DayPlace& place) {
-        const DayResult& result = *attempts.at(place.id)->by(profile.profile);
+        const DayResult& result = *result_by(*attempts.at(place.id), profile.profile);
         return result.outcome == "not_proven" && !result.target_mps;
     });
     TemplateData counts = list();
@@ -152,7 +152,7 @@ Picture picture_of(const DayProfile& profile, const AttemptsById& attempts, std:
                     .unit = {},
                     .lines = {}};
     for (const DayPlace& place : profile.ranking) {
-        const DayResult& result = *attempts.at(place.id)->by(profile.profile);
+        const DayResult& result = *result_by(*attempts.at(place.id), profile.profile);
         const auto words = speed_words(result);
         if (!words) continue;
         if (picture.lines.size() == at_most) break;

@@ -54,7 +54,8 @@ std::vector<DayPlace> ranking_by(std::string_view profile,
                                  const std::vector<AttemptResult>& attempts) {
     std::vector<Entry> entries;
     for (const AttemptResult& attempt : attempts)
-        if (const DayResult* result = attempt.by(profile)) entries.push_back({attempt.id, result});
+        if (const DayResult* result = result_by(attempt, profile))
+            entries.push_back({attempt.id, result});
     std::ranges::stable_sort(entries, [](const Entry& a, const Entry& b) {
         return std::tuple(a.merit(), a.id) < std::tuple(b.merit(), b.id);
     });
@@ -80,16 +81,16 @@ std::optional<BestOfDay> best_by(std::string_view profile,
                                  const std::vector<DayPlace>& ranking) {
     if (ranking.empty()) return std::nullopt;
     const auto first = std::ranges::find_if(attempts, [&](const AttemptResult& attempt) {
-        return attempt.id == ranking.front().id && attempt.by(profile);
+        return attempt.id == ranking.front().id && result_by(attempt, profile);
     });
-    const DayResult& result = *first->by(profile);
+    const DayResult& result = *result_by(*first, profile);
     if (result.outcome != "beaten" || !result.probability || !result.level) return std::nullopt;
     const double risk = (1.0 - *result.level) * static_cast<double>(result.attempts_made);
     BestOfDay best{.id = ranking.front().id,
                    .attempts = std::ssize(ranking),
                    .probability = *result.probability};
     for (const AttemptResult& attempt : attempts)
-        if (const DayResult* other = attempt.by(profile))
+        if (const DayResult* other = result_by(attempt, profile))
             best.attempts = std::max(best.attempts, other->attempts_made);
     best.level = 1.0 - risk / static_cast<double>(best.attempts);
     best.beaten = best.probability >= best.level;
@@ -99,7 +100,7 @@ std::optional<BestOfDay> best_by(std::string_view profile,
 OutcomeCounts outcomes_by(std::string_view profile, const std::vector<AttemptResult>& attempts) {
     OutcomeCounts counts;
     for (const AttemptResult& attempt : attempts) {
-        const DayResult* result = attempt.by(profile);
+        const DayResult* result = result_by(attempt, profile);
         if (!result) continue;
         if (result->outcome == "beaten") ++counts.beaten;
         if (result->outcome == "not_proven") ++counts.not_proven;

@@ -8,13 +8,13 @@
 
 #include "core/failure.h"
 #include "core/text.h"
+#include "schemas/common/product_files.h"
 
 namespace runcert {
 namespace {
 
 using Json = nlohmann::json;
 
-constexpr std::string_view verdict_file = "6-verdict.yaml";
 constexpr const char* again = "Certify the attempt again: `runcert batch` with --force and --only";
 
 std::optional<DayShown> shown_of(const ProfileVerdict& verdict) {
@@ -71,7 +71,7 @@ ReportIdentity read_report_identity(std::string_view text, const std::string& wh
                                 .craft_class = attempt.at("craft_class").get<std::string>(),
                                 .verdict_sha256 = {}};
         for (const Json& subject : report.at("subject"))
-            if (subject.at("name") == verdict_file)
+            if (subject.at("name") == products::verdict_file)
                 identity.verdict_sha256 = subject.at("digest").at("sha256").get<std::string>();
         return identity;
     } catch (const Json::exception& fault) {

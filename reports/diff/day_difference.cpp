@@ -65,8 +65,8 @@ void compare_speeds(ResultChange& change) {
 void compare_rule(DayComparison& comparison, const std::string& profile, const AttemptResult& from,
                   const AttemptResult& to) {
     ResultChange change{.id = from.id, .profile = profile};
-    if (const DayResult* result = from.by(profile)) change.old_result = *result;
-    if (const DayResult* result = to.by(profile)) change.new_result = *result;
+    if (const DayResult* result = result_by(from, profile)) change.old_result = *result;
+    if (const DayResult* result = result_by(to, profile)) change.new_result = *result;
     if (change.old_result && change.new_result) {
         change.outcome_changed = change.old_result->outcome != change.new_result->outcome;
         compare_speeds(change);
@@ -90,7 +90,8 @@ void compare_attempt(DayComparison& comparison, const AttemptResult& from,
         for (const DayResult& result : from.results)
             compare_rule(comparison, result.profile, from, to);
         for (const DayResult& result : to.results)
-            if (!from.by(result.profile)) compare_rule(comparison, result.profile, from, to);
+            if (!result_by(from, result.profile))
+                compare_rule(comparison, result.profile, from, to);
     }
     ++comparison.in_both;
     if (comparison.states.size() + comparison.results.size() == before) ++comparison.unchanged;

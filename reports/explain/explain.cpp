@@ -11,11 +11,10 @@
 #include "core/text.h"
 #include "reports/explain/parts.h"
 #include "reports/explain/words.h"
+#include "schemas/common/product_files.h"
 
 namespace runcert {
 namespace {
-
-constexpr std::string_view verdict_file = "6-verdict.yaml";
 
 std::vector<ProfileView> views_of(const Verdict& verdict, const std::vector<Profile>& profiles,
                                   const std::string& wanted) {
@@ -26,7 +25,7 @@ std::vector<ProfileView> views_of(const Verdict& verdict, const std::vector<Prof
         if (!wanted.empty() && entry.profile != wanted) continue;
         const auto profile = std::ranges::find(profiles, entry.profile, &Profile::id);
         if (profile == profiles.end())
-            throw Failure(std::string(verdict_file),
+            throw Failure(std::string(products::verdict_file),
                           fmt::format("the verdict is by the profile {}, which the attempt does "
                                       "not claim",
                                       escape_for_message(entry.profile)),

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/failure.h"
+#include "schemas/common/product_files.h"
 
 namespace runcert {
 namespace {
@@ -102,7 +103,7 @@ std::vector<TrackPoint> points_between(const TrajectoryTable& trajectory, const 
     const auto last = at_or_after(span.last_epoch);
     if (first == trajectory.rows.end() || last == trajectory.rows.end() ||
         first->epoch != span.first_epoch || last->epoch != span.last_epoch)
-        throw Failure("5-windows.yaml",
+        throw Failure(std::string(products::windows_file),
                       fmt::format("the window from epoch {} to {} is not in the trajectory",
                                   span.first_epoch, span.last_epoch),
                       "The files are of different runs; certify again");

@@ -9,8 +9,8 @@
 #include "core/text.h"
 #include "schemas/attempt/attempt_id.h"
 #include "schemas/attempt/rule_input.h"
+#include "schemas/common/document.h"
 #include "schemas/common/enum_text.h"
-#include "schemas/common/revision.h"
 
 namespace runcert {
 
@@ -266,16 +266,7 @@ std::string profile_name(const std::string& claimed) {
 }
 
 Attempt read_attempt(std::string_view text, const std::string& where) {
-    const YamlValue document(parse_yaml(text, where), where);
-    if (!document.is_map())
-        document.fail("this is not an attempt", "An attempt begins with \"schema: attempt/1.6\"");
-    const std::optional<std::int64_t> revision = written_revision(document, attempt_schema());
-    if (!revision)
-        (document["schema"].exists() ? document["schema"] : document)
-            .fail("the file does not say that it follows " + known_revisions(attempt_schema()),
-                  "An attempt begins with \"schema: attempt/1.6\"");
-    validate_revision(document, attempt_schema(), *revision);
-
+    const YamlValue document = read_input(text, where, attempt_schema());
     Attempt attempt;
     attempt.id = read_id(document["id"]);
     attempt.craft_name = document["craft"]["name"].text();

@@ -1,5 +1,7 @@
 #include "schemas/common/document.h"
 
+#include <fmt/format.h>
+
 #include "core/rounding.h"
 #include "files/yaml_output.h"
 #include "schemas/common/revision.h"
@@ -31,6 +33,29 @@ YamlValue read_document(std::string_view text, const std::string& where,
                         const DocumentSchema& schema) {
     YamlValue document(parse_yaml(text, where), where);
     validate_revision(document, schema, check_version(document, schema));
+    return document;
+}
+
+YamlValue parse_input(std::string_view text, const std::string& where,
+                      const DocumentSchema& schema) {
+    YamlValue document(parse_yaml(text, where), where);
+    const std::string& name = schema.name();
+    const std::string remedy =
+        fmt::format("{} {} begins with \"schema: {}/{}\"", name == "attempt" ? "An" : "A", name,
+                    name, schema.version());
+    if (!document.is_map())
+        document.fail(fmt::format("this is not {} {}", name == "attempt" ? "an" : "a", name),
+                      remedy);
+    if (!written_revision(document, schema))
+        (document["schema"].exists() ? document["schema"] : document)
+            .fail("the file does not say that it follows " + known_revisions(schema), remedy);
+    return document;
+}
+
+YamlValue read_input(std::string_view text, const std::string& where,
+                     const DocumentSchema& schema) {
+    YamlValue document = parse_input(text, where, schema);
+    validate_revision(document, schema, *written_revision(document, schema));
     return document;
 }
 

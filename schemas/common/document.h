@@ -17,6 +17,14 @@ void round_to_table(nlohmann::ordered_json& document, const DocumentSchema& sche
 YamlValue read_document(std::string_view text, const std::string& where,
                         const DocumentSchema& schema);
 
+/// Parses what a person wrote, whose first line says which schema it follows ("attempt/1.0").
+/// Failure with its place where it says none that this program knows.
+YamlValue parse_input(std::string_view text, const std::string& where,
+                      const DocumentSchema& schema);
+
+/// The same, and checks every field against `schema`, as that revision had it.
+YamlValue read_input(std::string_view text, const std::string& where, const DocumentSchema& schema);
+
 /// Writes a YAML product: sets `schema` in it, rounds to the field table, checks the whole against
 /// the table (a deviation is a fault of the program).
 std::string write_document(nlohmann::ordered_json document, const DocumentSchema& schema);

@@ -4,7 +4,6 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
-#include <tuple>
 #include <type_traits>
 #include <vector>
 
@@ -13,23 +12,10 @@
 #include "schemas/common/codec.h"
 #include "schemas/common/header.h"
 
-// A struct of plain members as a map of a document, and back, by one list of names for both ways.
+// How the codecs that the build writes take a member of a struct to a map of a document, and back.
 // An enumeration needs `to_text(Enum)` and `bool from_text(std::string_view, Enum&)`.
 
 namespace runcert {
-
-/// A member of a struct, and its name in a file.
-template <class Struct, class T>
-struct Member {
-    const char* name;
-    T Struct::*pointer;
-};
-template <class Struct, class T>
-Member(const char*, T Struct::*) -> Member<Struct, T>;
-
-/// The members of a struct that stand in a file: specialise with a std::tuple of Member.
-template <class Struct>
-inline constexpr auto members = nullptr;
 
 namespace member {
 
@@ -139,23 +125,5 @@ void take_speed(const YamlValue& map, const std::string& name, T& speed_mps) {
 }
 
 }  // namespace member
-
-template <class Struct>
-nlohmann::ordered_json members_json(const Struct& value) {
-    auto map = nlohmann::ordered_json::object();
-    std::apply(
-        [&](const auto&... each) { (member::write(map, each.name, value.*each.pointer), ...); },
-        members<Struct>);
-    return map;
-}
-
-template <class Struct>
-Struct read_members(const YamlValue& map) {
-    Struct value;
-    std::apply(
-        [&](const auto&... each) { (member::take(map, each.name, value.*each.pointer), ...); },
-        members<Struct>);
-    return value;
-}
 
 }  // namespace runcert

@@ -23,6 +23,11 @@ inline constexpr ProductFile verdict{"verdict", "6-verdict", "yaml", false};
 
 /// In the order in which the chain makes them.
 inline constexpr std::array all{observations, enu, screened, trajectory, windows, verdict};
+
+/// Those of the first receiver, and the one of the run, by name.
+inline constexpr std::string_view observations_file = "1-observations.ecsv";
+inline constexpr std::string_view windows_file = "5-windows.yaml";
+inline constexpr std::string_view verdict_file = "6-verdict.yaml";
 }  // namespace products
 
 }  // namespace runcert

@@ -10,7 +10,7 @@
 #include "files/yaml_output.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/attempt/attempt_id.h"
-#include "schemas/common/revision.h"
+#include "schemas/common/document.h"
 #include "schemas/day/merge.h"
 
 namespace runcert {
@@ -180,11 +180,7 @@ const DocumentSchema& day_schema() {
 }
 
 DayFile read_day_file(std::string_view text, const std::string& where) {
-    const YamlValue document(parse_yaml(text, where), where);
-    if (!document.is_map() || !written_revision(document, day_schema()))
-        (document["schema"].exists() ? document["schema"] : document)
-            .fail("the file does not say that it follows " + known_revisions(day_schema()),
-                  "A day begins with \"schema: day/1.0\"");
+    const YamlValue document = parse_input(text, where, day_schema());
     validate_around_entries(document);
     DayFile day{.id = document["id"].text_or(""), .entries = {}};
     if (document["id"].exists() && !is_id(day.id))

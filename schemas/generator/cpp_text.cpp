@@ -387,7 +387,8 @@ std::string source_text(const Declaration& declaration) {
     const std::string name = declaration.source()["schema"].text();
     std::string out = fmt::format(
         "// Written by the build from schemas/{0}/v1.yaml.\n\n#include \"schemas/{0}/{0}.h\"\n\n"
-        "#include \"schemas/common/members.h\"\n\nnamespace runcert {{\n\n"
+        "#include \"schemas/common/document.h\"\n#include \"schemas/common/members.h\"\n\n"
+        "namespace runcert {{\n\n"
         "YamlNode {0}_field_table_node();\n\n",
         name);
     for (const DeclaredWords& words : declaration.own_words())

@@ -7,7 +7,7 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "schemas/common/revision.h"
+#include "schemas/common/document.h"
 
 namespace runcert {
 
@@ -261,12 +261,7 @@ const std::vector<Clause>& own_clauses() {
 }
 
 Profile read_profile(std::string_view text, const std::string& where) {
-    const YamlValue document(parse_yaml(text, where), where);
-    const std::optional<std::int64_t> revision = written_revision(document, profile_schema());
-    if (!revision)
-        document.fail("this is not a profile, or not one of " + known_revisions(profile_schema()),
-                      "A profile begins with \"schema: profile/1.4\"");
-    validate_revision(document, profile_schema(), *revision);
+    const YamlValue document = read_input(text, where, profile_schema());
     Profile profile;
     profile.id = document["id"].text();
     profile.body = document["body"].text();

@@ -67,23 +67,21 @@ std::string write_screened(const ScreenedTable& table) {
                        {"reasons", counts_json(summary.reasons)},
                        {"decisions", counts_json(summary.decisions)},
                        {"variance_factor", table.variance_factor}};
-    if (table.evidence) meta["screening"] = members_json(*table.evidence);
+    meta["screening"] = members_json(table.evidence);
     return screened_format().write(std::move(meta), table.rows);
 }
 
 namespace {
 
 ScreenedTable head_of(const YamlValue& meta) {
-    const YamlValue screening = meta["screening"];
-    return {
-        .header = read_header(meta),
-        .facts = read_members<RecordingFacts>(meta),
-        .origin = meta["origin"].exists() ? std::optional(read_members<FrameOrigin>(meta["origin"]))
-                                          : std::nullopt,
-        .variance_factor = meta["summary"]["variance_factor"].real(),
-        .evidence = screening.exists() ? std::optional(read_members<ScreeningEvidence>(screening))
-                                       : std::nullopt,
-        .rows = {}};
+    return {.header = read_header(meta),
+            .facts = read_members<RecordingFacts>(meta),
+            .origin = meta["origin"].exists()
+                          ? std::optional(read_members<FrameOrigin>(meta["origin"]))
+                          : std::nullopt,
+            .variance_factor = meta["summary"]["variance_factor"].real(),
+            .evidence = read_members<ScreeningEvidence>(meta["screening"]),
+            .rows = {}};
 }
 
 }  // namespace

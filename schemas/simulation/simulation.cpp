@@ -7,7 +7,7 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "schemas/common/header.h"
+#include "schemas/common/document.h"
 
 namespace runcert {
 
@@ -17,7 +17,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double smallest_accuracy_m = 0.0001;  // that attempt/1.3 and a .pos can state
+constexpr double smallest_accuracy_m = 0.0001;  // that attempt/1.0 and a .pos can state
 
 double default_real(std::string_view field) {
     return simulation_schema().find(field)->default_value.real();
@@ -204,13 +204,7 @@ const DocumentSchema& simulation_schema() {
 }
 
 SimulationDocument read_simulation(std::string_view text, const std::string& where) {
-    const YamlValue document(parse_yaml(text, where), where);
-    const YamlValue version = document["schema"];
-    if (!version.exists() || version.text() != "simulation/1.0")
-        (version.exists() ? version : document)
-            .fail("the file does not say that it follows simulation/1.0",
-                  "A simulation begins with \"schema: simulation/1.0\"");
-    simulation_schema().validate(document);
+    const YamlValue document = read_input(text, where, simulation_schema());
 
     SimulationDocument simulation;
     SimulationSpec& spec = simulation.spec;

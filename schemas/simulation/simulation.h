@@ -13,7 +13,7 @@ namespace runcert {
 struct SimulationDocument {
     SimulationSpec spec;
     /// What the attempt to be written says beside its receiver and origin: keys and values of
-    /// attempt/1.3, those that a claim cannot do without filled in.
+    /// attempt/1.0, those that a claim cannot do without filled in.
     nlohmann::ordered_json attempt;
     std::string attempt_place;  ///< "file:line:column" of that part, for messages
 };

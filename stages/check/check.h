@@ -26,7 +26,7 @@ struct ReceiverEvidence {
     std::string solution_source = {};  ///< who says the kind of solution
     RecordCount records = {};
     ScreeningSummary screening;
-    std::optional<ScreeningEvidence> tests;  ///< absent for tables of revision 1.1 and before
+    ScreeningEvidence tests;
     EstimationSummary estimation;
     Windows windows;
     std::optional<FrameOrigin> origin = std::nullopt;  ///< of the trajectory

@@ -171,7 +171,7 @@ std::optional<std::string> velocity_witness(const ClauseContext& context) {
     const ReceiverEvidence& judged = context.input.judged;
     const auto& rows = judged.epochs_of(context.profile.id);
     if (context.profile.dimension != "horizontal" || context.profile.speed_source != "position" ||
-        rows.size() < 2 || !judged.tests || !judged.tests->velocity)
+        rows.size() < 2 || !judged.tests.velocity)
         return std::nullopt;
     Eigen::Vector2d path = Eigen::Vector2d::Zero();
     std::optional<Eigen::Vector2d> before;
@@ -189,7 +189,7 @@ std::optional<std::string> velocity_witness(const ClauseContext& context) {
         before_s = time_s;
     }
     const double duration_s = before_s - rows.front().time.seconds();
-    const VelocityEvidence& velocity = *judged.tests->velocity;
+    const VelocityEvidence& velocity = *judged.tests.velocity;
     path += velocity.delay_s.value_or(0.0) * (*before - *first);
     const double other_mps = path.norm() / duration_s;
     const CertifiableWindow& best = *context.windows.best;

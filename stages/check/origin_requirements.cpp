@@ -20,7 +20,7 @@ double rate_by_chance(const ReceiverEvidence& judged) {
     constexpr double coverage = 5.0;
     const double length_s = rows.back().time.seconds() - rows.front().time.seconds();
     // Steps that vary by themselves; rounded stamps vary less, as errors of neighbours cancel.
-    return length_s > 0.0 ? coverage * judged.tests->time.jitter_s *
+    return length_s > 0.0 ? coverage * judged.tests.time.jitter_s *
                                 std::sqrt(static_cast<double>(rows.size())) / length_s
                           : 1.0;
 }
@@ -29,9 +29,7 @@ Finding time_scale(const Clause&, const ClauseContext& context) {
     const ReceiverEvidence& judged = context.input.judged;
     const std::string& source = judged.facts.time_source;
     const std::string what = judged.time_origin.empty() ? "the time stamps" : judged.time_origin;
-    if (!judged.tests)
-        return unknown(what + ": the screened epochs do not say how regular they are");
-    const double rate = judged.tests->time.rate_deviation;
+    const double rate = judged.tests.time.rate_deviation;
     const std::vector<Figure> figures{{.name = "rate of the time stamps less the nominal one",
                                        .value = rate * 1e6,
                                        .unit = "",
@@ -60,17 +58,14 @@ std::vector<std::string> signs_of_filter(const ClauseContext& context) {
     std::vector<std::string> signs;
     constexpr double too_smooth = 0.3;
     constexpr double as_stated = 0.1;
-    if (judged.tests)
-        for (const ScreeningModel& model : judged.tests->models)
-            if (model.axes == TestedAxes::horizontal && model.noise == "fitted" &&
-                model.white_scale < too_smooth)
-                signs.push_back(fmt::format(
-                    "from epoch to epoch the positions scatter by {:.2f} times what is stated",
-                    model.white_scale));
-    if (const auto& horizontal = judged.estimation.horizontal)
-        if (horizontal->health.autocorrelation > as_stated)
-            signs.push_back(fmt::format("innovations follow one another (lag 1: {:+.2f})",
-                                        horizontal->health.autocorrelation));
+    for (const ScreeningModel& model : judged.tests.models)
+        if (model.axes == TestedAxes::horizontal && model.noise == "fitted" &&
+            model.white_scale < too_smooth)
+            signs.push_back(fmt::format(
+                "from epoch to epoch the positions scatter by {:.2f} times what is stated",
+                model.white_scale));
+    if (const double lag_1 = judged.estimation.horizontal.health.autocorrelation; lag_1 > as_stated)
+        signs.push_back(fmt::format("innovations follow one another (lag 1: {:+.2f})", lag_1));
     if (const Overshoot overshoot = find_overshoot(judged.trajectory); overshoot.found())
         signs.push_back(fmt::format(
             "after {} of {} changes of acceleration the motion swings with a period of {:.1f} s, "
@@ -82,8 +77,8 @@ std::vector<std::string> signs_of_filter(const ClauseContext& context) {
 Finding measured_positions(const Clause&, const ClauseContext& context) {
     const ReceiverEvidence& judged = context.input.judged;
     constexpr double share = 0.01;
-    if (judged.tests && judged.tests->device) {
-        const DeviceEvidence& device = *judged.tests->device;
+    if (judged.tests.device) {
+        const DeviceEvidence& device = *judged.tests.device;
         const auto moving = static_cast<double>(device.moving);
         if (static_cast<double>(device.held) > std::max(3.0, share * moving))
             return {"not_met",

@@ -126,11 +126,11 @@ void add_accuracy(const ReceiverEvidence& judged, Statements& statements) {
     }
     statements.push_back(
         fmt::format("Stated accuracies come from the {}.", judged.accuracy_source));
-    const auto& horizontal = judged.estimation.horizontal;
-    if (horizontal && horizontal->noise.stated_all_equal && horizontal->noise.epochs > 1)
+    const NoiseSummary& noise = judged.estimation.horizontal.noise;
+    if (noise.stated_all_equal && noise.epochs > 1)
         statements.push_back(fmt::format(
             "They are equal at all epochs ({:.1f} mm): nothing tells better epochs from worse.",
-            horizontal->noise.stated_sigma_m * 1e3));
+            noise.stated_sigma_m * 1e3));
 }
 
 /// Where [GUM] and [GUM-S1] do not agree.
@@ -239,7 +239,7 @@ void add_baseline(const BaselineEvidence& baseline, Statements& statements) {
 
 /// From positions alone a slow drift cannot be told from motion: what stands against it is said.
 void add_drift(const ReceiverEvidence& judged, Statements& statements) {
-    const bool velocities = judged.tests->velocity && judged.tests->velocity->compared > 0;
+    const bool velocities = judged.tests.velocity && judged.tests.velocity->compared > 0;
     for (const ProfileWindows& windows : judged.windows.profiles) {
         if (!windows.best) continue;
         for (const UndetectedError& error : windows.best->reliability) {
@@ -250,7 +250,7 @@ void add_drift(const ReceiverEvidence& judged, Statements& statements) {
                 windows.profile, error.size,
                 velocities ? fmt::format("the recorded velocities, which agree to {:.3f} m/s per "
                                          "axis, stand against a slower one",
-                                         judged.tests->velocity->scale_mps)
+                                         judged.tests.velocity->scale_mps)
                            : std::string("the recording has no velocities to check a slower one: "
                                          "that the solution does not drift beyond the slow error "
                                          "of the budget is taken from its kind")));
@@ -289,13 +289,7 @@ void add_undetected(const CheckInput& input, Statements& statements) {
 }
 
 void add_screening(const ReceiverEvidence& judged, Statements& statements) {
-    if (!judged.tests) {
-        statements.push_back(
-            "Screening is of an earlier revision, which does not state the errors that it could "
-            "have missed.");
-        return;
-    }
-    const ScreeningEvidence& tests = *judged.tests;
+    const ScreeningEvidence& tests = judged.tests;
     statements.push_back(fmt::format(
         "Every epoch was tested for outliers, bursts, steps, drifts, shifts of its time stamp and, "
         "so that motion is not taken for them, sudden changes of acceleration: "
@@ -329,9 +323,9 @@ std::vector<std::string> statements_of(const CheckInput& input) {
     add_screening(judged, statements);
     add_undetected(input, statements);
     const EstimationSummary& estimation = judged.estimation;
-    if (estimation.horizontal && estimation.arcs > 0) {
-        add_fit(estimation.horizontal->noise, "horizontal", statements);
-        add_health(estimation.horizontal->health, "horizontal", statements);
+    if (estimation.arcs > 0) {
+        add_fit(estimation.horizontal.noise, "horizontal", statements);
+        add_health(estimation.horizontal.health, "horizontal", statements);
     }
     if (estimation.vertical && estimation.arcs > 0) {
         add_fit(estimation.vertical->noise, "vertical", statements);

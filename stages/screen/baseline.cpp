@@ -291,10 +291,8 @@ bool compare_receivers(ScreenedTable& first, ScreenedTable& second, const Motion
         test_differences<2>(pairs, length_m, receivers, markers, plan, config);
         test_differences<1>(pairs, length_m, receivers, markers, plan, config);
     }
-    for (auto [table, other] : {std::pair{&first, &second}, {&second, &first}}) {
-        if (!table->evidence) table->evidence.emplace();
-        table->evidence->baseline = evidence_of(*table, other->facts.receiver, pairs);
-    }
+    for (auto [table, other] : {std::pair{&first, &second}, {&second, &first}})
+        table->evidence.baseline = evidence_of(*table, other->facts.receiver, pairs);
     return markers[0].any() || markers[1].any();
 }
 

@@ -23,7 +23,7 @@ namespace runcert {
 /// or a step lies between them. A step ends the arc in both, and so does the beginning of a drift,
 /// which leaves nothing out: over a window, the check of the speeds tells it.
 ///
-/// Fills `evidence->baseline` of both: median and robust standard deviation of the length,
+/// Fills `evidence.baseline` of both: median and robust standard deviation of the length,
 /// nothing compared where a recording's time is relative, or one is in a local plane and the other
 /// is not. Local planes are taken to be the same one. A constant difference of the two clocks is a
 /// distance along the track in proportion to the speed: it is not an error of positions, is not

@@ -228,9 +228,9 @@ ScreenConfig screen_config(const Attempt& attempt) {
     config.burst_epochs_max = parameters.at("burst_epochs_max");
     config.bridge_steps = parameters.at("steps") == "bridge";
     config.velocity_delay_max_s = parameters.at("velocity_delay_max_s");
-    config.limits.acceleration_mps2 = parameters.at("acceleration_max_mps2");
-    config.limits.jerk_mps3 = parameters.at("jerk_max_mps3");
-    config.limits.vertical_rate_mps = parameters.at("vertical_rate_max_mps");
+    config.limits.acceleration_mps2 = parameters.at("acceleration_max_m_s2");
+    config.limits.jerk_mps3 = parameters.at("jerk_max_m_s3");
+    config.limits.vertical_rate_mps = parameters.at("vertical_rate_max_m_s");
     return config;
 }
 

@@ -8,9 +8,8 @@ using namespace runcert;
 namespace {
 
 std::string summary_line(const EstimationSummary& estimation) {
-    if (estimation.arcs == 0 || !estimation.horizontal)
-        return "nothing to estimate: no usable stretch";
-    const NoiseSummary& noise = estimation.horizontal->noise;
+    if (estimation.arcs == 0) return "nothing to estimate: no usable stretch";
+    const NoiseSummary& noise = estimation.horizontal.noise;
     return fmt::format("noise {} {:.2f} x stated; batch agrees within {:.0e} m",
                        noise.status == "fitted" ? "fitted:" : "not fitted:",
                        noise.measurement_scale.value, estimation.largest_position_difference_m);

@@ -55,7 +55,8 @@ double largest_jerk_density(const BudgetInput& input) {
 
 void add_position_rows(const BudgetInput& input, std::vector<BudgetRow>& rows) {
     const auto& estimation = input.trajectory.estimation;
-    const NoiseSummary& fit = (input.vertical ? estimation.vertical : estimation.horizontal)->noise;
+    const NoiseSummary& fit =
+        (input.vertical ? estimation.vertical.value() : estimation.horizontal).noise;
     const double scale = fit.measurement_scale.value;
     BudgetRow white = speed_row(
         "w", "white noise of the positions", "A", input.noise.white_mps, joint,

@@ -288,12 +288,10 @@ CertifiableWindow certified(const AxesEvidence<Axes>& evidence, const WindowChoi
     if constexpr (Axes == 1) correct_for_curvature(evidence, found, noise, window);
     set_bound(bound, noise, window);
     window.position_r95_m = position_r95_m(smoothed, part.window, bound);
-    if (evidence.screened.evidence) {
-        window.detection_power = evidence.screened.evidence->power;
-        window.reliability = undetected_errors<Axes>(
-            evidence.screened, at.arc, stretch,
-            std::span(weights).subspan(stretch.first, stretch.epochs.size()));
-    }
+    window.detection_power = evidence.screened.evidence.power;
+    window.reliability =
+        undetected_errors<Axes>(evidence.screened, at.arc, stretch,
+                                std::span(weights).subspan(stretch.first, stretch.epochs.size()));
     const SpeedEstimate searched =
         displacement_speed(smoothed_at, at.window.first, at.window.last, stretch.duration_s);
     window.selection = selection_of(evidence, choice, bound, searched.standard_uncertainty_mps,

@@ -16,9 +16,8 @@ namespace {
 template <int Axes>
 const ScreeningModel* tested_model(const ScreenedTable& screened) {
     constexpr TestedAxes axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal;
-    if (!screened.evidence) return nullptr;
-    const auto found = std::ranges::find(screened.evidence->models, axes, &ScreeningModel::axes);
-    return found == screened.evidence->models.end() ? nullptr : &*found;
+    const auto found = std::ranges::find(screened.evidence.models, axes, &ScreeningModel::axes);
+    return found == screened.evidence.models.end() ? nullptr : &*found;
 }
 
 /// The stretch's epochs with the covariances and the motion that screening tested with.
@@ -28,7 +27,7 @@ std::vector<ArcEpoch<Axes>> tested_epochs(const ScreenedTable& screened, const A
     std::vector<ArcEpoch<Axes>> epochs = stretch.epochs;
     const EstimationModel model = model_of(*tested_model<Axes>(screened));
     const auto factors =
-        kind_factors(*screened.evidence, Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal);
+        kind_factors(screened.evidence, Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal);
     for (std::size_t i = 0; i < epochs.size(); ++i) {
         const ScreenedEpoch& row = screened.rows[arc.rows[stretch.first + i]];
         epochs[i].jerk_factor = 1.0;
@@ -93,9 +92,8 @@ std::vector<UndetectedError> undetected_errors(const ScreenedTable& screened, co
     if (tested == nullptr) return {};
     const std::vector<ArcEpoch<Axes>> epochs = tested_epochs(screened, arc, stretch);
     const ArcDiagnosis<Axes> diagnosis(epochs, model_of(*tested));
-    const double of_one = noncentrality(screened.evidence->test_size, screened.evidence->power, 1);
-    const double of_all =
-        noncentrality(screened.evidence->test_size, screened.evidence->power, Axes);
+    const double of_one = noncentrality(screened.evidence.test_size, screened.evidence.power, 1);
+    const double of_all = noncentrality(screened.evidence.test_size, screened.evidence.power, Axes);
     const auto factor = [&](std::size_t k) {
         return screened.rows[arc.rows[stretch.first + k]].local_variance_factor.value_or(1.0);
     };
@@ -126,7 +124,7 @@ std::vector<UndetectedError> undetected_errors(const ScreenedTable& screened, co
         }
         ramp.consider(diagnosis.ramp(k), of_all * factor(k), growing, k, k);
     }
-    const auto longest = static_cast<std::size_t>(screened.evidence->burst_epochs_max);
+    const auto longest = static_cast<std::size_t>(screened.evidence.burst_epochs_max);
     diagnosis.for_each_burst(longest, [&](std::size_t k, std::size_t length, const auto& test) {
         burst.consider(test, of_all * factor(k), Position(constant[k] - constant[k + length]), k,
                        k + length - 1);

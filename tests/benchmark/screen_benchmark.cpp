@@ -21,7 +21,7 @@ double seconds_of(const auto& run) {
 
 ScreenConfig config() {
     return screen_config(
-        read_attempt("schema: attempt/1.2\nid: t\ncraft: {name: t, class: land-yacht}\n"
+        read_attempt("schema: attempt/1.0\nid: t\ncraft: {name: t, class: land-yacht}\n"
                      "receivers: [{id: primary, recording: r}]\nprofiles: [nalsa]\n",
                      "attempt"));
 }

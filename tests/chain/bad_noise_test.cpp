@@ -32,7 +32,7 @@ std::vector<Epoch> on_a_curve(int epochs) {
 }
 
 std::string attempt_for(const std::string& columns) {
-    return "schema: attempt/1.6\nid: noise\ncraft: {name: yacht, class: land-yacht}\n"
+    return "schema: attempt/1.0\nid: noise\ncraft: {name: yacht, class: land-yacht}\n"
            "receivers:\n  - {id: primary, recording: recording.csv, format: csv, "
            "frame: local_plane, columns: {" +
            columns +

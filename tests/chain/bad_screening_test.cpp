@@ -41,7 +41,7 @@ Outcome certified(int epochs, const std::function<Epoch(int)>& epoch,
     write_file_atomically(folder.path() / "recording.csv", text);
     write_file_atomically(
         folder.path() / "attempt.yaml",
-        fmt::format("schema: attempt/1.6\nid: bad\ncraft: {{name: yacht, class: land-yacht}}\n"
+        fmt::format("schema: attempt/1.0\nid: bad\ncraft: {{name: yacht, class: land-yacht}}\n"
                     "receivers:\n  - {{id: primary, recording: recording.csv, format: csv, "
                     "frame: local_plane, columns: {{time: time, east: east, north: north, up: "
                     "null}}, accuracy: {{horizontal_m: {}}}, solution: fixed}}\n"

@@ -22,7 +22,7 @@ class BadDays : public testing::Test {
 
     static std::string attempt(const std::string& id, const std::string& recording = "run.pos") {
         return fmt::format(
-            "schema: attempt/1.5\nid: {}\ncraft: {{name: simulated, class: land-yacht}}\n"
+            "schema: attempt/1.0\nid: {}\ncraft: {{name: simulated, class: land-yacht}}\n"
             "receivers: [{{id: primary, recording: {}}}]\nprofiles: [nalsa]\n"
             "parameters: {{window: {{selection_samples: 100, monte_carlo_trials_max: 100000}}}}\n",
             id, Json(recording).dump());

@@ -16,9 +16,9 @@ TEST_F(BadDays, BrokenAttemptsInTheMiddleDoNotStopTheOthers) {
     fs::create_directory(day() / "folder.pos");
     fs::create_symlink("loop.pos", day() / "loop.pos");
     const std::vector<BrokenAttempt> broken{
-        {"b-yaml", "schema: attempt/1.5\nid: b-yaml\ncraft: [}\n", "b-yaml.yaml:3"},
+        {"b-yaml", "schema: attempt/1.0\nid: b-yaml\ncraft: [}\n", "b-yaml.yaml:3"},
         {"b-key", attempt("b-key") + "profils: [nalsa]\n", "profils"},
-        {"b-class", "schema: attempt/1.5\nid: b-class\ncraft: {name: x, class: tank}\n", "tank"},
+        {"b-class", "schema: attempt/1.0\nid: b-class\ncraft: {name: x, class: tank}\n", "tank"},
         {"b-missing", attempt("b-missing", "nowhere.pos"), "\"nowhere.pos\""},
         {"b-outside", attempt("b-outside", "../made/recordings/0001.pos"), "outside"},
         {"b-noise", attempt("b-noise", "noise.pos"), "noise.pos"},

@@ -7,7 +7,7 @@ namespace runcert::chain {
 /// A sailing boat over a course, seen by two receivers.
 inline constexpr const char* course_case = R"yaml(
 attempt:
-  schema: attempt/1.6
+  schema: attempt/1.0
   id: base
   craft: {name: sloop, class: sail-boat}
   place: canal
@@ -43,7 +43,7 @@ attempt:
   parameters: {window: {selection_samples: 100, monte_carlo_trials_max: 100000}}
 rules:
   time:
-    schema: profile/1.4
+    schema: profile/1.0
     id: time
     body: a body
     title: a title
@@ -64,7 +64,7 @@ rules:
       - {id: wind, text: little wind, source: a book, certainty: quoted, decided_by: wind_mean, limit: 20, unit: kn}
       - {id: margin, text: more than the record, source: a book, certainty: quoted, decided_by: margin}
   course:
-    schema: profile/1.4
+    schema: profile/1.0
     id: course
     body: a body
     title: a title
@@ -78,7 +78,7 @@ rules:
 /// More rules, of the other kinds of window.
 inline constexpr const char* more_rules = R"yaml(
 alpha:
-  schema: profile/1.4
+  schema: profile/1.0
   id: alpha
   body: a body
   title: a title
@@ -86,7 +86,7 @@ alpha:
   margin: {kind: absolute, value: 0, unit: km/h}
   clauses: [{id: window, text: an average, source: a book, certainty: quoted, decided_by: window_complete}]
 pair:
-  schema: profile/1.4
+  schema: profile/1.0
   id: pair
   body: a body
   title: a title

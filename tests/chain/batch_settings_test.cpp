@@ -209,7 +209,7 @@ TEST_F(BatchSettings, NameEveryKeyOfAnAttemptThatAStepDependsOn) {
     const std::vector<Change> other_changes = changes_in(other_way_changes);
     check(other_document, other_changes);
     expect_all_keys(schema, joined({changes, other_changes}),
-                    {{"schema", "an earlier revision is the same keys without the later ones"}});
+                    {{"schema", "says what the file is, and nothing of the measurement"}});
 }
 
 TEST_F(BatchSettings, NameEveryKeyOfAProfileThatAStepDependsOn) {

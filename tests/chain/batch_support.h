@@ -130,7 +130,7 @@ class Batches : public testing::Test {
         return path(name + ".key");
     }
 
-    static constexpr const char* rule = R"(schema: profile/1.4
+    static constexpr const char* rule = R"(schema: profile/1.0
 id: own
 body: a body
 title: a title
@@ -151,7 +151,7 @@ attempts:
   - {id: one, recording: recordings/0001.pos}
   - {attempt: two.yaml}
 )";
-    static constexpr const char* two_text = R"(schema: attempt/1.5
+    static constexpr const char* two_text = R"(schema: attempt/1.0
 id: two
 craft: {name: simulated, class: land-yacht}
 receivers:

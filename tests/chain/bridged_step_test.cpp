@@ -20,7 +20,7 @@ constexpr std::int64_t step_epoch = 301;
 
 Attempt attempt_with(const std::string& steps) {
     return read_attempt(
-        "schema: attempt/1.2\nid: t\ncraft: {name: t, class: land-yacht}\n"
+        "schema: attempt/1.0\nid: t\ncraft: {name: t, class: land-yacht}\n"
         "receivers: [{id: primary, recording: r}]\nprofiles: [nalsa]\n"
         "parameters: {screen: {steps: " +
             steps + "}}\n",

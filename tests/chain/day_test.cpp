@@ -51,7 +51,7 @@ class Day : public testing::Test {
         fs::create_directories(source.parent_path());
         fs::copy(examples / example, source);
         std::string text = read_file(source / "attempt.yaml") + more;
-        set_key(text, "schema", "attempt/1.6");
+        set_key(text, "schema", "attempt/1.0");
         set_key(text, "id", id);
         write_file_atomically(source / "attempt.yaml", text);
         const ProcessResult result =

@@ -79,7 +79,7 @@ ProfileVerdict judge(const std::string& table, double best_mps, const std::strin
     const double margin_kmh = 1.609344;
     return rules
         .judge(fmt::format(
-            "schema: attempt/1.6\nid: device\ncraft: {{name: yacht, class: land-yacht}}\n"
+            "schema: attempt/1.0\nid: device\ncraft: {{name: yacht, class: land-yacht}}\n"
             "receivers: [{}]\nprofiles: [nalsa]\n"
             "record: {{speed: {:.4f}, unit: km/h, source: test}}\n"
             "parameters: {{window: {{plane_scale_bound: 0}}}}\n",

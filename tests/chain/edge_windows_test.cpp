@@ -25,7 +25,7 @@ ProfileVerdict judge(const PlaneRecording& recording) {
     rules.put("recording.csv", recording.text());
     return rules
         .judge(
-            "schema: attempt/1.6\nid: edge\ncraft: {name: yacht, class: land-yacht}\n"
+            "schema: attempt/1.0\nid: edge\ncraft: {name: yacht, class: land-yacht}\n"
             "receivers: [" +
             csv_receiver("primary", "recording.csv") +
             "]\nprofiles: [nalsa]\nrecord: {speed: 500, unit: km/h, source: test}\n")

@@ -158,7 +158,7 @@ TEST_F(ForgedReport, OfAStageFileThatDoesNotSayWhatItWasMadeFromIsFound) {
 
 TEST_F(ForgedReport, ThatAsksForFewerSignaturesThanItsRulesIsFound) {
     std::string rule = read_file(run() / "profile.nalsa.yaml");
-    rule.replace(rule.find("profile/1."), 11, "profile/1.4");
+    rule.replace(rule.find("profile/1."), 11, "profile/1.0");
     forge_file("profile.nalsa.yaml", rule + "signatures: [{role: judge, count: 2}]\n");
     expect_no("report", "asks for 0 signatures in the role judge, attempt and rules ask for 2");
     require_signatures(R"({"role": "judge", "count": 2})");

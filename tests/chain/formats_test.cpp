@@ -37,7 +37,7 @@ TEST_P(Formats, AreCertifiedOrRefusedWithTheirReason) {
         bring(*data / file, folder.path());
     write_file_atomically(
         folder.path() / "attempt.yaml",
-        fmt::format("schema: attempt/1.3\nid: recorded\ncraft: {{name: craft, class: {}}}\n"
+        fmt::format("schema: attempt/1.0\nid: recorded\ncraft: {{name: craft, class: {}}}\n"
                     "receivers: [{{id: primary, recording: {}{}}}]\n"
                     "record: {{speed: 10, unit: km/h, source: none}}\nprofiles: [nalsa]\n",
                     given.craft, fs::path(given.files.front()).filename().string(),
@@ -137,7 +137,7 @@ TEST(RecordingFormats, RinexIsMadeAgainFromTheRunFolder) {
         bring(*data / "rinex_pair" / (std::string("yamatogawa_") + file), folder.path());
     write_file_atomically(
         folder.path() / "attempt.yaml",
-        "schema: attempt/1.3\nid: raw\ncraft: {name: walk, class: board}\n"
+        "schema: attempt/1.0\nid: raw\ncraft: {name: walk, class: board}\n"
         "receivers: [{id: primary, recording: yamatogawa_rover.obs, base: yamatogawa_master.obs, "
         "navigation: yamatogawa_rover.nav}]\nprofiles: [nalsa]\n");
     ASSERT_EQ(
@@ -184,7 +184,7 @@ TEST(RecordingFormats, SeveralFilesAreOneRecording) {
     const auto certified = [&](const std::string& files) {
         write_file_atomically(
             folder.path() / "attempt.yaml",
-            fmt::format("schema: attempt/1.3\nid: parts\ncraft: {{name: y, class: land-yacht}}\n"
+            fmt::format("schema: attempt/1.0\nid: parts\ncraft: {{name: y, class: land-yacht}}\n"
                         "receivers: [{{id: primary, recording: {}}}]\nprofiles: [nalsa]\n",
                         files));
         const fs::path run = folder.path() / "run";

@@ -99,7 +99,7 @@ struct HostileCase {
 };
 
 inline const std::string good_attempt =
-    "schema: attempt/1.3\n"                          // 1
+    "schema: attempt/1.0\n"                          // 1
     "id: hostile\n"                                  // 2
     "craft: {name: yacht, class: land-yacht}\n"      // 3
     "receivers:\n"                                   // 4

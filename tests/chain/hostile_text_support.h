@@ -51,7 +51,7 @@ inline const std::string shell_clause = "a'; touch owned; $(touch owned)";
 
 inline std::string hostile_profile() {
     return fmt::format(
-        "schema: profile/1.4\nid: own\nbody: {}\ntitle: {}\n"
+        "schema: profile/1.0\nid: own\nbody: {}\ntitle: {}\n"
         "window: {{kind: time, duration_s: 3, definition: displacement}}\n"
         "margin: {{kind: absolute, value: 1, unit: km/h}}\n"
         "signatures: [{{role: judge}}]\n"
@@ -68,7 +68,7 @@ inline std::string hostile_attempt() {
     const auto replace = [&text](const std::string& what, const std::string& by) {
         text = replaced(text, what, by);
     };
-    replace("attempt/1.4", "attempt/1.5");
+    replace("attempt/1.0", "attempt/1.0");
     replace("simulated sailing boat, class", hostile("CRAFT") + ", class");
     replace("a canal beside the sea (simulated)", endless("PLACE"));
     replace("- {role: measurer}",

@@ -19,8 +19,7 @@ TEST_P(CarrierPhase, InnovationsAreWhitenedByTheFittedModel) {
     const auto data = recordings();
     if (!data) GTEST_SKIP() << "RUNCERT_DATA is not set";
     const Tables tables = certified(*data / GetParam() / "rover.pos");
-    ASSERT_TRUE(tables.trajectory.estimation.horizontal.has_value());
-    const auto& [noise, health] = *tables.trajectory.estimation.horizontal;
+    const auto& [noise, health] = tables.trajectory.estimation.horizontal;
     fmt::print("{}: lag 1 {:+.3f} with noise as stated, {:+.3f} with the fitted model\n",
                GetParam(), health.autocorrelation_stated, health.autocorrelation);
     // Among the buildings the car's positions err more than where it stands: one scale for all
@@ -64,7 +63,7 @@ TEST(RealRecordings, TheReferenceIsInsideTheStatedIntervalsOfTheUrbanCar) {
     const fs::path folder = *data / "ppk_urban_car";
     const Tables tables = certified(folder / "rover.pos", base_station);
     const ScreenedTable& screened = tables.screened;
-    const NoiseSummary& noise = tables.trajectory.estimation.horizontal.value().noise;
+    const NoiseSummary& noise = tables.trajectory.estimation.horizontal.noise;
     const Profile nalsa = read_profile(builtin_profile("nalsa"), "nalsa");
     const auto reference = reference_positions(folder / "reference.csv", urban_frame());
     const auto reference_at = [&](ElapsedTime time) {

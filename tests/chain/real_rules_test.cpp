@@ -53,7 +53,7 @@ std::vector<LoggerSpeed> judged_logger(const fs::path& data, const std::string& 
     rules.bring_in(data / (logger + ".oao"));
     // The speeds are of recorded velocities: the noise of positions has no part in them.
     const Verdict verdict = rules.judge(
-        fmt::format("schema: attempt/1.4\nid: loggers\ncraft: {{name: board, class: board}}\n"
+        fmt::format("schema: attempt/1.0\nid: loggers\ncraft: {{name: board, class: board}}\n"
                     "receivers: [{{id: primary, recording: {}.oao}}]\nprofiles: [{}]\n"
                     "parameters: {{smooth: {{noise: stated}}}}\n",
                     logger, fmt::join(logger_profiles, ", ")));
@@ -100,7 +100,7 @@ TEST(WindsurfLoggers, AgreeWithTheirOwnResultsAndWithOneAnother) {
 ProfileVerdict judged_skydive(const Rules& rules, const fs::path& recording) {
     rules.bring_in(recording);
     return rules.judge_one(
-        fmt::format("schema: attempt/1.4\nid: skydive\ncraft: {{name: diver, class: skydiver}}\n"
+        fmt::format("schema: attempt/1.0\nid: skydive\ncraft: {{name: diver, class: skydiver}}\n"
                     "receivers: [{{id: primary, recording: {}}}]\nprofiles: [fai-speed-skydiving]\n"
                     "record: {{speed: 400, unit: km/h, source: none, expanded_uncertainty: 4}}\n",
                     recording.filename().string()));
@@ -145,7 +145,7 @@ TEST(SpeedSkydive, WithBadAccuracyAndGapsIsRefused) {
 
 /// Mean velocity of the recording over a window, its delay behind the positions taken off (m/s).
 double recorded_speed_over(const ScreenedTable& screened, const WindowSpan& span) {
-    const double delay_s = screened.evidence->velocity->delay_s.value();
+    const double delay_s = screened.evidence.velocity->delay_s.value();
     const double from_s = span.start.seconds() + delay_s;
     const double to_s = from_s + span.duration.seconds();
     Eigen::Vector2d moved = Eigen::Vector2d::Zero();
@@ -191,7 +191,7 @@ TEST_P(RaceCar, IsSlowerOverLongerTimesAndAsFastAsItsRecordedVelocities) {
         profiles += fmt::format("{}rule{}.yaml", duration_s > 1 ? ", " : "", duration_s);
     }
     const Verdict verdict = rules.judge(fmt::format(
-        "schema: attempt/1.4\nid: race\ncraft: {{name: car, class: car}}\n"
+        "schema: attempt/1.0\nid: race\ncraft: {{name: car, class: car}}\n"
         "receivers: [{{id: primary, recording: {}.vbo, accuracy: {{horizontal_m: 0.3, vertical_m: "
         "0.5}}}}]\nprofiles: [{}]\nparameters: {{screen: {{allowed_fixes: [single]}}}}\n",
         given.name, profiles));
@@ -222,7 +222,7 @@ TEST(UrbanCar, IsRefusedForItsHillsUnlessTheLimitIsReplacedAndThatIsPrinted) {
     const Rules rules;
     rules.bring_in(*data / "ppk_urban_car" / "rover.pos");
     const std::string attempt =
-        "schema: attempt/1.4\nid: urban\ncraft: {name: car, class: car}\n"
+        "schema: attempt/1.0\nid: urban\ncraft: {name: car, class: car}\n"
         "receivers: [{id: primary, recording: rover.pos}]\nprofiles: [nalsa]\n"
         "record: {speed: 30, unit: km/h, source: none}\n"
         "origin: {latitude_deg: 35.134709483, longitude_deg: 136.977574275, height_m: 104.728}\n";

@@ -110,8 +110,8 @@ TEST(RealScreening, TheDelayOfTheRecordedVelocityIsFound) {
     const auto data = recordings();
     if (!data) GTEST_SKIP() << "RUNCERT_DATA is not set";
     const Tables tables = certified(*data / "rtk_imu_drive" / "rover.pos");
-    ASSERT_TRUE(tables.screened.evidence && tables.screened.evidence->velocity);
-    const VelocityEvidence& velocity = *tables.screened.evidence->velocity;
+    ASSERT_TRUE(tables.screened.evidence.velocity);
+    const VelocityEvidence& velocity = *tables.screened.evidence.velocity;
     fmt::print("delay {:.4f} s, {} velocities compared\n", velocity.delay_s.value_or(-1.0),
                velocity.compared);
     EXPECT_NEAR(velocity.delay_s.value_or(0.0), 0.12, 0.01);

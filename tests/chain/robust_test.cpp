@@ -14,7 +14,7 @@
 namespace runcert {
 namespace {
 
-constexpr const char* attempt_text = R"(schema: attempt/1.1
+constexpr const char* attempt_text = R"(schema: attempt/1.0
 id: robust
 craft: {name: simulated land yacht, class: land-yacht}
 receivers: [{id: primary, recording: recording.csv}]

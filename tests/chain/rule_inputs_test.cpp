@@ -248,7 +248,7 @@ TEST(SecondMethod, OfReceiversThatDoNotOverlapInTimeIsNotCertifiable) {
     rules.put("two.yaml", profile_of("two", three_seconds, clause_of("secondary_method")));
     const auto verdict_with = [&](const std::string& second_start) {
         return rules.judge_one(fmt::format(
-            "schema: attempt/1.6\nid: rules\ncraft: {{name: yacht, class: land-yacht}}\n"
+            "schema: attempt/1.0\nid: rules\ncraft: {{name: yacht, class: land-yacht}}\n"
             "receivers: [{}, {}]\nprofiles: [two.yaml]\n",
             csv_receiver("primary", "recording.csv", 0.01, at_three_o_clock),
             csv_receiver("second", "second.csv", 0.01,
@@ -271,7 +271,7 @@ TEST(SecondMethod, ByTimesOfAnotherRunIsNotCertifiable) {
     // The lines are crossed 2.525 s and 27.525 s after 03:19:42 UTC.
     const auto verdict_with = [&](const std::string& start, const std::string& finish) {
         return rules.judge_one(fmt::format(
-            "schema: attempt/1.6\nid: rules\ncraft: {{name: yacht, class: land-yacht}}\n"
+            "schema: attempt/1.0\nid: rules\ncraft: {{name: yacht, class: land-yacht}}\n"
             "receivers: [{}]\nprofiles: [course.yaml]\n{}"
             "secondary: {{method: light gates, source: protocol, start_utc: \"2026-03-14T{}\", "
             "finish_utc: \"2026-03-14T{}\", time_expanded_uncertainty_s: 0.001}}\n",

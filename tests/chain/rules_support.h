@@ -68,7 +68,7 @@ inline std::string csv_receiver(const std::string& id, const std::string& file,
 inline std::string plane_attempt(const std::string& profiles, const std::string& more = {},
                                  double accuracy_m = 0.01) {
     return fmt::format(
-        "schema: attempt/1.6\nid: rules\ncraft: {{name: yacht, class: land-yacht}}\n"
+        "schema: attempt/1.0\nid: rules\ncraft: {{name: yacht, class: land-yacht}}\n"
         "receivers: [{}]\nprofiles: [{}]\n{}",
         csv_receiver("primary", "recording.csv", accuracy_m), profiles, more);
 }
@@ -77,7 +77,7 @@ inline std::string plane_attempt(const std::string& profiles, const std::string&
 inline std::string profile_of(const std::string& id, const std::string& window,
                               const std::string& clauses = {}, const std::string& more = {}) {
     return fmt::format(
-        "schema: profile/1.3\nid: {}\nbody: test\ntitle: test\nwindow: {}\n"
+        "schema: profile/1.0\nid: {}\nbody: test\ntitle: test\nwindow: {}\n"
         "margin: {{kind: absolute, value: 0, unit: km/h}}\n{}clauses:\n"
         "  - {{id: complete, text: The window is complete., source: test, certainty: quoted, "
         "decided_by: window_complete}}\n{}",

@@ -66,7 +66,7 @@ TEST(OneRecording, UnderAllRulesThatFitItShowsHowTheyDiffer) {
               profile_of("metres", "{kind: distance, distance_m: 500, definition: path_length}"));
     rules.put("current.csv", "time_s,speed_m_s,direction_deg\n0,0.2,160\n30,0.2,160\n60,0.2,160\n");
     const Verdict verdict = rules.judge(fmt::format(
-        "schema: attempt/1.4\nid: lake\ncraft: {{name: yacht, class: land-yacht}}\n"
+        "schema: attempt/1.0\nid: lake\ncraft: {{name: yacht, class: land-yacht}}\n"
         "receivers: [{{id: primary, recording: recording.pos}}]\n"
         "origin: {{latitude_deg: -31.6, longitude_deg: 136.0, height_m: 110.0}}\n"
         "record: {{speed: 222.43, unit: km/h, source: press}}\n"

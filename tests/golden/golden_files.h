@@ -127,7 +127,7 @@ inline std::vector<GoldenFile> all_files() {
     std::vector<GoldenFile> files;
     for (const GoldenKind& kind : kinds) {
         const std::size_t before = files.size();
-        for (std::int64_t revision = 0; revision < 7; ++revision) {
+        for (std::int64_t revision = 0; revision < 10; ++revision) {
             const std::string path = "v1." + std::to_string(revision) + "/" + kind.name;
             if (std::filesystem::exists(std::string(RUNCERT_SOURCE_DIR) + "/tests/golden/" + path))
                 files.push_back(

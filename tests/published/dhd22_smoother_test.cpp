@@ -71,7 +71,7 @@ TEST(Dhd22Smoother, RootMeanSquareSpeedErrorOverAllEpochs) {
 }
 
 TEST(Dhd22Smoother, TheFittedWhiteNoiseIsTenMillimetres) {
-    const NoiseSummary& noise = appendix_a_smoothed().trajectory.estimation.horizontal->noise;
+    const NoiseSummary& noise = appendix_a_smoothed().trajectory.estimation.horizontal.noise;
     EXPECT_EQ(noise.status, "fitted");
     EXPECT_EQ(noise.epochs, 451);
     EXPECT_TRUE(noise.converged);
@@ -88,7 +88,7 @@ TEST(Dhd22Smoother, TheFittedWhiteNoiseIsTenMillimetres) {
 }
 
 TEST(Dhd22Smoother, InnovationsAreWhiteAndConsistent) {
-    const FilterHealth& health = appendix_a_smoothed().trajectory.estimation.horizontal->health;
+    const FilterHealth& health = appendix_a_smoothed().trajectory.estimation.horizontal.health;
     EXPECT_TRUE(health.white) << health.autocorrelation;
     EXPECT_TRUE(health.consistent);
     EXPECT_EQ(health.repaired, 0);

@@ -17,7 +17,7 @@ const std::string hash_b(64, 'b');
 RunRecord record_of(const std::string& parameters = {}) {
     RunRecord record;
     record.attempt = read_attempt(
-        "schema: attempt/1.4\nid: small\ncraft: {name: yacht, class: land-yacht}\n"
+        "schema: attempt/1.0\nid: small\ncraft: {name: yacht, class: land-yacht}\n"
         "receivers: [{id: primary, recording: a.pos}]\nprofiles: [nalsa]\n" +
             parameters,
         "attempt.yaml");

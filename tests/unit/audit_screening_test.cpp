@@ -35,7 +35,7 @@ ScreenedTable table_of(std::vector<ScreenedEpoch> rows) {
     table.facts.receiver = "primary";
     table.facts.nominal_interval_s = 0.1;
     table.rows = std::move(rows);
-    ScreeningEvidence& evidence = table.evidence.emplace();
+    ScreeningEvidence& evidence = table.evidence;
     evidence.family_false_alarm_rate = 0.001;
     evidence.tests = 588'235;
     evidence.test_size = 1.7e-9;
@@ -525,7 +525,7 @@ TEST(Audit, WhatTheTestsRestedOn) {
     ScreenedTable table = table_of(rows_of(1587));
     leave_out(table.rows[7], Reason::outlier);
     table.rows[9].local_variance_factor = 3.25;
-    ScreeningEvidence& evidence = *table.evidence;
+    ScreeningEvidence& evidence = table.evidence;
     evidence.models = {{.axes = TestedAxes::horizontal,
                         .noise = "fitted",
                         .jerk_density = 0.625,
@@ -577,7 +577,7 @@ TEST(Audit, WhatTheTestsRestedOn) {
 
 TEST(Audit, TimeVelocitiesAndTheOtherReceiver) {
     ScreenedTable table = table_of(rows_of(40));
-    ScreeningEvidence& evidence = *table.evidence;
+    ScreeningEvidence& evidence = table.evidence;
     evidence.velocity = VelocityEvidence{.compared = 1200,
                                          .delay_s = 0.125,
                                          .sigma_delay_s = 0.004,
@@ -646,16 +646,6 @@ TEST(Audit, SmallestErrorsAreMedianAndWorstOfTheEpochsUsed) {
                "of 0.090 m, makes it wrong by at most 0.108 km/h under nalsa"});
     expect_in(unwrapped(audit_text(table, subject, false)),
               {"by at most 0.070 m over the duration of the window"});
-}
-
-TEST(Audit, ATableWithoutEvidenceSaysSo) {
-    ScreenedTable table = table_of(rows_of(10));
-    table.evidence.reset();
-    leave_out(table.rows[4], Reason::outlier, {}, 84.0, 27.625);
-    const std::string untested = unwrapped(audit_text(table, subject, false));
-    expect_in(untested,
-              {"Tests. None was made: no stretch could be tested.",
-               "No test was made, so that no size could be found.", "where 27.6 is the threshold"});
 }
 
 TEST(Audit, APublishedTable) {

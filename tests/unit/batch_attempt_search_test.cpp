@@ -28,7 +28,7 @@ TEST_F(AttemptFolder, AttemptsAtAnyDepthInTheOrderOfTheirPaths) {
     put("a/r.pos");
     put("a/spec.yaml", "schema: simulation/1.0\n");
     put("a/notes.yml", "- [not closed\n");
-    put("a/attempt.txt", "schema: attempt/1.5\nid: no\n");
+    put("a/attempt.txt", "schema: attempt/1.0\nid: no\n");
     const Day day = read();
     // As bytes: '.' comes before '/'.
     EXPECT_EQ(ids_of(day), (Ids{"first", "second", "third", "fourth"}));
@@ -41,23 +41,23 @@ TEST_F(AttemptFolder, AttemptsAtAnyDepthInTheOrderOfTheirPaths) {
 }
 
 TEST_F(AttemptFolder, AnAttemptSaysSoInAnyYamlOfItsSchema) {
-    put("a.yaml", "\xef\xbb\xbfschema: attempt/1.5\r\nid: bom   # remark\r\n");
+    put("a.yaml", "\xef\xbb\xbfschema: attempt/1.0\r\nid: bom   # remark\r\n");
     put("b.yaml", "\"schema\": \"attempt/1.0\"\nid: 'quoted'\n");
     put("c.yaml",
-        "{schema: attempt/1.5, id: flow, craft: {name: b, class: car}, receivers: [{id: p, "
+        "{schema: attempt/1.0, id: flow, craft: {name: b, class: car}, receivers: [{id: p, "
         "recording: r}], profiles: [nalsa]}\n");
     put("d.yaml",
-        "schema: attempt/1.5\nid: \"es\\x63aped\"\ncraft: {name: b, class: car}\nreceivers: [{id: "
+        "schema: attempt/1.0\nid: \"es\\x63aped\"\ncraft: {name: b, class: car}\nreceivers: [{id: "
         "p, recording: r}]\nprofiles: [nalsa]\n");
-    put("e.yaml", "note: 'about schema: attempt/1.5'\nschema: other/1.0\n");
-    put("f.yaml", "# schema: attempt/1.5\n- schema: attempt/1.5\n");
+    put("e.yaml", "note: 'about schema: attempt/1.0'\nschema: other/1.0\n");
+    put("f.yaml", "# schema: attempt/1.0\n- schema: attempt/1.0\n");
     const Day day = read();
     EXPECT_EQ(ids_of(day), (Ids{"bom", "quoted", "flow", "escaped"}));
 }
 
 TEST_F(AttemptFolder, ABrokenAttemptIsRefusedAndTheOthersListed) {
     put_attempt("a/attempt.yaml", "good");
-    put("b c/attempt.yaml", "schema: attempt/1.5\nid: [\n");
+    put("b c/attempt.yaml", "schema: attempt/1.0\nid: [\n");
     put("d/attempt.yaml", "nothing of the kind\n");
     put_attempt("e/run.yaml", "not an id");
     put("f/attempt.yaml", std::string((1U << 20U) + 1, '#'));

@@ -86,8 +86,8 @@ TEST_F(Days, ManyAttemptsOfOneIdNameThree) {
 /// What is known by a label alone must not stand in the way of an attempt.
 TEST_F(Days, ALabelIsNoOtherAttemptsId) {
     put_attempt("x.yaml", "a-b");
-    put("a b.yaml", "schema: attempt/1.5\nid: [\n");
-    put("a'b.yaml", "schema: attempt/1.5\nid: [\n");
+    put("a b.yaml", "schema: attempt/1.0\nid: [\n");
+    put("a'b.yaml", "schema: attempt/1.0\nid: [\n");
     const Day day = read();
     EXPECT_EQ(ids_of(day), (Ids{"!a-b-2", "!a-b-3", "a-b"}));
 }
@@ -120,7 +120,7 @@ TEST_F(Days, TheQuickIdIsTheParsersOrLeftToIt) {
                                          "id: 007",
                                          "id:\ta"};
     for (std::size_t i = 0; i < lines.size(); ++i) {
-        put("a.yaml", "schema: attempt/1.5\n" + lines[i] +
+        put("a.yaml", "schema: attempt/1.0\n" + lines[i] +
                           "\ncraft: {name: b, class: board}\nreceivers: [{id: primary, recording: "
                           "r}]\nprofiles: [nalsa]\n");
         const DayAttempt attempt = read().attempts.at(0);

@@ -36,7 +36,7 @@ TEST_F(DayEntries, AnAttemptForEachFileOfAPattern) {
     EXPECT_EQ(day.attempts[0].folder, this->day());
     EXPECT_EQ(day.attempts[1].text,
               "# Made by runcert batch from day.yaml, the attempt heat-2.\n"
-              "schema: attempt/1.6\nid: heat-2\ncraft:\n  name: A\n  class: board\nreceivers:\n"
+              "schema: attempt/1.0\nid: heat-2\ncraft:\n  name: A\n  class: board\nreceivers:\n"
               "  - id: primary\n    recording: logs/heat-2.nmea\nprofiles:\n  - nalsa\n");
     EXPECT_EQ(read_attempt(day.attempts[1].text, "f").id, "heat-2");
     EXPECT_TRUE(day.notes.size() == 1U && notes_say(day, "what its day.yaml says"));

@@ -27,7 +27,7 @@ class DayTest : public testing::Test {
         spill(day() / file, text);
     }
     void put_attempt(const fs::path& file, const std::string& id) const {
-        put(file, "schema: attempt/1.5\nid: " + id +
+        put(file, "schema: attempt/1.0\nid: " + id +
                       "\ncraft: {name: b, class: board}\nreceivers: [{id: primary, recording: "
                       "r.pos}]\nprofiles: [nalsa]\n");
     }

@@ -437,7 +437,7 @@ TEST(Agreement, IsTestedWithWhatTheTwoDoNotShare) {
               std::string::npos)
         << evidence_of(scene.both(), "secondary-method");
     EXPECT_EQ(scene.both().outcome, "not_certifiable");
-    // Windows of an earlier revision do not say what they share.
+    // Where windows do not say what they share.
     for (ReceiverEvidence* one : {&scene.judged, &scene.secondary})
         one->windows.profiles[0].best->own_standard_uncertainty_mps.reset();
     EXPECT_EQ(status_of(scene.both(), "secondary-method"), "met");

@@ -30,7 +30,7 @@ inline std::string profile_text(
         "{duration_s: 3, definition: "
         "displacement}") {
     return fmt::format(
-        "schema: profile/1.3\nid: rule\nbody: b\ntitle: t\nwindow: {}\nmargin: {}\n{}clauses:\n{}",
+        "schema: profile/1.0\nid: rule\nbody: b\ntitle: t\nwindow: {}\nmargin: {}\n{}clauses:\n{}",
         window, margin, more, clauses);
 }
 
@@ -42,7 +42,7 @@ struct RuleScene {
     static constexpr double sigma_m = 0.01, sigma_up_m = 0.02, sigma_velocity_mps = 0.05;
 
     Attempt attempt = read_attempt(
-        "schema: attempt/1.4\nid: t\ncraft: {name: t, class: land-yacht}\n"
+        "schema: attempt/1.0\nid: t\ncraft: {name: t, class: land-yacht}\n"
         "receivers: [{id: primary, recording: r}]\nprofiles: [nalsa]\n"
         "record: {speed: 202.9, unit: km/h, source: published}\n",
         "attempt");

@@ -199,12 +199,6 @@ TEST(Compare, TruthOfAnotherTimeIsRefused) {
     EXPECT_EQ(compared(one).epochs_with_truth, static_cast<std::int64_t>(epochs) - 1);
 }
 
-TEST(Compare, ATrajectoryWithoutItsNoiseModelIsRefused) {
-    Sample one = sample();
-    one.trajectory.estimation.horizontal.reset();
-    EXPECT_THROW((void)compared(one), Failure);
-}
-
 TEST(Compare, RecordedVelocitiesAndTheEnhancedFilterWhereThereAreSome) {
     Sample one = sample();
     EXPECT_FALSE(method(compared(one), "recorded velocity").best_mps.has_value());

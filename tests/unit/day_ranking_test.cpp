@@ -144,7 +144,7 @@ TEST(BestOfDay, IsNoneWhereNoneBeatTheRecordByItself) {
     EXPECT_FALSE(best_of({}));
     EXPECT_FALSE(best_of({attempt("a", "not_proven", 53.0, 0.1)}));
     EXPECT_FALSE(best_of({without_speed("a", "not_certifiable")}));
-    // Nor where a verdict of an earlier revision does not say how it was decided.
+    // Nor where it is not said how it was decided.
     EXPECT_FALSE(best_of({attempt("a", "beaten", 53.0, 0.1)}));
 }
 

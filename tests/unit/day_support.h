@@ -57,7 +57,7 @@ inline DayResults results_of(std::vector<AttemptResult> attempts) {
     results.attempts = std::move(attempts);
     results.counts = counts_of(results.attempts);
     for (const AttemptResult& each : results.attempts)
-        if (each.by("nalsa") && results.profiles.empty())
+        if (result_by(each, "nalsa") && results.profiles.empty())
             results.profiles.push_back({.profile = "nalsa",
                                         .body = "the body",
                                         .title = "the title",

@@ -212,7 +212,7 @@ TEST(Origins, OfEverySolutionHaveWordsOfTheirOwn) {
 
 TEST(DeviceSigns, AreInFiguresAndWords) {
     sample::Run run = made();
-    ScreeningEvidence& evidence = *run.inputs.receivers[0].screened.evidence;
+    ScreeningEvidence& evidence = run.inputs.receivers[0].screened.evidence;
     const auto words = [&] {
         return fact_of(receiver_of(run)["screening_facts"],
                        "Signs of positions that were not measured");

@@ -99,10 +99,7 @@ INSTANTIATE_TEST_SUITE_P(Runs, EveryPage,
                          testing::Values(sample::Options{}, sample::Options{.certified = false},
                                          sample::Options{.second_receiver = true},
                                          sample::Options{.vertical = false, .georeferenced = false},
-                                         sample::Options{.gap_every_s = 7},
-                                         sample::Options{.earlier_revision = true},
-                                         sample::Options{.revision_1_1 = true},
-                                         sample::Options{.verdict_1_0 = true}));
+                                         sample::Options{.gap_every_s = 7}));
 
 TEST(ReportHtml, PutsTheVerdictFirst) {
     const std::string text = visible_text(page({}, a_signature));

@@ -28,10 +28,7 @@ struct Options {
     bool vertical = true;
     bool georeferenced = true;
     bool second_receiver = false;
-    int gap_every_s = 0;            ///< 20 epochs are lost so often
-    bool earlier_revision = false;  ///< files of revision 1.0: nothing of noise and budget
-    bool revision_1_1 = false;      ///< files of revision 1.1: nothing of evidence, reliability
-    bool verdict_1_0 = false;       ///< a verdict of revision 1.0: nothing of how it was decided
+    int gap_every_s = 0;  ///< 20 epochs are lost so often
     std::string craft = "Salt Runner";
     std::string place = "dry lake";
 };
@@ -163,13 +160,6 @@ inline void fill_uncertainty(CertifiableWindow& best) {
                                        .converged = true};
 }
 
-/// As a file of revision 1.1 has it.
-inline void remove_reliability(CertifiableWindow& best) {
-    best.detection_power.reset();
-    best.reliability.clear();
-    std::erase_if(best.budget, [](const BudgetRow& row) { return row.symbol == "d"; });
-}
-
 inline AxesEstimation axes(bool vertical) {
     AxesEstimation axes;
     NoiseSummary& noise = axes.noise;
@@ -209,11 +199,6 @@ inline AxesEstimation axes(bool vertical) {
     return axes;
 }
 
-/// Files of revision 1.2.
-inline bool tested(const Options& options) {
-    return !options.earlier_revision && !options.revision_1_1;
-}
-
 inline void fill_tables(const Options& options, ScreenedTable& screened,
                         TrajectoryTable& trajectory) {
     RandomGenerator random(1);
@@ -238,9 +223,7 @@ inline void fill_tables(const Options& options, ScreenedTable& screened,
         epoch.sigma_east_m = epoch.sigma_north_m = 0.01;
         epoch.usable = !bad;
         epoch.reason =
-            !bad ? Reason::none
-                 : (!options.certified ? Reason::float_ambiguities
-                                       : (tested(options) ? Reason::burst : Reason::innovation));
+            !bad ? Reason::none : (!options.certified ? Reason::float_ambiguities : Reason::burst);
         if (epoch.reason == Reason::burst) epoch.hypothesis = Hypothesis::burst;
         epoch.statistic = bad ? 61.2 : 1.7;
         epoch.threshold = 27.6;
@@ -277,8 +260,7 @@ inline void fill_tables(const Options& options, ScreenedTable& screened,
                              .largest_position_difference_m = 4.1e-9,
                              .largest_velocity_difference_mps = 2.2e-8};
     screened.variance_factor = 1.04;
-    if (tested(options)) screened.evidence = evidence(options.vertical);
-    if (options.earlier_revision) return;
+    screened.evidence = evidence(options.vertical);
     trajectory.estimation.batch_stretches = arc;
     trajectory.estimation.robust_downweighted = 12;
     trajectory.estimation.horizontal = axes(false);
@@ -331,8 +313,7 @@ inline ReceiverResults receiver(const Options& options, const std::string& id) {
                 .position_r95_m = 0.0144,
                 .definitions = {60.002417, 60.002424, 60.002402, 60.002405},
                 .methods = {60.002402, 60.002402, 60.0068, std::nullopt, 59.9954}};
-        if (options.certified && !options.earlier_revision) fill_uncertainty(*windows.best);
-        if (options.certified && options.revision_1_1) remove_reliability(*windows.best);
+        if (options.certified) fill_uncertainty(*windows.best);
         windows.indicated = IndicatedWindow{.span = span(options, 35.1, duration),
                                             .speed_mps = 60.0871,
                                             .refusals = {"The jump at epoch 353 is inside it."}};
@@ -397,12 +378,8 @@ inline Verdict verdict(const Options& options, const std::vector<Profile>& profi
         entry.indicated = RefusedWindow{span(options, 35.1, profile.duration_s),
                                         60.0871,
                                         {"The jump at epoch 353 is inside it."}};
-        if (tested(options) && !options.verdict_1_0)
-            fill_verdict(entry, *verdict.record,
-                         span(options, 0.0, (options.epochs - 1) * options.interval_s));
-        else
-            for (Requirement& requirement : entry.requirements)
-                requirement.decided_by.clear();
+        fill_verdict(entry, *verdict.record,
+                     span(options, 0.0, (options.epochs - 1) * options.interval_s));
         verdict.profiles.push_back(entry);
     }
     return verdict;

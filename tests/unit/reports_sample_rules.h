@@ -7,7 +7,7 @@
 namespace runcert::sample {
 
 // clang-format off
-inline constexpr std::string_view nalsa_rule = R"yaml(schema: profile/1.1
+inline constexpr std::string_view nalsa_rule = R"yaml(schema: profile/1.0
 id: nalsa
 body: North American Land Sailing Association
 title: top speed of a wind-powered land craft
@@ -68,7 +68,7 @@ clauses:
     decided_by: attest
 )yaml";
 
-inline constexpr std::string_view fisly_rule = R"yaml(schema: profile/1.1
+inline constexpr std::string_view fisly_rule = R"yaml(schema: profile/1.0
 id: fisly
 body: International Federation of Sand and Land Yachting (FISLY)
 title: top speed of a land yacht

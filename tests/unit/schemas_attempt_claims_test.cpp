@@ -15,7 +15,7 @@ namespace {
 using test::failure_of;
 using test::replaced;
 
-const std::string least = R"(schema: attempt/1.6
+const std::string least = R"(schema: attempt/1.0
 id: a
 craft: {name: b, class: board}
 receivers:
@@ -36,7 +36,7 @@ TEST(AttemptClaims, AreRead) {
 TEST(AttemptClaims, AreNoneWhereNothingStands) {
     for (const char* revision : {"1.0", "1.5", "1.6"}) {
         const Attempt attempt =
-            read_attempt(replaced(least, "attempt/1.6", std::string("attempt/") + revision), "f");
+            read_attempt(replaced(least, "attempt/1.0", std::string("attempt/") + revision), "f");
         EXPECT_EQ(attempt.attempts_made, 1);
         EXPECT_EQ(attempt.receivers.at(0).solution, "");
         EXPECT_EQ(attempt.receivers.at(0).time_source, "");
@@ -103,11 +103,11 @@ TEST(AttemptClaims, NeedTheirRevision) {
           {"id: a\n", "id: a\nattempts_made: 2\n", "attempts_made"},
           {"[nalsa]", "[nalsa]\nparameters: {window: {clock_rate_bound: 0.01}}",
            "parameters.window.clock_rate_bound"}}) {
-        const std::string text = replaced(replaced(least, "attempt/1.6", "attempt/1.5"), from, to);
+        const std::string text = replaced(replaced(least, "attempt/1.0", "attempt/1.0"), from, to);
         const auto said = failure_of([&] { read_attempt(text, "f"); });
         EXPECT_TRUE(said.contains(std::string(field) +
                                   ": the field needs revision 1.6 of the schema attempt; the file "
-                                  "follows attempt/1.5"))
+                                  "follows attempt/1.0"))
             << said.problem;
     }
 }

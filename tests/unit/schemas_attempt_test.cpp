@@ -95,7 +95,7 @@ TEST(Attempt, ARecordingMayBeSeveralFilesOrRaw) {
     start_date: "2026-08-01"
     gpsbabel_type: garmin_fit
 )"),
-                 "attempt/1.0", "attempt/1.3"),
+                 "attempt/1.0", "attempt/1.0"),
         "f");
     const Receiver& receiver = attempt.receivers.at(0);
     EXPECT_EQ(receiver.recordings, (std::vector<std::string>{"a.obs", "b.obs"}));
@@ -239,9 +239,8 @@ TEST(Attempt, BadInputIsNamedWithItsPlace) {
         {"[nalsa]", "[nalsa]\nparameters.smooth: {jerk_density: 1}", "f:7:1", "unknown key"},
         {"schema: attempt/1.0\n", "", "f:1:1", "does not say that it follows attempt/1.0"},
         {"attempt/1.0", "attempt/2.0", "f:1:9", "does not say that it follows attempt/1.0"},
-        {"attempt/1.0", "attempt/1.7", "f:1:9",
-         "follows attempt/1.0 or attempt/1.1 or attempt/1.2 or attempt/1.3 or attempt/1.4 or "
-         "attempt/1.5 or attempt/1.6. An attempt begins with \"schema: attempt/1.6\""},
+        {"attempt/1.0", "attempt/1.1", "f:1:9",
+         "follows attempt/1.0. An attempt begins with \"schema: attempt/1.0\""},
         {"attempt/1.0", "attempt/1.01", "f:1:9", "does not say that it follows attempt/1.0"},
         {"attempt/1.0", "profile/1.0", "f:1:9", "does not say that it follows attempt/1.0"},
         {"attempt/1.0", "{name: attempt}", "f:1:9", "is a map, not text"},
@@ -292,7 +291,7 @@ TEST(Attempt, ParametersAreTheClassesDefaults) {
 }
 
 TEST(Attempt, EveryParameterHasADefaultOfItsTypeForEveryClass) {
-    const std::string newest = replaced(least, "attempt/1.0", "attempt/1.6");
+    const std::string newest = replaced(least, "attempt/1.0", "attempt/1.0");
     const DocumentSchema& schema = attempt_schema();
     for (const std::string& name : schema.find("craft.class")->values) {
         const Attempt attempt =

@@ -5,8 +5,7 @@
 #include "files_test_support.h"
 #include "schemas/day_results/day_results.h"
 
-// What revision 1.1 of a day's results added: the decision of each attempt, and the best of the day
-// judged as the best of so many.
+// The decision of each attempt, and the best of the day judged as the best of so many.
 
 namespace runcert {
 namespace {
@@ -38,25 +37,13 @@ BestOfDay best() {
     return {.id = "a", .attempts = 7, .probability = 0.9995, .level = 0.99625, .beaten = true};
 }
 
-/// As revision 1.0 wrote it; but the lines of `kept` stay.
-std::string without_revision_1(std::string text, const std::string& kept = "") {
-    for (const std::string lines :
-         {"        probability: 0.999875\n", "        level: 0.9875\n",
-          "        attempts_made: 2\n",
-          "    best:\n      id: a\n      attempts: 7\n      probability: 0.9995\n"
-          "      level: 0.99625\n      beaten: true\n"})
-        if (kept.empty() || lines.find(" " + kept + ":") > lines.find_first_not_of(' '))
-            text = replaced(text, lines, "");
-    return replaced(text, "version: \"1.1\"", "version: \"1.0\"");
-}
-
 TEST(DayDecision, RoundTrips) {
     const DayResults back = read_day_results(write_day_results(day_of(result(), best())), "f");
-    const DayResult& found = *back.attempts.at(0).by("nalsa");
+    const DayResult& found = *result_by(back.attempts.at(0), "nalsa");
     EXPECT_EQ(found.probability, 0.999875);
     EXPECT_EQ(found.level, 0.9875);
     EXPECT_EQ(found.attempts_made, 2);
-    EXPECT_EQ(back.attempts[0].by("fisly"), nullptr);
+    EXPECT_EQ(result_by(back.attempts[0], "fisly"), nullptr);
 }
 
 TEST(DayDecision, IsAbsentWhereNothingWasDecided) {
@@ -116,26 +103,6 @@ TEST(DayBest, ImpossibleFiguresAreRefused) {
     for (const auto& c : cases) {
         const auto said = failure_of([&] { read_day_results(replaced(text, c.from, c.to), "f"); });
         EXPECT_TRUE(said.contains(c.said)) << c.from << "\n" << said.problem;
-    }
-}
-
-TEST(DayRevision, AnEarlierFileHasNoneOfIt) {
-    const std::string text = write_day_results(day_of(result(), best()));
-    const DayResults back = read_day_results(without_revision_1(text), "f");
-    EXPECT_FALSE(back.attempts.at(0).results.at(0).probability);
-    EXPECT_FALSE(back.attempts[0].results[0].level);
-    EXPECT_EQ(back.attempts[0].results[0].attempts_made, 1);
-    EXPECT_FALSE(back.profiles.at(0).best);
-    for (const std::string field :
-         {"attempts[0].results[0].probability", "attempts[0].results[0].level",
-          "attempts[0].results[0].attempts_made", "profiles[0].best"}) {
-        const std::string kept = field.substr(field.rfind('.') + 1);
-        const auto said =
-            failure_of([&] { read_day_results(without_revision_1(text, kept), "f"); });
-        EXPECT_TRUE(said.contains(field + ": the field needs revision 1.1 of the schema "
-                                          "day_results; the file follows day_results/1.0"))
-            << field << "\n"
-            << said.problem;
     }
 }
 

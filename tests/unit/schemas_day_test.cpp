@@ -133,7 +133,7 @@ TEST(DayMerge, TheOrderOfKeysDoesNotMatter) {
         attempt_text(keys_of("{id: a, craft: {name: A, class: car}, profiles: [nalsa]}"), "c"));
     EXPECT_EQ(
         attempt_text(keys_of("{profiles: [nalsa], craft: {class: car, name: A}, id: a}"), "c"),
-        "# c\nschema: attempt/1.6\nid: a\ncraft:\n  name: A\n  class: car\nprofiles:\n"
+        "# c\nschema: attempt/1.0\nid: a\ncraft:\n  name: A\n  class: car\nprofiles:\n"
         "  - nalsa\n");
 }
 
@@ -166,7 +166,7 @@ TEST(DayFile, FaultsOfTheWhole) {
     } cases[] = {
         {"", "f", "empty"},
         {"- a\n", "f:1:1", "day/1.0"},
-        {"schema: attempt/1.5\nattempts: []\n", "f:1:9", "day/1.0"},
+        {"schema: attempt/1.0\nattempts: []\n", "f:1:9", "day/1.0"},
         {"schema: day/1.1\nattempts: []\n", "f:1:9", "day/1.0"},
         {"schema: day/2.0\nattempts: []\n", "f:1:9", "day/1.0"},
         {"schema: day/1.0\n", "f", "\"attempts\" is missing"},
@@ -213,7 +213,7 @@ TEST(DayFile, AFaultOfAnEntryIsThatEntrysAlone) {
         {"~", "f:4:5", "is empty"},
         {"{recording: {a: b}}", "f:4:17", "attempts[1].recording: is a map, not text"},
         {"{recordin: a}", "f:4:6", "Did you mean \"recording\"?"},
-        {"{schema: attempt/1.5, recording: a}", "f:4:6", "unknown key \"schema\""},
+        {"{schema: attempt/1.0, recording: a}", "f:4:6", "unknown key \"schema\""},
         {"{id: [a], recording: a}", "f:4:10", "id"},
         {"{recording: a, receivers: [{id: b, recording: a}]}", "f:4:5", "recording and receivers"},
         {"{format: csv, receivers: [{id: b, recording: a}]}", "f:4:6", "belongs to a receiver"},

@@ -125,10 +125,9 @@ TEST(TrajectoryEstimation, RoundTrips) {
     EXPECT_EQ(back.rows.at(0).jerk_density_up, 0.6125);
     EXPECT_FALSE(back.rows.at(1).jerk_density || back.rows.at(1).jerk_density_up);
     EXPECT_FALSE(back.estimation.vertical);
-    ASSERT_TRUE(back.estimation.horizontal);
-    expect_equal(back.estimation.horizontal->noise, table.estimation.horizontal->noise);
-    const FilterHealth& a = back.estimation.horizontal->health;
-    const FilterHealth& b = table.estimation.horizontal->health;
+    expect_equal(back.estimation.horizontal.noise, table.estimation.horizontal.noise);
+    const FilterHealth& a = back.estimation.horizontal.health;
+    const FilterHealth& b = table.estimation.horizontal.health;
     EXPECT_EQ(a.innovations, b.innovations);
     EXPECT_EQ(a.mean_statistic, b.mean_statistic);
     EXPECT_EQ(a.lower, b.lower);
@@ -147,7 +146,7 @@ TEST(TrajectoryEstimation, RoundTrips) {
 
 TEST(TrajectoryEstimation, WhatTheDataDoNotTellIsAbsent) {
     TrajectoryTable table = trajectory();
-    NoiseSummary& noise = table.estimation.horizontal->noise;
+    NoiseSummary& noise = table.estimation.horizontal.noise;
     noise.status = "too_few_epochs";
     noise.acceleration_time_s = noise.error_diffusion = noise.error_tau_s = noise.error_sigma_m =
         std::nullopt;
@@ -155,20 +154,20 @@ TEST(TrajectoryEstimation, WhatTheDataDoNotTellIsAbsent) {
     noise.posterior.clear();
     const TrajectoryTable back = read_trajectory(write_trajectory(table), "f");
     noise.jerk_density.relative_uncertainty.reset();
-    expect_equal(back.estimation.horizontal->noise, noise);
+    expect_equal(back.estimation.horizontal.noise, noise);
     noise.status = "guessed";
     EXPECT_TRUE(failure_of([&] { write_trajectory(table); }).contains("\"guessed\" is not one of"));
 }
 
 TEST(TrajectoryEstimation, IsRoundedToTheFieldTable) {
     TrajectoryTable table = trajectory();
-    table.estimation.horizontal->noise.jerk_density.value = 0.61234567;
-    table.estimation.horizontal->noise.error_gain = 7.456;
-    table.estimation.horizontal->health.largest_condition = 1234.56;
+    table.estimation.horizontal.noise.jerk_density.value = 0.61234567;
+    table.estimation.horizontal.noise.error_gain = 7.456;
+    table.estimation.horizontal.health.largest_condition = 1234.56;
     const TrajectoryTable back = read_trajectory(write_trajectory(table), "f");
-    EXPECT_EQ(back.estimation.horizontal->noise.jerk_density.value, 0.612346);
-    EXPECT_EQ(back.estimation.horizontal->noise.error_gain, 7.46);
-    EXPECT_EQ(back.estimation.horizontal->health.largest_condition, 1234.6);
+    EXPECT_EQ(back.estimation.horizontal.noise.jerk_density.value, 0.612346);
+    EXPECT_EQ(back.estimation.horizontal.noise.error_gain, 7.46);
+    EXPECT_EQ(back.estimation.horizontal.health.largest_condition, 1234.6);
 }
 
 TEST(TrajectoryEstimation, JerkDensitiesAreWrittenToTheirDecimals) {

@@ -14,7 +14,7 @@ namespace {
 using test::failure_of;
 using test::replaced;
 
-const std::string timed = R"(schema: profile/1.3
+const std::string timed = R"(schema: profile/1.0
 id: my-rule
 body: b
 title: t

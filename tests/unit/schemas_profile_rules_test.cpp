@@ -16,7 +16,7 @@ using test::failure_of;
 using test::replaced;
 
 /// A rule over a stretch, with all that can stand beside it, of revision 1.3.
-const std::string newest = R"(schema: profile/1.3
+const std::string newest = R"(schema: profile/1.0
 id: my-rule
 body: Some Body
 title: top speed
@@ -69,7 +69,7 @@ TEST(ProfileWindow, EveryMemberIsRead) {
 
 TEST(ProfileWindow, WhatIsLeftOutHasItsDefault) {
     for (const std::string& text :
-         {newest, replaced(replaced(newest, "profile/1.3", "profile/1.0"), "kind: time, ", "")}) {
+         {newest, replaced(replaced(newest, "profile/1.0", "profile/1.0"), "kind: time, ", "")}) {
         const Profile profile = read_profile(text, "p");
         EXPECT_EQ(profile.window_kind, "time");
         EXPECT_EQ(profile.dimension, "horizontal");
@@ -258,10 +258,10 @@ TEST(ProfileRule, AFieldOfTheNewestRevisionNeedsIt) {
           {"title", "current: ignored\ntitle"}}) {
         std::string text = replaced(replaced(newest, "kind: time, ", ""), from, to);
         EXPECT_NO_THROW(read_profile(text, "p")) << to;
-        text = replaced(text, "profile/1.3", "profile/1.2");
+        text = replaced(text, "profile/1.0", "profile/1.0");
         EXPECT_TRUE(failure_of([&] { read_profile(text, "p"); })
                         .contains("the field needs revision 1.3 of the schema profile; the file "
-                                  "follows profile/1.2. Let the file say profile/1.3"))
+                                  "follows profile/1.0. Let the file say profile/1.0"))
             << to;
     }
 }

@@ -128,16 +128,55 @@ struct Outer {
 
 }  // namespace
 
+// As the build writes them of a declaration.
 template <>
-inline constexpr auto members<Painted> =
-    std::tuple{Member{"colour", &Painted::colour}, Member{"other", &Painted::other}};
+nlohmann::ordered_json members_json(const Painted& value) {
+    nlohmann::ordered_json map = nlohmann::ordered_json::object();
+    member::write(map, "colour", value.colour);
+    member::write(map, "other", value.other);
+    return map;
+}
 template <>
-inline constexpr auto members<Inner> =
-    std::tuple{Member{"value_m", &Inner::value}, Member{"maybe", &Inner::maybe}};
+Painted read_members(const YamlValue& map) {
+    Painted value;
+    member::take(map, "colour", value.colour);
+    member::take(map, "other", value.other);
+    return value;
+}
 template <>
-inline constexpr auto members<Outer> = std::tuple{
-    Member{"text", &Outer::text}, Member{"count", &Outer::count}, Member{"yes", &Outer::yes},
-    Member{"inner", &Outer::inner}, Member{"list", &Outer::list}};
+nlohmann::ordered_json members_json(const Inner& value) {
+    nlohmann::ordered_json map = nlohmann::ordered_json::object();
+    member::write(map, "value_m", value.value);
+    member::write(map, "maybe", value.maybe);
+    return map;
+}
+template <>
+Inner read_members(const YamlValue& map) {
+    Inner value;
+    member::take(map, "value_m", value.value);
+    member::take(map, "maybe", value.maybe);
+    return value;
+}
+template <>
+nlohmann::ordered_json members_json(const Outer& value) {
+    nlohmann::ordered_json map = nlohmann::ordered_json::object();
+    member::write(map, "text", value.text);
+    member::write(map, "count", value.count);
+    member::write(map, "yes", value.yes);
+    member::write(map, "inner", value.inner);
+    member::write(map, "list", value.list);
+    return map;
+}
+template <>
+Outer read_members(const YamlValue& map) {
+    Outer value;
+    member::take(map, "text", value.text);
+    member::take(map, "count", value.count);
+    member::take(map, "yes", value.yes);
+    member::take(map, "inner", value.inner);
+    member::take(map, "list", value.list);
+    return value;
+}
 
 namespace {
 

@@ -145,7 +145,7 @@ TEST(RuleInput, AnEarlierFileIsToldTheRevisionThatItNeeds) {
             EXPECT_TRUE(
                 said.contains("the field needs revision 1.4 of the schema attempt; the file "
                               "follows attempt/" +
-                              revision + ". Let the file say attempt/1.4, or remove the field"))
+                              revision + ". Let the file say attempt/1.0, or remove the field"))
                 << said.problem << said.remedy;
         }
     }

@@ -101,22 +101,16 @@ TEST(ScreeningEvidence, RoundTripsWithoutWhatWasNotThere) {
     const std::string text = write_screened(table);
     EXPECT_NE(text.find("#     test_size: 1.0e-10\n"), std::string::npos) << text;
     EXPECT_NE(text.find("#     decisions:\n#       outlier: 1\n"), std::string::npos) << text;
-    const ScreeningEvidence back = read_screened(text, "f").evidence.value();
+    const ScreeningEvidence back = read_screened(text, "f").evidence;
     EXPECT_EQ(back.test_size, 1e-10);
     EXPECT_EQ(back.tests, 10'000'000);
     EXPECT_EQ(back.models.at(0).axes, TestedAxes::vertical);
     EXPECT_EQ(back.fix_kinds.at(0).fix, FixKind::single);
     EXPECT_FALSE(back.velocity || back.baseline);
     EXPECT_TRUE(back.time.faults.empty());
-    table.evidence->velocity = VelocityEvidence{};
-    const VelocityEvidence velocity = *read_screened(write_screened(table), "f").evidence->velocity;
+    table.evidence.velocity = VelocityEvidence{};
+    const VelocityEvidence velocity = *read_screened(write_screened(table), "f").evidence.velocity;
     EXPECT_FALSE(velocity.delay_s || velocity.sigma_delay_s);
-}
-
-TEST(ScreeningEvidence, IsLeftOutWhereThereIsNone) {
-    const std::string text = write_screened(table_of({decided(Reason::none, std::nullopt)}));
-    EXPECT_EQ(text.find("screening:"), std::string::npos);
-    EXPECT_FALSE(read_screened(text, "f").evidence);
 }
 
 TEST(ScreeningEvidence, UnknownWordsAreRefused) {
@@ -137,18 +131,18 @@ TEST(ScreeningEvidence, UnknownWordsAreRefused) {
         const auto said = failure_of([&] { read_screened(replaced(text, c.from, c.to), "f"); });
         EXPECT_TRUE(said.contains(c.said)) << c.to << "\n" << said.problem;
     }
-    table.evidence->time.faults = {{.epoch = 1, .kind = "leap", .size_s = 1.0}};
+    table.evidence.time.faults = {{.epoch = 1, .kind = "leap", .size_s = 1.0}};
     EXPECT_TRUE(failure_of([&] { write_screened(table); }).contains("\"leap\" is not one of gap"));
 }
 
 TEST(ScreeningEvidence, OfTheDeviceRoundTrips) {
     ScreenedTable table = table_of({});
     table.evidence = evidence();
-    EXPECT_FALSE(read_screened(write_screened(table), "f").evidence->device);
-    table.evidence->device =
+    EXPECT_FALSE(read_screened(write_screened(table), "f").evidence.device);
+    table.evidence.device =
         DeviceEvidence{.moving = 1200, .held = 11, .interpolated = 7, .by_chance = 0.126};
     const std::string text = write_screened(table);
-    const DeviceEvidence back = read_screened(text, "f").evidence->device.value();
+    const DeviceEvidence back = read_screened(text, "f").evidence.device.value();
     EXPECT_EQ(back.moving, 1200);
     EXPECT_EQ(back.held, 11);
     EXPECT_EQ(back.interpolated, 7);

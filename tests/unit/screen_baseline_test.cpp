@@ -12,7 +12,7 @@ using Eigen::Matrix2d, Eigen::Vector2d;
 
 ScreenConfig config() {
     return screen_config(
-        read_attempt("schema: attempt/1.2\nid: t\ncraft: {name: t, class: land-yacht}\n"
+        read_attempt("schema: attempt/1.0\nid: t\ncraft: {name: t, class: land-yacht}\n"
                      "receivers: [{id: primary, recording: r}]\nprofiles: [nalsa]\n",
                      "attempt"));
 }
@@ -111,7 +111,7 @@ struct TwoReceivers {
         marked = compare_receivers(a, b, motion_of(craft, first, a), plan_for(std::ssize(a.rows)),
                                    config());
     }
-    const BaselineEvidence& evidence() const { return a.evidence->baseline.value(); }
+    const BaselineEvidence& evidence() const { return a.evidence.baseline.value(); }
 };
 
 std::vector<std::int64_t> rejected(const ScreenedTable& table) {
@@ -158,7 +158,7 @@ TEST(Baseline, AnOutlierIsMarkedInBoth) {
         EXPECT_EQ(rejected(pair.b), Epochs{156}) << seed;
         EXPECT_EQ(pair.evidence().rejected, 1);
         EXPECT_EQ(pair.evidence().receiver, "secondary");
-        EXPECT_EQ(pair.b.evidence->baseline->receiver, "primary");
+        EXPECT_EQ(pair.b.evidence.baseline->receiver, "primary");
         for (const ScreenedEpoch* row : {&pair.a.rows[155], &pair.b.rows[155]}) {
             EXPECT_FALSE(row->usable);
             EXPECT_EQ(row->hypothesis, Hypothesis::baseline);
@@ -378,7 +378,7 @@ TEST(ScreenReceivers, OneReceiverIsScreenedByItself) {
     const std::vector<ScreenedTable> screened = screen_receivers(tables, config());
     ASSERT_EQ(screened.size(), 1U);
     EXPECT_EQ(write_screened(screened[0]), write_screened(screen(tables[0], config())));
-    EXPECT_FALSE(screened[0].evidence->baseline.has_value());
+    EXPECT_FALSE(screened[0].evidence.baseline.has_value());
 }
 
 TEST(ScreenReceivers, TwoAreComparedAfterEachWasScreened) {
@@ -389,8 +389,8 @@ TEST(ScreenReceivers, TwoAreComparedAfterEachWasScreened) {
         const std::vector<EnuTable> tables{unscreened(pair.a), unscreened(pair.b)};
         const std::vector<ScreenedTable> screened = screen_receivers(tables, config());
         ASSERT_EQ(screened.size(), 2U);
-        EXPECT_EQ(screened[0].evidence->baseline->compared, 401);
-        EXPECT_EQ(screened[1].evidence->baseline->receiver, "primary");
+        EXPECT_EQ(screened[0].evidence.baseline->compared, 401);
+        EXPECT_EQ(screened[1].evidence.baseline->receiver, "primary");
         alarms += summarise(screened[0].rows).usable + summarise(screened[1].rows).usable != 802;
     }
     EXPECT_EQ(alarms, 0);

@@ -15,7 +15,7 @@ namespace {
 
 ScreenConfig config() {
     return screen_config(
-        read_attempt("schema: attempt/1.4\nid: t\ncraft: {name: t, class: land-yacht}\n"
+        read_attempt("schema: attempt/1.0\nid: t\ncraft: {name: t, class: land-yacht}\n"
                      "receivers: [{id: primary, recording: r}]\nprofiles: [nalsa]\n",
                      "attempt"));
 }

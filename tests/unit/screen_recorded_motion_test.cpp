@@ -52,7 +52,7 @@ EnuTable recorded(const Fall& fall) {
 
 ScreenConfig board() {
     Attempt attempt = read_attempt(
-        "schema: attempt/1.4\nid: t\ncraft: {name: t, class: board}\n"
+        "schema: attempt/1.0\nid: t\ncraft: {name: t, class: board}\n"
         "receivers: [{id: primary, recording: r}]\nprofiles: [nalsa]\n",
         "attempt");
     return screen_config(attempt);

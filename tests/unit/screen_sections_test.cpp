@@ -90,7 +90,7 @@ TEST(Sections, WhatIsFoundDoesNotDependOnThem) {
     in_sections.section_epochs = 1000;
     const ScreenedTable whole = screen(table, config());
     const ScreenedTable cut = screen(table, in_sections);
-    EXPECT_EQ(cut.evidence->passes, whole.evidence->passes);
+    EXPECT_EQ(cut.evidence.passes, whole.evidence.passes);
     std::int64_t left_out = 0;
     std::int64_t breaks = 0;
     for (std::size_t i = 0; i < table.rows.size(); ++i) {

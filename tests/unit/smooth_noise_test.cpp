@@ -87,7 +87,7 @@ TEST(LearnNoise, FromTooFewEpochs) {
 TEST(LearnNoise, OnlyMeasuredEpochsCount) {
     ScreenedTable table = record({.epochs = 34});
     table.rows[10].usable = table.rows[20].usable = false;
-    table.rows[10].reason = table.rows[20].reason = Reason::innovation;
+    table.rows[10].reason = table.rows[20].reason = Reason::outlier;
     EXPECT_EQ(learnt(table).status, "too_few_epochs");
     EXPECT_EQ(learnt(table).epochs, 32);
 }
@@ -142,7 +142,7 @@ TEST(LearnNoise, StatedNoiseIsScaledByTheVarianceFactorAboveOneOnly) {
 TEST(LearnNoise, UnfittedCovariancesGrowWithTheVarianceFactor) {
     const ScreenedTable table = record({.epochs = 400, .size = [](std::int64_t) { return 3.0; }});
     const TrajectoryTable trajectory = smooth_trajectory(table, as_stated());
-    const double scale = trajectory.estimation.horizontal->noise.measurement_scale.value;
+    const double scale = trajectory.estimation.horizontal.noise.measurement_scale.value;
     ASSERT_GT(scale, 2.5);
     EXPECT_EQ(trajectory.estimation.variance_factor_applied, scale * scale);
     // After the scaling the factor of unit weight is one.
@@ -267,8 +267,8 @@ TEST(LearnNoise, WhatIsWrittenAndReadGivesTheSameModel) {
         trajectory.header.program_version = "1.1.0";
         trajectory.header.source_revision = "0";
         const TrajectoryTable back = read_trajectory(write_trajectory(trajectory), "trajectory");
-        const NoiseSummary& written = trajectory.estimation.horizontal->noise;
-        const NoiseSummary& read = back.estimation.horizontal->noise;
+        const NoiseSummary& written = trajectory.estimation.horizontal.noise;
+        const NoiseSummary& read = back.estimation.horizontal.noise;
         if (with.fit_noise) {
             EXPECT_TRUE(written.error_told);
             EXPECT_GT(written.posterior.size(), 1U);
@@ -297,7 +297,7 @@ TEST(LearnNoise, WhatIsWrittenAndReadGivesTheSameModel) {
 }
 
 FilterHealth health_of(const Recording& recording) {
-    return smooth_trajectory(record(recording), config()).estimation.horizontal->health;
+    return smooth_trajectory(record(recording), config()).estimation.horizontal.health;
 }
 
 TEST(FilterHealth, OfWhiteNoiseIsWhiteAndConsistent) {

@@ -72,14 +72,14 @@ TEST(BridgedTrajectory, SaysWhereItsStepsAre) {
 
 TEST(BridgedTrajectory, HasTheNoiseOfOneWithoutTheStep) {
     ScreenedTable table = record();
-    const NoiseSummary whole = smoothed(table).estimation.horizontal->noise;
+    const NoiseSummary whole = smoothed(table).estimation.horizontal.noise;
     add_step(table, 150, 0.5);
-    const AxesEstimation bridged = smoothed(table).estimation.horizontal.value();
+    const AxesEstimation bridged = smoothed(table).estimation.horizontal;
     EXPECT_NEAR(bridged.noise.jerk_density.value / whole.jerk_density.value, 1.0, 0.05);
     EXPECT_NEAR(bridged.noise.measurement_scale.value / whole.measurement_scale.value, 1.0, 0.02);
     EXPECT_TRUE(bridged.health.consistent);
     table.rows[150].break_before.reset();
-    const AxesEstimation unbridged = smoothed(table).estimation.horizontal.value();
+    const AxesEstimation unbridged = smoothed(table).estimation.horizontal;
     EXPECT_GT(unbridged.noise.jerk_density.value, 1.3 * whole.jerk_density.value);
 }
 
@@ -89,7 +89,7 @@ TEST(BridgedTrajectory, EachOffsetThatIsToldCostsItsDegreesOfFreedom) {
         const EstimationSummary summary = smoothed(table).estimation;
         EXPECT_EQ(summary.degrees_of_freedom, degrees);
         // Each innovation that tests the model is one: two ways of counting.
-        EXPECT_EQ(summary.horizontal->health.innovations, degrees);
+        EXPECT_EQ(summary.horizontal.health.innovations, degrees);
         EXPECT_EQ(summary.vertical->health.innovations, degrees / 2);
     };
     expect_degrees(800 - 6);

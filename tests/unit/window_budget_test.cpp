@@ -43,7 +43,7 @@ struct Scene {
         noise.speed.standard_uncertainty_mps = 0.005;
         selection.treatment = "covered";
     }
-    NoiseSummary& fit() { return trajectory.estimation.horizontal->noise; }
+    NoiseSummary& fit() { return trajectory.estimation.horizontal.noise; }
     void set_speed(double speed_mps) {
         noise.speed.speed_mps = speed_mps;
         noise.displacement_m = 3.0 * speed_mps;

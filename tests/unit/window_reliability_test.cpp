@@ -17,7 +17,7 @@ using test::recorded;
 /// A run of 40 s at 10 Hz, screened with white noise as stated.
 ScreenedTable screened_run() {
     ScreenedTable table = recorded({});
-    ScreeningEvidence& evidence = table.evidence.emplace();
+    ScreeningEvidence& evidence = table.evidence;
     evidence.test_size = 1e-8;
     evidence.power = 0.8;
     evidence.burst_epochs_max = 5;
@@ -74,7 +74,7 @@ class Reliability : public testing::TestWithParam<const char*> {
 TEST_P(Reliability, NoDirectionOfAnUndetectedStepDoesMore) {
     // By brute force: at every epoch around the window a step in each of 36 directions, of the size
     // that its test finds with the power, put into the recording.
-    const ArcDiagnosis<2> diagnosis(arc.epochs, model_of(screened.evidence->models.front()));
+    const ArcDiagnosis<2> diagnosis(arc.epochs, model_of(screened.evidence.models.front()));
     const double lambda = noncentrality(1e-8, 0.8, 2);
     const double before = speed_of(stretch, GetParam());
     double largest = 0.0;

@@ -206,7 +206,7 @@ TEST(WindowSearch, ATrajectoryOfAnotherModelIsRefused) {
     TrajectoryTable trajectory = test::smoothed_with(screened, test::summary_of(model));
     EXPECT_EQ(refusal_of(screened, trajectory), "");
     model.motion.jerk_density = 0.7;  // than that which its header claims
-    trajectory.estimation.horizontal->noise = test::summary_of(model);
+    trajectory.estimation.horizontal.noise = test::summary_of(model);
     EXPECT_NE(refusal_of(screened, trajectory).find("Run runcert-smooth again"), std::string::npos);
 }
 
@@ -215,13 +215,6 @@ TEST(WindowSearch, ATrajectoryOfOtherArcsIsRefused) {
     const TrajectoryTable trajectory = test::smoothed_with(screened, free_motion());
     screened.rows.back().arc.reset();
     EXPECT_NE(refusal_of(screened, trajectory).find("arcs"), std::string::npos);
-}
-
-TEST(WindowSearch, ATrajectoryThatDoesNotSayItsNoiseIsRefused) {
-    const ScreenedTable screened = test::recorded({.from_s = 20.0, .to_s = 40.0});
-    TrajectoryTable trajectory = test::smoothed_with(screened, free_motion());
-    trajectory.estimation.horizontal.reset();
-    EXPECT_NE(refusal_of(screened, trajectory).find("revision 1.0"), std::string::npos);
 }
 
 TEST(CertifiedWindow, HoldsEveryWayToItsSpeed) {

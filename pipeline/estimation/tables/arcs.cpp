@@ -4,8 +4,8 @@ namespace runcert {
 namespace {
 
 bool has_measurement(const ScreenedEpoch& row, Measurements measurements) {
-    return row.usable || (measurements == Measurements::before_rejection &&
-                          (row.reason == Reason::innovation || row.reason == Reason::outlier));
+    return row.usable ||
+           (measurements == Measurements::before_rejection && row.reason == Reason::outlier);
 }
 
 }  // namespace

@@ -18,8 +18,7 @@ struct Arc {
 /// Which epochs of an arc come with their measurement.
 enum class Measurements {
     usable,            ///< those that screening kept
-    before_rejection,  ///< and those that were rejected alone: as outliers, or by the innovation
-                       ///< test of revision 1.1 and before
+    before_rejection,  ///< and those that were rejected alone, as outliers
 };
 
 /// The arcs of a screened table, in order, of the horizontal positions (Axes 2), the heights alone

@@ -18,18 +18,13 @@ EstimationModel model_of(const NoiseSummary& noise) {
 
 template <int Axes>
 const NoiseSummary& noise_of(const TrajectoryTable& trajectory) {
-    const auto& estimation = trajectory.estimation;
-    const auto& axes = Axes == 1 ? estimation.vertical : estimation.horizontal;
-    if (!axes)
+    const EstimationSummary& estimation = trajectory.estimation;
+    if constexpr (Axes == 2) return estimation.horizontal.noise;
+    if (!estimation.vertical)
         throw Failure("4-trajectory of receiver " + trajectory.facts.receiver,
-                      estimation.horizontal
-                          ? "the trajectory has no heights"
-                          : "the trajectory is of revision 1.0 and does not say what noise it was "
-                            "estimated with",
-                      estimation.horizontal
-                          ? "Use a recording with heights, or a profile of horizontal speed"
-                          : "Certify the attempt again, or run runcert-smooth again");
-    return axes->noise;
+                      "the trajectory has no heights",
+                      "Use a recording with heights, or a profile of horizontal speed");
+    return estimation.vertical->noise;
 }
 
 template const NoiseSummary& noise_of<1>(const TrajectoryTable&);

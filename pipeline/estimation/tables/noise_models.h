@@ -12,7 +12,7 @@ namespace runcert {
 EstimationModel model_of(const NoiseSummary& noise);
 
 /// The horizontal (Axes 2) or vertical (1) noise that a trajectory says it was estimated with.
-/// Failure for one of revision 1.0, which does not say, and without heights for the vertical one.
+/// Failure without heights for the vertical one.
 template <int Axes>
 const NoiseSummary& noise_of(const TrajectoryTable& trajectory);
 

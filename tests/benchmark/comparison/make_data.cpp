@@ -196,7 +196,7 @@ std::string nmea_of(std::int64_t epochs, std::uint64_t seed) {
 std::string attempt_of(const std::string& recording, const std::string& format) {
     return fmt::format(
         "# Made by runcert-comparison-data: the recording is simulated.\n"
-        "schema: attempt/1.3\n"
+        "schema: attempt/1.0\n"
         "id: comparison\n"
         "craft: {{name: simulated land yacht, class: land-yacht}}\n"
         "place: salt lake (simulated)\n"

@@ -6,7 +6,7 @@
 #include "schemas/attempt/attempt.h"
 #include "schemas_attempt_support.h"
 
-// What revisions 1.1 and 1.2 of an attempt added.
+// Parameters of an attempt: their defaults and ranges.
 
 namespace runcert {
 namespace {
@@ -14,7 +14,7 @@ namespace {
 using test::failure_of;
 using test::replaced;
 
-/// The least that an attempt says, of every revision.
+/// The least that an attempt says.
 const std::string least = R"(schema: attempt/1.0
 id: a
 craft: {name: b, class: board}
@@ -22,20 +22,8 @@ receivers:
   - {id: primary, recording: r.csv}
 profiles: [nalsa]
 )";
-const std::string least_1_1 = replaced(least, "attempt/1.0", "attempt/1.1");
-const std::string least_1_2 = replaced(least, "attempt/1.0", "attempt/1.2");
 
-TEST(AttemptRevision, AllAreReadAlikeWhereTheySayTheSame) {
-    const Attempt first = read_attempt(least, "f");
-    for (const std::string& text : {least_1_1, least_1_2}) {
-        const Attempt later = read_attempt(text, "f");
-        EXPECT_EQ(first.parameters, later.parameters);
-        EXPECT_TRUE(later.overrides.empty());
-        EXPECT_FALSE(later.receivers.at(0).rotation_bound_deg);
-    }
-}
-
-TEST(AttemptRevision, WhatIsNewHasItsDefault) {
+TEST(AttemptParameters, HaveTheirDefaults) {
     const Attempt attempt = read_attempt(least, "f");
     const auto smooth = attempt.parameters.at("smooth");
     EXPECT_EQ(smooth.at("noise"), "fitted");
@@ -50,34 +38,14 @@ TEST(AttemptRevision, WhatIsNewHasItsDefault) {
     EXPECT_EQ(window.at("plane_scale_bound"), 0.001);
 }
 
-TEST(AttemptRevision, ALaterFieldInAnEarlierFileNamesTheRevisionItNeeds) {
-    const struct {
-        std::string from, to, where, field;
-    } cases[] = {
-        {"r.csv}", "r.csv, lever_arm_m: {forward: 0, right: 0, down: 1}, rotation_bound_deg: 5}",
-         "f:5:103", "receivers[0].rotation_bound_deg"},
-        {"[nalsa]", "[nalsa]\nparameters: {smooth: {noise: stated}}", "f:7:30",
-         "parameters.smooth.noise"},
-        {"[nalsa]", "[nalsa]\nparameters: {window: {duration_tolerance_s: 0.01, seed: null}}",
-         "f:7:57", "parameters.window.seed"},
-    };
-    for (const auto& c : cases) {
-        const auto said = failure_of([&] { read_attempt(replaced(least, c.from, c.to), "f"); });
-        EXPECT_EQ(said.where, c.where) << c.to;
-        EXPECT_TRUE(said.contains(c.field + ": the field needs revision 1.1 of the schema attempt; "
-                                            "the file follows attempt/1.0. Let the file say "
-                                            "attempt/1.1, or remove the field"))
-            << said.problem << said.remedy;
-        EXPECT_NO_THROW(read_attempt(replaced(least_1_1, c.from, c.to), "f")) << c.to;
-    }
-    // No field of any revision: not known, whatever a path might look like.
+TEST(AttemptParameters, AKeyIsNoPath) {
     EXPECT_TRUE(failure_of([&] {
                     read_attempt(
                         replaced(least, "[nalsa]", "[nalsa]\nparameters: {smooth.noise: a}"), "f");
                 }).contains("unknown key \"smooth.noise\""));
 }
 
-TEST(AttemptRevision, BadInputIsNamedWithItsPlace) {
+TEST(AttemptParameters, BadInputIsNamedWithItsPlace) {
     const test::BadAttempt cases[] = {
         {"r.csv}", "r.csv, rotation_bound_deg: 5}", "f:5:57",
          "the craft's rotation is bounded, but no lever arm is given for it to act on. Add "
@@ -104,7 +72,7 @@ TEST(AttemptRevision, BadInputIsNamedWithItsPlace) {
         {"[nalsa]", "[nalsa]\nparameters: {window: {plane_scale_bound: 0.2}}", "f:7:42",
          "0.2 is above 0.1"},
     };
-    test::expect_named(least_1_1, cases);
+    test::expect_named(least, cases);
 }
 
 TEST(AttemptScreening, HasItsDefaults) {
@@ -133,13 +101,13 @@ TEST(AttemptScreening, ItsLimitsAreThoseOfTheCraftsClass) {
         const auto screen =
             read_attempt(replaced(least, "class: board", "class: " + each.name), "f")
                 .parameters.at("screen");
-        EXPECT_EQ(screen.at("acceleration_max_mps2"), each.acceleration_mps2) << each.name;
-        EXPECT_EQ(screen.at("jerk_max_mps3"), each.jerk_mps3) << each.name;
-        EXPECT_EQ(screen.at("vertical_rate_max_mps"), each.vertical_rate_mps) << each.name;
+        EXPECT_EQ(screen.at("acceleration_max_m_s2"), each.acceleration_mps2) << each.name;
+        EXPECT_EQ(screen.at("jerk_max_m_s3"), each.jerk_mps3) << each.name;
+        EXPECT_EQ(screen.at("vertical_rate_max_m_s"), each.vertical_rate_mps) << each.name;
     }
 }
 
-TEST(AttemptScreening, EachFieldNeedsItsRevisionAndKeepsToItsRange) {
+TEST(AttemptScreening, EachFieldKeepsToItsRange) {
     const struct {
         std::string field, good, bad, said;
     } cases[] = {
@@ -151,9 +119,9 @@ TEST(AttemptScreening, EachFieldNeedsItsRevisionAndKeepsToItsRange) {
         {"burst_epochs_max", "100", "101", "101 is above 100"},
         {"noise", "stated", "guessed", "\"guessed\" is not one of fitted, stated"},
         {"steps", "bridge", "jump", "\"jump\" is not one of end_arc, bridge"},
-        {"acceleration_max_mps2", "30", "0", "is below 1 m s-2"},
-        {"jerk_max_mps3", "30", "-1", "is below 1 m s-3"},
-        {"vertical_rate_max_mps", "2", "0", "is below 0.1 m / s"},
+        {"acceleration_max_m_s2", "30", "0", "is below 1 m s-2"},
+        {"jerk_max_m_s3", "30", "-1", "is below 1 m s-3"},
+        {"vertical_rate_max_m_s", "2", "0", "is below 0.1 m / s"},
         {"velocity_delay_max_s", "0", "-0.1", "-0.1 is below 0 s"},
         {"velocity_delay_max_s", "5", "5.1", "5.1 is above 5 s"},
         {"session_gap_s", "1", "0.5", "0.5 is below 1 s"},
@@ -163,17 +131,11 @@ TEST(AttemptScreening, EachFieldNeedsItsRevisionAndKeepsToItsRange) {
             return replaced(text, "[nalsa]",
                             "[nalsa]\nparameters: {screen: {" + c.field + ": " + value + "}}");
         };
-        const Attempt attempt = read_attempt(with(least_1_2, c.good), "f");
+        const Attempt attempt = read_attempt(with(least, c.good), "f");
         EXPECT_EQ(attempt.overrides, std::vector<std::string>{"screen." + c.field});
-        const auto bad = failure_of([&] { read_attempt(with(least_1_2, c.bad), "f"); });
+        const auto bad = failure_of([&] { read_attempt(with(least, c.bad), "f"); });
         EXPECT_TRUE(bad.contains(c.said)) << c.field << "\n" << bad.problem;
         EXPECT_EQ(bad.where, "f:7:" + std::to_string(25 + c.field.size()));
-        const auto early = failure_of([&] { read_attempt(with(least_1_1, c.good), "f"); });
-        EXPECT_TRUE(
-            early.contains("the field needs revision 1.2 of the schema attempt; the file "
-                           "follows attempt/1.1"))
-            << c.field << "\n"
-            << early.problem;
     }
 }
 

@@ -1,0 +1,285 @@
+#include "golden_files.h"
+
+// Attempt, rule, day and simulation: what today's reader finds in their golden files.
+
+namespace runcert {
+namespace {
+
+using golden::text_of;
+
+TEST(GoldenAttempt, Receivers) {
+    const Attempt attempt = read_attempt(text_of("v1.0/attempt.yaml"), "f");
+    EXPECT_EQ(attempt.id, "urban-car_2");
+    EXPECT_EQ(attempt.place, "\xe5\x90\x8d\xe5\x8f\xa4\xe5\xb1\x8b (Nagoya)");
+    EXPECT_EQ(attempt.date, "2022-03-18");
+    EXPECT_EQ(attempt.receivers.at(0).utm_zone->zone, 53);
+    EXPECT_TRUE(attempt.receivers.at(0).utm_zone->northern);
+    EXPECT_EQ(attempt.receivers.at(0).columns.size(), 12U);
+    EXPECT_EQ(attempt.receivers.at(0).columns.at("sigma_up"), "7");
+    EXPECT_EQ(attempt.receivers.at(0).lever_arm->z(), -1.2);
+    EXPECT_EQ(attempt.receivers.at(1).frame, CoordinateFrame::geodetic);
+    EXPECT_EQ(attempt.profiles.at(1), "rules/my-rule.yaml");
+    EXPECT_EQ(attempt.parameters.at("smooth").at("jerk_density"), 1.25);
+    EXPECT_EQ(attempt.overrides.size(), 11U);
+    EXPECT_FALSE(attempt.receivers.at(0).rotation_bound_deg);
+    EXPECT_EQ(attempt.parameters.at("smooth").at("noise"), "fitted");
+    EXPECT_EQ(attempt.parameters.at("window").at("seed"), 1);
+    EXPECT_EQ(attempt.parameters.at("screen").at("steps"), "end_arc");
+}
+
+TEST(GoldenAttempt, RecordingsAndRawObservations) {
+    const Attempt attempt = read_attempt(text_of("v1.0/attempt.yaml"), "f");
+    EXPECT_EQ(attempt.receivers.at(0).utc_offset_h, 9.0);
+    EXPECT_EQ(attempt.receivers.at(0).start_date, "2022-03-18");
+    EXPECT_EQ(attempt.receivers.at(0).gpsbabel_type, "garmin_fit");
+    const Receiver& raw = attempt.receivers.at(1);
+    EXPECT_EQ(raw.recordings, (std::vector<std::string>{"raw/rover.obs", "raw/rover2.obs"}));
+    EXPECT_EQ(raw.base, "raw/base.obs");
+    EXPECT_EQ(raw.navigation, (std::vector<std::string>{"raw/gps.nav", "raw/glonass.nav"}));
+    EXPECT_EQ(raw.base_position->latitude.degrees(), 35.25);
+    EXPECT_EQ(raw.solution_pass, "backward");
+}
+
+TEST(GoldenAttempt, Smoothing) {
+    const Attempt attempt = read_attempt(text_of("v1.0/attempt.yaml"), "f");
+    EXPECT_EQ(attempt.receivers.at(0).rotation_bound_deg, 7.5);
+    EXPECT_FALSE(attempt.receivers.at(1).rotation_bound_deg);
+    EXPECT_EQ(attempt.parameters.at("smooth").at("motion_model"), "singer");
+    EXPECT_EQ(attempt.parameters.at("smooth").at("error_time_max_s"), 20);
+    EXPECT_EQ(attempt.parameters.at("window").at("plane_scale_bound"), 0.0004);
+    EXPECT_EQ(attempt.overrides.size(), 20U);
+    EXPECT_EQ(attempt.parameters.at("screen").at("family_false_alarm_rate"), 0.001);
+}
+
+TEST(GoldenAttempt, Screening) {
+    const Attempt attempt = read_attempt(text_of("v1.0/attempt.yaml"), "f");
+    const nlohmann::ordered_json& screen = attempt.parameters.at("screen");
+    EXPECT_EQ(screen.at("family_false_alarm_rate"), 1e-4);
+    EXPECT_EQ(screen.at("power"), 0.95);
+    EXPECT_EQ(screen.at("burst_epochs_max"), 12);
+    EXPECT_EQ(screen.at("noise"), "stated");
+    EXPECT_EQ(screen.at("steps"), "bridge");
+    EXPECT_EQ(screen.at("acceleration_max_m_s2"), 12.5);
+    EXPECT_EQ(screen.at("jerk_max_m_s3"), 125);
+    EXPECT_EQ(screen.at("vertical_rate_max_m_s"), 2.5);
+    EXPECT_EQ(screen.at("velocity_delay_max_s"), 0.5);
+    EXPECT_EQ(screen.at("satellites_min"), 6);
+    EXPECT_EQ(screen.at("ratio_min"), 2.5);
+    EXPECT_EQ(screen.at("correction_age_max_s"), 12.5);
+    EXPECT_EQ(screen.at("session_gap_s"), 120);
+    EXPECT_EQ(attempt.overrides.size(), 33U);
+}
+
+TEST(GoldenAttempt, OnTheEarth) {
+    const Attempt attempt = read_attempt(text_of("v1.0/attempt.yaml"), "f");
+    EXPECT_EQ(attempt.record->expanded_uncertainty, 0.25);
+    EXPECT_EQ(attempt.record_for("nalsa")->speed, 202.9);
+    EXPECT_EQ(attempt.record_for("my-rule")->speed, 50.25);
+    EXPECT_EQ(attempt.record_for("my-rule")->expanded_uncertainty, 0.125);
+    ASSERT_EQ(attempt.rules.size(), 2U);
+    EXPECT_EQ(attempt.rules[0].figure, "margin.value");
+    EXPECT_EQ(attempt.rules[0].value, 1.5);
+    EXPECT_EQ(attempt.rules[0].reason, "as agreed beforehand");
+    EXPECT_EQ(attempt.rules[1].profile, "my-rule");
+    EXPECT_EQ(attempt.rules[1].value, 25.0);
+    ASSERT_TRUE(attempt.course && attempt.wind && attempt.current && attempt.secondary_method);
+    EXPECT_EQ(attempt.course->length_m, 502.25);
+    EXPECT_EQ(attempt.course->length_expanded_uncertainty_m, 0.0125);
+    EXPECT_EQ(attempt.course->start.left.geodetic->latitude.degrees(), 35.134875);
+    EXPECT_EQ(attempt.course->start.right.geodetic->longitude.degrees(), 136.9775);
+    EXPECT_EQ(attempt.course->finish.left.geodetic->longitude.degrees(), 136.980375);
+    EXPECT_EQ(attempt.course->finish.right.geodetic->latitude.degrees(), 35.1385);
+    EXPECT_EQ(attempt.parameters.at("screen").at("noise_scale_min"), 0.25);
+    EXPECT_EQ(attempt.wind->file, "weather/wind.csv");
+    EXPECT_EQ(attempt.wind->source, "mast at the start");
+    EXPECT_EQ(attempt.current->expanded_uncertainty_mps, 0.0625);
+    EXPECT_EQ(attempt.secondary_method->method, "light gates");
+    EXPECT_EQ(to_iso(attempt.secondary_method->times->start), "2022-03-18T08:51:36.250");
+    EXPECT_EQ(to_iso(attempt.secondary_method->times->finish), "2022-03-18T08:51:45.125");
+    EXPECT_EQ(attempt.secondary_method->times->expanded_uncertainty_s, 0.0025);
+    EXPECT_FALSE(attempt.secondary_method->speed);
+}
+
+TEST(GoldenAttempt, InAPlane) {
+    const Attempt attempt = read_attempt(text_of("v1.0/attempt.plane.yaml"), "f");
+    EXPECT_EQ(attempt.profiles.size(), 7U);
+    EXPECT_EQ(attempt.profiles.at(0), "gps-speed-sailing-2s");
+    EXPECT_EQ(attempt.profiles.at(6), "gps-speed-sailing-alpha-500");
+    EXPECT_EQ(*attempt.course->start.left.plane_m, Eigen::Vector2d(-10.5, 0.25));
+    EXPECT_EQ(*attempt.course->start.right.plane_m, Eigen::Vector2d(10.5, -0.25));
+    EXPECT_EQ(*attempt.course->finish.left.plane_m, Eigen::Vector2d(-12.5, 500.125));
+    EXPECT_EQ(*attempt.course->finish.right.plane_m, Eigen::Vector2d(12.5, 499.875));
+    EXPECT_DOUBLE_EQ(attempt.secondary_method->speed->speed_mps, 50.5 * 1852.0 / 3600.0);
+    EXPECT_DOUBLE_EQ(attempt.secondary_method->speed->expanded_uncertainty_mps,
+                     0.25 * 1852.0 / 3600.0);
+    EXPECT_FALSE(attempt.secondary_method->times);
+}
+
+TEST(GoldenAttempt, SignaturesAndAmendment) {
+    const Attempt attempt = read_attempt(text_of("v1.0/attempt.yaml"), "f");
+    EXPECT_EQ(attempt.signatures,
+              (std::vector<NeededSignatures>{{"measurer", 1}, {"observer", 2}}));
+    ASSERT_TRUE(attempt.amends);
+    EXPECT_EQ(attempt.amends->report_id, "0123456789abcdef");
+    EXPECT_EQ(attempt.amends->sha256,
+              "0011223344556677889900aabbccddeeff0011223344556677889900aabbccdd");
+    EXPECT_EQ(attempt.amends->reason, "the antenna's height was wrong");
+}
+
+TEST(GoldenAttempt, ClaimsOfTheReceiver) {
+    const Attempt attempt = read_attempt(text_of("v1.0/attempt.yaml"), "f");
+    EXPECT_EQ(attempt.attempts_made, 3);
+    EXPECT_EQ(attempt.receivers.at(0).solution, "float");
+    EXPECT_EQ(attempt.receivers.at(0).time_source, "satellites");
+    EXPECT_EQ(attempt.receivers.at(1).solution, "");
+    EXPECT_EQ(attempt.receivers.at(1).time_source, "");
+    EXPECT_EQ(attempt.parameters.at("window").at("clock_rate_bound"), 0.0025);
+    EXPECT_EQ(read_attempt(text_of("v1.0/attempt.plane.yaml"), "f").attempts_made, 1);
+}
+
+TEST(GoldenProfile, Margin) {
+    const Profile profile = read_profile(text_of("v1.0/profile.yaml"), "f");
+    EXPECT_EQ(profile.id, "my-rule");
+    EXPECT_EQ(profile.margin, 0.1);
+    EXPECT_EQ(profile.rounding->mode, "nearest");
+    EXPECT_EQ(profile.clauses.size(), 6U);
+    EXPECT_EQ(profile.uncertainty.tau_max_s, 10.0);
+    EXPECT_EQ(profile.uncertainty.error_floor_m.at("fixed"), 0.02);
+    EXPECT_FALSE(profile.repaired_steps);
+}
+
+TEST(GoldenProfile, Uncertainty) {
+    const Profile profile = read_profile(text_of("v1.0/profile.yaml"), "f");
+    EXPECT_EQ(profile.uncertainty.tau_min_s, 1.0);
+    EXPECT_EQ(profile.uncertainty.tau_max_s, 30.0);
+    EXPECT_TRUE(profile.uncertainty.subtract_selection_bias);
+    EXPECT_EQ(profile.uncertainty.error_floor_m,
+              (std::map<std::string, double>{{"fixed", 0.015},
+                                             {"float", 0.25},
+                                             {"ppp", 0.125},
+                                             {"dgps", 0.75},
+                                             {"sbas", 0.625},
+                                             {"single", 1.5},
+                                             {"dead_reckoning", 2.0},
+                                             {"unknown", 0.03125}}));
+}
+
+TEST(GoldenProfile, RepairedSteps) {
+    EXPECT_TRUE(read_profile(text_of("v1.0/profile.yaml"), "f").repaired_steps);
+}
+
+TEST(GoldenProfile, OfAStretch) {
+    const Profile profile = read_profile(text_of("v1.0/profile.yaml"), "f");
+    EXPECT_EQ(profile.window_kind, "time");
+    EXPECT_EQ(profile.duration_s, 10.0);
+    EXPECT_EQ(profile.dimension, "vertical");
+    EXPECT_EQ(profile.speed_source, "position");
+    EXPECT_TRUE(profile.exact_duration && profile.repaired_steps);
+    EXPECT_FALSE(profile.ends_anywhere);
+    EXPECT_EQ(profile.windows, 1);
+    EXPECT_EQ(profile.proximity_m, 25.0);
+    EXPECT_EQ(profile.turn_deg, 120.0);
+    EXPECT_EQ(profile.runs.start_mps, 4.0);
+    EXPECT_EQ(profile.runs.stop_mps, 0.5);
+    EXPECT_EQ(profile.runs.stop_s, 2.5);
+    EXPECT_EQ(profile.runs.turn_deg, 60.0);
+    EXPECT_EQ(profile.opposite_runs_within_s, 1800.0);
+    EXPECT_TRUE(profile.margin_above_upper_limit && !profile.subtract_current);
+    EXPECT_EQ(profile.result->mode, "truncate");
+    EXPECT_EQ(profile.result->unit, "mph");
+    EXPECT_EQ(profile.result->decimals, 1);
+    EXPECT_EQ(profile.decision_probability, 0.95);
+    ASSERT_EQ(profile.clauses.size(), 18U);
+    const struct {
+        std::size_t clause;
+        const char *computation, *unit;
+        std::optional<double> limit;
+    } expected[] = {{6, "flatness", "m", 1.0},
+                    {7, "slope", "%", 2.0},
+                    {8, "straightness", "m", 5.0},
+                    {9, "turning", "deg", 10.0},
+                    {10, "standing_start", "", std::nullopt},
+                    {11, "run_up", "m", 300.0},
+                    {12, "wind_mean", "kn", 20.0},
+                    {13, "wind_gust", "km/h", 50.0},
+                    {14, "current", "mph", 1.0},
+                    {15, "sampling_rate", "Hz", 5.0},
+                    {16, "sample_accuracy", "m/s", 3.0},
+                    {17, "opposite_runs", "", std::nullopt}};
+    for (const auto& each : expected) {
+        EXPECT_EQ(profile.clauses[each.clause].decided_by, each.computation);
+        EXPECT_EQ(profile.clauses[each.clause].unit, each.unit);
+        EXPECT_EQ(profile.clauses[each.clause].limit, each.limit);
+    }
+}
+
+TEST(GoldenProfile, OfACourse) {
+    const Profile profile = read_profile(text_of("v1.0/profile.course.yaml"), "f");
+    EXPECT_EQ(profile.window_kind, "course");
+    EXPECT_EQ(profile.distance_m, 500.0);
+    EXPECT_EQ(profile.definition, "elapsed_time");
+    EXPECT_TRUE(profile.ends_anywhere);
+    EXPECT_EQ(profile.margin_kind, "elapsed_time");
+    EXPECT_EQ(profile.margin, 0.0125);
+    EXPECT_TRUE(profile.subtract_current);
+    const Profile before = read_profile(text_of("v1.0/profile.yaml"), "f");
+    EXPECT_EQ(before.window_kind, "time");
+    EXPECT_EQ(before.windows, 1);
+    EXPECT_EQ(before.decision_probability, 0.975);
+}
+
+TEST(GoldenProfile, Signatures) {
+    const Profile profile = read_profile(text_of("v1.0/profile.yaml"), "f");
+    EXPECT_EQ(profile.signatures,
+              (std::vector<NeededSignatures>{{"measurer", 2}, {"timekeeper", 1}}));
+}
+
+TEST(GoldenSimulation, Spec) {
+    const SimulationDocument simulation = read_simulation(text_of("v1.0/simulation.yaml"), "f");
+    EXPECT_EQ(simulation.spec.run.top_speed_mps, 60.0);
+    EXPECT_EQ(simulation.spec.duration_ms, 45'000);
+    EXPECT_EQ(simulation.spec.interval_ms, 100);
+    EXPECT_EQ(simulation.attempt["id"], "simulated");
+}
+
+TEST(GoldenDay, EntriesWithTheirDefaults) {
+    const DayFile day = read_day_file(text_of("v1.0/day.yaml"), "f");
+    EXPECT_EQ(day.id, "lake-day_1");
+    ASSERT_EQ(day.entries.size(), 4U);
+    for (const DayEntry& entry : day.entries)
+        EXPECT_FALSE(entry.refused) << entry.refused->what();
+
+    EXPECT_EQ(day.entries[0].attempt, "heats/run-1.yaml");
+    EXPECT_TRUE(day.entries[0].keys.empty());
+    EXPECT_EQ(day.entries[0].line, 14);
+
+    const Attempt second = read_attempt(attempt_text(day.entries[1].keys, "second"), "f");
+    EXPECT_EQ(second.id, "run-2");
+    EXPECT_EQ(second.craft_name, "0042");
+    EXPECT_EQ(second.craft_class, "land-yacht");
+    EXPECT_FALSE(second.record);
+    ASSERT_EQ(second.receivers.size(), 1U);
+    EXPECT_EQ(second.receivers[0].id, "primary");
+    EXPECT_EQ(second.receivers[0].format, "csv");
+    EXPECT_EQ(second.receivers[0].columns.at("time"), "1");
+    EXPECT_EQ(second.parameters.at("smooth").at("jerk_density"), 1.0);
+
+    auto keys = day.entries[2].keys;
+    keys["id"] = "third";
+    const Attempt third = read_attempt(attempt_text(keys, "third"), "f");
+    EXPECT_EQ(third.receivers.at(0).recordings,
+              (std::vector<std::string>{"first.csv", "second run.csv"}));
+    EXPECT_EQ(third.receivers[0].columns.size(), 4U);
+    EXPECT_EQ(third.profiles, (std::vector<std::string>{"fisly"}));
+    EXPECT_EQ(third.record->speed, 202.9);
+
+    const auto& heats = day.entries[3].keys;
+    EXPECT_EQ(heats["id"], "heat-*");
+    EXPECT_EQ(heats["place"], "\xe5\x90\x8d\xe5\x8f\xa4\xe5\xb1\x8b");
+    EXPECT_EQ(heats["receivers"][0]["id"], "secondary");
+    EXPECT_EQ(heats["receivers"][0]["lever_arm_m"]["down"], -1.25);
+    EXPECT_EQ(heats["receivers"][1]["recording"], "left/*.csv");
+}
+
+}  // namespace
+}  // namespace runcert

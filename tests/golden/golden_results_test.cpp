@@ -1,0 +1,239 @@
+#include "golden_files.h"
+
+// Windows, verdict and day: what today's reader finds in their golden files.
+
+namespace runcert {
+namespace {
+
+using golden::text_of;
+
+TEST(GoldenWindows, Best) {
+    const Windows windows = read_windows(text_of("v1.0/5-windows.yaml"), "f");
+    ASSERT_EQ(windows.profiles.size(), 5U);
+    const ProfileWindows& nalsa = windows.profiles[0];
+    EXPECT_EQ(nalsa.candidates, 271);
+    ASSERT_TRUE(nalsa.best && nalsa.indicated);
+    EXPECT_EQ(nalsa.best->span.start.nanoseconds, 10'000'000'000);
+    EXPECT_EQ(nalsa.best->span.duration.nanoseconds, 3'000'000'000);
+    EXPECT_EQ(to_iso(*nalsa.best->span.start_gps), "2022-03-18T08:51:32.300");
+    EXPECT_EQ(nalsa.best->speed_mps, 56.375);
+    EXPECT_EQ(speed_by(nalsa.best->definitions, "mean_n"), 56.385);
+    EXPECT_EQ(nalsa.best->methods.kalman_mps, 56.4);
+    EXPECT_EQ(nalsa.indicated->refusals.at(1), "A gap of 0.3 s lies inside.");
+    EXPECT_FALSE(windows.profiles[1].best || windows.profiles[1].indicated);
+}
+
+TEST(GoldenWindows, Uncertainty) {
+    const Windows windows = read_windows(text_of("v1.0/5-windows.yaml"), "f");
+    const CertifiableWindow& best = windows.profiles.at(0).best.value();
+    EXPECT_EQ(best.effective_degrees_of_freedom, 47.25);
+    EXPECT_EQ(best.fitted->models, 7);
+    EXPECT_EQ(best.bound->tau_max_s, 10.0);
+    EXPECT_EQ(best.bound->floor_fix, "fixed");
+    EXPECT_EQ(best.bound->decided_by, "floor");
+    EXPECT_EQ(best.robust->difference_mps, -0.002);
+    EXPECT_TRUE(best.robust->agrees);
+    EXPECT_EQ(best.selection->best_sd_mps, 0.00925);
+    EXPECT_EQ(best.selection->treatment, "covered");
+    ASSERT_EQ(best.budget.size(), 2U);
+    EXPECT_EQ(best.budget[0].unit, "m");
+    EXPECT_EQ(best.budget[0].degrees_of_freedom, 47.25);
+    EXPECT_EQ(best.budget[1].unit, "");
+    EXPECT_FALSE(best.budget[1].degrees_of_freedom);
+    EXPECT_EQ(best.budget[1].standard_uncertainty, 0.00057735);
+    EXPECT_EQ(best.monte_carlo->tolerance_mps, 6.25e-5);
+    EXPECT_EQ(best.definitions.mean_n_mps, 56.385);
+}
+
+TEST(GoldenWindows, Reliability) {
+    const Windows windows = read_windows(text_of("v1.0/5-windows.yaml"), "f");
+    const CertifiableWindow& best = windows.profiles.at(0).best.value();
+    EXPECT_EQ(best.repaired_steps, 1);
+    EXPECT_EQ(best.detection_power, 0.8);
+    ASSERT_EQ(best.reliability.size(), 3U);
+    EXPECT_EQ(best.reliability[0].hypothesis, "step");
+    EXPECT_EQ(best.reliability[0].speed_mps, 0.020125);
+    EXPECT_EQ(best.reliability[1].epoch, 110);
+    EXPECT_EQ(best.reliability[1].last_epoch, 131);
+    EXPECT_EQ(best.reliability[1].size, 0.001250125);
+    EXPECT_EQ(best.reliability[1].unit, "s");
+    EXPECT_EQ(best.reliability[2].unit, "m / s");
+}
+
+TEST(GoldenWindows, WhatOtherEstimatesSay) {
+    const Windows windows = read_windows(text_of("v1.0/5-windows.yaml"), "f");
+    const CertifiableWindow& best = windows.profiles.at(0).best.value();
+    EXPECT_EQ(best.own_standard_uncertainty_mps, 0.01125);
+    ASSERT_TRUE(best.estimates);
+    EXPECT_EQ(best.estimates->chord_mps, 56.3775);
+    EXPECT_EQ(best.estimates->chord_difference_uncertainty_mps, 0.00125);
+    EXPECT_EQ(best.estimates->stiffer_mps, 56.374);
+    EXPECT_EQ(best.estimates->softer_mps, 56.3765);
+    EXPECT_EQ(best.estimates->whole_mps, 56.3755);
+    EXPECT_EQ(best.estimates->half_width_mps, 0.0015);
+    EXPECT_EQ(best.bound->along, 1.125);
+    const ProfileWindows& course = windows.profiles.at(3);
+    EXPECT_FALSE(course.best->estimates || course.best->own_standard_uncertainty_mps);
+}
+
+TEST(GoldenWindows, WhatMayRemainOfTheBiasOfChoosing) {
+    const Windows windows = read_windows(text_of("v1.0/5-windows.yaml"), "f");
+    const CertifiableWindow& best = windows.profiles.at(0).best.value();
+    EXPECT_EQ(best.selection->fitted_bias_mps, 0.001);
+    EXPECT_EQ(best.selection->bounded_bias_mps, 0.0015);
+    EXPECT_EQ(best.selection->bias_mps, 0.00125);
+    EXPECT_EQ(best.selection->bias_half_range_mps, 0.00025);
+    EXPECT_EQ(best.bias_limit_mps, 0.0015);
+    EXPECT_EQ(figure_of(windows.profiles[0])->bias_limit_mps, 0.0015);
+    const ProfileWindows& mean = windows.profiles.at(2);
+    EXPECT_EQ(mean.best->bias_limit_mps, 0.0025);
+    EXPECT_EQ(mean.further.at(0).bias_limit_mps, 0.005);
+    EXPECT_EQ(figure_of(mean)->bias_limit_mps, 0.00375);
+}
+
+TEST(GoldenWindows, OfEveryKind) {
+    const Windows windows = read_windows(text_of("v1.0/5-windows.yaml"), "f");
+    ASSERT_EQ(windows.profiles.size(), 5U);
+    EXPECT_EQ(windows.profiles[0].rule,
+              (WindowRule{.duration_s = 3.0, .definition = "displacement"}));
+    EXPECT_EQ(windows.profiles[0].best->length_m, 169.125);
+    const ProfileWindows& mean = windows.profiles[2];
+    EXPECT_EQ(mean.rule, (WindowRule{.duration_s = 2.0,
+                                     .definition = "mean_n",
+                                     .dimension = "space",
+                                     .source = "velocity",
+                                     .exact = true,
+                                     .count = 2}));
+    ASSERT_EQ(mean.further.size(), 1U);
+    EXPECT_EQ(mean.further[0].span.first_epoch, 81);
+    EXPECT_EQ(mean.further[0].span.start.nanoseconds, 8'000'000'000);
+    EXPECT_EQ(to_iso(*mean.further[0].span.start_gps), "2022-03-18T08:51:30.300");
+    EXPECT_EQ(mean.further[0].speed_mps, 56.75);
+    EXPECT_EQ(mean.further[0].standard_uncertainty_mps, 0.046875);
+    EXPECT_EQ(mean.further[0].robust->difference_mps, -0.25);
+    EXPECT_FALSE(mean.further[0].robust->agrees);
+    EXPECT_EQ(figure_of(mean)->speed_mps, 57.0);
+    EXPECT_EQ(figure_of(mean)->standard_uncertainty_mps, 0.0390625);
+    EXPECT_EQ(mean.indicated->mean_mps, 57.875);
+    const ProfileWindows& course = windows.profiles[3];
+    EXPECT_EQ(
+        course.rule,
+        (WindowRule{
+            .kind = "course", .distance_m = 500.0, .definition = "elapsed_time", .ends = "any"}));
+    EXPECT_EQ(course.best->span.start.nanoseconds, 13'962'500'125);
+    EXPECT_EQ(course.best->length_m, 502.25);
+    const ProfileWindows& pair = windows.profiles[4];
+    EXPECT_TRUE(pair.rule.opposite_runs);
+    EXPECT_EQ(pair.missing, "no two runs in opposite directions");
+    EXPECT_FALSE(figure_of(pair));
+}
+
+TEST(GoldenVerdict, Outcomes) {
+    const Verdict verdict = read_verdict(text_of("v1.0/6-verdict.yaml"), "f");
+    EXPECT_EQ(verdict.attempt, "urban-car");
+    EXPECT_EQ(verdict.record->speed, 202.9);
+    EXPECT_DOUBLE_EQ(verdict.record->speed_mps, 202.9 / 3.6);
+    const ProfileVerdict& nalsa = verdict.profiles.at(0);
+    EXPECT_EQ(nalsa.outcome, "not_beaten");
+    EXPECT_EQ(nalsa.speed_mps, 56.375);
+    EXPECT_EQ(nalsa.target_mps, 56.808151);
+    EXPECT_EQ(nalsa.window->last_epoch, 131);
+    EXPECT_EQ(nalsa.requirements.at(2).status, "attest");
+    EXPECT_EQ(nalsa.indicated->speed_mps, 57.5);
+    EXPECT_FALSE(verdict.profiles.at(1).speed_mps);
+}
+
+TEST(GoldenVerdict, RequirementsAndOutcome) {
+    const ProfileVerdict nalsa = read_verdict(text_of("v1.0/6-verdict.yaml"), "f").profiles.at(0);
+    ASSERT_EQ(nalsa.requirements.size(), 4U);
+    EXPECT_EQ(nalsa.requirements[0].decided_by, "window_complete");
+    EXPECT_TRUE(nalsa.requirements[0].figures.empty());
+    ASSERT_EQ(nalsa.requirements[1].figures.size(), 3U);
+    EXPECT_EQ(nalsa.requirements[1].figures[0].name, "speed");
+    EXPECT_EQ(nalsa.requirements[1].figures[0].note, "best window");
+    EXPECT_EQ(nalsa.requirements[1].figures[1].value, 204.509344);
+    EXPECT_EQ(nalsa.requirements[1].figures[1].expanded_uncertainty, 0.125);
+    EXPECT_EQ(nalsa.requirements[1].figures[2].unit, "");
+    EXPECT_FALSE(nalsa.requirements[1].figures[2].expanded_uncertainty);
+    EXPECT_EQ(nalsa.requirements[3].figures.at(0).unit, "m");
+    EXPECT_EQ(nalsa.record->speed, 126.1);
+    EXPECT_EQ(nalsa.record->expanded_uncertainty, 0.05);
+    EXPECT_DOUBLE_EQ(nalsa.record->speed_mps, 202.9383 / 3.6);
+    EXPECT_EQ(nalsa.decision->probability, 1.25e-7);
+    EXPECT_EQ(nalsa.decision->level, 0.9875);
+    EXPECT_EQ(nalsa.decision->target_standard_uncertainty_mps, 0.017361);
+    EXPECT_EQ(nalsa.decision->acceptance_limit_mps, 56.850076);
+    EXPECT_EQ(nalsa.shown->unit, "mph");
+    EXPECT_EQ(nalsa.shown->speed, "126.10");
+    EXPECT_EQ(nalsa.shown->expanded_uncertainty, "0.06");
+    EXPECT_EQ(nalsa.shown->target, "127.08");
+    EXPECT_EQ(nalsa.current_subtracted_mps, -0.03125);
+}
+
+TEST(GoldenVerdict, WhatMustBeReadWithTheVerdict) {
+    const Verdict verdict = read_verdict(text_of("v1.0/6-verdict.yaml"), "f");
+    const ProfileVerdict& nalsa = verdict.profiles.at(0);
+    EXPECT_EQ(nalsa.notes.at(0), "The window begins 1.2 s after a turn.");
+    ASSERT_EQ(nalsa.overrides.size(), 2U);
+    EXPECT_EQ(nalsa.overrides[0].figure, "margin.value");
+    EXPECT_EQ(nalsa.overrides[0].rule, 1.0);
+    EXPECT_EQ(nalsa.overrides[0].used, 0.5);
+    EXPECT_EQ(nalsa.overrides[0].reason, "as agreed beforehand");
+    EXPECT_EQ(nalsa.overrides[1].unit, "");
+    ASSERT_EQ(nalsa.course.size(), 3U);
+    EXPECT_EQ(nalsa.course[0].value, 45.125);
+    EXPECT_EQ(nalsa.course[2].expanded_uncertainty, 0.000125);
+    ASSERT_EQ(nalsa.runs.size(), 2U);
+    EXPECT_EQ(nalsa.runs[0].span.last_epoch, 240);
+    EXPECT_EQ(nalsa.runs[0].length_m, 812.625);
+    EXPECT_EQ(nalsa.runs[0].top_speed_mps, 56.5);
+    EXPECT_EQ(nalsa.runs[0].ended, "turn");
+    EXPECT_EQ(nalsa.runs[1].heading_deg, 224.5);
+    EXPECT_EQ(nalsa.runs[1].began, "gap");
+    EXPECT_EQ(to_iso(*nalsa.runs[1].span.start_gps), "2022-03-18T08:51:46.300");
+    const ProfileVerdict& fisly = verdict.profiles.at(1);
+    EXPECT_FALSE(fisly.record || fisly.decision || fisly.shown || fisly.current_subtracted_mps);
+    EXPECT_TRUE(fisly.notes.empty() && fisly.overrides.empty() && fisly.runs.empty());
+}
+
+TEST(GoldenVerdict, DecisionAndWitnesses) {
+    const Verdict verdict = read_verdict(text_of("v1.0/6-verdict.yaml"), "f");
+    ASSERT_EQ(verdict.profiles.size(), 3U);
+    const ProfileVerdict& nalsa = verdict.profiles[0];
+    EXPECT_EQ(nalsa.decision->attempts_made, 2);
+    EXPECT_EQ(nalsa.decision->level, 0.9875);
+    EXPECT_EQ(nalsa.decision->bias_limit_mps, 0.0015);
+    EXPECT_FALSE(nalsa.decision->drift_survived_m);
+    EXPECT_EQ(nalsa.decision->drift_found_mps, 0.75);
+    EXPECT_EQ(nalsa.witnesses,
+              (std::vector<std::string>{"the recorded velocities agree within 0.25 km/h",
+                                        "the second receiver gives 202.875 km/h"}));
+    const ProfileVerdict& beaten = verdict.profiles[2];
+    EXPECT_EQ(beaten.decision->attempts_made, 1);
+    EXPECT_EQ(beaten.decision->drift_survived_m, 1.270278);
+    EXPECT_EQ(beaten.decision->drift_found_mps, 0.5);
+    EXPECT_TRUE(beaten.witnesses.empty());
+}
+
+TEST(GoldenVerdict, RiskOfTheDecision) {
+    const Verdict verdict = read_verdict(text_of("v1.0/6-verdict.yaml"), "f");
+    ASSERT_TRUE(verdict.profiles.at(0).decision);
+    EXPECT_EQ(verdict.profiles[0].decision->risk, 1.25e-7);
+}
+
+TEST(GoldenDayResults, Best) {
+    const DayResults day = read_day_results(text_of("v1.0/day_results.yaml"), "f");
+    const DayResult& result = *result_by(day.attempts.at(0), "nalsa");
+    EXPECT_EQ(result.probability, 0.999999875);
+    EXPECT_EQ(result.level, 0.9875);
+    EXPECT_EQ(result.attempts_made, 2);
+    ASSERT_TRUE(day.profiles.at(0).best);
+    EXPECT_EQ(day.profiles[0].best->id, "sail-1");
+    EXPECT_EQ(day.profiles[0].best->attempts, 3);
+    EXPECT_EQ(day.profiles[0].best->probability, 0.999999875);
+    EXPECT_EQ(day.profiles[0].best->level, 0.991666667);
+    EXPECT_TRUE(day.profiles[0].best->beaten);
+}
+
+}  // namespace
+}  // namespace runcert

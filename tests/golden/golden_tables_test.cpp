@@ -1,0 +1,319 @@
+#include "golden_files.h"
+
+// Tables: what today's reader finds in the golden files of the stages.
+
+namespace runcert {
+namespace {
+
+using golden::text_of;
+
+TEST(GoldenTables, Observations) {
+    const Observations table = read_observations(text_of("v1.0/1-observations.ecsv"), "f");
+    EXPECT_EQ(table.header.stage, "import");
+    EXPECT_EQ(table.header.source_revision, "0123456789ab");
+    ASSERT_EQ(table.header.inputs.size(), 2U);
+    EXPECT_EQ(table.header.inputs[1].original, "rover.pos");
+    EXPECT_EQ(table.header.parameters["format"], "auto");
+    EXPECT_EQ(table.facts.receiver, "primary");
+    EXPECT_EQ(to_iso(*table.facts.first_epoch), "2022-03-18T08:51:22.300");
+    EXPECT_EQ(table.facts.nominal_interval_s, 0.1);
+    EXPECT_EQ(table.format, "rtklib-pos");
+    EXPECT_EQ(table.frame, "geodetic");
+    EXPECT_EQ(table.time_scale, "gps");
+    EXPECT_EQ(table.accuracy_source, "recording");
+    EXPECT_EQ(table.notes.at(1), "Time is GPST: \"as written\".");
+    ASSERT_EQ(table.rows.size(), 5U);
+    const Observation& row = table.rows[1];
+    EXPECT_EQ(row.epoch, 2);
+    EXPECT_EQ(row.time.nanoseconds, 100'000'000);
+    EXPECT_EQ(row.latitude_deg, 35.134728483);
+    EXPECT_EQ(row.longitude_deg, 136.97757227512);
+    EXPECT_EQ(row.height_m, 104.7291);
+    EXPECT_EQ(row.correlation_north_up, 0.0625);
+    EXPECT_EQ(row.sigma_recorded_velocity_up_mps, 0.1);
+    EXPECT_EQ(row.fix, FixKind::fixed);
+    EXPECT_EQ(row.satellites, 16);
+    EXPECT_EQ(row.ratio, 999.9);
+    EXPECT_EQ(row.source_byte, 1163);
+    EXPECT_FALSE(row.plane_east_m);
+    EXPECT_EQ(table.rows[2].fix, FixKind::float_ambiguities);
+    EXPECT_EQ(table.rows[4].fix, FixKind::none);
+    EXPECT_FALSE(table.rows[4].latitude_deg);
+}
+
+TEST(GoldenTables, RecordsThatCouldNotBeRead) {
+    const Observations table = read_observations(text_of("v1.0/1-observations.ecsv"), "f");
+    EXPECT_EQ(table.variant, "with velocities");
+    EXPECT_EQ(table.device, "logger, firmware 1.2");
+    EXPECT_EQ(table.records.total, 7);
+    EXPECT_EQ(table.records.bad, 2);
+    ASSERT_EQ(table.records.bad_records.size(), 2U);
+    const BadRecord& line = table.records.bad_records[0];
+    EXPECT_EQ(line.line, std::optional<std::int64_t>(27));
+    EXPECT_EQ(line.column, std::optional<std::int64_t>(14));
+    EXPECT_EQ(line.byte, 1812);
+    EXPECT_EQ(line.epoch, 2);
+    EXPECT_EQ(line.what, "the height \"n/a\" is not a number");
+    EXPECT_FALSE(table.records.bad_records[1].line);
+    EXPECT_EQ(table.records.bad_records[1].file, std::optional<std::int32_t>(2));
+}
+
+TEST(GoldenTables, TheFactsOfARecordingStandInEveryTable) {
+    const RecordingFacts facts[] = {
+        read_observations(text_of("v1.0/1-observations.ecsv"), "f").facts,
+        read_enu(text_of("v1.0/2-enu.ecsv"), "f").facts,
+        read_screened(text_of("v1.0/3-screened.ecsv"), "f").facts,
+        read_trajectory(text_of("v1.0/4-trajectory.ecsv"), "f").facts};
+    for (const RecordingFacts& each : facts) {
+        EXPECT_EQ(each.position_resolution_m, 0.0001);
+        EXPECT_EQ(each.time_resolution_s, 0.001);
+    }
+}
+
+TEST(GoldenTables, WhoseClockMadeTheTimeStampsStandsInEveryTable) {
+    for (const RecordingFacts& facts :
+         {read_observations(text_of("v1.0/1-observations.ecsv"), "f").facts,
+          read_enu(text_of("v1.0/2-enu.ecsv"), "f").facts,
+          read_screened(text_of("v1.0/3-screened.ecsv"), "f").facts,
+          read_trajectory(text_of("v1.0/4-trajectory.ecsv"), "f").facts})
+        EXPECT_EQ(facts.time_source, "satellites");
+    const Observations table = read_observations(text_of("v1.0/1-observations.ecsv"), "f");
+    EXPECT_EQ(table.time_origin, "GPS time of the receiver's measurements, as RTKLIB solved it");
+    EXPECT_EQ(table.solution_source, "recording");
+}
+
+TEST(GoldenTables, TheFileOfEachRow) {
+    const Observations observations = read_observations(text_of("v1.0/1-observations.ecsv"), "f");
+    EXPECT_EQ(*observations.rows.at(1).source_file, 1);
+    EXPECT_EQ(*observations.rows.at(2).source_file, 2);
+    EXPECT_EQ(*read_enu(text_of("v1.0/2-enu.ecsv"), "f").rows.at(2).source_file, 2);
+    const ScreenedTable screened = read_screened(text_of("v1.0/3-screened.ecsv"), "f");
+    EXPECT_FALSE(screened.rows.at(0).source_file);
+    EXPECT_EQ(*screened.rows.at(5).source_file, 2);
+}
+
+TEST(GoldenTables, Enu) {
+    const EnuTable table = read_enu(text_of("v1.0/2-enu.ecsv"), "f");
+    ASSERT_TRUE(table.origin);
+    EXPECT_EQ(table.origin->position.latitude.degrees(), 35.134709483);
+    EXPECT_EQ(table.origin->position.height_m, 104.728);
+    EXPECT_EQ(table.origin->source, "attempt");
+    EXPECT_EQ(table.rows.at(3).north_m, 6.324);
+    EXPECT_FALSE(table.rows.at(3).correlation_north_up);
+    EXPECT_FALSE(table.rows.at(4).east_m);
+}
+
+TEST(GoldenScreened, Epochs) {
+    const ScreenedTable table = read_screened(text_of("v1.0/3-screened.ecsv"), "f");
+    EXPECT_EQ(table.variance_factor, 1.2345);
+    EXPECT_EQ(table.header.parameters["false_alarm_rate"], 1e-6);
+    EXPECT_EQ(table.rows.at(0).break_before, ArcBreak::start);
+    EXPECT_TRUE(table.rows.at(1).usable);
+    EXPECT_EQ(table.rows.at(1).statistic, 2.0625);
+    EXPECT_EQ(table.rows.at(1).threshold, 30.66485);
+    EXPECT_EQ(table.rows.at(2).reason, Reason::float_ambiguities);
+    EXPECT_EQ(table.rows.at(4).reason, Reason::no_position);
+    EXPECT_FALSE(table.rows.at(4).arc);
+}
+
+TEST(GoldenScreened, Decisions) {
+    const ScreenedTable table = read_screened(text_of("v1.0/3-screened.ecsv"), "f");
+    ASSERT_EQ(table.rows.size(), 17U);
+    const struct {
+        std::size_t row;
+        Reason reason;
+        std::optional<ArcBreak> break_before;
+        Hypothesis hypothesis;
+        TestedAxes axes;
+    } expected[] = {
+        {1, Reason::none, std::nullopt, Hypothesis::outlier, TestedAxes::vertical},
+        {3, Reason::outlier, std::nullopt, Hypothesis::outlier, TestedAxes::horizontal},
+        {5, Reason::none, ArcBreak::step, Hypothesis::step, TestedAxes::vertical},
+        {6, Reason::none, ArcBreak::bridged, Hypothesis::step, TestedAxes::horizontal},
+        {7, Reason::burst, std::nullopt, Hypothesis::burst, TestedAxes::horizontal},
+        {8, Reason::model, std::nullopt, Hypothesis::model, TestedAxes::horizontal},
+        {9, Reason::none, ArcBreak::ramp, Hypothesis::ramp, TestedAxes::horizontal},
+        {11, Reason::none, ArcBreak::time_shift, Hypothesis::time_shift, TestedAxes::horizontal},
+        {12, Reason::velocity, std::nullopt, Hypothesis::velocity, TestedAxes::horizontal},
+        {13, Reason::physical_limit, std::nullopt, Hypothesis::acceleration,
+         TestedAxes::horizontal},
+        {14, Reason::physical_limit, std::nullopt, Hypothesis::jerk, TestedAxes::horizontal},
+        {15, Reason::physical_limit, std::nullopt, Hypothesis::vertical_rate, TestedAxes::vertical},
+        {16, Reason::baseline, std::nullopt, Hypothesis::baseline, TestedAxes::horizontal}};
+    for (const auto& each : expected) {
+        const ScreenedEpoch& row = table.rows[each.row];
+        EXPECT_EQ(row.reason, each.reason) << each.row;
+        EXPECT_EQ(row.break_before, each.break_before) << each.row;
+        EXPECT_EQ(row.hypothesis, each.hypothesis) << each.row;
+        EXPECT_EQ(row.tested_axes, each.axes) << each.row;
+    }
+    EXPECT_FALSE(table.rows[0].hypothesis || table.rows[0].tested_axes);
+}
+
+TEST(GoldenScreened, EstimatedErrors) {
+    const auto rows = read_screened(text_of("v1.0/3-screened.ecsv"), "f").rows;
+    const EstimatedError& outlier = rows.at(3).estimated;
+    EXPECT_EQ(outlier.east_m, 0.25);
+    EXPECT_EQ(outlier.north_m, -0.125);
+    EXPECT_EQ(outlier.sigma_east_m, 0.0175);
+    EXPECT_EQ(outlier.sigma_north_m, 0.02);
+    EXPECT_EQ(outlier.correlation_east_north, -0.375);
+    EXPECT_FALSE(outlier.up_m || outlier.sigma_up_m || outlier.rate_east_mps || outlier.time_s);
+    EXPECT_EQ(rows.at(5).estimated.up_m, -0.5);
+    EXPECT_EQ(rows.at(5).estimated.sigma_up_m, 0.03125);
+    EXPECT_FALSE(rows.at(5).estimated.east_m);
+    EXPECT_EQ(rows.at(9).estimated.rate_east_mps, 0.375);
+    EXPECT_EQ(rows.at(9).estimated.rate_north_mps, -0.1875);
+    EXPECT_EQ(rows.at(10).estimated.rate_up_mps, -0.9375);
+    EXPECT_EQ(rows.at(11).estimated.time_s, 0.012500125);
+}
+
+TEST(GoldenScreened, DetectableErrors) {
+    const auto rows = read_screened(text_of("v1.0/3-screened.ecsv"), "f").rows;
+    const DetectableError& detectable = rows.at(0).detectable;
+    EXPECT_EQ(detectable.outlier_m, 0.045);
+    EXPECT_EQ(detectable.step_m, 0.0625);
+    EXPECT_EQ(detectable.ramp_mps, 0.75);
+    EXPECT_EQ(detectable.time_s, 0.00125);
+    EXPECT_EQ(detectable.outlier_up_m, 0.125);
+    EXPECT_EQ(detectable.step_up_m, 0.1875);
+    EXPECT_FALSE(rows.at(2).detectable.outlier_m || rows.at(2).detectable.step_up_m);
+    EXPECT_EQ(rows.at(0).local_variance_factor, 1.0);
+    EXPECT_EQ(rows.at(1).local_variance_factor, 1.375);
+    EXPECT_FALSE(rows.at(2).local_variance_factor);
+}
+
+TEST(GoldenScreened, WhatTheTestsRestedOn) {
+    const ScreenedTable table = read_screened(text_of("v1.0/3-screened.ecsv"), "f");
+    ASSERT_TRUE(table.evidence);
+    const ScreeningEvidence& evidence = *table.evidence;
+    EXPECT_EQ(evidence.family_false_alarm_rate, 0.001);
+    EXPECT_EQ(evidence.tests, 4'000'000);
+    EXPECT_EQ(evidence.test_size, 2.5e-10);
+    EXPECT_EQ(evidence.power, 0.8);
+    EXPECT_EQ(evidence.burst_epochs_max, 12);
+    EXPECT_EQ(evidence.passes, 3);
+    ASSERT_EQ(evidence.models.size(), 2U);
+    EXPECT_EQ(evidence.models[0].axes, TestedAxes::horizontal);
+    EXPECT_EQ(evidence.models[0].error_sigma_m, 0.0125);
+    EXPECT_EQ(evidence.models[0].error_tau_s, 2.5);
+    EXPECT_EQ(evidence.models[1].axes, TestedAxes::vertical);
+    EXPECT_EQ(evidence.models[1].noise, "too_few_epochs");
+    EXPECT_EQ(evidence.models[1].jerk_density, 0.6);
+    EXPECT_EQ(evidence.models[1].measurement_scale, 1.5);
+    EXPECT_EQ(evidence.models[1].white_scale, 1.75);
+    ASSERT_EQ(evidence.fix_kinds.size(), 2U);
+    EXPECT_EQ(evidence.fix_kinds[1].fix, FixKind::float_ambiguities);
+    EXPECT_EQ(evidence.fix_kinds[1].axes, TestedAxes::vertical);
+    EXPECT_EQ(evidence.fix_kinds[1].epochs, 1);
+    EXPECT_EQ(evidence.fix_kinds[1].variance_factor, 4.5);
+    EXPECT_EQ(evidence.fix_kinds[1].judgement, "too_good");
+}
+
+TEST(GoldenScreened, WhatOtherChecksFound) {
+    const ScreenedTable table = read_screened(text_of("v1.0/3-screened.ecsv"), "f");
+    const ScreeningEvidence& evidence = table.evidence.value();
+    EXPECT_EQ(evidence.velocity->compared, 12);
+    EXPECT_EQ(evidence.velocity->delay_s, 0.2125);
+    EXPECT_EQ(evidence.velocity->sigma_delay_s, 0.00375);
+    EXPECT_EQ(evidence.velocity->scale_mps, 0.0475);
+    EXPECT_EQ(evidence.velocity->rejected, 1);
+    EXPECT_EQ(evidence.time.sessions, 2);
+    EXPECT_EQ(evidence.time.longest_gap_s, 75.100000001);
+    EXPECT_EQ(evidence.time.rate_deviation, -2.5e-8);
+    EXPECT_EQ(evidence.time.jitter_s, 0.000015625);
+    ASSERT_EQ(evidence.time.faults.size(), 2U);
+    EXPECT_EQ(evidence.time.faults[1].epoch, 2);
+    EXPECT_EQ(evidence.time.faults[1].kind, "whole_second_shift");
+    EXPECT_EQ(evidence.time.faults[1].size_s, -1.0);
+    EXPECT_EQ(evidence.limits.jerk_max_m_s3, 200.0);
+    EXPECT_EQ(evidence.limits.acceleration_mps2, 8.75);
+    EXPECT_EQ(evidence.limits.vertical_rate_mps, 0.375);
+    EXPECT_EQ(evidence.limits.rejected, 3);
+    EXPECT_EQ(evidence.baseline->receiver, "secondary");
+    EXPECT_EQ(evidence.baseline->length_m, 1.25);
+    EXPECT_EQ(evidence.baseline->sd_m, 0.0125);
+}
+
+TEST(GoldenScreened, SignsOfTheDeviceAndManoeuvres) {
+    const ScreenedTable table = read_screened(text_of("v1.0/3-screened.ecsv"), "f");
+    ASSERT_TRUE(table.evidence && table.evidence->device);
+    EXPECT_EQ(table.evidence->device->moving, 15);
+    EXPECT_EQ(table.evidence->device->held, 2);
+    EXPECT_EQ(table.evidence->device->interpolated, 3);
+    EXPECT_EQ(table.evidence->device->by_chance, 0.25);
+    ASSERT_EQ(table.rows.size(), 17U);
+    EXPECT_FALSE(table.rows[0].manoeuvre_mps2 || table.rows[0].manoeuvre_up_mps2);
+    EXPECT_EQ(table.rows[1].manoeuvre_mps2, 6.125);
+    EXPECT_FALSE(table.rows[1].manoeuvre_up_mps2);
+    EXPECT_FALSE(table.rows[5].manoeuvre_mps2);
+    EXPECT_EQ(table.rows[5].manoeuvre_up_mps2, 0.875);
+    EXPECT_EQ(table.rows[11].manoeuvre_mps2, 2.25);
+    EXPECT_EQ(table.rows[11].manoeuvre_up_mps2, 0.375);
+}
+
+TEST(GoldenTrajectory, Epochs) {
+    const TrajectoryTable table = read_trajectory(text_of("v1.0/4-trajectory.ecsv"), "f");
+    EXPECT_EQ(table.estimation.degrees_of_freedom, 15);
+    EXPECT_EQ(table.estimation.variance_factor, 0.9876);
+    EXPECT_EQ(table.estimation.largest_position_difference_m, 2.5e-11);
+    EXPECT_EQ(table.rows.at(2).speed_mps, 21.158421);
+    EXPECT_EQ(table.rows.at(2).speed_v2_mps, 21.17);
+    EXPECT_FALSE(table.rows.at(3).speed_v1_mps);
+    EXPECT_TRUE(table.rows.at(3).usable);
+    EXPECT_FALSE(table.rows.at(4).speed_mps);
+    EXPECT_EQ(table.rows.at(2).arc, 1);
+}
+
+TEST(GoldenTrajectory, RobustEstimateAndNoise) {
+    const TrajectoryTable table = read_trajectory(text_of("v1.0/4-trajectory.ecsv"), "f");
+    EXPECT_EQ(table.rows.at(1).robust_east_m, -0.181875);
+    EXPECT_EQ(table.rows.at(1).robust_north_m, 2.10775);
+    EXPECT_EQ(table.rows.at(2).robust_weight, 0.125);
+    EXPECT_FALSE(table.rows.at(3).robust_weight);
+    EXPECT_FALSE(table.rows.at(4).robust_east_m);
+    EXPECT_EQ(table.estimation.batch_stretches, 2);
+    EXPECT_EQ(table.estimation.robust_downweighted, 1);
+    ASSERT_TRUE(table.estimation.horizontal && table.estimation.vertical);
+    const NoiseSummary& noise = table.estimation.horizontal->noise;
+    EXPECT_EQ(noise.status, "fitted");
+    EXPECT_EQ(noise.jerk_density.value, 0.6125);
+    EXPECT_EQ(noise.jerk_density.relative_uncertainty, 0.0875);
+    EXPECT_EQ(noise.acceleration_time_s->value, 4.5);
+    EXPECT_TRUE(noise.error_tau_s->at_bound);
+    EXPECT_EQ(noise.error_tau_s->relative_uncertainty, 1.75);
+    ASSERT_EQ(noise.posterior.size(), 2U);
+    EXPECT_EQ(noise.posterior[0].acceleration_time_s, 4.5);
+    EXPECT_FALSE(noise.posterior[1].acceleration_time_s);
+    EXPECT_EQ(noise.posterior[1].weight, 0.25);
+    EXPECT_EQ(table.estimation.horizontal->health.largest_asymmetry, 1.25e-16);
+    EXPECT_EQ(table.estimation.horizontal->health.spans_outside, 1);
+    EXPECT_EQ(table.estimation.vertical->noise.status, "constant_positions");
+    EXPECT_EQ(table.estimation.vertical->health.repaired, 3);
+    EXPECT_FALSE(table.estimation.vertical->health.consistent);
+}
+
+TEST(GoldenTrajectory, Steps) {
+    const TrajectoryTable table = read_trajectory(text_of("v1.0/4-trajectory.ecsv"), "f");
+    ASSERT_EQ(table.rows.size(), 5U);
+    EXPECT_EQ(table.estimation.robust_unsolved, 2);
+    EXPECT_EQ(table.rows[0].step_before, false);
+    EXPECT_EQ(table.rows[3].step_before, true);
+    EXPECT_TRUE(begins_after_step(table.rows[3]));
+    EXPECT_FALSE(table.rows[4].step_before);  // outside arcs
+    EXPECT_FALSE(begins_after_step(table.rows[4]));
+}
+
+TEST(GoldenTrajectory, JerkDensityOfEachEpoch) {
+    const auto rows = read_trajectory(text_of("v1.0/4-trajectory.ecsv"), "f").rows;
+    ASSERT_EQ(rows.size(), 5U);
+    EXPECT_EQ(rows[0].jerk_density, 0.6125);
+    EXPECT_EQ(rows[0].jerk_density_up, 0.6);
+    EXPECT_EQ(rows[2].jerk_density, 1.9375);
+    EXPECT_EQ(rows[3].jerk_density, 6.125);
+    EXPECT_EQ(rows[3].jerk_density_up, 0.75);
+    EXPECT_FALSE(rows[4].jerk_density || rows[4].jerk_density_up);  // outside arcs
+}
+
+}  // namespace
+}  // namespace runcert

@@ -57,7 +57,7 @@ fs::path inside_folder(const std::string& named, const AttemptSource& source,
 
 /// A rule over a course needs one, of its length.
 void require_course(const Profile& profile, const Attempt& attempt, const AttemptSource& source) {
-    if (profile.window_kind != "course") return;
+    if (profile.window_kind != WindowKind::course) return;
     const auto& course = attempt.course;
     if (!course)
         throw Failure(source.file.string(),

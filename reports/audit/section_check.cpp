@@ -59,9 +59,9 @@ std::string requirement_text(const Requirement& requirement) {
     for (const Figure& figure : requirement.figures)
         figures.push_back(figure_text(figure));
     if (!figures.empty()) text += ". Figures: " + listed(figures);
-    if (!requirement.decided_by.empty()) text += ". Decided by: " + requirement.decided_by;
-    return text + fmt::format(". The clause: {} Source ({}): {}", requirement.text,
-                              requirement.certainty, requirement.source);
+    return text + fmt::format(". Decided by: {}. The clause: {} Source ({}): {}",
+                              to_text(requirement.decided_by), requirement.text,
+                              to_text(requirement.certainty), requirement.source);
 }
 
 FactTable replaced_table(const std::vector<Override>& overrides) {

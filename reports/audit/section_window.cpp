@@ -8,17 +8,19 @@ namespace runcert {
 namespace {
 
 std::string rule_text(const WindowRule& rule) {
-    const std::string length = rule.kind == "time" ? figure_text(rule.duration_s) + " s"
-                               : rule.kind == "course"
-                                   ? std::string("the surveyed course")
-                                   : figure_text(rule.distance_m) + " m" +
-                                         (rule.kind == "alpha" ? ", back to where it began" : "");
-    return fmt::format(
-        "{}{}, speed by {}, {}, of the {}{}{}",
-        rule.count > 1 ? fmt::format("{} windows of ", rule.count) : "", length, rule.definition,
-        rule.dimension, rule.source == "velocity" ? "recorded velocities" : "positions",
-        rule.ends == "epochs" ? ", from epoch to epoch" : ", beginning and ending anywhere",
-        rule.opposite_runs ? ", two runs in opposite directions" : "");
+    const std::string length =
+        rule.kind == WindowKind::time ? figure_text(rule.duration_s) + " s"
+        : rule.kind == WindowKind::course
+            ? std::string("the surveyed course")
+            : figure_text(rule.distance_m) + " m" +
+                  (rule.kind == WindowKind::alpha ? ", back to where it began" : "");
+    return fmt::format("{}{}, speed by {}, {}, of the {}{}{}",
+                       rule.count > 1 ? fmt::format("{} windows of ", rule.count) : "", length,
+                       to_text(rule.definition), to_text(rule.dimension),
+                       rule.source == SpeedSource::velocity ? "recorded velocities" : "positions",
+                       rule.ends == WindowEnds::epochs ? ", from epoch to epoch"
+                                                       : ", beginning and ending anywhere",
+                       rule.opposite_runs ? ", two runs in opposite directions" : "");
 }
 
 std::string best_text(const CertifiableWindow& best) {

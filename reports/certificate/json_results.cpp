@@ -34,11 +34,6 @@ std::string status_words(const std::string& status) {
     return status == "not_met" ? "not met" : "to attest";
 }
 
-std::string certainty_words(const std::string& certainty) {
-    if (certainty == "quoted") return "quoted from the rule";
-    return certainty == "secondary" ? "as told by others" : "not confirmed";
-}
-
 /// The speed as it is to be read.
 Json headline_json(const ProfileVerdict& verdict, const Profile& profile) {
     if (const auto& shown = verdict.shown) {
@@ -89,7 +84,7 @@ void set_results(Json& json, const ProfileVerdict& verdict, const Profile& profi
 Json requirement_json(const Requirement& requirement) {
     Json json = members_json(requirement);
     json["status_words"] = status_words(requirement.status);
-    json["certainty_words"] = certainty_words(requirement.certainty);
+    json["certainty_words"] = words_of(requirement.certainty);
     json["figures"] = quantities_json(requirement.figures);
     return json;
 }
@@ -141,7 +136,7 @@ Json profile_json(const ReportInputs& inputs, std::size_t index) {
               {"outcome_mark", words.mark},
               {"tone", words.tone},
               {"reason", verdict.reason},
-              {"definition", verdict.definition},
+              {"definition", to_text(verdict.definition)},
               {"coverage_factor", verdict.coverage_factor}};
     if (const std::string words_left = qualification(verdict); !words_left.empty())
         json["qualification"] = words_left;

@@ -10,9 +10,15 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
+std::string capitalised(std::string_view words) {
+    std::string text(words);
+    text[0] = static_cast<char>(text[0] - 'a' + 'A');
+    return text;
+}
+
 std::string dimension_words(const Profile& profile) {
-    if (profile.dimension == "vertical") return "Vertical speed";
-    return profile.dimension == "space" ? "Speed in space" : "Speed";
+    if (profile.dimension == Dimension::horizontal) return "Speed";
+    return capitalised(words_of(profile.dimension));
 }
 
 /// How many windows make the figure.
@@ -25,8 +31,9 @@ std::string count_words(const Profile& profile) {
 }
 
 std::string ends_words(const Profile& profile) {
-    if (profile.window_kind == "course" || profile.speed_source == "velocity") return "";
-    if (profile.ends_anywhere) return " A window may begin and end at any instant.";
+    if (profile.window_kind == WindowKind::course || profile.speed_source == SpeedSource::velocity)
+        return "";
+    if (profile.ends == WindowEnds::any) return " A window may begin and end at any instant.";
     return profile.exact_duration ? " A window's ends are measured epochs exactly that far apart."
                                   : "";
 }
@@ -98,16 +105,12 @@ const SpeedUnit& rule_unit(const Profile& profile) {
     return speed_unit(rule_unit_name(profile));
 }
 
-std::string definition_words(std::string_view definition) {
-    if (definition == "displacement") return "Displacement over time";
-    if (definition == "path_length") return "Path length over time";
-    if (definition == "mean_n_plus_1") return "Mean of the speeds, both ends included";
-    if (definition == "elapsed_time") return "Surveyed length over the time between the lines";
-    return "Mean of the speeds after the first";
+std::string definition_words(SpeedDefinition definition) {
+    return capitalised(words_of(definition));
 }
 
 std::string rule_words(const Profile& profile) {
-    const bool recorded = profile.speed_source == "velocity";
+    const bool recorded = profile.speed_source == SpeedSource::velocity;
     return fmt::format(
         "{} over {}{}, by the definition: {}{}.{}{}", dimension_words(profile),
         window_words(profile), count_words(profile), definition_words(profile.definition),
@@ -116,14 +119,16 @@ std::string rule_words(const Profile& profile) {
 }
 
 void set_rule(Json& json, const Profile& profile) {
-    if (profile.window_kind == "time") {
+    if (profile.window_kind == WindowKind::time) {
         json["rule_duration_s"] = profile.duration_s;
     } else {
-        json["rule_kind"] = profile.window_kind;
+        json["rule_kind"] = to_text(profile.window_kind);
         json["rule_distance_m"] = profile.distance_m;
     }
-    if (profile.dimension != "horizontal") json["rule_dimension"] = profile.dimension;
-    if (profile.speed_source != "position") json["rule_source"] = profile.speed_source;
+    if (profile.dimension != Dimension::horizontal)
+        json["rule_dimension"] = to_text(profile.dimension);
+    if (profile.speed_source != SpeedSource::position)
+        json["rule_source"] = to_text(profile.speed_source);
     if (profile.windows != 1) json["rule_windows"] = profile.windows;
 }
 
@@ -145,7 +150,7 @@ void set_reservations(Json& json, const ProfileVerdict& verdict) {
     for (const Override& figure : verdict.overrides)
         json["overrides"].push_back(override_json(figure));
     for (const Requirement& requirement : verdict.requirements)
-        if (requirement.certainty == "unconfirmed")
+        if (requirement.certainty == Certainty::unconfirmed)
             json["unconfirmed"].push_back(fmt::format("{}: {} Source: {}.", requirement.clause,
                                                       requirement.text, requirement.source));
 }

@@ -13,7 +13,7 @@ namespace runcert {
 const SpeedUnit& rule_unit(const Profile& profile);
 
 /// A rule's definition of speed in words.
-std::string definition_words(std::string_view definition);
+std::string definition_words(SpeedDefinition definition);
 
 /// Which speed the rule counts: "Speed over 3 s, by the definition: Displacement over time."
 std::string rule_words(const Profile& profile);

@@ -14,12 +14,6 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-std::string lower_case_first(std::string text) {
-    if (!text.empty() && text[0] >= 'A' && text[0] <= 'Z')
-        text[0] = static_cast<char>(text[0] - 'A' + 'a');
-    return text;
-}
-
 /// km/h, m/s, kn, mph, the rule's own in front.
 std::vector<const SpeedUnit*> units_in_order(const Profile& profile) {
     std::vector<const SpeedUnit*> units{&rule_unit(profile)};
@@ -56,9 +50,9 @@ Json place_facts(const WindowSpan& span) {
 
 /// The rule's speed where it is none of the four definitions; empty where it is one.
 std::string other_definition(const Profile& profile) {
-    if (profile.window_kind == "course") return "Over the course";
-    if (profile.speed_source == "velocity")
-        return "Recorded velocities, " + lower_case_first(definition_words(profile.definition));
+    if (profile.window_kind == WindowKind::course) return "Over the course";
+    if (profile.speed_source == SpeedSource::velocity)
+        return fmt::format("Recorded velocities, {}", words_of(profile.definition));
     return {};
 }
 
@@ -68,11 +62,11 @@ double shown_uncertainty(const CertifiableWindow& window, const Profile& profile
 }
 
 std::string definition_note(const CertifiableWindow& best, const Profile& profile) {
-    if (profile.window_kind == "course")
+    if (profile.window_kind == WindowKind::course)
         return "None of the four definitions is the rule's: its speed is over the course, the "
                "surveyed length over the time between the lines. They are of the smoothed "
                "trajectory.";
-    if (profile.speed_source == "velocity")
+    if (profile.speed_source == SpeedSource::velocity)
         return "None of the four definitions is the rule's: its speed is of the velocities that "
                "the recording states. They are of the smoothed trajectory.";
     if (best.estimates && best.selection && best.selection->treatment == "subtracted")
@@ -88,9 +82,10 @@ void set_definitions(Json& json, const CertifiableWindow& best, const Profile& p
     json["definitions"] = Json::array();
     const std::string other = other_definition(profile);
     if (!other.empty()) rows.push_back({other + " – the rule's", best.speed_mps});
-    for (const std::string_view name : {"displacement", "path_length", "mean_n_plus_1", "mean_n"}) {
+    for (const SpeedDefinition name : {SpeedDefinition::displacement, SpeedDefinition::path_length,
+                                       SpeedDefinition::mean_n_plus_1, SpeedDefinition::mean_n}) {
         const bool counts = other.empty() && name == profile.definition;
-        Json entry{{"definition", name}, {"counts", counts}};
+        Json entry{{"definition", to_text(name)}, {"counts", counts}};
         set_speeds(entry, "speed", speed_by(all, name));
         json["definitions"].push_back(std::move(entry));
         rows.push_back(

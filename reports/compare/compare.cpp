@@ -33,15 +33,24 @@ std::vector<RowPair> candidate_rows(const TrajectoryTable& trajectory, double du
 /// Speeds of windows, of a method or of the truth.
 class WindowSpeeds {
   public:
-    WindowSpeeds(const TrajectoryTable& trajectory, const MethodTrack& track, std::string_view by)
+    WindowSpeeds(const TrajectoryTable& trajectory, const MethodTrack& track, SpeedDefinition by)
         : trajectory_(trajectory), track_(track), by_(by) {}
 
     /// Empty where a value is missing.
     std::optional<double> operator()(RowPair window) const {
-        if (by_ == "mean_n_plus_1") return mean_speed(window.first, window.last);
-        if (by_ == "mean_n") return mean_speed(window.first + 1, window.last);
-        if (by_ == "path_length") return length_over_time(window, 1);
-        return length_over_time(window, window.last - window.first);
+        switch (by_) {
+            case SpeedDefinition::mean_n_plus_1:
+                return mean_speed(window.first, window.last);
+            case SpeedDefinition::mean_n:
+                return mean_speed(window.first + 1, window.last);
+            case SpeedDefinition::path_length:
+                return length_over_time(window, 1);
+            case SpeedDefinition::displacement:
+                return length_over_time(window, window.last - window.first);
+            case SpeedDefinition::elapsed_time:  // over a course, which is not compared
+                break;
+        }
+        return std::nullopt;
     }
 
   private:
@@ -67,20 +76,8 @@ class WindowSpeeds {
 
     const TrajectoryTable& trajectory_;
     const MethodTrack& track_;
-    std::string_view by_;
+    SpeedDefinition by_;
 };
-
-std::string_view name_of(WindowSpeed by) {
-    switch (by) {
-        case WindowSpeed::displacement:
-            return "displacement";
-        case WindowSpeed::mean_n_plus_1:
-            return "mean_n_plus_1";
-        case WindowSpeed::mean_n:
-            return "mean_n";
-    }
-    return "";
-}
 
 MethodTrack track_of_truth(const TruthRows& truth) {
     MethodTrack track;
@@ -122,7 +119,7 @@ struct Task {
 MethodResult result_of(const Task& task, const MethodTrack& track) {
     MethodResult result;
     result.name = track.name;
-    result.window_speed = name_of(track.window_speed);
+    result.window_speed = track.window_speed;
     const WindowSpeeds speed(task.trajectory, track, result.window_speed);
     std::optional<RowPair> best;
     for (const RowPair window : task.candidates) {
@@ -135,7 +132,7 @@ MethodResult result_of(const Task& task, const MethodTrack& track) {
         result.best_start = task.trajectory.rows[best->first].time;
         result.best_error_mps = difference(result.best_mps, task.truth_in(*best));
     }
-    const bool jumps = track.window_speed == WindowSpeed::displacement && task.windows.best &&
+    const bool jumps = track.window_speed == SpeedDefinition::displacement && task.windows.best &&
                        task.windows.best->repaired_steps > 0;
     if (task.certified && !jumps) {
         result.certified_mps = speed(*task.certified);
@@ -209,8 +206,8 @@ ProfileComparison compare_profile(const Task& task, const Methods& methods) {
 
 /// Whether every method has a speed by that rule.
 bool is_comparable(const WindowRule& rule) {
-    return rule.kind == "time" && rule.dimension == "horizontal" && rule.source == "position" &&
-           rule.ends == "epochs" && !rule.exact;
+    return rule.kind == WindowKind::time && rule.dimension == Dimension::horizontal &&
+           rule.source == SpeedSource::position && rule.ends == WindowEnds::epochs && !rule.exact;
 }
 
 void count_truth(const TrajectoryTable& trajectory, const TruthRows* truth,

@@ -17,7 +17,7 @@ CompareConfig compare_config(const Attempt& attempt);
 /// method has no value, or no truth is known.
 struct MethodResult {
     std::string name;
-    std::string window_speed;  ///< "displacement", "path_length", "mean_n_plus_1", "mean_n"
+    SpeedDefinition window_speed = SpeedDefinition::displacement;
     std::optional<ElapsedTime> best_start;  ///< of its own best window
     std::optional<double> best_mps;
     std::optional<double> certified_mps;  ///< in the certified window
@@ -29,7 +29,7 @@ struct MethodResult {
 struct ProfileComparison {
     std::string profile;
     double duration_s = 0.0;
-    std::string definition;
+    SpeedDefinition definition = SpeedDefinition::displacement;
     std::int64_t candidates = 0;                 ///< certifiable windows
     std::optional<ElapsedTime> certified_start;  ///< empty where there is no certified window
     std::optional<ElapsedTime> certified_duration;

@@ -14,24 +14,26 @@ std::string in_seconds(std::optional<ElapsedTime> time) {
     return time ? format_fixed(time->seconds(), 3) : "-";
 }
 
-std::string_view short_name(std::string_view window_speed) {
-    if (window_speed == "displacement") return "d/T";
-    if (window_speed == "path_length") return "path/T";
-    if (window_speed == "mean_n_plus_1") return "N+1";
-    return "N";
-}
-
-std::string in_words(std::string_view definition) {
-    if (definition == "displacement") return "displacement over time";
-    if (definition == "path_length") return "path length over time";
-    if (definition == "mean_n_plus_1") return "mean of N+1 speeds";
-    return "mean of N speeds";
+std::string_view short_name(SpeedDefinition definition) {
+    switch (definition) {
+        case SpeedDefinition::displacement:
+            return "d/T";
+        case SpeedDefinition::path_length:
+            return "path/T";
+        case SpeedDefinition::mean_n_plus_1:
+            return "N+1";
+        case SpeedDefinition::mean_n:
+            return "N";
+        case SpeedDefinition::elapsed_time:
+            return "L/T";
+    }
+    return "";
 }
 
 std::string heading(const ProfileComparison& profile) {
     std::string text =
         fmt::format("\n{}: {} s, {}; {} windows can be certified\n", profile.profile,
-                    profile.duration_s, in_words(profile.definition), profile.candidates);
+                    profile.duration_s, words_of(profile.definition), profile.candidates);
     if (!profile.certified_start) return text + "no certified window\n";
     text += fmt::format("certified window: {} s from {} s", in_seconds(profile.certified_duration),
                         in_seconds(profile.certified_start));

@@ -17,7 +17,7 @@ namespace {
 using Column = std::optional<double> TrajectoryEpoch::*;
 using Motion = NoiseFitOptions::Motion;
 
-MethodTrack empty_track(const std::string& name, WindowSpeed window_speed, std::size_t rows) {
+MethodTrack empty_track(const std::string& name, SpeedDefinition window_speed, std::size_t rows) {
     MethodTrack track;
     track.name = name;
     track.window_speed = window_speed;
@@ -29,7 +29,7 @@ MethodTrack empty_track(const std::string& name, WindowSpeed window_speed, std::
 /// Positions from two columns of the trajectory, speeds from a third where there is one.
 MethodTrack of_positions(const std::string& name, const TrajectoryTable& trajectory, Column east,
                          Column north, Column speed) {
-    MethodTrack track = empty_track(name, WindowSpeed::displacement, trajectory.rows.size());
+    MethodTrack track = empty_track(name, SpeedDefinition::displacement, trajectory.rows.size());
     for (std::size_t i = 0; i < trajectory.rows.size(); ++i) {
         const TrajectoryEpoch& row = trajectory.rows[i];
         if (row.*east && row.*north) track.positions[i] = {*(row.*east), *(row.*north)};
@@ -39,7 +39,7 @@ MethodTrack of_positions(const std::string& name, const TrajectoryTable& traject
 }
 
 MethodTrack of_speeds(const std::string& name, const TrajectoryTable& trajectory, Column speed) {
-    MethodTrack track = empty_track(name, WindowSpeed::mean_n_plus_1, trajectory.rows.size());
+    MethodTrack track = empty_track(name, SpeedDefinition::mean_n_plus_1, trajectory.rows.size());
     for (std::size_t i = 0; i < trajectory.rows.size(); ++i)
         track.speeds_mps[i] = trajectory.rows[i].*speed;
     return track;
@@ -47,7 +47,7 @@ MethodTrack of_speeds(const std::string& name, const TrajectoryTable& trajectory
 
 MethodTrack raw_positions(const ScreenedTable& screened) {
     MethodTrack track =
-        empty_track("raw positions", WindowSpeed::displacement, screened.rows.size());
+        empty_track("raw positions", SpeedDefinition::displacement, screened.rows.size());
     for (std::size_t i = 0; i < screened.rows.size(); ++i)
         if (screened.rows[i].usable) track.positions[i] = measured_position<2>(screened.rows[i]);
     return track;
@@ -70,12 +70,12 @@ void add_fixed_lags(const std::vector<Arc<2>>& arcs, const EstimationModel& mode
             interval_s > 0.0 ? std::max(1.0, std::round(lag_s / interval_s)) : 1.0);
         MethodTrack& track = tracks.emplace_back(
             empty_track(fmt::format("fixed lag {} s ({} epoch{})", lag_s, lag, lag == 1 ? "" : "s"),
-                        WindowSpeed::displacement, trajectory.rows.size()));
+                        SpeedDefinition::displacement, trajectory.rows.size()));
         for (const Arc<2>& arc : arcs)
             take_states(arc, smooth_fixed_lag<2>(arc.epochs, model, lag), track);
     }
     MethodTrack& full = tracks.emplace_back(
-        empty_track("fixed lag, full", WindowSpeed::displacement, trajectory.rows.size()));
+        empty_track("fixed lag, full", SpeedDefinition::displacement, trajectory.rows.size()));
     for (const Arc<2>& arc : arcs)
         take_states(arc, smooth_fixed_lag<2>(arc.epochs, model, arc.epochs.size()), full);
 }
@@ -91,7 +91,7 @@ struct FittedSmoother {
 FittedSmoother fitted_smoother(const std::string& name, const std::vector<Arc<2>>& arcs,
                                std::size_t rows, NoiseFitOptions options, Motion motion) {
     FittedSmoother result;
-    result.track = empty_track(name, WindowSpeed::displacement, rows);
+    result.track = empty_track(name, SpeedDefinition::displacement, rows);
     std::vector<std::span<const ArcEpoch<2>>> spans;
     spans.reserve(arcs.size());
     for (const Arc<2>& arc : arcs)

@@ -6,23 +6,18 @@
 #include <vector>
 
 #include "estimation/noise_fit.h"
+#include "schemas/profile/declared.h"
 #include "schemas/screened/screened.h"
 #include "schemas/trajectory/trajectory.h"
 
 namespace runcert {
 
-/// How a method's figures make the speed of a window.
-enum class WindowSpeed {
-    displacement,   ///< of its positions, over time
-    mean_n_plus_1,  ///< mean of its speeds, both ends included ([DHD22] (26))
-    mean_n          ///< mean of its speeds after the first, each that of the step before it
-};
-
 /// What one method says of every row of the trajectory. Both lists have a place for each row;
 /// empty where the method has no value.
 struct MethodTrack {
     std::string name;
-    WindowSpeed window_speed = WindowSpeed::displacement;
+    /// How its figures make the speed of a window: displacement, or a mean of its speeds.
+    SpeedDefinition window_speed = SpeedDefinition::displacement;
     std::vector<std::optional<Eigen::Vector2d>> positions;  ///< east, north, m
     std::vector<std::optional<double>> speeds_mps;          ///< horizontal
     std::string unavailable;  ///< why the method has no value at all; else empty

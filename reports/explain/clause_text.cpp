@@ -7,23 +7,34 @@
 namespace runcert {
 namespace {
 
-std::string certainty_words(const std::string& certainty) {
-    if (certainty == "quoted") return "These are the rule's own words, or this program's own rule.";
-    if (certainty == "secondary")
-        return "The rule itself could not be read: others tell it so. Compare with the body's "
-               "text before relying on it.";
+std::string certainty_words(Certainty certainty) {
+    switch (certainty) {
+        case Certainty::quoted:
+            return "These are the rule's own words, or this program's own rule.";
+        case Certainty::secondary:
+            return "The rule itself could not be read: others tell it so. Compare with the body's "
+                   "text before relying on it.";
+        case Certainty::unconfirmed:
+            break;
+    }
     return "It could not be confirmed that the rule has this clause, or that it says so: ask the "
            "body.";
 }
 
 /// The figures of a profile, as an attempt names them, on which a clause hangs.
 std::vector<std::string> figures_behind(const ClauseView& view) {
-    const std::string name = view.decided_by();
-    if (name == "window_complete") return {"window.duration_s", "window.distance_m"};
-    if (name == "accuracy") return {"accuracy.limit", "accuracy.coverage_factor"};
-    if (name == "margin") return {"margin.value", "decision.probability"};
-    if (name == "opposite_runs") return {"opposite_runs.within_s"};
-    return {fmt::format("clauses.{}.limit", view.requirement.clause)};
+    switch (view.requirement.decided_by) {
+        case Computation::window_complete:
+            return {"window.duration_s", "window.distance_m"};
+        case Computation::accuracy:
+            return {"accuracy.limit", "accuracy.coverage_factor"};
+        case Computation::margin:
+            return {"margin.value", "decision.probability"};
+        case Computation::opposite_runs:
+            return {"opposite_runs.within_s"};
+        default:
+            return {fmt::format("clauses.{}.limit", view.requirement.clause)};
+    }
 }
 
 std::string outcome_sentence(const Requirement& requirement) {
@@ -35,14 +46,9 @@ std::string outcome_sentence(const Requirement& requirement) {
 
 }  // namespace
 
-std::string ClauseView::decided_by() const {
-    if (!requirement.decided_by.empty()) return requirement.decided_by;
-    return clause != nullptr ? clause->decided_by : "";
-}
-
 std::string ClauseView::limit() const {
     const Profile& profile = of.profile;
-    if (decided_by() == "accuracy" && profile.accuracy_limit_mps)
+    if (requirement.decided_by == Computation::accuracy && profile.accuracy_limit_mps)
         return plain_figure(*profile.accuracy_limit_mps / metres_per_second(profile.accuracy_unit),
                             profile.accuracy_unit);
     return clause != nullptr && clause->limit ? plain_figure(*clause->limit, clause->unit) : "";
@@ -62,7 +68,8 @@ std::string clause_text(const ClauseView& view) {
     for (const std::string& words : override_words(view.of.verdict, figures_behind(view)))
         text += labelled("Replaced", words);
     text += labelled("Outcome", outcome_sentence(requirement));
-    if (requirement.status == "attest") text += labelled("To do", to_attest_words(view));
+    if (requirement.status == "attest")
+        text += labelled("To do", std::string(phrase_of(view.requirement.decided_by)));
     return text;
 }
 
@@ -72,8 +79,9 @@ std::string clause_in_short(const ClauseView& view) {
     const std::string blanks(indent, ' ');
     std::string text = fmt::format("  {:<{}}{}", in_capitals(requirement.status), indent - 2,
                                    wrapped(requirement.clause, indent, indent));
-    const std::string doubt =
-        requirement.certainty == "unconfirmed" ? " (Not confirmed that the rule says so.)" : "";
+    const std::string doubt = requirement.certainty == Certainty::unconfirmed
+                                  ? " (Not confirmed that the rule says so.)"
+                                  : "";
     text += blanks + wrapped(requirement.text + doubt, indent, indent);
     text += blanks + wrapped(sentence(requirement.evidence), indent, indent);
     return text;

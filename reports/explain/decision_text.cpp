@@ -32,13 +32,8 @@ std::string window_text(const ProfileView& view) {
                        span.start_gps ? " (" + to_utc_iso(*span.start_gps, 3) + ")" : "");
 }
 
-/// The record that the verdict is about; that of the whole file in one of revision 1.0.
-const std::optional<RecordToBeat>& record_of(const ProfileView& view) {
-    return view.verdict.record ? view.verdict.record : view.all.record;
-}
-
 std::string record_text(const ProfileView& view) {
-    const auto& record = record_of(view);
+    const auto& record = view.verdict.record;
     if (!record) return "The attempt names none.";
     const std::string own =
         record->expanded_uncertainty && *record->expanded_uncertainty > 0.0

@@ -23,9 +23,6 @@ struct ClauseView {
     const Requirement& requirement;
     const Clause* clause = nullptr;
 
-    /// The computation that decided it, or "attest"; the profile's word for it where the verdict is
-    /// of revision 1.0.
-    std::string decided_by() const;
     /// What the computation compared with, "1 m"; empty where it takes no limit.
     std::string limit() const;
 };
@@ -42,8 +39,6 @@ std::string decision_in_short(const ProfileView& view);
 
 /// How a computation makes its figure and compares it, in sentences.
 std::string computation_words(const ClauseView& view);
-/// What a person must do for a clause that the data did not decide.
-std::string to_attest_words(const ClauseView& view);
 
 /// By how much the record must be beaten: "by 1 mph".
 std::string margin_words(const Profile& profile);

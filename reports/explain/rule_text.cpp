@@ -13,9 +13,9 @@ std::string margin_words(const Profile& profile) {
                                   ? "the record's upper limit, its value plus its own expanded "
                                     "uncertainty"
                                   : "the record";
-    if (profile.margin_kind == "relative")
+    if (profile.margin_kind == MarginKind::relative)
         return fmt::format("{:.6g} % above {}", profile.margin * 100.0, above);
-    if (profile.margin_kind == "elapsed_time")
+    if (profile.margin_kind == MarginKind::elapsed_time)
         return fmt::format("a time over the course that is shorter than that of {} by {}", above,
                            plain_figure(profile.margin, "s"));
     const std::string& unit = profile.margin_unit;

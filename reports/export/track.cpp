@@ -116,7 +116,7 @@ std::vector<TrackPoint> points_between(const TrajectoryTable& trajectory, const 
 void add_windows(const TrackInput& input, std::size_t rule, const ToTheEarth& earth,
                  std::vector<TrackWindow>& windows) {
     const ProfileVerdict& verdict = input.verdict->profiles[rule];
-    const auto add = [&](WindowKind kind, const WindowSpan& span) -> TrackWindow& {
+    const auto add = [&](TrackWindowKind kind, const WindowSpan& span) -> TrackWindow& {
         return windows.emplace_back(
             TrackWindow{.kind = kind,
                         .rule = rule,
@@ -130,19 +130,19 @@ void add_windows(const TrackInput& input, std::size_t rule, const ToTheEarth& ea
                         .points = points_between(*input.trajectory, span, earth)});
     };
     if (verdict.indicated) {
-        TrackWindow& refused = add(WindowKind::refused, verdict.indicated->span);
+        TrackWindow& refused = add(TrackWindowKind::refused, verdict.indicated->span);
         refused.speed_mps = verdict.indicated->speed_mps;
         refused.refusals = verdict.indicated->refusals;
     }
     if (const ProfileWindows* found = windows_of(*input.windows, verdict.profile))
         for (const FurtherWindow& further : found->further) {
-            TrackWindow& window = add(WindowKind::further, further.span);
+            TrackWindow& window = add(TrackWindowKind::further, further.span);
             window.speed_mps = further.speed_mps;
             window.expanded_uncertainty_mps =
                 expanded_uncertainty_mps(further, verdict.coverage_factor);
         }
     if (verdict.window && verdict.speed_mps) {
-        TrackWindow& best = add(WindowKind::best, *verdict.window);
+        TrackWindow& best = add(TrackWindowKind::best, *verdict.window);
         best.speed_mps = *verdict.speed_mps;
         best.expanded_uncertainty_mps = verdict.expanded_uncertainty_mps;
         best.shown = verdict.shown;
@@ -165,13 +165,13 @@ std::vector<TrackGate> gates_of(const Attempt& attempt) {
 
 }  // namespace
 
-std::string_view to_text(WindowKind kind) {
+std::string_view to_text(TrackWindowKind kind) {
     switch (kind) {
-        case WindowKind::best:
+        case TrackWindowKind::best:
             return "window";
-        case WindowKind::further:
+        case TrackWindowKind::further:
             return "further_window";
-        case WindowKind::refused:
+        case TrackWindowKind::refused:
             return "refused_window";
     }
     return {};

@@ -26,21 +26,21 @@ struct TrackArc {
     std::vector<TrackPoint> points = {};
 };
 
-enum class WindowKind {
+enum class TrackWindowKind {
     best,     ///< the one that the outcome is about
     further,  ///< with the best makes the figure of a rule that takes several
     refused   ///< the fastest of the raw positions, which cannot be certified
 };
-std::string_view to_text(WindowKind kind);
+std::string_view to_text(TrackWindowKind kind);
 
 /// A window of a rule on the track.
 struct TrackWindow {
-    WindowKind kind = WindowKind::best;
+    TrackWindowKind kind = TrackWindowKind::best;
     std::size_t rule = 0;  ///< number of its rule in the verdict, for its style
     std::string profile;
     std::string body;
     std::string title;
-    std::string definition;
+    SpeedDefinition definition = SpeedDefinition::displacement;
     std::string outcome;  ///< of the rule, by the verdict's words
     std::string reason;   ///< the outcome in one sentence
     WindowSpan span = {};

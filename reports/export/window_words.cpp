@@ -45,13 +45,13 @@ void add_time(std::vector<MapFact>& facts, const std::string& name, const std::s
 
 std::string name_of(const TrackWindow& window) {
     switch (window.kind) {
-        case WindowKind::best:
+        case TrackWindowKind::best:
             return fmt::format("{}: {}, {}", window.profile, speed_words(window),
                                outcome_words(window.outcome));
-        case WindowKind::further:
+        case TrackWindowKind::further:
             return fmt::format("{}: {}, another window of the mean", window.profile,
                                speed_words(window));
-        case WindowKind::refused:
+        case TrackWindowKind::refused:
             return fmt::format("{}: {} REFUSED, not certified", window.profile,
                                speed_words(window));
     }
@@ -67,13 +67,14 @@ std::string name_of(const TrackGate& gate) {
 }
 
 std::vector<MapFact> facts_of(const TrackWindow& window) {
-    const bool certified = window.kind != WindowKind::refused;
-    std::vector<MapFact> facts{{"kind", "", std::string(to_text(window.kind))},
-                               {"rule", "Rule", window.profile},
-                               {"body", "Body", window.body},
-                               {"title", "Title", window.title},
-                               {"definition", "Speed defined as", window.definition},
-                               {"rule_outcome", "", window.outcome}};
+    const bool certified = window.kind != TrackWindowKind::refused;
+    std::vector<MapFact> facts{
+        {"kind", "", std::string(to_text(window.kind))},
+        {"rule", "Rule", window.profile},
+        {"body", "Body", window.body},
+        {"title", "Title", window.title},
+        {"definition", "Speed defined as", std::string(to_text(window.definition))},
+        {"rule_outcome", "", window.outcome}};
     if (certified) facts.push_back({"reason", "Outcome", window.reason});
     facts.push_back({"speed_m_s", "Speed (m/s)", format_fixed(window.speed_mps, speed_decimals)});
     if (window.expanded_uncertainty_mps)
@@ -110,7 +111,8 @@ std::vector<MapFact> facts_of(const TrackArc& arc) {
 LineStyle style_of(const TrackWindow& window) {
     const int order = static_cast<int>(std::min<std::size_t>(window.rule, widest));
     const int width = std::max(narrowest, widest - narrower * order);
-    if (window.kind == WindowKind::refused) return {std::string(refused_rgb), width + narrower};
+    if (window.kind == TrackWindowKind::refused)
+        return {std::string(refused_rgb), width + narrower};
     return {std::string(rule_rgb[window.rule % rule_rgb.size()]), width};
 }
 

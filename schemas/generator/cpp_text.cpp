@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "schemas/generator/declaration.h"
 
@@ -130,6 +131,15 @@ bool has_phrases(const DeclaredWords& words) {
                                [](const DeclaredWord& word) { return !word.phrase.empty(); });
 }
 
+/// The names of the lists that words have, in alphabetical order.
+std::set<std::string> lists_of(const DeclaredWords& words) {
+    std::set<std::string> names;
+    for (const DeclaredWord& word : words.words)
+        for (const auto& [name, items] : word.lists)
+            names.insert(name);
+    return names;
+}
+
 std::string enumeration(const DeclaredWords& words) {
     std::string out = comment(words.about) + "enum class " + words.name + " : std::uint8_t {\n";
     for (const DeclaredWord& word : words.words)
@@ -146,6 +156,14 @@ std::string enumeration(const DeclaredWords& words) {
             "/// The same after what it is said of: \"3 epochs ...\".\n"
             "std::string_view phrase_of({0} word);\n",
             words.name);
+    for (const std::string& list : lists_of(words))
+        out += fmt::format("std::vector<std::string_view> {}_of({} word);\n", list, words.name);
+    if (!words.each.empty()) {
+        out += "#define " + words.each + "(x)";
+        for (const DeclaredWord& word : words.words)
+            out += " x(" + word.enumerator + ")";
+        out += "\n";
+    }
     return out + "\n";
 }
 
@@ -165,6 +183,21 @@ std::string enumeration_source(const DeclaredWords& words) {
     std::string out = text_function(words, "to_text", &DeclaredWord::word) +
                       text_function(words, "words_of", &DeclaredWord::description);
     if (has_phrases(words)) out += text_function(words, "phrase_of", &DeclaredWord::phrase);
+    for (const std::string& list : lists_of(words)) {
+        std::string cases;
+        for (const DeclaredWord& word : words.words) {
+            std::string items;
+            if (const auto found = word.lists.find(list); found != word.lists.end())
+                for (const std::string& item : found->second)
+                    items += (items.empty() ? "" : ", ") + in_quotes(item);
+            cases += fmt::format("        case {}::{}: return {{{}}};\n", words.name,
+                                 word.enumerator, items);
+        }
+        out += fmt::format(
+            "std::vector<std::string_view> {}_of({} word) {{\n    switch (word) {{\n{}    }}\n"
+            "    return {{}};\n}}\n",
+            list, words.name, cases);
+    }
     out += fmt::format("bool from_text(std::string_view text, {}& word) {{\n", words.name);
     for (const DeclaredWord& word : words.words)
         out += fmt::format("    if (text == {}) return word = {}::{}, true;\n",

@@ -13,15 +13,24 @@ YamlValue parsed(const std::filesystem::path& path) {
 }
 
 DeclaredWords read_words(const std::string& name, const YamlValue& entry) {
-    DeclaredWords words{.name = name, .about = entry["about"].text(), .words = {}};
+    DeclaredWords words{.name = name,
+                        .about = entry["about"].text(),
+                        .words = {},
+                        .each = entry["each"].text_or("")};
     const YamlValue list = entry["words"];
     for (const std::string& word : list.keys()) {
         const YamlValue said = list[word];
-        if (said.is_map())
-            words.words.push_back({word, said["enumerator"].text_or(word),
-                                   said["description"].text(), said["phrase"].text_or("")});
-        else
+        if (!said.is_map()) {
             words.words.push_back({word, word, said.text(), {}});
+            continue;
+        }
+        DeclaredWord& made = words.words.emplace_back(
+            DeclaredWord{word, said["enumerator"].text_or(word), said["description"].text(),
+                         said["phrase"].text_or("")});
+        for (const std::string& key : said.keys())
+            if (said[key].is_list())
+                for (const YamlValue& item : said[key].list())
+                    made.lists[key].push_back(item.text());
     }
     return words;
 }

@@ -17,7 +17,8 @@
 //   struct            name and about of what holds the whole product
 //   words             enumerations: a word of the file, and what it says to people; where that is
 //                     no name in C++, with `enumerator`; where it is said otherwise after what it
-//                     is said of ("3 epochs without a position"), with `phrase`
+//                     is said of ("3 epochs without a position"), with `phrase`; what else a word
+//                     has is a list of texts. With `each: MACRO` a macro goes through all of them
 //   maps              maps, each a struct: about, fields; `by_hand` where C++ code has the struct
 //                     and its codec
 //   groups            columns that several tables have, or that are a struct in the row
@@ -42,12 +43,14 @@ struct DeclaredWord {
     std::string enumerator;   ///< the same, where that is no name in C++
     std::string description;  ///< for people
     std::string phrase;       ///< the same after what it is said of, where that differs
+    std::map<std::string, std::vector<std::string>> lists = {};  ///< what else it has
 };
 
 struct DeclaredWords {
     std::string name;
     std::string about;
     std::vector<DeclaredWord> words;
+    std::string each;  ///< the name of a macro that goes through them, where there is one
 };
 
 /// A map, a group of columns, or what holds the whole product, with the struct made of it.

@@ -24,44 +24,34 @@ const DocumentSchema& profile_schema() {
     return schema;
 }
 
-/// What a clause's computation compares with: the units that its limit may have, none where it
-/// takes no limit.
-struct ClauseLimit {
-    std::string_view computation;
-    std::vector<std::string_view> units;
-};
-
-const std::vector<ClauseLimit>& clause_limits() {
-    static const std::vector<std::string_view> speeds{"m/s", "km/h", "kn", "mph"};
-    static const std::vector<ClauseLimit> limits{
-        {"flatness", {"m"}},        {"slope", {"%"}},    {"straightness", {"m"}},
-        {"turning", {"deg"}},       {"run_up", {"m"}},   {"wind_mean", speeds},
-        {"wind_gust", speeds},      {"current", speeds}, {"sampling_rate", {"Hz"}},
-        {"sample_accuracy", speeds}};
-    return limits;
+/// One of the words that the field table allows.
+template <class Enum>
+Enum word(const YamlValue& value) {
+    Enum word{};
+    from_text(value.text(), word);
+    return word;
 }
 
 void read_limit(const YamlValue& entry, Clause& clause) {
     clause.limit = entry["limit"].optional_real();
     clause.unit = entry["unit"].text_or("");
-    const auto found =
-        std::ranges::find(clause_limits(), clause.decided_by, &ClauseLimit::computation);
-    if (found == clause_limits().end()) {
+    const std::string_view computation = to_text(clause.decided_by);
+    const std::vector<std::string_view> known = limit_of(clause.decided_by).units;
+    if (known.empty()) {
         if (clause.limit || !clause.unit.empty())
             entry[clause.limit ? "limit" : "unit"].fail(
-                fmt::format("{} compares with no limit", clause.decided_by), "Remove it");
+                fmt::format("{} compares with no limit", computation), "Remove it");
         return;
     }
-    const std::string units = fmt::format("{}", fmt::join(found->units, ", "));
+    const std::string units = fmt::format("{}", fmt::join(known, ", "));
     if (!clause.limit)
-        entry["decided_by"].fail(
-            fmt::format("{} needs a figure to compare with", clause.decided_by),
-            "Add limit: and unit: (" + units + ")");
-    if (std::ranges::find(found->units, clause.unit) == found->units.end())
+        entry["decided_by"].fail(fmt::format("{} needs a figure to compare with", computation),
+                                 "Add limit: and unit: (" + units + ")");
+    if (std::ranges::find(known, clause.unit) == known.end())
         (clause.unit.empty() ? entry["limit"] : entry["unit"])
             .fail(clause.unit.empty()
                       ? std::string("the limit has no unit")
-                      : fmt::format("{} is not compared in \"{}\"", clause.decided_by, clause.unit),
+                      : fmt::format("{} is not compared in \"{}\"", computation, clause.unit),
                   "Give unit: " + units);
 }
 
@@ -69,22 +59,23 @@ std::vector<Clause> read_clauses(const YamlValue& document, const Profile& profi
     std::vector<Clause> clauses;
     std::set<std::string> ids;
     for (const YamlValue& entry : document["clauses"].list()) {
-        Clause& clause = clauses.emplace_back(Clause{.id = entry["id"].text(),
-                                                     .text = entry["text"].text(),
-                                                     .source = entry["source"].text(),
-                                                     .certainty = entry["certainty"].text(),
-                                                     .decided_by = entry["decided_by"].text(),
-                                                     .limit = std::nullopt,
-                                                     .unit = {}});
+        Clause& clause =
+            clauses.emplace_back(Clause{.id = entry["id"].text(),
+                                        .text = entry["text"].text(),
+                                        .source = entry["source"].text(),
+                                        .certainty = word<Certainty>(entry["certainty"]),
+                                        .decided_by = word<Computation>(entry["decided_by"]),
+                                        .limit = std::nullopt,
+                                        .unit = {}});
         read_limit(entry, clause);
         if (!ids.insert(clause.id).second)
             entry["id"].fail(
                 fmt::format("two clauses have the id \"{}\"", escape_for_message(clause.id)),
                 "Give each clause an id of its own");
-        if (clause.decided_by == "accuracy" && !profile.accuracy_limit_mps)
+        if (clause.decided_by == Computation::accuracy && !profile.accuracy_limit_mps)
             entry["decided_by"].fail("the profile states no limit of accuracy",
                                      "Add accuracy: {limit, unit, coverage_factor}");
-        if (clause.decided_by == "opposite_runs" && !profile.opposite_runs_within_s)
+        if (clause.decided_by == Computation::opposite_runs && !profile.opposite_runs_within_s)
             entry["decided_by"].fail("the profile does not ask for two runs",
                                      "Add opposite_runs: {within_s}");
     }
@@ -129,64 +120,70 @@ Profile::Uncertainty read_uncertainty(const YamlValue& map) {
 
 /// Combinations that no computation exists for.
 void require_sound_window(const YamlValue& map, const Profile& profile) {
-    const bool course = profile.window_kind == "course";
-    const bool chord = profile.definition == "displacement";
-    const bool mean = profile.definition.starts_with("mean_");
-    if (course != (profile.definition == "elapsed_time"))
+    const bool course = profile.window_kind == WindowKind::course;
+    const bool chord = profile.definition == SpeedDefinition::displacement;
+    const bool mean = profile.definition == SpeedDefinition::mean_n ||
+                      profile.definition == SpeedDefinition::mean_n_plus_1;
+    if (course != (profile.definition == SpeedDefinition::elapsed_time))
         map["definition"].fail(
             course ? "over a course the speed is its length over the elapsed time"
                    : "elapsed_time is the speed over a course",
             course ? "Write definition: elapsed_time" : "Give kind: course, or another definition");
-    if (course && (profile.dimension != "horizontal" || profile.speed_source != "position"))
+    if (course && (profile.dimension != Dimension::horizontal ||
+                   profile.speed_source != SpeedSource::position))
         map["kind"].fail("the lines of a course are crossed horizontally, by positions",
                          "Leave out dimension and source");
-    if (profile.speed_source == "velocity" && (chord || profile.ends_anywhere))
+    if (profile.speed_source == SpeedSource::velocity && (chord || profile.ends == WindowEnds::any))
         map["source"].fail(
             "recorded velocities are known at the measured epochs only, and tell a "
             "mean or a path",
             "Use definition: mean_n_plus_1, mean_n or path_length, and ends: epochs");
-    if (profile.ends_anywhere && mean)
+    if (profile.ends == WindowEnds::any && mean)
         map["ends"].fail("a mean of the speeds of epochs begins and ends at epochs",
                          "Use ends: epochs, or definition: displacement or path_length");
-    if (profile.dimension == "space" && profile.speed_source == "position" && !chord)
+    if (profile.dimension == Dimension::space && profile.speed_source == SpeedSource::position &&
+        !chord)
         map["dimension"].fail("speed in space is computed by displacement over time only",
                               "Use definition: displacement");
-    if (profile.window_kind == "alpha" &&
-        (profile.definition != "path_length" || profile.ends_anywhere ||
-         profile.dimension != "horizontal"))
+    if (profile.window_kind == WindowKind::alpha &&
+        (profile.definition != SpeedDefinition::path_length || profile.ends == WindowEnds::any ||
+         profile.dimension != Dimension::horizontal))
         map["kind"].fail("an alpha is a horizontal path between measured epochs",
                          "Use definition: path_length, ends: epochs, dimension: horizontal");
-    if (profile.window_kind == "distance" && (mean || (profile.ends_anywhere && chord)))
+    if (profile.window_kind == WindowKind::distance &&
+        (mean || (profile.ends == WindowEnds::any && chord)))
         map["definition"].fail(
             "a distance is reached along the path, or by the straight line "
             "between measured epochs",
             "Use definition: path_length, or displacement with ends: epochs");
-    if (profile.exact_duration && (profile.window_kind != "time" || profile.ends_anywhere))
+    if (profile.exact_duration &&
+        (profile.window_kind != WindowKind::time || profile.ends == WindowEnds::any))
         map["exact"].fail("only windows of kind time between measured epochs can be exact",
                           "Remove it");
 }
 
 void read_window(const YamlValue& map, Profile& profile) {
     const auto value = [&map](const char* key) { return value_or_default(map, "window", key); };
-    profile.window_kind = value("kind").text();
-    profile.definition = map["definition"].text();
-    profile.dimension = value("dimension").text();
-    profile.speed_source = value("source").text();
-    profile.ends_anywhere = value("ends").text() == "any";
+    profile.window_kind = word<WindowKind>(value("kind"));
+    profile.definition = word<SpeedDefinition>(map["definition"]);
+    profile.dimension = word<Dimension>(value("dimension"));
+    profile.speed_source = word<SpeedSource>(value("source"));
+    profile.ends = word<WindowEnds>(value("ends"));
     profile.exact_duration = value("exact").boolean();
     profile.windows = value("count").integer();
     profile.proximity_m = value("proximity_m").real();
     profile.turn_deg = value("turn_deg").real();
     profile.repaired_steps = value("repaired_steps").boolean();
-    const bool by_time = profile.window_kind == "time";
+    const bool by_time = profile.window_kind == WindowKind::time;
     const char* const length = by_time ? "duration_s" : "distance_m";
     const char* const other = by_time ? "distance_m" : "duration_s";
     if (!map[length].exists())
-        map.fail(fmt::format("a window of kind {} needs its length", profile.window_kind),
+        map.fail(fmt::format("a window of kind {} needs its length", to_text(profile.window_kind)),
                  fmt::format("Add {}:", length));
     if (map[other].exists())
-        map[other].fail(fmt::format("a window of kind {} has no {}", profile.window_kind, other),
-                        "Remove it");
+        map[other].fail(
+            fmt::format("a window of kind {} has no {}", to_text(profile.window_kind), other),
+            "Remove it");
     (by_time ? profile.duration_s : profile.distance_m) = map[length].real();
     require_sound_window(map, profile);
 }
@@ -210,10 +207,10 @@ void read_runs(const YamlValue& document, Profile& profile) {
 }
 
 void read_margin(const YamlValue& margin, Profile& profile) {
-    profile.margin_kind = margin["kind"].text();
+    profile.margin_kind = word<MarginKind>(margin["kind"]);
     const YamlValue unit = margin["unit"];
-    const bool relative = profile.margin_kind == "relative";
-    const bool time = profile.margin_kind == "elapsed_time";
+    const bool relative = profile.margin_kind == MarginKind::relative;
+    const bool time = profile.margin_kind == MarginKind::elapsed_time;
     if (!relative && !unit.exists())
         margin.fail(time ? "a margin of time needs a unit" : "an absolute margin needs a unit",
                     time ? "Add unit: s" : "Add unit: km/h, m/s, kn or mph");
@@ -221,7 +218,7 @@ void read_margin(const YamlValue& margin, Profile& profile) {
     if (unit.exists() && time != (unit.text() == "s"))
         unit.fail(fmt::format("\"{}\" is not a unit of this kind of margin", unit.text()),
                   time ? "Write unit: s" : "Use km/h, m/s, kn or mph");
-    if (time && profile.window_kind != "course")
+    if (time && profile.window_kind != WindowKind::course)
         margin["kind"].fail("a margin of time belongs to a course", "Use absolute or relative");
     profile.margin_unit = unit.text_or("");
     profile.margin =
@@ -238,6 +235,11 @@ std::optional<DecimalRule> read_decimals(const YamlValue& map) {
 }
 
 }  // namespace
+
+ClauseLimit limit_of(Computation computation) {
+    if (auto units = at_most_of(computation); !units.empty()) return {true, std::move(units)};
+    return {false, at_least_of(computation)};
+}
 
 std::string_view builtin_profile(std::string_view name) {
     return builtin_profile_text(std::string(name) + ".yaml");

@@ -10,6 +10,7 @@
 #include "core/speed_unit.h"
 #include "files/document_schema.h"
 #include "schemas/common/needed_signatures.h"
+#include "schemas/profile/declared.h"
 
 namespace runcert {
 
@@ -18,8 +19,8 @@ struct Clause {
     std::string id;
     std::string text;
     std::string source;
-    std::string certainty;        ///< "quoted", "secondary", "unconfirmed"
-    std::string decided_by;       ///< name of a computation, or "attest"
+    Certainty certainty = Certainty::quoted;
+    Computation decided_by = Computation::attest;
     std::optional<double> limit;  ///< that the computation compares with, in `unit`
     std::string unit;
 };
@@ -47,16 +48,13 @@ struct Profile {
     std::string id;
     std::string body;
     std::string title;
-    /// "time": a stretch of duration_s; "distance": one of distance_m; "course": from one surveyed
-    /// line to another; "alpha": at most distance_m, back to where it began.
-    std::string window_kind = "time";
-    double duration_s = 0.0;
-    double distance_m = 0.0;
-    /// "displacement", "path_length", "mean_n_plus_1", "mean_n"; of a course "elapsed_time".
-    std::string definition;
-    std::string dimension = "horizontal";   ///< "horizontal", "vertical", "space"
-    std::string speed_source = "position";  ///< "position", "velocity": what the recording states
-    bool ends_anywhere = false;             ///< whether a window may begin and end between epochs
+    WindowKind window_kind = WindowKind::time;
+    double duration_s = 0.0;                                     ///< of kind time
+    double distance_m = 0.0;                                     ///< of the other kinds
+    SpeedDefinition definition = SpeedDefinition::displacement;  ///< elapsed_time of a course
+    Dimension dimension = Dimension::horizontal;
+    SpeedSource speed_source = SpeedSource::position;
+    WindowEnds ends = WindowEnds::epochs;
     bool exact_duration = false;
     std::int64_t windows = 1;   ///< so many that do not overlap; the figure is their mean
     double proximity_m = 50.0;  ///< of an alpha: the ends' distance, and the turn between them
@@ -73,9 +71,9 @@ struct Profile {
     /// Two runs in opposite directions that begin within this; the figure is the mean of the two.
     std::optional<double> opposite_runs_within_s;
     std::optional<double> accuracy_limit_mps;
-    std::string accuracy_unit;              ///< unit the limit is written in
-    double coverage_factor = 2.0;           ///< k of the expanded uncertainty
-    std::string margin_kind;                ///< "absolute", "relative", "elapsed_time"
+    std::string accuracy_unit;     ///< unit the limit is written in
+    double coverage_factor = 2.0;  ///< k of the expanded uncertainty
+    MarginKind margin_kind = MarginKind::absolute;
     double margin = 0.0;                    ///< m/s, a fraction, or s
     std::string margin_unit;                ///< that it is written in; empty for a fraction
     bool margin_above_upper_limit = false;  ///< of the record's own interval
@@ -96,6 +94,14 @@ struct Profile {
     std::vector<Clause> clauses;
     std::vector<FigureOverride> overrides;  ///< that were applied
 };
+
+/// What a computation compares with: whether the figure may be at most the clause's limit, and the
+/// units that the limit may have; none where it takes no limit.
+struct ClauseLimit {
+    bool at_most = true;
+    std::vector<std::string_view> units;
+};
+ClauseLimit limit_of(Computation computation);
 
 /// "3 s", "500 m over the course": what the rule averages over.
 std::string window_words(const Profile& profile);

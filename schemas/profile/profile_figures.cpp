@@ -19,13 +19,13 @@ struct Figure {
 };
 
 Figure figure_of(Profile& profile, std::string_view name) {
-    if (name == "window.duration_s" && profile.window_kind == "time")
+    if (name == "window.duration_s" && profile.window_kind == WindowKind::time)
         return {.value = &profile.duration_s, .unit = "s", .least = 0.1, .most = 3600.0};
-    if (name == "window.distance_m" && profile.window_kind != "time")
+    if (name == "window.distance_m" && profile.window_kind != WindowKind::time)
         return {.value = &profile.distance_m, .unit = "m", .least = 1.0, .most = 1e6};
     if (name == "margin.value")
         return {.value = &profile.margin,
-                .per_unit = profile.margin_kind == "absolute"
+                .per_unit = profile.margin_kind == MarginKind::absolute
                                 ? metres_per_second(profile.margin_unit)
                                 : 1.0,
                 .unit = profile.margin_unit};
@@ -61,10 +61,10 @@ std::string known_figures(Profile profile) {
 }  // namespace
 
 std::string window_words(const Profile& profile) {
-    if (profile.window_kind == "time") return fmt::format("{:g} s", profile.duration_s);
-    if (profile.window_kind == "course")
+    if (profile.window_kind == WindowKind::time) return fmt::format("{:g} s", profile.duration_s);
+    if (profile.window_kind == WindowKind::course)
         return fmt::format("a course of {:g} m", profile.distance_m);
-    if (profile.window_kind == "alpha")
+    if (profile.window_kind == WindowKind::alpha)
         return fmt::format("an alpha of {:g} m", profile.distance_m);
     return fmt::format("{:g} m", profile.distance_m);
 }

@@ -1,7 +1,5 @@
 #include "schemas/windows/windows.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -10,13 +8,21 @@
 
 namespace runcert {
 
-double speed_by(const SpeedDefinitions& definitions, std::string_view name) {
-    if (name == "displacement") return definitions.displacement_mps;
-    if (name == "path_length") return definitions.path_length_mps;
-    if (name == "mean_n_plus_1") return definitions.mean_n_plus_1_mps;
-    if (name == "mean_n") return definitions.mean_n_mps;
-    throw Failure("definition of speed", fmt::format("\"{}\" is not known", name),
-                  "Use displacement, path_length, mean_n_plus_1 or mean_n");
+double speed_by(const SpeedDefinitions& definitions, SpeedDefinition definition) {
+    switch (definition) {
+        case SpeedDefinition::displacement:
+            return definitions.displacement_mps;
+        case SpeedDefinition::path_length:
+            return definitions.path_length_mps;
+        case SpeedDefinition::mean_n_plus_1:
+            return definitions.mean_n_plus_1_mps;
+        case SpeedDefinition::mean_n:
+            return definitions.mean_n_mps;
+        case SpeedDefinition::elapsed_time:
+            break;
+    }
+    throw Failure("definition of speed", "elapsed_time is not one of those of every window",
+                  "This is a fault of the program; please report it");
 }
 
 LinearisationJudgement judge_linearisation(const CertifiableWindow& window) {

@@ -4,9 +4,8 @@
 
 namespace runcert {
 
-/// The speed by the definition of that name ("displacement", "path_length", "mean_n_plus_1",
-/// "mean_n"), m/s.
-double speed_by(const SpeedDefinitions& definitions, std::string_view name);
+/// The speed by one of the four definitions that every window has, m/s; Failure for elapsed_time.
+double speed_by(const SpeedDefinitions& definitions, SpeedDefinition definition);
 
 /// The speed that a rule counts.
 struct RuleFigure {

@@ -15,17 +15,18 @@ std::string words_of(const Compared& figure, const std::string& unit) {
 
 }  // namespace
 
-Finding against_limit(const Compared& figure, const Clause& clause, Bound bound) {
+Finding against_limit(const Compared& figure, const Clause& clause) {
+    const bool at_most = limit_of(clause.decided_by).at_most;
     const double limit = clause.limit.value();
     const double reach = figure.expanded_uncertainty.value_or(0.0);
-    const double sign = bound == Bound::at_most ? 1.0 : -1.0;
+    const double sign = at_most ? 1.0 : -1.0;
     const double worst = sign * figure.value + reach;
     const double best = sign * figure.value - reach;
     const char* const status =
         worst <= sign * limit ? "met" : (best > sign * limit ? "not_met" : "attest");
     std::string evidence =
         fmt::format("{}, {} {:.4g} {}{}", words_of(figure, clause.unit),
-                    bound == Bound::at_most ? "at most" : "at least", limit, clause.unit,
+                    at_most ? "at most" : "at least", limit, clause.unit,
                     std::string_view(status) == "attest"
                         ? ": the limit lies within the uncertainty, the data cannot tell"
                         : "");

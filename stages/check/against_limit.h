@@ -15,11 +15,9 @@ struct Compared {
     std::string note = {};
 };
 
-enum class Bound { at_most, at_least };
-
-/// Met or not met where the whole interval is on one side of the clause's limit; for a person to
-/// attest in between.
-Finding against_limit(const Compared& figure, const Clause& clause, Bound bound);
+/// Met or not met where the whole interval is on one side of the clause's limit, as its computation
+/// compares; for a person to attest in between.
+Finding against_limit(const Compared& figure, const Clause& clause);
 
 /// For a person to attest, because the data do not tell.
 Finding unknown(std::string why);

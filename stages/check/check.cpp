@@ -17,7 +17,7 @@ namespace {
 std::vector<std::string> failed_clauses(const std::vector<Requirement>& requirements) {
     std::vector<std::string> failed;
     for (const Requirement& requirement : requirements)
-        if (requirement.status == "not_met" && requirement.decided_by != "margin")
+        if (requirement.status == "not_met" && requirement.decided_by != Computation::margin)
             failed.push_back(requirement.clause + ": " + requirement.evidence);
     return failed;
 }
@@ -133,7 +133,8 @@ std::string reason_of(const ClauseContext& context, Outcome outcome) {
         in_unit(*context.expanded_uncertainty_mps, unit, 3),
         in_unit(context.target->speed_mps, unit, 3),
         probability_text(context.decision->probability), level_text(context.decision->level));
-    const bool alone = context.witnesses.empty() && context.profile.speed_source == "position";
+    const bool alone =
+        context.witnesses.empty() && context.profile.speed_source == SpeedSource::position;
     const auto beginning = [&](const char* by_positions, const char* with_witness) {
         return std::string(alone ? by_positions : with_witness) + figures;
     };

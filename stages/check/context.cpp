@@ -21,9 +21,7 @@ std::optional<DecimalRounding> rounding_of(const std::optional<DecimalRule>& rul
 
 Threshold target_over(const Profile& profile, const Record& record) {
     const double unit = metres_per_second(record.unit);
-    const MarginRule rule{.kind = profile.margin_kind == "relative"       ? MarginKind::relative
-                                  : profile.margin_kind == "elapsed_time" ? MarginKind::elapsed_time
-                                                                          : MarginKind::absolute,
+    const MarginRule rule{.kind = profile.margin_kind,
                           .value = profile.margin,
                           .distance_m = profile.distance_m,
                           .above_upper_limit = profile.margin_above_upper_limit,
@@ -147,7 +145,7 @@ void set_decision(ClauseContext& context) {
 void set_second_methods(ClauseContext& context) {
     const CheckInput& input = context.input;
     const CertifiableWindow& best = *context.windows.best;
-    if (input.secondary != nullptr && context.profile.dimension != "horizontal") {
+    if (input.secondary != nullptr && context.profile.dimension != Dimension::horizontal) {
         context.agreement = Agreement{};
         context.agreement->missing = "is compared by horizontal speed only";
     } else if (input.secondary != nullptr) {
@@ -161,7 +159,7 @@ void set_second_methods(ClauseContext& context) {
              .standard_uncertainty_mps =
                  best.own_standard_uncertainty_mps.value_or(best.standard_uncertainty_mps),
              .span = best.span,
-             .over_course = context.profile.window_kind == "course"},
+             .over_course = context.profile.window_kind == WindowKind::course},
             *input.attempt.secondary_method, input.attempt.course);
 }
 
@@ -170,8 +168,9 @@ void set_second_methods(ClauseContext& context) {
 std::optional<std::string> velocity_witness(const ClauseContext& context) {
     const ReceiverEvidence& judged = context.input.judged;
     const auto& rows = judged.epochs_of(context.profile.id);
-    if (context.profile.dimension != "horizontal" || context.profile.speed_source != "position" ||
-        rows.size() < 2 || !judged.tests.velocity)
+    if (context.profile.dimension != Dimension::horizontal ||
+        context.profile.speed_source != SpeedSource::position || rows.size() < 2 ||
+        !judged.tests.velocity)
         return std::nullopt;
     Eigen::Vector2d path = Eigen::Vector2d::Zero();
     std::optional<Eigen::Vector2d> before;
@@ -223,7 +222,7 @@ const ProfileWindows& windows_of(const Windows& windows, const Profile& profile)
         if (entry.profile == profile.id && rule.kind == profile.window_kind &&
             rule.duration_s == profile.duration_s && rule.distance_m == profile.distance_m &&
             rule.definition == profile.definition && rule.dimension == profile.dimension &&
-            rule.source == profile.speed_source && (rule.ends == "any") == profile.ends_anywhere &&
+            rule.source == profile.speed_source && rule.ends == profile.ends &&
             rule.exact == profile.exact_duration && rule.count == profile.windows &&
             rule.opposite_runs == profile.opposite_runs_within_s.has_value())
             return entry;

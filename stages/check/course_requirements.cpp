@@ -1,8 +1,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <functional>
-#include <map>
 
 #include "stages/check/against_limit.h"
 
@@ -26,40 +24,6 @@ Finding with_facts(const ClauseContext& context, Find&& find) {
     return find(*context.course.facts);
 }
 
-Finding flatness(const Clause& clause, const ClauseContext& context) {
-    return with_facts(context, [&](const CourseFacts& facts) {
-        if (!facts.height_difference_m) return unknown("not every epoch of the run has a height");
-        return against_limit(
-            compared("highest less lowest height of the run", *facts.height_difference_m), clause,
-            Bound::at_most);
-    });
-}
-
-Finding slope(const Clause& clause, const ClauseContext& context) {
-    return with_facts(context, [&](const CourseFacts& facts) {
-        if (!facts.slope) return unknown("the window's ends have no heights");
-        return against_limit(
-            compared("slope of the window, without sign", *facts.slope, 100.0, true), clause,
-            Bound::at_most);
-    });
-}
-
-Finding straightness(const Clause& clause, const ClauseContext& context) {
-    return with_facts(context, [&](const CourseFacts& facts) {
-        return against_limit(
-            compared("largest distance of the track from its chord", facts.straightness_m), clause,
-            Bound::at_most);
-    });
-}
-
-Finding turning(const Clause& clause, const ClauseContext& context) {
-    return with_facts(context, [&](const CourseFacts& facts) {
-        return against_limit(compared("change of direction in the window, without sign",
-                                      facts.turning_deg, 1.0, true),
-                             clause, Bound::at_most);
-    });
-}
-
 /// Whether the recording holds the craft at its slowest before the run: not where it was faster, by
 /// more than the uncertainty, ever after the first second of what there is. It may have been slower
 /// before.
@@ -78,7 +42,40 @@ bool start_was_seen(const CraftRun& run, const CourseFigure& slowest,
     return false;
 }
 
-Finding standing_start(const Clause&, const ClauseContext& context) {
+}  // namespace
+
+Finding computation::flatness(const Clause& clause, const ClauseContext& context) {
+    return with_facts(context, [&](const CourseFacts& facts) {
+        if (!facts.height_difference_m) return unknown("not every epoch of the run has a height");
+        return against_limit(
+            compared("highest less lowest height of the run", *facts.height_difference_m), clause);
+    });
+}
+
+Finding computation::slope(const Clause& clause, const ClauseContext& context) {
+    return with_facts(context, [&](const CourseFacts& facts) {
+        if (!facts.slope) return unknown("the window's ends have no heights");
+        return against_limit(
+            compared("slope of the window, without sign", *facts.slope, 100.0, true), clause);
+    });
+}
+
+Finding computation::straightness(const Clause& clause, const ClauseContext& context) {
+    return with_facts(context, [&](const CourseFacts& facts) {
+        return against_limit(
+            compared("largest distance of the track from its chord", facts.straightness_m), clause);
+    });
+}
+
+Finding computation::turning(const Clause& clause, const ClauseContext& context) {
+    return with_facts(context, [&](const CourseFacts& facts) {
+        return against_limit(compared("change of direction in the window, without sign",
+                                      facts.turning_deg, 1.0, true),
+                             clause);
+    });
+}
+
+Finding computation::standing_start(const Clause&, const ClauseContext& context) {
     return with_facts(context, [&](const CourseFacts& facts) -> Finding {
         const CourseFigure& speed = facts.speed_before_mps;
         const std::string words = fmt::format(
@@ -110,29 +107,14 @@ Finding standing_start(const Clause&, const ClauseContext& context) {
     });
 }
 
-Finding run_up(const Clause& clause, const ClauseContext& context) {
+Finding computation::run_up(const Clause& clause, const ClauseContext& context) {
     return with_facts(context, [&](const CourseFacts& facts) {
         return against_limit({.name = "run-up",
                               .value = facts.run_up_m,
                               .expanded_uncertainty = std::nullopt,
                               .note = fmt::format("in {:.1f} s", facts.run_up_s)},
-                             clause, Bound::at_least);
+                             clause);
     });
-}
-
-}  // namespace
-
-std::optional<Finding> course_finding(const Clause& clause, const ClauseContext& context) {
-    static const std::map<std::string, std::function<Finding(const Clause&, const ClauseContext&)>>
-        computations{{"flatness", flatness},
-                     {"slope", slope},
-                     {"straightness", straightness},
-                     {"turning", turning},
-                     {"standing_start", standing_start},
-                     {"run_up", run_up}};
-    const auto computation = computations.find(clause.decided_by);
-    if (computation == computations.end()) return std::nullopt;
-    return computation->second(clause, context);
 }
 
 }  // namespace runcert

@@ -18,8 +18,9 @@ using Notes = std::vector<std::string>;
 /// Where the definitions of speed do not agree on whether the speed to reach is reached.
 void add_straddle(const ClauseContext& context, Notes& notes) {
     const auto& best = context.windows.best;
-    if (!best || !context.target || context.profile.speed_source == "velocity" ||
-        context.profile.dimension == "space" || context.profile.window_kind == "course")
+    if (!best || !context.target || context.profile.speed_source == SpeedSource::velocity ||
+        context.profile.dimension == Dimension::space ||
+        context.profile.window_kind == WindowKind::course)
         return;
     Notes above, below;
     const std::string& unit = context.record->unit;
@@ -37,10 +38,11 @@ void add_straddle(const ClauseContext& context, Notes& notes) {
         "The definition of speed matters here: {} would reach the {} to reach, {} would not; the "
         "rule counts {}.",
         fmt::join(above, ", "), in_unit(context.target->speed_mps, unit, 3), fmt::join(below, ", "),
-        context.profile.definition == "displacement"    ? "displacement over time"
-        : context.profile.definition == "path_length"   ? "path length over time"
-        : context.profile.definition == "mean_n_plus_1" ? "the mean of all speeds"
-                                                        : "the mean without the first speed"));
+        context.profile.definition == SpeedDefinition::displacement  ? "displacement over time"
+        : context.profile.definition == SpeedDefinition::path_length ? "path length over time"
+        : context.profile.definition == SpeedDefinition::mean_n_plus_1
+            ? "the mean of all speeds"
+            : "the mean without the first speed"));
 }
 
 void add_windows(const ClauseContext& context, Notes& notes) {
@@ -101,7 +103,7 @@ void add_overrides(const ClauseContext& context, Notes& notes) {
 
 void add_unconfirmed(const ClauseContext& context, Notes& notes) {
     for (const Clause& clause : context.profile.clauses)
-        if (clause.certainty == "unconfirmed")
+        if (clause.certainty == Certainty::unconfirmed)
             notes.push_back(fmt::format("Not confirmed: {}: {}", clause.id, clause.text));
 }
 
@@ -227,12 +229,14 @@ std::string compared_rules(const std::vector<Profile>& profiles,
         speeds.push_back(fmt::format(
             "{} {:.3f} km/h ({}{}{}, {})", profile.id, *verdicts[i].speed_mps * 3.6,
             profile.windows > 1 ? fmt::format("{} x ", profile.windows) : "", window_words(profile),
-            profile.dimension == "horizontal" ? "" : ", " + profile.dimension,
-            profile.speed_source == "velocity"     ? "recorded velocities"
-            : profile.definition == "displacement" ? "displacement over time"
-            : profile.definition == "path_length"  ? "path length over time"
-            : profile.definition == "elapsed_time" ? "length over elapsed time"
-                                                   : "mean of speeds"));
+            profile.dimension == Dimension::horizontal
+                ? ""
+                : fmt::format(", {}", to_text(profile.dimension)),
+            profile.speed_source == SpeedSource::velocity         ? "recorded velocities"
+            : profile.definition == SpeedDefinition::displacement ? "displacement over time"
+            : profile.definition == SpeedDefinition::path_length  ? "path length over time"
+            : profile.definition == SpeedDefinition::elapsed_time ? "length over elapsed time"
+                                                                  : "mean of speeds"));
     }
     if (speeds.size() < 2) return {};
     return fmt::format("The rules do not measure the same: {}.", fmt::join(speeds, "; "));

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <map>
 
 #include "stages/check/against_limit.h"
 #include "stages/check/overshoot.h"
@@ -25,7 +23,31 @@ double rate_by_chance(const ReceiverEvidence& judged) {
                           : 1.0;
 }
 
-Finding time_scale(const Clause&, const ClauseContext& context) {
+/// What in the recording looks as if the device had changed its positions, in words.
+std::vector<std::string> signs_of_filter(const ClauseContext& context) {
+    const ReceiverEvidence& judged = context.input.judged;
+    std::vector<std::string> signs;
+    constexpr double too_smooth = 0.3;
+    constexpr double as_stated = 0.1;
+    for (const ScreeningModel& model : judged.tests.models)
+        if (model.axes == TestedAxes::horizontal && model.noise == "fitted" &&
+            model.white_scale < too_smooth)
+            signs.push_back(fmt::format(
+                "from epoch to epoch the positions scatter by {:.2f} times what is stated",
+                model.white_scale));
+    if (const double lag_1 = judged.estimation.horizontal.health.autocorrelation; lag_1 > as_stated)
+        signs.push_back(fmt::format("innovations follow one another (lag 1: {:+.2f})", lag_1));
+    if (const Overshoot overshoot = find_overshoot(judged.trajectory); overshoot.found())
+        signs.push_back(fmt::format(
+            "after {} of {} changes of acceleration the motion swings with a period of {:.1f} s, "
+            "by {:.0f} % at first",
+            overshoot.swings, overshoot.changes, overshoot.period_s, overshoot.part * 100.0));
+    return signs;
+}
+
+}  // namespace
+
+Finding computation::time_scale(const Clause&, const ClauseContext& context) {
     const ReceiverEvidence& judged = context.input.judged;
     const std::string& source = judged.facts.time_source;
     const std::string what = judged.time_origin.empty() ? "the time stamps" : judged.time_origin;
@@ -52,29 +74,7 @@ Finding time_scale(const Clause&, const ClauseContext& context) {
             figures};
 }
 
-/// What in the recording looks as if the device had changed its positions, in words.
-std::vector<std::string> signs_of_filter(const ClauseContext& context) {
-    const ReceiverEvidence& judged = context.input.judged;
-    std::vector<std::string> signs;
-    constexpr double too_smooth = 0.3;
-    constexpr double as_stated = 0.1;
-    for (const ScreeningModel& model : judged.tests.models)
-        if (model.axes == TestedAxes::horizontal && model.noise == "fitted" &&
-            model.white_scale < too_smooth)
-            signs.push_back(fmt::format(
-                "from epoch to epoch the positions scatter by {:.2f} times what is stated",
-                model.white_scale));
-    if (const double lag_1 = judged.estimation.horizontal.health.autocorrelation; lag_1 > as_stated)
-        signs.push_back(fmt::format("innovations follow one another (lag 1: {:+.2f})", lag_1));
-    if (const Overshoot overshoot = find_overshoot(judged.trajectory); overshoot.found())
-        signs.push_back(fmt::format(
-            "after {} of {} changes of acceleration the motion swings with a period of {:.1f} s, "
-            "by {:.0f} % at first",
-            overshoot.swings, overshoot.changes, overshoot.period_s, overshoot.part * 100.0));
-    return signs;
-}
-
-Finding measured_positions(const Clause&, const ClauseContext& context) {
+Finding computation::measured_positions(const Clause&, const ClauseContext& context) {
     const ReceiverEvidence& judged = context.input.judged;
     constexpr double share = 0.01;
     if (judged.tests.device) {
@@ -110,7 +110,7 @@ Finding measured_positions(const Clause&, const ClauseContext& context) {
     return {"met", fmt::format("{}", fmt::join(context.witnesses, "; "))};
 }
 
-Finding stated_solution(const Clause&, const ClauseContext& context) {
+Finding computation::stated_solution(const Clause&, const ClauseContext& context) {
     const std::string& source = context.input.judged.solution_source;
     const auto& best = context.windows.best;
     const std::string taken =
@@ -138,18 +138,6 @@ Finding stated_solution(const Clause&, const ClauseContext& context) {
             "the recording does not say, so that the positions count as those of one "
             "receiver alone" +
                 taken};
-}
-
-}  // namespace
-
-std::optional<Finding> origin_finding(const Clause& clause, const ClauseContext& context) {
-    static const std::map<std::string, std::function<Finding(const Clause&, const ClauseContext&)>>
-        computations{{"time_scale", time_scale},
-                     {"measured_positions", measured_positions},
-                     {"stated_solution", stated_solution}};
-    const auto computation = computations.find(clause.decided_by);
-    if (computation == computations.end()) return std::nullopt;
-    return computation->second(clause, context);
 }
 
 }  // namespace runcert

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <map>
 #include <numbers>
 
 #include "stages/check/against_limit.h"
@@ -21,41 +19,7 @@ Finding wind(const Clause& clause, const ClauseContext& context, bool gust) {
                           .expanded_uncertainty = std::nullopt,
                           .note = fmt::format("{} {} in the window", context.wind->samples,
                                               context.wind->samples == 1 ? "sample" : "samples")},
-                         clause, Bound::at_most);
-}
-
-Finding wind_mean(const Clause& clause, const ClauseContext& context) {
-    return wind(clause, context, false);
-}
-
-Finding wind_gust(const Clause& clause, const ClauseContext& context) {
-    return wind(clause, context, true);
-}
-
-Finding current(const Clause& clause, const ClauseContext& context) {
-    if (!context.current) return unknown("the attempt gives no series of the current");
-    if (!context.current->missing.empty()) return {"not_met", context.current->missing};
-    const double unit = metres_per_second(clause.unit);
-    return against_limit(
-        {.name = "strongest current in the window",
-         .value = context.current->gust_mps / unit,
-         .expanded_uncertainty = context.input.attempt.current->expanded_uncertainty_mps / unit},
-        clause, Bound::at_most);
-}
-
-/// Largest time between neighbouring epochs of the window.
-Finding sampling_rate(const Clause& clause, const ClauseContext& context) {
-    const auto& rows = context.input.judged.epochs_of(context.profile.id);
-    if (rows.size() < 2) return unknown("there is no certifiable window");
-    double longest_s = 0.0;
-    for (std::size_t i = 1; i < rows.size(); ++i)
-        longest_s = std::max(longest_s, rows[i].time.seconds() - rows[i - 1].time.seconds());
-    // Stamps are written in decimals of a second: 0.2 s apart, as a difference, is not exactly so.
-    const double rate_hz = 1.0 / (longest_s - 1e-9);
-    return against_limit({.name = "lowest rate of epochs in the window",
-                          .value = rate_hz,
-                          .expanded_uncertainty = std::nullopt},
-                         clause, Bound::at_least);
+                         clause);
 }
 
 /// Standard uncertainty of the recorded velocity, all axes together; NaN where it is not stated.
@@ -75,16 +39,52 @@ double position_accuracy(const ScreenedEpoch& row, bool vertical) {
                     : std::hypot(stated(row.sigma_east_m), stated(row.sigma_north_m));
 }
 
+}  // namespace
+
+Finding computation::wind_mean(const Clause& clause, const ClauseContext& context) {
+    return wind(clause, context, false);
+}
+
+Finding computation::wind_gust(const Clause& clause, const ClauseContext& context) {
+    return wind(clause, context, true);
+}
+
+Finding computation::current(const Clause& clause, const ClauseContext& context) {
+    if (!context.current) return unknown("the attempt gives no series of the current");
+    if (!context.current->missing.empty()) return {"not_met", context.current->missing};
+    const double unit = metres_per_second(clause.unit);
+    return against_limit(
+        {.name = "strongest current in the window",
+         .value = context.current->gust_mps / unit,
+         .expanded_uncertainty = context.input.attempt.current->expanded_uncertainty_mps / unit},
+        clause);
+}
+
+/// Largest time between neighbouring epochs of the window.
+Finding computation::sampling_rate(const Clause& clause, const ClauseContext& context) {
+    const auto& rows = context.input.judged.epochs_of(context.profile.id);
+    if (rows.size() < 2) return unknown("there is no certifiable window");
+    double longest_s = 0.0;
+    for (std::size_t i = 1; i < rows.size(); ++i)
+        longest_s = std::max(longest_s, rows[i].time.seconds() - rows[i - 1].time.seconds());
+    // Stamps are written in decimals of a second: 0.2 s apart, as a difference, is not exactly so.
+    const double rate_hz = 1.0 / (longest_s - 1e-9);
+    return against_limit({.name = "lowest rate of epochs in the window",
+                          .value = rate_hz,
+                          .expanded_uncertainty = std::nullopt},
+                         clause);
+}
+
 /// The accuracy of a speed over the window from two positions as accurate as an epoch's is stated
 /// to be; and that of its recorded velocity, where one is stated. The worst of all counts.
-Finding sample_accuracy(const Clause& clause, const ClauseContext& context) {
+Finding computation::sample_accuracy(const Clause& clause, const ClauseContext& context) {
     const auto& rows = context.input.judged.epochs_of(context.profile.id);
     if (rows.size() < 2) return unknown("there is no certifiable window");
     const double of_two = std::numbers::sqrt2 / context.windows.best->span.duration.seconds();
     double of_positions = 0.0;
     double of_velocities = 0.0;
     for (const ScreenedEpoch& row : rows) {
-        const bool vertical = context.profile.dimension == "vertical";
+        const bool vertical = context.profile.dimension == Dimension::vertical;
         const double position_m = position_accuracy(row, vertical);
         if (std::isnan(position_m)) return unknown("an epoch's accuracy is not stated");
         of_positions = std::max(of_positions, of_two * position_m);
@@ -102,10 +102,10 @@ Finding sample_accuracy(const Clause& clause, const ClauseContext& context) {
                          of_positions / unit, clause.unit,
                          stated ? fmt::format("{:.3g} {}", of_velocities / unit, clause.unit)
                                 : std::string("not stated throughout"))},
-        clause, Bound::at_most);
+        clause);
 }
 
-Finding opposite_runs(const Clause&, const ClauseContext& context) {
+Finding computation::opposite_runs(const Clause&, const ClauseContext& context) {
     if (!context.windows.best || context.windows.further.empty())
         return {"not_met", context.windows.missing.empty() ? "there are no two certifiable windows"
                                                            : context.windows.missing};
@@ -128,7 +128,7 @@ Finding opposite_runs(const Clause&, const ClauseContext& context) {
 }
 
 /// Whether what the recording shows to be fastest is what was certified.
-Finding fastest_certifiable(const Clause&, const ClauseContext& context) {
+Finding computation::fastest_certifiable(const Clause&, const ClauseContext& context) {
     const auto& best = context.windows.best;
     if (!best) return {"not_met", "there is no certifiable window"};
     const auto& indicated = context.windows.indicated;
@@ -143,22 +143,6 @@ Finding fastest_certifiable(const Clause&, const ClauseContext& context) {
     if (indicated->speed_mps <= least_mps)
         return {"met", words + ", which is no faster than the certified one", std::move(figures)};
     return {"not_met", words + ": what the score would be is not known", std::move(figures)};
-}
-
-}  // namespace
-
-std::optional<Finding> recording_finding(const Clause& clause, const ClauseContext& context) {
-    static const std::map<std::string, std::function<Finding(const Clause&, const ClauseContext&)>>
-        computations{{"wind_mean", wind_mean},
-                     {"wind_gust", wind_gust},
-                     {"current", current},
-                     {"sampling_rate", sampling_rate},
-                     {"sample_accuracy", sample_accuracy},
-                     {"opposite_runs", opposite_runs},
-                     {"fastest_certifiable", fastest_certifiable}};
-    const auto computation = computations.find(clause.decided_by);
-    if (computation == computations.end()) return std::nullopt;
-    return computation->second(clause, context);
 }
 
 }  // namespace runcert

@@ -4,8 +4,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <functional>
-#include <map>
 
 #include "core/failure.h"
 #include "core/prose.h"
@@ -92,79 +90,6 @@ std::vector<Figure> crossing_figures(const ClauseContext& context) {
     return figures;
 }
 
-Finding window_complete(const ClauseContext& context) {
-    if (!context.windows.best) return {"not_met", no_window(context)};
-    if (!figure_of(context.windows))
-        return {"not_met", fmt::format("of {} windows of {} that the rule takes the mean of, {} "
-                                       "are certifiable without overlapping",
-                                       context.profile.windows, window_words(context.profile),
-                                       context.windows.further.size() + 1)};
-    const WindowSpan& span = context.windows.best->span;
-    std::string evidence = fmt::format(
-        "{:.3f} s from epoch {} to epoch {}, no break and no unusable epoch inside; "
-        "the best of {} such windows",
-        span.duration.seconds(), span.first_epoch, span.last_epoch, context.windows.candidates);
-    if (!context.windows.further.empty())
-        evidence += fmt::format("; with {} more the mean", context.windows.further.size());
-    std::vector<Figure> figures{
-        {.name = "length of the window", .value = span.duration.seconds(), .unit = "s"}};
-    if (context.profile.window_kind == "course")
-        for (Figure& figure : crossing_figures(context))
-            figures.push_back(std::move(figure));
-    return {"met", std::move(evidence), std::move(figures)};
-}
-
-Finding accuracy(const ClauseContext& context) {
-    if (!context.speed || !context.profile.accuracy_limit_mps)
-        return {"not_met", "there is no certifiable window whose accuracy could be stated"};
-    const double u = *context.expanded_uncertainty_mps;
-    const double bias_limit_mps = context.speed->bias_limit_mps;
-    const bool met = u <= *context.profile.accuracy_limit_mps;
-    const std::string& unit = context.profile.accuracy_unit;
-    return {met ? "met" : "not_met",
-            fmt::format("{:.3g} times the standard uncertainty{} is {}, the limit {}; {}",
-                        context.coverage_factor,
-                        bias_limit_mps > 0.0
-                            ? fmt::format(", and {} that choosing the window may have left,",
-                                          in_unit(bias_limit_mps, unit, 3))
-                            : std::string(),
-                        in_unit(u, unit, 3), in_unit(*context.profile.accuracy_limit_mps, unit, 3),
-                        context.profile.speed_source == "velocity"
-                            ? "it rests on what the recording states of its velocities"
-                            : "the bound on slow errors and the worst undetected error are in it"),
-            {speed_figure("expanded uncertainty", u, unit),
-             speed_figure("limit", *context.profile.accuracy_limit_mps, unit)}};
-}
-
-Finding margin(const ClauseContext& context) {
-    if (context.record == nullptr) return {"attest", "the attempt names no record to beat"};
-    if (!context.speed) return {"not_met", "there is no certifiable window"};
-    const std::string& unit = context.record->unit;
-    const double speed = context.speed->speed_mps;
-    const double u = *context.expanded_uncertainty_mps;
-    const bool met = context.decision->probability >= context.decision->level;
-    return {met ? "met" : "not_met",
-            fmt::format("speed {} +/- {}, to reach {}: probability {} that it does, {} needed "
-                        "(speeds from {} on are accepted)",
-                        in_unit(speed, unit, 3), in_unit(u, unit, 3),
-                        in_unit(context.target->speed_mps, unit, 3),
-                        probability_text(context.decision->probability),
-                        level_text(context.decision->level),
-                        in_unit(context.decision->acceptance_limit_mps, unit, 3)),
-            {speed_figure("speed", speed, unit, u),
-             speed_figure("speed to reach", context.target->speed_mps, unit,
-                          2.0 * context.target->standard_uncertainty_mps),
-             {.name = "probability that it is reached", .value = context.decision->probability}}};
-}
-
-Finding georeferenced(const ClauseContext& context) {
-    if (context.input.judged.facts.georeferenced)
-        return {"met", "WGS 84 positions, taken to a local frame without a grid's scale factor"};
-    return {"attest",
-            "the recording holds local-plane coordinates, not georeferenced: their unit "
-            "must be the true metre on the ground"};
-}
-
 /// What the second receiver says.
 Finding by_receiver(const ClauseContext& context) {
     const std::string& receiver = context.input.secondary->receiver;
@@ -201,7 +126,94 @@ Finding by_declaration(const ClauseContext& context) {
         {{.name = "normalised error of the second method", .value = agreement.normalised_error}}};
 }
 
-Finding secondary_method(const ClauseContext& context) {
+Finding computed(const Clause& clause, const ClauseContext& context) {
+    switch (clause.decided_by) {
+#define RUNCERT_CASE(word)  \
+    case Computation::word: \
+        return computation::word(clause, context);
+        RUNCERT_EACH_COMPUTATION(RUNCERT_CASE)
+#undef RUNCERT_CASE
+    }
+    throw Failure("clause " + clause.id, "its computation is none of this program's",
+                  "This is a fault of the program; please report it");
+}
+
+}  // namespace
+
+Finding computation::window_complete(const Clause&, const ClauseContext& context) {
+    if (!context.windows.best) return {"not_met", no_window(context)};
+    if (!figure_of(context.windows))
+        return {"not_met", fmt::format("of {} windows of {} that the rule takes the mean of, {} "
+                                       "are certifiable without overlapping",
+                                       context.profile.windows, window_words(context.profile),
+                                       context.windows.further.size() + 1)};
+    const WindowSpan& span = context.windows.best->span;
+    std::string evidence = fmt::format(
+        "{:.3f} s from epoch {} to epoch {}, no break and no unusable epoch inside; "
+        "the best of {} such windows",
+        span.duration.seconds(), span.first_epoch, span.last_epoch, context.windows.candidates);
+    if (!context.windows.further.empty())
+        evidence += fmt::format("; with {} more the mean", context.windows.further.size());
+    std::vector<Figure> figures{
+        {.name = "length of the window", .value = span.duration.seconds(), .unit = "s"}};
+    if (context.profile.window_kind == WindowKind::course)
+        for (Figure& figure : crossing_figures(context))
+            figures.push_back(std::move(figure));
+    return {"met", std::move(evidence), std::move(figures)};
+}
+
+Finding computation::accuracy(const Clause&, const ClauseContext& context) {
+    if (!context.speed || !context.profile.accuracy_limit_mps)
+        return {"not_met", "there is no certifiable window whose accuracy could be stated"};
+    const double u = *context.expanded_uncertainty_mps;
+    const double bias_limit_mps = context.speed->bias_limit_mps;
+    const bool met = u <= *context.profile.accuracy_limit_mps;
+    const std::string& unit = context.profile.accuracy_unit;
+    return {met ? "met" : "not_met",
+            fmt::format("{:.3g} times the standard uncertainty{} is {}, the limit {}; {}",
+                        context.coverage_factor,
+                        bias_limit_mps > 0.0
+                            ? fmt::format(", and {} that choosing the window may have left,",
+                                          in_unit(bias_limit_mps, unit, 3))
+                            : std::string(),
+                        in_unit(u, unit, 3), in_unit(*context.profile.accuracy_limit_mps, unit, 3),
+                        context.profile.speed_source == SpeedSource::velocity
+                            ? "it rests on what the recording states of its velocities"
+                            : "the bound on slow errors and the worst undetected error are in it"),
+            {speed_figure("expanded uncertainty", u, unit),
+             speed_figure("limit", *context.profile.accuracy_limit_mps, unit)}};
+}
+
+Finding computation::margin(const Clause&, const ClauseContext& context) {
+    if (context.record == nullptr) return {"attest", "the attempt names no record to beat"};
+    if (!context.speed) return {"not_met", "there is no certifiable window"};
+    const std::string& unit = context.record->unit;
+    const double speed = context.speed->speed_mps;
+    const double u = *context.expanded_uncertainty_mps;
+    const bool met = context.decision->probability >= context.decision->level;
+    return {met ? "met" : "not_met",
+            fmt::format("speed {} +/- {}, to reach {}: probability {} that it does, {} needed "
+                        "(speeds from {} on are accepted)",
+                        in_unit(speed, unit, 3), in_unit(u, unit, 3),
+                        in_unit(context.target->speed_mps, unit, 3),
+                        probability_text(context.decision->probability),
+                        level_text(context.decision->level),
+                        in_unit(context.decision->acceptance_limit_mps, unit, 3)),
+            {speed_figure("speed", speed, unit, u),
+             speed_figure("speed to reach", context.target->speed_mps, unit,
+                          2.0 * context.target->standard_uncertainty_mps),
+             {.name = "probability that it is reached", .value = context.decision->probability}}};
+}
+
+Finding computation::georeferenced(const Clause&, const ClauseContext& context) {
+    if (context.input.judged.facts.georeferenced)
+        return {"met", "WGS 84 positions, taken to a local frame without a grid's scale factor"};
+    return {"attest",
+            "the recording holds local-plane coordinates, not georeferenced: their unit "
+            "must be the true metre on the ground"};
+}
+
+Finding computation::secondary_method(const Clause&, const ClauseContext& context) {
     const bool declared = context.input.attempt.secondary_method.has_value();
     if (!context.input.secondary && !declared)
         return {"attest", "the attempt has one receiver; another method is not part of it"};
@@ -215,39 +227,20 @@ Finding secondary_method(const ClauseContext& context) {
     return finding;
 }
 
-Finding attest(const ClauseContext&) {
+Finding computation::attest(const Clause&, const ClauseContext&) {
     return {"attest", "the data cannot tell"};
 }
 
-}  // namespace
-
 Requirement decide_clause(const Clause& clause, const ClauseContext& context) {
-    static const std::map<std::string, std::function<Finding(const ClauseContext&)>> computations{
-        {"window_complete", window_complete},
-        {"accuracy", accuracy},
-        {"margin", margin},
-        {"georeferenced", georeferenced},
-        {"secondary_method", secondary_method},
-        {"attest", attest}};
-    std::optional<Finding> finding = course_finding(clause, context);
-    if (!finding) finding = recording_finding(clause, context);
-    if (!finding) finding = origin_finding(clause, context);
-    if (!finding) {
-        const auto computation = computations.find(clause.decided_by);
-        if (computation == computations.end())
-            throw Failure("clause " + clause.id,
-                          "there is no computation \"" + clause.decided_by + "\"",
-                          "Use one of the names of the profile's schema");
-        finding = computation->second(context);
-    }
+    Finding finding = computed(clause, context);
     return {.clause = clause.id,
-            .status = finding->status,
-            .evidence = finding->evidence,
+            .status = finding.status,
+            .evidence = finding.evidence,
             .text = clause.text,
             .source = clause.source,
             .certainty = clause.certainty,
             .decided_by = clause.decided_by,
-            .figures = std::move(finding->figures)};
+            .figures = std::move(finding.figures)};
 }
 
 std::string in_unit(double speed_mps, const std::string& unit, int decimals) {

@@ -47,14 +47,12 @@ struct Finding {
 /// Decides one clause by the computation it names.
 Requirement decide_clause(const Clause& clause, const ClauseContext& context);
 
-/// The computations of course and craft, and those of wind, current, recording and runs, against
-/// the clause's limit where it has one. Empty for another name.
-std::optional<Finding> course_finding(const Clause& clause, const ClauseContext& context);
-std::optional<Finding> recording_finding(const Clause& clause, const ClauseContext& context);
-
-/// The computations of the program's own requirements: where times, kinds of solution and positions
-/// come from. Empty for another name.
-std::optional<Finding> origin_finding(const Clause& clause, const ClauseContext& context);
+/// A function for each word of the profile's schema: what decides the clause.
+namespace computation {
+#define RUNCERT_DECLARE(word) Finding word(const Clause& clause, const ClauseContext& context);
+RUNCERT_EACH_COMPUTATION(RUNCERT_DECLARE)
+#undef RUNCERT_DECLARE
+}  // namespace computation
 
 /// "232.172 km/h".
 std::string in_unit(double speed_mps, const std::string& unit, int decimals);

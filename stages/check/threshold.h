@@ -2,10 +2,9 @@
 
 #include <optional>
 
-namespace runcert {
+#include "schemas/profile/declared.h"
 
-/// How a body turns the standing record into the speed to reach.
-enum class MarginKind { absolute, relative, elapsed_time };
+namespace runcert {
 
 enum class RoundingMode { truncate, nearest, up };
 

@@ -101,8 +101,8 @@ SelectionBias selection_of(const AxesEvidence<Axes>& evidence, const WindowChoic
     const double slow_mps = std::max(std::numbers::sqrt2 * bound.sigma_m / duration_s, fitted_mps);
     const double least_mps =
         choice.found.speed_mps - selection_width * std::hypot(search_uncertainty_mps, slow_mps);
-    const bool by_path =
-        choice.profile.definition != "displacement" && choice.profile.definition != "elapsed_time";
+    const bool by_path = choice.profile.definition != SpeedDefinition::displacement &&
+                         choice.profile.definition != SpeedDefinition::elapsed_time;
     SelectionBias selection =
         selection_bias<Axes>(clusters_of(evidence, choice, least_mps),
                              SelectionModels{.estimated = evidence.model,
@@ -182,7 +182,7 @@ void set_budget(const AxesEvidence<Axes>& evidence, const WindowChoice& choice,
         .last_row = arc.rows[choice.found.last],
         .duration_s = duration_s,
         .vertical = Axes == 1,
-        .length = choice.profile.window_kind == "course"
+        .length = choice.profile.window_kind == WindowKind::course
                       ? std::optional(SurveyedLength{choice.quantity.length_m,
                                                      choice.length_standard_uncertainty_m})
                       : std::nullopt,
@@ -212,8 +212,10 @@ void set_place(const AxesEvidence<Axes>& evidence, const FoundWindow& found,
 SpeedQuantity quantity_of(const Profile& profile) {
     SpeedQuantity quantity;
     quantity.definition = profile.definition;
-    quantity.length_is_given = profile.window_kind == "distance" && profile.ends_anywhere;
-    quantity.of_samples = profile.exact_duration && profile.definition == "displacement";
+    quantity.length_is_given =
+        profile.window_kind == WindowKind::distance && profile.ends == WindowEnds::any;
+    quantity.of_samples =
+        profile.exact_duration && profile.definition == SpeedDefinition::displacement;
     return quantity;
 }
 

@@ -17,9 +17,10 @@ namespace {
 /// A window this many standard uncertainties slower than the best could not have been it.
 constexpr double selection_width = 4.0;
 
-Eigen::Vector3d counted_axes_of(std::string_view dimension) {
-    if (dimension == "horizontal") return {1.0, 1.0, 0.0};
-    return dimension == "vertical" ? Eigen::Vector3d(0.0, 0.0, 1.0) : Eigen::Vector3d::Ones();
+Eigen::Vector3d counted_axes_of(Dimension dimension) {
+    if (dimension == Dimension::horizontal) return {1.0, 1.0, 0.0};
+    return dimension == Dimension::vertical ? Eigen::Vector3d(0.0, 0.0, 1.0)
+                                            : Eigen::Vector3d::Ones();
 }
 
 /// The four definitions from the smoothed trajectory.

@@ -85,7 +85,8 @@ std::optional<IndicatedWindow> fastest_indicated(const ScreenedTable& screened,
     SearchRule rule =
         search_rule(profile, config.duration_tolerance_s, screened.facts.nominal_interval_s);
     // Positions as recorded have no speeds to take the mean of.
-    if (profile.speed_source == "position" && rule.definition != SpeedDefinition::path_length)
+    if (profile.speed_source == SpeedSource::position &&
+        rule.definition != SpeedDefinition::path_length)
         rule.definition = SpeedDefinition::displacement;
     const std::vector<FoundWindow> found =
         windows_as_recorded(indicated.series, profile, rule, gates);

@@ -185,7 +185,7 @@ double speed_with(const EstimatedWindow<Axes>& at, const SpeedQuantity& quantity
 template <int Axes>
 bool has_chord(const EstimatedWindow<Axes>& at, const SpeedQuantity& quantity) {
     const auto [first, last] = at.window;
-    return quantity.definition == "displacement" && at.epochs[first].measurement &&
+    return quantity.definition == SpeedDefinition::displacement && at.epochs[first].measurement &&
            at.epochs[last].measurement && at.smoothed.bridged_between(first, last).empty();
 }
 

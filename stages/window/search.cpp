@@ -22,6 +22,8 @@ void refuse(std::string_view what) {
 void check_rule(const SearchRule& rule) {
     const bool any = rule.ends == WindowEnds::any;
     const bool path = rule.definition == SpeedDefinition::path_length;
+    if (rule.definition == SpeedDefinition::elapsed_time)
+        refuse("elapsed_time is the speed over a course");
     switch (rule.kind) {
         case WindowKind::course:
             refuse("a window over a course is searched by its gates, not by its length");

@@ -6,12 +6,9 @@
 #include <vector>
 
 #include "schemas/common/table.h"
+#include "schemas/profile/declared.h"
 
 namespace runcert {
-
-enum class WindowKind { time, distance, course, alpha };
-enum class WindowEnds { epochs, any };  ///< at measured epochs, or at any instant between them
-enum class SpeedDefinition { displacement, path_length, mean_n_plus_1, mean_n };
 
 /// One stretch without a break that windows may lie in: its samples in order of time. What may be
 /// empty is empty or as long as `times`.

@@ -29,17 +29,22 @@ Eigen::Vector3d motion_over(const TrajectoryEpoch& from, const TrajectoryEpoch& 
 /// The axes of a position that the profile counts, the others zero.
 Eigen::Vector3d counted(const Eigen::Vector3d& position, const Profile& profile,
                         const std::optional<FrameOrigin>& origin) {
-    if (profile.dimension == "horizontal") return {position.x(), position.y(), 0.0};
-    if (profile.dimension == "vertical")
-        return {0.0, 0.0,
-                position.z() + (origin ? fall_below_plane_m(position.x(), position.y()) : 0.0)};
+    switch (profile.dimension) {
+        case Dimension::horizontal:
+            return {position.x(), position.y(), 0.0};
+        case Dimension::vertical:
+            return {0.0, 0.0,
+                    position.z() + (origin ? fall_below_plane_m(position.x(), position.y()) : 0.0)};
+        case Dimension::space:
+            break;
+    }
     return position;
 }
 
 double smoothed_speed(const TrajectoryEpoch& row, const Profile& profile) {
     const double up = row.velocity_up_mps.value_or(0.0);
-    if (profile.dimension == "horizontal") return *row.speed_mps;
-    return profile.dimension == "vertical" ? std::abs(up) : std::hypot(*row.speed_mps, up);
+    if (profile.dimension == Dimension::horizontal) return *row.speed_mps;
+    return profile.dimension == Dimension::vertical ? std::abs(up) : std::hypot(*row.speed_mps, up);
 }
 
 /// Adds the sample's place on the path that recorded speeds make, each pair's mean over its time.
@@ -65,7 +70,7 @@ SearchSeries arc_series(const ScreenedTable& screened, const TrajectoryTable& tr
         if (k > 0 && begins_after_step(row))
             offset += position - before - motion_over(trajectory.rows[arc.rows[k - 1]], row);
         before = position;
-        if (profile.speed_source == "velocity") {
+        if (profile.speed_source == SpeedSource::velocity) {
             const auto speed = recorded_speed(screened.rows[arc.rows[k]], profile.dimension);
             add_recorded(series, row.time, speed ? speed->speed_mps : 0.0);
         } else {
@@ -88,7 +93,7 @@ std::vector<std::int64_t> obstacles_in(const ScreenedTable& screened,
     for (std::size_t i = 0; i < trajectory.rows.size(); ++i) {
         const TrajectoryEpoch& row = trajectory.rows[i];
         const bool step = !profile.repaired_steps && begins_after_step(row);
-        const bool silent = profile.speed_source == "velocity" &&
+        const bool silent = profile.speed_source == SpeedSource::velocity &&
                             !recorded_speed(screened.rows[i], profile.dimension);
         obstacles.push_back((obstacles.empty() ? 0 : obstacles.back()) +
                             (!row.usable || step || silent ? 1 : 0));
@@ -101,15 +106,9 @@ std::vector<std::int64_t> obstacles_in(const ScreenedTable& screened,
 SearchRule search_rule(const Profile& profile, double duration_tolerance_s,
                        double nominal_interval_s) {
     SearchRule rule;
-    rule.kind = profile.window_kind == "time"       ? WindowKind::time
-                : profile.window_kind == "distance" ? WindowKind::distance
-                : profile.window_kind == "alpha"    ? WindowKind::alpha
-                                                    : WindowKind::course;
-    rule.definition = profile.definition == "path_length"     ? SpeedDefinition::path_length
-                      : profile.definition == "mean_n_plus_1" ? SpeedDefinition::mean_n_plus_1
-                      : profile.definition == "mean_n"        ? SpeedDefinition::mean_n
-                                                              : SpeedDefinition::displacement;
-    rule.ends = profile.ends_anywhere ? WindowEnds::any : WindowEnds::epochs;
+    rule.kind = profile.window_kind;
+    rule.definition = profile.definition;
+    rule.ends = profile.ends;
     rule.exact = profile.exact_duration;
     rule.duration_s = profile.duration_s;
     rule.duration_tolerance_s = duration_tolerance_s;
@@ -122,8 +121,8 @@ SearchRule search_rule(const Profile& profile, double duration_tolerance_s,
 
 std::optional<RecordedSpeed> recorded_speed(const RecordedVelocity& velocity,
                                             std::string_view dimension) {
-    const bool level = dimension != "vertical";
-    const bool upright = dimension != "horizontal";
+    const bool level = dimension != Dimension::vertical;
+    const bool upright = dimension != Dimension::horizontal;
     if (level && !(velocity.recorded_velocity_east_mps && velocity.recorded_velocity_north_mps))
         return std::nullopt;
     if (upright && !velocity.recorded_velocity_up_mps) return std::nullopt;
@@ -164,14 +163,14 @@ std::vector<SearchSeries> certifiable_series(const ScreenedTable& screened,
 IndicatedSeries indicated_series(const ScreenedTable& screened, const Profile& profile) {
     IndicatedSeries indicated;
     SearchSeries series;
-    const bool needs_height = profile.dimension != "horizontal";
+    const bool needs_height = profile.dimension != Dimension::horizontal;
     for (std::size_t i = 0; i < screened.rows.size(); ++i) {
         const ScreenedEpoch& row = screened.rows[i];
         if (!row.east_m || !row.north_m || (needs_height && !row.up_m)) continue;
         // What the receiver itself calls no fix is no evidence of a speed.
         if (row.fix == FixKind::none) continue;
         if (!series.times.empty() && row.time <= series.times.back()) continue;
-        if (profile.speed_source == "velocity") {
+        if (profile.speed_source == SpeedSource::velocity) {
             const auto speed = recorded_speed(row, profile.dimension);
             if (!speed) continue;
             add_recorded(series, row.time, speed->speed_mps);

@@ -14,16 +14,15 @@ namespace runcert {
 SearchRule search_rule(const Profile& profile, double duration_tolerance_s,
                        double nominal_interval_s);
 
-/// The horizontal speed of a velocity, its vertical speed, or its speed in space, by the word of
-/// the profile's schema; the standard uncertainty of it, first order, empty where one is missing.
+/// The horizontal speed of a velocity, its vertical speed, or its speed in space; the standard
+/// uncertainty of it, first order, empty where one is missing.
 struct RecordedSpeed {
     double speed_mps = 0.0;
     std::optional<double> standard_uncertainty_mps;
 };
 
 /// What an epoch's recorded velocity says of the speed; empty where a component is missing.
-std::optional<RecordedSpeed> recorded_speed(const RecordedVelocity& velocity,
-                                            std::string_view dimension);
+std::optional<RecordedSpeed> recorded_speed(const RecordedVelocity& velocity, Dimension dimension);
 
 /// The arcs of a trajectory as the profile counts them, in order: positions without the offsets of
 /// bridged steps, and speeds, of the smoothed trajectory; or, where the profile takes recorded

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/failure.h"
+
 namespace runcert {
 
 template <int Axes>
@@ -45,6 +47,11 @@ double factor_of_given_length(const SmoothedArc<Axes>& smoothed, EpochPair windo
     return std::max(1.0, path_mps / std::max(slower, standing_mps));
 }
 
+[[noreturn]] void refuse_vertical_course() {
+    throw Failure("speed over a course", "a course is crossed horizontally",
+                  "This is a fault of the program; please report it");
+}
+
 /// Of the length over the elapsed time: a position error along a line's normal moves the instant of
 /// its crossing by that error over the speed along the normal.
 Gradients<2> elapsed_time_gradients(const SmoothedArc<2>& smoothed, EpochPair window,
@@ -66,44 +73,58 @@ Gradients<2> elapsed_time_gradients(const SmoothedArc<2>& smoothed, EpochPair wi
 template <int Axes>
 SpeedEstimate speed_by_definition(const SmoothedArc<Axes>& smoothed, EpochPair window,
                                   double duration_s, const SpeedQuantity& quantity) {
-    const std::string& definition = quantity.definition;
-    if (definition == "path_length") {
-        SpeedEstimate speed = path_speed(smoothed, window.first, window.last, duration_s);
-        if (quantity.length_is_given)
-            speed.standard_uncertainty_mps *=
-                factor_of_given_length(smoothed, window, speed.speed_mps);
-        return speed;
-    }
-    if (definition == "mean_n_plus_1") return mean_speed(smoothed, window.first, window.last);
-    if (definition == "mean_n") return mean_speed(smoothed, window.first + 1, window.last);
-    if constexpr (Axes == 2)
-        if (definition == "elapsed_time") {
-            const double variance = smoothed.variance(
-                window.first, elapsed_time_gradients(smoothed, window, duration_s, quantity));
-            return {quantity.length_m / duration_s, std::sqrt(std::max(variance, 0.0))};
+    const auto [first, last] = window;
+    switch (quantity.definition) {
+        case SpeedDefinition::displacement:
+            break;
+        case SpeedDefinition::path_length: {
+            SpeedEstimate speed = path_speed(smoothed, first, last, duration_s);
+            if (quantity.length_is_given)
+                speed.standard_uncertainty_mps *=
+                    factor_of_given_length(smoothed, window, speed.speed_mps);
+            return speed;
         }
-    return displacement_speed(smoothed, window.first, window.last, duration_s);
+        case SpeedDefinition::mean_n_plus_1:
+            return mean_speed(smoothed, first, last);
+        case SpeedDefinition::mean_n:
+            return mean_speed(smoothed, first + 1, last);
+        case SpeedDefinition::elapsed_time:
+            if constexpr (Axes == 2) {
+                const double variance = smoothed.variance(
+                    first, elapsed_time_gradients(smoothed, window, duration_s, quantity));
+                return {quantity.length_m / duration_s, std::sqrt(std::max(variance, 0.0))};
+            }
+            refuse_vertical_course();
+    }
+    return displacement_speed(smoothed, first, last, duration_s);
 }
 
 template <int Axes>
 SpeedGradients<Axes> speed_gradients(const SmoothedArc<Axes>& smoothed, EpochPair window,
                                      double duration_s, const SpeedQuantity& quantity) {
-    const std::string& definition = quantity.definition;
     const auto [first, last] = window;
-    if (definition == "mean_n") return {first + 1, mean_speed_gradients(smoothed, first + 1, last)};
-    if (definition == "mean_n_plus_1") return {first, mean_speed_gradients(smoothed, first, last)};
-    if constexpr (Axes == 2)
-        if (definition == "elapsed_time")
-            return {first, elapsed_time_gradients(smoothed, window, duration_s, quantity)};
-    if (definition != "path_length")
-        return {first, displacement_speed_gradients(smoothed, first, last, duration_s)};
-    Gradients<Axes> gradients = path_speed_gradients(smoothed, first, last, duration_s);
-    if (quantity.length_is_given) {
-        const double speed = path_speed(smoothed, first, last, duration_s).speed_mps;
-        for (StateVector<Axes>& gradient : gradients)
-            gradient *= factor_of_given_length(smoothed, window, speed);
+    switch (quantity.definition) {
+        case SpeedDefinition::displacement:
+            break;
+        case SpeedDefinition::path_length: {
+            Gradients<Axes> gradients = path_speed_gradients(smoothed, first, last, duration_s);
+            if (quantity.length_is_given) {
+                const double speed = path_speed(smoothed, first, last, duration_s).speed_mps;
+                for (StateVector<Axes>& gradient : gradients)
+                    gradient *= factor_of_given_length(smoothed, window, speed);
+            }
+            return {first, std::move(gradients)};
+        }
+        case SpeedDefinition::mean_n_plus_1:
+            return {first, mean_speed_gradients(smoothed, first, last)};
+        case SpeedDefinition::mean_n:
+            return {first + 1, mean_speed_gradients(smoothed, first + 1, last)};
+        case SpeedDefinition::elapsed_time:
+            if constexpr (Axes == 2)
+                return {first, elapsed_time_gradients(smoothed, window, duration_s, quantity)};
+            refuse_vertical_course();
     }
-    return {first, std::move(gradients)};
+    return {first, displacement_speed_gradients(smoothed, first, last, duration_s)};
 }
 
 #define RUNCERT_INSTANTIATE(AXES)                                                                 \

@@ -25,8 +25,7 @@ WindowStretch<Axes> cut_stretch(const Arc<Axes>& arc, EpochPair window, double m
 
 /// Which speed of a window is meant.
 struct SpeedQuantity {
-    /// "displacement", "path_length", "mean_n_plus_1", "mean_n", or "elapsed_time".
-    std::string definition;
+    SpeedDefinition definition = SpeedDefinition::displacement;
     /// Of elapsed_time: the length, and the unit normals (east, north), along the course, of the
     /// lines that are crossed at the window's two ends.
     double length_m = 0.0;

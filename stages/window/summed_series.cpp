@@ -57,6 +57,8 @@ Measured measure(const SummedSeries& series, SeriesInstant start, SeriesInstant 
         case SpeedDefinition::mean_n_plus_1:
         case SpeedDefinition::mean_n:
             return mean_speed(series, start.after, end.after, time_s, definition);
+        case SpeedDefinition::elapsed_time:  // over a course, which is not searched
+            break;
     }
     return {length_m, length_m / time_s};
 }

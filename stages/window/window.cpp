@@ -29,7 +29,7 @@ class Certifier {
           trajectory_(trajectory),
           horizontal_(evidence_of<2>(screened, trajectory, config)) {
         const auto of_heights = [](const Profile& profile) {
-            return profile.dimension != "horizontal";
+            return profile.dimension != Dimension::horizontal;
         };
         if (has_heights() && std::ranges::any_of(profiles, of_heights))
             vertical_.emplace(evidence_of<1>(screened, trajectory, config));
@@ -41,16 +41,18 @@ class Certifier {
     CertifiableWindow certify(const Profile& profile, FoundWindow found,
                               const std::vector<FoundWindow>& all,
                               const std::optional<CourseGates>& gates) const {
-        if (profile.speed_source == "velocity")
+        if (profile.speed_source == SpeedSource::velocity)
             return certified_by_velocity(screened_, trajectory_, rows()[found.series], profile,
                                          found, all);
         WindowChoice choice{
             .profile = profile, .found = found, .all = all, .quantity = quantity_of(profile)};
-        if (profile.window_kind == "course") return certify_course(profile, found, all, *gates);
-        if (profile.dimension == "vertical") return certified(*vertical_, choice);
+        if (profile.window_kind == WindowKind::course)
+            return certify_course(profile, found, all, *gates);
+        if (profile.dimension == Dimension::vertical) return certified(*vertical_, choice);
         const CertifiableWindow level = certified(horizontal_, choice);
-        return profile.dimension == "space" ? in_space(level, certified(*vertical_, choice))
-                                            : level;
+        return profile.dimension == Dimension::space
+                   ? in_space(level, certified(*vertical_, choice))
+                   : level;
     }
 
   private:
@@ -103,7 +105,7 @@ WindowRule rule_of(const Profile& profile) {
             .definition = profile.definition,
             .dimension = profile.dimension,
             .source = profile.speed_source,
-            .ends = profile.ends_anywhere ? "any" : "epochs",
+            .ends = profile.ends,
             .exact = profile.exact_duration,
             .count = profile.windows,
             .opposite_runs = profile.opposite_runs_within_s.has_value()};
@@ -144,7 +146,7 @@ Choice choose(const ScreenedTable& screened, const TrajectoryTable& trajectory,
         choice.chosen = pair.windows;
         choice.missing = pair.missing;
     }
-    if (profile.speed_source == "velocity" && !choice.chosen.empty())
+    if (profile.speed_source == SpeedSource::velocity && !choice.chosen.empty())
         for (const FoundWindow& found : choice.chosen)
             if (!states_velocity_accuracy(screened, rows[found.series], profile, found)) {
                 choice.chosen.clear();
@@ -183,14 +185,14 @@ ProfileWindows windows_of(const ScreenedTable& screened, const TrajectoryTable& 
                          .best = std::nullopt,
                          .further = {},
                          .indicated = fastest_indicated(screened, profile, config, gates)};
-    if (profile.dimension != "horizontal" && !certifier.has_heights()) {
+    if (profile.dimension != Dimension::horizontal && !certifier.has_heights()) {
         entry.missing = "the recording has no heights that could be estimated";
         return entry;
     }
     Choice choice = choose(screened, trajectory, certifier.rows(), profile, config, gates);
     entry.candidates = std::ssize(choice.all);
     entry.missing = choice.missing;
-    if (profile.window_kind == "course" && choice.chosen.empty() && entry.indicated)
+    if (profile.window_kind == WindowKind::course && choice.chosen.empty() && entry.indicated)
         entry.missing =
             "as recorded the track passes over the course, but not within one stretch of usable "
             "epochs";
@@ -241,7 +243,7 @@ Windows find_windows(const ScreenedTable& screened, const TrajectoryTable& traje
     const auto one = [&](std::int64_t i) {
         const Profile& profile = profiles[static_cast<std::size_t>(i)];
         return result_or_failure([&] {
-            if (profile.window_kind == "course" && !gates)
+            if (profile.window_kind == WindowKind::course && !gates)
                 throw Failure("attempt", "the profile " + profile.id + " needs a course",
                               "Run runcert-import again, with the same attempt");
             return windows_of(screened, trajectory, certifier, profile, config, gates);

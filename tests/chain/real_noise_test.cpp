@@ -87,7 +87,7 @@ TEST(RealRecordings, TheReferenceIsInsideTheStatedIntervalsOfTheUrbanCar) {
                                         .model = model,
                                         .window = stretch.window,
                                         .duration_s = stretch.duration_s};
-            const SpeedQuantity quantity{"displacement"};
+            const SpeedQuantity quantity{SpeedDefinition::displacement};
             const SpeedEstimate speed = position_noise(at, quantity, speed_weights(at, quantity),
                                                        bounding_error(noise, bound), bound)
                                             .speed;

@@ -170,12 +170,12 @@ TEST(GoldenProfile, RepairedSteps) {
 
 TEST(GoldenProfile, OfAStretch) {
     const Profile profile = read_profile(text_of("v1.0/profile.yaml"), "f");
-    EXPECT_EQ(profile.window_kind, "time");
+    EXPECT_EQ(profile.window_kind, WindowKind::time);
     EXPECT_EQ(profile.duration_s, 10.0);
-    EXPECT_EQ(profile.dimension, "vertical");
-    EXPECT_EQ(profile.speed_source, "position");
+    EXPECT_EQ(profile.dimension, Dimension::vertical);
+    EXPECT_EQ(profile.speed_source, SpeedSource::position);
     EXPECT_TRUE(profile.exact_duration && profile.repaired_steps);
-    EXPECT_FALSE(profile.ends_anywhere);
+    EXPECT_EQ(profile.ends, WindowEnds::epochs);
     EXPECT_EQ(profile.windows, 1);
     EXPECT_EQ(profile.proximity_m, 25.0);
     EXPECT_EQ(profile.turn_deg, 120.0);
@@ -207,7 +207,7 @@ TEST(GoldenProfile, OfAStretch) {
                     {16, "sample_accuracy", "m/s", 3.0},
                     {17, "opposite_runs", "", std::nullopt}};
     for (const auto& each : expected) {
-        EXPECT_EQ(profile.clauses[each.clause].decided_by, each.computation);
+        EXPECT_EQ(to_text(profile.clauses[each.clause].decided_by), each.computation);
         EXPECT_EQ(profile.clauses[each.clause].unit, each.unit);
         EXPECT_EQ(profile.clauses[each.clause].limit, each.limit);
     }
@@ -215,15 +215,15 @@ TEST(GoldenProfile, OfAStretch) {
 
 TEST(GoldenProfile, OfACourse) {
     const Profile profile = read_profile(text_of("v1.0/profile.course.yaml"), "f");
-    EXPECT_EQ(profile.window_kind, "course");
+    EXPECT_EQ(profile.window_kind, WindowKind::course);
     EXPECT_EQ(profile.distance_m, 500.0);
-    EXPECT_EQ(profile.definition, "elapsed_time");
-    EXPECT_TRUE(profile.ends_anywhere);
-    EXPECT_EQ(profile.margin_kind, "elapsed_time");
+    EXPECT_EQ(profile.definition, SpeedDefinition::elapsed_time);
+    EXPECT_EQ(profile.ends, WindowEnds::any);
+    EXPECT_EQ(profile.margin_kind, MarginKind::elapsed_time);
     EXPECT_EQ(profile.margin, 0.0125);
     EXPECT_TRUE(profile.subtract_current);
     const Profile before = read_profile(text_of("v1.0/profile.yaml"), "f");
-    EXPECT_EQ(before.window_kind, "time");
+    EXPECT_EQ(before.window_kind, WindowKind::time);
     EXPECT_EQ(before.windows, 1);
     EXPECT_EQ(before.decision_probability, 0.975);
 }

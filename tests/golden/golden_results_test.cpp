@@ -17,7 +17,7 @@ TEST(GoldenWindows, Best) {
     EXPECT_EQ(nalsa.best->span.duration.nanoseconds, 3'000'000'000);
     EXPECT_EQ(to_iso(*nalsa.best->span.start_gps), "2022-03-18T08:51:32.300");
     EXPECT_EQ(nalsa.best->speed_mps, 56.375);
-    EXPECT_EQ(speed_by(nalsa.best->definitions, "mean_n"), 56.385);
+    EXPECT_EQ(speed_by(nalsa.best->definitions, SpeedDefinition::mean_n), 56.385);
     EXPECT_EQ(nalsa.best->methods.kalman_mps, 56.4);
     EXPECT_EQ(nalsa.indicated->refusals.at(1), "A gap of 0.3 s lies inside.");
     EXPECT_FALSE(windows.profiles[1].best || windows.profiles[1].indicated);
@@ -95,13 +95,13 @@ TEST(GoldenWindows, OfEveryKind) {
     const Windows windows = read_windows(text_of("v1.0/5-windows.yaml"), "f");
     ASSERT_EQ(windows.profiles.size(), 5U);
     EXPECT_EQ(windows.profiles[0].rule,
-              (WindowRule{.duration_s = 3.0, .definition = "displacement"}));
+              (WindowRule{.duration_s = 3.0, .definition = SpeedDefinition::displacement}));
     EXPECT_EQ(windows.profiles[0].best->length_m, 169.125);
     const ProfileWindows& mean = windows.profiles[2];
     EXPECT_EQ(mean.rule, (WindowRule{.duration_s = 2.0,
-                                     .definition = "mean_n",
-                                     .dimension = "space",
-                                     .source = "velocity",
+                                     .definition = SpeedDefinition::mean_n,
+                                     .dimension = Dimension::space,
+                                     .source = SpeedSource::velocity,
                                      .exact = true,
                                      .count = 2}));
     ASSERT_EQ(mean.further.size(), 1U);
@@ -116,10 +116,10 @@ TEST(GoldenWindows, OfEveryKind) {
     EXPECT_EQ(figure_of(mean)->standard_uncertainty_mps, 0.0390625);
     EXPECT_EQ(mean.indicated->mean_mps, 57.875);
     const ProfileWindows& course = windows.profiles[3];
-    EXPECT_EQ(
-        course.rule,
-        (WindowRule{
-            .kind = "course", .distance_m = 500.0, .definition = "elapsed_time", .ends = "any"}));
+    EXPECT_EQ(course.rule, (WindowRule{.kind = WindowKind::course,
+                                       .distance_m = 500.0,
+                                       .definition = SpeedDefinition::elapsed_time,
+                                       .ends = WindowEnds::any}));
     EXPECT_EQ(course.best->span.start.nanoseconds, 13'962'500'125);
     EXPECT_EQ(course.best->length_m, 502.25);
     const ProfileWindows& pair = windows.profiles[4];
@@ -146,7 +146,7 @@ TEST(GoldenVerdict, Outcomes) {
 TEST(GoldenVerdict, RequirementsAndOutcome) {
     const ProfileVerdict nalsa = read_verdict(text_of("v1.0/6-verdict.yaml"), "f").profiles.at(0);
     ASSERT_EQ(nalsa.requirements.size(), 4U);
-    EXPECT_EQ(nalsa.requirements[0].decided_by, "window_complete");
+    EXPECT_EQ(nalsa.requirements[0].decided_by, Computation::window_complete);
     EXPECT_TRUE(nalsa.requirements[0].figures.empty());
     ASSERT_EQ(nalsa.requirements[1].figures.size(), 3U);
     EXPECT_EQ(nalsa.requirements[1].figures[0].name, "speed");

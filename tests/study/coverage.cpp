@@ -27,8 +27,9 @@ void count(Coverage& coverage, double error_mps, double standard_uncertainty_mps
 
 void count_model(Coverage& coverage, const WindowStretch<2>& stretch, const EstimationModel& model,
                  double true_mps) {
-    const SpeedEstimate speed = speed_by_definition(
-        smooth<2>(stretch.epochs, model), stretch.window, stretch.duration_s, {"displacement"});
+    const SpeedEstimate speed =
+        speed_by_definition(smooth<2>(stretch.epochs, model), stretch.window, stretch.duration_s,
+                            {SpeedDefinition::displacement});
     count(coverage, speed.speed_mps - true_mps, speed.standard_uncertainty_mps);
 }
 
@@ -54,7 +55,8 @@ void study_one(CoverageCell& cell, const CoverageOptions& options, std::uint64_t
     const NoiseSummary noise = learn_noise<2>(arcs, SmoothConfig{});
     set_jerk_densities<2>(arcs, noise, SmoothConfig{});
     stretch = cut_stretch(arcs.front(), {first, last}, 60.0);
-    const FittedSpeed fitted = fitted_speed(stretch, posterior_of(noise), {"displacement"});
+    const FittedSpeed fitted =
+        fitted_speed(stretch, posterior_of(noise), {SpeedDefinition::displacement});
     count(cell.fitted, fitted.speed_mps - true_mps, fitted.standard_uncertainty_mps);
     Profile::Uncertainty rule;
     rule.error_floor_m = {{"fixed", options.floor_m}};
@@ -66,7 +68,7 @@ void study_one(CoverageCell& cell, const CoverageOptions& options, std::uint64_t
                                 .model = fitted_model,
                                 .window = stretch.window,
                                 .duration_s = stretch.duration_s};
-    const SpeedQuantity quantity{"displacement"};
+    const SpeedQuantity quantity{SpeedDefinition::displacement};
     const SpeedEstimate speed = position_noise(at, quantity, speed_weights(at, quantity),
                                                bounding_error(noise, bound), bound)
                                     .speed;

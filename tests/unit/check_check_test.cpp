@@ -46,11 +46,12 @@ struct Scene {
         secondary.receiver = "secondary";
     }
     void set_window(ReceiverEvidence& receiver, double speed_mps, double uncertainty) const {
-        ProfileWindows entry{.profile = "nalsa",
-                             .rule = {.duration_s = 3.0, .definition = "displacement"},
-                             .candidates = 5,
-                             .best = CertifiableWindow{},
-                             .indicated = std::nullopt};
+        ProfileWindows entry{
+            .profile = "nalsa",
+            .rule = {.duration_s = 3.0, .definition = SpeedDefinition::displacement},
+            .candidates = 5,
+            .best = CertifiableWindow{},
+            .indicated = std::nullopt};
         entry.best->speed_mps = speed_mps;
         entry.best->standard_uncertainty_mps = uncertainty;
         entry.best->span.duration.nanoseconds = 3'000'000'000;
@@ -313,8 +314,9 @@ TEST(Agreement, ContradictionIsNotCertifiableUnderARuleThatDoesNotAskForAnotherM
     TwoReceivers scene;
     scene.second.speed_mps = 60.03;
     scene.record();
-    std::erase_if(scene.profiles[0].clauses,
-                  [](const Clause& clause) { return clause.decided_by == "secondary_method"; });
+    std::erase_if(scene.profiles[0].clauses, [](const Clause& clause) {
+        return clause.decided_by == Computation::secondary_method;
+    });
     EXPECT_EQ(scene.both().outcome, "not_certifiable");
     for (const char* part : {"\"secondary\"", "+0.108 km/h", "2.12", "one of the two"})
         EXPECT_NE(scene.both().reason.find(part), std::string::npos) << scene.both().reason;

@@ -143,8 +143,9 @@ TEST(DeclaredTimes, OfAnotherRunOrClockSayNothing) {
         EXPECT_TRUE(contains(requirement.evidence, fmt::format("{:+.3f} s and", start_s)));
         // Where the rule does not ask for it, nothing contradicts.
         RuleScene unasked = scene;
-        std::erase_if(unasked.profiles[0].clauses,
-                      [](const Clause& one) { return one.decided_by == "secondary_method"; });
+        std::erase_if(unasked.profiles[0].clauses, [](const Clause& one) {
+            return one.decided_by == Computation::secondary_method;
+        });
         EXPECT_EQ(unasked.verdict().outcome, "beaten");
     }
     EXPECT_EQ(with_times(1.99, 1.99).clause("secondary_method").status, "met");

@@ -216,12 +216,12 @@ TEST(ComparedRules, SetTheSpeedsBesideOneAnother) {
     other.id = "other";
     other.duration_s = 2.0;
     other.windows = 5;
-    other.definition = "mean_n";
-    other.speed_source = "velocity";
+    other.definition = SpeedDefinition::mean_n;
+    other.speed_source = SpeedSource::velocity;
     Profile third = scene.profiles[0];
     third.id = "third";
-    third.dimension = "vertical";
-    third.definition = "path_length";
+    third.dimension = Dimension::vertical;
+    third.definition = SpeedDefinition::path_length;
     scene.profiles = {scene.profiles[0], other, third};
     const auto verdict = [](double speed_mps) {
         ProfileVerdict result;

@@ -41,9 +41,9 @@ TEST(OwnClauses, GiveWayToAClauseOfTheRuleByTheSameComputation) {
     other.use(profile_text(clause_text("time_scale") + clause_text("margin")));
     const ProfileVerdict verdict = other.verdict();
     EXPECT_EQ(verdict.requirements.size(), 4U);
-    EXPECT_EQ(std::ranges::count(verdict.requirements, std::string("time_scale"),
-                                 &Requirement::decided_by),
-              1);
+    EXPECT_EQ(
+        std::ranges::count(verdict.requirements, Computation::time_scale, &Requirement::decided_by),
+        1);
     EXPECT_EQ(other.clause("time_scale").text, "what time_scale asks");
 }
 
@@ -53,7 +53,7 @@ TEST(TimeScale, OfSatellitesIsMet) {
     stamped.judged.time_origin = "GPS time of the receiver's measurements";
     EXPECT_EQ(stamped.clause("time-scale").status, "met");
     EXPECT_EQ(stamped.clause("time-scale").evidence, "GPS time of the receiver's measurements");
-    EXPECT_EQ(stamped.clause("time-scale").decided_by, "time_scale");
+    EXPECT_EQ(stamped.clause("time-scale").decided_by, Computation::time_scale);
 }
 
 TEST(TimeScale, OfACounterOrAnUnknownClockIsToAttest) {

@@ -72,7 +72,7 @@ struct RuleScene {
                                       .definition = rule.definition,
                                       .dimension = rule.dimension,
                                       .source = rule.speed_source,
-                                      .ends = rule.ends_anywhere ? "any" : "epochs",
+                                      .ends = rule.ends,
                                       .exact = rule.exact_duration,
                                       .count = rule.windows,
                                       .opposite_runs = rule.opposite_runs_within_s.has_value()},

@@ -73,7 +73,7 @@ TEST_P(LimitedFigure, IsStatedWithItsUncertaintyInTheLimitsUnit) {
     }
     EXPECT_TRUE(contains(requirement.evidence, fmt::format("{:.4g} {}", given.value, given.unit)))
         << requirement.evidence;
-    EXPECT_EQ(requirement.decided_by, given.computation);
+    EXPECT_EQ(to_text(requirement.decided_by), given.computation);
 }
 
 // The window: 180 m in 3 s towards north; sigmas of RuleScene.

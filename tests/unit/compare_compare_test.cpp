@@ -70,11 +70,12 @@ Sample sample() {
                  .duration = {3'000'000'000},
                  .start_gps = std::nullopt};
     best.speed_mps = 19.7;
-    one.windows.profiles.push_back({.profile = "test",
-                                    .rule = {.duration_s = 3.0, .definition = "displacement"},
-                                    .candidates = 90,
-                                    .best = best,
-                                    .indicated = std::nullopt});
+    one.windows.profiles.push_back(
+        {.profile = "test",
+         .rule = {.duration_s = 3.0, .definition = SpeedDefinition::displacement},
+         .candidates = 90,
+         .best = best,
+         .indicated = std::nullopt});
     return one;
 }
 
@@ -113,7 +114,7 @@ TEST(Compare, EachMethodsFiguresAreItsOwn) {
     EXPECT_NEAR(*batch.best_mps, mean_of_31 + 0.5, 1e-12);
     EXPECT_NEAR(*batch.rms_error_mps, 0.5, 1e-12);
     EXPECT_NEAR(*batch.certified_error_mps, mean_of_31 + 0.5 - true_mean_mps, 1e-12);
-    EXPECT_EQ(batch.window_speed, "mean_n_plus_1");
+    EXPECT_EQ(batch.window_speed, SpeedDefinition::mean_n_plus_1);
     EXPECT_NEAR(*method(comparison, "v1").rms_error_mps, 0.25, 1e-12);
 
     // A filter that is 1 s late finds its best window 1 s late.

@@ -16,11 +16,13 @@ constexpr double mph = 1609.344 / 3600.0;
 
 Clause clause(const std::string& computation, std::optional<double> limit = {},
               const std::string& unit = {}) {
+    Computation decided_by{};
+    EXPECT_TRUE(from_text(computation, decided_by));
     return {.id = computation + "-clause",
             .text = "The " + computation + " is as it must be.",
             .source = "headings of a published report",
-            .certainty = "secondary",
-            .decided_by = computation,
+            .certainty = Certainty::secondary,
+            .decided_by = decided_by,
             .limit = limit,
             .unit = unit};
 }
@@ -32,10 +34,10 @@ Profile profile() {
     profile.body = "Body";
     profile.title = "top speed";
     profile.duration_s = 3.0;
-    profile.definition = "displacement";
+    profile.definition = SpeedDefinition::displacement;
     profile.accuracy_limit_mps = 0.8 / 3.6;
     profile.accuracy_unit = "km/h";
-    profile.margin_kind = "absolute";
+    profile.margin_kind = MarginKind::absolute;
     profile.margin = 1.0 * mph;
     profile.margin_unit = "mph";
     profile.opposite_runs_within_s = 7200.0;
@@ -69,7 +71,7 @@ Verdict verdict(const std::string& outcome, const std::string& status = "met") {
     entry.title = "top speed";
     entry.outcome = outcome;
     entry.reason = "A sentence that says why";
-    entry.definition = "displacement";
+    entry.definition = SpeedDefinition::displacement;
     entry.speed_mps = 60.002417;
     entry.expanded_uncertainty_mps = 0.005102;
     entry.target_mps = 127.2 * mph;
@@ -208,9 +210,9 @@ TEST(Explain, AClauseThatIsNotMetSaysSoFirst) {
 
 TEST(Explain, HowSureAClauseIsStandsWithItsSource) {
     Verdict of = verdict("beaten");
-    of.profiles[0].requirements[0].certainty = "quoted";
+    of.profiles[0].requirements[0].certainty = Certainty::quoted;
     expect_in(explained(of, "window_complete-clause"), "These are the rule's own words");
-    of.profiles[0].requirements[0].certainty = "unconfirmed";
+    of.profiles[0].requirements[0].certainty = Certainty::unconfirmed;
     expect_in(explained(of, "window_complete-clause"), "ask the body.");
     expect_in(unwrapped(explain_text(of, {profile()})),
               "is as it must be. (Not confirmed that the rule says so.)");
@@ -313,14 +315,14 @@ TEST(Explain, MarginsAndRoundingOfEveryKind) {
         return unwrapped(
             explain_text(verdict("beaten"), {rule}, {.clause = "decision", .profile = {}}));
     };
-    rule.margin_kind = "relative";
+    rule.margin_kind = MarginKind::relative;
     rule.margin = 0.002;
     rule.margin_above_upper_limit = true;
     rule.rounding = DecimalRule{.mode = "truncate", .unit = "km/h", .decimals = 2};
     expect_in(text(),
               "0.2 % above the record's upper limit, its value plus its own expanded "
               "uncertainty; the speed to reach is cut off to 2 decimals of km/h");
-    rule.margin_kind = "elapsed_time";
+    rule.margin_kind = MarginKind::elapsed_time;
     rule.margin = 0.01;
     expect_in(text(), "shorter than that of the record's upper limit");
     expect_in(text(), "by 0.01 s");
@@ -387,23 +389,6 @@ TEST(Explain, WhatIsNotThereIsRefusedWithWhatIs) {
     expect_in(text, "outcome, decision, rule/window_complete-clause");
     expect_in(refusal({.clause = {}, .profile = "fisly"}), "Use one of: rule");
     EXPECT_THROW((void)explain_text(verdict("beaten"), {}), Failure);
-}
-
-// Revision 1.0 does not say what decided a clause: the profile does.
-TEST(Explain, AVerdictOfRevisionOneZeroIsExplained) {
-    Verdict of = verdict("beaten");
-    for (Requirement& requirement : of.profiles[0].requirements) {
-        requirement.decided_by.clear();
-        requirement.figures.clear();
-    }
-    of.profiles[0].decision.reset();
-    of.profiles[0].shown.reset();
-    of.record = of.profiles[0].record;
-    of.profiles[0].record.reset();
-    expect_in(explained(of, "accuracy-clause"), "2 times the combined standard uncertainty");
-    expect_in(explained(of, "outcome"), "126.2 mph, by: Published figure of 2009.");
-    expect_in(explain_text(of, {profile()}),
-              "216.009 km/h +/- 0.019 km/h (k = 2); to reach 204.709 km/h");
 }
 
 TEST(ExplainWords, AProbabilityNeverShowsAsOneThatItDoesNotReach) {

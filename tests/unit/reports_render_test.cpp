@@ -74,7 +74,7 @@ TEST_F(Rendering, OfAVerticalRuleTheHorizontalSpeedIsDrawnAlone) {
     const auto level = draw_figures(report_json(run.inputs)["predicate"]);
     EXPECT_NE(level[0].find("speed that counts"), std::string::npos);
     EXPECT_NE(level[2].find("speed to reach, nalsa"), std::string::npos);
-    run.inputs.profiles[0].dimension = "vertical";
+    run.inputs.profiles[0].dimension = Dimension::vertical;
     const auto drawn = draw_figures(report_json(run.inputs)["predicate"]);
     EXPECT_EQ(drawn[0].find("speed that counts"), std::string::npos);
     EXPECT_EQ(drawn[2].find("speed to reach, nalsa"), std::string::npos);
@@ -84,7 +84,7 @@ TEST_F(Rendering, OfAVerticalRuleTheHorizontalSpeedIsDrawnAlone) {
 TEST_F(Rendering, WindowsOfOtherKindsAndFurtherOnesAreDrawn) {
     sample::Run run = sample::make_run();
     const auto before = draw_figures(report_json(run.inputs)["predicate"]);
-    for (const char* kind : {"distance", "course", "alpha"}) {
+    for (const WindowKind kind : {WindowKind::distance, WindowKind::course, WindowKind::alpha}) {
         run.inputs.profiles[0].window_kind = kind;
         run.inputs.profiles[0].distance_m = 500.0;
         ProfileWindows& windows = run.inputs.receivers[0].windows.profiles[0];

@@ -44,35 +44,35 @@ std::vector<std::string> labels_of(const Json& table) {
 TEST(RuleWords, SayKindDimensionSourceCountAndEnds) {
     Profile rule;
     rule.duration_s = 3.0;
-    rule.definition = "displacement";
+    rule.definition = SpeedDefinition::displacement;
     EXPECT_EQ(rule_words(rule), "Speed over 3 s, by the definition: Displacement over time.");
-    rule.dimension = "vertical";
+    rule.dimension = Dimension::vertical;
     rule.exact_duration = true;
     EXPECT_EQ(rule_words(rule),
               "Vertical speed over 3 s, by the definition: Displacement over time. A window's ends "
               "are measured epochs exactly that far apart.");
     rule = {};
     rule.duration_s = 10.0;
-    rule.definition = "mean_n_plus_1";
-    rule.speed_source = "velocity";
+    rule.definition = SpeedDefinition::mean_n_plus_1;
+    rule.speed_source = SpeedSource::velocity;
     rule.windows = 5;
     EXPECT_EQ(rule_words(rule),
               "Speed over 10 s, the mean of the 5 fastest windows that do not overlap, by the "
               "definition: Mean of the speeds, both ends included, from the velocities that the "
               "recording states.");
     rule = {};
-    rule.window_kind = "course";
+    rule.window_kind = WindowKind::course;
     rule.distance_m = 500.0;
-    rule.definition = "elapsed_time";
+    rule.definition = SpeedDefinition::elapsed_time;
     rule.subtract_current = true;
     EXPECT_EQ(rule_words(rule),
               "Speed over a course of 500 m, by the definition: Surveyed length over the time "
               "between the lines. The current's component along the course is subtracted.");
     rule = {};
-    rule.window_kind = "distance";
+    rule.window_kind = WindowKind::distance;
     rule.distance_m = 1852.0;
-    rule.definition = "path_length";
-    rule.ends_anywhere = true;
+    rule.definition = SpeedDefinition::path_length;
+    rule.ends = WindowEnds::any;
     rule.opposite_runs_within_s = 3600.0;
     EXPECT_EQ(rule_words(rule),
               "Speed over 1852 m, the mean of two runs in opposite directions within 3600 s, by "
@@ -218,9 +218,9 @@ TEST(Course, RunsAreListedAndTheOneWithTheWindowMarked) {
 TEST(Windows, OverACourseNoneOfTheFourDefinitionsIsTheRules) {
     sample::Run run = sample::make_run();
     Profile& rule = run.inputs.profiles[0];
-    rule.window_kind = "course";
+    rule.window_kind = WindowKind::course;
     rule.distance_m = 500.0;
-    rule.definition = "elapsed_time";
+    rule.definition = SpeedDefinition::elapsed_time;
     windows_of(run).best->length_m = 500.25;
     const Json nalsa = profile_of(run);
     EXPECT_EQ(nalsa["rule_kind"], "course");
@@ -235,13 +235,13 @@ TEST(Windows, OverACourseNoneOfTheFourDefinitionsIsTheRules) {
 
 TEST(Windows, OfRecordedVelocitiesNoneOfTheFourDefinitionsIsTheRules) {
     sample::Run run = sample::make_run();
-    run.inputs.profiles[0].speed_source = "velocity";
-    run.inputs.profiles[0].definition = "mean_n";
+    run.inputs.profiles[0].speed_source = SpeedSource::velocity;
+    run.inputs.profiles[0].definition = SpeedDefinition::mean_n;
     const Json window = profile_of(run)["window"];
     EXPECT_EQ(labels_of(window["definition_table"])[0],
               "Recorded velocities, mean of the speeds after the first – the rule's");
     expect_in(window["definition_note"], "velocities that the recording states");
-    run.inputs.profiles[0].speed_source = "position";
+    run.inputs.profiles[0].speed_source = SpeedSource::position;
     EXPECT_EQ(profile_of(run)["window"]["definitions"][3]["counts"], true);
 }
 
@@ -278,7 +278,7 @@ TEST(Windows, WhatIsMissingIsSaid) {
 
 TEST(Windows, AVerticalRuleSaysSo) {
     sample::Run run = sample::make_run();
-    run.inputs.profiles[0].dimension = "vertical";
+    run.inputs.profiles[0].dimension = Dimension::vertical;
     const Json predicate = report_json(run.inputs)["predicate"];
     EXPECT_EQ(predicate["profiles"][0]["rule_dimension"], "vertical");
     EXPECT_FALSE(predicate["profiles"][1].contains("rule_dimension"));

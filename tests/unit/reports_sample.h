@@ -298,11 +298,12 @@ inline ReceiverResults receiver(const Options& options, const std::string& id) {
                        .georeferenced = options.georeferenced,
                        .profiles = {}};
     for (const double duration : {3.0, 2.0}) {
-        ProfileWindows windows{.profile = duration > 2.5 ? "nalsa" : "fisly",
-                               .rule = {.duration_s = duration, .definition = "displacement"},
-                               .candidates = options.certified ? 421 : 0,
-                               .best = std::nullopt,
-                               .indicated = std::nullopt};
+        ProfileWindows windows{
+            .profile = duration > 2.5 ? "nalsa" : "fisly",
+            .rule = {.duration_s = duration, .definition = SpeedDefinition::displacement},
+            .candidates = options.certified ? 421 : 0,
+            .best = std::nullopt,
+            .indicated = std::nullopt};
         if (options.certified)
             windows.best = CertifiableWindow{
                 .span = span(options, 40.2, duration),
@@ -327,14 +328,15 @@ inline std::vector<Requirement> requirements(const Profile& profile, bool certif
     for (const Clause& clause : profile.clauses) {
         Requirement entry{clause.id, "met", "", clause.text, clause.source, clause.certainty};
         entry.decided_by = clause.decided_by;
-        if (clause.decided_by == "attest") entry.status = "attest";
-        if (clause.decided_by == "window_complete")
+        if (clause.decided_by == Computation::attest) entry.status = "attest";
+        if (clause.decided_by == Computation::window_complete)
             entry.evidence = certified
                                  ? "The window of 3.000 s holds 31 usable epochs in one "
                                    "stretch."
                                  : "No stretch of the rule's length holds usable epochs only.";
-        if (clause.decided_by == "window_complete" && !certified) entry.status = "not_met";
-        if (clause.decided_by == "accuracy")
+        if (clause.decided_by == Computation::window_complete && !certified)
+            entry.status = "not_met";
+        if (clause.decided_by == Computation::accuracy)
             entry.evidence = "Expanded uncertainty 0.0184 km/h (k = 2), limit 0.8 km/h.";
         if (entry.evidence.empty()) entry.evidence = "Not decided by the data.";
         list.push_back(entry);

@@ -6,15 +6,15 @@
 
 namespace runcert::sample {
 
-inline std::vector<Figure> requirement_figures(const std::string& decided_by) {
-    if (decided_by == "accuracy")
+inline std::vector<Figure> requirement_figures(Computation decided_by) {
+    if (decided_by == Computation::accuracy)
         return {{.name = "expanded uncertainty",
                  .value = 0.018367,
                  .unit = "km/h",
                  .expanded_uncertainty = std::nullopt,
                  .note = "of the budget"},
                 {.name = "limit", .value = 0.8, .unit = "km/h"}};
-    if (decided_by == "secondary_method")
+    if (decided_by == Computation::secondary_method)
         return {{.name = "normalised error", .value = 0.37, .unit = {}}};
     return {};
 }

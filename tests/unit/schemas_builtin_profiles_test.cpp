@@ -50,7 +50,7 @@ TEST(BuiltinProfiles, EveryClauseSaysWhereItIsKnownFrom) {
         const Profile profile = builtin(name);
         EXPECT_FALSE(profile.body.empty() || profile.title.empty());
         EXPECT_TRUE(profile.overrides.empty());
-        std::set<std::string> computations;
+        std::set<Computation> computations;
         for (const Clause& clause : profile.clauses) {
             SCOPED_TRACE(clause.id);
             computations.insert(clause.decided_by);
@@ -58,56 +58,57 @@ TEST(BuiltinProfiles, EveryClauseSaysWhereItIsKnownFrom) {
             EXPECT_FALSE(clause.source.empty());
             // What was not found is not told as known, and the other way round.
             if (clause.source == "not found") {
-                EXPECT_EQ(clause.certainty, "unconfirmed");
+                EXPECT_EQ(clause.certainty, Certainty::unconfirmed);
             }
             if (clause.source.starts_with("press") || clause.source.starts_with("newsletters") ||
                 clause.source.starts_with("headings")) {
-                EXPECT_NE(clause.certainty, "quoted");
+                EXPECT_NE(clause.certainty, Certainty::quoted);
             }
             EXPECT_EQ(clause.limit.has_value(), !clause.unit.empty());
         }
         // Each says over what, and by how much; a limit of accuracy where it has one is compared.
-        EXPECT_TRUE(computations.contains("window_complete"));
-        EXPECT_TRUE(computations.contains("margin"));
-        EXPECT_EQ(computations.contains("accuracy"), profile.accuracy_limit_mps.has_value());
+        EXPECT_TRUE(computations.contains(Computation::window_complete));
+        EXPECT_TRUE(computations.contains(Computation::margin));
+        EXPECT_EQ(computations.contains(Computation::accuracy),
+                  profile.accuracy_limit_mps.has_value());
     }
 }
 
 /// What the program itself asks is not what a rule says: no rule of the folder asks it too.
 TEST(OwnClauses, StandBesideThoseOfEveryRule) {
-    std::vector<std::string> computations;
+    std::vector<std::string_view> computations;
     for (const Clause& clause : own_clauses()) {
         SCOPED_TRACE(clause.id);
-        computations.push_back(clause.decided_by);
+        computations.push_back(to_text(clause.decided_by));
         EXPECT_GE(clause.text.size(), 15U);
         EXPECT_EQ(clause.source, "this program's own requirement");
-        EXPECT_EQ(clause.certainty, "quoted");
+        EXPECT_EQ(clause.certainty, Certainty::quoted);
         EXPECT_FALSE(clause.limit);
         for (const std::string& name : builtin_profiles())
             for (const Clause& of_rule : builtin(name).clauses)
                 EXPECT_FALSE(of_rule.id == clause.id || of_rule.decided_by == clause.decided_by)
                     << name;
     }
-    EXPECT_EQ(computations,
-              (std::vector<std::string>{"time_scale", "measured_positions", "stated_solution"}));
+    EXPECT_EQ(computations, (std::vector<std::string_view>{"time_scale", "measured_positions",
+                                                           "stated_solution"}));
 }
 
 TEST(BuiltinProfiles, Nalsa) {
     const Profile profile = builtin("nalsa");
-    EXPECT_EQ(profile.window_kind, "time");
+    EXPECT_EQ(profile.window_kind, WindowKind::time);
     EXPECT_EQ(profile.duration_s, 3.0);
-    EXPECT_EQ(profile.definition, "displacement");
+    EXPECT_EQ(profile.definition, SpeedDefinition::displacement);
     EXPECT_DOUBLE_EQ(profile.accuracy_limit_mps.value(), 0.8 / 3.6);
     EXPECT_EQ(profile.accuracy_unit, "km/h");
     EXPECT_EQ(profile.coverage_factor, 2.0);
-    EXPECT_EQ(profile.margin_kind, "absolute");
+    EXPECT_EQ(profile.margin_kind, MarginKind::absolute);
     EXPECT_DOUBLE_EQ(profile.margin, 0.44704);
     EXPECT_FALSE(profile.rounding || profile.result || profile.opposite_runs_within_s);
-    EXPECT_EQ(clause_of(profile, "flat-course").decided_by, "flatness");
+    EXPECT_EQ(clause_of(profile, "flat-course").decided_by, Computation::flatness);
     EXPECT_EQ(clause_of(profile, "flat-course").limit, 1.0);
     EXPECT_EQ(clause_of(profile, "flat-course").unit, "m");
-    EXPECT_EQ(clause_of(profile, "own-start").decided_by, "standing_start");
-    EXPECT_EQ(clause_of(profile, "rounding").certainty, "unconfirmed");
+    EXPECT_EQ(clause_of(profile, "own-start").decided_by, Computation::standing_start);
+    EXPECT_EQ(clause_of(profile, "rounding").certainty, Certainty::unconfirmed);
     std::vector<std::string> ids;
     for (const Clause& clause : profile.clauses)
         ids.push_back(clause.id);
@@ -121,7 +122,7 @@ TEST(BuiltinProfiles, Fisly) {
     const Profile profile = builtin("fisly");
     EXPECT_EQ(profile.duration_s, 2.0);
     EXPECT_FALSE(profile.accuracy_limit_mps);
-    EXPECT_EQ(profile.margin_kind, "relative");
+    EXPECT_EQ(profile.margin_kind, MarginKind::relative);
     EXPECT_EQ(profile.margin, 0.002);
     ASSERT_TRUE(profile.rounding && profile.result);
     for (const DecimalRule& rule : {*profile.rounding, *profile.result}) {
@@ -140,34 +141,35 @@ TEST(BuiltinProfiles, Wssrc) {
          {std::pair{"wssrc-500m", 500.0}, {"wssrc-nautical-mile", 1852.0}}) {
         SCOPED_TRACE(name);
         const Profile profile = builtin(name);
-        EXPECT_EQ(profile.window_kind, "course");
+        EXPECT_EQ(profile.window_kind, WindowKind::course);
         EXPECT_EQ(profile.distance_m, distance_m);
-        EXPECT_EQ(profile.definition, "elapsed_time");
-        EXPECT_EQ(profile.margin_kind, "elapsed_time");
+        EXPECT_EQ(profile.definition, SpeedDefinition::elapsed_time);
+        EXPECT_EQ(profile.margin_kind, MarginKind::elapsed_time);
         EXPECT_EQ(profile.margin, 0.01);
         EXPECT_EQ(profile.margin_unit, "s");
         EXPECT_TRUE(profile.subtract_current);
         EXPECT_FALSE(profile.accuracy_limit_mps || profile.rounding);
         EXPECT_EQ(profile.result->mode, "nearest");
         EXPECT_EQ(rule_unit_name(profile), "kn");
-        EXPECT_EQ(clause_of(profile, "current").decided_by, "current");
+        EXPECT_EQ(clause_of(profile, "current").decided_by, Computation::current);
         EXPECT_EQ(clause_of(profile, "current").limit, 1.0);
         EXPECT_EQ(clause_of(profile, "current").unit, "kn");
-        EXPECT_EQ(clause_of(profile, "surveyed-course").decided_by, "attest");
-        EXPECT_EQ(clause_of(profile, "rounding").certainty, "unconfirmed");
+        EXPECT_EQ(clause_of(profile, "surveyed-course").decided_by, Computation::attest);
+        EXPECT_EQ(clause_of(profile, "rounding").certainty, Certainty::unconfirmed);
     }
-    EXPECT_EQ(clause_of(builtin("wssrc-500m"), "margin").certainty, "secondary");
-    EXPECT_EQ(clause_of(builtin("wssrc-nautical-mile"), "margin").certainty, "unconfirmed");
+    EXPECT_EQ(clause_of(builtin("wssrc-500m"), "margin").certainty, Certainty::secondary);
+    EXPECT_EQ(clause_of(builtin("wssrc-nautical-mile"), "margin").certainty,
+              Certainty::unconfirmed);
 }
 
 TEST(BuiltinProfiles, SpeedSkydiving) {
     const Profile profile = builtin("fai-speed-skydiving");
     EXPECT_EQ(profile.duration_s, 3.0);
     EXPECT_TRUE(profile.exact_duration);
-    EXPECT_EQ(profile.dimension, "vertical");
-    EXPECT_EQ(profile.definition, "displacement");
-    EXPECT_FALSE(profile.ends_anywhere);
-    EXPECT_EQ(profile.margin_kind, "relative");
+    EXPECT_EQ(profile.dimension, Dimension::vertical);
+    EXPECT_EQ(profile.definition, SpeedDefinition::displacement);
+    EXPECT_EQ(profile.ends, WindowEnds::epochs);
+    EXPECT_EQ(profile.margin_kind, MarginKind::relative);
     EXPECT_EQ(profile.margin, 0.02);
     EXPECT_TRUE(profile.margin_above_upper_limit);
     EXPECT_EQ(profile.rounding->mode, "truncate");
@@ -196,16 +198,16 @@ TEST(BuiltinProfiles, GpsSpeedSailing) {
     for (const auto& each : expected) {
         SCOPED_TRACE(each.name);
         const Profile profile = builtin(std::string("gps-speed-sailing-") + each.name);
-        EXPECT_EQ(profile.window_kind, each.kind);
-        EXPECT_EQ(profile.definition, each.definition);
+        EXPECT_EQ(to_text(profile.window_kind), each.kind);
+        EXPECT_EQ(to_text(profile.definition), each.definition);
         EXPECT_EQ(profile.duration_s + profile.distance_m, each.length);
         EXPECT_EQ(profile.windows, each.windows);
-        EXPECT_EQ(profile.speed_source, "velocity");
+        EXPECT_EQ(profile.speed_source, SpeedSource::velocity);
         EXPECT_EQ(profile.proximity_m, 50.0);
         EXPECT_EQ(profile.turn_deg, 90.0);
-        EXPECT_EQ(profile.margin_kind, "absolute");
+        EXPECT_EQ(profile.margin_kind, MarginKind::absolute);
         EXPECT_EQ(profile.margin, 0.0);
-        EXPECT_EQ(clause_of(profile, "margin").certainty, "unconfirmed");
+        EXPECT_EQ(clause_of(profile, "margin").certainty, Certainty::unconfirmed);
         EXPECT_EQ(rule_unit_name(profile), "km/h");
         EXPECT_FALSE(profile.accuracy_limit_mps || profile.rounding);
     }

@@ -216,7 +216,7 @@ Windows windows(const CertifiableWindow& best) {
     windows.header = header("window");
     windows.receiver = "primary";
     windows.profiles = {{.profile = "nalsa",
-                         .rule = {.duration_s = 3.0, .definition = "displacement"},
+                         .rule = {.duration_s = 3.0, .definition = SpeedDefinition::displacement},
                          .candidates = 1,
                          .best = best,
                          .indicated = std::nullopt}};

@@ -36,10 +36,10 @@ TEST(ProfileWindow, EveryMemberIsRead) {
                  "decision: {probability: 0.9}\ncurrent: ignored\n"
                  "result: {mode: nearest, unit: kn, decimals: 1}\nmargin:"),
         "p");
-    EXPECT_EQ(stretch.dimension, "vertical");
+    EXPECT_EQ(stretch.dimension, Dimension::vertical);
     EXPECT_TRUE(stretch.exact_duration);
     EXPECT_EQ(stretch.windows, 5);
-    EXPECT_FALSE(stretch.ends_anywhere);
+    EXPECT_EQ(stretch.ends, WindowEnds::epochs);
     EXPECT_EQ(stretch.runs.start_mps, 4.0);
     EXPECT_EQ(stretch.runs.stop_mps, 3.0);
     EXPECT_EQ(stretch.runs.stop_s, 2.0);
@@ -53,17 +53,17 @@ TEST(ProfileWindow, EveryMemberIsRead) {
                               "kind: alpha, distance_m: 250, proximity_m: 25, turn_deg: 120, "
                               "definition: path_length, source: velocity"),
                      "p");
-    EXPECT_EQ(alpha.window_kind, "alpha");
+    EXPECT_EQ(alpha.window_kind, WindowKind::alpha);
     EXPECT_EQ(alpha.distance_m, 250.0);
     EXPECT_EQ(alpha.duration_s, 0.0);
     EXPECT_EQ(alpha.proximity_m, 25.0);
     EXPECT_EQ(alpha.turn_deg, 120.0);
-    EXPECT_EQ(alpha.speed_source, "velocity");
+    EXPECT_EQ(alpha.speed_source, SpeedSource::velocity);
     const Profile pair =
         read_profile(replaced(replaced(newest, "displacement}", "path_length, ends: any}"),
                               "margin:", "opposite_runs: {within_s: 1800}\nmargin:"),
                      "p");
-    EXPECT_TRUE(pair.ends_anywhere);
+    EXPECT_EQ(pair.ends, WindowEnds::any);
     EXPECT_EQ(pair.opposite_runs_within_s, 1800.0);
 }
 
@@ -71,10 +71,11 @@ TEST(ProfileWindow, WhatIsLeftOutHasItsDefault) {
     for (const std::string& text :
          {newest, replaced(replaced(newest, "profile/1.0", "profile/1.0"), "kind: time, ", "")}) {
         const Profile profile = read_profile(text, "p");
-        EXPECT_EQ(profile.window_kind, "time");
-        EXPECT_EQ(profile.dimension, "horizontal");
-        EXPECT_EQ(profile.speed_source, "position");
-        EXPECT_FALSE(profile.ends_anywhere || profile.exact_duration);
+        EXPECT_EQ(profile.window_kind, WindowKind::time);
+        EXPECT_EQ(profile.dimension, Dimension::horizontal);
+        EXPECT_EQ(profile.speed_source, SpeedSource::position);
+        EXPECT_EQ(profile.ends, WindowEnds::epochs);
+        EXPECT_FALSE(profile.exact_duration);
         EXPECT_EQ(profile.windows, 1);
         EXPECT_EQ(profile.runs.start_mps, 2.0);
         EXPECT_EQ(profile.runs.stop_mps, 1.0);

@@ -28,14 +28,14 @@ TEST(Profile, EveryMemberIsRead) {
     const Profile profile = read_profile(sample, "p.yaml");
     EXPECT_EQ(profile.body, "Some Body");
     EXPECT_EQ(profile.title, "top speed");
-    EXPECT_EQ(profile.definition, "mean_n_plus_1");
+    EXPECT_EQ(profile.definition, SpeedDefinition::mean_n_plus_1);
     EXPECT_DOUBLE_EQ(profile.accuracy_limit_mps.value(), 0.5 * 1852.0 / 3600.0);
     EXPECT_EQ(profile.coverage_factor, 3.0);
     EXPECT_EQ(profile.clauses.at(1).id, "c2");
     EXPECT_EQ(profile.clauses.at(1).text, "t");
     EXPECT_EQ(profile.clauses.at(1).source, "s");
-    EXPECT_EQ(profile.clauses.at(1).certainty, "quoted");
-    EXPECT_EQ(profile.clauses.at(1).decided_by, "accuracy");
+    EXPECT_EQ(profile.clauses.at(1).certainty, Certainty::quoted);
+    EXPECT_EQ(profile.clauses.at(1).decided_by, Computation::accuracy);
 }
 
 TEST(Profile, BadInputIsNamedWithItsPlace) {

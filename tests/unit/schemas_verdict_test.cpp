@@ -27,7 +27,7 @@ Verdict verdict_of(const Decision& decision, const std::vector<std::string>& wit
     profile.title = "t";
     profile.outcome = "beaten";
     profile.reason = "r";
-    profile.definition = "displacement";
+    profile.definition = SpeedDefinition::displacement;
     profile.decision = decision;
     profile.witnesses = witnesses;
     verdict.profiles = {profile};

@@ -51,36 +51,44 @@ Windows windows(const ProfileWindows& profile) {
 
 TEST(WindowRuleText, EveryMemberRoundTrips) {
     for (const WindowRule& rule :
-         {WindowRule{.duration_s = 3.0, .definition = "displacement"},
-          WindowRule{.duration_s = 2.0, .definition = "mean_n", .source = "velocity", .count = 5},
+         {WindowRule{.duration_s = 3.0, .definition = SpeedDefinition::displacement},
+          WindowRule{.duration_s = 2.0,
+          .definition = SpeedDefinition::mean_n,
+          .source = SpeedSource::velocity,
+          .count = 5},
           WindowRule{.duration_s = 3.0,
-          .definition = "displacement",
-          .dimension = "vertical",
+          .definition = SpeedDefinition::displacement,
+          .dimension = Dimension::vertical,
           .exact = true},
-          WindowRule{.kind = "distance",
+          WindowRule{.kind = WindowKind::distance,
           .distance_m = 500.0,
-          .definition = "path_length",
-          .ends = "any",
+          .definition = SpeedDefinition::path_length,
+          .ends = WindowEnds::any,
           .opposite_runs = true},
-          WindowRule{.kind = "course", .distance_m = 1852.0, .definition = "elapsed_time"},
-          WindowRule{.kind = "alpha", .distance_m = 250.0, .definition = "path_length"}}) {
+          WindowRule{.kind = WindowKind::course,
+          .distance_m = 1852.0,
+          .definition = SpeedDefinition::elapsed_time},
+          WindowRule{.kind = WindowKind::alpha,
+          .distance_m = 250.0,
+          .definition = SpeedDefinition::path_length}}) {
         const std::string text =
             write_windows(windows({.profile = "p", .rule = rule, .best = {}, .indicated = {}}));
         EXPECT_EQ(read_windows(text, "f").profiles.at(0).rule, rule) << text;
-        EXPECT_EQ(text.find("duration_s:") != std::string::npos, rule.kind == "time");
-        EXPECT_EQ(text.find("distance_m:") != std::string::npos, rule.kind != "time");
+        EXPECT_EQ(text.find("duration_s:") != std::string::npos, rule.kind == WindowKind::time);
+        EXPECT_EQ(text.find("distance_m:") != std::string::npos, rule.kind != WindowKind::time);
     }
 }
 
 TEST(WindowRuleText, FurtherWindowsAndWhatIsMissingRoundTrip) {
-    ProfileWindows before{.profile = "p",
-                          .rule = {.duration_s = 10.0, .definition = "mean_n", .count = 2},
-                          .candidates = 7,
-                          .missing = "two runs, but in one direction",
-                          .best = window(20.0, 0.25),
-                          .further = {further(19.5, 0.5)},
-                          .indicated = IndicatedWindow{
-                              .span = {}, .speed_mps = 21.0, .mean_mps = 20.25, .refusals = {}}};
+    ProfileWindows before{
+        .profile = "p",
+        .rule = {.duration_s = 10.0, .definition = SpeedDefinition::mean_n, .count = 2},
+        .candidates = 7,
+        .missing = "two runs, but in one direction",
+        .best = window(20.0, 0.25),
+        .further = {further(19.5, 0.5)},
+        .indicated =
+            IndicatedWindow{.span = {}, .speed_mps = 21.0, .mean_mps = 20.25, .refusals = {}}};
     before.further[0].bias_limit_mps = 0.75;
     const ProfileWindows back = read_windows(write_windows(windows(before)), "f").profiles.at(0);
     EXPECT_EQ(back.missing, before.missing);
@@ -101,25 +109,23 @@ TEST(WindowRuleText, KeepsToTheWordsOfTheFieldTable) {
             write_windows(windows({.profile = "p", .rule = rule, .best = {}, .indicated = {}}));
         });
     };
-    EXPECT_TRUE(with({.kind = "lap", .definition = "path_length"})
-                    .contains("\"lap\" is not one of time, distance, course, alpha"));
-    EXPECT_TRUE(with({.definition = "chord"}).contains("\"chord\" is not one of displacement"));
-    EXPECT_TRUE(with({.definition = "mean_n", .count = 0}).contains("0 is below 1"));
+    EXPECT_TRUE(with({.definition = SpeedDefinition::mean_n, .count = 0}).contains("0 is below 1"));
 }
 
 TEST(WindowRuleText, TheBiasOfAFurtherWindowIsNoNegativeOne) {
-    ProfileWindows profile{.profile = "p",
-                           .rule = {.duration_s = 10.0, .definition = "mean_n", .count = 2},
-                           .best = {},
-                           .further = {further(19.5, 0.5)},
-                           .indicated = {}};
+    ProfileWindows profile{
+        .profile = "p",
+        .rule = {.duration_s = 10.0, .definition = SpeedDefinition::mean_n, .count = 2},
+        .best = {},
+        .further = {further(19.5, 0.5)},
+        .indicated = {}};
     profile.further[0].bias_limit_mps = -0.25;
     EXPECT_TRUE(failure_of([&] { write_windows(windows(profile)); }).contains("below 0 m / s"));
 }
 
 TEST(RuleFigure, OfOneWindowIsItsSpeed) {
     ProfileWindows profile{.profile = "p",
-                           .rule = {.duration_s = 10.0, .definition = "mean_n"},
+                           .rule = {.duration_s = 10.0, .definition = SpeedDefinition::mean_n},
                            .best = window(20.0, 0.25),
                            .indicated = {}};
     profile.best->effective_degrees_of_freedom = 12.5;
@@ -136,11 +142,12 @@ TEST(RuleFigure, OfOneWindowIsItsSpeed) {
 /// One error common to all moves their mean as it moves each: uncertainties add as speeds do, and
 /// so do limits of a bias.
 TEST(RuleFigure, OfSeveralIsTheMeanAndItsUncertaintyThatOfACommonError) {
-    ProfileWindows profile{.profile = "p",
-                           .rule = {.duration_s = 10.0, .definition = "mean_n", .count = 3},
-                           .best = window(20.0, 0.25),
-                           .further = {further(19.0, 0.5), further(18.0, 0.75)},
-                           .indicated = {}};
+    ProfileWindows profile{
+        .profile = "p",
+        .rule = {.duration_s = 10.0, .definition = SpeedDefinition::mean_n, .count = 3},
+        .best = window(20.0, 0.25),
+        .further = {further(19.0, 0.5), further(18.0, 0.75)},
+        .indicated = {}};
     profile.best->bias_limit_mps = 0.125;
     profile.further[1].bias_limit_mps = 0.25;
     EXPECT_DOUBLE_EQ(figure_of(profile)->speed_mps, 19.0);
@@ -151,11 +158,12 @@ TEST(RuleFigure, OfSeveralIsTheMeanAndItsUncertaintyThatOfACommonError) {
 }
 
 TEST(RuleFigure, OfTwoRunsNeedsBoth) {
-    ProfileWindows profile{
-        .profile = "p",
-        .rule = {.duration_s = 10.0, .definition = "path_length", .opposite_runs = true},
-        .best = window(20.0, 0.25),
-        .indicated = {}};
+    ProfileWindows profile{.profile = "p",
+                           .rule = {.duration_s = 10.0,
+                                    .definition = SpeedDefinition::path_length,
+                                    .opposite_runs = true},
+                           .best = window(20.0, 0.25),
+                           .indicated = {}};
     EXPECT_FALSE(figure_of(profile));
     profile.further = {further(18.0, 0.75)};
     EXPECT_DOUBLE_EQ(figure_of(profile)->speed_mps, 19.0);

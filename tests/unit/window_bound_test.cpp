@@ -155,7 +155,8 @@ struct Scene {
 
 TEST(FittedSpeed, OfOneModelIsThatModelsOwn) {
     const Scene scene;
-    const FittedSpeed fitted = fitted_speed(scene.stretch, {{scene.slow, 0.3}}, {"displacement"});
+    const FittedSpeed fitted =
+        fitted_speed(scene.stretch, {{scene.slow, 0.3}}, {SpeedDefinition::displacement});
     const SpeedEstimate alone = scene.by(scene.slow);
     EXPECT_EQ(fitted.models, 1);
     EXPECT_NEAR(fitted.speed_mps, alone.speed_mps, 1e-12);
@@ -167,8 +168,8 @@ TEST(FittedSpeed, OfTwoModelsHoldsTheirDifference) {
     const SpeedEstimate a = scene.by(scene.white);
     const SpeedEstimate b = scene.by(scene.slow);
     ASSERT_GT(std::abs(a.speed_mps - b.speed_mps), 1e-4);
-    const FittedSpeed fitted =
-        fitted_speed(scene.stretch, {{scene.white, 0.75}, {scene.slow, 0.25}}, {"displacement"});
+    const FittedSpeed fitted = fitted_speed(
+        scene.stretch, {{scene.white, 0.75}, {scene.slow, 0.25}}, {SpeedDefinition::displacement});
     EXPECT_EQ(fitted.models, 2);
     EXPECT_NEAR(fitted.speed_mps, 0.75 * a.speed_mps + 0.25 * b.speed_mps, 1e-10);
     const double variance = 0.75 * std::pow(a.standard_uncertainty_mps, 2) +

@@ -81,10 +81,12 @@ TEST(BridgedWindows, SpeedsOfTheSearchAreThoseOfTheSmoother) {
         const SteppedRun run(offset_m);
         const SmoothedArc<2> smoothed = smooth<2>(run.arc().epochs, motion());
         const EpochPair window{step_row - 12, step_row + 18};
-        const auto expected = [&](const char* definition) {
+        const auto expected = [&](SpeedDefinition definition) {
             return speed_by_definition(smoothed, window, 3.0, {definition}).speed_mps;
         };
-        for (const char* definition : {"displacement", "path_length", "mean_n_plus_1", "mean_n"}) {
+        for (const SpeedDefinition definition :
+             {SpeedDefinition::displacement, SpeedDefinition::path_length,
+              SpeedDefinition::mean_n_plus_1, SpeedDefinition::mean_n}) {
             Profile profile = test::rule_over(3.0, definition);
             profile.repaired_steps = true;
             const auto all = allowed_windows(
@@ -94,7 +96,7 @@ TEST(BridgedWindows, SpeedsOfTheSearchAreThoseOfTheSmoother) {
             ASSERT_NE(found, all.end());
             EXPECT_EQ(found->last, window.last);
             EXPECT_NEAR(found->speed_mps, expected(definition), 1e-9)
-                << definition << ", " << offset_m << " m";
+                << to_text(definition) << ", " << offset_m << " m";
             EXPECT_NEAR(found->speed_mps, 60.0, 0.02);
         }
     }
@@ -122,7 +124,8 @@ TEST(BridgedWindows, PartsOfTheUncertaintyAddUpAndTheOffsetChangesNothing) {
     const EpochPair window{step_row - 12, step_row + 18};
     const SteppedRun without(0.0);
     const SteppedRun with(0.5);
-    for (const char* definition : {"displacement", "path_length", "mean_n"}) {
+    for (const SpeedDefinition definition :
+         {SpeedDefinition::displacement, SpeedDefinition::path_length, SpeedDefinition::mean_n}) {
         const auto noise_of = [&](const SteppedRun& run) {
             const WindowStretch<2> stretch = cut_stretch(run.arc(), window, 60.0);
             const EstimationModel model = motion();
@@ -147,7 +150,7 @@ TEST(BridgedWindows, PartsOfTheUncertaintyAddUpAndTheOffsetChangesNothing) {
         EXPECT_NEAR(std::pow(noise.white_mps, 2) + std::pow(noise.correlated_mps, 2) +
                         std::pow(noise.motion_mps, 2),
                     u * u, 1e-6 * u * u)
-            << definition;
+            << to_text(definition);
     }
 }
 

@@ -40,7 +40,7 @@ WindowStretch<2> irregular_stretch() {
 }
 
 PositionNoise noise_of(const WindowStretch<2>& stretch, const EstimationModel& model,
-                       const GaussMarkovError& error, const std::string& definition,
+                       const GaussMarkovError& error, SpeedDefinition definition,
                        const ErrorBound& bound = bound_of()) {
     const SmoothedArc<2> smoothed = smooth<2>(stretch.epochs, model);
     const EstimatedWindow<2> at{.epochs = stretch.epochs,
@@ -85,16 +85,18 @@ double error_covariance(const GaussMarkovError& error, double start_s, double a_
 }
 
 TEST(PositionNoise, PartsAddUpToTheWhole) {
-    for (const char* definition : {"displacement", "path_length", "mean_n_plus_1", "mean_n"}) {
+    for (const SpeedDefinition definition :
+         {SpeedDefinition::displacement, SpeedDefinition::path_length,
+          SpeedDefinition::mean_n_plus_1, SpeedDefinition::mean_n}) {
         const PositionNoise noise =
             noise_of(irregular_stretch(), fitted_model(), bounding(), definition);
         const double u = noise.speed.standard_uncertainty_mps;
         for (const double part : {noise.white_mps, noise.correlated_mps, noise.motion_mps})
-            EXPECT_GT(part, 0.01 * u) << definition;
+            EXPECT_GT(part, 0.01 * u) << to_text(definition);
         EXPECT_NEAR(std::pow(noise.white_mps, 2) + std::pow(noise.correlated_mps, 2) +
                         std::pow(noise.motion_mps, 2),
                     u * u, 1e-6 * u * u)
-            << definition;
+            << to_text(definition);
     }
 }
 
@@ -113,7 +115,7 @@ TEST(PositionNoise, WhiteAndCorrelatedPartsAreThoseOfTheSameWeights) {
                                                             stretch.epochs[k].time_s,
                                                             stretch.epochs[l].time_s);
     }
-    const PositionNoise noise = noise_of(stretch, model, bounding(), "displacement");
+    const PositionNoise noise = noise_of(stretch, model, bounding(), SpeedDefinition::displacement);
     EXPECT_NEAR(noise.white_mps, std::sqrt(white), 1e-4 * std::sqrt(white));
     EXPECT_NEAR(noise.correlated_mps, std::sqrt(correlated), 1e-4 * std::sqrt(correlated));
 }
@@ -131,15 +133,16 @@ TEST(PositionNoise, TheRestIsTheMotions) {
         return u * u;
     };
     const double motion = (variance(std::exp(0.01)) - variance(std::exp(-0.01))) / 0.02;
-    const PositionNoise noise = noise_of(stretch, fitted_model(), bounding(), "displacement");
+    const PositionNoise noise =
+        noise_of(stretch, fitted_model(), bounding(), SpeedDefinition::displacement);
     EXPECT_NEAR(noise.motion_mps, std::sqrt(motion), 1e-3 * std::sqrt(motion));
 }
 
 TEST(PositionNoise, WithoutASlowErrorThereIsNoPartOfIt) {
     EstimationModel model = fitted_model();
     model.error = GaussMarkovError::steady(0.0, 1.0);
-    const PositionNoise noise =
-        noise_of(irregular_stretch(), model, model.error, "displacement", bound_of(0.0));
+    const PositionNoise noise = noise_of(irregular_stretch(), model, model.error,
+                                         SpeedDefinition::displacement, bound_of(0.0));
     EXPECT_LT(noise.correlated_mps, 1e-5);  // of the 10 um that stand for nothing
     EXPECT_GT(noise.white_mps, 1e-3);
 }
@@ -153,7 +156,7 @@ TEST(PositionNoise, OfSamplesIsThatOfTwoPositions) {
                                 .model = model,
                                 .window = stretch.window,
                                 .duration_s = stretch.duration_s};
-    SpeedQuantity samples{"displacement"};
+    SpeedQuantity samples{SpeedDefinition::displacement};
     samples.of_samples = true;
     const PositionNoise noise =
         position_noise(at, samples, speed_weights(at, samples), bounding(), bound_of());
@@ -189,7 +192,7 @@ TEST(OtherEstimates, SayHowMuchHangsOnTheModel) {
                                     .model = model,
                                     .window = stretch.window,
                                     .duration_s = stretch.duration_s};
-        const SpeedQuantity quantity{"displacement"};
+        const SpeedQuantity quantity{SpeedDefinition::displacement};
         const auto by_weights = speed_weights(at, quantity);
         const PositionNoise noise =
             position_noise(at, quantity, by_weights, bounding(), bound_of());
@@ -220,30 +223,34 @@ TEST(OtherEstimates, SayHowMuchHangsOnTheModel) {
 TEST(PositionNoise, TheBoundedPartIsTheLargestOfAnyCorrelationTime) {
     // Whatever the weights came from: 0.5 s to tau_max^2 / tau_min.
     const WindowStretch<2> stretch = irregular_stretch();
-    for (const char* definition : {"displacement", "path_length", "mean_n"}) {
+    for (const SpeedDefinition definition :
+         {SpeedDefinition::displacement, SpeedDefinition::path_length, SpeedDefinition::mean_n}) {
         const PositionNoise noise = noise_of(stretch, fitted_model(), bounding(), definition);
         for (const double tau_s : {0.5, 0.7, 1.0, 3.0, 10.0, 50.0, 200.0}) {
             const PositionNoise steady = noise_of(
                 stretch, fitted_model(), GaussMarkovError::steady(0.02, tau_s), definition);
-            EXPECT_GE(noise.correlated_mps, steady.correlated_mps) << definition << " " << tau_s;
+            EXPECT_GE(noise.correlated_mps, steady.correlated_mps)
+                << to_text(definition) << " " << tau_s;
             EXPECT_EQ(noise.white_mps, steady.white_mps);
             if (tau_s == 0.5 || tau_s == 10.0) {
                 EXPECT_GE(noise.own_correlated_mps, steady.correlated_mps * (1.0 - 1e-12));
             }
         }
-        EXPECT_LT(noise.own_correlated_mps, noise.correlated_mps) << definition;
+        EXPECT_LT(noise.own_correlated_mps, noise.correlated_mps) << to_text(definition);
     }
 }
 
 TEST(PositionNoise, PartsAddUpWhereTheMotionChanges) {
     WindowStretch<2> stretch = irregular_stretch();
-    const PositionNoise even = noise_of(stretch, fitted_model(), bounding(), "displacement");
+    const PositionNoise even =
+        noise_of(stretch, fitted_model(), bounding(), SpeedDefinition::displacement);
     stretch.epochs = test::with_changing_motion(std::move(stretch.epochs));
     const EstimationModel model = fitted_model();
-    const PositionNoise noise = noise_of(stretch, model, bounding(), "displacement");
+    const PositionNoise noise = noise_of(stretch, model, bounding(), SpeedDefinition::displacement);
     // The smoother's own variance is of the same weights with the fitted error in place of the
     // bound.
-    const PositionNoise fitted = noise_of(stretch, model, model.error, "displacement");
+    const PositionNoise fitted =
+        noise_of(stretch, model, model.error, SpeedDefinition::displacement);
     const double u = displacement_speed(smooth<2>(stretch.epochs, model), stretch.window.first,
                                         stretch.window.last, stretch.duration_s)
                          .standard_uncertainty_mps;
@@ -255,7 +262,7 @@ TEST(PositionNoise, PartsAddUpWhereTheMotionChanges) {
 TEST(OtherEstimates, OfOneDensityForAllIsTheEstimateThatDoesNotFollowTheMotion) {
     WindowStretch<2> stretch = irregular_stretch();
     const EstimationModel model = fitted_model();
-    const SpeedQuantity quantity{"displacement"};
+    const SpeedQuantity quantity{SpeedDefinition::displacement};
     const auto other_of = [&](const std::vector<ArcEpoch<2>>& epochs) {
         const SmoothedArc<2> smoothed = smooth<2>(epochs, model);
         const EstimatedWindow<2> at{.epochs = epochs,
@@ -283,7 +290,7 @@ TEST(OtherEstimates, OfSamplesNoModelChangesAnything) {
                                 .model = model,
                                 .window = stretch.window,
                                 .duration_s = stretch.duration_s};
-    SpeedQuantity samples{"displacement"};
+    SpeedQuantity samples{SpeedDefinition::displacement};
     samples.of_samples = true;
     const auto by_weights = speed_weights(at, samples);
     const PositionNoise noise = position_noise(at, samples, by_weights, bounding(), bound_of());
@@ -297,7 +304,7 @@ TEST(OtherEstimates, OfSamplesNoModelChangesAnything) {
 TEST(OtherEstimates, AChordIsOfMeasuredEndsWithoutABridgedStepBetween) {
     WindowStretch<2> stretch = irregular_stretch();
     const EstimationModel model = fitted_model();
-    const auto has_chord = [&](const std::string& definition) {
+    const auto has_chord = [&](SpeedDefinition definition) {
         const SmoothedArc<2> smoothed = smooth<2>(stretch.epochs, model);
         const EstimatedWindow<2> at{.epochs = stretch.epochs,
                                     .smoothed = smoothed,
@@ -309,13 +316,13 @@ TEST(OtherEstimates, AChordIsOfMeasuredEndsWithoutABridgedStepBetween) {
             position_noise(at, {definition}, by_weights, bounding(), bound_of());
         return other_estimates(at, {definition}, by_weights, noise).chord_mps.has_value();
     };
-    EXPECT_TRUE(has_chord("displacement"));
-    EXPECT_FALSE(has_chord("path_length"));
+    EXPECT_TRUE(has_chord(SpeedDefinition::displacement));
+    EXPECT_FALSE(has_chord(SpeedDefinition::path_length));
     stretch.epochs[stretch.window.first + 3].step_before = true;
-    EXPECT_FALSE(has_chord("displacement"));
+    EXPECT_FALSE(has_chord(SpeedDefinition::displacement));
     stretch.epochs[stretch.window.first + 3].step_before = false;
     stretch.epochs[stretch.window.last].measurement.reset();
-    EXPECT_FALSE(has_chord("displacement"));
+    EXPECT_FALSE(has_chord(SpeedDefinition::displacement));
 }
 
 TEST(ErrorAlong, OfAnErrorInOneDirectionIsThatDirections) {
@@ -343,9 +350,9 @@ TEST(ErrorAlong, OfAnErrorInOneDirectionIsThatDirections) {
 
 /// Speed of the true motion of a window, by definition.
 double true_speed(const test::SimulatedArc<2>& run, const WindowStretch<2>& stretch,
-                  std::string_view definition) {
+                  SpeedDefinition definition) {
     const auto& [first, last] = stretch.window;
-    if (definition == "displacement")
+    if (definition == SpeedDefinition::displacement)
         return (run.truth[last].head<2>() - run.truth[first].head<2>()).norm() / stretch.duration_s;
     double path_m = 0.0;
     double speeds = 0.0;
@@ -354,8 +361,8 @@ double true_speed(const test::SimulatedArc<2>& run, const WindowStretch<2>& stre
         speeds += run.truth[k].segment<2>(2).norm();
     }
     const auto steps = static_cast<double>(last - first);
-    if (definition == "path_length") return path_m / stretch.duration_s;
-    if (definition == "mean_n") return speeds / steps;
+    if (definition == SpeedDefinition::path_length) return path_m / stretch.duration_s;
+    if (definition == SpeedDefinition::mean_n) return speeds / steps;
     return (speeds + run.truth[first].segment<2>(2).norm()) / (steps + 1.0);
 }
 
@@ -364,7 +371,8 @@ TEST(SpeedByDefinition, UncertaintyIsTheScatterOfDrawsFromTheModel) {
     EstimationModel model{.motion = {.jerk_density = 0.6},
                           .measurement_scale = 1.3,
                           .error = GaussMarkovError::steady(0.008, 2.0)};
-    const std::array definitions{"displacement", "path_length", "mean_n_plus_1", "mean_n"};
+    const std::array definitions{SpeedDefinition::displacement, SpeedDefinition::path_length,
+                                 SpeedDefinition::mean_n_plus_1, SpeedDefinition::mean_n};
     std::array<std::vector<double>, 4> errors;
     std::array<double, 4> stated{};
     RandomGenerator random(20261121);
@@ -398,10 +406,11 @@ TEST(CutStretch, WhatLiesBeyondTheMarginChangesNothing) {
     EXPECT_EQ(stretch.epochs.size(), 1231U);
     EXPECT_EQ(stretch.window.first, 600U);
     EXPECT_EQ(stretch.window.last, 630U);
-    const SpeedEstimate cut = speed_by_definition(smooth<2>(stretch.epochs, model), stretch.window,
-                                                  stretch.duration_s, {"displacement"});
-    const SpeedEstimate whole =
-        speed_by_definition(smooth<2>(arc.epochs, model), window, 3.0, {"displacement"});
+    const SpeedEstimate cut =
+        speed_by_definition(smooth<2>(stretch.epochs, model), stretch.window, stretch.duration_s,
+                            {SpeedDefinition::displacement});
+    const SpeedEstimate whole = speed_by_definition(smooth<2>(arc.epochs, model), window, 3.0,
+                                                    {SpeedDefinition::displacement});
     EXPECT_NEAR(cut.speed_mps, whole.speed_mps, 1e-7);
     EXPECT_NEAR(cut.standard_uncertainty_mps, whole.standard_uncertainty_mps,
                 1e-6 * whole.standard_uncertainty_mps);

@@ -40,7 +40,7 @@ EstimationModel estimate_model() {
 
 std::vector<UndetectedError> errors_of(const ScreenedTable& screened, const Arc<2>& arc,
                                        const WindowStretch<2>& stretch,
-                                       const std::string& definition) {
+                                       SpeedDefinition definition) {
     const EstimationModel model = estimate_model();
     const SmoothedArc<2> smoothed = smooth<2>(stretch.epochs, model);
     const SpeedWeights<2> weights = speed_weights<2>({.epochs = stretch.epochs,
@@ -52,9 +52,9 @@ std::vector<UndetectedError> errors_of(const ScreenedTable& screened, const Arc<
     return undetected_errors<2>(screened, arc, stretch, weights);
 }
 
-double speed_of(const WindowStretch<2>& stretch, std::string_view definition) {
+double speed_of(const WindowStretch<2>& stretch, SpeedDefinition definition) {
     return speed_by_definition(smooth<2>(stretch.epochs, estimate_model()), stretch.window,
-                               stretch.duration_s, {std::string(definition)})
+                               stretch.duration_s, {definition})
         .speed_mps;
 }
 
@@ -132,13 +132,15 @@ TEST_P(Reliability, OneEntryForEachHypothesisLargestFirst) {
 }
 
 INSTANTIATE_TEST_SUITE_P(OfEachDefinition, Reliability,
-                         testing::Values("displacement", "path_length", "mean_n_plus_1", "mean_n"));
+                         testing::Values(SpeedDefinition::displacement,
+                                         SpeedDefinition::path_length,
+                                         SpeedDefinition::mean_n_plus_1, SpeedDefinition::mean_n));
 
 TEST(ReliabilityOfAWindow, WithoutEvidenceNothingIsClaimed) {
     ScreenedTable screened = recorded({});
     const Arc<2> arc = arcs_of<2>(screened).front();
     const auto errors =
-        errors_of(screened, arc, cut_stretch(arc, {320, 350}, 60.0), "displacement");
+        errors_of(screened, arc, cut_stretch(arc, {320, 350}, 60.0), SpeedDefinition::displacement);
     EXPECT_TRUE(errors.empty());
     EXPECT_EQ(undetected_in_budget(errors), nullptr);
 }
@@ -147,10 +149,10 @@ TEST(ReliabilityOfAWindow, NoisierNeighboursHideMore) {
     ScreenedTable screened = screened_run();
     const Arc<2> arc = arcs_of<2>(screened).front();
     const WindowStretch<2> stretch = cut_stretch(arc, {320, 350}, 60.0);
-    const auto quiet = errors_of(screened, arc, stretch, "displacement");
+    const auto quiet = errors_of(screened, arc, stretch, SpeedDefinition::displacement);
     for (ScreenedEpoch& row : screened.rows)
         row.local_variance_factor = 4.0;
-    const auto noisy = errors_of(screened, arc, stretch, "displacement");
+    const auto noisy = errors_of(screened, arc, stretch, SpeedDefinition::displacement);
     EXPECT_NEAR(noisy.front().speed_mps, 2.0 * quiet.front().speed_mps, 1e-12);
 }
 

@@ -38,7 +38,8 @@ inline NoiseSummary summary_of(const EstimationModel& model) {
 }
 
 /// A rule over a window of this length, with floors of nothing.
-inline Profile rule_over(double duration_s, const std::string& definition = "displacement") {
+inline Profile rule_over(double duration_s,
+                         SpeedDefinition definition = SpeedDefinition::displacement) {
     Profile profile;
     profile.id = "test";
     profile.duration_s = duration_s;

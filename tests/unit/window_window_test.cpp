@@ -61,7 +61,7 @@ Sample random_sample(std::uint64_t seed) {
 
 /// The speed between two rows, by the definition in words.
 double value_of(const TrajectoryTable& t, std::size_t i, std::size_t j,
-                const std::string& definition) {
+                SpeedDefinition definition) {
     const double span = t.rows[j].time.seconds() - t.rows[i].time.seconds();
     double path = 0.0;
     double sum = *t.rows[i].speed_mps;
@@ -71,16 +71,17 @@ double value_of(const TrajectoryTable& t, std::size_t i, std::size_t j,
         sum += *t.rows[k].speed_mps;
     }
     const double n = static_cast<double>(j - i);
-    if (definition == "displacement")
+    if (definition == SpeedDefinition::displacement)
         return std::hypot(*t.rows[j].east_m - *t.rows[i].east_m,
                           *t.rows[j].north_m - *t.rows[i].north_m) /
                span;
-    if (definition == "path_length") return path / span;
-    return definition == "mean_n_plus_1" ? sum / (n + 1.0) : (sum - *t.rows[i].speed_mps) / n;
+    if (definition == SpeedDefinition::path_length) return path / span;
+    return definition == SpeedDefinition::mean_n_plus_1 ? sum / (n + 1.0)
+                                                        : (sum - *t.rows[i].speed_mps) / n;
 }
 
 /// The best window by trying every pair of epochs.
-double brute_force(const TrajectoryTable& t, double duration_s, const std::string& definition,
+double brute_force(const TrajectoryTable& t, double duration_s, SpeedDefinition definition,
                    std::int64_t& candidates) {
     double best = -1.0;
     candidates = 0;
@@ -133,8 +134,9 @@ TEST(WindowSearch, EqualsExhaustiveSearch) {
                 row.usable = true;
             }
         const ScreenedTable screened = screened_of(sample.trajectory);
-        for (const std::string definition :
-             {"displacement", "path_length", "mean_n_plus_1", "mean_n"}) {
+        for (const SpeedDefinition definition :
+             {SpeedDefinition::displacement, SpeedDefinition::path_length,
+              SpeedDefinition::mean_n_plus_1, SpeedDefinition::mean_n}) {
             for (const double duration_s : {1.0, 3.0}) {
                 std::int64_t candidates = 0;
                 const double expected =
@@ -142,7 +144,7 @@ TEST(WindowSearch, EqualsExhaustiveSearch) {
                 const Windows windows =
                     find_windows(screened, sample.trajectory,
                                  {test::rule_over(duration_s, definition)}, test::few_draws());
-                SCOPED_TRACE(definition);
+                SCOPED_TRACE(to_text(definition));
                 EXPECT_EQ(windows.profiles[0].candidates, candidates);
                 ASSERT_EQ(windows.profiles[0].best.has_value(), candidates > 0);
                 if (candidates == 0) continue;
@@ -155,7 +157,8 @@ TEST(WindowSearch, EqualsExhaustiveSearch) {
                                      row(best.span.last_epoch), definition),
                             expected, 1e-9);
                 // The certified speed of positions without error is that of the same window.
-                if (definition == "displacement" || definition == "path_length") {
+                if (definition == SpeedDefinition::displacement ||
+                    definition == SpeedDefinition::path_length) {
                     EXPECT_NEAR(best.speed_mps, expected, 1e-4);
                 }
             }

@@ -2,25 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 
 #include "core/failure.h"
 #include "core/text.h"
 #include "stages/import/cell.h"
 #include "stages/import/csv/csv.h"
-#include "stages/import/flysight/flysight.h"
-#include "stages/import/gpx/gpx.h"
-#include "stages/import/igc/igc.h"
+#include "stages/import/format.h"
 #include "stages/import/join.h"
-#include "stages/import/nmea/nmea.h"
-#include "stages/import/oao/oao.h"
 #include "stages/import/rinex/rinex.h"
-#include "stages/import/rtklib_pos/rtklib_pos.h"
-#include "stages/import/sbn/sbn.h"
-#include "stages/import/sbp/sbp.h"
-#include "stages/import/ubx/ubx.h"
-#include "stages/import/vbo/vbo.h"
 
 namespace runcert {
 namespace {
@@ -28,36 +18,16 @@ namespace {
 /// Recordings of up to so many bytes are held: reading twice would take them longer.
 constexpr std::size_t held_whole_bytes = std::size_t{64} << 20;
 
-/// A format that is recognised by its content.
-struct Format {
-    std::string_view name;  ///< as the attempt's `format` has it
-    std::string_view what;  ///< in words
-    bool (*recognises)(std::string_view bytes);
-    Observations (*read)(const Receiver&, const RecordingBytes&);
-};
-
-/// In the order in which they are tried: those that no other could be taken for come first.
-constexpr std::array formats{
-    Format{"rtklib-pos", "RTKLIB solution, .pos", rtklib_pos::recognises, rtklib_pos::read},
-    Format{"oao", "Motion OAO", oao::recognises, oao::read},
-    Format{"sbp", "Locosys SBP", sbp::recognises, sbp::read},
-    Format{"sbn", "Locosys SBN", sbn::recognises, sbn::read},
-    Format{"ubx", "u-blox UBX", ubx::recognises, ubx::read},
-    Format{"vbo", "Racelogic VBO", vbo::recognises, vbo::read},
-    Format{"flysight", "FlySight", flysight::recognises, flysight::read},
-    Format{"gpx", "GPX", gpx::recognises, gpx::read},
-    Format{"igc", "IGC", igc::recognises, igc::read},
-    Format{"nmea", "NMEA 0183", nmea::recognises, nmea::read},
-};
-
-/// "RTKLIB solution (.pos) rtklib-pos, ...".
+/// "RTKLIB solution, .pos (rtklib-pos), ...".
 std::string formats_read() {
     std::string text;
-    for (const Format& format : formats)
-        text += fmt::format("{} ({}), ", format.what, format.name);
-    return text +
-           "RINEX with base and navigation files (rinex), tables whose columns the attempt "
-           "names (csv), and what gpsbabel reads (gpsbabel)";
+    for (const Format* format : formats())
+        text += fmt::format("{}{} ({})",
+                            text.empty()                 ? ""
+                            : format == formats().back() ? ", and "
+                                                         : ", ",
+                            format->what, format->name);
+    return text;
 }
 
 /// A format that is known and not read, by how one of its first lines begins.
@@ -108,16 +78,25 @@ void check(const Observations& observations) {
                       "This is a fault of the program; please report it");
 }
 
+bool to_be_recognised(const Receiver& receiver) {
+    return receiver.format.empty() || receiver.format == "auto";
+}
+
+/// The format of a recording: as the attempt says, or by its content. Null where it is unknown.
+const Format* choose(const Receiver& receiver, const RecordingBytes& recording) {
+    if (!to_be_recognised(receiver)) return find_format(receiver.format);
+    if (!receiver.columns.empty()) return find_format("csv");
+    const std::string_view head = recording.bytes.substr(0, recognised_by);
+    for (const Format* format : formats())
+        if (format->recognises && format->recognises(head)) return format;
+    return nullptr;
+}
+
 Observations read_by_format(const Receiver& receiver, const RecordingBytes& recording) {
     require_readable(recording);
-    const bool recognise = receiver.format.empty() || receiver.format == "auto";
-    if (receiver.format == "csv" || (recognise && !receiver.columns.empty()))
-        return csv::read(receiver, recording);
-    const std::string_view head = recording.bytes.substr(0, recognised_by);
-    for (const Format& format : formats)
-        if (recognise ? format.recognises(head) : receiver.format == format.name)
-            return format.read(receiver, recording);
-    if (recognise) refuse_unknown(recording);
+    const Format* format = choose(receiver, recording);
+    if (format && format->read) return format->read(receiver, recording);
+    if (to_be_recognised(receiver)) refuse_unknown(recording);
     throw Failure(receiver.place.empty() ? "receiver " + receiver.id : receiver.place,
                   fmt::format("the format \"{}\" is not read", escape_for_message(receiver.format)),
                   fmt::format("Formats that are read: {}", formats_read()));
@@ -126,11 +105,7 @@ Observations read_by_format(const Receiver& receiver, const RecordingBytes& reco
 }  // namespace
 
 bool is_read_by_itself(const Receiver& receiver, const RecordingBytes& recording) {
-    if (!receiver.format.empty() && receiver.format != "auto") return true;
-    const std::string_view head = recording.bytes.substr(0, recognised_by);
-    return !receiver.columns.empty() ||
-           std::any_of(formats.begin(), formats.end(),
-                       [&](const Format& format) { return format.recognises(head); });
+    return !to_be_recognised(receiver) || choose(receiver, recording);
 }
 
 Observations import_recording(const Receiver& receiver, const RecordingBytes& recording) {
@@ -141,14 +116,11 @@ Observations import_recording(const Receiver& receiver, const RecordingBytes& re
 
 std::optional<RowByRow> import_row_by_row(const Receiver& receiver,
                                           const RecordingBytes& recording) {
-    const bool recognise = receiver.format.empty() || receiver.format == "auto";
-    const bool is_pos = recognise
-                            ? receiver.columns.empty() &&
-                                  rtklib_pos::recognises(recording.bytes.substr(0, recognised_by))
-                            : receiver.format == "rtklib-pos";
-    if (!is_pos || recording.bytes.size() <= held_whole_bytes) return std::nullopt;
+    if (recording.bytes.size() <= held_whole_bytes) return std::nullopt;
+    const Format* format = choose(receiver, recording);
+    if (!format || !format->read_row_by_row) return std::nullopt;
     require_readable(recording);
-    return rtklib_pos::read_row_by_row(receiver, recording);
+    return format->read_row_by_row(receiver, recording);
 }
 
 Observations import_recordings(const Receiver& receiver,

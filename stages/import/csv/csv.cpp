@@ -8,6 +8,7 @@
 #include "stages/import/csv/row.h"
 #include "stages/import/csv/split.h"
 #include "stages/import/finish.h"
+#include "stages/import/format.h"
 
 namespace runcert::csv {
 namespace {
@@ -116,5 +117,13 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     note_text(observations, recording);
     return observations;
 }
+
+extern const Format format{
+    .name = "csv",
+    .what = "tables whose columns the attempt names",
+    .place = 120,
+    .time_origin = "the table's time column, whose clock the table does not say",
+    .read = read,
+};
 
 }  // namespace runcert::csv

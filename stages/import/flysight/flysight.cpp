@@ -10,6 +10,7 @@
 #include "stages/import/cell.h"
 #include "stages/import/finish.h"
 #include "stages/import/flysight/row.h"
+#include "stages/import/format.h"
 
 namespace runcert::flysight {
 namespace {
@@ -201,5 +202,15 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     note_text(observations, recording);
     return observations;
 }
+
+extern const Format format{
+    .name = "flysight",
+    .what = "FlySight",
+    .place = 70,
+    .of_satellites = true,
+    .time_origin = "UTC of the receiver's navigation solutions",
+    .recognises = recognises,
+    .read = read,
+};
 
 }  // namespace runcert::flysight

@@ -8,6 +8,7 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "stages/import/cell.h"
+#include "stages/import/format.h"
 #include "stages/import/gpx/gpx.h"
 #include "stages/import/gpx/scan.h"
 
@@ -111,5 +112,12 @@ Observations read_converted(const Receiver& receiver, const RecordingBytes& reco
             "Places of track points that could not be read are those in gpsbabel's GPX.");
     return observations;
 }
+
+extern const Format format{
+    .name = "gpsbabel",
+    .what = "what gpsbabel reads",
+    .place = 130,
+    .time_origin = "times as converted by gpsbabel, whose clock is not said",
+};
 
 }  // namespace runcert::gpsbabel

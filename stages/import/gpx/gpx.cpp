@@ -9,6 +9,7 @@
 #include "core/text.h"
 #include "stages/import/cell.h"
 #include "stages/import/finish.h"
+#include "stages/import/format.h"
 #include "stages/import/gpx/point.h"
 #include "stages/import/gpx/scan.h"
 
@@ -181,5 +182,14 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     apply_attempt(observations, receiver);
     return observations;
 }
+
+extern const Format format{
+    .name = "gpx",
+    .what = "GPX",
+    .place = 80,
+    .time_origin = "times of the file's points, whose clock the format does not say",
+    .recognises = recognises,
+    .read = read,
+};
 
 }  // namespace runcert::gpx

@@ -6,6 +6,7 @@
 #include "core/text.h"
 #include "stages/import/clock.h"
 #include "stages/import/finish.h"
+#include "stages/import/format.h"
 #include "stages/import/igc/header.h"
 #include "stages/import/igc/row.h"
 
@@ -266,5 +267,15 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     note_text(observations, recording);
     return observations;
 }
+
+extern const Format format{
+    .name = "igc",
+    .what = "IGC",
+    .place = 90,
+    .of_satellites = true,
+    .time_origin = "UTC of the flight recorder's satellite positions",
+    .recognises = recognises,
+    .read = read,
+};
 
 }  // namespace runcert::igc

@@ -6,6 +6,7 @@
 
 #include "core/failure.h"
 #include "stages/import/finish.h"
+#include "stages/import/format.h"
 #include "stages/import/nmea/date.h"
 #include "stages/import/nmea/row.h"
 
@@ -160,5 +161,15 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     note_text(observations, recording);
     return observations;
 }
+
+extern const Format format{
+    .name = "nmea",
+    .what = "NMEA 0183",
+    .place = 100,
+    .of_satellites = true,
+    .time_origin = "UTC of the receiver's position sentences",
+    .recognises = recognises,
+    .read = read,
+};
 
 }  // namespace runcert::nmea

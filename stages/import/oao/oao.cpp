@@ -4,6 +4,7 @@
 
 #include "core/failure.h"
 #include "stages/import/finish.h"
+#include "stages/import/format.h"
 #include "stages/import/oao/frame.h"
 
 namespace runcert::oao {
@@ -124,5 +125,15 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     apply_attempt(observations, receiver);
     return observations;
 }
+
+extern const Format format{
+    .name = "oao",
+    .what = "Motion OAO",
+    .place = 20,
+    .of_satellites = true,
+    .time_origin = "UTC of the receiver's navigation solutions",
+    .recognises = recognises,
+    .read = read,
+};
 
 }  // namespace runcert::oao

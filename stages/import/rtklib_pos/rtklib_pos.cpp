@@ -7,6 +7,7 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "stages/import/finish.h"
+#include "stages/import/format.h"
 #include "stages/import/rtklib_pos/header.h"
 #include "stages/import/rtklib_pos/row.h"
 
@@ -186,5 +187,16 @@ RowByRow read_row_by_row(const Receiver& receiver, const RecordingBytes& recordi
     };
     return result;
 }
+
+extern const Format format{
+    .name = "rtklib-pos",
+    .what = "RTKLIB solution, .pos",
+    .place = 10,
+    .of_satellites = true,
+    .time_origin = "GPS time of the receiver's measurements, as RTKLIB solved it",
+    .recognises = recognises,
+    .read = read,
+    .read_row_by_row = read_row_by_row,
+};
 
 }  // namespace runcert::rtklib_pos

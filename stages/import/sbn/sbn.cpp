@@ -4,6 +4,7 @@
 
 #include "core/failure.h"
 #include "stages/import/finish.h"
+#include "stages/import/format.h"
 #include "stages/import/sbn/frame.h"
 #include "stages/import/sbn/row.h"
 #include "stages/import/sbp/device.h"
@@ -123,5 +124,15 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     apply_attempt(observations, receiver);
     return observations;
 }
+
+extern const Format format{
+    .name = "sbn",
+    .what = "Locosys SBN",
+    .place = 40,
+    .of_satellites = true,
+    .time_origin = "GPS time of the receiver's navigation solutions",
+    .recognises = recognises,
+    .read = read,
+};
 
 }  // namespace runcert::sbn

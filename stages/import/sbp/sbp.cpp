@@ -8,6 +8,7 @@
 #include "core/failure.h"
 #include "stages/import/byte_order.h"
 #include "stages/import/finish.h"
+#include "stages/import/format.h"
 #include "stages/import/sbp/device.h"
 #include "stages/import/sbp/jumps.h"
 #include "stages/import/sbp/row.h"
@@ -113,5 +114,15 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     apply_attempt(observations, receiver);
     return observations;
 }
+
+extern const Format format{
+    .name = "sbp",
+    .what = "Locosys SBP",
+    .place = 30,
+    .of_satellites = true,
+    .time_origin = "UTC of the receiver's navigation solutions",
+    .recognises = recognises,
+    .read = read,
+};
 
 }  // namespace runcert::sbp

@@ -9,6 +9,7 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "stages/import/finish.h"
+#include "stages/import/format.h"
 #include "stages/import/nmea/nmea.h"
 #include "stages/import/ubx/epoch.h"
 #include "stages/import/ubx/frames.h"
@@ -216,5 +217,15 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     apply_attempt(observations, receiver);
     return observations;
 }
+
+extern const Format format{
+    .name = "ubx",
+    .what = "u-blox UBX",
+    .place = 50,
+    .of_satellites = true,
+    .time_origin = "UTC of the receiver's navigation solutions",
+    .recognises = recognises,
+    .read = read,
+};
 
 }  // namespace runcert::ubx

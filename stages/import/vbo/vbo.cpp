@@ -7,6 +7,7 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "stages/import/finish.h"
+#include "stages/import/format.h"
 #include "stages/import/vbo/date.h"
 #include "stages/import/vbo/header.h"
 #include "stages/import/vbo/row.h"
@@ -113,5 +114,15 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     note_text(observations, recording);
     return observations;
 }
+
+extern const Format format{
+    .name = "vbo",
+    .what = "Racelogic VBO",
+    .place = 60,
+    .of_satellites = true,
+    .time_origin = "UTC of the receiver, the file's time channel",
+    .recognises = recognises,
+    .read = read,
+};
 
 }  // namespace runcert::vbo

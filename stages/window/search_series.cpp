@@ -120,7 +120,7 @@ SearchRule search_rule(const Profile& profile, double duration_tolerance_s,
 }
 
 std::optional<RecordedSpeed> recorded_speed(const RecordedVelocity& velocity,
-                                            std::string_view dimension) {
+                                            Dimension dimension) {
     const bool level = dimension != Dimension::vertical;
     const bool upright = dimension != Dimension::horizontal;
     if (level && !(velocity.recorded_velocity_east_mps && velocity.recorded_velocity_north_mps))

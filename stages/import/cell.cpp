@@ -60,6 +60,16 @@ void Cell::fail(const std::string& what, const std::string& remedy) const {
     throw Failure(place(), what, remedy);
 }
 
+std::optional<int> digits_at(std::string_view text, std::size_t at, std::size_t size) {
+    if (text.size() < at + size) return std::nullopt;
+    int value = 0;
+    for (const char c : text.substr(at, size)) {
+        if (c < '0' || c > '9') return std::nullopt;
+        value = value * 10 + (c - '0');
+    }
+    return value;
+}
+
 double read_real(const Cell& cell, std::string_view meaning) {
     const std::optional<double> value = parse_double(cell.text);
     if (!value) refuse_number(cell, meaning);

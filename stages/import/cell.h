@@ -24,6 +24,9 @@ struct Cell {
 /// "file:line:column" of a recording.
 std::string place_in(const RecordingBytes& recording, std::int64_t line, std::size_t column);
 
+/// The number of exactly `size` digits, at most nine, at `at`; nothing where they are not there.
+std::optional<int> digits_at(std::string_view text, std::size_t at, std::size_t size);
+
 // Each of these takes the whole text for its value, and fails at the cell otherwise; `meaning`
 // ("height") says in the message what was looked for.
 

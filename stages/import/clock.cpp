@@ -11,22 +11,11 @@ namespace {
 
 constexpr std::int64_t unix_seconds_of_gps_epoch = 315'964'800;
 
-/// The number of exactly `size` digits at `at`, which must be there.
-std::optional<int> digits(std::string_view text, std::size_t at, std::size_t size) {
-    if (text.size() < at + size) return std::nullopt;
-    int value = 0;
-    for (const char c : text.substr(at, size)) {
-        if (c < '0' || c > '9') return std::nullopt;
-        value = value * 10 + (c - '0');
-    }
-    return value;
-}
-
 void read_date(const Cell& cell, CalendarTime& calendar) {
     const std::string_view text = cell.text;
-    const auto year = digits(text, 0, 4);
-    const auto month = digits(text, 5, 2);
-    const auto day = digits(text, 8, 2);
+    const auto year = digits_at(text, 0, 4);
+    const auto month = digits_at(text, 5, 2);
+    const auto day = digits_at(text, 8, 2);
     const bool separated =
         text.size() == 10 && (text[4] == '-' || text[4] == '/') && text[7] == text[4];
     if (!separated || !year || !month || !day)
@@ -39,10 +28,10 @@ void read_date(const Cell& cell, CalendarTime& calendar) {
 
 void read_time_of_day(const Cell& cell, CalendarTime& calendar) {
     const std::string_view text = cell.text;
-    const auto hour = digits(text, 0, 2);
-    const auto minute = digits(text, 3, 2);
+    const auto hour = digits_at(text, 0, 2);
+    const auto minute = digits_at(text, 3, 2);
     std::optional<std::int64_t> nanoseconds;
-    if (text.size() >= 8 && text[2] == ':' && text[5] == ':' && digits(text, 6, 2) &&
+    if (text.size() >= 8 && text[2] == ':' && text[5] == ':' && digits_at(text, 6, 2) &&
         (text.size() == 8 || text[8] == '.'))
         nanoseconds = parse_decimal_nanoseconds(text.substr(6));
     if (!hour || !minute || !nanoseconds)
@@ -110,15 +99,20 @@ GpsTime read_week_time(const Cell& week, const Cell& seconds_of_week, Clock cloc
     });
 }
 
-GpsTime instant_of_utc(const CalendarTime& utc, const RecordingBytes& recording,
-                       const RecordPlace& place) {
+GpsTime instant_of_record(const RecordingBytes& recording, const RecordPlace& place,
+                          const std::function<GpsTime()>& find) {
     try {
-        return gps_from_utc(utc);
+        return find();
     } catch (const Failure& failure) {
         throw Failure(place_in(recording, place),
                       fmt::format("the record's time does not exist: {}", failure.problem()),
                       "The record is damaged; take the recording as the receiver wrote it");
     }
+}
+
+GpsTime instant_of_utc(const CalendarTime& utc, const RecordingBytes& recording,
+                       const RecordPlace& place) {
+    return instant_of_record(recording, place, [&] { return gps_from_utc(utc); });
 }
 
 GpsTime read_unix(const Cell& cell) {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <functional>
 
 #include "core/gps_time.h"
 #include "stages/import/cell.h"
@@ -35,6 +36,10 @@ GpsTime read_iso(const Cell& cell, Clock clock);
 
 /// The instant at which the clock shows this full week number and these seconds of the week.
 GpsTime read_week_time(const Cell& week, const Cell& seconds_of_week, Clock clock);
+
+/// What `find` gives; its Failure becomes one at the record's place.
+GpsTime instant_of_record(const RecordingBytes& recording, const RecordPlace& place,
+                          const std::function<GpsTime()>& find);
 
 /// The instant of a UTC calendar time that a binary record gives. Failure at its place.
 GpsTime instant_of_utc(const CalendarTime& utc, const RecordingBytes& recording,

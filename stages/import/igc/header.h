@@ -39,19 +39,12 @@ struct Layout {
 /// What the GNSS altitude is above (HFALG).
 enum class AltitudeReference { not_stated, ellipsoid, geoid, none };
 
-/// A date of the header, UTC.
-struct Date {
-    int year = 0;
-    int month = 0;
-    int day = 0;
-};
-
 /// The layout of an I record ("I023638FXA3940SIU"). Failure at the cell.
 Layout read_extensions(const Cell& record);
 
 /// The date of a record "HFDTE160701" or "HFDTEDATE:160701,01"; nothing where the record is
-/// another one. Years 80 to 99 are of the 20th century. Failure at the cell.
-std::optional<Date> read_date(const Cell& record);
+/// another one. Days since 1980-01-06; years 80 to 99 are of the 20th century. Failure at the cell.
+std::optional<std::int64_t> read_date(const Cell& record);
 
 /// The three letters that say what an H record is about ("ALG"); empty where it is none.
 std::string_view header_code(std::string_view record);

@@ -5,6 +5,7 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "stages/import/clock.h"
+#include "stages/import/day_clock.h"
 #include "stages/import/finish.h"
 #include "stages/import/format.h"
 #include "stages/import/igc/header.h"
@@ -14,65 +15,6 @@ namespace runcert::igc {
 namespace {
 
 constexpr std::int64_t lines_to_recognise = 400;
-
-/// The date that the attempt states for recordings without one ("2023-07-11").
-std::optional<Date> attempted_date(const Receiver& receiver) {
-    const std::string& text = receiver.start_date;
-    if (text.size() != 10) return std::nullopt;
-    const auto part = [&](std::size_t at, std::size_t size) {
-        return static_cast<int>(parse_integer(std::string_view(text).substr(at, size)).value_or(0));
-    };
-    return Date{.year = part(0, 4), .month = part(5, 2), .day = part(8, 2)};
-}
-
-/// Gives B records their dates: the header's, and the next day where the time of day starts again.
-class Calendar {
-  public:
-    void set(const Date& date) {
-        date_ = date;
-        days_later_ = 0;
-        last_ns_ = before_last_ns_ = 0;
-    }
-    bool has_date() const { return date_.has_value(); }
-
-    /// The UTC of a time of day, in the order of the recording. Failure after ten years.
-    CalendarTime utc(std::int64_t of_day_ns) {
-        if (of_day_ns < last_ns_ - half_day_ns && !returns(of_day_ns)) ++days_later_;
-        before_last_ns_ = last_ns_;
-        last_ns_ = of_day_ns;
-        CalendarTime day{.year = date_->year, .month = date_->month, .day = date_->day};
-        if (days_later_ > most_days)
-            throw Failure("time", "midnight passes more than 3653 times",
-                          "The times of day are garbled");
-        if (days_later_ > 0)
-            day = GpsTime::from_calendar(day)
-                      .plus_nanoseconds(days_later_ * GpsTime::nanoseconds_per_day)
-                      .calendar();
-        const std::int64_t seconds = of_day_ns / GpsTime::nanoseconds_per_second;
-        const bool leap = seconds >= 86'400;
-        day.hour = leap ? 23 : static_cast<int>(seconds / 3600);
-        day.minute = leap ? 59 : static_cast<int>(seconds / 60 % 60);
-        day.second = leap ? 60 : static_cast<int>(seconds % 60);
-        day.nanosecond = of_day_ns % GpsTime::nanoseconds_per_second;
-        return day;
-    }
-
-  private:
-    static constexpr std::int64_t half_day_ns = GpsTime::nanoseconds_per_day / 2;
-    static constexpr std::int64_t most_days = 3653;
-
-    /// Whether the record before was one wrong time, half a day ahead, and this one goes on from
-    /// where the one before that was.
-    bool returns(std::int64_t of_day_ns) const {
-        return last_ns_ - before_last_ns_ > half_day_ns && before_last_ns_ > 0 &&
-               of_day_ns >= before_last_ns_;
-    }
-
-    std::optional<Date> date_;
-    std::int64_t days_later_ = 0;
-    std::int64_t last_ns_ = 0;
-    std::int64_t before_last_ns_ = 0;
-};
 
 /// What the recorder says of itself in its header.
 struct Identity {
@@ -101,7 +43,7 @@ class Reader {
   public:
     Reader(const Receiver& receiver, const RecordingBytes& recording)
         : recording_(recording), timed_(recording) {
-        if (const auto date = attempted_date(receiver)) calendar_.set(*date);
+        if (const auto day = attempted_day(receiver)) clock_.emplace(day);
     }
 
     Observations read() {
@@ -150,12 +92,12 @@ class Reader {
             cell.fail(fmt::format("the B record \"{}\" is cut off or garbled",
                                   escape_for_message(cell.text)),
                       "Take the recording as the flight recorder wrote it");
-        if (!calendar_.has_date())
+        if (!clock_)
             cell.fail("no record HFDTE before this one says which day it is",
                       "Write start_date in the receiver, the UTC date of the first record");
         const std::int64_t of_day_ns = read_time_of_day(cell, layout_);
         TimedRow row = read_fix(cell, layout_, reference_);
-        row.instant = instant_of_utc(calendar_.utc(of_day_ns), recording_, line);
+        row.instant = instant_of_record(recording_, line, [&] { return clock_->next(of_day_ns); });
         if (row.observation.fix == FixKind::unknown) ++without_height_;
         return row;
     }
@@ -164,10 +106,8 @@ class Reader {
         try {
             if (cell.text[0] == 'I') {
                 layout_ = read_extensions(cell);
-            } else if (const auto date = read_date(cell)) {
-                GpsTime::from_calendar(
-                    {.year = date->year, .month = date->month, .day = date->day});
-                calendar_.set(*date);
+            } else if (const auto day = read_date(cell)) {
+                clock_.emplace(day);
             } else {
                 read_h(cell.text);
             }
@@ -233,7 +173,7 @@ class Reader {
 
     const RecordingBytes& recording_;
     TimedRows timed_;
-    Calendar calendar_;
+    std::optional<DayClock> clock_;  ///< once the date is known
     Layout layout_;
     AltitudeReference reference_ = AltitudeReference::not_stated;
     Identity identity_;

@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <optional>
 
 #include "core/failure.h"
 #include "core/gps_time.h"
 #include "core/text.h"
+#include "stages/import/day_clock.h"
 
 namespace runcert::nmea {
 namespace {
@@ -18,17 +18,6 @@ constexpr const char* as_written = "Take the recording as the receiver wrote it"
 
 bool is_digit(char c) {
     return c >= '0' && c <= '9';
-}
-
-/// The number of exactly `size` digits at `at`.
-std::optional<int> digits(std::string_view text, std::size_t at, std::size_t size) {
-    if (text.size() < at + size) return std::nullopt;
-    int value = 0;
-    for (const char c : text.substr(at, size)) {
-        if (!is_digit(c)) return std::nullopt;
-        value = value * 10 + (c - '0');
-    }
-    return value;
 }
 
 /// Nanoseconds of the decimals of a second, from their point on.
@@ -42,16 +31,6 @@ std::optional<std::int64_t> fraction_ns(std::string_view text) {
         value = value * 10 + (c - '0');
     }
     return value;
-}
-
-std::optional<std::int64_t> day_of(int year, int month, int day) {
-    using namespace std::chrono;
-    const year_month_day date{std::chrono::year{year} /
-                              std::chrono::month{static_cast<unsigned>(month)} /
-                              std::chrono::day{static_cast<unsigned>(day)}};
-    if (!date.ok() || year < 1980 || year > 2200) return std::nullopt;
-    constexpr sys_days gps_epoch{std::chrono::year{1980} / 1 / 6};
-    return (sys_days{date} - gps_epoch).count();
 }
 
 /// The whole number and the decimals of a text of digits and one point at most.
@@ -93,9 +72,9 @@ std::optional<Decimal> read_decimal(std::string_view text, std::size_t most_whol
 }  // namespace
 
 std::int64_t read_time_of_day(const Cell& cell) {
-    const auto hour = digits(cell.text, 0, 2);
-    const auto minute = digits(cell.text, 2, 2);
-    const auto second = digits(cell.text, 4, 2);
+    const auto hour = digits_at(cell.text, 0, 2);
+    const auto minute = digits_at(cell.text, 2, 2);
+    const auto second = digits_at(cell.text, 4, 2);
     const auto fraction =
         cell.text.size() >= 6 ? fraction_ns(cell.text.substr(6)) : std::optional<std::int64_t>();
     if (!hour || !minute || !second || !fraction || *hour > 23 || *minute > 59 ||
@@ -107,34 +86,20 @@ std::int64_t read_time_of_day(const Cell& cell) {
 }
 
 std::int64_t read_date(const Cell& cell) {
-    const auto day = digits(cell.text, 0, 2);
-    const auto month = digits(cell.text, 2, 2);
-    const auto year = digits(cell.text, 4, 2);
+    const auto day = digits_at(cell.text, 0, 2);
+    const auto month = digits_at(cell.text, 2, 2);
+    const auto year = digits_at(cell.text, 4, 2);
     if (cell.text.size() != 6 || !day || !month || !year) refuse_date(cell);
-    const auto found = day_of(*year + (*year >= 80 ? 1900 : 2000), *month, *day);
+    const auto found = day_number(*year + (*year >= 80 ? 1900 : 2000), *month, *day);
     if (!found) refuse_date(cell);
     return *found;
 }
 
 std::int64_t read_date(const Cell& day, const Cell& month, const Cell& year) {
-    const auto found = day_of(static_cast<int>(read_whole(year, "year", 0, 9999)),
-                              static_cast<int>(read_whole(month, "month", 0, 99)),
-                              static_cast<int>(read_whole(day, "day", 0, 99)));
+    const auto found = day_number(static_cast<int>(read_whole(year, "year", 0, 9999)),
+                                  static_cast<int>(read_whole(month, "month", 0, 99)),
+                                  static_cast<int>(read_whole(day, "day", 0, 99)));
     if (!found) refuse_date(year);
-    return *found;
-}
-
-std::int64_t read_iso_date(std::string_view text, const std::string& place) {
-    const auto year = digits(text, 0, 4);
-    const auto month = digits(text, 5, 2);
-    const auto day = digits(text, 8, 2);
-    const bool separated = text.size() == 10 && text[4] == '-' && text[7] == '-';
-    const auto found =
-        separated && year && month && day ? day_of(*year, *month, *day) : std::nullopt;
-    if (!found)
-        throw Failure(place,
-                      fmt::format("start_date \"{}\" is not a date", escape_for_message(text)),
-                      "Write it as 2023-07-11: year, month, day");
     return *found;
 }
 

@@ -22,9 +22,6 @@ std::int64_t read_date(const Cell& cell);
 /// The day of separate day, month and full year.
 std::int64_t read_date(const Cell& day, const Cell& month, const Cell& year);
 
-/// The day of "2023-07-11", counted from 1980-01-06. Failure at `place` for anything else.
-std::int64_t read_iso_date(std::string_view text, const std::string& place);
-
 /// The angle of "ddmm.mmmm" or "dddmm.mmmm", with any decimals, rounded once; `positive` and
 /// `negative` are the letters of its hemispheres. From 0 to `most_degrees` either way.
 Angle read_angle(const Cell& cell, const Cell& hemisphere, char positive, char negative,

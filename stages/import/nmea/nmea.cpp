@@ -5,6 +5,8 @@
 #include <array>
 
 #include "core/failure.h"
+#include "stages/import/clock.h"
+#include "stages/import/day_clock.h"
 #include "stages/import/finish.h"
 #include "stages/import/format.h"
 #include "stages/import/nmea/date.h"
@@ -85,7 +87,8 @@ std::optional<FirstDay> first_day_of(const Receiver& receiver, const RecordingBy
                 "The attempt's start_date is not used: the recording has dates of its own.");
         return recorded;
     }
-    if (receiver.start_date.empty()) {
+    const std::optional<std::int64_t> day = attempted_day(receiver);
+    if (!day) {
         observations.time_scale = "relative";
         observations.notes.push_back(
             "The recording has times of day and no date: start_date in the receiver would date "
@@ -95,7 +98,7 @@ std::optional<FirstDay> first_day_of(const Receiver& receiver, const RecordingBy
     observations.time_scale = "utc";
     observations.notes.push_back(fmt::format(
         "The recording has no date; the attempt's start_date is used: {}.", receiver.start_date));
-    return FirstDay{.day = read_iso_date(receiver.start_date, receiver.place)};
+    return FirstDay{.day = *day};
 }
 
 void require_position_sentences(const RecordingBytes& recording, const TimedRows& timed,
@@ -132,7 +135,8 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     Observations observations;
     observations.format = "nmea";
     observations.frame = "geodetic";
-    Dating dating(first_day_of(receiver, recording, observations));
+    const std::optional<FirstDay> first = first_day_of(receiver, recording, observations);
+    DayClock clock(first ? std::optional(first->day) : std::nullopt);
     TimedRows timed(recording);
     EpochReader epochs(recording, &timed);
     RowMaker maker;
@@ -144,7 +148,10 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
         }
         const RecordPlace place = place_of(*epoch);
         try {
-            timed.add(maker.row(*epoch, dating.instant(*epoch, recording)), place);
+            const GpsTime instant = instant_of_record(recording, place, [&] {
+                return clock.next(epoch->time_of_day_ns, day_of(*epoch, first));
+            });
+            timed.add(maker.row(*epoch, instant), place);
         } catch (const Failure& failure) {
             timed.count_bad(place, failure);
         }

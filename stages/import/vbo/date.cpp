@@ -8,21 +8,18 @@
 
 #include "core/failure.h"
 #include "core/text.h"
+#include "stages/import/day_clock.h"
 
 namespace runcert::vbo {
 namespace {
 
-using std::chrono::sys_days;
-
-constexpr std::int64_t half_day_ns = GpsTime::nanoseconds_per_day / 2;
 constexpr double ns_per_hour = 3600e9;
 constexpr double largest_offset_h = 14.0;
-constexpr std::int64_t most_days = 36'500;
-constexpr int first_year = 1990, last_year = 2200;
+constexpr unsigned first_year = 1990;
 
 /// The header's date and time.
 struct Created {
-    sys_days day;
+    std::int64_t day = 0;                 ///< since 1980-01-06
     std::optional<std::int64_t> time_ns;  ///< since midnight
 };
 
@@ -58,13 +55,6 @@ std::optional<std::int64_t> take_time_ns(std::string_view& text) {
     return seconds * GpsTime::nanoseconds_per_second;
 }
 
-std::optional<sys_days> valid_day(unsigned year, unsigned month, unsigned day) {
-    const std::chrono::year_month_day date{std::chrono::year{static_cast<int>(year)},
-                                           std::chrono::month{month}, std::chrono::day{day}};
-    if (!date.ok() || year < first_year || year > last_year) return std::nullopt;
-    return sys_days{date};
-}
-
 /// "01/08/2025 @ 14:00:12", "07/12/2014 09:02:23", "15/04/2004 at 08:21".
 std::optional<Created> read_created(std::string_view text) {
     const auto day = take_number(text);
@@ -72,17 +62,18 @@ std::optional<Created> read_created(std::string_view text) {
     const auto month = take_number(text);
     skip_to_digit(text);
     const auto year = take_number(text);
-    if (!day || !month || !year) return std::nullopt;
-    const auto date = valid_day(*year, *month, *day);
+    if (!day || !month || !year || *year < first_year) return std::nullopt;
+    const auto date =
+        day_number(static_cast<int>(*year), static_cast<int>(*month), static_cast<int>(*day));
     if (!date) return std::nullopt;
     skip_to_digit(text);
     return Created{*date, take_time_ns(text)};
 }
 
-std::string to_text(sys_days day) {
-    const std::chrono::year_month_day date{day};
-    return fmt::format("{:04}-{:02}-{:02}", static_cast<int>(date.year()), unsigned{date.month()},
-                       unsigned{date.day()});
+std::string to_text(std::int64_t day) {
+    const CalendarTime date =
+        GpsTime::from_nanoseconds(day * GpsTime::nanoseconds_per_day).calendar();
+    return fmt::format("{:04}-{:02}-{:02}", date.year, date.month, date.day);
 }
 
 /// "5 h behind", "10 h 30 min ahead of" UTC, to the quarter of an hour.
@@ -112,7 +103,7 @@ FirstDay by_created(const Receiver& receiver, const Created& created, std::strin
             continue;
         least_h = std::abs(offset_h - expected_h);
         best_h = offset_h;
-        best.utc = created.day + std::chrono::days{shift};
+        best.utc = created.day + shift;
     }
     best.note = fmt::format(
         "The recording gives times of day in UTC, and in its header the local date and time at "
@@ -123,33 +114,20 @@ FirstDay by_created(const Receiver& receiver, const Created& created, std::strin
 }
 
 /// The UTC day by which a time of day is nearest to an instant.
-sys_days day_nearest_to(GpsTime instant, std::int64_t time_of_day_ns) {
+std::int64_t day_nearest_to(GpsTime instant, std::int64_t time_of_day_ns) {
     const CalendarTime utc = utc_from_gps(instant).time;
-    const sys_days day{std::chrono::year{utc.year} /
-                       std::chrono::month{static_cast<unsigned>(utc.month)} /
-                       std::chrono::day{static_cast<unsigned>(utc.day)}};
-    const std::int64_t shown_ns =
-        (std::int64_t{3600} * utc.hour + std::int64_t{60} * utc.minute + utc.second) *
-        GpsTime::nanoseconds_per_second;
-    const std::int64_t ahead_ns = time_of_day_ns - shown_ns;
-    if (ahead_ns > half_day_ns) return day - std::chrono::days{1};
-    if (ahead_ns < -half_day_ns) return day + std::chrono::days{1};
-    return day;
+    DayCount count;
+    count.next((std::int64_t{3600} * utc.hour + std::int64_t{60} * utc.minute + utc.second) *
+               GpsTime::nanoseconds_per_second);
+    return *day_number(utc.year, utc.month, utc.day) + count.next(time_of_day_ns);
 }
 
 }  // namespace
 
 FirstDay find_first_day(const Receiver& receiver, std::string_view created_text,
                         std::int64_t time_of_day_ns, std::optional<double> longitude_deg) {
-    std::string_view date = receiver.start_date;
-    const auto year = take_number(date);
-    skip_to_digit(date);
-    const auto month = take_number(date);
-    skip_to_digit(date);
-    const auto day = take_number(date);
-    if (year && month && day)
-        if (const auto start = valid_day(*year, *month, *day))
-            return {start, "The date of the first epoch is the attempt's start_date."};
+    if (const auto start = attempted_day(receiver))
+        return {start, "The date of the first epoch is the attempt's start_date."};
     if (const auto created = read_created(created_text))
         return by_created(receiver, *created, created_text, time_of_day_ns, longitude_deg);
     const std::string no_date =
@@ -166,34 +144,6 @@ FirstDay find_first_day(const Receiver& receiver, std::string_view created_text,
     return {std::nullopt, no_date +
                               ": its time is relative until start_date in the receiver says "
                               "the UTC date of the first epoch."};
-}
-
-GpsTime DayClock::midnight_of(std::int64_t day) const {
-    if (!first_day_) return GpsTime().plus_nanoseconds(day * GpsTime::nanoseconds_per_day);
-    const std::chrono::year_month_day date{*first_day_ + std::chrono::days{day}};
-    return gps_from_utc({.year = static_cast<int>(date.year()),
-                         .month = static_cast<int>(unsigned{date.month()}),
-                         .day = static_cast<int>(unsigned{date.day()})});
-}
-
-GpsTime DayClock::next(std::int64_t time_of_day_ns) {
-    std::int64_t day = day_;
-    if (before_ns_ && time_of_day_ns - *before_ns_ < -half_day_ns) ++day;
-    if (before_ns_ && time_of_day_ns - *before_ns_ > half_day_ns) --day;
-    if (std::abs(day) > most_days)
-        throw Failure("time", "midnight has passed more often than in a hundred years",
-                      "Take the recording as the logger wrote it");
-    if (known_day_ != day) {
-        midnight_ = midnight_of(day);
-        length_ns_ = midnight_of(day + 1).nanoseconds_since(midnight_);
-        known_day_ = day;
-    }
-    if (time_of_day_ns >= length_ns_)
-        throw Failure("time", "that day had no second 60", "The line is damaged; take it out");
-    const GpsTime instant = midnight_.plus_nanoseconds(time_of_day_ns);
-    day_ = day;
-    before_ns_ = time_of_day_ns;
-    return instant;
 }
 
 }  // namespace runcert::vbo

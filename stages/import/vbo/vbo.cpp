@@ -6,6 +6,7 @@
 
 #include "core/failure.h"
 #include "core/text.h"
+#include "stages/import/day_clock.h"
 #include "stages/import/finish.h"
 #include "stages/import/format.h"
 #include "stages/import/vbo/date.h"

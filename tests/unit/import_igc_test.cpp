@@ -119,6 +119,10 @@ TEST(IgcTime, MidnightPassesAndOneWrongHourDoesNot) {
     const Observations night =
         import_lines(at("235958") + at("235959") + at("000000") + at("000001"));
     EXPECT_EQ(night.rows[3].time.nanoseconds, 3'000'000'000);
+    const Observations disordered =
+        import_lines(at("235959") + at("000001") + at("235958") + at("000002"));
+    EXPECT_EQ(disordered.rows[2].time.nanoseconds, -1'000'000'000);
+    EXPECT_EQ(disordered.rows[3].time.nanoseconds, 3'000'000'000);
     const Observations wrong = import_lines(at("100000") + at("231001") + at("100002"));
     EXPECT_EQ(wrong.rows[2].time.nanoseconds, 2'000'000'000);
     // 2016 ended in a leap second.

@@ -17,20 +17,6 @@ bool is_skipped(const SourceLine& line) {
     return line.text.starts_with('#') || trim(line.text).empty();
 }
 
-[[noreturn]] void refuse_count(const SourceLine& line, const RecordingBytes& recording,
-                               std::size_t count, const Layout& layout, bool last) {
-    const Cell start{line.text, &recording, line.number, 1};
-    if (count < layout.fields && last && !line.ended)
-        start.fail(
-            fmt::format("the last line is cut off: it has {} fields of {}", count, layout.fields),
-            "Take the whole recording, or take that line out");
-    start.fail(fmt::format("the line has {} fields; the first line of the table has {}", count,
-                           layout.fields),
-               count > layout.fields && layout.delimiter == ','
-                   ? "If numbers have a decimal comma (\"1,5\"), write 1.5"
-                   : "Correct the line, or take it out");
-}
-
 TimedRows read_rows(const Receiver& receiver, const Description& description,
                     const RecordingBytes& recording) {
     LineReader lines(recording);
@@ -45,8 +31,11 @@ TimedRows read_rows(const Receiver& receiver, const Description& description,
         if (trim(line->text).empty()) continue;
         timed.add_record(*line, [&] {
             const std::vector<Cell> cells = split(*line, recording, layout.delimiter);
-            if (cells.size() != layout.fields)
-                refuse_count(*line, recording, cells.size(), layout, lines.at_end());
+            require_count(cells.size(), layout.fields, *line, recording,
+                          lines.at_end() && !line->ended, "the first line of the table has",
+                          cells.size() > layout.fields && layout.delimiter == ','
+                              ? "If numbers have a decimal comma (\"1,5\"), write 1.5"
+                              : "Correct the line, or take it out");
             return read_row(cells, layout, description, receiver);
         });
     }

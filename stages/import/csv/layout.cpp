@@ -80,11 +80,11 @@ Layout read_layout(const Receiver& receiver, const Description& description,
     const std::vector<Cell> cells = split(first, recording, layout.delimiter);
     layout.fields = cells.size();
     layout.has_header_line = !is_row(receiver, cells);
-    for (std::size_t i = 0; i < layout.index.size(); ++i) {
+    for (std::size_t i = 0; i < layout.place.size(); ++i) {
         const std::string_view meaning = name_of(static_cast<Column>(i));
         const auto found = receiver.columns.find(std::string(meaning));
         if (found != receiver.columns.end())
-            layout.index[i] = find_column(found->second, meaning, cells, layout.has_header_line);
+            layout.place[i] = find_column(found->second, meaning, cells, layout.has_header_line);
     }
     return layout;
 }

@@ -1,13 +1,12 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <optional>
 #include <string_view>
 
 #include "schemas/attempt/attempt.h"
-#include "stages/import/cell.h"
 #include "stages/import/clock.h"
+#include "stages/import/fields.h"
 
 namespace runcert::csv {
 
@@ -58,15 +57,9 @@ struct Description {
 Description describe(const Receiver& receiver);
 
 /// Where in a table the columns are.
-struct Layout {
+struct Layout : ColumnPlaces<Column> {
     char delimiter = ',';
-    std::size_t fields = 0;
     bool has_header_line = true;
-    std::array<std::optional<std::size_t>, static_cast<std::size_t>(Column::count)> index;
-
-    std::optional<std::size_t> operator[](Column column) const {
-        return index[static_cast<std::size_t>(column)];
-    }
 };
 
 /// Reads the first line of a table that is no comment. It is a row already if all columns are

@@ -15,14 +15,13 @@ namespace runcert::csv {
 namespace {
 
 /// The fields of one row, by column.
-class Fields {
+class Fields : public RowCells<Column> {
   public:
-    Fields(std::span<const Cell> cells, const Layout& layout) : cells_(cells), layout_(layout) {}
+    using RowCells::RowCells;
 
     /// Whether the column is there and its field not empty.
-    bool has(Column column) const { return layout_[column] && !cell(column).text.empty(); }
-    const Cell& cell(Column column) const { return cells_[*layout_[column]]; }
-    double real(Column column) const { return read_real(cell(column), name_of(column)); }
+    bool has(Column column) const { return !text(column).empty(); }
+    double real(Column column) const { return RowCells::real(column, name_of(column)); }
     std::optional<double> optional_real(Column column) const {
         if (!has(column)) return std::nullopt;
         return real(column);
@@ -33,10 +32,6 @@ class Fields {
         const double value = read_deviation(cell(column), name_of(column));
         return value > 0.0 ? std::optional(value) : std::nullopt;
     }
-
-  private:
-    std::span<const Cell> cells_;
-    const Layout& layout_;
 };
 
 GpsTime read_seconds(const Cell& cell, const Receiver& receiver) {

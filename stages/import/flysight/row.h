@@ -1,10 +1,8 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
-#include <optional>
-#include <string_view>
 
+#include "stages/import/fields.h"
 #include "stages/import/finish.h"
 #include "stages/import/recording.h"
 
@@ -23,15 +21,11 @@ enum class Column {
     vertical_accuracy,
     speed_accuracy,
     satellites,
-    fix
+    fix,
+    count
 };
-inline constexpr std::size_t column_count = 12;
 
-/// Where the columns stand in a line, counted in fields from 0.
-struct Layout {
-    std::array<std::optional<std::size_t>, column_count> field_of;
-    std::size_t fields = 0;
-};
+using Layout = ColumnPlaces<Column>;
 
 /// The layout that a header line names, whose first `skipped` fields are no columns ("$COL,GNSS").
 /// `skipped_in_rows` fields stand before the columns in a row. Columns of other names are passed

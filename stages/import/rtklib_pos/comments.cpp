@@ -46,8 +46,8 @@ std::optional<Geodetic> read_reference_position(const SourceLine& line,
     if (colon != std::string_view::npos) {
         const std::string_view values = line.text.substr(colon + 1);
         const std::size_t found = values.find_first_of(",;\t");
-        cells = split_fields(line, values, recording,
-                             found == std::string_view::npos ? '\0' : values[found]);
+        cells = split_words(line, values, recording,
+                            found == std::string_view::npos ? '\0' : values[found]);
     }
     if (cells.size() != 3 && cells.size() != 7)
         start.fail("the base position is not three numbers, nor seven in degrees-minutes-seconds",

@@ -90,10 +90,6 @@ constexpr ColumnSet column_sets[] = {
     {Column::sigma_velocity_x, Column::root_velocity_zx, "sdvx, sdvy, sdvz, sdvxy, sdvyz, sdvzx"},
 };
 
-bool is_blank(char c) {
-    return c == ' ' || c == '\t';
-}
-
 Clock read_time_system(const Cell& cell) {
     if (cell.text == "GPST") return Clock::gps;
     if (cell.text == "UTC") return Clock::utc;
@@ -143,7 +139,7 @@ void require_complete_sets(const Layout& layout, const Cell& start) {
         const auto first = static_cast<std::size_t>(set.first);
         const auto last = static_cast<std::size_t>(set.last);
         for (std::size_t i = first; i <= last; ++i)
-            present += layout.field[i] ? 1 : 0;
+            present += layout.place[i] ? 1 : 0;
         if (present != 0 && present != last - first + 1)
             start.fail(fmt::format("of the columns {} only {} are there", set.names, present),
                        "Take the solution as RTKLIB wrote it");
@@ -172,34 +168,6 @@ char find_separator(std::string_view line) {
 
 }  // namespace
 
-std::vector<Cell> split_fields(const SourceLine& line, std::string_view text,
-                               const RecordingBytes& recording, char separator) {
-    std::vector<Cell> cells;
-    cells.reserve(24);
-    const auto offset = static_cast<std::size_t>(text.data() - line.text.data());
-    const auto cell = [&](std::size_t from, std::size_t to) {
-        return Cell{text.substr(from, to - from), &recording, line.number, offset + from + 1};
-    };
-    const auto skip_blanks = [&](std::size_t at) {
-        while (at < text.size() && is_blank(text[at]) && text[at] != separator)
-            ++at;
-        return at;
-    };
-    for (std::size_t at = skip_blanks(0); at < text.size();) {
-        if (separator != '\0' && text[at] == separator)
-            cell(at, at + 1).fail("a field is empty", "Correct the line, or take it out");
-        std::size_t end = at;
-        while (end < text.size() && !is_blank(text[end]) &&
-               (separator == '\0' || text[end] != separator))
-            ++end;
-        cells.push_back(cell(at, end));
-        at = skip_blanks(end);
-        if (separator != '\0' && at < text.size() && text[at] == separator)
-            at = skip_blanks(at + 1);
-    }
-    return cells;
-}
-
 bool is_column_line(std::string_view line) {
     if (!line.starts_with('%')) return false;
     for (const std::string_view name : {"latitude(", "x-ecef(", "e-baseline("})
@@ -211,14 +179,14 @@ Layout read_column_line(const SourceLine& line, const RecordingBytes& recording)
     Layout layout;
     layout.separator = find_separator(line.text);
     const std::vector<Cell> cells =
-        split_fields(line, line.text.substr(1), recording, layout.separator);
+        split_words(line, line.text.substr(1), recording, layout.separator);
     layout.clock = read_time_system(cells.front());
     layout.fields = 2;
     std::size_t angles = 0;
     std::size_t dms_angles = 0;
     for (const Cell& cell : std::span(cells).subspan(1)) {
         const KnownColumn& known = find_column(cell);
-        auto& field = layout.field[static_cast<std::size_t>(known.column)];
+        auto& field = layout[known.column];
         if (field)
             cell.fail(fmt::format("the column \"{}\" stands twice", cell.text),
                       "Take the solution as RTKLIB wrote it");

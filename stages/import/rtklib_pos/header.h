@@ -1,14 +1,12 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <optional>
 #include <string_view>
-#include <vector>
 
 #include "core/geodesy.h"
-#include "stages/import/cell.h"
 #include "stages/import/clock.h"
+#include "stages/import/fields.h"
 
 namespace runcert::rtklib_pos {
 
@@ -64,24 +62,13 @@ enum class Column : std::size_t {
     count
 };
 
-/// What a column header line says about the rows below it.
-struct Layout {
+/// What a column header line says about the rows below it. Two fields, the time, stand before those
+/// of the columns.
+struct Layout : ColumnPlaces<Column> {
     Clock clock = Clock::gps;
     Coordinates coordinates = Coordinates::degrees;
-    char separator = '\0';   ///< ',', ';' or tab; NUL where only blanks stand between fields
-    std::size_t fields = 0;  ///< in a row, the two of the time included
-    /// Index of the first field of a column.
-    std::array<std::optional<std::size_t>, static_cast<std::size_t>(Column::count)> field;
-
-    std::optional<std::size_t> operator[](Column column) const {
-        return field[static_cast<std::size_t>(column)];
-    }
+    char separator = '\0';  ///< ',', ';' or tab; NUL where only blanks stand between fields
 };
-
-/// Splits a line at blanks and at most one separator (as in `Layout`) between each two fields.
-/// Two separators in a row fail: a field is missing there.
-std::vector<Cell> split_fields(const SourceLine& line, std::string_view text,
-                               const RecordingBytes& recording, char separator);
 
 /// Whether a header line is the one that names the columns.
 bool is_column_line(std::string_view line);

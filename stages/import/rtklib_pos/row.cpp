@@ -9,17 +9,9 @@ namespace runcert::rtklib_pos {
 namespace {
 
 /// The fields of one row, by column.
-class Fields {
+class Fields : public RowCells<Column> {
   public:
-    Fields(std::span<const Cell> cells, const Layout& layout) : cells_(cells), layout_(layout) {}
-
-    bool has(Column column) const { return layout_[column].has_value(); }
-    const Cell& cell(Column column, std::size_t part = 0) const {
-        return cells_[*layout_[column] + part];
-    }
-    double real(Column column, std::string_view meaning) const {
-        return read_real(cell(column), meaning);
-    }
+    using RowCells::RowCells;
 
     /// Three numbers, from columns that follow each other in the list of columns.
     Eigen::Vector3d reals(Column first, std::string_view meaning) const {
@@ -45,9 +37,6 @@ class Fields {
     static Column after(Column column, std::size_t steps) {
         return static_cast<Column>(static_cast<std::size_t>(column) + steps);
     }
-
-    std::span<const Cell> cells_;
-    const Layout& layout_;
 };
 
 GpsTime read_instant(std::span<const Cell> fields, Clock clock) {

@@ -33,7 +33,7 @@ std::string_view frame_word(Coordinates coordinates) {
 bool looks_like_row(std::string_view line) {
     const SourceLine source{.text = line};
     const RecordingBytes nameless;
-    const auto fields = split_fields(source, line, nameless, '\0');
+    const auto fields = split_words(source, line, nameless);
     if (fields.size() < 14) return false;
     const auto number = [](const Cell& cell) { return parse_double(cell.text).has_value(); };
     const std::string_view date = fields[0].text;
@@ -121,21 +121,12 @@ class Reader {
         if (!layout_) start.fail(missing_header, remedy_for_missing_header);
         timed_.add_record(line, [&] {
             const std::vector<Cell> fields =
-                split_fields(line, line.text, recording_, layout_->separator);
-            if (fields.size() != layout_->fields) refuse_count(start, fields.size());
+                split_words(line, line.text, recording_, layout_->separator);
+            require_count(fields.size(), layout_->fields, line, recording_, lines_.at_end(),
+                          "its header names", "Correct the line, or take it out");
             const bool baseline = layout_->coordinates == Coordinates::baseline;
             return read_row(fields, *layout_, baseline ? base_ : std::nullopt);
         });
-    }
-
-    [[noreturn]] void refuse_count(const Cell& start, std::size_t count) const {
-        if (count < layout_->fields && lines_.at_end())
-            start.fail(fmt::format("the last line is cut off: it has {} fields of {}", count,
-                                   layout_->fields),
-                       "Take the whole recording, or take that line out");
-        start.fail(
-            fmt::format("the line has {} fields; its header names {}", count, layout_->fields),
-            "Correct the line, or take it out");
     }
 
     const RecordingBytes& recording_;

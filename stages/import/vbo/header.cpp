@@ -8,7 +8,6 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "stages/import/cell.h"
 
 namespace runcert::vbo {
 namespace {
@@ -149,8 +148,8 @@ void read_line(Header& header, const std::string& section, std::string_view text
         add_channel(header.units, text, line, recording);
     } else if (section == "column names") {
         if (header.columns.empty()) header.names_line = line.number;
-        for (std::string_view word = take_word(text); !word.empty(); word = take_word(text))
-            add_channel(header.columns, word, line, recording);
+        for (const Cell& word : split(line, recording))
+            add_channel(header.columns, word.text, line, recording);
     } else if (section == "comments" && header.comments.size() < comments_kept) {
         header.comments.push_back(text);
     }
@@ -171,17 +170,8 @@ std::string_view comment_of(const Header& header,
 
 }  // namespace
 
-bool Layout::has(Column column) const {
-    return std::find(column_of.begin(), column_of.end(), static_cast<std::uint8_t>(column)) !=
-           column_of.end();
-}
-
-std::string_view take_word(std::string_view& line) {
-    constexpr std::string_view blanks = " \t\r";
-    line.remove_prefix(std::min(line.find_first_not_of(blanks), line.size()));
-    const std::string_view word = line.substr(0, line.find_first_of(blanks));
-    line.remove_prefix(word.size());
-    return word;
+std::vector<Cell> split(const SourceLine& line, const RecordingBytes& recording) {
+    return split_words(line, line.text, recording, '\0', " \t\r");
 }
 
 std::string lower_case(std::string_view text) {
@@ -214,17 +204,17 @@ Layout find_layout(const Header& header, std::size_t fields, const RecordingByte
     const std::vector<std::string_view>& named =
         by_header || header.columns.empty() ? header.channels : header.columns;
     Layout layout;
+    layout.fields = named.size();
     for (std::size_t field = 0; field < named.size(); ++field) {
-        layout.column_of.push_back(column_count);
         const auto channel = channel_of(named[field]);
-        if (!channel || layout.has(channel->column)) continue;
-        layout.column_of.back() = static_cast<std::uint8_t>(channel->column);
+        if (!channel || layout[channel->column]) continue;
+        layout[channel->column] = field;
         set_unit(layout, channel->column, unit_of(header, *channel, field, named.size()));
     }
     constexpr std::array<Name, 3> required{
         {{"time", Column::time}, {"lat", Column::latitude}, {"long", Column::longitude}}};
     for (const Name& name : required)
-        if (!layout.has(name.column))
+        if (!layout[name.column])
             throw Failure(place_in(recording, header.names_line, 1),
                           fmt::format("no column is named \"{}\"", name.name),
                           "Take the recording as the logger wrote it, with its section "

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -8,13 +7,13 @@
 #include <string_view>
 #include <vector>
 
-#include "stages/import/recording.h"
+#include "stages/import/fields.h"
 #include "stages/import/resolution.h"
 
 namespace runcert::vbo {
 
 /// The columns that are read.
-enum class Column : std::uint8_t {
+enum class Column : std::size_t {
     satellites,
     time,
     latitude,
@@ -23,9 +22,9 @@ enum class Column : std::uint8_t {
     heading,
     height,
     vertical_velocity,
-    solution_type
+    solution_type,
+    count
 };
-inline constexpr std::size_t column_count = 9;
 
 /// What stands before the data.
 struct Header {
@@ -38,14 +37,10 @@ struct Header {
 };
 
 /// How a row of data is laid out.
-struct Layout {
-    /// For each field of a row, which column it is; column_count for one that is not read.
-    std::vector<std::uint8_t> column_of;
+struct Layout : ColumnPlaces<Column> {
     CoordinateUnit coordinates = CoordinateUnit::arc_minute;
     std::optional<double> velocity_mps;           ///< of one unit; empty without such a column
     std::optional<double> vertical_velocity_mps;  ///< the same; also empty for an unknown unit
-
-    bool has(Column column) const;
 };
 
 /// Reads up to and with the line [data]. Failure where there is none.
@@ -60,9 +55,8 @@ Layout find_layout(const Header& header, std::size_t fields, const RecordingByte
 /// The device that the comments name, with its serial number and firmware.
 std::string device_of(const Header& header);
 
-/// The next word of a line, which is taken off it; words are separated by blanks and tabs. Empty
-/// at the end.
-std::string_view take_word(std::string_view& line);
+/// The words of a line, which blanks separate.
+std::vector<Cell> split(const SourceLine& line, const RecordingBytes& recording);
 
 /// Letters in lower case.
 std::string lower_case(std::string_view text);

@@ -18,17 +18,6 @@ constexpr std::int64_t satellites_mask = 63;  // 64: the brake trigger is on
 constexpr std::int64_t differential_mark = 128;
 constexpr std::int64_t largest_mark = 255;
 
-void require_count(const SourceLine& line, const RecordingBytes& recording, std::size_t expected,
-                   std::size_t count, bool last) {
-    if (count == expected) return;
-    const Cell start{line.text, &recording, line.number, 1};
-    if (count < expected && last)
-        start.fail(fmt::format("the last line is cut off: it has {} fields of {}", count, expected),
-                   "Take the whole recording, or take that line out");
-    start.fail(fmt::format("the line has {} fields; the header names {}", count, expected),
-               "Take the recording as the logger wrote it");
-}
-
 /// "solution type" of the VBOX manuals.
 FixKind fix_of_solution(const Cell& cell) {
     switch (read_whole(cell, "solution type", -1, largest_mark)) {
@@ -50,10 +39,10 @@ FixKind fix_of_solution(const Cell& cell) {
     }
 }
 
-void read_quality(const RowFields& fields, const Layout& layout, EpochQuality& quality) {
-    const bool has_solution = layout.has(Column::solution_type);
+void read_quality(const Row& fields, const Layout& layout, EpochQuality& quality) {
+    const bool has_solution = fields.has(Column::solution_type);
     if (has_solution) quality.fix = fix_of_solution(fields.cell(Column::solution_type));
-    if (!layout.has(Column::satellites)) return;
+    if (!layout[Column::satellites]) return;
     const std::int64_t marked =
         read_whole(fields.cell(Column::satellites), "count of satellites", 0, largest_mark);
     quality.satellites = static_cast<std::int16_t>(marked & satellites_mask);
@@ -63,12 +52,12 @@ void read_quality(const RowFields& fields, const Layout& layout, EpochQuality& q
         quality.fix = FixKind::dgps;
 }
 
-void read_velocity(const RowFields& fields, const Layout& layout, RecordedVelocity& velocity) {
+void read_velocity(const Row& fields, const Layout& layout, RecordedVelocity& velocity) {
     if (layout.vertical_velocity_mps)
         velocity.recorded_velocity_up_mps =
             fields.real(Column::vertical_velocity, "vertical velocity") *
             *layout.vertical_velocity_mps;
-    if (!layout.velocity_mps || !layout.has(Column::heading)) return;
+    if (!layout.velocity_mps || !layout[Column::heading]) return;
     const double speed = fields.real(Column::velocity, "velocity");
     if (speed < 0.0)
         fields.cell(Column::velocity)
@@ -83,23 +72,6 @@ void read_velocity(const RowFields& fields, const Layout& layout, RecordedVeloci
 }
 
 }  // namespace
-
-RowFields::RowFields(const SourceLine& line, const RecordingBytes& recording, const Layout& layout)
-    : line_(line), recording_(recording) {
-    std::string_view rest = line.text;
-    for (std::string_view word = take_word(rest); !word.empty(); word = take_word(rest)) {
-        if (count_ < layout.column_of.size() && layout.column_of[count_] < column_count)
-            texts_[layout.column_of[count_]] = word;
-        ++count_;
-    }
-}
-
-Cell RowFields::cell(Column column) const {
-    const std::string_view field = text(column);
-    const std::size_t before =
-        field.empty() ? 0 : static_cast<std::size_t>(field.data() - line_.text.data());
-    return {field, &recording_, line_.number, before + 1};
-}
 
 std::optional<std::int64_t> time_of_day_ns(std::string_view text) {
     std::array<char, 6> digits{'0', '0', '0', '0', '0', '0'};
@@ -129,9 +101,7 @@ std::optional<std::int64_t> time_of_day_ns(std::string_view text) {
            fraction_ns;
 }
 
-TimedRow read_row(const SourceLine& line, const RecordingBytes& recording, const Layout& layout,
-                  const RowFields& fields, bool east_positive, bool last) {
-    require_count(line, recording, layout.column_of.size(), fields.count(), last);
+TimedRow read_row(const Row& fields, const Layout& layout, bool east_positive) {
     TimedRow row;
     row.written.time = fields.text(Column::time);
     read_quality(fields, layout, row.observation);
@@ -144,12 +114,13 @@ TimedRow read_row(const SourceLine& line, const RecordingBytes& recording, const
         row.observation.fix = FixKind::none;
         return row;
     }
-    const bool has_height = layout.has(Column::height);
-    const Geodetic position = checked_geodetic(
-        {.latitude = Angle::from_degrees(latitude_deg),
-         .longitude = Angle::from_degrees(longitude_deg),
-         .height_m = has_height ? fields.real(Column::height, "height") : 0.0},
-        fields.cell(Column::latitude), fields.cell(Column::longitude), fields.cell(Column::height));
+    const bool has_height = fields.has(Column::height);
+    const Geodetic position =
+        checked_geodetic({.latitude = Angle::from_degrees(latitude_deg),
+                          .longitude = Angle::from_degrees(longitude_deg),
+                          .height_m = has_height ? fields.real(Column::height, "height") : 0.0},
+                         fields.cell(Column::latitude), fields.cell(Column::longitude),
+                         fields.cell(has_height ? Column::height : Column::latitude));
     set_position(row.observation, position);
     if (!has_height) row.observation.height_m.reset();
     row.written.unit = layout.coordinates;

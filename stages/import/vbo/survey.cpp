@@ -24,7 +24,7 @@ struct Place {
     double longitude_deg;
 };
 
-std::optional<Place> place_of(const RowFields& fields, const Layout& layout) {
+std::optional<Place> place_of(const Row& fields, const Layout& layout) {
     const auto latitude = parse_double(fields.text(Column::latitude));
     const auto longitude = parse_double(fields.text(Column::longitude));
     if (!latitude || !longitude || (*latitude == 0.0 && *longitude == 0.0)) return std::nullopt;
@@ -36,7 +36,7 @@ std::optional<Place> place_of(const RowFields& fields, const Layout& layout) {
 }
 
 /// The eastward part of the unit vector along the heading; nothing where the craft hardly moves.
-std::optional<double> eastward_of(const RowFields& fields, const Layout& layout) {
+std::optional<double> eastward_of(const Row& fields, const Layout& layout) {
     if (!layout.velocity_mps) return std::nullopt;
     const auto velocity = parse_double(fields.text(Column::velocity));
     const auto heading_deg = parse_double(fields.text(Column::heading));
@@ -74,8 +74,9 @@ Survey survey(LineReader lines, const RecordingBytes& recording, const Layout& l
     Evidence evidence;
     std::optional<Place> first, before;
     while (const auto line = lines.next()) {
-        const RowFields fields(*line, recording, layout);
-        if (fields.count() != layout.column_of.size()) continue;
+        const std::vector<Cell> cells = split(*line, recording);
+        if (cells.size() != layout.fields) continue;
+        const Row fields(cells, layout);
         if (!result.first_time_ns) result.first_time_ns = time_of_day_ns(fields.text(Column::time));
         const std::optional<Place> here = place_of(fields, layout);
         if (!first) first = here;

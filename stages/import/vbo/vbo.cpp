@@ -18,15 +18,11 @@ namespace runcert::vbo {
 namespace {
 
 /// Fields of the first row of data from here on; 0 where there is none.
-std::size_t fields_of_first_row(LineReader lines) {
-    while (const auto line = lines.next()) {
-        std::string_view rest = line->text;
-        std::size_t fields = 0;
-        while (!take_word(rest).empty())
-            ++fields;
-        if (fields > 0) return fields;
-    }
-    return 0;
+std::size_t fields_of_first_row(LineReader lines, const RecordingBytes& recording) {
+    std::size_t fields = 0;
+    for (auto line = lines.next(); line && fields == 0; line = lines.next())
+        fields = split(*line, recording).size();
+    return fields;
 }
 
 [[noreturn]] void refuse_time(const Cell& cell) {
@@ -41,9 +37,11 @@ TimedRows read_rows(LineReader lines, const RecordingBytes& recording, const Lay
     while (const auto line = lines.next()) {
         if (trim(line->text).empty()) continue;
         timed.add_record(*line, [&] {
-            const RowFields fields(*line, recording, layout);
-            TimedRow row =
-                read_row(*line, recording, layout, fields, east_positive, lines.at_end());
+            const std::vector<Cell> cells = split(*line, recording);
+            require_count(cells.size(), layout.fields, *line, recording, lines.at_end(),
+                          "the header names", "Take the recording as the logger wrote it");
+            const Row fields(cells, layout);
+            TimedRow row = read_row(fields, layout, east_positive);
             const auto time_ns = time_of_day_ns(fields.text(Column::time));
             if (!time_ns) refuse_time(fields.cell(Column::time));
             try {
@@ -58,11 +56,11 @@ TimedRows read_rows(LineReader lines, const RecordingBytes& recording, const Lay
 }
 
 void note_columns(Observations& observations, const Layout& layout) {
-    if (layout.has(Column::height)) observations.notes.emplace_back(note_heights_above_sea_level);
-    if (layout.velocity_mps && !layout.has(Column::heading))
+    if (layout[Column::height]) observations.notes.emplace_back(note_heights_above_sea_level);
+    if (layout.velocity_mps && !layout[Column::heading])
         observations.notes.push_back(
             "Speeds are recorded without headings, and are not used: a velocity needs both.");
-    if (layout.has(Column::vertical_velocity) && !layout.vertical_velocity_mps)
+    if (layout[Column::vertical_velocity] && !layout.vertical_velocity_mps)
         observations.notes.push_back(
             "The vertical velocity is recorded in a unit that the header does not name, and is not "
             "used.");
@@ -96,7 +94,7 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     require_text(recording);
     LineReader lines(recording);
     const Header header = read_header(lines, recording);
-    const Layout layout = find_layout(header, fields_of_first_row(lines), recording);
+    const Layout layout = find_layout(header, fields_of_first_row(lines, recording), recording);
     const Survey surveyed = survey(lines, recording, layout);
     const FirstDay first_day = find_first_day(
         receiver, header.created, surveyed.first_time_ns.value_or(0), surveyed.first_longitude_deg);

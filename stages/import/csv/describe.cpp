@@ -7,6 +7,7 @@
 #include "core/text.h"
 #include "schemas/common/enum_text.h"
 #include "stages/import/csv/layout.h"
+#include "stages/import/csv/split.h"
 
 namespace runcert::csv {
 namespace {
@@ -161,13 +162,15 @@ void check_time(const Receiver& receiver, Description& description) {
 }
 
 std::optional<char> read_delimiter(const Receiver& receiver) {
-    if (receiver.delimiter == "comma") return ',';
-    if (receiver.delimiter == "tab") return '\t';
-    if (receiver.delimiter == "semicolon") return ';';
     if (receiver.delimiter == "auto" || receiver.delimiter.empty()) return std::nullopt;
+    std::string words;
+    for (const Delimiter& known : delimiters()) {
+        if (known.word == receiver.delimiter) return known.character;
+        words += fmt::format("{}, ", known.word);
+    }
     fail(receiver,
          fmt::format("delimiter \"{}\" is not known", escape_for_message(receiver.delimiter)),
-         "Use comma, tab, semicolon or auto");
+         fmt::format("Use one of {}auto", words));
 }
 
 }  // namespace

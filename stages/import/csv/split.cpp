@@ -1,9 +1,14 @@
-#include "stages/import/csv/split.h"
+#include <array>
 
 #include "core/failure.h"
+#include "stages/import/csv/split.h"
 
 namespace runcert::csv {
 namespace {
+
+/// Semicolons first: where they delimit, commas are decimal ones.
+constexpr std::array known_delimiters{Delimiter{';', "semicolon"}, Delimiter{'\t', "tab"},
+                                      Delimiter{',', "comma"}};
 
 bool is_blank(char c) {
     return c == ' ' || c == '\t';
@@ -21,12 +26,16 @@ std::size_t closing_mark(std::string_view text, std::size_t at, const Cell& star
 
 }  // namespace
 
+std::span<const Delimiter> delimiters() {
+    return known_delimiters;
+}
+
 char find_delimiter(std::string_view line) {
-    for (const char delimiter : {';', '\t'}) {
+    for (const Delimiter& delimiter : known_delimiters) {
         bool quoted = false;
         for (const char c : line) {
             if (c == '"') quoted = !quoted;
-            if (c == delimiter && !quoted) return delimiter;
+            if (c == delimiter.character && !quoted) return delimiter.character;
         }
     }
     return ',';

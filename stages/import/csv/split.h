@@ -1,13 +1,24 @@
 #pragma once
 
+#include <span>
+#include <string_view>
 #include <vector>
 
 #include "stages/import/cell.h"
 
 namespace runcert::csv {
 
-/// The delimiter of a line of a table: a semicolon where one stands outside quotation marks, else
-/// a tab, else a comma. (Semicolons first: where they delimit, commas are decimal ones.)
+/// What may stand between the fields of a table, and its word in an attempt.
+struct Delimiter {
+    char character;
+    std::string_view word;
+};
+
+/// In the order in which they are looked for.
+std::span<const Delimiter> delimiters();
+
+/// The delimiter of a line of a table: the first one of which any stands outside quotation marks; a
+/// comma where none does.
 char find_delimiter(std::string_view line);
 
 /// Splits a line. Blanks around a field are not part of it. A field may stand in quotation marks,

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "gpsbabel_support.h"
@@ -82,6 +84,9 @@ TEST(GpxTime, ZonesAndDecimalsAreExact) {
     const Zone zones[] = {
         {"2019-04-12T02:39:56.123456789+02:00", {2019, 4, 12, 0, 39, 56, 123'456'789}},
         {"2019-04-11T18:09:56-06:30", {2019, 4, 12, 0, 39, 56, 0}},
+        {"2019-04-11T18:09:56-0630", {2019, 4, 12, 0, 39, 56, 0}},
+        {"2019-04-12T00:39:56+0000", {2019, 4, 12, 0, 39, 56, 0}},
+        {"2019-04-12T00:39:56+00:00", {2019, 4, 12, 0, 39, 56, 0}},
         // The zone's date is one after a leap second that the instant is before.
         {"2017-01-01T00:59:59.5+01:00", {2016, 12, 31, 23, 59, 59, 500'000'000}},
         {"2016-12-31T23:59:60.5Z", {2016, 12, 31, 23, 59, 60, 500'000'000}},
@@ -92,6 +97,17 @@ TEST(GpxTime, ZonesAndDecimalsAreExact) {
     EXPECT_NE(noted(import_points(point("2019-04-12T00:39:56"))).find("1 times do not say"),
               std::string::npos);
     EXPECT_EQ(noted(import_points(first)).find("do not say in which"), std::string::npos);
+}
+
+TEST(GpxTime, AWrongZoneIsRefusedAtItsPlace) {
+    for (const std::string zone : {"+2500", "+1x", "-05:3", "+0a:00", "-05:60", "+02:00Z", "+"}) {
+        const std::string text = begin + point("2019-04-12T00:39:56" + zone) + end;
+        const std::size_t at = text.find(zone + "<");
+        const std::string message = failure_of(gpx_receiver(), text);
+        EXPECT_TRUE(message.starts_with(fmt::format("f:4:{}: \"{}\" is not an offset from UTC",
+                                                    at - text.rfind('\n', at), zone)))
+            << message;
+    }
 }
 
 TEST(Gpx, SpeedOfVersion10AndOfUnknownCourse) {

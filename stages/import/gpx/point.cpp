@@ -17,6 +17,8 @@ namespace {
 /// Extensions are not looked for deeper than this.
 constexpr int deepest = 8;
 
+constexpr std::size_t date_size = 10;
+
 std::string_view local_name(pugi::xml_node node) {
     const std::string_view name = node.name();
     const std::size_t colon = name.find(':');
@@ -52,22 +54,15 @@ FixKind read_fix(const Cell& cell) {
     return FixKind::unknown;
 }
 
-/// The number of two digits; nothing where they are none.
-std::optional<int> two_digits(std::string_view text) {
-    if (text[0] < '0' || text[0] > '9' || text[1] < '0' || text[1] > '9') return std::nullopt;
-    return (text[0] - '0') * 10 + (text[1] - '0');
-}
-
-/// Minutes of a zone at the end of a time ("+02:00"); nothing where there is none.
-std::optional<int> zone_minutes(std::string_view text) {
-    constexpr std::size_t size = 6;
-    if (text.size() < size) return std::nullopt;
-    const std::string_view zone = text.substr(text.size() - size);
-    if ((zone[0] != '+' && zone[0] != '-') || zone[3] != ':') return std::nullopt;
-    const auto hours = two_digits(zone.substr(1, 2));
-    const auto minutes = two_digits(zone.substr(4, 2));
-    if (!hours || !minutes || *hours > 14 || *minutes > 59) return std::nullopt;
-    return (zone[0] == '-' ? -1 : 1) * (*hours * 60 + *minutes);
+/// Minutes by which a zone is ahead of UTC: "+0200" or "+02:00".
+int read_zone(const Cell& zone) {
+    const bool colon = zone.text.size() > 3 && zone.text[3] == ':';
+    const auto hours = digits_at(zone.text, 1, 2);
+    const auto minutes = digits_at(zone.text, colon ? 4 : 3, 2);
+    if (zone.text.size() != (colon ? 6 : 5) || !hours || !minutes || *hours > 14 || *minutes > 59)
+        zone.fail(fmt::format("\"{}\" is not an offset from UTC", escape_for_message(zone.text)),
+                  "Write hours and minutes, at most 14 hours: +02:00 or +0200; or Z for UTC");
+    return (zone.text[0] == '-' ? -1 : 1) * (*hours * 60 + *minutes);
 }
 
 }  // namespace
@@ -131,18 +126,20 @@ void PointReader::read_time(const Piece& piece, const char* text, TimedRow& row)
     }
     Cell time = cell(piece, text);
     row.written.time = time.text;
-    const auto zone = zone_minutes(time.text);
-    if (!zone) {
+    const std::size_t zone_at = time.text.find_first_of("+-", date_size);
+    if (zone_at == std::string_view::npos) {
         if (!time.text.ends_with('Z')) ++counts_.without_zone;
         row.instant = read_iso(time, Clock::utc);
         return;
     }
-    time.text.remove_suffix(6);
-    row.written.time = time.text;
+    Cell zone = time;
+    zone.text.remove_prefix(zone_at);
+    zone.column += zone_at;
+    time.text = row.written.time = time.text.substr(0, zone_at);
     const GpsTime shown = read_iso(time, Clock::gps);  // its calendar, without leap seconds
     constexpr std::int64_t minute_ns = 60 * GpsTime::nanoseconds_per_second;
-    row.instant = instant_of_utc(shown.plus_nanoseconds(-*zone * minute_ns).calendar(), recording_,
-                                 piece.place);
+    row.instant = instant_of_utc(shown.plus_nanoseconds(-read_zone(zone) * minute_ns).calendar(),
+                                 recording_, piece.place);
 }
 
 /// Above the ellipsoid, where the geoid's height above it is recorded too.

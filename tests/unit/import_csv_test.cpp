@@ -29,6 +29,8 @@ TEST(Csv, TheSameTableInManyDresses) {
         "# a comment\n#\n\ntime , \"lat\", lon,h\r\n 0.0, 35.5 ,\"-137.25\",40.5\r\n"
         "0.1,35.6,-137.35,41\r\n\r\n",
         "lat,note,time,h,lon\n35.5,\"a, \"\"b\"\"\",0,40.5,-137.25\n35.6,,0.1,41,-137.35",
+        "time lat   lon h\n0.0 35.5 -137.25 40.5\n  0.1\t35.6 \t -137.35  41 \t\n",
+        "lat note time h lon\n35.5 \"a  b\" 0 40.5 -137.25\n35.6 \"\" 0.1 \"41\" -137.35\n",
     };
     for (const std::string& dress : dresses) {
         SCOPED_TRACE(dress);
@@ -39,6 +41,13 @@ TEST(Csv, TheSameTableInManyDresses) {
     EXPECT_NE(marked.notes.at(0).find("byte order mark"), std::string::npos);
     const Observations cut = import_text(csv_receiver(), dresses[5]);
     EXPECT_NE(cut.notes.at(0).find("no line end"), std::string::npos);
+}
+
+TEST(Csv, BlanksAndTabsAreOneDelimiterWhereTheAttemptSaysSo) {
+    Receiver receiver = csv_receiver();
+    receiver.delimiter = "blank";
+    expect_plain(
+        import_text(receiver, "time\tlat  lon h\n0.0 35.5\t-137.25 40.5\n\t0.1 35.6 -137.35 41\n"));
 }
 
 TEST(Csv, ColumnsByNumberNeedNoHeader) {
@@ -261,6 +270,10 @@ TEST(CsvRefused, ByPlace) {
         {"time,lat,lon,h\n0,1,2\n1,1,2,3\n", "f:2:1",
          "3 fields; the first line of the table has 4"},
         {"time,lat,lon,h\n0,1,2,3\n1,1", "f:3:1", "the last line is cut off"},
+        {"time lat  lon h\n0 1 2 3\n1  1 2\n2 1 2 3\n", "f:3:1",
+         "3 fields; the first line of the table has 4"},
+        {"time lat  lon h\n0 1   x 3\n", "f:2:7", "longitude \"x\" is not a number"},
+        {"time lat lon h\n0 1 \"2\"x 3\n", "f:2:8", "follows a closing quotation mark"},
         {"time,lat,lon,h\n,1,2,3\n", "f:2:1", "time is missing"},
         {"time,lat,lon,h\n0.1234567891,1,2,3\n", "f:2:1", "nine decimals"},
         {"time,lat,lon,h\n1e3,1,2,3\n", "f:2:1", "nine decimals"},

@@ -22,7 +22,9 @@ TEST(ImportRecognise, WhatIsNotReadIsNamed) {
         {"     2.11           OBSERVATION DATA    M (MIXED)           RINEX VERSION / TYPE\n",
          "f:1:1", "RINEX"},
         {"hello\n", "f:1:1", "it begins \"hello\". Formats that are read: RTKLIB"},
+        {"hello there, you\nhello to all of you\n", "f:1:1", "is not recognised"},
         {"a,b,c,d\n1,2,3,4\n", "f:1:1", "the attempt names no columns"},
+        {"a b  c d\n1 2 3  4\n", "f:1:1", "the attempt names no columns"},
     };
     for (const auto& bad : cases) {
         const std::string message = failure_of(pos_receiver(), bad.bytes);

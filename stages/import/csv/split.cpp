@@ -1,14 +1,15 @@
+#include "stages/import/csv/split.h"
+
 #include <array>
 
 #include "core/failure.h"
-#include "stages/import/csv/split.h"
 
 namespace runcert::csv {
 namespace {
 
 /// Semicolons first: where they delimit, commas are decimal ones.
 constexpr std::array known_delimiters{Delimiter{';', "semicolon"}, Delimiter{'\t', "tab"},
-                                      Delimiter{',', "comma"}};
+                                      Delimiter{',', "comma"}, Delimiter{' ', "blank"}};
 
 bool is_blank(char c) {
     return c == ' ' || c == '\t';
@@ -42,14 +43,20 @@ char find_delimiter(std::string_view line) {
 }
 
 std::vector<Cell> split(const SourceLine& line, const RecordingBytes& recording, char delimiter) {
-    const std::string_view text = line.text;
-    const auto blank = [&](std::size_t at) { return is_blank(text[at]) && text[at] != delimiter; };
+    // Where blanks delimit, tabs do so too, and several are one.
+    const bool by_blanks = delimiter == ' ';
+    const std::string_view text =
+        by_blanks ? line.text.substr(0, line.text.find_last_not_of(" \t") + 1) : line.text;
+    const auto delimits = [&](std::size_t at) {
+        return by_blanks ? is_blank(text[at]) : text[at] == delimiter;
+    };
+    const auto blank = [&](std::size_t at) { return is_blank(text[at]) && !delimits(at); };
     const auto cell = [&](std::size_t from, std::size_t to) {
         return Cell{text.substr(from, to - from), &recording, line.number, from + 1};
     };
     std::vector<Cell> cells;
     for (std::size_t at = 0;; ++at) {
-        while (at < text.size() && blank(at))
+        while (at < text.size() && is_blank(text[at]) && (by_blanks || !delimits(at)))
             ++at;
         if (at < text.size() && text[at] == '"') {
             const std::size_t mark = closing_mark(text, at, cell(at, at + 1));
@@ -57,13 +64,13 @@ std::vector<Cell> split(const SourceLine& line, const RecordingBytes& recording,
             at = mark + 1;
             while (at < text.size() && blank(at))
                 ++at;
-            if (at < text.size() && text[at] != delimiter)
+            if (at < text.size() && !delimits(at))
                 cell(at, at + 1)
                     .fail("something follows a closing quotation mark",
                           "Put the whole field in quotation marks");
         } else {
             const std::size_t from = at;
-            while (at < text.size() && text[at] != delimiter)
+            while (at < text.size() && !delimits(at))
                 ++at;
             std::size_t to = at;
             while (to > from && blank(to - 1))

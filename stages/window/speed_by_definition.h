@@ -7,6 +7,7 @@
 #include "estimation/speed.h"
 #include "estimation/tables/arcs.h"
 #include "estimation/tables/window_ends.h"
+#include "schemas/profile/declared.h"
 
 namespace runcert {
 

@@ -14,6 +14,7 @@
 #include "core/failure.h"
 #include "core/plain_text.h"
 #include "core/prose.h"
+#include "core/text.h"
 #include "files/atomic_file.h"
 #include "run/evidence.h"
 #include "schemas/common/product_files.h"
@@ -31,13 +32,12 @@ std::optional<FolderIdentity> identity_of(const fs::path& folder) {
     return FolderIdentity{status.st_dev, status.st_ino};
 }
 
-bool is_yaml_name(std::string name) {
-    for (char& c : name)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+bool is_yaml_name(const std::string& file_name) {
+    const std::string name = lower_case(file_name);
     return name.ends_with(".yaml") || name.ends_with(".yml");
 }
 
-std::string shown(const std::string& name) {
+std::string quoted_name(const std::string& name) {
     return fmt::format("\"{}\"", plain_text(name.empty() ? "." : name));
 }
 
@@ -66,13 +66,13 @@ class Search {
     bool is_new(const std::string& folder) {
         const auto identity = identity_of(root_ / folder);
         if (identity && identity == out_) {
-            note("the folder " + shown(folder) + " of the results was not searched");
+            note("the folder " + quoted_name(folder) + " of the results was not searched");
             return false;
         }
         if (!identity) return true;  // reading it says why
         const auto [known, added] = searched_.emplace(*identity, folder);
         if (!added)
-            note("the folder " + shown(folder) + " leads to " + shown(known->second) +
+            note("the folder " + quoted_name(folder) + " leads to " + quoted_name(known->second) +
                  ", which is searched already: not searched twice");
         return added;
     }
@@ -85,7 +85,7 @@ class Search {
              !error && entry != fs::directory_iterator(); entry.increment(error))
             entries.push_back(*entry);
         if (error)
-            note("the folder " + shown(folder) + " cannot be read (" + error.message() +
+            note("the folder " + quoted_name(folder) + " cannot be read (" + error.message() +
                  "): attempts in it are not in the day");
         const auto holds = [&](std::string_view name) {
             return std::any_of(entries.begin(), entries.end(),
@@ -123,10 +123,10 @@ class Search {
             const std::string schema = written_schema(read_handwritten(root_ / path));
             if (schema.starts_with("attempt/")) found_.files.push_back(path);
             if (schema.starts_with("day/"))
-                note("the file " + shown(path) +
+                note("the file " + quoted_name(path) +
                      " is a day of its own: its attempts are not in this one");
         } catch (const Failure& failure) {
-            note("the file " + shown(path) +
+            note("the file " + quoted_name(path) +
                  " may be an attempt and cannot be read: " + plain_text(failure.problem()));
         }
     }

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "batch/epoch_estimate.h"
 #include "core/failure.h"
 #include "files/atomic_file.h"

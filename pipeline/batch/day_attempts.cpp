@@ -30,10 +30,6 @@ std::string name_of_folder(const fs::path& folder) {
     return id_from_name((path.has_filename() ? path : path.parent_path()).filename().string());
 }
 
-fs::path folder_of(const fs::path& file) {
-    return file.has_parent_path() ? file.parent_path() : fs::path(".");
-}
-
 void require_other_folder(const fs::path& folder, const fs::path& out) {
     std::error_code error;
     if (fs::equivalent(folder, out, error))

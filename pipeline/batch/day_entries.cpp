@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <nlohmann/json.hpp>
 
 #include "batch/attempt_text_scan.h"
 #include "batch/file_pattern.h"
@@ -28,10 +29,6 @@ std::string quoted(const std::string& text) {
 
 std::string stem_of(const std::string& name) {
     return fs::path(name).stem().string();
-}
-
-fs::path folder_of(const fs::path& file) {
-    return file.has_parent_path() ? file.parent_path() : fs::path(".");
 }
 
 /// One entry of a day file, that is one attempt or stands for several.

@@ -7,17 +7,12 @@
 #include <set>
 
 #include "core/prose.h"
+#include "core/text.h"
 
 namespace runcert {
 namespace {
 
 constexpr std::size_t longest_id = 64;
-
-std::string in_lower_case(std::string text) {
-    for (char& c : text)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    return text;
-}
 
 /// The sources of the others, "heats/b.yaml and day.yaml:14", not more than three.
 std::string others(const std::vector<DayAttempt*>& alike, const DayAttempt* one) {
@@ -61,7 +56,7 @@ std::string id_from_name(std::string_view name) {
 std::vector<DayAttempt> with_own_ids(std::vector<ListedAttempt> listed_attempts) {
     std::map<std::string, std::vector<DayAttempt*>> by_id;
     for (ListedAttempt& each : listed_attempts)
-        if (each.has_id) by_id[in_lower_case(each.attempt.id)].push_back(&each.attempt);
+        if (each.has_id) by_id[lower_case(each.attempt.id)].push_back(&each.attempt);
     for (const auto& [id, alike] : by_id)
         if (alike.size() > 1) refuse_alike(alike);
 
@@ -72,7 +67,7 @@ std::vector<DayAttempt> with_own_ids(std::vector<ListedAttempt> listed_attempts)
     for (ListedAttempt& each : listed_attempts) {
         DayAttempt& attempt = each.attempt;
         const std::string label = attempt.id;
-        for (int n = 2; !each.has_id && !taken.insert(in_lower_case(attempt.id)).second; ++n) {
+        for (int n = 2; !each.has_id && !taken.insert(lower_case(attempt.id)).second; ++n) {
             const std::string number = fmt::format("-{}", n);
             attempt.id = label.substr(0, longest_id - number.size()) + number;
         }

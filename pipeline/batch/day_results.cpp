@@ -1,6 +1,7 @@
 #include "batch/day_results.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "batch/batch_folders.h"
 #include "batch/run_files.h"

@@ -1,6 +1,7 @@
 #include "batch/named_files.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "core/text.h"

@@ -1,5 +1,7 @@
 #include "batch/run_record.h"
 
+#include <nlohmann/json.hpp>
+
 #include "core/failure.h"
 #include "files/atomic_file.h"
 #include "files/file_sync.h"

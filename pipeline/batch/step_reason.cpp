@@ -6,6 +6,7 @@
 #include <array>
 #include <csignal>
 #include <cstring>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "core/plain_text.h"
@@ -35,7 +36,7 @@ std::vector<std::string> different_keys(const Hashes& a, const Hashes& b) {
     return different;
 }
 
-std::string listed(std::vector<std::string> names) {
+std::string first_names(std::vector<std::string> names) {
     const std::size_t more = names.size() > most_named ? names.size() - most_named : 0;
     names.resize(names.size() - more);
     return fmt::format("{}{}", fmt::join(names, ", "),
@@ -123,11 +124,11 @@ std::string remedy_for(const ProcessResult& result) {
 
 std::string what_changed(const StepRecord& before, const StepRecord& now) {
     if (before.programs != now.programs)
-        return "program changed: " + listed(different_keys(before.programs, now.programs));
+        return "program changed: " + first_names(different_keys(before.programs, now.programs));
     if (!same_text(before.settings, now.settings))
-        return "parameters: " + listed(different_settings(before.settings, now.settings));
+        return "parameters: " + first_names(different_settings(before.settings, now.settings));
     if (before.inputs != now.inputs)
-        return "input changed: " + listed(different_keys(before.inputs, now.inputs));
+        return "input changed: " + first_names(different_keys(before.inputs, now.inputs));
     return {};
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "run/evidence.h"
@@ -45,7 +46,7 @@ Json files_of(const Receiver& receiver) {
 
 /// The receiver as import reads it.
 Json import_settings(const Receiver& receiver) {
-    return {{"id", receiver.id}, {"files", files_of(receiver)}, {"stated", receiver.stated}};
+    return {{"id", receiver.id}, {"files", files_of(receiver)}, {"stated", *receiver.stated}};
 }
 
 Json receiver_ids(const Attempt& attempt) {
@@ -90,7 +91,7 @@ Json settings_of_step(std::string_view step, const Attempt& attempt, const Json&
     settings["receivers"] = receiver_ids(attempt);
     if (step == "enu") settings["origin"] = document.value("origin", Json());
     const auto parameters = attempt.parameters.find(std::string(step));
-    if (parameters != attempt.parameters.end()) settings["parameters"] = parameters->second;
+    if (parameters != attempt.parameters.end()) settings["parameters"] = *parameters->second;
     if (step == "screen")
         for (const char* shared : {"error_time_min_s", "error_time_max_s"})
             settings["smooth"][shared] = attempt.parameters.at("smooth").at(shared);

@@ -35,14 +35,6 @@ struct CertifyOptions {
     bool no_pdf = false;
 };
 
-std::string in_capitals(std::string word) {
-    for (char& c : word) {
-        if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
-        if (c == '_') c = ' ';
-    }
-    return word;
-}
-
 /// A speed of the verdict in km/h, rounded once, from the figure with the most digits.
 std::string in_km_h(const YamlValue& speed_mps) {
     return format_fixed(speed_mps.real() * 3.6, 3);
@@ -122,7 +114,9 @@ std::vector<std::string> clauses_of(const YamlValue& profile, const std::string&
 /// Prints one profile's verdict, to be read in five seconds. Returns whether the record is beaten.
 bool print_verdict(const YamlValue& profile, const fs::path& run_dir) {
     const std::string outcome = profile["outcome"].text();
-    fmt::print("\n{}  {}\n", in_capitals(outcome), profile["profile"].text());
+    std::string heading = upper_case(outcome);
+    std::ranges::replace(heading, '_', ' ');
+    fmt::print("\n{}  {}\n", heading, profile["profile"].text());
     print_speed(profile);
     print_window(profile["window"]);
     fmt::print("  why      {}\n", plain_text(profile["reason"].text()));

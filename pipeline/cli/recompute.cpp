@@ -20,8 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* report_file = "report.json";
-
 /// The files that stages write, in the order of the chain, those of both folders.
 std::vector<std::string> products_of(const fs::path& a, const fs::path& b) {
     std::vector<std::string> names;

@@ -16,8 +16,6 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr const char* report_file = "report.json";
-
 std::string stage_of(const std::string& name) {
     switch (name.front()) {
         case '1':

@@ -6,6 +6,8 @@
 
 namespace runcert {
 
+inline constexpr const char* report_file = "report.json";
+
 /// How a file of a run folder stands to the same one made again.
 struct FileComparison {
     std::string file;

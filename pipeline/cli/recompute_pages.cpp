@@ -8,6 +8,7 @@
 #include "core/plain_text.h"
 #include "files/atomic_file.h"
 #include "files/program.h"
+#include "recompute_file.h"
 #include "run/chain.h"
 #include "trust/report_facts.h"
 #include "trust/signature_files.h"
@@ -17,7 +18,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* report_file = "report.json";
 constexpr const char* html_file = "report.html";
 constexpr const char* pdf_file = "report.pdf";
 

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <boost/math/quadrature/gauss_kronrod.hpp>
@@ -13,6 +12,7 @@
 #include <numbers>
 #include <span>
 
+#include "core/eigenvalues.h"
 #include "core/failure.h"
 #include "core/statistics.h"
 
@@ -47,9 +47,7 @@ std::array<double, N> principal_sigmas(const Eigen::Matrix<double, N, N>& covari
     const double largest = covariance.cwiseAbs().maxCoeff();
     if ((covariance - covariance.transpose()).cwiseAbs().maxCoeff() > 1e-9 * largest)
         throw Failure("covariance", "the matrix is not symmetric", remedy);
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, N, N>> solver(covariance,
-                                                                            Eigen::EigenvaluesOnly);
-    const auto& variances = solver.eigenvalues();
+    const Eigen::VectorXd variances = symmetric_eigenvalues(covariance);
     if (variances[0] < -1e-12 * largest)
         throw Failure("covariance", fmt::format("the variance along one axis is {}", variances[0]),
                       remedy);

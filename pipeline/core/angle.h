@@ -5,6 +5,8 @@
 
 namespace runcert {
 
+inline constexpr double degrees_per_radian = 180.0 / std::numbers::pi;
+
 /// A plane angle. Made only through a function that names the unit, so that degrees and radians
 /// cannot be mixed up.
 ///

@@ -3,16 +3,13 @@
 #include <limits>
 
 #include "core/plain_decimal.h"
+#include "core/text.h"
 
 namespace runcert {
 namespace {
 
 constexpr std::uint64_t per_second = 1'000'000'000;
 constexpr std::uint64_t largest = std::numeric_limits<std::int64_t>::max();
-
-bool is_digit(char c) {
-    return c >= '0' && c <= '9';
-}
 
 std::uint64_t digit(char c) {
     return static_cast<std::uint64_t>(c - '0');

@@ -11,7 +11,7 @@ namespace runcert {
 namespace {
 
 constexpr int digits_at_once = 8;
-constexpr std::uint32_t block = 100'000'000;
+constexpr std::uint32_t eight_digits_end = 100'000'000;
 constexpr int most_decimals = 12;
 /// Doubles below it are known to 0.5 at least, so that their whole part and rest are exact.
 constexpr double whole_limit = 0x1p52;
@@ -46,8 +46,8 @@ void put(char* to, Digits digits) {
 
 char* write_scaled(char* to, std::uint64_t count, int decimals, bool negative) {
     constexpr int all = 2 * digits_at_once;
-    const std::uint64_t high = eight_digits(static_cast<std::uint32_t>(count / block));
-    const std::uint64_t low = eight_digits(static_cast<std::uint32_t>(count % block));
+    const std::uint64_t high = eight_digits(static_cast<std::uint32_t>(count / eight_digits_end));
+    const std::uint64_t low = eight_digits(static_cast<std::uint32_t>(count % eight_digits_end));
     const Digits digits = Digits{low} << 64 | high;
     int zeros = leading_zeros(high);
     if (zeros == digits_at_once) zeros += leading_zeros(low);

@@ -19,19 +19,19 @@ namespace {
 
 constexpr int kDigitsMost = 15;
 
-[[noreturn]] void fail(const std::string& what, const char* remedy) {
+[[noreturn]] void fail_propagation(const std::string& what, const char* remedy) {
     throw Failure("Monte Carlo propagation", what, remedy);
 }
 
 void require_probability(double probability) {
     if (!(probability > 0.0 && probability < 1.0))
-        fail(fmt::format("the coverage probability {} is not in (0, 1)", probability),
-             "Give a probability such as 0.95");
+        fail_propagation(fmt::format("the coverage probability {} is not in (0, 1)", probability),
+                         "Give a probability such as 0.95");
 }
 
 void require_digits(int significant_digits) {
     if (significant_digits < 1 || significant_digits > kDigitsMost)
-        fail(fmt::format("{} significant digits", significant_digits), "Give 1 or 2");
+        fail_propagation(fmt::format("{} significant digits", significant_digits), "Give 1 or 2");
 }
 
 /// [GUM-S1] 7.9.4 b): fewer would leave too few values beyond the ends of the interval.
@@ -45,17 +45,17 @@ void require_options(const MonteCarloOptions& options) {
     require_probability(options.probability);
     require_digits(options.significant_digits);
     if (options.block < 1 || options.blocks_min < 2)
-        fail(fmt::format("{} trials in a block and at least {} blocks", options.block,
-                         options.blocks_min),
-             "Give 1 trial and 2 blocks or more");
+        fail_propagation(fmt::format("{} trials in a block and at least {} blocks", options.block,
+                                     options.blocks_min),
+                         "Give 1 trial and 2 blocks or more");
     if (!(options.tolerance_fraction > 0.0 && options.tolerance_fraction <= 1.0))
-        fail(fmt::format("the fraction {} of the tolerance is not in (0, 1]",
-                         options.tolerance_fraction),
-             "Give 1, or 0.2 to judge the law of propagation of uncertainty");
+        fail_propagation(fmt::format("the fraction {} of the tolerance is not in (0, 1]",
+                                     options.tolerance_fraction),
+                         "Give 1, or 0.2 to judge the law of propagation of uncertainty");
     if (options.trials_max / block_size(options) < options.blocks_min)
-        fail(fmt::format("at most {} trials, which is less than {} blocks of {}",
-                         options.trials_max, options.blocks_min, block_size(options)),
-             "Allow more trials");
+        fail_propagation(fmt::format("at most {} trials, which is less than {} blocks of {}",
+                                     options.trials_max, options.blocks_min, block_size(options)),
+                         "Allow more trials");
 }
 
 /// Number of values between the ends of an interval ([GUM-S1] 7.7).
@@ -63,9 +63,9 @@ std::size_t interval_span(std::size_t count, double probability) {
     require_probability(probability);
     const double span = std::floor(probability * static_cast<double>(count) + 0.5);
     if (!(span >= 1.0 && span < static_cast<double>(count)))
-        fail(fmt::format("{} values are too few for an interval of probability {}", count,
-                         probability),
-             "Simulate more values");
+        fail_propagation(fmt::format("{} values are too few for an interval of probability {}",
+                                     count, probability),
+                         "Simulate more values");
     return static_cast<std::size_t>(span);
 }
 
@@ -159,8 +159,8 @@ std::vector<double> draw_block(RandomGenerator& random, std::int64_t block,
     for (double& value : values) {
         value = draw(random);
         if (!std::isfinite(value))
-            fail(fmt::format("a simulated result is {}", value),
-                 "Limit the inputs to values that the model has a result for");
+            fail_propagation(fmt::format("a simulated result is {}", value),
+                             "Limit the inputs to values that the model has a result for");
     }
     return values;
 }
@@ -196,8 +196,8 @@ MonteCarloResult propagate(const MonteCarloOptions& options,
 double numerical_tolerance(double standard_uncertainty, int significant_digits) {
     require_digits(significant_digits);
     if (!(standard_uncertainty >= 0.0 && std::isfinite(standard_uncertainty)))
-        fail(fmt::format("the standard uncertainty is {}", standard_uncertainty),
-             "Give a finite number, 0 or more");
+        fail_propagation(fmt::format("the standard uncertainty is {}", standard_uncertainty),
+                         "Give a finite number, 0 or more");
     if (standard_uncertainty == 0.0) return 0.0;
     // Rounded in decimal, as a reader would: 0.0996 to two digits is 10 x 10^-2.
     const std::string rounded =
@@ -244,8 +244,8 @@ double draw_student_t(RandomGenerator& random, std::optional<double> degrees_of_
     if (!degrees_of_freedom) return random.normal();
     const double nu = *degrees_of_freedom;
     if (!(nu >= 1.0 && std::isfinite(nu)))
-        fail(fmt::format("{} degrees of freedom", nu),
-             "Give a finite number of 1 or more, or none for infinitely many");
+        fail_propagation(fmt::format("{} degrees of freedom", nu),
+                         "Give a finite number of 1 or more, or none for infinitely many");
     while (true) {
         const double x = 2.0 * random.uniform() - 1.0;
         const double y = 2.0 * random.uniform() - 1.0;

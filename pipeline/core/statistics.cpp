@@ -18,27 +18,27 @@ namespace runcert {
 
 namespace {
 
-[[noreturn]] void fail(const std::string& what, const char* remedy) {
+[[noreturn]] void fail_statistics(const std::string& what, const char* remedy) {
     throw Failure("statistics", what, remedy);
 }
 
 void require_degrees(int degrees_of_freedom) {
     if (degrees_of_freedom < 1)
-        fail(fmt::format("{} degrees of freedom", degrees_of_freedom), "Give 1 or more");
+        fail_statistics(fmt::format("{} degrees of freedom", degrees_of_freedom), "Give 1 or more");
 }
 
 bool is_normal(const std::optional<double>& degrees_of_freedom) {
     if (!degrees_of_freedom) return true;
     if (!(*degrees_of_freedom > 0.0))
-        fail(fmt::format("{} degrees of freedom", *degrees_of_freedom),
-             "Give a number above 0, or none for infinitely many");
+        fail_statistics(fmt::format("{} degrees of freedom", *degrees_of_freedom),
+                        "Give a number above 0, or none for infinitely many");
     return std::isinf(*degrees_of_freedom);
 }
 
 void require_count(std::size_t count, std::size_t least) {
     if (count < least)
-        fail(fmt::format("{} values where at least {} are needed", count, least),
-             "Give a longer stretch of data");
+        fail_statistics(fmt::format("{} values where at least {} are needed", count, least),
+                        "Give a longer stretch of data");
 }
 
 }  // namespace
@@ -46,23 +46,24 @@ void require_count(std::size_t count, std::size_t least) {
 double chi_squared_quantile(double probability, int degrees_of_freedom) {
     require_degrees(degrees_of_freedom);
     if (!(probability >= 0.0 && probability < 1.0))
-        fail(fmt::format("the probability {} is not in [0, 1)", probability),
-             "Give a probability below 1");
+        fail_statistics(fmt::format("the probability {} is not in [0, 1)", probability),
+                        "Give a probability below 1");
     return boost::math::quantile(boost::math::chi_squared(degrees_of_freedom), probability);
 }
 
 double chi_squared_upper_quantile(double tail_probability, int degrees_of_freedom) {
     require_degrees(degrees_of_freedom);
     if (!(tail_probability > 0.0 && tail_probability <= 1.0))
-        fail(fmt::format("the tail probability {} is not in (0, 1]", tail_probability),
-             "Give a probability above 0");
+        fail_statistics(fmt::format("the tail probability {} is not in (0, 1]", tail_probability),
+                        "Give a probability above 0");
     return boost::math::quantile(
         boost::math::complement(boost::math::chi_squared(degrees_of_freedom), tail_probability));
 }
 
 double log_chi_squared_upper_tail(double x, int degrees_of_freedom) {
     require_degrees(degrees_of_freedom);
-    if (!(x >= 0.0)) fail(fmt::format("the value {} is not 0 or more", x), "Give a sum of squares");
+    if (!(x >= 0.0))
+        fail_statistics(fmt::format("the value {} is not 0 or more", x), "Give a sum of squares");
     const double a = 0.5 * degrees_of_freedom;
     const double z = 0.5 * x;
     constexpr double series_from = 600.0;
@@ -84,8 +85,8 @@ double log_chi_squared_upper_tail(double x, int degrees_of_freedom) {
 
 double noncentrality(double test_size, double power, int degrees_of_freedom) {
     if (!(test_size > 0.0 && test_size < power && power < 1.0))
-        fail(fmt::format("a test of size {} cannot have the power {}", test_size, power),
-             "Give a size above 0 and a power between the size and 1");
+        fail_statistics(fmt::format("a test of size {} cannot have the power {}", test_size, power),
+                        "Give a size above 0 and a power between the size and 1");
     const double critical = chi_squared_upper_quantile(test_size, degrees_of_freedom);
     return boost::math::non_central_chi_squared::find_non_centrality(
         boost::math::complement(static_cast<double>(degrees_of_freedom), critical, power));
@@ -93,8 +94,8 @@ double noncentrality(double test_size, double power, int degrees_of_freedom) {
 
 double normal_quantile(double probability) {
     if (!(probability > 0.0 && probability < 1.0))
-        fail(fmt::format("the probability {} is not in (0, 1)", probability),
-             "Give a probability between 0 and 1");
+        fail_statistics(fmt::format("the probability {} is not in (0, 1)", probability),
+                        "Give a probability between 0 and 1");
     return -std::numbers::sqrt2 * boost::math::erfc_inv(2.0 * probability);
 }
 
@@ -104,7 +105,7 @@ double normal_cdf(double x) {
 
 double student_t_cdf(double x, std::optional<double> degrees_of_freedom) {
     const bool normal = is_normal(degrees_of_freedom);
-    if (std::isnan(x)) fail("the value is not a number", "Leave out missing values");
+    if (std::isnan(x)) fail_statistics("the value is not a number", "Leave out missing values");
     if (normal || std::isinf(x)) return normal_cdf(x);
     return boost::math::cdf(boost::math::students_t(*degrees_of_freedom), x);
 }
@@ -112,8 +113,8 @@ double student_t_cdf(double x, std::optional<double> degrees_of_freedom) {
 double student_t_quantile(double probability, std::optional<double> degrees_of_freedom) {
     if (is_normal(degrees_of_freedom)) return normal_quantile(probability);
     if (!(probability > 0.0 && probability < 1.0))
-        fail(fmt::format("the probability {} is not in (0, 1)", probability),
-             "Give a probability between 0 and 1");
+        fail_statistics(fmt::format("the probability {} is not in (0, 1)", probability),
+                        "Give a probability between 0 and 1");
     return boost::math::quantile(boost::math::students_t(*degrees_of_freedom), probability);
 }
 
@@ -145,7 +146,7 @@ double root_mean_square(std::span<const double> values) {
 double median(std::vector<double> values) {
     require_count(values.size(), 1);
     if (std::any_of(values.begin(), values.end(), [](double v) { return std::isnan(v); }))
-        fail("a value is not a number", "Leave out missing values");
+        fail_statistics("a value is not a number", "Leave out missing values");
     std::sort(values.begin(), values.end());
     const std::size_t half = values.size() / 2;
     if (values.size() % 2 == 1) return values[half];

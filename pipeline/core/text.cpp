@@ -19,10 +19,6 @@ namespace {
 
 constexpr std::uint64_t exactly_in_double = std::uint64_t{1} << 53;
 
-bool is_digit(char c) {
-    return c >= '0' && c <= '9';
-}
-
 bool is_printable(char c) {
     return c >= ' ' && c <= '~';
 }
@@ -91,6 +87,24 @@ std::optional<std::int64_t> parse_integer(std::string_view text) {
     return value;
 }
 
+std::string lower_case(std::string_view text) {
+    std::string lower(text);
+    for (char& c : lower)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    return lower;
+}
+
+std::string upper_case(std::string_view text) {
+    std::string upper(text);
+    for (char& c : upper)
+        if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+    return upper;
+}
+
+std::string capitalised(std::string_view text) {
+    return upper_case(text.substr(0, 1)).append(text.substr(std::min<std::size_t>(1, text.size())));
+}
+
 std::string_view trim(std::string_view text) {
     constexpr std::string_view blanks = " \t\r\n\v\f";
     const std::size_t first = text.find_first_not_of(blanks);
@@ -110,6 +124,10 @@ std::string format_any_fixed(double value, int decimals) {
     if (text.starts_with('-') && text.find_first_not_of("-0.") == std::string::npos)
         text.erase(0, 1);
     return text;
+}
+
+std::string shown(std::string_view name) {
+    return escape_for_message(name, 120);
 }
 
 std::string_view nearest(std::string_view word, std::span<const std::string_view> candidates) {

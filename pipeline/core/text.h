@@ -21,6 +21,18 @@ std::optional<double> parse_any_double(std::string_view text);
 /// The integer a text holds, or nothing: decimal digits with an optional leading + or -, no more.
 std::optional<std::int64_t> parse_integer(std::string_view text);
 
+/// Whether this is one of 0 to 9, whatever the locale.
+constexpr bool is_digit(char c) {
+    return c >= '0' && c <= '9';
+}
+
+/// The text with A to Z in lower case, a to z in upper case; other bytes as they are.
+std::string lower_case(std::string_view text);
+std::string upper_case(std::string_view text);
+
+/// The text with its first letter in upper case.
+std::string capitalised(std::string_view text);
+
 /// The text without blanks, tabs and line ends at both ends.
 std::string_view trim(std::string_view text);
 
@@ -41,6 +53,9 @@ bool is_printable_ascii(std::string_view text);
 /// A piece of input as a message may quote it: printable ASCII as it is, every other byte as
 /// \xNN, and "..." where more than `max` bytes of input were cut to `max`.
 std::string escape_for_message(std::string_view bytes, std::size_t max = 40);
+
+/// The same of a file's name or a title, which may be longer.
+std::string shown(std::string_view name);
 
 /// A text as one word of a command line to be pasted into a shell: in single quotes unless it is
 /// made of letters, digits and . _ - / alone. What would steer a terminal must be taken out before.

@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <string>
 
+#include "core/eigenvalues.h"
 #include "core/failure.h"
 #include "core/statistics.h"
 
@@ -17,25 +17,26 @@ namespace {
 
 constexpr double kCorrelationTolerance = 1e-12;
 
-[[noreturn]] void fail(const std::string& what, const char* remedy) {
+[[noreturn]] void fail_budget(const std::string& what, const char* remedy) {
     throw Failure("uncertainty budget", what, remedy);
 }
 
 void require_not_negative(double value, const char* name) {
     if (!(value >= 0.0 && std::isfinite(value)))
-        fail(fmt::format("the {} is {}", name, value), "Give a finite number, 0 or more");
+        fail_budget(fmt::format("the {} is {}", name, value), "Give a finite number, 0 or more");
 }
 
 void require_degrees(const std::optional<double>& degrees) {
     if (degrees && !(*degrees > 0.0 && std::isfinite(*degrees)))
-        fail(fmt::format("{} degrees of freedom", *degrees),
-             "Give a finite number above 0, or none for infinitely many");
+        fail_budget(fmt::format("{} degrees of freedom", *degrees),
+                    "Give a finite number above 0, or none for infinitely many");
 }
 
 void require_input(const InputQuantity& input) {
     require_not_negative(input.standard_uncertainty, "standard uncertainty");
     if (!std::isfinite(input.sensitivity))
-        fail(fmt::format("the sensitivity is {}", input.sensitivity), "Give a finite number");
+        fail_budget(fmt::format("the sensitivity is {}", input.sensitivity),
+                    "Give a finite number");
     require_degrees(input.degrees_of_freedom);
 }
 
@@ -65,22 +66,22 @@ Eigen::VectorXd contributions(std::span<const InputQuantity> inputs) {
 void require_correlation(const Eigen::MatrixXd& matrix, Eigen::Index count) {
     constexpr const char* remedy = "Give the correlation coefficients of all inputs";
     if (matrix.rows() != count || matrix.cols() != count)
-        fail(fmt::format("the correlation matrix is {} by {} for {} inputs", matrix.rows(),
-                         matrix.cols(), count),
-             remedy);
-    if (!matrix.allFinite()) fail("a correlation coefficient is not finite", remedy);
+        fail_budget(fmt::format("the correlation matrix is {} by {} for {} inputs", matrix.rows(),
+                                matrix.cols(), count),
+                    remedy);
+    if (!matrix.allFinite()) fail_budget("a correlation coefficient is not finite", remedy);
     if (!((matrix.diagonal().array() - 1.0).abs() <= kCorrelationTolerance).all())
-        fail("the diagonal of the correlation matrix is not 1", remedy);
+        fail_budget("the diagonal of the correlation matrix is not 1", remedy);
     if (!((matrix - matrix.transpose()).array().abs() <= kCorrelationTolerance).all())
-        fail("the correlation matrix is not symmetric", remedy);
+        fail_budget("the correlation matrix is not symmetric", remedy);
     if (count == 0) return;
-    const double least =
-        Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix, false).eigenvalues().minCoeff();
+    const double least = symmetric_eigenvalues(matrix)(0);
     if (least < -kCorrelationTolerance * static_cast<double>(count))
-        fail(fmt::format("the correlation matrix has the eigenvalue {:.3g}: no quantities can be "
-                         "correlated so",
-                         least),
-             "Estimate all coefficients from the same observations");
+        fail_budget(
+            fmt::format("the correlation matrix has the eigenvalue {:.3g}: no quantities can be "
+                        "correlated so",
+                        least),
+            "Estimate all coefficients from the same observations");
 }
 
 bool any_finite_degrees(std::span<const InputQuantity> inputs) {
@@ -114,8 +115,8 @@ CombinedUncertainty combine(std::span<const InputQuantity> inputs,
 
 double coverage_factor(double probability, std::optional<double> degrees_of_freedom) {
     if (!(probability > 0.0 && probability < 1.0))
-        fail(fmt::format("the coverage probability {} is not in (0, 1)", probability),
-             "Give a probability such as 0.95");
+        fail_budget(fmt::format("the coverage probability {} is not in (0, 1)", probability),
+                    "Give a probability such as 0.95");
     require_degrees(degrees_of_freedom);
     const double tail = (1.0 - probability) / 2.0;
     if (!degrees_of_freedom) return -normal_quantile(tail);

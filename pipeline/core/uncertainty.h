@@ -44,6 +44,9 @@ CombinedUncertainty combine(std::span<const InputQuantity> inputs);
 CombinedUncertainty combine(std::span<const InputQuantity> inputs,
                             const Eigen::MatrixXd& correlation);
 
+/// k of an expanded uncertainty where no other is stated.
+inline constexpr double usual_coverage_factor = 2.0;
+
 /// Coverage factor k of the two-sided interval y - k u to y + k u that holds Student's t
 /// distribution with probability `probability` ([GUM] G.3; table G.2), the normal one where
 /// `degrees_of_freedom` is empty. The degrees of freedom are taken as they are: [GUM] G.4.1 lets

@@ -229,5 +229,6 @@ InnovationSums innovation_sums(std::span<const std::span<const ArcEpoch<Axes>>> 
 RUNCERT_INSTANTIATE(1)
 RUNCERT_INSTANTIATE(2)
 RUNCERT_INSTANTIATE(3)
+#undef RUNCERT_INSTANTIATE
 
 }  // namespace runcert

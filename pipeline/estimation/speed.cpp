@@ -1,6 +1,6 @@
+#include "core/eigenvalues.h"
 #include "estimation/speed.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -13,10 +13,7 @@ SpeedEstimate horizontal_speed(const Eigen::Vector2d& velocity, const Eigen::Mat
         const Eigen::Vector2d direction = velocity / speed;
         variance = direction.dot(covariance * direction);
     } else {
-        variance =
-            Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d>(covariance, Eigen::EigenvaluesOnly)
-                .eigenvalues()
-                .maxCoeff();
+        variance = symmetric_eigenvalues(covariance)(1);
     }
     return {speed, std::sqrt(std::max(variance, 0.0))};
 }
@@ -177,5 +174,6 @@ SpeedEstimate mean_speed(const SmoothedArc<Axes>& arc, std::size_t s, std::size_
 RUNCERT_INSTANTIATE(1)
 RUNCERT_INSTANTIATE(2)
 RUNCERT_INSTANTIATE(3)
+#undef RUNCERT_INSTANTIATE
 
 }  // namespace runcert

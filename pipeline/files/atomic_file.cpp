@@ -70,13 +70,19 @@ std::string remedy_for(int error) {
                   remedy_for(error));
 }
 
+}  // namespace
+
+fs::path folder_of(const fs::path& file) {
+    return file.has_parent_path() ? file.parent_path() : fs::path(".");
+}
+
 /// A file descriptor that is closed when it goes out of scope.
-class Descriptor {
+class FileDescriptor {
   public:
-    explicit Descriptor(int number) : number_(number) {}
-    Descriptor(const Descriptor&) = delete;
-    Descriptor& operator=(const Descriptor&) = delete;
-    ~Descriptor() {
+    explicit FileDescriptor(int number) : number_(number) {}
+    FileDescriptor(const FileDescriptor&) = delete;
+    FileDescriptor& operator=(const FileDescriptor&) = delete;
+    ~FileDescriptor() {
         if (number_ >= 0) ::close(number_);
     }
 
@@ -90,8 +96,6 @@ class Descriptor {
   private:
     int number_;
 };
-
-}  // namespace
 
 /// A new file of an unused name in a folder, removed again unless it is kept.
 class TemporaryFile {
@@ -140,14 +144,14 @@ class TemporaryFile {
 
     fs::path target_;
     fs::path name_;
-    Descriptor file_;
+    FileDescriptor file_;
     bool kept_ = false;
 };
 
 namespace {
 
 void sync_opened(const fs::path& folder, const fs::path& path, const char* failure) {
-    const Descriptor opened(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+    const FileDescriptor opened(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
     // A folder that may be written but not listed cannot be opened, and some network file
     // systems cannot sync one: there the file is as safe as that place allows.
     if (!opened.is_open() || ::fsync(opened.number()) == 0 || errno == EINVAL || errno == ENOTSUP)
@@ -180,7 +184,7 @@ std::size_t size_of(int file) {
 }  // namespace
 
 FileView::FileView(const fs::path& path) {
-    const Descriptor file(open_regular(path));
+    const FileDescriptor file(open_regular(path));
     struct stat status {};
     if (::fstat(file.number(), &status) != 0) fail(path, "cannot read this file", errno);
     size_ = static_cast<std::size_t>(status.st_size);
@@ -217,7 +221,7 @@ FileView::~FileView() {
 }
 
 void read_pieces(const fs::path& path, const std::function<void(std::string_view)>& take) {
-    const Descriptor file(open_regular(path));
+    const FileDescriptor file(open_regular(path));
     // Most files are small, and a page of memory that is touched costs as much as to read one.
     const std::size_t size =
         std::clamp(size_of(file.number()) + 1, std::size_t{1} << 12, std::size_t{1} << 20);
@@ -272,7 +276,7 @@ std::unique_ptr<TemporaryFile> temporary_for(const fs::path& path, FileAccess ac
 void commit(TemporaryFile& file, const fs::path& path, Sync sync) {
     file.rename_to_target(sync);
     if (sync == Sync::now)
-        sync_opened(path.has_parent_path() ? path.parent_path() : fs::path("."), path,
+        sync_opened(folder_of(path), path,
                     "the new file is in place, but its folder cannot be written to the disk");
 }
 
@@ -308,7 +312,7 @@ std::pair<std::string, std::string> synced_by_caller() {
 }
 
 void sync_files(const std::vector<fs::path>& files) {
-    std::deque<Descriptor> opened;
+    std::deque<FileDescriptor> opened;
     for (const fs::path& file : files) {
         const int number = opened.emplace_back(open_regular(file)).number();
         // Only begins the writing; whether it succeeds, fsync says.

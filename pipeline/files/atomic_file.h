@@ -9,6 +9,9 @@
 
 namespace runcert {
 
+/// The folder that a file is in: "." where its path names none.
+std::filesystem::path folder_of(const std::filesystem::path& file);
+
 /// Who may read a file that is written: everyone the user's umask allows, or the owner alone
 /// (mode 0600, for secret keys).
 enum class FileAccess { by_umask, owner_only };

@@ -184,7 +184,7 @@ void FolderLock::sign(LockKind kind) {
     const std::string line = std::string(held) + this_process() + "\n";
     // The file is open for appending, which is one step: those who share do not overwrite each
     // other.
-    const ssize_t written = write(file_, line.data(), line.size());
+    const ssize_t written = ::write(file_, line.data(), line.size());
     if (written == static_cast<ssize_t>(line.size()))
         entry_ = lseek(file_, 0, SEEK_CUR) - static_cast<long>(line.size());
 }

@@ -127,7 +127,7 @@ void reset_signals() {
         if (!absent) error = errno;
         if (!absent && errno != EACCES) break;
     }
-    [[maybe_unused]] const ssize_t written = write(child.problem, &error, sizeof error);
+    [[maybe_unused]] const ssize_t written = ::write(child.problem, &error, sizeof error);
     _exit(127);
 }
 

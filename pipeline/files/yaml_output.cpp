@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "core/failure.h"
 #include "core/text.h"
@@ -21,9 +22,7 @@ bool is_plain_word(const std::string& text) {
     };
     static constexpr const char* reserved[] = {"true", "false", "null", "yes", "no", "on",
                                                "off",  "y",     "n",    "nan", "inf"};
-    std::string lower = text;
-    for (char& c : lower)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    const std::string lower = lower_case(text);
     return letter(text.front()) && std::all_of(text.begin(), text.end(), inner) &&
            std::find(std::begin(reserved), std::end(reserved), lower) == std::end(reserved);
 }

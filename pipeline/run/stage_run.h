@@ -74,7 +74,7 @@ class StageRun {
     /// this to have it named in its header.
     void note_attempt();
     /// What the stage uses in place of the attempt's parameters of its name.
-    void use_parameters(nlohmann::ordered_json parameters) { parameters_ = std::move(parameters); }
+    void use_parameters(HeldJson parameters) { parameters_ = std::move(parameters); }
     /// Notes bytes that do not come from the run folder's products.
     void note_input(const std::string& role, const std::string& file, std::string_view bytes,
                     const std::string& original = {});
@@ -160,7 +160,7 @@ class StageRun {
     std::filesystem::path run_dir_;
     std::string attempt_text_;
     Attempt attempt_;
-    nlohmann::ordered_json parameters_ = nlohmann::ordered_json::object();
+    HeldJson parameters_;
     std::vector<InputFile> inputs_;
     std::map<std::string, Claim> claims_;
     std::vector<std::string> said_;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "core/failure.h"
@@ -110,13 +111,6 @@ void require_known_version(const Json& json, const std::string& where) {
     }
 }
 
-/// Names that one system tells apart and another does not are the same.
-std::string in_lower_case(std::string name) {
-    for (char& c : name)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    return name;
-}
-
 struct Subjects {
     std::map<std::string, std::string> sha256{};
     std::vector<std::string> names{};
@@ -137,7 +131,7 @@ Subjects subjects_of(const Json& json, const std::string& where) {
                           fmt::format("the subject \"{}\" is not a file of the run folder",
                                       escape_for_message(name)),
                           "This is not a report of this program, or it was changed");
-        if (!seen.insert(in_lower_case(name)).second)
+        if (!seen.insert(lower_case(name)).second)
             throw Failure(
                 where, fmt::format("the subject \"{}\" is named twice", escape_for_message(name)),
                 take_original);

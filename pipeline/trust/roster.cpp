@@ -17,18 +17,12 @@ namespace {
 
 constexpr std::string_view blanks = " \t";
 
-[[noreturn]] void refuse(const std::string& where, const std::string& what,
-                         const std::string& remedy =
-                             "Write it as ROLES [OPTIONS] TYPE KEY WHO, e.g. as runcert keygen "
-                             "prints it") {
+[[noreturn]] void refuse_line(
+    const std::string& where, const std::string& what,
+    const std::string& remedy =
+        "Write it as ROLES [OPTIONS] TYPE KEY WHO, e.g. as runcert keygen "
+        "prints it") {
     throw Failure(where, what, remedy);
-}
-
-std::string lower(std::string_view text) {
-    std::string result(text);
-    for (char& c : result)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    return result;
 }
 
 void skip_blanks(std::string_view& rest) {
@@ -41,7 +35,7 @@ std::string_view take_word(std::string_view& rest, const std::string& where) {
     std::string_view word;
     if (rest.starts_with('"')) {
         const std::size_t end = rest.find('"', 1);
-        if (end == std::string_view::npos) refuse(where, "a quotation mark is never closed");
+        if (end == std::string_view::npos) refuse_line(where, "a quotation mark is never closed");
         word = rest.substr(1, end - 1);
         rest.remove_prefix(end + 1);
     } else {
@@ -55,7 +49,7 @@ std::string_view take_word(std::string_view& rest, const std::string& where) {
 /// The value in quotes that an option begins with, taken off; \" stands for a quotation mark.
 std::string take_quoted(std::string_view& rest, const std::string& name, const std::string& where) {
     if (!rest.starts_with('"'))
-        refuse(where, fmt::format("the value of {} does not stand in quotation marks", name));
+        refuse_line(where, fmt::format("the value of {} does not stand in quotation marks", name));
     std::string value;
     for (std::size_t i = 1; i < rest.size(); ++i) {
         if (rest[i] == '"') {
@@ -65,21 +59,21 @@ std::string take_quoted(std::string_view& rest, const std::string& name, const s
         if (rest.substr(i, 2) == "\\\"") ++i;
         value += rest[i];
     }
-    refuse(where, fmt::format("the quotation mark of {} is never closed", name));
+    refuse_line(where, fmt::format("the quotation mark of {} is never closed", name));
 }
 
 UtcSecond read_time(const std::string& text, const std::string& name, const std::string& where) {
     const auto time = parse_ssh_time(text);
     if (!time)
-        refuse(where, fmt::format("\"{}\" is no time for {}", escape_for_message(text), name),
-               "Write YYYYMMDDZ, YYYYMMDDHHMMZ or YYYYMMDDHHMMSSZ; Z is for UTC");
+        refuse_line(where, fmt::format("\"{}\" is no time for {}", escape_for_message(text), name),
+                    "Write YYYYMMDDZ, YYYYMMDDHHMMZ or YYYYMMDDHHMMSSZ; Z is for UTC");
     return *time;
 }
 
 template <class T>
 void set_once(std::optional<T>& option, T value, const std::string& name,
               const std::string& where) {
-    if (option) refuse(where, fmt::format("{} is given twice", name), "Give it once");
+    if (option) refuse_line(where, fmt::format("{} is given twice", name), "Give it once");
     option = std::move(value);
 }
 
@@ -87,15 +81,15 @@ void set_once(std::optional<T>& option, T value, const std::string& name,
 void read_option(RosterEntry& entry, const std::string& name, std::string_view& rest,
                  const std::string& where) {
     if (name == "cert-authority")
-        refuse(where, "certificate authorities are not read here: cert-authority",
-               "Give each signer's own key a line");
+        refuse_line(where, "certificate authorities are not read here: cert-authority",
+                    "Give each signer's own key a line");
     if (name != "namespaces" && name != "valid-after" && name != "valid-before")
-        refuse(
+        refuse_line(
             where,
             fmt::format("\"{}\" is neither an option nor a type of key", escape_for_message(name)),
             "Options are namespaces, valid-after and valid-before; types of key " +
                 ssh_key_types());
-    if (!rest.starts_with('=')) refuse(where, fmt::format("{} has no value", name));
+    if (!rest.starts_with('=')) refuse_line(where, fmt::format("{} has no value", name));
     rest.remove_prefix(1);
     std::string value = take_quoted(rest, name, where);
     if (name == "namespaces")
@@ -108,17 +102,17 @@ void read_option(RosterEntry& entry, const std::string& name, std::string_view& 
 
 void read_options(RosterEntry& entry, std::string_view& rest, const std::string& where) {
     while (true) {
-        const std::string name = lower(rest.substr(0, rest.find_first_of("=, \t")));
+        const std::string name = lower_case(rest.substr(0, rest.find_first_of("=, \t")));
         rest.remove_prefix(name.size());
         read_option(entry, name, rest, where);
         if (!rest.starts_with(',')) break;
         rest.remove_prefix(1);
     }
     if (!rest.empty() && blanks.find(rest.front()) == std::string_view::npos)
-        refuse(where, "something follows an option without a comma");
+        refuse_line(where, "something follows an option without a comma");
     skip_blanks(rest);
     if (entry.valid_after && entry.valid_before && *entry.valid_before <= *entry.valid_after)
-        refuse(where, "valid-before is not after valid-after", "Give times in that order");
+        refuse_line(where, "valid-before is not after valid-after", "Give times in that order");
 }
 
 RosterEntry read_line(std::string_view rest, std::size_t number, const std::string& where) {
@@ -126,11 +120,11 @@ RosterEntry read_line(std::string_view rest, std::size_t number, const std::stri
     entry.line = number;
     entry.roles = take_word(rest, where);
     const auto type_ahead = [&rest] { return rest.substr(0, rest.find_first_of(blanks)); };
-    if (entry.roles.empty() || rest.empty()) refuse(where, "the line ends before its key");
+    if (entry.roles.empty() || rest.empty()) refuse_line(where, "the line ends before its key");
     if (!is_ssh_key_type(type_ahead())) read_options(entry, rest, where);
     const std::string_view type = take_word(rest, where);
     if (!is_ssh_key_type(type))
-        refuse(
+        refuse_line(
             where,
             fmt::format("\"{}\" is not a type of key that is read here", escape_for_message(type)),
             "Use one of " + ssh_key_types());
@@ -147,8 +141,9 @@ std::string signature_namespace(std::string_view role) {
 
 void require_role(const std::string& role, const std::string& where) {
     if (!is_role(role))
-        refuse(where, fmt::format("\"{}\" cannot be a role to sign in", escape_for_message(role)),
-               "Use 1 to 64 letters, digits, - and _, such as measurer or chief-judge");
+        refuse_line(where,
+                    fmt::format("\"{}\" cannot be a role to sign in", escape_for_message(role)),
+                    "Use 1 to 64 letters, digits, - and _, such as measurer or chief-judge");
 }
 
 bool RosterEntry::allows(std::string_view role) const {
@@ -169,12 +164,13 @@ Roster parse_roster(std::string_view text, const std::string& where) {
         skip_blanks(line);
         if (line.empty() || line.starts_with('#')) continue;
         const std::string place = fmt::format("{}, line {}", where, i + 1);
-        if (!is_printable_line(line)) refuse(place, "the line holds characters that do not print");
+        if (!is_printable_line(line))
+            refuse_line(place, "the line holds characters that do not print");
         roster.entries.push_back(read_line(line, i + 1, place));
     }
     if (roster.entries.empty())
-        refuse(where, "the roster names no key",
-               "Write a line for each key whose signature counts");
+        refuse_line(where, "the roster names no key",
+                    "Write a line for each key whose signature counts");
     return roster;
 }
 
@@ -184,8 +180,8 @@ Roster roster_of_public_key(std::string_view text, const std::string& who,
     const std::string_view line = trim(text);
     if (is_ssh_key_type(line.substr(0, line.find(' '))) &&
         line.find('\n') != std::string_view::npos)
-        refuse(where, "a public key is one line; what else stands there would count as well",
-               "Give each key a file of its own, or give them as a roster");
+        refuse_line(where, "a public key is one line; what else stands there would count as well",
+                    "Give each key a file of its own, or give them as a roster");
     if (is_ssh_key_type(line.substr(0, line.find(' '))))
         return parse_roster("* " + std::string(line) + "\n", where);
     const PublicKey key = parse_public_key(text, where);

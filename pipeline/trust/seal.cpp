@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 constexpr const char* room_for_signature = "16384";  // PoDoFo's own guess is too small for ECDSA
 constexpr std::size_t longest_reason = 200;
 constexpr int exit_no_signature = 2;  // of pdfsig
-constexpr const char* render_again =
+constexpr const char* render_pdf =
     "Render again: `runcert-report --render-only --run-dir RUN_DIR --attempt RUN_DIR/attempt.yaml`";
 
 /// A path that no program takes for an option.
@@ -41,7 +41,7 @@ std::string require_openssl(const std::vector<std::string>& command, const fs::p
     return result.output;
 }
 
-void require_private(const fs::path& key) {
+void require_plain_private(const fs::path& key) {
     struct stat status {};
     if (::stat(key.c_str(), &status) == 0 && (status.st_mode & (S_IRWXG | S_IRWXO)) != 0)
         throw Failure(key.string(), "others than its owner may read or change this secret key",
@@ -114,17 +114,17 @@ void require_reason(const std::string& reason) {
 
 void require_sealable(const fs::path& pdf, const std::string& report) {
     if (!fs::exists(pdf))
-        throw Failure(pdf.string(), "the run folder has no report.pdf to seal", render_again);
+        throw Failure(pdf.string(), "the run folder has no report.pdf to seal", render_pdf);
     const SealCheck before = check_seal(pdf);
     if (before.present)
         throw Failure(
             pdf.string(),
             fmt::format("the PDF is sealed already, and takes one seal: {}", before.words),
-            render_again);
+            render_pdf);
     if (!carries(pdf, report))
         throw Failure(pdf.string(),
                       "the PDF does not carry this folder's report.json as its one attachment",
-                      render_again);
+                      render_pdf);
 }
 
 }  // namespace
@@ -151,7 +151,7 @@ SealCheck seal_report(const std::filesystem::path& run_dir, const std::filesyste
     const fs::path pdf = run_dir / "report.pdf";
     const std::string report = read_file(run_dir / "report.json");
     require_reason(reason);
-    require_private(key);
+    require_plain_private(key);
     require_pair(key, certificate);
     require_sealable(pdf, report);
     const TemporaryFolder folder;

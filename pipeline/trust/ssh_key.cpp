@@ -29,7 +29,7 @@ std::string wire_string(std::string_view bytes) {
     return text.append(bytes);
 }
 
-[[noreturn]] void refuse(const std::string& where, const std::string& what) {
+[[noreturn]] void refuse_key(const std::string& where, const std::string& what) {
     throw Failure(where, what,
                   "Copy the key whole, from the .pub file that ssh-keygen or runcert keygen made");
 }
@@ -71,14 +71,14 @@ std::optional<std::string> decode_base64(std::string_view text) {
 SshPublicKey ssh_key_of_blob(std::string blob, const std::string& where) {
     std::string_view rest = blob;
     const auto type = take_wire_string(rest);
-    if (!type || rest.empty()) refuse(where, "this is not a public key of OpenSSH");
+    if (!type || rest.empty()) refuse_key(where, "this is not a public key of OpenSSH");
     if (!is_ssh_key_type(*type))
-        refuse(where, fmt::format("keys of the type \"{}\" are not read here, only {}",
-                                  escape_for_message(*type), ssh_key_types()));
+        refuse_key(where, fmt::format("keys of the type \"{}\" are not read here, only {}",
+                                      escape_for_message(*type), ssh_key_types()));
     if (*type == ed25519_type) {
         const auto key = take_wire_string(rest);
         if (!key || key->size() != Ed25519Key().size() || !rest.empty())
-            refuse(where, "this is not an Ed25519 key: it does not hold 32 bytes");
+            refuse_key(where, "this is not an Ed25519 key: it does not hold 32 bytes");
     }
     const std::string type_text(*type);
     return {type_text, std::move(blob)};
@@ -88,12 +88,12 @@ SshPublicKey parse_ssh_public_key(std::string_view type, std::string_view base64
                                   const std::string& where) {
     auto blob = decode_base64(base64);
     if (!blob || blob->empty())
-        refuse(where, fmt::format("the word after {} is not a key: \"{}\"",
-                                  escape_for_message(type), escape_for_message(base64)));
+        refuse_key(where, fmt::format("the word after {} is not a key: \"{}\"",
+                                      escape_for_message(type), escape_for_message(base64)));
     SshPublicKey key = ssh_key_of_blob(std::move(*blob), where);
     if (key.type != type)
-        refuse(where, fmt::format("the line says {}, its key is of the type {}",
-                                  escape_for_message(type), key.type));
+        refuse_key(where, fmt::format("the line says {}, its key is of the type {}",
+                                      escape_for_message(type), key.type));
     return key;
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <set>
 
 #include "core/failure.h"
@@ -23,10 +24,6 @@ namespace {
 namespace fs = std::filesystem;
 
 /// File names come from outside.
-std::string shown(const std::string& name) {
-    return escape_for_message(name, 120);
-}
-
 bool is_known_companion(const fs::directory_entry& entry) {
     const std::string name = entry.path().filename().string();
     const fs::file_status status = entry.symlink_status();
@@ -104,7 +101,7 @@ void compare_shown_files(const ReportFacts& report, VerificationStep& step) {
 /// receiver or, as programs before wrote them, name the whole attempt and repeat nothing.
 bool say_how_read(const nlohmann::ordered_json& repeated, const std::set<std::string>& inputs,
                   const Receiver& receiver) {
-    return repeated == receiver.stated ||
+    return repeated == *receiver.stated ||
            (repeated.empty() && inputs.contains(std::string(evidence_attempt_file)));
 }
 

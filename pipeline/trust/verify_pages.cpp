@@ -35,13 +35,6 @@ std::size_t count_of(std::string_view text, std::string_view part) {
     return count;
 }
 
-std::string lower(std::string_view text) {
-    std::string result(text);
-    for (char& c : result)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    return result;
-}
-
 PageFinding check_html(const fs::path& file, const ReportFacts& report) {
     const std::string page = read_file(file);
     const std::size_t begin = page.find(script_begin);
@@ -54,7 +47,7 @@ PageFinding check_html(const fs::path& file, const ReportFacts& report) {
     const std::string_view before = std::string_view(page).substr(0, begin);
     if (count_of(before, "<!--") > 0 || count_of(before, "<plaintext") > 0)
         return {.words = fmt::format("what it carries stands in a comment: {}", render_again)};
-    if (count_of(page, script_id) != 1 || count_of(lower(before), "report-json") > 0)
+    if (count_of(page, script_id) != 1 || count_of(lower_case(before), "report-json") > 0)
         return {.words = fmt::format("it carries more than one report: {}", render_again)};
     const std::size_t text = begin + script_begin.size();
     const std::size_t end = page.find(script_end, text);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "core/failure.h"
 #include "core/text.h"
@@ -25,10 +26,6 @@ const std::string verdict_file(products::verdict_file);
 
 /// The report writes speeds with 4 decimals or more, from a verdict of 4 decimals of 1 km/h.
 constexpr double speed_resolution = 2e-4;  // in each unit
-
-std::string shown(const std::string& text) {
-    return escape_for_message(text, 120);
-}
 
 class Comparison {
   public:

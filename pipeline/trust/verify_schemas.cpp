@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "core/failure.h"
 #include "core/text.h"
 #include "files/atomic_file.h"
@@ -26,8 +28,7 @@ struct Findings {
             body();
             ++read;
         } catch (const Failure& failure) {
-            faults.push_back(
-                fmt::format("{}: {}", escape_for_message(name, 120), failure.problem()));
+            faults.push_back(fmt::format("{}: {}", shown(name), failure.problem()));
         }
     }
 };

@@ -40,16 +40,16 @@ struct Stamps {
 void check_stamp(Stamps& stamps, const fs::path& run_dir, const std::string& name,
                  const SignatureRules& rules) {
     const std::string signature = name.substr(0, name.rfind('.'));
-    const std::string shown = escape_for_message(name, 120);
+    const std::string file = shown(name);
     if (!fs::is_regular_file(fs::symlink_status(run_dir / signature))) {
         stamps.step.checked = true;
         stamps.step.passed = false;
-        stamps.step.details.push_back(shown + ": the signature that it is for is not there");
+        stamps.step.details.push_back(file + ": the signature that it is for is not there");
         return;
     }
     if (rules.time_stamp_cas.empty()) {
         stamps.step.details.push_back(
-            shown + ": there, unchecked and not counted; give --tsa-ca to check it");
+            file + ": there, unchecked and not counted; give --tsa-ca to check it");
         return;
     }
     TimeStampCheck check =
@@ -59,8 +59,8 @@ void check_stamp(Stamps& stamps, const fs::path& run_dir, const std::string& nam
     stamps.step.checked = true;
     stamps.step.passed = stamps.step.passed && check.valid;
     stamps.step.details.push_back(
-        check.valid ? fmt::format("{}: the signature was there at {}", shown, iso_text(check.time))
-                    : fmt::format("{}: does not hold: {}", shown, check.reason));
+        check.valid ? fmt::format("{}: the signature was there at {}", file, iso_text(check.time))
+                    : fmt::format("{}: does not hold: {}", file, check.reason));
     if (check.valid) stamps.times[signature] = check.time;
 }
 
@@ -91,7 +91,7 @@ std::string time_words(const Signer& signer) {
 }
 
 std::string signer_line(const Signer& signer) {
-    const std::string file = escape_for_message(signer.file, 120);
+    const std::string file = shown(signer.file);
     const std::string role = signer.role.empty() ? "no role stated" : signer.role;
     const std::string who = signer.who.empty() ? "" : fmt::format(", {}", signer.who);
     if (signer.valid) return fmt::format("{}: {}{}: holds{}", file, role, who, time_words(signer));

@@ -9,7 +9,7 @@
 namespace runcert {
 namespace {
 
-using Rows = std::span<const ScreenedEpoch>;
+using RowSpan = std::span<const ScreenedEpoch>;
 
 std::optional<double> statistic_of(const ScreenedEpoch& row) {
     return row.statistic;
@@ -19,13 +19,13 @@ std::optional<double> size_of_statistic(const ScreenedEpoch& row) {
     return row.statistic ? std::optional(std::abs(*row.statistic)) : std::nullopt;
 }
 
-std::string out_of_order(Rows rows) {
+std::string out_of_order(RowSpan rows) {
     const std::string by = range_text(rows, 3, " s", size_of_statistic);
     return fmt::format("{}{}", words_of(rows.front().reason), by.empty() ? "" : ": by " + by);
 }
 
 /// What the solution says of itself, against what is needed.
-std::string witness(Rows rows) {
+std::string witness(RowSpan rows) {
     const ScreenedEpoch& row = rows.front();
     if (!row.statistic || !row.threshold) return std::string(words_of(row.reason));
     if (row.reason == Reason::few_satellites)
@@ -41,7 +41,7 @@ std::string witness(Rows rows) {
                        format_fixed(*row.threshold, 2));
 }
 
-std::string accuracy(Rows rows) {
+std::string accuracy(RowSpan rows) {
     const ScreenedEpoch& row = rows.front();
     if (!row.statistic || !row.threshold) return std::string(words_of(row.reason));
     constexpr double least_m = 1e-6;  // what is below it bounds the determinant of correlations
@@ -60,7 +60,7 @@ std::string short_arc(const ScreenedEpoch& row) {
                        counted(std::llround(*row.threshold)));
 }
 
-std::string wrong_positions(Rows rows) {
+std::string wrong_positions(RowSpan rows) {
     const ScreenedEpoch& row = rows.front();
     const bool one = rows.size() == 1;
     std::string text = row.reason == Reason::burst ? "several wrong epochs in a row: " : "";
@@ -106,7 +106,7 @@ std::optional<Limit> limit_of(std::optional<Hypothesis> hypothesis) {
     return std::nullopt;
 }
 
-std::string physical_limit(const ScreenedTable& table, Rows rows) {
+std::string physical_limit(const ScreenedTable& table, RowSpan rows) {
     const std::string motion(words_of(Reason::physical_limit));
     const auto limit = limit_of(rows.front().hypothesis);
     const std::string figure = limit ? range_text(rows, 1, limit->unit, statistic_of) : "";
@@ -124,7 +124,7 @@ std::string physical_limit(const ScreenedTable& table, Rows rows) {
 }  // namespace
 
 std::string left_out_text(const ScreenedTable& table, const AuditEntry& entry) {
-    const Rows rows = Rows(table.rows).subspan(entry.first, entry.last - entry.first + 1);
+    const RowSpan rows = RowSpan(table.rows).subspan(entry.first, entry.last - entry.first + 1);
     const ScreenedEpoch& row = rows.front();
     const bool one = rows.size() == 1;
     switch (row.reason) {

@@ -1,5 +1,7 @@
 #include "reports/audit/report_record.h"
 
+#include <nlohmann/json.hpp>
+
 #include "core/failure.h"
 
 namespace runcert {

@@ -130,9 +130,8 @@ std::string device_text(const DeviceEvidence& device) {
 }
 
 std::string kind_sentence(const FixKindEvidence& kind) {
-    const std::string what =
-        fmt::format(" {}, {} ({}): ", sentence(std::string(words_of(kind.fix))), adverb(kind.axes),
-                    counted(kind.epochs, "epoch"));
+    const std::string what = fmt::format(" {}, {} ({}): ", capitalised(words_of(kind.fix)),
+                                         adverb(kind.axes), counted(kind.epochs, "epoch"));
     const std::string factor = fmt::format(
         "errors {} times as large as stated (variance factor {})",
         format_fixed(std::sqrt(kind.variance_factor), 2), format_fixed(kind.variance_factor, 3));

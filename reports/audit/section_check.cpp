@@ -54,7 +54,7 @@ Facts decision_facts(const ProfileVerdict& verdict) {
 std::string requirement_text(const Requirement& requirement) {
     std::string text =
         fmt::format("{}: {}. {}", requirement.clause, words_of_status(requirement.status),
-                    sentence(requirement.evidence));
+                    capitalised(requirement.evidence));
     std::vector<std::string> figures;
     for (const Figure& figure : requirement.figures)
         figures.push_back(figure_text(figure));

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "core/prose.h"
 #include "reports/audit/sections.h"
@@ -51,7 +52,7 @@ Parameters parameters_of(const Attempt& attempt, const Header& header, bool all)
     Parameters found{.table = {.caption = {},
                                .heads = {"parameter", "used", "default", "unit", "set by"},
                                .rows = {}}};
-    for (const auto& [name, used] : header.parameters.items()) {
+    for (const auto& [name, used] : header.parameters->items()) {
         const FieldRule* rule = rule_of(header.stage, name);
         const Json fallback = rule ? default_of(*rule, attempt.craft_class) : Json();
         const bool is_default = rule && is_same(used, fallback);
@@ -70,9 +71,9 @@ Parameters parameters_of(const Attempt& attempt, const Header& header, bool all)
 }  // namespace
 
 std::vector<Block> parameter_blocks(const Attempt& attempt, const Header& header, bool all) {
-    if (header.parameters.empty()) return {Paragraph{"Parameters. The stage has none."}};
+    if (header.parameters->empty()) return {Paragraph{"Parameters. The stage has none."}};
     auto [table, replaced] = parameters_of(attempt, header, all);
-    const auto count = static_cast<std::int64_t>(header.parameters.size());
+    const auto count = static_cast<std::int64_t>(header.parameters->size());
     std::vector<Block> blocks;
     if (replaced == 0)
         blocks.emplace_back(Paragraph{

@@ -34,12 +34,6 @@ std::string once_in(double probability) {
     return fmt::format("once in {}{}", counted(whole), unit > 1.0 ? " million" : "");
 }
 
-std::string sentence(std::string text) {
-    if (!text.empty() && text[0] >= 'a' && text[0] <= 'z')
-        text[0] = static_cast<char>(text[0] - 'a' + 'A');
-    return text;
-}
-
 std::string components(const EstimatedError& error) {
     const auto plus_minus = [](double sigma_m) {
         return fmt::format(" +- {} m", format_fixed(sigma_m, 3));

@@ -38,9 +38,6 @@ std::string range_text(const Rows& rows, int decimals, std::string_view unit, Fi
                         format_fixed(*high, decimals) + std::string(unit));
 }
 
-/// The sentence with a capital.
-std::string sentence(std::string text);
-
 /// An error towards two directions, or upwards, with its standard uncertainties: "0.174 m east,
 /// 0.057 m south, each +- 0.020 m". Empty where nothing was estimated.
 std::string components(const EstimatedError& error);

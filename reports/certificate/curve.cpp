@@ -1,6 +1,7 @@
 #include "reports/certificate/curve.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "core/rounding.h"
 

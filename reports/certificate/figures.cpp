@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <kainjow/mustache.hpp>
+#include <nlohmann/json.hpp>
 
 #include "core/failure.h"
 #include "core/text.h"

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "core/rounding.h"
 #include "files/program.h"
@@ -70,11 +71,13 @@ Json deviations_json(const ReportInputs& inputs) {
         const std::size_t dot = parameter.find('.');
         const auto stage = inputs.attempt.parameters.find(parameter.substr(0, dot));
         const std::string name = dot == std::string::npos ? "" : parameter.substr(dot + 1);
-        const bool known = stage != inputs.attempt.parameters.end() && stage->second.contains(name);
+        const bool known =
+            stage != inputs.attempt.parameters.end() && stage->second->contains(name);
         list.push_back(fmt::format(
             "Parameter {}{}, set by the attempt.", parameter,
-            known ? ": " + stage->second[name].dump(-1, ' ', false, Json::error_handler_t::replace)
-                  : ""));
+            known
+                ? ": " + stage->second.at(name).dump(-1, ' ', false, Json::error_handler_t::replace)
+                : ""));
     }
     for (const ProfileVerdict& verdict : inputs.verdict.profiles)
         for (const Override& figure : verdict.overrides)

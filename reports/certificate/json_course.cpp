@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "core/rounding.h"
 #include "core/text.h"
 #include "reports/certificate/json_rule.h"

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "reports/certificate/display.h"
 #include "reports/certificate/json_parts.h"
@@ -42,10 +43,10 @@ Json stage_json(const Header& header, const Attempt& attempt) {
     Json json{{"stage", header.stage},
               {"stage_version", header.program_version},
               {"stage_revision", header.source_revision},
-              {"stage_parameters", header.parameters},
+              {"stage_parameters", *header.parameters},
               {"parameters", Json::array()}};
-    if (header.parameters.is_object())
-        for (const auto& [name, value] : header.parameters.items())
+    if (header.parameters->is_object())
+        for (const auto& [name, value] : header.parameters->items())
             if (!value.is_null() && !value.is_object())
                 json["parameters"].push_back(parameter_json(stage, name, value, attempt.overrides));
     return json;

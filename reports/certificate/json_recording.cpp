@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "core/rounding.h"
 #include "core/text.h"
@@ -28,7 +29,7 @@ Json official_json(const Official& official) {
     return json;
 }
 
-Json record_json(const RecordToBeat& record) {
+Json claimed_record_json(const RecordToBeat& record) {
     Json json{{"speed", record.speed}, {"unit", record.unit}, {"source", record.source}};
     set_speeds(json, "speed", record.speed_mps);
     return json;
@@ -139,7 +140,7 @@ Json attempt_json(const Attempt& attempt, const Verdict& verdict) {
     json["officials"] = Json::array();
     for (const Official& official : attempt.officials)
         json["officials"].push_back(official_json(official));
-    if (verdict.record) json["record"] = record_json(*verdict.record);
+    if (verdict.record) json["record"] = claimed_record_json(*verdict.record);
     Json facts = Json::array();
     facts.push_back(fact("Attempt", attempt.id));
     facts.push_back(fact("Craft", attempt.craft_name));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "reports/certificate/curve.h"
 #include "reports/certificate/json_figures.h"

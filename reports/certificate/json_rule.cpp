@@ -2,19 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "core/rounding.h"
+#include "core/text.h"
 
 namespace runcert {
 
 using Json = nlohmann::ordered_json;
 
 namespace {
-
-std::string capitalised(std::string_view words) {
-    std::string text(words);
-    text[0] = static_cast<char>(text[0] - 'a' + 'A');
-    return text;
-}
 
 std::string dimension_words(const Profile& profile) {
     if (profile.dimension == Dimension::horizontal) return "Speed";

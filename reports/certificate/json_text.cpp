@@ -1,6 +1,7 @@
 #include "reports/certificate/json_text.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 namespace runcert {
 

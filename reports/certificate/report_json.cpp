@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "core/failure.h"
 #include "files/program.h"
 #include "files/sha256.h"

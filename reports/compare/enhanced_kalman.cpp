@@ -4,13 +4,14 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/angle.h"
+
 namespace runcert {
 namespace {
 
 constexpr double equatorial_radius_m = 6'378'137.0;
 constexpr double flattening = 1.0 / 298.257223563;
 constexpr double eccentricity_squared = flattening * (2.0 - flattening);
-constexpr double degrees_per_radian = 180.0 / std::numbers::pi;
 
 /// Metres to a degree of latitude and of longitude.
 struct MetresPerDegree {

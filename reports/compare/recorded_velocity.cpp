@@ -100,8 +100,8 @@ bool any_velocity(const ScreenedTable& screened) {
                        [](const ScreenedEpoch& row) { return row.arc && has_velocity(row); });
 }
 
-MethodTrack empty_track(const std::string& name, SpeedDefinition window_speed,
-                        const ScreenedTable& screened) {
+MethodTrack track_of_velocities(const std::string& name, SpeedDefinition window_speed,
+                                const ScreenedTable& screened) {
     MethodTrack track;
     track.name = name;
     track.window_speed = window_speed;
@@ -114,7 +114,8 @@ MethodTrack empty_track(const std::string& name, SpeedDefinition window_speed,
 }  // namespace
 
 MethodTrack recorded_speed(const ScreenedTable& screened) {
-    MethodTrack track = empty_track("recorded velocity", SpeedDefinition::mean_n_plus_1, screened);
+    MethodTrack track =
+        track_of_velocities("recorded velocity", SpeedDefinition::mean_n_plus_1, screened);
     for (std::size_t i = 0; i < screened.rows.size(); ++i) {
         const ScreenedEpoch& row = screened.rows[i];
         if (row.arc && has_velocity(row))
@@ -127,7 +128,7 @@ MethodTrack recorded_speed(const ScreenedTable& screened) {
 EnhancedKalmanTrack enhanced_kalman_track(const ScreenedTable& screened) {
     EnhancedKalmanTrack result;
     MethodTrack& track = result.track;
-    track = empty_track("enhanced Kalman filter [EKF]", SpeedDefinition::mean_n, screened);
+    track = track_of_velocities("enhanced Kalman filter [EKF]", SpeedDefinition::mean_n, screened);
     if (!track.unavailable.empty()) return result;
     if (!screened.origin) {
         track.unavailable = "the positions are not on the Earth but in a local plane";

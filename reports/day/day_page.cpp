@@ -20,12 +20,8 @@ namespace {
 /// Failures that are seen at once; the others are folded away.
 constexpr std::size_t failures_shown = 12;
 
-TemplateData list() {
-    return TemplateData{TemplateData::type::list};
-}
-
 TemplateData texts_of(const std::vector<std::string>& texts) {
-    TemplateData data = list();
+    TemplateData data = template_list();
     for (const std::string& text : texts) {
         TemplateData item = template_map();
         set_text(item, "text", text);
@@ -48,8 +44,8 @@ TemplateData failure_data(const AttemptResult& attempt) {
 }
 
 void set_failures(TemplateData& data, const DayResults& results) {
-    TemplateData first = list();
-    TemplateData more = list();
+    TemplateData first = template_list();
+    TemplateData more = template_list();
     std::size_t count = 0;
     for (const AttemptResult& attempt : results.attempts)
         if (attempt.state == "failed")
@@ -74,7 +70,7 @@ void set_counts(TemplateData& data, const DayCounts& counts) {
 }
 
 void set_left_out(TemplateData& data, const DayResults& results) {
-    TemplateData rows = list();
+    TemplateData rows = template_list();
     for (const AttemptResult& attempt : results.attempts) {
         if (attempt.state != "not_processed") continue;
         TemplateData row = template_map();
@@ -104,7 +100,7 @@ void set_notes(TemplateData& data, const DayResults& results) {
 }
 
 void set_files(TemplateData& data, const Header& header) {
-    TemplateData files = list();
+    TemplateData files = template_list();
     for (const InputFile& input : header.inputs) {
         TemplateData file = template_map();
         set_text(file, "role", input.role);
@@ -140,7 +136,7 @@ std::string day_page(const DayResults& results) {
     set_counts(data, results.counts);
     set_failures(data, results);
     const AttemptsById attempts = attempts_by_id(results);
-    TemplateData profiles = list();
+    TemplateData profiles = template_list();
     std::size_t number = 0;
     for (const DayProfile& profile : results.profiles)
         profiles.push_back(profile_data(profile, attempts, ++number));

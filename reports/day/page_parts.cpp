@@ -15,10 +15,6 @@ namespace {
 
 constexpr std::size_t drawn_at_most = 24;
 
-TemplateData list() {
-    return TemplateData{TemplateData::type::list};
-}
-
 /// The page of a report to go to, or the report itself.
 std::string main_page(const AttemptResult& attempt) {
     const auto html = std::ranges::find_if(
@@ -108,7 +104,7 @@ TemplateData tally_of(const DayProfile& profile, const AttemptsById& attempts) {
         const DayResult& result = *result_by(*attempts.at(place.id), profile.profile);
         return result.outcome == "not_proven" && !result.target_mps;
     });
-    TemplateData counts = list();
+    TemplateData counts = template_list();
     set_count(counts, "✓", "beaten", "yes", profile.counts.beaten);
     set_count(counts, "?", "not proven", "open", profile.counts.not_proven - no_record);
     set_count(counts, "–", "measured, no record named", "open", no_record);
@@ -130,6 +126,10 @@ AttemptsById attempts_by_id(const DayResults& results) {
 
 TemplateData template_map() {
     return TemplateData{TemplateData::type::object};
+}
+
+TemplateData template_list() {
+    return TemplateData{TemplateData::type::list};
 }
 
 void set_list(TemplateData& map, const std::string& name, TemplateData items, bool any) {
@@ -181,7 +181,7 @@ TemplateData profile_data(const DayProfile& profile, const AttemptsById& attempt
     data.set("tally", tally_of(profile, attempts));
     set_text(data, "best", profile.best ? best_words(*profile.best) : "");
     set_picture(data, profile, attempts);
-    TemplateData places = list();
+    TemplateData places = template_list();
     for (std::size_t i = 0; i < profile.ranking.size(); ++i)
         places.push_back(place_data(profile, i, *attempts.at(profile.ranking[i].id)));
     data.set("places", places);

@@ -17,6 +17,7 @@ AttemptsById attempts_by_id(const DayResults& results);
 
 /// A map for a template, and a list with its `has_NAME` beside it.
 TemplateData template_map();
+TemplateData template_list();
 void set_list(TemplateData& map, const std::string& name, TemplateData list, bool any);
 void set_text(TemplateData& map, const std::string& name, const std::string& text);
 

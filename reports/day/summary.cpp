@@ -13,8 +13,6 @@
 namespace runcert {
 namespace {
 
-using Json = nlohmann::json;
-
 constexpr const char* again = "Certify the attempt again: `runcert batch` with --force and --only";
 
 std::optional<DayShown> shown_of(const ProfileVerdict& verdict) {
@@ -50,10 +48,10 @@ DayResult result_of(const ProfileVerdict& verdict) {
 }
 
 /// Of a report's members those that are read below: a report holds every curve of its figures.
-bool is_kept(int depth, Json::parse_event_t event, const Json& parsed) {
+bool is_kept(int depth, nlohmann::json::parse_event_t event, const nlohmann::json& parsed) {
     static const std::set<std::string> of_statement{"predicate", "subject"};
     static const std::set<std::string> of_predicate{"report_id", "attempt"};
-    if (event != Json::parse_event_t::key || depth > 2) return true;
+    if (event != nlohmann::json::parse_event_t::key || depth > 2) return true;
     const std::string key = parsed.get<std::string>();
     return (depth == 1 ? of_statement : of_predicate).contains(key);
 }
@@ -62,19 +60,19 @@ bool is_kept(int depth, Json::parse_event_t event, const Json& parsed) {
 
 ReportIdentity read_report_identity(std::string_view text, const std::string& where) {
     try {
-        const Json report = Json::parse(text, is_kept);
-        const Json& predicate = report.at("predicate");
-        const Json& attempt = predicate.at("attempt");
+        const nlohmann::json report = nlohmann::json::parse(text, is_kept);
+        const nlohmann::json& predicate = report.at("predicate");
+        const nlohmann::json& attempt = predicate.at("attempt");
         ReportIdentity identity{.report_id = predicate.at("report_id").get<std::string>(),
                                 .attempt = attempt.at("id").get<std::string>(),
                                 .craft_name = attempt.at("craft_name").get<std::string>(),
                                 .craft_class = attempt.at("craft_class").get<std::string>(),
                                 .verdict_sha256 = {}};
-        for (const Json& subject : report.at("subject"))
+        for (const nlohmann::json& subject : report.at("subject"))
             if (subject.at("name") == products::verdict_file)
                 identity.verdict_sha256 = subject.at("digest").at("sha256").get<std::string>();
         return identity;
-    } catch (const Json::exception& fault) {
+    } catch (const nlohmann::json::exception& fault) {
         throw Failure(where,
                       fmt::format("this is not a measurement report: {}",
                                   escape_for_message(fault.what(), 200)),

@@ -1,3 +1,5 @@
+#include <nlohmann/json.hpp>
+
 #include "reports/diff/day_difference.h"
 
 namespace runcert {

@@ -6,6 +6,7 @@
 #include "core/prose.h"
 #include "core/text.h"
 #include "reports/diff/day_difference.h"
+#include "reports/diff/run_difference.h"
 
 namespace runcert {
 namespace {
@@ -13,20 +14,16 @@ namespace {
 constexpr std::size_t listed_at_most = 20;
 constexpr std::size_t hash_digits = 12;
 
-std::string item(const std::string& text) {
-    return std::string(4, ' ').append(wrapped(plain_text(text), 8, 4));
-}
-
 /// A title and its items, cut unless `all`.
 std::string group(const std::string& title, const std::vector<std::string>& items, bool all) {
     if (items.empty()) return {};
     std::string text = wrapped(fmt::format("{}: {}", title, counted(std::ssize(items))));
     const std::size_t shown = all ? items.size() : std::min(items.size(), listed_at_most);
     for (std::size_t i = 0; i < shown; ++i)
-        text += item(items[i]);
+        text += list_item(items[i]);
     if (shown < items.size())
-        text += item(fmt::format("and {} more; --json has them all",
-                                 counted(static_cast<std::int64_t>(items.size() - shown))));
+        text += list_item(fmt::format("and {} more; --json has them all",
+                                      counted(static_cast<std::int64_t>(items.size() - shown))));
     return text;
 }
 
@@ -127,7 +124,7 @@ std::string causes_text(const DayComparison& comparison, bool all) {
         }
         text += wrapped(plain_text("Why, of " + listed(named) + ":"));
         for (const std::string& line : lines)
-            text += item(line);
+            text += list_item(line);
     }
     return text;
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string_view>
 
@@ -58,7 +59,7 @@ void add_parameters(RunCauses& causes, const Json& header_a, const Json& header_
     }
 }
 
-constexpr std::array<std::string_view, 3> header_members{"stage", "inputs", "parameters"};
+constexpr std::array<std::string_view, 3> compared_members{"stage", "inputs", "parameters"};
 
 /// The lines of a map in block style that hold these members, at the text's own margin. Lines of a
 /// member are those below its key that stand deeper, or begin a list's item at its place.
@@ -72,7 +73,7 @@ class MemberLines {
         if (indent < *margin_) return false;
         if (indent == *margin_ && line[indent] != '-') {
             const std::string_view key = line.substr(indent, line.find(':') - indent);
-            wanted_ = std::ranges::find(header_members, key) != header_members.end();
+            wanted_ = std::ranges::find(compared_members, key) != compared_members.end();
             if (wanted_) ++found_;
         }
         if (wanted_) text_.append(line.substr(*margin_)) += '\n';
@@ -80,7 +81,7 @@ class MemberLines {
     }
     /// The members, where each was found once.
     std::optional<std::string> text() const {
-        return found_ == header_members.size() ? std::optional(text_) : std::nullopt;
+        return found_ == compared_members.size() ? std::optional(text_) : std::nullopt;
     }
 
   private:

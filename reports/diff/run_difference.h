@@ -76,4 +76,7 @@ std::vector<Change> verdict_changes(const nlohmann::ordered_json& a,
 EpochDifference epoch_difference(std::string_view a, std::string_view b, const std::string& where_a,
                                  const std::string& where_b);
 
+/// An item of a list in the text for people, set in.
+std::string list_item(const std::string& text);
+
 }  // namespace runcert

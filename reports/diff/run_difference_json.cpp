@@ -1,3 +1,5 @@
+#include <nlohmann/json.hpp>
+
 #include "reports/diff/run_difference.h"
 
 namespace runcert {

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "core/failure.h"
 #include "core/text.h"
+#include "core/uncertainty.h"
 #include "files/ecsv.h"
 #include "reports/diff/run_difference.h"
 
@@ -13,16 +15,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double coverage_factor = 2.0;
-
 const Json* find(const Json& map, const std::string& key) {
     const auto found = map.find(key);
     return found == map.end() || found->is_null() ? nullptr : &*found;
-}
-
-std::optional<double> number_in(const Json& map, const std::string& key) {
-    const Json* found = find(map, key);
-    return found && found->is_number() ? std::optional(found->get<double>()) : std::nullopt;
 }
 
 std::string text_in(const Json& map, const std::string& key) {
@@ -94,7 +89,7 @@ class WindowPair {
         const auto u_a = number_in(*a_, "standard_uncertainty_m_s");
         const auto u_b = number_in(*b_, "standard_uncertainty_m_s");
         if (!u_a || !u_b) return {};
-        const double expanded = coverage_factor * std::hypot(*u_a, *u_b);
+        const double expanded = usual_coverage_factor * std::hypot(*u_a, *u_b);
         if (!(expanded > 0.0)) return {};
         return fmt::format(", {} of the combined expanded uncertainty (k = 2)",
                            format_fixed(std::abs(difference_mps) / expanded, 4));

@@ -14,10 +14,6 @@ namespace {
 constexpr std::ptrdiff_t shown_at_most = 20;
 
 /// An indented line of a list.
-std::string item(const std::string& text) {
-    return std::string(4, ' ').append(wrapped(plain_text(text), 8, 4));
-}
-
 std::string change_text(const Change& change) {
     std::string text = fmt::format("{}: A {}, B {}", change.what, change.a, change.b);
     return change.note.empty() ? text : fmt::format("{} ({})", text, change.note);
@@ -28,12 +24,12 @@ std::string group(const char* title, const char* same, const std::vector<Change>
     std::string text =
         wrapped(fmt::format("{}: {}", title, counted(std::ssize(changes), "difference")));
     for (const Change& change : changes)
-        text += item(change_text(change));
+        text += list_item(change_text(change));
     return text;
 }
 
 std::string cut_text(std::ptrdiff_t left) {
-    return item(fmt::format("and {} more (--all lists them)", counted(left)));
+    return list_item(fmt::format("and {} more (--all lists them)", counted(left)));
 }
 
 std::string epochs_text(const EpochDifference& epochs, bool all) {
@@ -46,7 +42,7 @@ std::string epochs_text(const EpochDifference& epochs, bool all) {
         counted(epochs.joined), counted(std::ssize(epochs.changes)),
         counted(epochs.rows_a - epochs.joined), counted(epochs.rows_b - epochs.joined)));
     for (const auto& [change, count] : epochs.counts())
-        text += item(fmt::format("{}: {}", change, counted(count, "epoch")));
+        text += list_item(fmt::format("{}: {}", change, counted(count, "epoch")));
     std::ptrdiff_t shown = 0;
     for (const EpochChange& change : epochs.changes) {
         if (!all && shown == shown_at_most) break;
@@ -54,8 +50,8 @@ std::string epochs_text(const EpochDifference& epochs, bool all) {
         const std::string other = change.row.epoch_a == change.row.epoch_b
                                       ? ""
                                       : fmt::format(" (in B {})", change.row.epoch_b);
-        text += item(fmt::format("epoch {}{}, {} s: A {}, B {}", change.row.epoch_a, other,
-                                 format_fixed(change.row.time_s, 3), change.a, change.b));
+        text += list_item(fmt::format("epoch {}{}, {} s: A {}, B {}", change.row.epoch_a, other,
+                                      format_fixed(change.row.time_s, 3), change.a, change.b));
     }
     if (shown < std::ssize(epochs.changes)) text += cut_text(std::ssize(epochs.changes) - shown);
     return text;
@@ -71,7 +67,7 @@ std::string size_text(const std::optional<double>& difference, const std::option
 
 std::string column_text(const ColumnDifference& column) {
     const CellDifference& cell = column.largest;
-    return item(
+    return list_item(
         fmt::format("{}: {}; the largest at epoch {}, {} s (line {} in A, {} in B): A {}, "
                     "B {}{}",
                     column.column, counted(column.cells, "cell"), cell.row.epoch_a,
@@ -85,8 +81,8 @@ std::string values_text(const std::vector<ValueDifference>& values, bool all) {
     for (const ValueDifference& value : values) {
         if (!all && shown == shown_at_most) break;
         ++shown;
-        text += item(fmt::format("{}: A {}, B {}{}", value.path, value.a, value.b,
-                                 size_text(value.difference, value.ratio, "")));
+        text += list_item(fmt::format("{}: A {}, B {}{}", value.path, value.a, value.b,
+                                      size_text(value.difference, value.ratio, "")));
     }
     if (shown < std::ssize(values)) text += cut_text(std::ssize(values) - shown);
     return text;
@@ -108,15 +104,19 @@ std::string product_text(const ProductDifference& product, bool all) {
         counted(table.rows_b - table.joined), counted(std::ssize(table.columns), "column"),
         counted(std::ssize(table.header), "value")));
     if (!table.columns_only_a.empty())
-        text += item("columns only in A: " + listed(table.columns_only_a));
+        text += list_item("columns only in A: " + listed(table.columns_only_a));
     if (!table.columns_only_b.empty())
-        text += item("columns only in B: " + listed(table.columns_only_b));
+        text += list_item("columns only in B: " + listed(table.columns_only_b));
     for (const ColumnDifference& column : table.columns)
         text += column_text(column);
     return text + values_text(table.header, all);
 }
 
 }  // namespace
+
+std::string list_item(const std::string& text) {
+    return std::string(4, ' ').append(wrapped(plain_text(text), 8, 4));
+}
 
 std::string difference_text(const RunDifference& difference, const std::filesystem::path& a,
                             const std::filesystem::path& b, bool all) {

@@ -1,4 +1,5 @@
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "core/failure.h"
 #include "core/gps_time.h"

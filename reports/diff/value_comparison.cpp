@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "core/text.h"
 
@@ -38,12 +39,6 @@ std::optional<double> speed_unit(std::string_view name) {
     for (const auto& [end, factor] : units)
         if (name.ends_with(end)) return factor;
     return std::nullopt;
-}
-
-std::optional<double> number_in(const Json& map, const char* key) {
-    const auto found = map.find(key);
-    return found != map.end() && found->is_number() ? std::optional(found->get<double>())
-                                                    : std::nullopt;
 }
 
 /// The standard uncertainty of a speed (m/s) that a map states for what is in it.
@@ -200,6 +195,12 @@ class Comparison {
 };
 
 }  // namespace
+
+std::optional<double> number_in(const Json& map, const std::string& key) {
+    const auto found = map.find(key);
+    return found != map.end() && found->is_number() ? std::optional(found->get<double>())
+                                                    : std::nullopt;
+}
 
 double last_digit_tolerance(int decimals) {
     constexpr double unit_and_its_own_rounding = 1.01;

@@ -34,6 +34,9 @@ struct ValueDifference {
 std::vector<ValueDifference> value_differences(const nlohmann::ordered_json& a,
                                                const nlohmann::ordered_json& b);
 
+/// The number of that name in a map, where there is one.
+std::optional<double> number_in(const nlohmann::ordered_json& map, const std::string& key);
+
 /// The tolerance of a number written with so many decimals.
 double last_digit_tolerance(int decimals);
 

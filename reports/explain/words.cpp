@@ -28,18 +28,15 @@ std::string heading(std::string_view outcome, std::string_view text) {
 
 std::string sentence(std::string text) {
     if (text.empty()) return text;
-    if (text[0] >= 'a' && text[0] <= 'z') text[0] = static_cast<char>(text[0] - 'a' + 'A');
+    text = capitalised(text);
     if (!text.ends_with('.') && !text.ends_with('?') && !text.ends_with('!')) text += '.';
     return text;
 }
 
 std::string in_capitals(std::string_view word) {
     if (word == "attest") return "TO ATTEST";
-    std::string text(word);
-    for (char& c : text) {
-        if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
-        if (c == '_') c = ' ';
-    }
+    std::string text = upper_case(word);
+    std::ranges::replace(text, '_', ' ');
     return text;
 }
 

@@ -10,9 +10,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int degree_decimals = 9;
-constexpr int height_decimals = 3;
-
 /// The number whose shortest text has no more than so many decimals.
 double written(double value, int decimals) {
     return parse_double(format_fixed(value, decimals)).value();
@@ -33,12 +30,6 @@ Json geometry(const std::vector<TrackPoint>& points) {
     return {{"type", "LineString"}, {"coordinates", std::move(coordinates)}};
 }
 
-struct Feature {
-    std::string name;
-    LineStyle style;
-    std::vector<MapFact> facts = {};
-};
-
 /// What a fact is for programs: a number where its text is one, and its name says a unit or count.
 Json fact_value(const MapFact& fact) {
     const bool number = fact.name.ends_with("_m_s") || fact.name.ends_with("_s") ||
@@ -50,7 +41,7 @@ Json fact_value(const MapFact& fact) {
     return plain_text(fact.value);
 }
 
-void add_feature(Json& features, const Feature& feature, const std::vector<TrackPoint>& points) {
+void add_feature(Json& features, const MapFeature& feature, const std::vector<TrackPoint>& points) {
     if (points.empty()) return;
     Json properties{{"name", plain_text(feature.name)}};
     for (const MapFact& fact : feature.facts)

@@ -12,8 +12,6 @@
 namespace runcert {
 namespace {
 
-constexpr int degree_decimals = 9;
-constexpr int height_decimals = 3;
 constexpr std::int64_t nanoseconds_per_millisecond = 1'000'000;
 
 /// Milliseconds, or all nine decimals where they do not hold the time.

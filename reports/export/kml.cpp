@@ -12,9 +12,6 @@
 namespace runcert {
 namespace {
 
-constexpr int degree_decimals = 9;
-constexpr int height_decimals = 3;
-
 void add_text(pugi::xml_node parent, const char* name, const std::string& text) {
     parent.append_child(name).text().set(plain_text(text).c_str());
 }
@@ -35,13 +32,7 @@ std::string coordinates(const std::vector<TrackPoint>& points) {
     return text;
 }
 
-struct Feature {
-    std::string name;
-    LineStyle style;
-    std::vector<MapFact> facts = {};
-};
-
-void add_placemark(pugi::xml_node folder, const Feature& feature,
+void add_placemark(pugi::xml_node folder, const MapFeature& feature,
                    const std::vector<TrackPoint>& points) {
     if (points.empty()) return;
     pugi::xml_node placemark = folder.append_child("Placemark");

@@ -34,6 +34,16 @@ LineStyle style_of(const TrackWindow& window);
 inline const LineStyle track_style{"333333", 2};
 inline const LineStyle gate_style{"000000", 4};
 
+/// What is drawn on the map.
+struct MapFeature {
+    std::string name;
+    LineStyle style;
+    std::vector<MapFact> facts = {};
+};
+
+inline constexpr int degree_decimals = 9;  ///< 0.1 mm
+inline constexpr int height_decimals = 3;
+
 /// The file's own words on what it is: craft, place, receiver, heights, thinning.
 std::vector<std::string> about(const Track& track);
 

@@ -9,6 +9,7 @@
 
 #include "core/geodesy.h"
 #include "core/gps_time.h"
+#include "files/held_json.h"
 #include "schemas/common/header.h"
 #include "schemas/common/needed_signatures.h"
 
@@ -60,7 +61,7 @@ struct Receiver {
     std::optional<double> rotation_bound_deg = std::nullopt;
     /// How the recording is to be read, as the attempt has it: all but the names of receiver and
     /// files, and what is said of the antenna's place on the craft.
-    nlohmann::ordered_json stated = nlohmann::ordered_json::object();
+    HeldJson stated = {};
     std::string place;  ///< "file:line:column" of this receiver in the attempt, for messages
 };
 
@@ -153,7 +154,7 @@ struct Attempt {
     std::vector<std::string> profiles;
     /// For each stage, every parameter resolved: the attempt's figure, or the default of the
     /// craft's class.
-    std::map<std::string, nlohmann::ordered_json> parameters;
+    std::map<std::string, HeldJson> parameters;
     /// Paths of the parameters that the attempt sets itself ("smooth.jerk_density").
     std::vector<std::string> overrides;
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "core/rounding.h"
 #include "files/yaml_output.h"
 #include "schemas/common/revision.h"

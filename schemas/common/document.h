@@ -1,6 +1,6 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -30,8 +30,8 @@ YamlValue read_input(std::string_view text, const std::string& where, const Docu
 std::string write_document(nlohmann::ordered_json document, const DocumentSchema& schema);
 
 /// Sets `json[key]` where there is a value.
-template <class T>
-void set_optional(nlohmann::ordered_json& json, const char* key, const std::optional<T>& value) {
+template <class Json, class T>
+void set_optional(Json& json, const char* key, const std::optional<T>& value) {
     if (value) json[key] = *value;
 }
 

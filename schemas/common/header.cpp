@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "core/failure.h"
 #include "core/text.h"
 #include "schemas/common/revision.h"
@@ -33,7 +35,7 @@ Json header_json(const Header& header) {
         if (!input.original.empty()) entry["original"] = input.original;
         json["inputs"].push_back(std::move(entry));
     }
-    json["parameters"] = header.parameters;
+    json["parameters"] = *header.parameters;
     return json;
 }
 

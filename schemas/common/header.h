@@ -1,13 +1,14 @@
 #pragma once
 
 #include <cstdint>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/gps_time.h"
 #include "files/document_schema.h"
+#include "files/held_json.h"
 
 namespace runcert {
 
@@ -28,7 +29,7 @@ struct Header {
     std::string program_version;
     std::string source_revision;
     std::vector<InputFile> inputs;
-    nlohmann::ordered_json parameters = nlohmann::ordered_json::object();
+    HeldJson parameters = {};
 };
 
 /// The field table of the header, the part all products share.

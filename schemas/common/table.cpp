@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
+#include "files/yaml_output.h"
 #include "schemas/common/revision.h"
 
 namespace runcert {
@@ -86,6 +88,14 @@ std::vector<std::optional<std::size_t>> TableSchema::match(const EcsvReader& rea
             refuse(reader, fmt::format("the column \"{}\" is not known", column.name));
     }
     return index;
+}
+
+EcsvWriter TableSchema::begin(HeldJson meta, EcsvWriter::Sink sink) const {
+    nlohmann::ordered_json header = *meta;
+    header["schema"] = {{"name", meta_.name()}, {"version", meta_.version()}};
+    round_to_table(header, meta_);
+    meta_.validate(YamlValue(parse_yaml(to_yaml_text(header), "header"), "header of the table"));
+    return EcsvWriter(columns_, header, std::move(sink));
 }
 
 }  // namespace runcert

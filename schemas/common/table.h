@@ -15,7 +15,6 @@
 #include "core/failure.h"
 #include "core/optional_number.h"
 #include "files/ecsv.h"
-#include "files/yaml_output.h"
 #include "schemas/common/document.h"
 #include "schemas/common/header.h"
 
@@ -46,6 +45,9 @@ class TableSchema {
     /// column that is missing, unknown, or of another type or unit is a Failure; unknown columns
     /// of a newer revision are passed over unless they are marked as required.
     std::vector<std::optional<std::size_t>> match(const EcsvReader& reader) const;
+
+    /// Begins a table with this header: sets `schema` in it and rounds its numbers.
+    EcsvWriter begin(HeldJson meta, EcsvWriter::Sink sink) const;
 
   private:
     std::optional<std::size_t> match_column(const EcsvReader& reader, const EcsvColumn& expected,
@@ -251,7 +253,7 @@ class TableFormat {
     const std::vector<ColumnBinding<Row>>& bindings() const { return bindings_; }
 
     /// The table's text. `schema` in the meta is set here, and its numbers rounded.
-    std::string write(nlohmann::ordered_json meta, std::span<const Row> rows) const {
+    std::string write(HeldJson meta, std::span<const Row> rows) const {
         EcsvWriter out = begin(std::move(meta));
         for (const Row& row : rows)
             write_row(out, row);
@@ -259,13 +261,8 @@ class TableFormat {
     }
 
     /// Begins the same row by row: the header goes to the sink.
-    EcsvWriter begin(nlohmann::ordered_json meta, EcsvWriter::Sink sink = {}) const {
-        meta["schema"] = nlohmann::ordered_json::object(
-            {{"name", schema_.meta().name()}, {"version", schema_.meta().version()}});
-        round_to_table(meta, schema_.meta());
-        schema_.meta().validate(
-            YamlValue(parse_yaml(to_yaml_text(meta), "header"), "header of the table"));
-        return EcsvWriter(schema_.columns(), meta, std::move(sink));
+    EcsvWriter begin(HeldJson meta, EcsvWriter::Sink sink = {}) const {
+        return schema_.begin(std::move(meta), std::move(sink));
     }
     void write_row(EcsvWriter& out, const Row& row) const {
         for (const ColumnBinding<Row>& binding : bindings_)

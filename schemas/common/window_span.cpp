@@ -1,6 +1,7 @@
 #include "schemas/common/window_span.h"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "core/decimal_time.h"
 #include "core/rounding.h"

@@ -1,5 +1,7 @@
 #include "schemas/enu/frame_origin.h"
 
+#include <nlohmann/json.hpp>
+
 namespace runcert {
 
 template <>

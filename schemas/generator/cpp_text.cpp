@@ -8,10 +8,6 @@
 namespace runcert {
 namespace {
 
-bool is_set(const YamlValue& entry, std::string_view key) {
-    return entry[key].exists() && entry[key].boolean();
-}
-
 std::string comment(const std::string& about, const char* indent = "") {
     return fmt::format("{}/// {}.\n", indent, about);
 }

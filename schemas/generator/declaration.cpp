@@ -35,10 +35,6 @@ DeclaredWords read_words(const std::string& name, const YamlValue& entry) {
     return words;
 }
 
-bool is_set(const YamlValue& entry, std::string_view key) {
-    return entry[key].exists() && entry[key].boolean();
-}
-
 DeclaredStruct read_struct(const std::string& name, const YamlValue& entry) {
     DeclaredStruct made{.name = name,
                         .about = entry["about"].text(),
@@ -73,6 +69,10 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 5> column_un
     {{"m", "_m"}, {"m / s", "_mps"}, {"m / s2", "_mps2"}, {"s", "_s"}, {"deg", "_deg"}}};
 
 }  // namespace
+
+bool is_set(const YamlValue& entry, std::string_view key) {
+    return entry[key].exists() && entry[key].boolean();
+}
 
 Declaration::Declaration(const std::string& path, const std::filesystem::path& products) {
     source_ = parsed(path);

@@ -120,6 +120,9 @@ std::string source_text(const Declaration& declaration);
 /// The text in double quotes, as YAML and C++ read them.
 std::string in_quotes(std::string_view text);
 
+/// Whether a declaration says yes to this.
+bool is_set(const YamlValue& entry, std::string_view key);
+
 /// The name of a field's member: "speed_m_s" is `speed_mps` in C++.
 std::string member_name(const std::string& field, const YamlValue& entry);
 /// The name of a column's member: it ends with the column's unit.

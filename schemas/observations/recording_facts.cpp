@@ -1,5 +1,7 @@
 #include "schemas/observations/recording_facts.h"
 
+#include <nlohmann/json.hpp>
+
 #include "schemas/common/document.h"
 
 namespace runcert {

@@ -1,6 +1,7 @@
 #include "schemas/screened/screened.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "schemas/common/members.h"
 

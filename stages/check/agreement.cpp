@@ -7,6 +7,7 @@
 
 #include "core/failure.h"
 #include "core/geodesy.h"
+#include "core/uncertainty.h"
 
 namespace runcert {
 namespace {
@@ -112,7 +113,6 @@ const TrajectoryEpoch& row_of(const ReceiverEvidence& receiver, std::int64_t epo
 
 Agreement compare_speeds(const ReceiverEvidence& judged, const CertifiableWindow& window,
                          const ReceiverEvidence& other, const CertifiableWindow* other_window) {
-    constexpr double coverage_factor = 2.0;
     Agreement agreement;
     if (!judged.facts.first_epoch || !other.facts.first_epoch) {
         agreement.missing =
@@ -148,8 +148,8 @@ Agreement compare_speeds(const ReceiverEvidence& judged, const CertifiableWindow
         std::max(of_ends / duration_s, other_window ? own_mps(*other_window) : own_mps(window));
     agreement.normalised_error =
         std::abs(agreement.other_mps - agreement.judged_mps) /
-        (coverage_factor * std::hypot(agreement.judged_standard_uncertainty_mps,
-                                      agreement.other_standard_uncertainty_mps));
+        (usual_coverage_factor * std::hypot(agreement.judged_standard_uncertainty_mps,
+                                            agreement.other_standard_uncertainty_mps));
     return agreement;
 }
 

@@ -7,17 +7,17 @@
 #include <numbers>
 #include <vector>
 
+#include "core/angle.h"
 #include "core/failure.h"
 #include "core/statistics.h"
 #include "core/tangent_plane.h"
+#include "core/uncertainty.h"
 
 namespace runcert {
 namespace {
 
 using Eigen::Vector2d, Eigen::Vector3d;
 
-constexpr double coverage_factor = 2.0;
-constexpr double degrees = 180.0 / std::numbers::pi;
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 /// An estimate of the run: east, north, height. NaN where there is none.
@@ -88,7 +88,7 @@ std::vector<Place> places_of(std::span<const TrajectoryEpoch> rows, std::size_t 
 CourseFigure figure(double value, double variance,
                     double largest = std::numeric_limits<double>::infinity()) {
     if (std::isnan(variance)) return {value, std::nullopt};
-    return {value, std::min(coverage_factor * std::sqrt(variance), largest)};
+    return {value, std::min(usual_coverage_factor * std::sqrt(variance), largest)};
 }
 
 /// Variance of the difference of two positions, along each axis.
@@ -108,12 +108,12 @@ double variance_along(const Vector2d& unit, const Vector3d& variance) {
 }
 
 double direction_deg(const Vector2d& vector) {
-    return std::atan2(vector.x(), vector.y()) * degrees;
+    return std::atan2(vector.x(), vector.y()) * degrees_per_radian;
 }
 
-/// (degrees)^2 of the direction of a vector with this variance across it.
+/// degrees^2 of the direction of a vector with this variance across it.
 double direction_variance(double across, double length) {
-    return degrees * degrees * across / (length * length);
+    return degrees_per_radian * degrees_per_radian * across / (length * length);
 }
 
 std::optional<CourseFigure> height_difference(const std::vector<Place>& run) {

@@ -5,12 +5,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/uncertainty.h"
 #include "stages/check/course_speed.h"
 
 namespace runcert {
 namespace {
-
-constexpr double coverage_factor = 2.0;
 
 /// Sets the other speed from times at the lines, or why there is none.
 void set_from_times(const JudgedSpeed& judged, const SecondaryMethod::LineTimes& times,
@@ -57,7 +56,7 @@ DeclaredAgreement compare_declared(const JudgedSpeed& judged, const SecondaryMet
         agreement.other_expanded_uncertainty_mps = method.speed->expanded_uncertainty_mps;
     }
     const double difference_mps = std::abs(agreement.other_mps - agreement.judged_mps);
-    const double allowed_mps = std::hypot(coverage_factor * judged.standard_uncertainty_mps,
+    const double allowed_mps = std::hypot(usual_coverage_factor * judged.standard_uncertainty_mps,
                                           agreement.other_expanded_uncertainty_mps);
     agreement.normalised_error = difference_mps == 0.0 ? 0.0 : difference_mps / allowed_mps;
     return agreement;

@@ -7,6 +7,7 @@
 
 #include "core/failure.h"
 #include "core/rounding.h"
+#include "core/uncertainty.h"
 
 namespace runcert {
 namespace {
@@ -73,11 +74,10 @@ Threshold threshold_of(const MarginRule& rule, const StandingRecord& record) {
     require_not_negative(rule.value, "margin");
     const double upper_mps = record.speed_mps + record.expanded_uncertainty_mps;
     const SpeedToReach exact = above(rule, rule.above_upper_limit ? upper_mps : record.speed_mps);
-    constexpr double record_coverage_factor = 2.0;
     const double standard_uncertainty_mps =
         rule.above_upper_limit
             ? 0.0
-            : exact.derivative * record.expanded_uncertainty_mps / record_coverage_factor;
+            : exact.derivative * record.expanded_uncertainty_mps / usual_coverage_factor;
     require_positive(exact.speed_mps, "speed to reach (m/s)");
     return {.speed_mps =
                 rule.rounding ? rounded_speed(exact.speed_mps, *rule.rounding) : exact.speed_mps,

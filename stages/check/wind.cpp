@@ -8,15 +8,16 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/angle.h"
+
 namespace runcert {
 namespace {
 
 using Eigen::Vector2d;
 
-constexpr double degrees = 180.0 / std::numbers::pi;
-
 Vector2d unit_towards(double direction_deg) {
-    return {std::sin(direction_deg / degrees), std::cos(direction_deg / degrees)};
+    return {std::sin(direction_deg / degrees_per_radian),
+            std::cos(direction_deg / degrees_per_radian)};
 }
 
 /// Where the air or the water moves to, m/s towards east and north.
@@ -82,7 +83,7 @@ Vector2d time_mean(const std::vector<FlowAt>& flow) {
 double direction_of(const Vector2d& velocity, FlowKind kind) {
     if (velocity.isZero(0.0)) return 0.0;
     const Vector2d named = kind == FlowKind::wind ? Vector2d(-velocity) : velocity;
-    const double direction_deg = std::atan2(named.x(), named.y()) * degrees;
+    const double direction_deg = std::atan2(named.x(), named.y()) * degrees_per_radian;
     const double positive_deg = direction_deg < 0.0 ? direction_deg + 360.0 : direction_deg;
     return positive_deg < 360.0 ? positive_deg : 0.0;
 }

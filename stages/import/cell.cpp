@@ -15,9 +15,8 @@ namespace {
 constexpr double largest_deviation = 1e9;
 
 bool is_nan_or_inf(std::string_view text) {
-    std::string lower(text.substr(text.starts_with('-') || text.starts_with('+') ? 1 : 0));
-    for (char& c : lower)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    const std::string lower =
+        lower_case(text.substr(text.starts_with('-') || text.starts_with('+') ? 1 : 0));
     return lower.starts_with("nan") || lower.starts_with("inf") || lower.starts_with("1.#");
 }
 

@@ -8,6 +8,7 @@
 #include "core/geodesy.h"
 #include "core/statistics.h"
 #include "stages/import/inspect_velocity.h"
+#include "stages/import/row_summary.h"
 
 namespace runcert {
 namespace {
@@ -15,10 +16,6 @@ namespace {
 constexpr double gap_factor = 1.5;
 constexpr std::int64_t shortest_window_ns = 2'999'000'000;
 constexpr std::int64_t window_ns = 3'000'000'000;
-
-bool has_position(const Observation& row) {
-    return row.latitude_deg || row.plane_east_m;
-}
 
 bool has_velocity(const Observation& row) {
     return row.recorded_velocity_east_mps && row.recorded_velocity_north_mps;

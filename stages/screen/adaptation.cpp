@@ -293,5 +293,6 @@ ArcDecisions adapt(const std::vector<ArcEpoch<Axes>>& arc, const EstimationModel
                                 const TestPlan&, std::size_t);
 RUNCERT_INSTANTIATE(1)
 RUNCERT_INSTANTIATE(2)
+#undef RUNCERT_INSTANTIATE
 
 }  // namespace runcert

@@ -10,7 +10,7 @@
 namespace runcert {
 namespace {
 
-constexpr std::size_t reach = 5;
+constexpr std::size_t epochs_beside = 5;
 constexpr double moving_mps = 1.0;
 /// What is straight in latitude and longitude is not to the last digit in the local frame.
 constexpr double smallest_tolerance_m = 5e-5;
@@ -55,11 +55,12 @@ DeviceEvidence find_device_signs(const std::vector<ScreenedEpoch>& rows, double 
     const double tolerance_m = std::max(smallest_tolerance_m, 0.5 * position_resolution_m);
     std::vector<double> third;
     // A row must be some steps of the coordinates further than the one before.
-    const double moved_m = 2.0 * static_cast<double>(reach) *
+    const double moved_m = 2.0 * static_cast<double>(epochs_beside) *
                            std::max(moving_mps * nominal_interval_s, 3.0 * position_resolution_m);
     for (const Stretch& stretch : stretches_of(rows, nominal_interval_s)) {
-        for (std::size_t k = reach; k + reach < stretch.size(); ++k) {
-            if ((stretch[k + reach] - stretch[k - reach]).norm() < moved_m) continue;
+        for (std::size_t k = epochs_beside; k + epochs_beside < stretch.size(); ++k) {
+            if ((stretch[k + epochs_beside] - stretch[k - epochs_beside]).norm() < moved_m)
+                continue;
             ++evidence.moving;
             const Position step = stretch[k] - stretch[k - 1];
             if (step.cwiseAbs().maxCoeff() <= smallest_tolerance_m) {

@@ -1,6 +1,7 @@
 #include "stages/screen/screen.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 

@@ -88,5 +88,6 @@ std::vector<double> local_variance_factors(const ArcDiagnosis<Axes>& diagnosis) 
     template std::vector<double> local_variance_factors(const ArcDiagnosis<AXES>&);
 RUNCERT_INSTANTIATE(1)
 RUNCERT_INSTANTIATE(2)
+#undef RUNCERT_INSTANTIATE
 
 }  // namespace runcert

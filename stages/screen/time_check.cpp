@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t faults_kept = 1000;
 constexpr double largest_clock_error = 2e-2;
-constexpr double coverage = 5.0;
+constexpr double time_coverage = 5.0;
 constexpr double stamp_rounding_s = 1e-3;
 constexpr double craft_acceleration_mps2 = 10.0;
 
@@ -163,16 +163,16 @@ double least_displacement(double speed_mps, double time_s) {
 /// Whether the craft moved over the step as in one interval, and certainly not as in the step.
 bool goes_on(const Sides& sides, double step_s, double interval_s) {
     const double allowed_m =
-        coverage * sides.sigma_m + craft_acceleration_mps2 * interval_s * interval_s / 2.0;
+        time_coverage * sides.sigma_m + craft_acceleration_mps2 * interval_s * interval_s / 2.0;
     const Eigen::Vector2d expected = (sides.before + sides.after) / 2.0 * interval_s;
-    const double sure_speed_mps =
-        std::min(sides.before.norm(), sides.after.norm()) - coverage * sides.sigma_velocity_mps;
+    const double sure_speed_mps = std::min(sides.before.norm(), sides.after.norm()) -
+                                  time_coverage * sides.sigma_velocity_mps;
     if (sure_speed_mps <= 0.0) return false;
     if (least_displacement(sure_speed_mps, std::abs(step_s)) <= expected.norm() + 2.0 * allowed_m)
         return false;
     const double change_mps = (sides.after - sides.before).norm();
     if (change_mps > 3.0 * craft_acceleration_mps2 * interval_s +
-                         coverage * std::sqrt(2.0) * sides.sigma_velocity_mps)
+                         time_coverage * std::sqrt(2.0) * sides.sigma_velocity_mps)
         return false;
     return (sides.displacement - expected).norm() <= allowed_m;
 }
@@ -183,7 +183,7 @@ std::optional<double> clock_shift(const std::vector<ScreenedEpoch>& rows, const 
     const double size_s = jump.step_s - rhythm.mean_s;
     const double whole_s = std::round(size_s);
     const double tolerance_s =
-        std::min(std::max(coverage * rhythm.sd_s, stamp_rounding_s), rhythm.mean_s / 4.0);
+        std::min(std::max(time_coverage * rhythm.sd_s, stamp_rounding_s), rhythm.mean_s / 4.0);
     if (whole_s == 0.0 || std::abs(size_s - whole_s) > tolerance_s) return std::nullopt;
     const std::optional<Sides> sides = sides_of(rows, jump.row, rhythm);
     if (!sides || !goes_on(*sides, jump.step_s, rhythm.mean_s)) return std::nullopt;

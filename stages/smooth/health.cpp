@@ -131,5 +131,6 @@ void add_numerics(const std::vector<SmoothedMeans<Axes>>& smoothed, FilterHealth
     template void add_numerics<AXES>(const std::vector<SmoothedMeans<AXES>>&, FilterHealth&);
 RUNCERT_INSTANTIATE(1)
 RUNCERT_INSTANTIATE(2)
+#undef RUNCERT_INSTANTIATE
 
 }  // namespace runcert

@@ -1,9 +1,9 @@
 #include "stages/smooth/trajectory_rows.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "core/eigenvalues.h"
 #include "estimation/motion_smoother.h"
 #include "estimation/speed.h"
 #include "stages/smooth/dhd22.h"
@@ -75,10 +75,10 @@ void set_motion(const MotionSmoother<1>& at, TrajectoryEpoch& row) {
 template <int Axes>
 double scaled_condition(const StateMatrix<Axes>& covariance) {
     const StateVector<Axes> inverse = covariance.diagonal().cwiseSqrt().cwiseInverse();
-    const Eigen::SelfAdjointEigenSolver<StateMatrix<Axes>> solver(
-        inverse.asDiagonal() * covariance * inverse.asDiagonal(), Eigen::EigenvaluesOnly);
-    const double smallest = solver.eigenvalues().minCoeff();
-    return smallest > 0.0 ? solver.eigenvalues().maxCoeff() / smallest : 1e18;
+    const Eigen::VectorXd eigenvalues =
+        symmetric_eigenvalues(inverse.asDiagonal() * covariance * inverse.asDiagonal());
+    const double smallest = eigenvalues(0);
+    return smallest > 0.0 ? eigenvalues(eigenvalues.size() - 1) / smallest : 1e18;
 }
 
 constexpr std::size_t condition_every = 16;

@@ -15,8 +15,6 @@ namespace {
 
 constexpr double unknown_height_m = 100.0;
 const char* const joint = "with the other epochs; combined from their joint covariance";
-const char* const independent = "independent of the other rows";
-
 /// A row of a quantity known to lie within a half width.
 BudgetRow bounded_row(std::string symbol, std::string source, double half_width, std::string unit,
                       double sensitivity, std::string note) {

@@ -31,6 +31,9 @@ struct BudgetInput {
     double detection_power = 0.0;
 };
 
+/// What a row says of its correlation where there is none.
+inline constexpr const char* independent = "independent of the other rows";
+
 /// A row whose quantity is the speed itself (m/s), of a normal distribution.
 BudgetRow speed_row(std::string symbol, std::string source, std::string type,
                     double contribution_mps, std::string correlation, std::string note);

@@ -21,9 +21,6 @@
 namespace runcert {
 namespace {
 
-// A window that many standard uncertainties slower than the best could not have been it.
-constexpr double selection_width = 4.0;
-
 /// Mean of a method's speeds over the window; nothing if one is missing.
 std::optional<double> mean_over(const TrajectoryTable& trajectory, const ArcRows& arc,
                                 EpochPair window, std::optional<double> TrajectoryEpoch::*method) {

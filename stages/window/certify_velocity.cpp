@@ -14,9 +14,6 @@
 namespace runcert {
 namespace {
 
-/// A window this many standard uncertainties slower than the best could not have been it.
-constexpr double selection_width = 4.0;
-
 Eigen::Vector3d counted_axes_of(Dimension dimension) {
     if (dimension == Dimension::horizontal) return {1.0, 1.0, 0.0};
     return dimension == Dimension::vertical ? Eigen::Vector3d(0.0, 0.0, 1.0)
@@ -86,8 +83,6 @@ std::int64_t rivals_of(const std::vector<FoundWindow>& all, double least_mps) {
         }
     return std::max<std::int64_t>(rivals, 1);
 }
-
-const char* const independent = "independent of the other rows";
 
 }  // namespace
 

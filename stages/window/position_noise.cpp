@@ -265,5 +265,6 @@ template double position_r95_m<2>(const SmoothedArc<2>&, EpochPair, const ErrorB
         const WindowStretch<AXES>&, const std::vector<WeightedModel>&, const SpeedQuantity&);
 RUNCERT_INSTANTIATE(1)
 RUNCERT_INSTANTIATE(2)
+#undef RUNCERT_INSTANTIATE
 
 }  // namespace runcert

@@ -13,9 +13,8 @@ namespace runcert {
 /// An error e of the measurements moves the speed by g'e, g being the speed's sensitivity to each
 /// measurement under the estimate's own model; of all errors that the test finds with the power,
 /// the largest |g'e| is sqrt(lambda g' Q g), Q being the covariance of the error's estimate under
-/// the model of screening and lambda the non-centrality. Empty where the table does not hold the
-/// evidence of revision 1.2. An error that the stretch cannot show at all, but that moves the
-/// speed, is put at 1e6.
+/// the model of screening and lambda the non-centrality. An error that the stretch cannot show at
+/// all, but that moves the speed, is put at 1e6.
 ///
 /// `arc` must be that of the stretch in the table; `weights` are those of the speed, one for each
 /// epoch of the stretch.

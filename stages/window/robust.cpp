@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/uncertainty.h"
 #include "estimation/speed.h"
 
 namespace runcert {
@@ -33,7 +34,6 @@ std::optional<Eigen::Vector2d> robust_displacement(const TrajectoryTable& trajec
 
 std::optional<RobustSpeed> robust_speed(const TrajectoryTable& trajectory, const ArcPart<2>& part,
                                         const SmoothedArc<2>& smoothed, double model_mps) {
-    constexpr double coverage_factor = 2.0;
     const Arc<2>& arc = part.arc;
     const EpochPair& window = part.window;
     const double duration_s = arc.epochs[window.last].time_s - arc.epochs[window.first].time_s;
@@ -44,7 +44,7 @@ std::optional<RobustSpeed> robust_speed(const TrajectoryTable& trajectory, const
     RobustSpeed robust;
     robust.speed_mps = std::hypot(displacement->x(), displacement->y()) / duration_s;
     robust.difference_mps = robust.speed_mps - screened.speed_mps;
-    robust.limit_mps = coverage_factor * (screened.standard_uncertainty_mps + model_mps);
+    robust.limit_mps = usual_coverage_factor * (screened.standard_uncertainty_mps + model_mps);
     robust.agrees = std::abs(robust.difference_mps) <= robust.limit_mps;
     for (std::size_t k = window.first; k <= window.last; ++k) {
         const auto& weight = trajectory.rows[arc.rows[k]].robust_weight;

@@ -12,8 +12,6 @@
 namespace runcert {
 namespace {
 
-constexpr auto lanes = selection_lanes;
-
 /// The fastest window over all clusters.
 struct Draw {
     FastestWindow fastest;
@@ -41,20 +39,20 @@ struct Sample {
     }
 };
 
-using Samples = std::array<Sample, lanes>;
+using Samples = std::array<Sample, selection_lanes>;
 
 /// So many samples from the numbers drawn for them: sample by sample, cluster by cluster.
 template <int Axes>
 Samples samples_from(const std::vector<SelectionCluster<Axes>>& clusters,
                      const std::vector<double>& numbers,
-                     const std::optional<std::array<double, lanes>>& tau_s) {
-    std::array<const double*, lanes> at;
-    for (std::size_t l = 0; l < lanes; ++l)
-        at[l] = numbers.data() + l * (numbers.size() / lanes);
+                     const std::optional<std::array<double, selection_lanes>>& tau_s) {
+    std::array<const double*, selection_lanes> at;
+    for (std::size_t l = 0; l < selection_lanes; ++l)
+        at[l] = numbers.data() + l * (numbers.size() / selection_lanes);
     Samples samples;
     for (const SelectionCluster<Axes>& cluster : clusters) {
         const auto drawn = cluster.draw(at, tau_s);
-        for (std::size_t l = 0; l < lanes; ++l) {
+        for (std::size_t l = 0; l < selection_lanes; ++l) {
             samples[l].take(drawn[l]);
             at[l] += cluster.normals();
         }
@@ -64,10 +62,10 @@ Samples samples_from(const std::vector<SelectionCluster<Axes>>& clusters,
 
 /// The correlation times of as many samples from `first` on of so many: spread evenly, by their
 /// logarithm, over the range.
-std::array<double, lanes> correlation_times(const SelectionModels& models, std::int64_t first,
-                                            std::int64_t samples) {
-    std::array<double, lanes> tau_s;
-    for (std::size_t l = 0; l < lanes; ++l)
+std::array<double, selection_lanes> correlation_times(const SelectionModels& models,
+                                                      std::int64_t first, std::int64_t samples) {
+    std::array<double, selection_lanes> tau_s;
+    for (std::size_t l = 0; l < selection_lanes; ++l)
         tau_s[l] = models.tau_min_s *
                    std::pow(models.tau_max_s / models.tau_min_s,
                             (static_cast<double>(first) + static_cast<double>(l) + 0.5) /
@@ -86,10 +84,11 @@ std::vector<Samples> draw_samples(const std::vector<SelectionCluster<Axes>>& clu
         normals += cluster.normals();
     RandomGenerator random(static_cast<std::uint64_t>(seed));
     Turnstile turnstile;
-    constexpr auto at_once = static_cast<std::int64_t>(lanes);
+    constexpr auto at_once = static_cast<std::int64_t>(selection_lanes);
     const std::int64_t passes = (samples + at_once - 1) / at_once;
     return results_of(passes, threads_allowed(), [&](std::int64_t i) {
-        const auto numbers = turnstile.pass(i, [&] { return random.normals(lanes * normals); });
+        const auto numbers =
+            turnstile.pass(i, [&] { return random.normals(selection_lanes * normals); });
         if (errors == DrawnErrors::fitted) return samples_from(clusters, numbers, std::nullopt);
         return samples_from(clusters, numbers,
                             correlation_times(models, i * at_once, passes * at_once));
@@ -110,7 +109,7 @@ DrawnBias bias_from(const std::vector<Samples>& drawn, std::int64_t samples) {
     std::vector<double> calibrated;
     std::vector<double> best_true;
     for (std::size_t i = 0; i < static_cast<std::size_t>(samples); ++i) {
-        const Sample& sample = drawn[i / lanes][i % lanes];
+        const Sample& sample = drawn[i / selection_lanes][i % selection_lanes];
         errors.push_back(sample.once.fastest.error_mps);
         calibrated.push_back(2.0 * sample.once.settled_error_mps() -
                              sample.again.settled_error_mps());

@@ -9,6 +9,9 @@
 
 namespace runcert {
 
+/// A window this many standard uncertainties slower than the best could not have been it.
+inline constexpr double selection_width = 4.0;
+
 /// A speed less the bias (both m/s) of choosing it as the fastest, and not below 0: a craft that
 /// stands has no speed to take a bias off.
 double less_bias(double speed_mps, double bias_mps);

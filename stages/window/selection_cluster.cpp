@@ -10,8 +10,6 @@
 namespace runcert {
 namespace {
 
-constexpr auto lanes = selection_lanes;
-
 template <int Axes>
 MeasuredStretch<Axes> stretch_of(const WindowCluster<Axes>& cluster) {
     constexpr double flank_s = 5.0;
@@ -111,7 +109,7 @@ class SelectionCluster<Axes>::Speeds {
     /// The fastest window of each draw, the first of equals, and its speed.
     struct Fastest {
         Lane speed_mps;
-        std::array<std::size_t, lanes> window{};
+        std::array<std::size_t, selection_lanes> window{};
     };
     Fastest fastest() const {
         Fastest fastest;
@@ -119,7 +117,7 @@ class SelectionCluster<Axes>::Speeds {
         for (std::size_t w = 0; w < stretch_.windows.size(); ++w) {
             const Lane speed = (*this)[w];
             if (!(speed > fastest.speed_mps).any()) continue;
-            for (std::size_t l = 0; l < lanes; ++l) {
+            for (std::size_t l = 0; l < selection_lanes; ++l) {
                 const auto lane = static_cast<Eigen::Index>(l);
                 if (!(speed[lane] > fastest.speed_mps[lane])) continue;
                 fastest.speed_mps[lane] = speed[lane];
@@ -148,10 +146,10 @@ template <int Axes>
 class SelectionCluster<Axes>::SlowError {
   public:
     SlowError(const SelectionCluster& cluster,
-              const std::optional<std::array<double, lanes>>& tau_s)
+              const std::optional<std::array<double, selection_lanes>>& tau_s)
         : epochs_(cluster.stretch_.epochs) {
         const GaussMarkovError& fitted = cluster.fitted_error_;
-        for (std::size_t l = 0; l < lanes; ++l) {
+        for (std::size_t l = 0; l < selection_lanes; ++l) {
             const GaussMarkovError error =
                 tau_s ? GaussMarkovError::steady(
                             std::max(cluster.bound_m_,
@@ -229,14 +227,14 @@ SelectionCluster<Axes>::smoothed(const Positions& motion) const {
 /// The slow error and, onto it, the white.
 template <int Axes>
 typename SelectionCluster<Axes>::Lanes SelectionCluster<Axes>::errors(
-    std::array<const double*, lanes> numbers,
-    const std::optional<std::array<double, lanes>>& tau_s) const {
+    std::array<const double*, selection_lanes> numbers,
+    const std::optional<std::array<double, selection_lanes>>& tau_s) const {
     Lanes errors(stretch_.epochs.size());
     SlowError slow_error(*this, tau_s);
-    std::array<std::array<double, axes>, lanes> slow{};
+    std::array<std::array<double, axes>, selection_lanes> slow{};
     for (std::size_t k = 0; k < errors.size(); ++k) {
         slow_error.carry_to(k);
-        for (std::size_t l = 0; l < lanes; ++l) {
+        for (std::size_t l = 0; l < selection_lanes; ++l) {
             const double*& number = numbers[l];
             for (double& one : slow[l])
                 one = slow_error.decay(l) * one + slow_error.noise_m(l) * *number++;
@@ -255,14 +253,14 @@ typename SelectionCluster<Axes>::Lanes SelectionCluster<Axes>::errors(
 }
 
 template <int Axes>
-std::array<FastestWindow, lanes> SelectionCluster<Axes>::search(
+std::array<FastestWindow, selection_lanes> SelectionCluster<Axes>::search(
     const Smoothed<Lanes>& drawn) const {
     const Speeds stated(*this, drawn.estimated);
     const auto fastest = stated.fastest();
     const Speeds truth(*this, drawn.motion);
-    std::array<FastestWindow, lanes> result;
+    std::array<FastestWindow, selection_lanes> result;
     const Lane chosen = chosen_errors(drawn);
-    for (std::size_t l = 0; l < lanes; ++l) {
+    for (std::size_t l = 0; l < selection_lanes; ++l) {
         const std::size_t window = fastest.window[l];
         const auto lane = static_cast<Eigen::Index>(l);
         result[l] = {.searched_mps = fastest.speed_mps[lane],
@@ -281,11 +279,11 @@ typename SelectionCluster<Axes>::Lane SelectionCluster<Axes>::chosen_errors(
 }
 
 template <int Axes>
-std::array<ClusterDraw, lanes> SelectionCluster<Axes>::draw(
-    const std::array<const double*, lanes>& numbers,
-    const std::optional<std::array<double, lanes>>& tau_s) const {
-    constexpr int count = static_cast<int>(lanes);
-    std::array<const double*, lanes> more = numbers;
+std::array<ClusterDraw, selection_lanes> SelectionCluster<Axes>::draw(
+    const std::array<const double*, selection_lanes>& numbers,
+    const std::optional<std::array<double, selection_lanes>>& tau_s) const {
+    constexpr int count = static_cast<int>(selection_lanes);
+    std::array<const double*, selection_lanes> more = numbers;
     for (const double*& one : more)
         one += normals() / 2;
     const Lanes noise = estimator_.template smooth_lanes<count>(errors(numbers, tau_s));
@@ -306,8 +304,8 @@ std::array<ClusterDraw, lanes> SelectionCluster<Axes>::draw(
     const Lane chosen_once = chosen_errors(still);
     const Lane chosen_again = chosen_errors(moved);
     const Lane fastest_true = Speeds(*this, moved.motion).fastest().speed_mps;
-    std::array<ClusterDraw, lanes> draws;
-    for (std::size_t l = 0; l < lanes; ++l) {
+    std::array<ClusterDraw, selection_lanes> draws;
+    for (std::size_t l = 0; l < selection_lanes; ++l) {
         const auto lane = static_cast<Eigen::Index>(l);
         draws[l] = {.once = found_once[l],
                     .again = found_again[l],

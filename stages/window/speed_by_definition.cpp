@@ -135,5 +135,6 @@ SpeedGradients<Axes> speed_gradients(const SmoothedArc<Axes>& smoothed, EpochPai
                                                         double, const SpeedQuantity&);
 RUNCERT_INSTANTIATE(1)
 RUNCERT_INSTANTIATE(2)
+#undef RUNCERT_INSTANTIATE
 
 }  // namespace runcert

@@ -43,7 +43,7 @@ void operator delete(void* memory, std::size_t) noexcept {
     operator delete(memory);
 }
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 double seconds_of(const auto& run) {
@@ -187,4 +187,4 @@ BENCHMARK(ecsv)->Arg(200'000)->Unit(benchmark::kMillisecond);
 BENCHMARK(ecsv)->Arg(10'000'000)->Iterations(1)->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

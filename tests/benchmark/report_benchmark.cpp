@@ -10,7 +10,7 @@
 // WeasyPrint alone on the same page: the counter `weasyprints` is how many of those all of it
 // costs.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 namespace fs = std::filesystem;
@@ -78,4 +78,4 @@ void Report(benchmark::State& state) {
 BENCHMARK(Report)->UseManualTime()->Unit(benchmark::kSecond)->Iterations(5);
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

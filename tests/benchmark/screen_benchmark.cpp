@@ -10,7 +10,7 @@
 // Screening against one pass of filter and smoother over the same recording, run in turns: the
 // counter `passes` is how many of those it costs.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 double seconds_of(const auto& run) {
@@ -91,4 +91,4 @@ BENCHMARK_CAPTURE(screening_in_passes, one_outlier_in_a_hundred, false, 100)
     ->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -17,7 +17,7 @@
 // bytes) of text for each second of processor time; beside it what the machine does with the same
 // text or numbers by memcpy, by strtod on each number, and by printf of each number.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 constexpr std::int64_t epochs = 200'000;
@@ -243,4 +243,4 @@ BENCHMARK(hash)->Unit(benchmark::kMillisecond);
 BENCHMARK(by_memcpy)->Unit(benchmark::kMillisecond);
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
 #include <regex>
 #include <set>
 #include <sstream>
@@ -8,7 +9,7 @@
 #include "chain_support.h"
 #include "schemas/screened/screened.h"
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 /// The epochs that the entries of an audit are about.
@@ -286,4 +287,4 @@ TEST(Audit, AChangedDecisionIsRefused) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

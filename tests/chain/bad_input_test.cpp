@@ -4,7 +4,7 @@
 
 #include "chain_support.h"
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 const std::string good_attempt =
@@ -246,4 +246,4 @@ TEST(BadInput, ARunThatWasKilledLeavesNothingThatStays) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

@@ -8,7 +8,7 @@
 
 // Recordings that noise cannot be learnt from, or not as it should be: the verdict says so.
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 /// One epoch of a local plane at 5 Hz.
@@ -163,4 +163,4 @@ TEST(BadNoise, PositionsThatTheDeviceExtrapolatedAreSaidToBeFiltered) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

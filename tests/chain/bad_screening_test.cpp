@@ -10,7 +10,7 @@
 // Recordings in which there is nothing to certify: never an invented window, and why, in one
 // sentence. And one fault in a good recording: its window refused, the rest certified.
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 struct Epoch {
@@ -139,4 +139,4 @@ TEST(BadScreening, AFaultThatShowsAsThreeTimesTheSpeed) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

@@ -1,7 +1,7 @@
 // Files that change while a batch reads them.
 #include "batch_bad_days.h"
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 /// The programs, of which import first does something once: what `happens` says, in a shell.
@@ -76,4 +76,4 @@ TEST_F(BadDays, AnIdThatChangesWhileTheBatchRunsIsSaid) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

@@ -4,7 +4,7 @@
 
 #include "batch_crash_support.h"
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 constexpr int attempts = 3;
@@ -302,4 +302,4 @@ TEST_F(HeldDay, KilledItTakesItsChildrenAlongAndItsLockIsRecognised) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

@@ -4,7 +4,7 @@
 
 #include "batch_crash_support.h"
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 std::string quoted(const Words& words) {
@@ -122,4 +122,4 @@ TEST_F(BatchDisk, AFullFolderForTemporaryFilesIsSaid) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

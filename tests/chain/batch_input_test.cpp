@@ -1,7 +1,7 @@
 // Days that are wrong, in part or as a whole: what is wrong is said, and the good runs are made.
 #include "batch_bad_days.h"
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 struct BrokenAttempt {
@@ -191,4 +191,4 @@ TEST_F(BadDays, WrongSharesAndMissingClustersAreSaid) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

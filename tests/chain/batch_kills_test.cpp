@@ -4,7 +4,7 @@
 #include "batch_crash_support.h"
 #include "core/random.h"
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 enum class Victim { batch, group, program, batch_when_a_run_ends };
@@ -115,4 +115,4 @@ TEST(BatchKills, WhileADayIsMadeAnewLeaveNoReportAmongFilesOfAnother) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

@@ -7,7 +7,7 @@
 #include "chain_support.h"
 #include "day_support.h"
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 /// How long a day took, and how long its steps did, added up.
@@ -49,4 +49,4 @@ TEST(BatchMemory, RunsBeyondTheBudgetAreMadeOneByOne) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

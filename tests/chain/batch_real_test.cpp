@@ -1,7 +1,7 @@
 // A day of real recordings, of all formats that there are short ones of, in one folder.
 #include "batch_support.h"
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 constexpr const char* real_day = R"(schema: day/1.0
@@ -66,4 +66,4 @@ TEST(BatchOfRealRecordings, IsProcessedWithAllItsFormats) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

@@ -4,7 +4,7 @@
 #include "batch_settings_support.h"
 #include "core/text.h"
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 /// Twenty seconds of the example over a course, twice, and the series of wind and current.
@@ -249,4 +249,4 @@ TEST_F(BatchSettings, EachStepReadsAndWritesWhatItSays) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

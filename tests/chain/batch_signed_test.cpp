@@ -1,7 +1,7 @@
 // Signatures and pages of a day's runs: they stay while the report is the same.
 #include "batch_support.h"
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 std::vector<std::string> signatures_in(const fs::path& run) {
@@ -91,4 +91,4 @@ TEST_F(Batches, PagesComeAndGoWithWhatIsAskedFor) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

@@ -5,7 +5,7 @@
 
 #include "batch_support.h"
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 constexpr const char* all_steps = "claim import enu screen smooth window check report";
@@ -226,4 +226,4 @@ TEST_F(Batches, AReceiverThatIsTakenOutLeavesTheRunFolder) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

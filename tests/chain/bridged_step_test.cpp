@@ -11,7 +11,7 @@
 
 // Screening, smoothing and windows of a run whose positions step aside in its fastest seconds.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 constexpr double step_m = 0.5;
@@ -146,4 +146,4 @@ TEST(BridgedStep, EndsTheArcWhereTheAttemptSaysSo) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "core/failure.h"
 #include "handover_support.h"
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 class BundleTest : public testing::Test {
@@ -252,4 +254,4 @@ TEST_F(BundleTest, AFolderThatIsNotWholeIsRefused) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

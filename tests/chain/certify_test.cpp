@@ -1,10 +1,12 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "chain_support.h"
 #include "core/text.h"
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 TEST(Certify, LandYachtIsBeatenAndNotGeoreferenced) {
@@ -172,4 +174,4 @@ TEST(Help, UnknownArgumentsAreRefused) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

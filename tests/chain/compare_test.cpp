@@ -6,7 +6,7 @@
 #include "chain_support.h"
 #include "core/text.h"
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 /// One row of the table: what follows the method's name.
@@ -113,4 +113,4 @@ TEST(Compare, WhatCannotBeComparedIsRefused) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

@@ -2,13 +2,14 @@
 
 #include <array>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "chain_support.h"
 
 // tests/benchmark/run at its smallest size: that the programs at hand agree, that one which is
 // missing, fails or is wrong is found, and that options that are wrong are refused.
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 using Json = nlohmann::json;
@@ -252,4 +253,4 @@ TEST_F(ComparisonBenchmark, WrongOptionsAreRefused) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

@@ -5,7 +5,7 @@
 // A good run some of whose lines were damaged: read, counted, listed; and refused where more than 1
 // % are damaged, or one is inside the window.
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 std::vector<std::string> lines_of(const std::string& text) {
@@ -80,4 +80,4 @@ TEST(DamagedRecords, MoreThanOneInAHundredRefuseTheRun) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <nlohmann/json.hpp>
 #include <regex>
 
 #include "chain_support.h"
@@ -14,7 +15,7 @@
 
 // A day of 2,000 attempts: memory and time are printed, and bounded.
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -126,4 +127,4 @@ TEST_F(ManyAttempts, AreListedAndComparedInBoundedMemory) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <regex>
 
 #include "chain_support.h"
@@ -13,7 +14,7 @@
 
 // The results of a day from real run folders, and two days compared.
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -280,4 +281,4 @@ TEST_F(Day, ARunFolderThatIsGoneLeavesItsCausesUnknown) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

@@ -9,7 +9,7 @@
 // What a device does to positions and times before it writes them, and positions alone cannot see:
 // never a record without the clause that names it.
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 constexpr double interval_s = 0.1;
@@ -277,4 +277,4 @@ TEST(DeviceFaults, ARampInTheWindow) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

@@ -1,12 +1,13 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
 #include <regex>
 #include <sstream>
 
 #include "chain_support.h"
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 /// Runs of the example that is refused: as it is, and changed.
@@ -176,4 +177,4 @@ TEST_F(Diff, WhatCannotBeComparedIsRefused) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

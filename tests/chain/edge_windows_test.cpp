@@ -6,7 +6,7 @@
 // Honest recordings that leave the smoother little to go by: an interval that holds the truth, or
 // the true reason why there is none.
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 PlaneRecording recording_of(const MotionScript& motion, double first_s, double duration_s) {
@@ -92,4 +92,4 @@ TEST(EdgeWindows, QuietThroughout) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
 #include <pugixml.hpp>
 #include <sstream>
 
@@ -8,7 +9,7 @@
 
 // Exports, judged by the programs that others read them with: gpsbabel, GDAL, xmllint, PROJ.
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 constexpr double degree_tolerance = 1.0001e-9;
@@ -295,4 +296,4 @@ TEST_F(Export, WhatCannotBeExportedIsRefused) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

@@ -2,7 +2,7 @@
 
 // Flatness and standing start of a course whose heights and speeds are known.
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 /// Still for 8 s (or rolling), then 2 m/s^2 up to 25 m/s, which it keeps.
@@ -114,4 +114,4 @@ TEST(StandingStart, ThatWasNotRecordedIsForAPerson) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

@@ -1,4 +1,5 @@
 #include <functional>
+#include <nlohmann/json.hpp>
 
 #include "core/failure.h"
 #include "files/sha256.h"
@@ -8,7 +9,7 @@
 
 // Reports that a dishonest signer wrote by hand: their signatures hold, what they say does not.
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -206,4 +207,4 @@ TEST_F(ForgedReport, PutInPlaceOfTheCheckedOneIsNotSigned) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

@@ -1,4 +1,5 @@
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "signatures_support.h"
 #include "trust/signature.h"
@@ -6,7 +7,7 @@
 
 // Signatures, keys and pages that are made to say more than they do.
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 class ForgedSignature : public SignedRuns {
@@ -162,4 +163,4 @@ TEST_F(ForgedPage, APdfWithAnotherFileBesideTheReportIsFound) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

@@ -6,7 +6,7 @@
 
 // Real recordings of every format that there are any of, certified as an official would.
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 struct Given {
@@ -217,4 +217,4 @@ TEST(RecordingFormats, SeveralFilesAreOneRecording) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

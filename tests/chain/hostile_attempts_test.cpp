@@ -2,7 +2,7 @@
 
 // Attempts and profiles that are wrong, odd or meant to harm.
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 HostileCase attempt(const std::string& name, const std::string& text,
@@ -157,4 +157,4 @@ TEST(Hostile, EveryLineEndIsReadAlike) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

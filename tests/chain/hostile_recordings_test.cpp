@@ -5,7 +5,7 @@
 
 // Recordings that are wrong, odd or meant to harm.
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 /// What a file holds, unfolded only when it is written: the memory of this program counts in that
@@ -271,4 +271,4 @@ TEST(Hostile, ARecordingThatMayNotBeRead) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

@@ -2,7 +2,7 @@
 
 // Run folders and keys that were tampered with, and what the other commands are given.
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 /// Makes the tables of a good run and changes one.
@@ -152,4 +152,4 @@ TEST(Hostile, CutSignaturesAreNeverValid) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

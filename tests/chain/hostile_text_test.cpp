@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <regex>
 #include <sstream>
 
@@ -6,7 +7,7 @@
 
 // Text that people outside write: it is shown as text by whatever shows it, or refused.
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 /// The hostile attempt, certified once.
@@ -240,4 +241,4 @@ TEST(HostileTextRefused, AtItsPlaceInPlainWords) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

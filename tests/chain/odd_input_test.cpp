@@ -5,7 +5,7 @@
 
 // Recordings that look odd and are read all the same.
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 /// The observations of a recording, and of an attempt with it.
@@ -91,4 +91,4 @@ TEST(OddInput, ManyFilesThatFollowOneAnother) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

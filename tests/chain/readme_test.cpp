@@ -4,7 +4,7 @@
 
 // The README's commands to sign and verify, each as it stands there, by this and other programs.
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 /// The lines of the blocks of code under a heading of the README, without their remarks.
@@ -93,4 +93,4 @@ TEST_F(Readme, ItsCommandsToSignAndVerifyWork) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

@@ -10,7 +10,7 @@
 
 // What the noise learnt from real recordings is worth.
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 class CarrierPhase : public testing::TestWithParam<const char*> {};
@@ -114,4 +114,4 @@ TEST(RealRecordings, TheReferenceIsInsideTheStatedIntervalsOfTheUrbanCar) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

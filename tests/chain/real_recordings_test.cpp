@@ -3,7 +3,7 @@
 
 #include "chain_support.h"
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 /// Certifies a real recording as a car under nalsa; what comes out is in `run`.
@@ -89,4 +89,4 @@ TEST(RealRecordings, Inspect) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

@@ -8,7 +8,7 @@
 
 // What the rules say of real recordings whose speeds a logger or a published score tells.
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 constexpr double kmh = 1.0 / 3.6;
@@ -248,4 +248,4 @@ TEST(UrbanCar, IsRefusedForItsHillsUnlessTheLimitIsReplacedAndThatIsPrinted) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

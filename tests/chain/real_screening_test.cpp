@@ -8,7 +8,7 @@
 
 // What screening finds in real recordings.
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 class UrbanCar : public testing::Test {
@@ -120,4 +120,4 @@ TEST(RealScreening, TheDelayOfTheRecordedVelocityIsFound) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

@@ -6,7 +6,7 @@
 #include "chain_support.h"
 #include "files/sha256.h"
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 /// A run of the example that is refused, made once; each test forges a copy.
@@ -253,4 +253,4 @@ TEST_F(Recompute, AnotherProcessorsLastBitsAreWithinTheTolerance) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

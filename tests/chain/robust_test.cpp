@@ -11,7 +11,7 @@
 
 // Smoothing, windows and verdict of a run that screening let errors through in.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 constexpr const char* attempt_text = R"(schema: attempt/1.0
@@ -104,4 +104,4 @@ TEST(Robust, AnErrorThatScreeningKeptAtAWindowsEndIsNotCertifiable) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

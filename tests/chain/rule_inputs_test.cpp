@@ -5,7 +5,7 @@
 // What a person may get wrong about a rule, a course, a series or a second method: it is refused
 // with its place and what to do, or cannot be certified, with the sentence that an official needs.
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 /// With a millimetre of noise, as no measured position is without any.
@@ -314,4 +314,4 @@ TEST(Current, ThatTheRuleSubtractsMustBeGiven) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

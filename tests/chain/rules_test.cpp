@@ -8,7 +8,7 @@
 
 // What the rules say of recordings that are made, so that their speeds are known.
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 // A simulated recording under all rules that fit it.
@@ -328,4 +328,4 @@ TEST(Course, WithNoiseTheSpeedIsWithinItsUncertainty) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

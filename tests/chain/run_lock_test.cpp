@@ -9,7 +9,7 @@
 
 // A run folder that somebody is writing in is left alone by everybody else who would.
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 /// The lock of a folder, as any program may take it.
@@ -84,4 +84,4 @@ TEST_F(RunFolderLock, IsFreeAfterwardsAndNeedsNoFile) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

@@ -5,7 +5,7 @@
 #include "core/failure.h"
 #include "handover_support.h"
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 constexpr const char* make_keys =
@@ -200,4 +200,4 @@ TEST(SealWords, ANameCannotSpeakForPdfsig) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

@@ -2,7 +2,7 @@
 
 // Who signed, in which role, and whether it counts.
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 using Signatures = SignedRuns;
@@ -254,4 +254,4 @@ TEST_F(Signatures, AreVoidAfterANewReport) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

@@ -1,8 +1,10 @@
+#include <nlohmann/json.hpp>
+
 #include "signatures_support.h"
 
 // What `runcert sign` refuses.
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 class Signing : public SignedRuns {
@@ -164,4 +166,4 @@ TEST_F(Signing, MakesThePagesAgain) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

@@ -12,7 +12,7 @@
 #include "day_support.h"
 #include "slurm_support.h"
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 /// Name and bytes of every file of a day's results but those that tell when and where they were
@@ -136,4 +136,4 @@ TEST(SlurmDayWithoutSlurm, SaysWhatToInstall) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

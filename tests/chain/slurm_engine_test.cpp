@@ -13,7 +13,7 @@
 #include "files/atomic_file.h"
 #include "slurm_support.h"
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 namespace fs = std::filesystem;
@@ -176,4 +176,4 @@ TEST_F(SlurmEngine, AJobThatWasNeverThereIsOver) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

@@ -10,7 +10,7 @@
 // Every byte of a bundle is vouched for: a signed bundle is unpacked, one byte of it changed at a
 // time, and `runcert verify` must not accept it and must name the file.
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 constexpr std::uint64_t seed = 20260314;
@@ -151,4 +151,4 @@ TEST_F(Tamper, AFileMoreOrLessIsFound) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

@@ -1,8 +1,10 @@
+#include <nlohmann/json.hpp>
+
 #include "signatures_support.h"
 
 // Run folders that were changed, each refused in the words of its layer.
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 class TamperedRun : public SignedRuns {
@@ -197,4 +199,4 @@ TEST_F(TamperedRun, APdfMustHaveTheReportAttached) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

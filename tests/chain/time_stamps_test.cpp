@@ -7,7 +7,7 @@
 
 // Time stamps, by an authority that openssl is.
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 /// A certificate authority and a time stamp authority under it.
@@ -276,4 +276,4 @@ TEST_F(TimeStamps, OfAnUnsignedRunCannotBeMade) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

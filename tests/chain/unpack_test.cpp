@@ -8,7 +8,7 @@
 
 // Bundles that strangers may send.
 
-namespace runcert::chain {
+namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 /// An entry of an archive made to harm.
@@ -165,4 +165,4 @@ TEST(Unpack, ABundleIsOneFolderWithAReport) {
 }
 
 }  // namespace
-}  // namespace runcert::chain
+}  // namespace runcert::chain::RUNCERT_FILE

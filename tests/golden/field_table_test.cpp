@@ -8,7 +8,7 @@
 
 // The field tables themselves, and that the golden files have all that is in them.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using Names = std::set<std::string>;
@@ -174,4 +174,4 @@ TEST(FieldTables, GoldenFilesHaveEveryFieldOfTheirRevision) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

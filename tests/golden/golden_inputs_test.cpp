@@ -1,8 +1,10 @@
+#include <nlohmann/json.hpp>
+
 #include "golden_files.h"
 
 // Attempt, rule, day and simulation: what today's reader finds in their golden files.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using golden::text_of;
@@ -282,4 +284,4 @@ TEST(GoldenDay, EntriesWithTheirDefaults) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -2,7 +2,7 @@
 
 // Windows, verdict and day: what today's reader finds in their golden files.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using golden::text_of;
@@ -236,4 +236,4 @@ TEST(GoldenDayResults, Best) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -10,7 +10,7 @@
 // All golden files alike. What the readers find in them: golden_tables_test.cpp,
 // golden_results_test.cpp, golden_inputs_test.cpp.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 namespace fs = std::filesystem;
@@ -66,4 +66,4 @@ TEST(Golden, PublishedFilesStayAsTheyWere) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

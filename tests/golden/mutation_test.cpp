@@ -3,7 +3,7 @@
 
 // A damaged file is read, or refused with a Failure; nothing else comes out of a reader.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 std::string mutated(std::string text, RandomGenerator& random) {
@@ -95,4 +95,4 @@ TEST(Mutation, EveryReaderReadsOrFails) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

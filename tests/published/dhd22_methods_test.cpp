@@ -2,7 +2,7 @@
 
 #include "dhd22_data.h"
 
-namespace runcert::published {
+namespace runcert::published::RUNCERT_FILE {
 namespace {
 
 double rounded_to_mm(double value) {
@@ -93,4 +93,4 @@ TEST(Dhd22, PrintedSteadyCofactors) {
 }
 
 }  // namespace
-}  // namespace runcert::published
+}  // namespace runcert::published::RUNCERT_FILE

@@ -6,7 +6,7 @@
 #include "stages/smooth/smooth.h"
 #include "stages/window/window.h"
 
-namespace runcert::published {
+namespace runcert::published::RUNCERT_FILE {
 namespace {
 
 constexpr const char* attempt_text = R"(schema: attempt/1.0
@@ -134,4 +134,4 @@ TEST(Dhd22Smoother, BestThreeSecondsAreAboveTheTruthByNoMoreThanWasMeasured) {
 }
 
 }  // namespace
-}  // namespace runcert::published
+}  // namespace runcert::published::RUNCERT_FILE

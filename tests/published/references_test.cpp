@@ -11,7 +11,7 @@
 
 // Every citation key stands in REFERENCES.md, and every entry there is cited.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 namespace fs = std::filesystem;
@@ -60,4 +60,4 @@ TEST(References, OfEveryKeyAreListedAndEveryEntryIsCited) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

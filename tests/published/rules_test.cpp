@@ -11,7 +11,7 @@
 #include "stages/check/threshold.h"
 
 // Figures that the bodies themselves published.
-namespace runcert::published {
+namespace runcert::published::RUNCERT_FILE {
 namespace {
 
 const double kKnot = metres_per_second("kn");
@@ -124,4 +124,4 @@ TEST(Rules, FaiRangesTwoPerCentApart) {
 }
 
 }  // namespace
-}  // namespace runcert::published
+}  // namespace runcert::published::RUNCERT_FILE

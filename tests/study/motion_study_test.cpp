@@ -8,7 +8,7 @@
 
 #include "core/failure.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 /// One cell, by the beginning of its motion's name and its errors.
@@ -66,4 +66,4 @@ TEST(Motion, OtherRates) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

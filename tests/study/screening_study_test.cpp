@@ -5,7 +5,7 @@
 
 #include "false_records.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 /// Probability of `count` or more of `of` where each has the probability.
@@ -115,4 +115,4 @@ TEST(FalseRecords, NoneBeyondWhatIsStated) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -4,7 +4,7 @@
 #include "coverage.h"
 #include "selection_study.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 /// Prints the table of one rate and checks every cell of it.
@@ -61,4 +61,4 @@ TEST(Selection, BiasOf30MillimetreNoise) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -1,13 +1,14 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
 #include <regex>
 
 #include "core/failure.h"
 #include "reports/audit/record.h"
 #include "reports/audit/report_record.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 const std::string hash_a(64, 'a');
@@ -152,4 +153,4 @@ TEST(ReportRecord, IsReadOrRefused) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -9,7 +9,7 @@
 #include "reports/audit/screening.h"
 #include "reports/audit/words.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 /// Rows of 10 Hz from line 18 on, all of them used, in one arc.
@@ -689,4 +689,4 @@ TEST(AuditWords, LinesAreBrokenAtBlanksAndNeverTooLong) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -8,7 +8,7 @@
 #include "files/process.h"
 #include "reports/audit/walk.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 const Walk small{
@@ -190,4 +190,4 @@ TEST(WalkHtml, AVeryLongWordIsWholeAndTheSameTwice) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

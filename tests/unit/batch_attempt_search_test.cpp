@@ -8,7 +8,7 @@
 
 // A folder as a day: which attempts are found in it, and what is said of the rest.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 namespace fs = std::filesystem;
@@ -209,4 +209,4 @@ TEST_F(AttemptFolder, NoAttemptIsAFailureThatSaysWhatWasLookedFor) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -8,7 +8,7 @@
 
 // What may be given as a day, and ids that two attempts have.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 namespace fs = std::filesystem;
@@ -167,4 +167,4 @@ TEST_F(Days, TwoThousandAttemptsAreListedAtOnce) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

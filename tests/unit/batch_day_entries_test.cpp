@@ -8,7 +8,7 @@
 
 // A day file as a day: the attempts that its entries and patterns make.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 namespace fs = std::filesystem;
@@ -297,4 +297,4 @@ TEST(DayExample, IsFourAttemptsOfSimulatedRecordings) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -4,7 +4,7 @@
 #include "batch_day_support.h"
 #include "core/random.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 namespace fs = std::filesystem;
@@ -93,4 +93,4 @@ TEST_F(FilePattern, ManyWildcardsTakeNoLonger) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -12,7 +12,7 @@
 #include "batch/interrupts.h"
 #include "files/process.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using namespace std::chrono_literals;
@@ -162,4 +162,4 @@ TEST(Interrupts, WhatWasIgnoredStaysIgnored) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

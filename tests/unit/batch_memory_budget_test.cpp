@@ -15,7 +15,7 @@
 #include "files/atomic_file.h"
 #include "simulation/recording_text.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using namespace std::chrono_literals;
@@ -196,4 +196,4 @@ TEST(EstimatedEpochs, AreNotFarFromThoseOfRealRecordings) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -8,7 +8,7 @@
 #include "batch/progress_text.h"
 #include "batch/terminal_text.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 const std::string chinese = "\xe8\xb5\x9b\xe8\xbd\xa6";  // two wide characters
@@ -103,4 +103,4 @@ TEST(DurationText, IsReadAtAGlance) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -12,7 +12,7 @@
 #include "batch/progress_order.h"
 #include "batch_progress_support.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::day_of;
@@ -226,4 +226,4 @@ TEST(ReportOrder, PassesWhatIsFirstAndHoldsBackTheRest) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

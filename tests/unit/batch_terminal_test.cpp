@@ -13,7 +13,7 @@
 #include "batch_progress_support.h"
 #include "batch_screen.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using namespace std::chrono_literals;
@@ -216,4 +216,4 @@ TEST(ProgressStyleFor, IsThatOfTheFile) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

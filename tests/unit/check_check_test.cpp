@@ -8,7 +8,7 @@
 #include "core/text.h"
 #include "core/uncertainty.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 constexpr double kmh = 1.0 / 3.6;
@@ -470,4 +470,4 @@ TEST(Check, WindowsOfAnotherRuleAreRefused) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -10,7 +10,7 @@
 #include "core/random.h"
 #include "stages/check/course.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 constexpr double degree = std::numbers::pi / 180.0;
@@ -312,4 +312,4 @@ TEST(Course, RowsWithoutAnEstimateArePassedOver) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -6,7 +6,7 @@
 
 #include "stages/check/decision.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using decision_table::Group;
@@ -73,4 +73,4 @@ TEST(DecisionTable, AcceptanceLimitTellsTheAcceptedSpeedsFromTheOthers) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -10,7 +10,7 @@
 #include "core/statistics.h"
 #include "stages/check/decision.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -273,4 +273,4 @@ TEST(Decision, RefusesWhatIsNoNumber) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -6,7 +6,7 @@
 
 // A second method whose result the attempt states, against the speed that is judged.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::clause_text, test::contains, test::profile_text, test::RuleScene;
@@ -198,4 +198,4 @@ TEST(DeclaredMethod, AndASecondReceiverMustBothAgree) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -7,7 +7,7 @@
 
 // What must be read with a verdict, and figures as people are to read them.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::clause_text, test::contains, test::profile_text, test::RuleScene;
@@ -266,4 +266,4 @@ TEST(CourseFigures, OfCourseAndWindAreInTheVerdict) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -9,7 +9,7 @@
 // The program's own requirements, under every rule: whose clock, whose positions, whose kind of
 // solution.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::clause_text, test::contains, test::profile_text, test::RuleScene;
@@ -302,4 +302,4 @@ TEST(KindOfSolution, ThatTheRecordingSaysOrNobodyIsMet) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -7,7 +7,7 @@
 // Outcome and reason where a window was refused, where several attempts were made, where choosing
 // the window may have left a bias, and what drift a decision survives.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::clause_text, test::contains, test::profile_text, test::RuleScene;
@@ -183,4 +183,4 @@ TEST(Reason, SaysPositionsAloneOfEveryOutcomeWithoutAWitness) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -10,7 +10,7 @@
 
 // Signs of a filter in the motion: steps of the acceleration, filtered and not, and gusts.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 constexpr double interval_s = 0.1;
@@ -151,4 +151,4 @@ TEST(Overshoot, BelowTheUncertaintyOfTheAccelerationIsNotSeen) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -6,7 +6,7 @@
 
 // The speed to reach over the record by each rule's margin, and the current where it is subtracted.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::clause_text, test::contains, test::profile_text, test::RuleScene, test::steady;
@@ -133,4 +133,4 @@ TEST(SubtractedCurrent, ThatIsNotKnownIsNotCertifiable) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -8,7 +8,7 @@
 
 // Every computation that a clause may name, on both sides of its limit and where data are missing.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::clause_text, test::contains, test::profile_text, test::RuleScene, test::steady;
@@ -319,4 +319,4 @@ TEST(OppositeRuns, HoldBothWindows) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

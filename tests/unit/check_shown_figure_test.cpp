@@ -9,7 +9,7 @@
 #include "core/rounding.h"
 #include "stages/check/decision.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -161,4 +161,4 @@ TEST(ShownFigure, RefusesWhatCannotBeShown) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -6,7 +6,7 @@
 #include "core/random.h"
 #include "stages/check/statements.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 /// A georeferenced recording with heights and a date whose horizontal noise was fitted and fared
@@ -329,4 +329,4 @@ TEST(Statements, OnDriftsSayWhatStandsAgainstASlowOne) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

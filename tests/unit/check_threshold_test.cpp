@@ -8,7 +8,7 @@
 #include "schemas/profile/profile.h"
 #include "stages/check/threshold.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -202,4 +202,4 @@ TEST(Threshold, RefusesWhatNoRuleOrRecordIs) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

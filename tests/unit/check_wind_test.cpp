@@ -5,7 +5,7 @@
 #include "core/failure.h"
 #include "stages/check/wind.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 /// 2022-12-11T01:02:03.5 UTC; 18 s of leap seconds.
@@ -222,4 +222,4 @@ TEST(FlowInWindow, SaysWhyItSaysNothing) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -9,7 +9,7 @@
 #include "core/random.h"
 #include "estimation/smoother.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 constexpr std::size_t epochs = 120;
@@ -246,4 +246,4 @@ TEST(CompareText, IsAnAlignedTableOfAHundredColumns) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

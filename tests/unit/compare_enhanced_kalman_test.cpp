@@ -6,7 +6,7 @@
 #include "core/random.h"
 #include "reports/compare/enhanced_kalman.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 constexpr double equatorial_radius_m = 6'378'137.0;
@@ -196,4 +196,4 @@ TEST(EnhancedKalman, CarriesOnWithoutPositionsAndBeginsAnewWithoutVelocities) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -3,7 +3,7 @@
 #include "core/failure.h"
 #include "reports/compare/truth.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 const std::string header = "time_s,east_m,north_m,up_m,speed_m_s,acceleration_m_s2\n";
@@ -57,4 +57,4 @@ TEST(Truth, IsMatchedToRowsByTime) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

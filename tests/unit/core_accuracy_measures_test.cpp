@@ -11,7 +11,7 @@
 #include "core/failure.h"
 #include "core/random.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using Eigen::Matrix2d;
@@ -281,4 +281,4 @@ TEST(AccuracyMeasures, RefuseWhatIsNoCovariance) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

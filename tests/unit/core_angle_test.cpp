@@ -5,7 +5,7 @@
 
 #include "core/angle.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 static_assert(!std::is_convertible_v<double, Angle>);
@@ -36,4 +36,4 @@ TEST(Angle, Compares) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -8,7 +8,7 @@
 #include "core/decimal_time.h"
 #include "core/random.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 constexpr std::int64_t smallest = std::numeric_limits<std::int64_t>::min();
@@ -88,4 +88,4 @@ TEST(DecimalNanoseconds, EveryCountRoundTrips) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -10,7 +10,7 @@
 
 // What is drawn and counted in blocks, or by shorter ways, against the plain form.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 TEST(FastDraws, NormalsAreWhatSoManySingleCallsGive) {
@@ -101,4 +101,4 @@ TEST(FastDraws, IntervalsAreThoseOfAllValuesSorted) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -14,7 +14,7 @@
 
 // The quick ways of numbers to and from text against the plain ones.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 std::string quickly(double value, int decimals) {
@@ -131,4 +131,4 @@ TEST(DecimalNanoseconds, QuickEqualsPlain) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -19,7 +19,7 @@
 #include "core/random.h"
 #include "core/text.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 bool have_cct() {
@@ -145,4 +145,4 @@ TEST(GeodesyAgainstProj, Utm) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -9,7 +9,7 @@
 #include "core/geodesy.h"
 #include "core/random.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using Eigen::Matrix3d;
@@ -187,4 +187,4 @@ TEST(Geodesy, RefusesWhatIsNoPosition) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -8,7 +8,7 @@
 #include "core/gps_time.h"
 #include "core/random.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 constexpr std::int64_t second_ns = GpsTime::nanoseconds_per_second;
@@ -179,4 +179,4 @@ TEST(GpsTimeText, SaysWhatIsWrongAndAtWhichColumn) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -12,7 +12,7 @@
 #include "core/random.h"
 #include "core/text.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 constexpr std::int64_t second_ns = GpsTime::nanoseconds_per_second;
@@ -146,4 +146,4 @@ TEST(LeapSeconds, AgreeWithTheSystemsList) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -16,7 +16,7 @@
 #include "core/statistics.h"
 #include "core/uncertainty.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -320,4 +320,4 @@ TEST(Draws, StudentsTRefusesFewerDegreesThanOne) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

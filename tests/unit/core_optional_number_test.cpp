@@ -2,7 +2,7 @@
 
 #include "core/optional_number.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 TEST(OptionalNumber, TakesTheRoomOfItsNumber) {
@@ -45,4 +45,4 @@ TEST(OptionalNumber, TurnsIntoAnOptionalAndBack) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

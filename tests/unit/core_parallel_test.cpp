@@ -8,7 +8,7 @@
 
 #include "core/parallel.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 /// The environment's RUNCERT_THREADS for the time of a test.
@@ -77,4 +77,4 @@ TEST(Parallel, TheEnvironmentSaysHowManyThreadsAndNonsenseIsNotHeard) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

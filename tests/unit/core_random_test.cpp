@@ -8,7 +8,7 @@
 #include "core/random.h"
 #include "core/statistics.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 TEST(SplitMix64, GivesThePublishedNumbers) {
@@ -114,4 +114,4 @@ TEST(RandomGenerator, NormalsAreTheSameBitsEverywhere) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

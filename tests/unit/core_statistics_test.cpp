@@ -7,7 +7,7 @@
 #include "core/failure.h"
 #include "core/statistics.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 TEST(ChiSquared, GivesTheTabulatedQuantiles) {
@@ -114,4 +114,4 @@ TEST(Statistics, BaardasNoncentrality) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -8,7 +8,7 @@
 #include "core/failure.h"
 #include "core/statistics.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -73,4 +73,4 @@ TEST(StudentT, HasItsEndsAndRefusesTheRest) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

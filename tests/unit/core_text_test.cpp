@@ -7,7 +7,7 @@
 
 #include "core/text.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 TEST(ParseDouble, ReadsDecimalNumbers) {
@@ -109,4 +109,4 @@ TEST(Escape, QuotesAnyBytes) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

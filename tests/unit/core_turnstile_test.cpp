@@ -6,7 +6,7 @@
 #include "core/parallel.h"
 #include "core/turnstile.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 TEST(Turnstile, RunsPassInTheOrderOfTheirNumbersWithAnyNumberOfThreads) {
@@ -36,4 +36,4 @@ TEST(Turnstile, APartThatFailsLetsTheOthersOn) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

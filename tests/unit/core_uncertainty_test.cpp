@@ -10,7 +10,7 @@
 #include "core/failure.h"
 #include "core/uncertainty.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -248,4 +248,4 @@ TEST(TypeB, DegreesOfFreedomOfAnUncertainUncertainty) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -7,7 +7,7 @@
 #include "core/failure.h"
 #include "reports/day/summary.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -142,4 +142,4 @@ TEST(DaySummary, RefusesAVerdictOrReportOfAnotherAttempt) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

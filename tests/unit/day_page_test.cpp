@@ -12,7 +12,7 @@
 
 // The page and the table of a day: complete, escaped, and of the results' own numbers.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using day::attempt;
@@ -275,4 +275,4 @@ TEST(DayPage, IsItsOwnAndNeedsNoScript) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

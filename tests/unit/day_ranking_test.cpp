@@ -8,7 +8,7 @@
 
 // Who is ahead, and which ranks the measurement does not tell apart: worked out by hand.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using day::attempt;
@@ -196,4 +196,4 @@ TEST(Ranking, CountsAreThoseOfStatesAndOutcomes) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -8,7 +8,7 @@
 
 // What is said of two days' results: each change by hand, at its limit and beyond.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 /// A result whose standard uncertainty is a tenth of 1 m/s.
@@ -145,4 +145,4 @@ TEST(CompareDays, AFolderWithoutADayIsNamed) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -1,11 +1,13 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "core/failure.h"
 #include "reports/diff/run_difference.h"
 #include "reports/diff/table_comparison.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 /// A table of an epoch, a time, a position with its uncertainty, a count and a word.
@@ -200,4 +202,4 @@ TEST(RunDifference, HostileNamesDoNotSteerTheTerminalAndListsAreCut) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

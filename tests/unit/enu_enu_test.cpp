@@ -7,7 +7,7 @@
 
 #include "core/failure.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 /// One observation with a full covariance and a velocity, `north_m` metres north of the origin.
@@ -113,4 +113,4 @@ TEST(ToEnu, ARecordingWithoutPositionsIsRefused) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

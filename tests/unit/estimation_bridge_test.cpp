@@ -8,7 +8,7 @@
 #include "estimation/speed.h"
 #include "estimation_test_support.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::Quad;
@@ -410,4 +410,4 @@ TEST(Bridge, TheMeasurementThatTellsTheOffsetTestsNothing) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -6,7 +6,7 @@
 #include "estimation/smoother.h"
 #include "estimation_test_support.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::Quad;
@@ -243,4 +243,4 @@ TYPED_TEST(DiagnosisAgainstDense, AMeasurementLeftOutIsTestedAsIfItWereIn) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -6,7 +6,7 @@
 #include "estimation/smoother.h"
 #include "estimation_test_support.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::sample_arc;
@@ -118,4 +118,4 @@ TEST(FixedLag, OfNoEpochIsNothingAndOfOneTheFilter) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

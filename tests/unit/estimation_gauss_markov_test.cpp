@@ -6,7 +6,7 @@
 
 #include "estimation/motion_model.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 constexpr double sigma_m = 0.008;
@@ -206,4 +206,4 @@ TEST(GaussMarkov, TheLargerOfTwoBoundsBoundsWhatEitherBounds) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -5,7 +5,7 @@
 #include "estimation/likelihood.h"
 #include "estimation_test_support.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::at_equal_steps;
@@ -273,4 +273,4 @@ TEST(Likelihood, AtBestScaleIsTheMaximumOverTheScale) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -3,7 +3,7 @@
 #include "estimation/linear_smoother.h"
 #include "estimation_test_support.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 template <int Axes>
@@ -76,4 +76,4 @@ TEST(LinearSmoother, RecordingsSideBySideAreEachAsByItself) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

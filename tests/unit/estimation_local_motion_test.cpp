@@ -7,7 +7,7 @@
 #include "estimation/local_motion.h"
 #include "estimation_test_support.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 /// A part of a motion along a line whose speed swings by `swing_mps` every four seconds.
@@ -187,4 +187,4 @@ TEST(LocalMotion, GoesOnAcrossEpochsWithoutAMeasurement) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -5,7 +5,7 @@
 
 #include "estimation_test_support.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::Quad;
@@ -247,4 +247,4 @@ TEST(StepKind, IsOfTheTimeToTheNanosecondAndOfTheMotionOfTheLaterEpoch) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -5,7 +5,7 @@
 #include "estimation/smoother.h"
 #include "estimation_test_support.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::sample_arc;
@@ -97,4 +97,4 @@ TEST(MotionSmoother, AccuraciesThatCannotBeAreAFailureThatNamesATime) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -7,7 +7,7 @@
 #include "estimation/noise_fit.h"
 #include "estimation_test_support.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::simulate_arc;
@@ -351,4 +351,4 @@ TEST(NoiseFit, AtRestTheJerkDensityIsAtItsBound) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -6,7 +6,7 @@
 #include "estimation/sensitivity.h"
 #include "estimation_test_support.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 /// A functional that weighs positions, velocities and errors of three states unevenly.
@@ -161,4 +161,4 @@ TEST(WeightedVariance, OfEstimatesWeightsAndMotionIsThatOfTheSmoother) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -8,7 +8,7 @@
 #include "estimation/smoother.h"
 #include "estimation_test_support.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::DenseSolution;
@@ -220,4 +220,4 @@ TEST(Smoother, AccuraciesThatCannotBeAreAFailureThatNamesATime) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -5,7 +5,7 @@
 #include "estimation/speed.h"
 #include "estimation_test_support.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::DenseSolution;
@@ -183,4 +183,4 @@ TEST(HorizontalSpeed, UncertaintyByNumericDerivatives) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

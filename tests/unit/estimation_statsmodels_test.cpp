@@ -17,7 +17,7 @@
 // (Seabold & Perktold 2010; Fulton 2015), an independent program, which is told the model's
 // parameters and makes its matrices itself.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using Json = nlohmann::json;
@@ -216,4 +216,4 @@ TEST_F(Statsmodels, LikelihoodOfTwoModelsDiffersAsOurs) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

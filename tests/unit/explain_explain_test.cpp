@@ -9,7 +9,7 @@
 #include "core/failure.h"
 #include "reports/explain/words.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 constexpr double mph = 1609.344 / 3600.0;
@@ -428,4 +428,4 @@ TEST(Explain, TheProfilesThatComeWithTheProgramHaveTitleAndBody) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

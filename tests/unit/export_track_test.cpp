@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
 #include <pugixml.hpp>
 
 #include "core/csv_cell.h"
@@ -9,7 +10,7 @@
 #include "files/process.h"
 #include "reports/export/export.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 bool holds(const std::string& text, const std::string& part) {
@@ -189,4 +190,4 @@ TEST(TrackOfAnotherRun, IsRefused) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -11,7 +11,7 @@
 #include "core/failure.h"
 #include "files/atomic_file.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 namespace fs = std::filesystem;
@@ -261,4 +261,4 @@ TEST_F(AtomicFile, MakesFoldersOnce) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

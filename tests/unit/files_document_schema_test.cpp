@@ -5,7 +5,7 @@
 #include "files/document_schema.h"
 #include "files_test_support.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::failure_of;
@@ -157,4 +157,4 @@ TEST(DocumentSchema, TheCommonPartStandsInFront) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

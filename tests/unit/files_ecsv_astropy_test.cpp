@@ -8,7 +8,7 @@
 
 // Tables against astropy, the format's own implementation, both ways; and against gnuplot.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -241,4 +241,4 @@ TEST(EcsvGnuplot, PlotsAColumnByName) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

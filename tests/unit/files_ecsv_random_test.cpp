@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <variant>
 #include <vector>
@@ -10,7 +11,7 @@
 #include "core/text.h"
 #include "files/ecsv.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using Cell = std::variant<std::monostate, bool, std::int64_t, double, std::string>;
@@ -102,4 +103,4 @@ TEST(Ecsv, RandomTablesRoundTrip) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -12,7 +12,7 @@
 
 // Tables and files that are written and read piece by piece, against the same as a whole.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 std::vector<EcsvColumn> columns() {
@@ -126,4 +126,4 @@ TEST(FileViewPieces, ReleasedMemoryIsReadAgain) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

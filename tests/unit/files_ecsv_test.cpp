@@ -10,7 +10,7 @@
 #include "files/ecsv.h"
 #include "files_test_support.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::failure_of;
@@ -306,4 +306,4 @@ TEST(Ecsv, OrderedMapsAreMapsWhereverTheyStand) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

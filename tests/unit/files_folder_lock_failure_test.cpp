@@ -16,7 +16,7 @@
 #include "files/folder_lock.h"
 #include "files/process.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 /// Makes flock fail in this process with an error number, as file systems without locks do.
@@ -58,4 +58,4 @@ TEST(FolderLockFailure, AFileSystemWithoutLocksHasARemedy) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -7,7 +7,7 @@
 #include "files/atomic_file.h"
 #include "files/process.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 // An attempt of 1 GiB was read into memory whole before anyone looked at it.
@@ -24,4 +24,4 @@ TEST(HandwrittenText, LongerThanAnyIsRefusedUnread) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

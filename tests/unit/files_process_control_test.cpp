@@ -18,7 +18,7 @@
 
 // Programs that hang, crash, leave others behind, or are stopped.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 namespace fs = std::filesystem;
@@ -301,4 +301,4 @@ TEST_F(ProcessControl, DiesWithItsCaller) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

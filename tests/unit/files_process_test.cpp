@@ -10,7 +10,7 @@
 #include "files/process.h"
 #include "files_test_support.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 namespace fs = std::filesystem;
@@ -153,4 +153,4 @@ TEST(TemporaryFolder, SaysWhereTmpdirIsNoFolder) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

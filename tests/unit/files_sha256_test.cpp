@@ -8,7 +8,7 @@
 #include "core/failure.h"
 #include "files/sha256.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 struct Vector {
@@ -89,4 +89,4 @@ TEST_F(Sha256Files, MissingFileAndFolderAreFailures) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -4,7 +4,7 @@
 
 #include "files/utc_second.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using std::chrono::seconds;
@@ -56,4 +56,4 @@ TEST(UtcSecond, OtherTextsAreNoTimes) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

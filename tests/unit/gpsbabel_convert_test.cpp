@@ -4,7 +4,7 @@
 #include "import_test_support.h"
 #include "stages/import/gpsbabel/convert.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using namespace import_test;
@@ -98,4 +98,4 @@ TEST(GpsbabelConvert, WithoutItThePackageIsNamed) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

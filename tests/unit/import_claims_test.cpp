@@ -6,7 +6,7 @@
 
 // Who says what the time stamps and the kinds of solution are: the recording, or the attempt.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using namespace import_test;
@@ -156,4 +156,4 @@ TEST(Origins, OutlastTheTable) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

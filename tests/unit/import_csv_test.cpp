@@ -4,7 +4,7 @@
 #include "core/text.h"
 #include "import_test_support.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using namespace import_test;
@@ -336,4 +336,4 @@ TEST(CsvRefused, ByTheAttempt) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -8,7 +8,7 @@
 
 // The recorded speed skydives.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using namespace import_test;
@@ -133,4 +133,4 @@ TEST(FlysightRecorded, SecondFlysight) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -6,7 +6,7 @@
 #include "import_test_support.h"
 #include "stages/import/inspect.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using namespace import_test;
@@ -179,4 +179,4 @@ TEST(FlysightRefused, SaysWhere) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

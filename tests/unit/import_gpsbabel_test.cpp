@@ -1,7 +1,7 @@
 #include "import_test_support.h"
 #include "stages/import/gpsbabel/gpsbabel.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using namespace import_test;
@@ -57,4 +57,4 @@ TEST(Gpsbabel, WhatItMakesIsReadAndMarked) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -6,7 +6,7 @@
 #include "import_test_support.h"
 #include "stages/import/gpx/gpx.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using namespace import_test;
@@ -276,4 +276,4 @@ TEST(GpxRoundTrip, ReadsWhatGpsbabelWritesOfARecording) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

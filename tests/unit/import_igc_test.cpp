@@ -4,7 +4,7 @@
 #include "import_test_support.h"
 #include "stages/import/igc/igc.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using namespace import_test;
@@ -243,4 +243,4 @@ TEST(IgcRoundTrip, ReadsWhatGpsbabelWritesOfARecording) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -8,7 +8,7 @@
 // What inspection says beyond counts: how late recorded velocities are, vertical speeds, records
 // that cannot be read, local time; and the figures that the README of the recorded data gives.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using namespace import_test;
@@ -141,4 +141,4 @@ TEST(InspectionText, SaysWhatCannotBeReadAndTheLocalTime) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -4,7 +4,7 @@
 #include "import_test_support.h"
 #include "stages/import/inspect.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using namespace import_test;
@@ -151,4 +151,4 @@ TEST(Inspect, OneEpochHasNoSpeed) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

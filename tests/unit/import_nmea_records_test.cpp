@@ -3,7 +3,7 @@
 
 #include "import_nmea_test_support.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using namespace nmea_test;
@@ -214,4 +214,4 @@ TEST(NmeaRecords, WithoutPositionsIsRefusedInWords) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -6,7 +6,7 @@
 
 #include "import_nmea_test_support.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using namespace nmea_test;
@@ -235,4 +235,4 @@ TEST(Nmea, HeightWithoutSeparationIsNoted) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -13,7 +13,7 @@
 
 // The recorded logs of three loggers on one rider, and what the loggers themselves printed.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using namespace import_test;
@@ -200,4 +200,4 @@ TEST(OaoRecordedJump, FortyEightMetresInATenthOfASecond) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -5,7 +5,7 @@
 
 #include "import_test_support.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using namespace import_test;
@@ -258,4 +258,4 @@ TEST(OaoRefused, SaysWhere) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

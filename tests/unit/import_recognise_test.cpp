@@ -1,7 +1,7 @@
 #include "core/random.h"
 #include "import_test_support.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using namespace import_test;
@@ -118,4 +118,4 @@ TEST(ImportFuzz, MutationsReadOrFail) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

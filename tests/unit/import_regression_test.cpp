@@ -5,7 +5,7 @@
 
 // Faults that fuzzing and hostile recordings have found, each by its name.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using namespace import_test;
@@ -50,4 +50,4 @@ TEST(ImportRegression, OaoOfNothingButBeginningsIsGivenUp) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

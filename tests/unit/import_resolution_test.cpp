@@ -5,7 +5,7 @@
 #include "stages/import/inspect.h"
 #include "stages/import/resolution.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using namespace import_test;
@@ -233,4 +233,4 @@ TEST(RealCsvResolution, TheReferenceOfTheUrbanCar) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -8,7 +8,7 @@
 
 // A recording whose rows are not held, against the same held.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using namespace import_test;
@@ -108,4 +108,4 @@ TEST(LineReader, SaysHowFarItHasGone) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -3,7 +3,7 @@
 #include "core/geodesy.h"
 #include "import_test_support.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using namespace import_test;
@@ -285,4 +285,4 @@ TEST(PosRefused, WholeFiles) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

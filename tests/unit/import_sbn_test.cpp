@@ -5,7 +5,7 @@
 #include "import_test_support.h"
 #include "stages/import/sbn/sbn.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using namespace import_test;
@@ -241,4 +241,4 @@ TEST(SbnRoundTrip, GpsbabelReadsTheSame) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -5,7 +5,7 @@
 #include "import_test_support.h"
 #include "stages/import/sbp/sbp.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using namespace import_test;
@@ -261,4 +261,4 @@ TEST(SbpRoundTrip, GpsbabelReadsTheSame) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

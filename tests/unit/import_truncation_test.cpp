@@ -7,7 +7,7 @@
 // A recording that was cut off, at every byte: what is left of it is read, its epochs as they are
 // in the whole one, or it is refused.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using namespace import_test;
@@ -84,4 +84,4 @@ INSTANTIATE_TEST_SUITE_P(
     });
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

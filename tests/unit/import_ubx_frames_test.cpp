@@ -1,6 +1,6 @@
 #include "import_ubx_test_support.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using namespace ubx_test;
@@ -134,4 +134,4 @@ TEST(UbxFrames, ManyFalseLengthsCostLittle) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

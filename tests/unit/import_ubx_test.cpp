@@ -2,7 +2,7 @@
 
 #include "import_ubx_test_support.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using namespace ubx_test;
@@ -213,4 +213,4 @@ TEST(Ubx, VersionNamesTheDevice) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -10,7 +10,7 @@
 
 // Dates, times of day and longitudes of VBO files, and the recorded runs.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using namespace vbo_test;
@@ -226,4 +226,4 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& instance) { return std::string(instance.param.name); });
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

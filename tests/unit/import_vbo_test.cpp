@@ -5,7 +5,7 @@
 
 #include "import_vbo_test_support.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using namespace vbo_test;
@@ -206,4 +206,4 @@ TEST(VboRefused, SaysWhere) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
 #include <set>
 #include <string>
 
@@ -14,7 +15,7 @@
 // the selection bias, other models of the motion, attempts made, drift, witnesses, whose clock and
 // whose kind of solution.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -243,4 +244,4 @@ TEST(Report, IsReadBack) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

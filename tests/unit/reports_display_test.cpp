@@ -3,7 +3,7 @@
 #include "core/failure.h"
 #include "reports/certificate/display.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 TEST(Display, AnUncertaintyHasTwoSignificantDigits) {
@@ -57,4 +57,4 @@ TEST(Display, CountsAgreeWithTheirNoun) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
 #include <regex>
 #include <set>
 
@@ -13,7 +14,7 @@
 #include "reports_sample.h"
 #include "trust/signature.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -217,4 +218,4 @@ TEST(ReportSigner, IsReadFromASignatureFile) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -1,12 +1,14 @@
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "core/failure.h"
 #include "reports/certificate/json_text.h"
 #include "reports/certificate/report_json.h"
 #include "reports/certificate/report_run.h"
 #include "reports_sample.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -152,4 +154,4 @@ TEST(ReportJson, PartsOfDifferentRunsAreRefused) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

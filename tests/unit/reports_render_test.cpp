@@ -12,7 +12,7 @@
 #include "reports_sample.h"
 #include "trust/signature.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 bool installed(const std::string& program) {
@@ -193,4 +193,4 @@ TEST_F(Pdf, HostileTextIsOnPaperAsItWasWritten) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

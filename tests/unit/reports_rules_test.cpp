@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
 #include "core/failure.h"
 #include "reports/certificate/json_rule.h"
 #include "reports/certificate/json_text.h"
@@ -8,7 +10,7 @@
 #include "reports_page_support.h"
 #include "reports_sample.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -288,4 +290,4 @@ TEST(Windows, AVerticalRuleSaysSo) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "core/failure.h"
 #include "reports/certificate/json_text.h"
@@ -9,7 +10,7 @@
 #include "reports_page_support.h"
 #include "reports_sample.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -258,4 +259,4 @@ TEST(Reliability, BridgedStepsAreSaid) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <regex>
 
 #include "core/failure.h"
@@ -11,7 +12,7 @@
 #include "reports_page_support.h"
 #include "reports_sample.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -229,4 +230,4 @@ TEST(Uncertainty, TheReportHoldsNoiseAndHealthInFigures) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -5,7 +5,7 @@
 #include "stages/import/rinex/rinex.h"
 #include "stages/import/rinex/solve.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using namespace import_test;
@@ -115,4 +115,4 @@ TEST(Rinex, WhatCannotBeSolvedSaysWhy) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

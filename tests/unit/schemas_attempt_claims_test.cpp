@@ -9,7 +9,7 @@
 // What revision 1.6 of an attempt added: claims that somebody must answer for, and how many
 // attempts were made.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::failure_of;
@@ -113,4 +113,4 @@ TEST(AttemptClaims, NeedTheirRevision) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -8,7 +8,7 @@
 
 // Parameters of an attempt: their defaults and ranges.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::failure_of;
@@ -140,4 +140,4 @@ TEST(AttemptScreening, EachFieldKeepsToItsRange) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "files/yaml_output.h"
@@ -7,7 +8,7 @@
 #include "schemas/attempt/attempt.h"
 #include "schemas_attempt_support.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::failure_of;
@@ -300,7 +301,7 @@ TEST(Attempt, EveryParameterHasADefaultOfItsTypeForEveryClass) {
         nlohmann::ordered_json parameters;
         std::size_t count = 0;
         for (const auto& [stage, values] : attempt.parameters)
-            for (const auto& [key, value] : values.items()) {
+            for (const auto& [key, value] : values->items()) {
                 EXPECT_FALSE(value.is_null()) << stage << "." << key << " of " << name;
                 parameters["parameters"][stage][key] = value;
                 ++count;
@@ -336,4 +337,4 @@ TEST(ProfileName, IsTheFilesNameWithoutFolderAndEnding) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -10,7 +10,7 @@
 
 // The rules that come with the program.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 Profile builtin(const std::string& name) {
@@ -214,4 +214,4 @@ TEST(BuiltinProfiles, GpsSpeedSailing) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -2,7 +2,7 @@
 
 // What revision 1.4 of an attempt says of the course, of wind and current, and of a second method.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using namespace rule_input_test;
@@ -145,4 +145,4 @@ TEST(CourseInput, BadSecondMethodsAreNamedWithTheirPlace) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -7,7 +7,7 @@
 
 // The decision of each attempt, and the best of the day judged as the best of so many.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::failure_of;
@@ -107,4 +107,4 @@ TEST(DayBest, ImpossibleFiguresAreRefused) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

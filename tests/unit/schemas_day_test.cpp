@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <nlohmann/json.hpp>
 
 #include "core/text.h"
 #include "files/yaml_input.h"
@@ -12,7 +13,7 @@
 
 // A day's file: what its entries are with the defaults, and what is refused.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::failure_of;
@@ -242,4 +243,4 @@ TEST(DayFile, AFaultOfAnEntryIsThatEntrysAlone) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

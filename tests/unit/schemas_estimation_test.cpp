@@ -10,7 +10,7 @@
 
 // What revision 1.1 and later ones added to trajectory and windows, written and read again.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::failure_of;
@@ -387,4 +387,4 @@ TEST(WindowUncertainty, WhatWasNotComputedIsAbsentButTheBudgetIsListed) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

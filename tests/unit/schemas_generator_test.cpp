@@ -8,7 +8,7 @@
 
 // What a declaration stands for: its field table and its C++.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::failure_of;
@@ -197,4 +197,4 @@ TEST_F(Generator, AFaultOfADeclarationIsNamedWithItsPlace) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

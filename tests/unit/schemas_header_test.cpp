@@ -1,13 +1,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <string>
 
+#include "files/yaml_output.h"
 #include "files_test_support.h"
 #include "schemas/common/document.h"
 #include "schemas/common/window_span.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::failure_of;
@@ -87,8 +89,8 @@ TEST(Header, RoundTrips) {
     EXPECT_EQ(header.inputs[0].bytes, 12U);
     EXPECT_EQ(header.inputs[0].original, "");
     const nlohmann::ordered_json parameters = {{"a", {{"b", {1, 2.5, "3", "yes", true, nullptr}}}}};
-    EXPECT_EQ(header.parameters, parameters);
-    EXPECT_EQ(header.parameters["a"]["b"][0].type(), nlohmann::json::value_t::number_integer);
+    EXPECT_EQ(*header.parameters, parameters);
+    EXPECT_EQ(header.parameters.at("a")["b"][0].type(), nlohmann::json::value_t::number_integer);
     const std::string text = write_document(header_json(header), product());
     EXPECT_EQ(header_json(read_header(read_document(text, "f", product()))), header_json(header));
 }
@@ -149,4 +151,4 @@ TEST(WindowSpan, BadTimesAreNamedWithTheirPlace) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

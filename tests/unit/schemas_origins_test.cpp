@@ -11,7 +11,7 @@
 // Whose clock made the time stamps, and who says the kind of solution: what observations/1.3,
 // enu/1.3, screened/1.4 and trajectory/1.3 added for it.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::failure_of;
@@ -116,4 +116,4 @@ TEST(ObservationOrigins, WhatIsNotSaidIsAbsentOrUnknown) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -8,7 +8,7 @@
 
 // Figures of a profile that an attempt replaces.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::failure_of;
@@ -188,4 +188,4 @@ TEST(RuleUnit, IsThatOfTheResultElseOfTheRoundingElseOfTheLimit) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -9,7 +9,7 @@
 
 // What revision 1.3 of a profile added: kinds of window, and computations that decide a clause.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::failure_of;
@@ -268,4 +268,4 @@ TEST(ProfileRule, AFieldOfTheNewestRevisionNeedsIt) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -5,7 +5,7 @@
 #include "files_test_support.h"
 #include "schemas/profile/profile.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::failure_of;
@@ -173,4 +173,4 @@ TEST(MetresPerSecond, KnowsFourUnitsAndRefusesOtherUnits) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -10,7 +10,7 @@
 
 // Tables that are gone through row by row, against the same read and written whole.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::failure_of;
@@ -78,4 +78,4 @@ TEST(RowByRow, ABadCellFailsAsInTheWhole) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

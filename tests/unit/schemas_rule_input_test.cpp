@@ -2,7 +2,7 @@
 
 // What revision 1.4 of an attempt added: records of profiles, and figures that replace theirs.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using namespace rule_input_test;
@@ -152,4 +152,4 @@ TEST(RuleInput, AnEarlierFileIsToldTheRevisionThatItNeeds) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -6,7 +6,7 @@
 
 // What revisions 1.2 to 1.4 of the screened table added.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::failure_of;
@@ -191,4 +191,4 @@ TEST(ScreenedColumns, OfTheTestsAreWrittenToTheirDecimals) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -12,7 +12,7 @@
 
 // What holds for every product that is a table, tried on the golden files.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::failure_of;
@@ -273,4 +273,4 @@ TEST(ProductTables, AstropyReadsTheSame) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

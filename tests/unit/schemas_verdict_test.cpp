@@ -8,7 +8,7 @@
 // What revision 1.3 of the verdict added: of how many attempts this is the best, what may remain of
 // the bias of choosing the window, how much drift the decision survives, and what else was heard.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::failure_of;
@@ -114,4 +114,4 @@ TEST(VerdictWitnesses, RoundTripAndAreListedWhereThereIsNone) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -8,7 +8,7 @@
 // What revision 1.3 of the windows added: the rule that they follow, and several that make a
 // figure.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::failure_of;
@@ -171,4 +171,4 @@ TEST(RuleFigure, OfTwoRunsNeedsBoth) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

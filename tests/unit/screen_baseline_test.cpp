@@ -5,7 +5,7 @@
 #include "core/random.h"
 #include "stages/screen/baseline.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using Eigen::Matrix2d, Eigen::Vector2d;
@@ -417,4 +417,4 @@ TEST(ScreenReceivers, TheArcsAreFinishedAfterTheComparison) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

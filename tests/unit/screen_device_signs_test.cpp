@@ -5,7 +5,7 @@
 #include "core/random.h"
 #include "stages/screen/device_signs.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using Rows = std::vector<ScreenedEpoch>;
@@ -198,4 +198,4 @@ TEST(DeviceSigns, OfARecordingThatIsAllMadeAreNotTakenForChance) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

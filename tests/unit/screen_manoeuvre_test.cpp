@@ -7,7 +7,7 @@
 #include "stages/screen/screen.h"
 #include "stages/screen/stretch_tests.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 /// A change of acceleration is motion, not an error: what a craft may do after it has long been
@@ -21,7 +21,7 @@ ScreenConfig config() {
 }
 
 ScreenConfig without_manoeuvres() {
-    ScreenConfig config = runcert::config();
+    ScreenConfig config = RUNCERT_FILE::config();
     config.limits.acceleration_mps2 = 0.0;
     return config;
 }
@@ -78,7 +78,7 @@ struct Found {
     double far_mps2 = 0.0;  ///< the largest manoeuvre where there is none
 };
 
-Found found_in(const EnuTable& table, const ScreenConfig& config = runcert::config()) {
+Found found_in(const EnuTable& table, const ScreenConfig& config = RUNCERT_FILE::config()) {
     const ScreenedTable screened = screen(table, config);
     const ScreeningSummary summary = summarise(screened.rows);
     Found found{.usable = summary.usable, .arcs = summary.arcs};
@@ -266,4 +266,4 @@ TEST(ManoeuvreTest, AnOutlierStaysOne) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

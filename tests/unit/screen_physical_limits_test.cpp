@@ -4,7 +4,7 @@
 
 #include "stages/screen/physical_limits.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 // Standard normal quantile of 1 - 1e-9 (scipy.stats.norm.isf(1e-9)).
@@ -229,4 +229,4 @@ TEST(PhysicalLimits, WithoutLimitsNothingIsMarkedAndTheLargestFiguresAreStillGiv
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

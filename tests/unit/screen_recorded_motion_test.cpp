@@ -7,7 +7,7 @@
 #include "stages/screen/decisions.h"
 #include "stages/screen/screen.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 // Positions that a receiver has filtered: smooth to a few millimetres, stated to half a metre. The
@@ -153,4 +153,4 @@ TEST(Drift, OfHeightsIsAskedOfTheHorizontalVelocitiesForCraftsOnTheGround) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -7,7 +7,7 @@
 #include "core/random.h"
 #include "stages/screen/decisions.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 ScreenConfig config() {
@@ -318,4 +318,4 @@ TEST(Screen, TablesOfNothingAndOfOneEpoch) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

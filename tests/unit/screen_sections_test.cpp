@@ -6,7 +6,7 @@
 #include "stages/screen/screen.h"
 #include "stages/screen/sections.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 ScreenConfig config() {
@@ -117,4 +117,4 @@ TEST(Sections, WhatIsFoundDoesNotDependOnThem) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -8,7 +8,7 @@
 #include "stages/screen/epoch_checks.h"
 #include "stages/screen/time_check.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using Rows = std::vector<ScreenedEpoch>;
@@ -539,4 +539,4 @@ TEST(TimeCheckOfArcs, OneStampFarAheadDoesNotCostTheRest) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -7,7 +7,7 @@
 #include "estimation/smoother.h"
 #include "stages/screen/velocity_check.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 /// A drive that accelerates: on each axis a steady speed, and sines of speed.
@@ -347,4 +347,4 @@ TEST(VelocityCheck, TooFewToCompare) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -12,7 +12,7 @@
 #include "simulation/logistic_run.h"
 #include "simulation/simulate.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 /// Fields of a CSV line.
@@ -107,4 +107,4 @@ TEST(LogisticRun, IsRefusedWhereItIsNone) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -10,7 +10,7 @@
 
 // `runcert simulate` as people type it: the specs of the examples, and specs that are refused.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 namespace fs = std::filesystem;
@@ -149,4 +149,4 @@ TEST_F(SimulateProgram, RefusesAnAttemptThatCouldNotBeCertified) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -7,7 +7,7 @@
 #include "core/failure.h"
 #include "simulation/recording_text.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 std::vector<std::string> lines_of(const std::string& text) {
@@ -149,4 +149,4 @@ TEST(TruthCsv, HasEveryEpochOfTheTrueRun) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

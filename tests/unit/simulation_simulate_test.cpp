@@ -7,7 +7,7 @@
 #include "core/statistics.h"
 #include "simulation/simulate.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 /// A long recording with errors, to take statistics from.
@@ -147,4 +147,4 @@ TEST(Simulate, RefusesWhatIsNoSimulation) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -15,12 +15,12 @@
 #include "smooth_test_support.h"
 #include "stages/smooth/batch.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
+using test::given_sigma_m;
 using test::models;
 using test::NamedModel;
-using test::stated_sigma_m;
 
 EstimationModel without_error() {
     return models().front().model;
@@ -49,8 +49,8 @@ PositionVector<Axes> true_position(double time_s) {
 template <int Axes>
 std::vector<ArcEpoch<Axes>> simulate(const ArcSpec& spec) {
     RandomGenerator random(spec.seed);
-    PositionMatrix<Axes> factor = PositionMatrix<Axes>::Identity() * stated_sigma_m;
-    if constexpr (Axes > 1) factor(1, 0) = 0.6 * stated_sigma_m;
+    PositionMatrix<Axes> factor = PositionMatrix<Axes>::Identity() * given_sigma_m;
+    if constexpr (Axes > 1) factor(1, 0) = 0.6 * given_sigma_m;
     const auto noise = [&] {
         return PositionVector<Axes>::NullaryExpr([&] { return random.normal(); }).eval();
     };
@@ -310,7 +310,7 @@ Contaminated contaminate(std::vector<ArcEpoch<2>> arc) {
         result.is_outlier.push_back(epoch.measurement && random.uniform() < 0.05);
         if (!result.is_outlier.back()) continue;
         const double sign = random.uniform() < 0.5 ? -1.0 : 1.0;
-        epoch.measurement->position(random.uniform() < 0.5 ? 0 : 1) += sign * 50.0 * stated_sigma_m;
+        epoch.measurement->position(random.uniform() < 0.5 ? 0 : 1) += sign * 50.0 * given_sigma_m;
     }
     return result;
 }
@@ -411,4 +411,4 @@ TEST(RobustBatch, SaysThatItDoesNotConverge) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

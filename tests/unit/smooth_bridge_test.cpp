@@ -14,19 +14,19 @@
 #include "smooth_test_support.h"
 #include "stages/smooth/batch.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
+using test::given_sigma_m;
 using test::models;
 using test::NamedModel;
-using test::stated_sigma_m;
 
 /// A run drawn from the model some kilometres from the origin, one measurement in twenty missing.
 template <int Axes>
 std::vector<ArcEpoch<Axes>> draw_arc(const EstimationModel& model, std::size_t epochs,
                                      double rate_hz) {
     RandomGenerator random(31);
-    auto arc = test::simulate_arc<Axes>(model, epochs, 1.0 / rate_hz, stated_sigma_m, random).arc;
+    auto arc = test::simulate_arc<Axes>(model, epochs, 1.0 / rate_hz, given_sigma_m, random).arc;
     for (std::size_t k = 0; k < arc.size(); ++k) {
         arc[k].measurement->position.array() += 3000.0;
         if (k > 0 && random.uniform() < 0.05) arc[k].measurement.reset();
@@ -213,4 +213,4 @@ TEST(BridgedRobustBatch, WithAWideLossIsTheSmoother) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

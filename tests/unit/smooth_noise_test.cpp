@@ -12,7 +12,7 @@
 #include "stages/smooth/noise.h"
 #include "stages/smooth/smooth.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 /// A craft that turns and changes its speed, measured at 10 Hz.
@@ -63,7 +63,7 @@ SmoothConfig config() {
 }
 
 SmoothConfig as_stated() {
-    SmoothConfig config = runcert::config();
+    SmoothConfig config = RUNCERT_FILE::config();
     config.fit_noise = false;
     return config;
 }
@@ -346,4 +346,4 @@ TEST(FilterHealth, ChanceAllowsOneSpanInTwentyAndABitMore) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

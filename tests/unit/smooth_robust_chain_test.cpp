@@ -14,12 +14,12 @@
 // The robust solution along the chain of states against the general program for sparse problems
 // (Ceres), as which it is stated in its plainest form.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
+using test::given_sigma_m;
 using test::models;
 using test::NamedModel;
-using test::stated_sigma_m;
 
 constexpr double scale = 2.0;
 
@@ -29,10 +29,10 @@ template <int Axes>
 std::vector<ArcEpoch<Axes>> draw_arc(const EstimationModel& model, double rate_hz,
                                      std::uint64_t seed) {
     RandomGenerator random(seed);
-    auto arc = test::simulate_arc<Axes>(model, 500, 1.0 / rate_hz, stated_sigma_m, random).arc;
+    auto arc = test::simulate_arc<Axes>(model, 500, 1.0 / rate_hz, given_sigma_m, random).arc;
     for (std::size_t k = 0; k < arc.size(); ++k) {
         arc[k].measurement->position.array() += 3000.0;
-        if (random.uniform() < 0.02) arc[k].measurement->position(0) += 20.0 * stated_sigma_m;
+        if (random.uniform() < 0.02) arc[k].measurement->position(0) += 20.0 * given_sigma_m;
         if (k > 0 && (random.uniform() < 0.05 || (k > 350 && k < 380))) arc[k].measurement.reset();
     }
     return arc;
@@ -178,4 +178,4 @@ TEST(RobustChain, DoesNotEndBeforeItsSolution) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -7,7 +7,7 @@
 
 // What smoothing makes of recordings with bridged steps.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 constexpr std::size_t epochs = 400;
@@ -142,4 +142,4 @@ TEST(BridgedTrajectory, RobustBatchHasTheSameOffset) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

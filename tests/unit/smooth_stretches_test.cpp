@@ -7,7 +7,7 @@
 
 // How the batch that checks the smoother is cut.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 /// A craft on a wide curve at 20 Hz, long enough for the batch to be cut, with 10 mm of noise.
@@ -47,4 +47,4 @@ TEST(BatchStretches, AreShortWhereStatesForgetSoon) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

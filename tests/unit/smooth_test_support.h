@@ -10,7 +10,7 @@
 
 namespace runcert::test {
 
-inline constexpr double stated_sigma_m = 0.005;
+inline constexpr double given_sigma_m = 0.005;
 
 struct NamedModel {
     std::string name;

@@ -7,7 +7,7 @@
 #include "core/random.h"
 #include "estimation/tables/runs.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 struct Velocity {
@@ -218,4 +218,4 @@ TEST(Runs, ThresholdsAreTheCallers) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -9,7 +9,7 @@
 
 // Rosters, judged by ssh-keygen on the same lines.
 
-namespace runcert::test {
+namespace runcert::test::RUNCERT_FILE {
 namespace {
 
 const std::string key_text =
@@ -262,4 +262,4 @@ TEST(OtherKey, IsCalledByItsName) {
 }
 
 }  // namespace
-}  // namespace runcert::test
+}  // namespace runcert::test::RUNCERT_FILE

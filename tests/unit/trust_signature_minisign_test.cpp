@@ -9,7 +9,7 @@
 #include "files/atomic_file.h"
 #include "trust/signature.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 namespace fs = std::filesystem;
@@ -112,4 +112,4 @@ TEST_F(WithMinisign, SecretKeysWithPasswordsGoBothWays) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

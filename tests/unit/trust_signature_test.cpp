@@ -7,7 +7,7 @@
 #include "core/failure.h"
 #include "trust/signature.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 const std::string message("{\"speed_mps\": 56.36}\n\0\xFF", 23);
@@ -240,4 +240,4 @@ TEST(SignatureKeys, MalformedKeyFilesAreFailures) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -12,7 +12,7 @@
 
 // The alphas of three loggers on one rider, and what the loggers themselves printed.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::alpha;
@@ -129,4 +129,4 @@ INSTANTIATE_TEST_SUITE_P(All, AlphaRecorded,
                          [](const auto& instance) { return std::string(instance.param.name); });
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

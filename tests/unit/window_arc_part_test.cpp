@@ -6,7 +6,7 @@
 #include "estimation/smoother.h"
 #include "stages/window/arc_part.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 struct LongArc {
@@ -88,4 +88,4 @@ TEST(ArcPart, IsWholeWhereTheMarginReachesBothEndsAndBeginsWithAMeasurement) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -4,7 +4,7 @@
 #include "stages/window/position_noise.h"
 #include "window_test_support.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 /// Ten usable epochs of a kind of solution, the stated standard deviation 8 mm east, 6 mm north.
@@ -179,4 +179,4 @@ TEST(FittedSpeed, OfTwoModelsHoldsTheirDifference) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -11,7 +11,7 @@
 
 // Windows across bridged steps.
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 constexpr std::size_t step_row = 150;
@@ -288,4 +288,4 @@ TEST(BridgedWindows, IndicatedAreRefusedForTheStepUnlessAllowed) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

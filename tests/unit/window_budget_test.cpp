@@ -5,7 +5,7 @@
 #include "stages/window/budget.h"
 #include "window_test_support.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 /// A window of 3 s at 10 Hz, 60 m/s towards east, from a trajectory fitted with jerk density 0.6
@@ -356,4 +356,4 @@ TEST(MonteCarlo, AParameterThatTheDataHardlyTellIsStillPropagated) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -5,7 +5,7 @@
 #include "stages/window/instants.h"
 #include "window_test_support.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 /// Five minutes at 10 Hz that are quiet but for the three seconds of the window in their middle,
@@ -77,4 +77,4 @@ TEST(ChangingMotion, AWindowInHardMotionHasWhatTheQuietAroundItTells) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

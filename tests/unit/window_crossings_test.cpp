@@ -8,7 +8,7 @@
 #include "core/random.h"
 #include "stages/window/crossings.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 /// A line across a course that goes north, 100 m wide, this far north.
@@ -281,4 +281,4 @@ TEST(Passages, WhyThereIsNone) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

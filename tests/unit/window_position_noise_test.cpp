@@ -6,7 +6,7 @@
 #include "estimation_test_support.h"
 #include "stages/window/position_noise.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 /// Noise and motion of the kind that are fitted.
@@ -432,4 +432,4 @@ TEST(CutStretch, BeginsWithAMeasuredEpochAndEndsWithTheArc) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -9,7 +9,7 @@
 #include "stages/window/reliability.h"
 #include "window_test_support.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::recorded;
@@ -63,7 +63,7 @@ const UndetectedError& entry(const std::vector<UndetectedError>& errors, std::st
                          [&](const UndetectedError& error) { return error.hypothesis == name; });
 }
 
-class Reliability : public testing::TestWithParam<const char*> {
+class Reliability : public testing::TestWithParam<SpeedDefinition> {
   public:
     ScreenedTable screened = screened_run();
     Arc<2> arc = arcs_of<2>(screened).front();
@@ -157,4 +157,4 @@ TEST(ReliabilityOfAWindow, NoisierNeighboursHideMore) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -4,7 +4,7 @@
 #include "stages/window/search_series.h"
 #include "window_test_support.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 /// Ten seconds at top speed, and the robust batch beside the screened solution: the same, but that
@@ -85,4 +85,4 @@ TEST(IndicatedSeries, LeavesOutWhatTheReceiverCallsNoFix) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -5,7 +5,7 @@
 #include "estimation/tables/certifiable.h"
 #include "window_exhaustive_search.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::alpha;
@@ -193,4 +193,4 @@ TEST(RuleSearch, AllowedWindowsHoldTheBest) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

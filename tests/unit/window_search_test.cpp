@@ -6,7 +6,7 @@
 #include "stages/window/search.h"
 #include "window_search_support.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 using test::alpha;
@@ -207,4 +207,4 @@ TEST(RuleSearch, NothingToSearchIsNothingFound) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -5,7 +5,7 @@
 #include "stages/window/selection.h"
 #include "window_test_support.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 EstimationModel searched() {
@@ -90,7 +90,7 @@ TEST(SelectionBias, GrowsWithTheBoundAndNotBelowTheFitted) {
 struct SlowErrors {
     std::vector<Arc<2>> arcs = at_top_speed(1);
     std::vector<WindowCluster<2>> clusters{windows_of(arcs[0], 61)};
-    SelectionModels models = runcert::models();
+    SelectionModels models = RUNCERT_FILE::models();
 
     SlowErrors() {
         clusters.front().chosen = 30;
@@ -233,4 +233,4 @@ TEST(SelectionBias, OfACraftThatStandsLeavesItNoNegativeSpeed) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

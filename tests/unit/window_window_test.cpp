@@ -10,7 +10,7 @@
 #include "stages/window/course_windows.h"
 #include "window_test_support.h"
 
-namespace runcert {
+namespace runcert::RUNCERT_FILE {
 namespace {
 
 /// A random walk of speed with gaps and rejected epochs, as screening and smoothing would leave it.
@@ -297,4 +297,4 @@ TEST(IndicatedWindow, IsFoundAcrossWhatScreeningRefused) {
 }
 
 }  // namespace
-}  // namespace runcert
+}  // namespace runcert::RUNCERT_FILE

@@ -15,10 +15,6 @@ constexpr std::array<std::string_view, extensions> codes{"FXA", "VXA", "SIU", "T
 constexpr int first_extension = 36;  ///< byte of a B record, counted from 1
 constexpr int most_digits = 9;       ///< so that they are a number below 2^31
 
-bool is_digit(char c) {
-    return c >= '0' && c <= '9';
-}
-
 void add_extension(Layout& layout, const Cell& record, std::size_t at) {
     const auto from = digits_at(record.text, at, 2);
     const auto to = digits_at(record.text, at + 2, 2);

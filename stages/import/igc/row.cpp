@@ -26,10 +26,6 @@ constexpr std::string_view take_whole = "Take the recording as the flight record
 constexpr std::array<std::int64_t, 10> powers_of_ten{
     1, 10, 100, 1'000, 10'000, 100'000, 1'000'000, 10'000'000, 100'000'000, 1'000'000'000};
 
-bool is_digit(char c) {
-    return c >= '0' && c <= '9';
-}
-
 bool are_digits(std::string_view text) {
     for (const char c : text)
         if (!is_digit(c)) return false;

@@ -16,10 +16,6 @@ namespace {
 
 constexpr const char* as_written = "Take the recording as the receiver wrote it";
 
-bool is_digit(char c) {
-    return c >= '0' && c <= '9';
-}
-
 /// Nanoseconds of the decimals of a second, from their point on.
 std::optional<std::int64_t> fraction_ns(std::string_view text) {
     if (text.empty()) return 0;

@@ -174,13 +174,6 @@ std::vector<Cell> split(const SourceLine& line, const RecordingBytes& recording)
     return split_words(line, line.text, recording, '\0', " \t\r");
 }
 
-std::string lower_case(std::string_view text) {
-    std::string lower(text);
-    for (char& c : lower)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    return lower;
-}
-
 Header read_header(LineReader& lines, const RecordingBytes& recording) {
     Header header;
     std::string section;

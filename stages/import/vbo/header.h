@@ -58,7 +58,4 @@ std::string device_of(const Header& header);
 /// The words of a line, which blanks separate.
 std::vector<Cell> split(const SourceLine& line, const RecordingBytes& recording);
 
-/// Letters in lower case.
-std::string lower_case(std::string_view text);
-
 }  // namespace runcert::vbo

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <deque>
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "comparison_data.h"
 #include "core/failure.h"

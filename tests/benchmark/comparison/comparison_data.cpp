@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstring>
+#include <nlohmann/json.hpp>
 
 #include "core/failure.h"
 #include "files/atomic_file.h"

@@ -1,3 +1,5 @@
+#include <nlohmann/json.hpp>
+
 #include "comparison_data.h"
 #include "estimation/motion_smoother.h"
 

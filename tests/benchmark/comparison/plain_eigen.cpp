@@ -1,4 +1,5 @@
 #include <Eigen/Cholesky>
+#include <nlohmann/json.hpp>
 
 #include "comparison_data.h"
 

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace runcert {
+
+/// The eigenvalues of a symmetric matrix of any size (its lower triangle counts), smallest first.
+/// All callers share this one because Eigen's solver of each fixed size costs the compiler a
+/// quarter of a minute.
+Eigen::VectorXd symmetric_eigenvalues(const Eigen::MatrixXd& matrix);
+
+}  // namespace runcert

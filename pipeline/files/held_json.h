@@ -1,0 +1,34 @@
+#pragma once
+
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+namespace runcert {
+
+/// A JSON value, a map unless set otherwise, in a struct whose header must not include the whole
+/// library: that costs two seconds wherever it is included.
+class HeldJson {
+  public:
+    HeldJson();
+    HeldJson(nlohmann::ordered_json value);
+    HeldJson(const HeldJson& other);
+    HeldJson(HeldJson&& other) noexcept;
+    HeldJson& operator=(HeldJson other) noexcept;
+    ~HeldJson();
+
+    operator const nlohmann::ordered_json&() const { return *value_; }
+    const nlohmann::ordered_json& operator*() const { return *value_; }
+    const nlohmann::ordered_json* operator->() const { return value_.get(); }
+
+    /// The member of that name; the first throws where there is none, the second makes one.
+    const nlohmann::ordered_json& at(const std::string& name) const;
+    nlohmann::ordered_json& operator[](const std::string& name);
+
+    friend bool operator==(const HeldJson& a, const HeldJson& b);
+
+  private:
+    std::unique_ptr<nlohmann::ordered_json> value_;
+};
+
+}  // namespace runcert

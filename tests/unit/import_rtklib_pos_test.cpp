@@ -182,7 +182,7 @@ TEST(Pos, EveryKindOfSolution) {
                              FixKind::ppp,  FixKind::dead_reckoning};
     for (int q = 0; q < 8; ++q)
         EXPECT_EQ(import_text(pos_receiver(),
-                              header + replaced(row, " 1 16", " " + std::to_string(q) + " 16"))
+                              header + replaced(row, " 1 16", fmt::format(" {} 16", q)))
                       .rows[0]
                       .fix,
                   kinds[q]);

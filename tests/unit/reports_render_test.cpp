@@ -93,8 +93,8 @@ TEST_F(Rendering, WindowsOfOtherKindsAndFurtherOnesAreDrawn) {
         windows.further = {{.span = other, .arc = 1, .speed_mps = 58.0}};
         const auto drawn = draw_figures(report_json(run.inputs)["predicate"]);
         ASSERT_EQ(drawn.size(), before.size());
-        EXPECT_NE(drawn[2], before[2]) << kind;  // the further window is shaded
-        EXPECT_EQ(drawn[0], before[0]) << kind;
+        EXPECT_NE(drawn[2], before[2]) << to_text(kind);  // the further window is shaded
+        EXPECT_EQ(drawn[0], before[0]) << to_text(kind);
     }
 }
 

@@ -388,7 +388,7 @@ TEST(SpeedByDefinition, UncertaintyIsTheScatterOfDrawsFromTheModel) {
         }
     }
     for (std::size_t d = 0; d < definitions.size(); ++d) {
-        SCOPED_TRACE(definitions[d]);
+        SCOPED_TRACE(to_text(definitions[d]));
         // A standard deviation of 2,000 draws is itself uncertain by 1.6 %.
         EXPECT_NEAR(standard_deviation(errors[d]), stated[d], 0.05 * stated[d]);
         EXPECT_NEAR(mean(errors[d]), 0.0, 4.0 * stated[d] / std::sqrt(2000.0));

@@ -118,7 +118,8 @@ std::vector<HostileCase> cases() {
         profile("a profile that is an alias bomb", alias_bomb(), {"rule.yaml:1:", "aliases"}),
         profile("a profile of 100 000 brackets", brackets, {"rule.yaml:1:", "nested"}),
         profile("an empty profile", "", {"rule.yaml", "empty"}),
-        profile("a profile that is an attempt", good_attempt, {"rule.yaml:1:", "not a profile"}),
+        profile("a profile that is an attempt", good_attempt,
+                {"rule.yaml:1:", "does not say that it follows profile/1.0"}),
         {.name = "a profile of 1 GiB",
          .prepare =
              [](const fs::path& folder) {

@@ -19,14 +19,8 @@ TEST(GoldenAttempt, Receivers) {
     EXPECT_EQ(attempt.receivers.at(0).columns.size(), 12U);
     EXPECT_EQ(attempt.receivers.at(0).columns.at("sigma_up"), "7");
     EXPECT_EQ(attempt.receivers.at(0).lever_arm->z(), -1.2);
-    EXPECT_EQ(attempt.receivers.at(1).frame, CoordinateFrame::geodetic);
     EXPECT_EQ(attempt.profiles.at(1), "rules/my-rule.yaml");
-    EXPECT_EQ(attempt.parameters.at("smooth").at("jerk_density"), 1.25);
-    EXPECT_EQ(attempt.overrides.size(), 11U);
-    EXPECT_FALSE(attempt.receivers.at(0).rotation_bound_deg);
-    EXPECT_EQ(attempt.parameters.at("smooth").at("noise"), "fitted");
-    EXPECT_EQ(attempt.parameters.at("window").at("seed"), 1);
-    EXPECT_EQ(attempt.parameters.at("screen").at("steps"), "end_arc");
+    EXPECT_EQ(attempt.overrides.size(), 35U);
 }
 
 TEST(GoldenAttempt, RecordingsAndRawObservations) {
@@ -49,8 +43,9 @@ TEST(GoldenAttempt, Smoothing) {
     EXPECT_EQ(attempt.parameters.at("smooth").at("motion_model"), "singer");
     EXPECT_EQ(attempt.parameters.at("smooth").at("error_time_max_s"), 20);
     EXPECT_EQ(attempt.parameters.at("window").at("plane_scale_bound"), 0.0004);
-    EXPECT_EQ(attempt.overrides.size(), 20U);
-    EXPECT_EQ(attempt.parameters.at("screen").at("family_false_alarm_rate"), 0.001);
+    EXPECT_EQ(attempt.parameters.at("smooth").at("jerk_density"), 1.25);
+    EXPECT_EQ(attempt.parameters.at("smooth").at("noise"), "stated");
+    EXPECT_EQ(attempt.parameters.at("window").at("seed"), 42);
 }
 
 TEST(GoldenAttempt, Screening) {
@@ -69,7 +64,6 @@ TEST(GoldenAttempt, Screening) {
     EXPECT_EQ(screen.at("ratio_min"), 2.5);
     EXPECT_EQ(screen.at("correction_age_max_s"), 12.5);
     EXPECT_EQ(screen.at("session_gap_s"), 120);
-    EXPECT_EQ(attempt.overrides.size(), 33U);
 }
 
 TEST(GoldenAttempt, OnTheEarth) {
@@ -144,10 +138,6 @@ TEST(GoldenProfile, Margin) {
     EXPECT_EQ(profile.id, "my-rule");
     EXPECT_EQ(profile.margin, 0.1);
     EXPECT_EQ(profile.rounding->mode, "nearest");
-    EXPECT_EQ(profile.clauses.size(), 6U);
-    EXPECT_EQ(profile.uncertainty.tau_max_s, 10.0);
-    EXPECT_EQ(profile.uncertainty.error_floor_m.at("fixed"), 0.02);
-    EXPECT_FALSE(profile.repaired_steps);
 }
 
 TEST(GoldenProfile, Uncertainty) {
@@ -164,10 +154,6 @@ TEST(GoldenProfile, Uncertainty) {
                                              {"single", 1.5},
                                              {"dead_reckoning", 2.0},
                                              {"unknown", 0.03125}}));
-}
-
-TEST(GoldenProfile, RepairedSteps) {
-    EXPECT_TRUE(read_profile(text_of("v1.0/profile.yaml"), "f").repaired_steps);
 }
 
 TEST(GoldenProfile, OfAStretch) {
@@ -224,10 +210,7 @@ TEST(GoldenProfile, OfACourse) {
     EXPECT_EQ(profile.margin_kind, MarginKind::elapsed_time);
     EXPECT_EQ(profile.margin, 0.0125);
     EXPECT_TRUE(profile.subtract_current);
-    const Profile before = read_profile(text_of("v1.0/profile.yaml"), "f");
-    EXPECT_EQ(before.window_kind, WindowKind::time);
-    EXPECT_EQ(before.windows, 1);
-    EXPECT_EQ(before.decision_probability, 0.975);
+    EXPECT_EQ(profile.decision_probability, 0.975);
 }
 
 TEST(GoldenProfile, Signatures) {

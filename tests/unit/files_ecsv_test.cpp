@@ -185,7 +185,7 @@ TEST(Ecsv, EveryDeviationIsAFailureWithItsPlace) {
         {"plain", "!!omap [{a: 1}, {a: 2}]", "t.ecsv:10:27", "!!omap"},
         {"plain", std::string(40, '[') + std::string(40, ']'), "t.ecsv:10:41", "32 levels"},
         {"plain", "x\n#   note: y", "t.ecsv:11:5", "twice"},
-        {"plain", "\"x", "t.ecsv:11:1", "a quote is not closed"},
+        {"plain", "\"x", "t.ecsv:10:11", "a quote is not closed"},
         {"plain", "na\xc3\xafve", "t.ecsv:10:1", "not printable ASCII"},
         {"plain", "a\rdelimiter: x", "t.ecsv:10:1", "not printable ASCII"},
         {"plain", "x\n# ---\n# y: 1", "t.ecsv:11:1", "more than one YAML document"},

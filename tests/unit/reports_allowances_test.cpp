@@ -226,7 +226,7 @@ TEST(DeviceSigns, AreInFiguresAndWords) {
     EXPECT_EQ(device["moving"], 1350);
     EXPECT_EQ(device["held"], 12);
     EXPECT_EQ(device["interpolated"], 675);
-    EXPECT_EQ(device["by_chance"], 3.456789);
+    EXPECT_EQ(device["by_chance"], 3.46);
     EXPECT_EQ(words(),
               "12 of 1,350 moving rows repeat the position before, 675 lie in line with "
               "their neighbours to the last digit; chance makes 3.5 of them");

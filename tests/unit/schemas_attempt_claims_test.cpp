@@ -34,15 +34,12 @@ TEST(AttemptClaims, AreRead) {
 }
 
 TEST(AttemptClaims, AreNoneWhereNothingStands) {
-    for (const char* revision : {"1.0", "1.5", "1.6"}) {
-        const Attempt attempt =
-            read_attempt(replaced(least, "attempt/1.0", std::string("attempt/") + revision), "f");
-        EXPECT_EQ(attempt.attempts_made, 1);
-        EXPECT_EQ(attempt.receivers.at(0).solution, "");
-        EXPECT_EQ(attempt.receivers.at(0).time_source, "");
-        EXPECT_EQ(attempt.parameters.at("window").at("clock_rate_bound"), 0.0001);
-        EXPECT_TRUE(attempt.overrides.empty());
-    }
+    const Attempt attempt = read_attempt(least, "f");
+    EXPECT_EQ(attempt.attempts_made, 1);
+    EXPECT_EQ(attempt.receivers.at(0).solution, "");
+    EXPECT_EQ(attempt.receivers.at(0).time_source, "");
+    EXPECT_EQ(attempt.parameters.at("window").at("clock_rate_bound"), 0.0001);
+    EXPECT_TRUE(attempt.overrides.empty());
     const Attempt null =
         read_attempt(replaced(replaced(least, "r.csv}", "r.csv, solution: null, time_source: ~}"),
                               "id: a\n", "id: a\nattempts_made: null\n"),
@@ -94,22 +91,6 @@ TEST(AttemptClaims, BadValuesAreNamedWithTheirPlace) {
          "above 0.1"},
     };
     test::expect_named(least, cases);
-}
-
-TEST(AttemptClaims, NeedTheirRevision) {
-    for (const auto& [from, to, field] :
-         {std::tuple{"r.csv}", "r.csv, solution: fixed}", "receivers[0].solution"},
-          {"r.csv}", "r.csv, time_source: satellites}", "receivers[0].time_source"},
-          {"id: a\n", "id: a\nattempts_made: 2\n", "attempts_made"},
-          {"[nalsa]", "[nalsa]\nparameters: {window: {clock_rate_bound: 0.01}}",
-           "parameters.window.clock_rate_bound"}}) {
-        const std::string text = replaced(replaced(least, "attempt/1.0", "attempt/1.0"), from, to);
-        const auto said = failure_of([&] { read_attempt(text, "f"); });
-        EXPECT_TRUE(said.contains(std::string(field) +
-                                  ": the field needs revision 1.6 of the schema attempt; the file "
-                                  "follows attempt/1.0"))
-            << said.problem;
-    }
 }
 
 }  // namespace

@@ -245,7 +245,7 @@ TEST(Attempt, BadInputIsNamedWithItsPlace) {
         {"attempt/1.0", "attempt/1.01", "f:1:9", "does not say that it follows attempt/1.0"},
         {"attempt/1.0", "profile/1.0", "f:1:9", "does not say that it follows attempt/1.0"},
         {"attempt/1.0", "{name: attempt}", "f:1:9", "is a map, not text"},
-        {"profiles: [nalsa]", "place: \"Nagoya\nprofiles: [nalsa]", "f:8:1", "not closed"},
+        {"profiles: [nalsa]", "place: \"Nagoya\nprofiles: [nalsa]", "f:6:8", "not closed"},
     };
     ASSERT_NO_THROW(read_attempt(least, "f"));
     test::expect_named(least, cases);

@@ -138,7 +138,7 @@ TEST(WindowSpan, BadTimesAreNamedWithTheirPlace) {
         {"1.5", "1.0000000001", "f:3:15", "at most nine decimals"},
         {"1.5", "\"1.5\"", "f:3:15", "not a number"},
         {"1.5", "soon", "f:3:15", "not a number"},
-        {"3.0", "", "f:5:1", "duration_s: is missing"},
+        {"3.0", "", "f:4:12", "duration_s: is missing"},
         {"3.0\n", "3.0\nstart_gps: today\n", "f:5:12", "start_gps: \"today\""},
     };
     for (const auto& c : cases) {

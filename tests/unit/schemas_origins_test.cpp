@@ -8,8 +8,7 @@
 #include "schemas/screened/screened.h"
 #include "schemas/trajectory/trajectory.h"
 
-// Whose clock made the time stamps, and who says the kind of solution: what observations/1.3,
-// enu/1.3, screened/1.4 and trajectory/1.3 added for it.
+// Whose clock made the time stamps, and who says the kind of solution.
 
 namespace runcert::RUNCERT_FILE {
 namespace {
@@ -57,7 +56,9 @@ constexpr TableKind kinds[] = {
      [](const std::string& text) { return read_screened(text, "f").facts; }},
     {"trajectory",
      [](const std::string& source) {
-         return write_trajectory(table_of<TrajectoryTable>("smooth", source));
+         auto table = table_of<TrajectoryTable>("smooth", source);
+         table.estimation.horizontal.noise.status = "not_asked";
+         return write_trajectory(table);
      },
      [](const std::string& text) { return read_trajectory(text, "f").facts; }},
 };

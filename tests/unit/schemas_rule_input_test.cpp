@@ -8,13 +8,11 @@ namespace {
 using namespace rule_input_test;
 
 TEST(RuleInput, NothingIsGivenWhereNothingStands) {
-    for (const char* revision : {"1.0", "1.1", "1.2", "1.3", "1.4"}) {
-        const Attempt attempt = read_attempt(with("", revision), "f");
-        EXPECT_FALSE(attempt.record || attempt.course || attempt.wind || attempt.current ||
-                     attempt.secondary_method);
-        EXPECT_TRUE(attempt.records.empty() && attempt.rules.empty());
-        EXPECT_EQ(attempt.record_for("nalsa"), nullptr);
-    }
+    const Attempt attempt = read("");
+    EXPECT_FALSE(attempt.record || attempt.course || attempt.wind || attempt.current ||
+                 attempt.secondary_method);
+    EXPECT_TRUE(attempt.records.empty() && attempt.rules.empty());
+    EXPECT_EQ(attempt.record_for("nalsa"), nullptr);
 }
 
 TEST(RuleInput, ARecordMayHaveItsUncertainty) {
@@ -126,29 +124,6 @@ TEST(RuleInput, OneNameClaimsAllOfGpsSpeedSailing) {
         "f");
     EXPECT_EQ(attempt.record_for("gps-speed-sailing-1h")->speed, 30.0);
     EXPECT_EQ(attempt.record_for("gps-speed-sailing-2s"), nullptr);
-}
-
-TEST(RuleInput, AnEarlierFileIsToldTheRevisionThatItNeeds) {
-    for (const auto& [more, where] :
-         {std::pair{std::string("rules:\n  - {profile: nalsa, figure: margin.value, value: 2}\n"),
-                    "f:8:3"},
-          {"records: []\n", "f:7:10"},
-          {course_of("{east_m: -10, north_m: 0.25}"), "f:8:3"},
-          {"wind: {file: w, source: s}\n", "f:7:7"},
-          {"current: {file: w, source: s, expanded_uncertainty_m_s: 0}\n", "f:7:10"},
-          {"secondary: {method: m, source: s}\n", "f:7:12"},
-          {"record: {speed: 1, unit: kn, source: s, expanded_uncertainty: 0}\n", "f:7:63"}}) {
-        for (const std::string revision : {"1.3", "1.0"}) {
-            const Said said =
-                failure_of([&, &added = more] { read_attempt(with(added, revision), "f"); });
-            EXPECT_EQ(said.where, where) << more;
-            EXPECT_TRUE(
-                said.contains("the field needs revision 1.4 of the schema attempt; the file "
-                              "follows attempt/" +
-                              revision + ". Let the file say attempt/1.0, or remove the field"))
-                << said.problem << said.remedy;
-        }
-    }
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <exception>
 
 #include "files/atomic_file.h"
+#include "files/write_if_changed.h"
 #include "files/yaml_input.h"
 
 namespace runcert {
@@ -67,8 +68,8 @@ int main(int argc, char** argv) {
     try {
         if (argc != 4) throw std::invalid_argument("expected FILE FUNCTION SOURCE");
         const std::string text = runcert::read_file(argv[1]);
-        runcert::write_file_atomically(
-            argv[3], runcert::source_of(runcert::parse_yaml(text, argv[1]), argv[2]));
+        runcert::write_if_changed(argv[3],
+                                  runcert::source_of(runcert::parse_yaml(text, argv[1]), argv[2]));
         return 0;
     } catch (const std::exception& error) {
         fmt::print(stderr, "runcert_embed_yaml: {}\n", error.what());

@@ -5,29 +5,18 @@
 #include <fmt/format.h>
 
 #include <exception>
-#include <filesystem>
 
-#include "files/atomic_file.h"
+#include "files/write_if_changed.h"
 #include "schemas/generator/declaration.h"
-
-namespace {
-
-/// What did not change keeps its time, so that nothing that depends on it is built again.
-void write_if_changed(const std::string& path, const std::string& text) {
-    if (!std::filesystem::exists(path) || runcert::read_file(path) != text)
-        runcert::write_file_atomically(path, text);
-}
-
-}  // namespace
 
 int main(int argc, char** argv) {
     try {
         if (argc != 4) throw std::invalid_argument("expected DECLARATION PRODUCTS OUTPUT");
         const runcert::Declaration declaration(argv[1], argv[2]);
         const std::string output = argv[3];
-        write_if_changed(output + ".yaml", runcert::field_table_text(declaration));
-        write_if_changed(output + ".h", runcert::header_text(declaration));
-        write_if_changed(output + ".cpp", runcert::source_text(declaration));
+        runcert::write_if_changed(output + ".yaml", runcert::field_table_text(declaration));
+        runcert::write_if_changed(output + ".h", runcert::header_text(declaration));
+        runcert::write_if_changed(output + ".cpp", runcert::source_text(declaration));
         return 0;
     } catch (const std::exception& error) {
         fmt::print(stderr, "runcert_declare: {}\n", error.what());

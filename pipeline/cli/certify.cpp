@@ -4,12 +4,12 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 #include <ctime>
 #include <filesystem>
 
 #include "commands.h"
 #include "core/plain_text.h"
+#include "core/prose.h"
 #include "core/text.h"
 #include "files/atomic_file.h"
 #include "files/file_sync.h"
@@ -20,6 +20,7 @@
 #include "run/run_times.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/common/product_files.h"
+#include "schemas/verdict/declared.h"
 #include "trust/signing.h"
 
 namespace runcert {
@@ -35,22 +36,13 @@ struct CertifyOptions {
     bool no_pdf = false;
 };
 
+Outcome outcome_of(const YamlValue& profile) {
+    return member::read<Outcome>(profile["outcome"]);
+}
+
 /// A speed of the verdict in km/h, rounded once, from the figure with the most digits.
 std::string in_km_h(const YamlValue& speed_mps) {
     return format_fixed(speed_mps.real() * 3.6, 3);
-}
-
-/// In per cent, rounded to the side of doubt.
-std::string in_per_cent(double probability) {
-    if (probability > 0.9999) return "more than 99.99 %";
-    if (probability < 0.0001) return "less than 0.01 %";
-    constexpr double binary_noise = 1e-9;
-    const double steps = probability * 1e4;
-    return format_fixed((probability >= 0.5 ? std::floor(steps + binary_noise)
-                                            : std::ceil(steps - binary_noise)) /
-                            100.0,
-                        2) +
-           " %";
 }
 
 /// The speed as the rule writes it, and in km/h where that is another unit.
@@ -68,10 +60,10 @@ void print_speed(const YamlValue& profile) {
     fmt::print("  speed    {} {} +/- {} {} (k = {:.2f}){}\n", shown["speed"].text(), unit,
                shown["expanded_uncertainty"].text(), unit, k, unit == "km/h" ? "" : "; " + km_h);
     const YamlValue decision = profile["decision"];
-    if (decision.exists() && profile["outcome"].text() != "not_certifiable")
-        fmt::print("  to reach {} {}: probability {}, {:.6g} % needed\n",
-                   shown["target"].text_or("?"), unit, in_per_cent(decision["probability"].real()),
-                   decision["level"].real() * 100.0);
+    if (decision.exists() && outcome_of(profile) != Outcome::not_certifiable)
+        fmt::print("  to reach {} {}: probability {}, {} needed\n", shown["target"].text_or("?"),
+                   unit, probability_text(decision["probability"].real()),
+                   level_text(decision["level"].real()));
 }
 
 void print_window(const YamlValue& window) {
@@ -103,32 +95,30 @@ void print_notes(const YamlValue& profile, const fs::path& run_dir) {
 }
 
 /// Clauses of that status.
-std::vector<std::string> clauses_of(const YamlValue& profile, const std::string& status) {
+std::vector<std::string> clauses_of(const YamlValue& profile, RequirementStatus status) {
     std::vector<std::string> clauses;
     for (const YamlValue& requirement : profile["requirements"].list())
-        if (requirement["status"].text() == status)
+        if (requirement["status"].text() == to_text(status))
             clauses.push_back(plain_text(requirement["clause"].text()));
     return clauses;
 }
 
 /// Prints one profile's verdict, to be read in five seconds. Returns whether the record is beaten.
 bool print_verdict(const YamlValue& profile, const fs::path& run_dir) {
-    const std::string outcome = profile["outcome"].text();
-    std::string heading = upper_case(outcome);
-    std::ranges::replace(heading, '_', ' ');
-    fmt::print("\n{}  {}\n", heading, profile["profile"].text());
+    const Outcome outcome = outcome_of(profile);
+    fmt::print("\n{}  {}\n", upper_case(words_of(outcome)), profile["profile"].text());
     print_speed(profile);
     print_window(profile["window"]);
     fmt::print("  why      {}\n", plain_text(profile["reason"].text()));
     print_refused(profile["indicated"]);
     print_notes(profile, run_dir);
-    if (const auto attest = clauses_of(profile, "attest"); !attest.empty())
+    if (const auto attest = clauses_of(profile, RequirementStatus::attest); !attest.empty())
         fmt::print("  attest   {}\n", fmt::join(attest, ", "));
-    if (const auto failed = clauses_of(profile, "not_met"); !failed.empty())
+    if (const auto failed = clauses_of(profile, RequirementStatus::not_met); !failed.empty())
         fmt::print("  not met  {}\n  explain  runcert explain {} {}\n", fmt::join(failed, ", "),
                    shell_word(run_dir.string()),
                    shell_word(profile["profile"].text() + "/" + failed.front()));
-    return outcome == "beaten";
+    return outcome == Outcome::beaten;
 }
 
 bool print_verdicts(const fs::path& run_dir, bool signed_report, bool rendered) {

@@ -81,18 +81,10 @@ void compare_headline(const std::string& rule, const Json& profile, const YamlVa
 }
 
 /// The title of the outcome is what a page shows largest.
-void compare_title(const std::string& rule, const Json& profile, const std::string& outcome,
+void compare_title(const std::string& rule, const Json& profile, Outcome outcome,
                    Comparison& compare) {
-    std::string title;
-    if (outcome == "beaten")
-        title = "Record beaten";
-    else if (outcome == "not_beaten")
-        title = "Record not beaten";
-    else if (outcome == "not_certifiable")
-        title = "Not certifiable";
-    else
-        title =
-            profile.contains("target_km_h") ? "Not proven" : "Speed measured; no record is named";
+    const bool unnamed = outcome == Outcome::not_proven && !profile.contains("target_km_h");
+    const std::string title(unnamed ? "Speed measured; no record is named" : phrase_of(outcome));
     compare.equal(rule + ", outcome_title", text_of(profile, "outcome_title"), title,
                   verdict_file + " (by its outcome)");
 }
@@ -102,7 +94,7 @@ void compare_profile(const Json& profile, const YamlValue& verdict, Comparison& 
     for (const char* key : {"profile", "outcome", "reason", "definition"})
         compare.equal(fmt::format("{}, {}", rule, key), text_of(profile, key), verdict[key].text(),
                       verdict_file);
-    compare_title(rule, profile, verdict["outcome"].text(), compare);
+    compare_title(rule, profile, member::read<Outcome>(verdict["outcome"]), compare);
     for (const char* quantity : {"speed", "expanded_uncertainty", "target"})
         for (const char* unit : {"km_h", "m_s", "knots", "mph"}) {
             const std::string key = fmt::format("{}_{}", quantity, unit);

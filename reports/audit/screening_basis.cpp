@@ -50,15 +50,10 @@ std::string noise_sentence(const ScreeningModel& model) {
     const std::string figures =
         fmt::format("{} times the stated accuracies and a jerk density of {:.3g} m s^-2.5",
                     format_fixed(model.measurement_scale, 2), model.jerk_density);
-    if (model.noise != "fitted") {
-        const std::string why = model.noise == "too_few_epochs" ? "it has too few epochs"
-                                : model.noise == "constant_positions"
-                                    ? "its positions do not change, or repeat themselves"
-                                    : "the attempt asks for the stated one";
+    if (model.noise != NoiseBasis::fitted) {
         return fmt::format(
-            " The tests rested {} on {}: noise was not learnt from the recording, "
-            "because {}.",
-            adverb(model.axes), figures, why);
+            " The tests rested {} on {}: noise was not learnt from the recording ({}).",
+            adverb(model.axes), figures, words_of(model.noise));
     }
     constexpr double least_m = 5e-5;  // what is not zero as written
     const std::string slow =
@@ -135,11 +130,11 @@ std::string kind_sentence(const FixKindEvidence& kind) {
     const std::string factor = fmt::format(
         "errors {} times as large as stated (variance factor {})",
         format_fixed(std::sqrt(kind.variance_factor), 2), format_fixed(kind.variance_factor, 3));
-    if (kind.judgement == "too_few_epochs")
+    if (kind.judgement == AccuracyJudgement::too_few_epochs)
         return what + "too few epochs to tell how large its errors are.";
-    if (kind.judgement == "too_good")
+    if (kind.judgement == AccuracyJudgement::too_good)
         return what + factor + ": the stated accuracy is too good, the errors are larger.";
-    if (kind.judgement == "too_bad")
+    if (kind.judgement == AccuracyJudgement::too_bad)
         return what + factor + ": the stated accuracy is too bad, the errors are smaller.";
     return what + factor + ": as stated.";
 }
@@ -196,10 +191,10 @@ std::string fault_line(const ScreenedTable& table, const TimeFault& fault) {
         where += fmt::format(" (line {})", *row->source_line);
     const std::string size = format_fixed(std::abs(fault.size_s), 3) + " s";
     const std::string what =
-        fault.kind == "gap"         ? size + " missing"
-        : fault.kind == "backward"  ? "the clock goes back by " + size
-        : fault.kind == "duplicate" ? "the time of the epoch before"
-        : fault.kind == "session"
+        fault.kind == TimeFaultKind::gap         ? size + " missing"
+        : fault.kind == TimeFaultKind::backward  ? "the clock goes back by " + size
+        : fault.kind == TimeFaultKind::duplicate ? "the time of the epoch before"
+        : fault.kind == TimeFaultKind::session
             ? fmt::format("another session begins, {} {}", size,
                           fault.size_s < 0.0 ? "back" : "later")
             : fmt::format("the clock jumps by {} while the positions go on", size);

@@ -8,18 +8,14 @@
 namespace runcert {
 namespace {
 
-std::string words_of_status(const std::string& status) {
-    return status == "not_met" ? "NOT MET" : status == "attest" ? "to attest" : status;
-}
-
-std::string in_words(std::string outcome) {
-    for (char& c : outcome)
-        if (c == '_') c = ' ';
-    return outcome;
+/// What is not met must be seen in a page of what is.
+std::string status_text(RequirementStatus status) {
+    return status == RequirementStatus::not_met ? upper_case(words_of(status))
+                                                : std::string(words_of(status));
 }
 
 Facts decision_facts(const ProfileVerdict& verdict) {
-    Facts facts{{{"Outcome", in_words(verdict.outcome)}, {"Because", verdict.reason}}};
+    Facts facts{{{"Outcome", std::string(words_of(verdict.outcome))}, {"Because", verdict.reason}}};
     const auto add = [&](const char* name, std::string value) {
         facts.facts.push_back({name, std::move(value)});
     };
@@ -53,7 +49,7 @@ Facts decision_facts(const ProfileVerdict& verdict) {
 
 std::string requirement_text(const Requirement& requirement) {
     std::string text =
-        fmt::format("{}: {}. {}", requirement.clause, words_of_status(requirement.status),
+        fmt::format("{}: {}. {}", requirement.clause, status_text(requirement.status),
                     capitalised(requirement.evidence));
     std::vector<std::string> figures;
     for (const Figure& figure : requirement.figures)

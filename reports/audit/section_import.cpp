@@ -53,13 +53,6 @@ std::string clock_words(const Observations& observations) {
                                             : "whose clock made them is not known");
 }
 
-std::string solution_words(const std::string& source) {
-    return source == "recording" ? "as the recording states it, epoch by epoch"
-           : source == "attempt" ? "as the attempt states it: the recording states none"
-           : source == "partly"  ? "as the recording states it, which it does not at every epoch"
-                                 : "stated by nobody";
-}
-
 std::string resolution_text(const RecordingFacts& facts) {
     const auto part = [](const std::optional<double>& step, const char* unit) {
         return step ? figure_text(*step) + " " + unit : std::string("unknown");
@@ -89,7 +82,7 @@ Facts facts_of(const Receiver& receiver, const Observations& observations) {
                       counted(positions), format_fixed(observations.facts.nominal_interval_s, 3))},
          {"Heights", observations.facts.vertical_measured ? "measured" : "not measured"},
          {"Accuracy", accuracy_words(observations.accuracy_source)},
-         {"Kind of solution", solution_words(observations.solution_source)},
+         {"Kind of solution", std::string(words_of(observations.solution_source))},
          {"Smallest steps", resolution_text(observations.facts)},
          {"Records", fmt::format("{} read, {} could not be read",
                                  counted(observations.records.total - observations.records.bad),

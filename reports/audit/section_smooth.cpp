@@ -10,17 +10,14 @@ namespace runcert {
 namespace {
 
 std::string status_words(const NoiseSummary& noise) {
-    if (noise.status == "fitted")
+    if (noise.status == NoiseBasis::fitted)
         return fmt::format("learnt from {}, by {} evaluations of the likelihood{}",
                            counted(noise.epochs, "epoch"), counted(noise.evaluations),
                            noise.converged ? "" : "; the search did NOT converge");
-    if (noise.status == "too_few_epochs")
+    if (noise.status == NoiseBasis::too_few_epochs)
         return fmt::format("not learnt: {}, {} are needed; the stated noise is used",
                            counted(noise.epochs, "epoch"), counted(noise.epochs_needed));
-    if (noise.status == "constant_positions")
-        return "not learnt: the positions do not change, or repeat themselves; the stated noise "
-               "is used";
-    return "not learnt: the attempt asks for the stated noise";
+    return fmt::format("not learnt: {}; the stated noise is used", words_of(noise.status));
 }
 
 std::string fitted_text(const NoiseParameter& parameter, std::string_view unit) {
@@ -49,7 +46,7 @@ std::vector<Block> noise_blocks(const NoiseSummary& noise, bool follows) {
                  {"Stated accuracy",
                   fmt::format("{} m (root mean square){}", figure_text(noise.stated_sigma_m),
                               noise.stated_all_equal ? ", the same at all epochs" : "")}}};
-    if (noise.status != "fitted") return {std::move(facts)};
+    if (noise.status != NoiseBasis::fitted) return {std::move(facts)};
     const auto add = [&](const char* name, std::string value) {
         facts.facts.push_back({name, std::move(value)});
     };

@@ -52,13 +52,13 @@ std::string bound_text(const ErrorBound& bound) {
         "a slow error of {} m that lasts {} s to {} s is allowed for, decided by {} (fitted {} "
         "m{}, stated {} m, floor {} m{})",
         figure_text(bound.sigma_m), figure_text(bound.tau_min_s), figure_text(bound.tau_max_s),
-        bound.decided_by, figure_text(bound.fitted_m),
+        to_text(bound.decided_by), figure_text(bound.fitted_m),
         bound.along > 1.0
             ? fmt::format(", {} times that of both axes because the course shows more of it",
                           figure_text(bound.along))
             : "",
         figure_text(bound.stated_m), figure_text(bound.floor_m),
-        bound.floor_fix.empty() ? "" : " for " + bound.floor_fix);
+        bound.floor_fix ? fmt::format(" for {}", to_text(*bound.floor_fix)) : "");
 }
 
 std::string estimates_text(const OtherEstimates& estimates) {
@@ -81,7 +81,7 @@ std::string estimates_text(const OtherEstimates& estimates) {
 }
 
 std::string selection_text(const SelectionBias& selection) {
-    const bool subtracted = selection.treatment == "subtracted";
+    const bool subtracted = selection.treatment == SelectionTreatment::subtracted;
     return fmt::format(
         "{} windows could have been the best; the one chosen is too fast by {} m/s with the errors "
         "as fitted, {} m/s with the slow error at its bound (+- {} m/s): {} ({} trajectories "
@@ -120,7 +120,7 @@ Facts checks_of(const CertifiableWindow& best) {
     for (const UndetectedError& error : best.reliability)
         add("Could have been missed",
             fmt::format("{} of {} {} at epochs {} to {}: changes the speed by {} m/s",
-                        error.hypothesis, figure_text(error.size), error.unit, error.epoch,
+                        to_text(error.hypothesis), figure_text(error.size), error.unit, error.epoch,
                         error.last_epoch, figure_text(error.speed_mps)));
     return facts;
 }

@@ -143,7 +143,7 @@ Json certificate_json(const ReportInputs& inputs, const std::string& report_id) 
     for (std::size_t i = 0; i < inputs.profiles.size(); ++i) {
         const ProfileVerdict& verdict = inputs.verdict.profiles[i];
         if (verdict.speed_mps && verdict.expanded_uncertainty_mps &&
-            verdict.outcome != "not_certifiable")
+            verdict.outcome != Outcome::not_certifiable)
             json["results"].push_back(result_json(verdict, inputs.profiles[i]));
     }
     json["deviations"] = deviations_json(inputs);

@@ -22,16 +22,15 @@ Json quantity_json(const Figure& figure) {
     return json;
 }
 
-std::string began_words(const std::string& began) {
-    if (began == "standing") return "from a standstill";
-    if (began == "turn") return "after a turn";
-    return began == "gap" ? "after a gap" : "with the recording";
+std::string began_words(RunEdge began) {
+    const char* preposition = began == RunEdge::recording  ? "with"
+                              : began == RunEdge::standing ? "from"
+                                                           : "after";
+    return fmt::format("{} {}", preposition, words_of(began));
 }
 
-std::string ended_words(const std::string& ended) {
-    if (ended == "standing") return "at a standstill";
-    if (ended == "turn") return "at a turn";
-    return ended == "gap" ? "at a gap" : "with the recording";
+std::string ended_words(RunEdge ended) {
+    return fmt::format("{} {}", ended == RunEdge::recording ? "with" : "at", words_of(ended));
 }
 
 bool holds(const WindowSpan& run, const std::optional<WindowSpan>& window) {

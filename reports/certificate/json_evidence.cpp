@@ -35,13 +35,9 @@ std::string false_alarm_text(const ScreeningEvidence& evidence) {
 }
 
 std::string model_text(const ScreeningModel& model) {
-    if (model.noise == "fitted") return "learnt from the recording";
-    const std::string_view why = model.noise == "too_few_epochs" ? "too few epochs to learn from"
-                                 : model.noise == "constant_positions"
-                                     ? "the positions hardly change"
-                                     : "the attempt asks for it";
+    if (model.noise == NoiseBasis::fitted) return std::string(words_of(model.noise));
     return fmt::format("{} times the stated one ({})", significant_text(model.measurement_scale, 2),
-                       why);
+                       words_of(model.noise));
 }
 
 /// Once, where it is the same on all axes.
@@ -60,11 +56,12 @@ std::string noise_text(const std::vector<ScreeningModel>& models) {
 
 /// What the innovations show: an error that lasts over many epochs is not in it.
 std::string kind_text(const FixKindEvidence& kind) {
-    if (kind.judgement == "too_few_epochs")
+    if (kind.judgement == AccuracyJudgement::too_few_epochs)
         return fmt::format("{}: too few epochs ({}) to tell", to_text(kind.axes), kind.epochs);
-    const std::string_view judgement = kind.judgement == "too_good"  ? "clearly larger"
-                                       : kind.judgement == "too_bad" ? "clearly smaller"
-                                                                     : "as stated, within chance";
+    const std::string_view judgement =
+        kind.judgement == AccuracyJudgement::too_good  ? "clearly larger"
+        : kind.judgement == AccuracyJudgement::too_bad ? "clearly smaller"
+                                                       : "as stated, within chance";
     return fmt::format("{}: errors from epoch to epoch {} times as large as stated ({})",
                        to_text(kind.axes), significant_text(std::sqrt(kind.variance_factor), 2),
                        judgement);
@@ -107,13 +104,13 @@ std::string velocity_text(const std::optional<VelocityEvidence>& velocity) {
 
 std::string fault_text(const TimeFault& fault) {
     const std::string size = format_fixed(std::abs(fault.size_s), 3) + " s";
-    std::string what = fault.kind;
-    if (fault.kind == "gap") what = size + " missing";
-    if (fault.kind == "backward") what = "back by " + size;
-    if (fault.kind == "duplicate") what = "the time of the epoch before";
-    if (fault.kind == "session")
+    std::string what(to_text(fault.kind));
+    if (fault.kind == TimeFaultKind::gap) what = size + " missing";
+    if (fault.kind == TimeFaultKind::backward) what = "back by " + size;
+    if (fault.kind == TimeFaultKind::duplicate) what = "the time of the epoch before";
+    if (fault.kind == TimeFaultKind::session)
         what = fmt::format("another session, {} {}", size, fault.size_s < 0.0 ? "back" : "later");
-    if (fault.kind == "whole_second_shift")
+    if (fault.kind == TimeFaultKind::whole_second_shift)
         what = fmt::format("the clock jumps by {} while the positions go on", size);
     return fmt::format("epoch {}: {}", fault.epoch, what);
 }

@@ -17,13 +17,12 @@ using Json = nlohmann::ordered_json;
 namespace {
 
 std::string status_text(const NoiseSummary& noise) {
-    if (noise.status == "fitted")
+    if (noise.status == NoiseBasis::fitted)
         return fmt::format("learnt from {}", counted(noise.epochs, "epoch"));
-    if (noise.status == "too_few_epochs")
+    if (noise.status == NoiseBasis::too_few_epochs)
         return fmt::format("not learnt: {} where {} are needed",
                            counted(noise.epochs, "usable epoch"), noise.epochs_needed);
-    if (noise.status == "constant_positions") return "not learnt: all positions are the same";
-    return "as stated: the attempt asks for it";
+    return fmt::format("as stated: {}", words_of(noise.status));
 }
 
 /// A parameter with its uncertainty: as a sum where that is small, else as a factor, since it is
@@ -33,7 +32,7 @@ std::string parameter_text(const NoiseParameter& parameter, const NoiseSummary& 
     constexpr double small = 0.3;
     const auto& relative = parameter.relative_uncertainty;
     std::string text = significant_text(parameter.value, 3) + unit;
-    if (noise.status != "fitted") return text;
+    if (noise.status != NoiseBasis::fitted) return text;
     if (!relative)
         text += ", uncertainty not told";
     else if (*relative<small&& * relative * parameter.value> 0.0) {
@@ -48,7 +47,7 @@ std::string parameter_text(const NoiseParameter& parameter, const NoiseSummary& 
 std::string error_text(const std::optional<NoiseParameter>& parameter, const NoiseSummary& noise,
                        const std::string& unit) {
     if (noise.error_told && parameter) return parameter_text(*parameter, noise, unit);
-    return noise.status == "fitted" ? "not told" : "not looked for";
+    return noise.status == NoiseBasis::fitted ? "not told" : "not looked for";
 }
 
 std::string acceleration_text(const NoiseSummary& noise) {
@@ -57,7 +56,7 @@ std::string acceleration_text(const NoiseSummary& noise) {
 }
 
 std::string search_text(const NoiseSummary& noise) {
-    if (noise.status != "fitted") return "none";
+    if (noise.status != NoiseBasis::fitted) return "none";
     return fmt::format("{} after {} of the likelihood",
                        noise.converged ? "converged" : "stopped before it converged",
                        counted(noise.evaluations, "evaluation"));

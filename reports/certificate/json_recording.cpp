@@ -8,6 +8,7 @@
 #include "reports/certificate/display.h"
 #include "reports/certificate/json_noise.h"
 #include "reports/certificate/json_parts.h"
+#include "reports/certificate/json_rule.h"
 #include "reports/certificate/json_screening.h"
 
 namespace runcert {
@@ -26,12 +27,6 @@ Json official_json(const Official& official) {
     Json json{{"role", official.role}};
     if (!official.name.empty()) json["official_name"] = official.name;
     if (!official.key.empty()) json["key"] = official.key;
-    return json;
-}
-
-Json claimed_record_json(const RecordToBeat& record) {
-    Json json{{"speed", record.speed}, {"unit", record.unit}, {"source", record.source}};
-    set_speeds(json, "speed", record.speed_mps);
     return json;
 }
 
@@ -54,13 +49,6 @@ ElapsedTime last_time(const std::vector<ScreenedEpoch>& rows) {
     return last;
 }
 
-std::string solution_words(const std::string& source) {
-    if (source == "recording") return "as the recording says";
-    if (source == "attempt") return "as the attempt states; the recording does not say";
-    if (source == "partly") return "as the recording says, which it does not at every epoch";
-    return "nobody says; taken as that of one receiver alone";
-}
-
 Json recording_facts(const ReceiverResults& results, const Json& recording) {
     const Observations& observations = results.observations;
     Json facts = Json::array();
@@ -70,7 +58,7 @@ Json recording_facts(const ReceiverResults& results, const Json& recording) {
     facts.push_back(fact("Time scale", observations.time_scale));
     if (!observations.time_origin.empty())
         facts.push_back(fact("Time stamps", observations.time_origin));
-    facts.push_back(fact("Kind of solution", solution_words(observations.solution_source)));
+    facts.push_back(fact("Kind of solution", std::string(words_of(observations.solution_source))));
     if (const auto& first = observations.facts.first_epoch) {
         facts.push_back(fact("First epoch, UTC", utc_text(*first)));
         facts.push_back(fact("First epoch, GPS time", gps_text(*first)));
@@ -140,7 +128,7 @@ Json attempt_json(const Attempt& attempt, const Verdict& verdict) {
     json["officials"] = Json::array();
     for (const Official& official : attempt.officials)
         json["officials"].push_back(official_json(official));
-    if (verdict.record) json["record"] = claimed_record_json(*verdict.record);
+    if (verdict.record) json["record"] = record_json(*verdict.record);
     Json facts = Json::array();
     facts.push_back(fact("Attempt", attempt.id));
     facts.push_back(fact("Craft", attempt.craft_name));
@@ -195,7 +183,7 @@ Json receiver_json(const ReceiverResults& results, const Receiver& receiver) {
               {"coordinates", observations.frame},
               {"time_scale", observations.time_scale},
               {"time_source", observations.facts.time_source},
-              {"solution_source", observations.solution_source},
+              {"solution_source", to_text(observations.solution_source)},
               {"accuracy_source", observations.accuracy_source},
               {"vertical_measured", observations.facts.vertical_measured},
               {"nominal_interval_s", rounded(observations.facts.nominal_interval_s, 9)},

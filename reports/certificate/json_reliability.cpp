@@ -17,7 +17,7 @@ namespace {
 constexpr double without_limit = 1e6;
 
 bool is(const UndetectedError& error, Hypothesis hypothesis) {
-    return error.hypothesis == to_text(hypothesis);
+    return error.hypothesis == hypothesis;
 }
 
 bool is_unlimited(const UndetectedError& error) {
@@ -35,7 +35,7 @@ std::string kind_words(const UndetectedError& error) {
     if (is(error, Hypothesis::step)) return "step of the positions";
     if (is(error, Hypothesis::ramp)) return "drift of the positions";
     if (is(error, Hypothesis::time_shift)) return "jump of the time stamps";
-    return error.hypothesis;
+    return std::string(to_text(error.hypothesis));
 }
 
 /// "before epoch 812", "at epochs 812 to 815", "from epoch 812 on".

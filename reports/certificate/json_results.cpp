@@ -23,16 +23,18 @@ struct OutcomeWords {
 };
 
 OutcomeWords outcome_words(const ProfileVerdict& verdict) {
-    if (verdict.outcome == "beaten") return {"Record beaten", "✓", "yes"};
-    if (verdict.outcome == "not_beaten") return {"Record not beaten", "✗", "no"};
-    if (verdict.outcome == "not_certifiable") return {"Not certifiable", "✗", "refused"};
-    if (!verdict.target_mps) return {"Speed measured; no record is named", "–", "open"};
-    return {"Not proven", "–", "open"};
-}
-
-std::string status_words(const std::string& status) {
-    if (status == "met") return "met";
-    return status == "not_met" ? "not met" : "to attest";
+    const std::string title(phrase_of(verdict.outcome));
+    switch (verdict.outcome) {
+        case Outcome::beaten:
+            return {title, "✓", "yes"};
+        case Outcome::not_beaten:
+            return {title, "✗", "no"};
+        case Outcome::not_certifiable:
+            return {title, "✗", "refused"};
+        case Outcome::not_proven:
+            break;
+    }
+    return {verdict.target_mps ? title : "Speed measured; no record is named", "–", "open"};
 }
 
 /// The speed as it is to be read.
@@ -84,7 +86,7 @@ void set_results(Json& json, const ProfileVerdict& verdict, const Profile& profi
 
 Json requirement_json(const Requirement& requirement) {
     Json json = members_json(requirement);
-    json["status_words"] = status_words(requirement.status);
+    json["status_words"] = words_of(requirement.status);
     json["certainty_words"] = words_of(requirement.certainty);
     json["figures"] = quantities_json(requirement.figures);
     return json;
@@ -115,9 +117,9 @@ Json by_receiver_json(const ReportInputs& inputs, const Profile& profile) {
 }
 
 std::string qualification(const ProfileVerdict& verdict) {
-    const auto count =
-        std::count_if(verdict.requirements.begin(), verdict.requirements.end(),
-                      [](const Requirement& entry) { return entry.status == "attest"; });
+    const auto count = std::count_if(
+        verdict.requirements.begin(), verdict.requirements.end(),
+        [](const Requirement& entry) { return entry.status == RequirementStatus::attest; });
     return count == 0 ? ""
                       : fmt::format("{} of {} left for a person to attest: see below.",
                                     counted(count, "requirement"), verdict.requirements.size());

@@ -52,17 +52,9 @@ std::string record_words(const RecordToBeat& record) {
     return fmt::format("{} {}{}: {}", plain_text(record.speed), record.unit, own, record.source);
 }
 
-Json record_json(const RecordToBeat& record) {
-    Json json{{"speed", record.speed}, {"unit", record.unit}, {"source", record.source}};
-    set_speeds(json, "speed", record.speed_mps);
-    if (record.expanded_uncertainty) json["expanded_uncertainty"] = *record.expanded_uncertainty;
-    json["record_words"] = record_words(record);
-    return json;
-}
-
 std::string decision_words(const ProfileVerdict& verdict, const SpeedUnit& unit) {
     const Decision& decision = *verdict.decision;
-    std::string words = verdict.outcome == "not_certifiable"
+    std::string words = verdict.outcome == Outcome::not_certifiable
                             ? "The speed cannot be certified, so that no comparison counts. "
                             : "";
     words +=
@@ -97,6 +89,14 @@ Json override_json(const Override& figure) {
 }
 
 }  // namespace
+
+Json record_json(const RecordToBeat& record) {
+    Json json{{"speed", record.speed}, {"unit", record.unit}, {"source", record.source}};
+    set_speeds(json, "speed", record.speed_mps);
+    if (record.expanded_uncertainty) json["expanded_uncertainty"] = *record.expanded_uncertainty;
+    json["record_words"] = record_words(record);
+    return json;
+}
 
 const SpeedUnit& rule_unit(const Profile& profile) {
     return speed_unit(rule_unit_name(profile));

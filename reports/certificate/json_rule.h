@@ -21,6 +21,9 @@ std::string rule_words(const Profile& profile);
 /// Sets what the profile looks for, as far as it is not a time, horizontally, from positions.
 void set_rule(nlohmann::ordered_json& json, const Profile& profile);
 
+/// The record to beat, with its speed in each unit and in words.
+nlohmann::ordered_json record_json(const RecordToBeat& record);
+
 /// Sets the record, how the outcome was decided, and the rule of decision in words.
 void set_decision(nlohmann::ordered_json& json, const ProfileVerdict& verdict,
                   const Profile& profile);

@@ -55,11 +55,11 @@ Json robust_json(const RobustSpeed& robust, const UncertaintyScale& scale) {
 }
 
 std::string decided_words(const ErrorBound& bound) {
-    if (bound.decided_by == "fitted") return "the size fitted to the recording";
-    if (bound.decided_by == "stated") return "the stated accuracy times its scale";
-    return bound.floor_fix.empty()
+    if (bound.decided_by == BoundSource::fitted) return "the size fitted to the recording";
+    if (bound.decided_by == BoundSource::stated) return "the stated accuracy times its scale";
+    return !bound.floor_fix
                ? "the floor that the rule sets"
-               : fmt::format("the floor for solutions of the kind “{}”", bound.floor_fix);
+               : fmt::format("the floor for solutions of the kind “{}”", to_text(*bound.floor_fix));
 }
 
 Json bound_json(const ErrorBound& bound, const UncertaintyScale& scale) {
@@ -80,7 +80,7 @@ Json bound_json(const ErrorBound& bound, const UncertaintyScale& scale) {
 }
 
 std::string treatment_words(const SelectionBias& selection, const UncertaintyScale& scale) {
-    return selection.treatment == "subtracted"
+    return selection.treatment == SelectionTreatment::subtracted
                ? fmt::format(
                      "the middle, {}, is subtracted from the speed, and half the "
                      "difference, {}, added to the expanded uncertainty",

@@ -71,7 +71,8 @@ std::string definition_note(const CertifiableWindow& best, const Profile& profil
     if (profile.speed_source == SpeedSource::velocity)
         return "None of the four definitions is the rule's: its speed is of the velocities that "
                "the recording states. They are of the smoothed trajectory.";
-    if (best.estimates && best.selection && best.selection->treatment == "subtracted")
+    if (best.estimates && best.selection &&
+        best.selection->treatment == SelectionTreatment::subtracted)
         return "These figures are of the smoothed trajectory. The certified speed is the rule's, "
                "less what choosing the fastest window makes it look higher by.";
     return {};

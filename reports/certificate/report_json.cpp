@@ -41,7 +41,7 @@ Json attestations_json(const Verdict& verdict) {
     Json json = Json::array();
     for (const ProfileVerdict& profile : verdict.profiles)
         for (const Requirement& requirement : profile.requirements)
-            if (requirement.status == "attest")
+            if (requirement.status == RequirementStatus::attest)
                 json.push_back({{"profile", profile.profile},
                                 {"clause", requirement.clause},
                                 {"text", requirement.text}});

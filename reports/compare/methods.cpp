@@ -112,7 +112,7 @@ FittedSmoother fitted_smoother(const std::string& name, const std::vector<Arc<2>
 
 std::string choice_note(const NoiseSummary& noise, Motion asked) {
     const char* used = noise.acceleration_time_s ? "Singer acceleration" : "constant acceleration";
-    if (noise.status != "fitted")
+    if (noise.status != NoiseBasis::fitted)
         return fmt::format("The trajectory uses {}, its noise not fitted", used);
     if (asked != Motion::by_likelihood)
         return fmt::format("The trajectory uses {}, as the attempt asks", used);

@@ -102,7 +102,7 @@ void set_count(TemplateData& counts, const std::string& sign, const std::string&
 TemplateData tally_of(const DayProfile& profile, const AttemptsById& attempts) {
     const auto no_record = std::ranges::count_if(profile.ranking, [&](const DayPlace& place) {
         const DayResult& result = *result_by(*attempts.at(place.id), profile.profile);
-        return result.outcome == "not_proven" && !result.target_mps;
+        return result.outcome == Outcome::not_proven && !result.target_mps;
     });
     TemplateData counts = template_list();
     set_count(counts, "✓", "beaten", "yes", profile.counts.beaten);

@@ -8,11 +8,19 @@
 namespace runcert {
 
 OutcomeWords outcome_words(const DayResult& result) {
-    if (result.outcome == "beaten") return {"Record beaten", "✓", "yes"};
-    if (result.outcome == "not_beaten") return {"Not beaten", "✗", "no"};
-    if (result.outcome == "not_certifiable") return {"Not certifiable", "⊘", "refused"};
+    const std::string title(phrase_of(result.outcome));
+    switch (result.outcome) {
+        case Outcome::beaten:
+            return {title, "✓", "yes"};
+        case Outcome::not_beaten:
+            return {title, "✗", "no"};
+        case Outcome::not_certifiable:
+            return {title, "⊘", "refused"};
+        case Outcome::not_proven:
+            break;
+    }
     if (!result.target_mps) return {"Measured, no record named", "–", "open"};
-    return {"Not proven", "?", "open"};
+    return {title, "?", "open"};
 }
 
 std::optional<SpeedWords> speed_words(const DayResult& result) {

@@ -8,8 +8,8 @@
 namespace runcert {
 namespace {
 
-constexpr std::array<std::string_view, 4> outcome_order{"beaten", "not_proven", "not_beaten",
-                                                        "not_certifiable"};
+constexpr std::array outcome_order{Outcome::beaten, Outcome::not_proven, Outcome::not_beaten,
+                                   Outcome::not_certifiable};
 
 struct Entry {
     std::string_view id;
@@ -19,7 +19,7 @@ struct Entry {
     double speed() const { return result->speed_mps.value_or(0.0); }
     double uncertainty() const { return result->expanded_uncertainty_mps.value_or(0.0); }
     bool is_ranked() const {
-        return result->speed_mps.has_value() && result->outcome != "not_certifiable";
+        return result->speed_mps.has_value() && result->outcome != Outcome::not_certifiable;
     }
     /// Less is ahead.
     auto merit() const {
@@ -84,7 +84,8 @@ std::optional<BestOfDay> best_by(std::string_view profile,
         return attempt.id == ranking.front().id && result_by(attempt, profile);
     });
     const DayResult& result = *result_by(*first, profile);
-    if (result.outcome != "beaten" || !result.probability || !result.level) return std::nullopt;
+    if (result.outcome != Outcome::beaten || !result.probability || !result.level)
+        return std::nullopt;
     const double risk = (1.0 - *result.level) * static_cast<double>(result.attempts_made);
     BestOfDay best{.id = ranking.front().id,
                    .attempts = std::ssize(ranking),
@@ -102,10 +103,10 @@ OutcomeCounts outcomes_by(std::string_view profile, const std::vector<AttemptRes
     for (const AttemptResult& attempt : attempts) {
         const DayResult* result = result_by(attempt, profile);
         if (!result) continue;
-        if (result->outcome == "beaten") ++counts.beaten;
-        if (result->outcome == "not_proven") ++counts.not_proven;
-        if (result->outcome == "not_beaten") ++counts.not_beaten;
-        if (result->outcome == "not_certifiable") ++counts.not_certifiable;
+        if (result->outcome == Outcome::beaten) ++counts.beaten;
+        if (result->outcome == Outcome::not_proven) ++counts.not_proven;
+        if (result->outcome == Outcome::not_beaten) ++counts.not_beaten;
+        if (result->outcome == Outcome::not_certifiable) ++counts.not_certifiable;
     }
     return counts;
 }
@@ -119,7 +120,8 @@ DayCounts counts_of(const std::vector<AttemptResult>& attempts) {
             .failed = of_state("failed"),
             .not_processed = of_state("not_processed"),
             .beaten = std::ranges::count_if(attempts, [](const AttemptResult& attempt) {
-                return std::ranges::count(attempt.results, "beaten", &DayResult::outcome) > 0;
+                return std::ranges::count(attempt.results, Outcome::beaten, &DayResult::outcome) >
+                       0;
             })};
 }
 

@@ -35,7 +35,7 @@ std::string state_words(const std::string& state, const std::optional<DayFailure
 
 std::string outcome_words(const std::optional<DayResult>& result) {
     if (!result) return "not claimed";
-    std::string words = result->outcome;
+    std::string words(words_of(result->outcome));
     std::ranges::replace(words, '_', ' ');
     return words;
 }

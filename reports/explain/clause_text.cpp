@@ -39,8 +39,8 @@ std::vector<std::string> figures_behind(const ClauseView& view) {
 
 std::string outcome_sentence(const Requirement& requirement) {
     const std::string evidence = sentence(requirement.evidence);
-    if (requirement.status == "met") return "Met. " + evidence;
-    if (requirement.status == "not_met") return "Not met. " + evidence;
+    if (requirement.status == RequirementStatus::met) return "Met. " + evidence;
+    if (requirement.status == RequirementStatus::not_met) return "Not met. " + evidence;
     return "Left to a person. " + evidence;
 }
 
@@ -56,7 +56,7 @@ std::string ClauseView::limit() const {
 
 std::string clause_text(const ClauseView& view) {
     const Requirement& requirement = view.requirement;
-    std::string text = heading(requirement.status,
+    std::string text = heading(words_of(requirement.status),
                                fmt::format("{}/{}", view.of.verdict.profile, requirement.clause));
     text += labelled("The rule", requirement.text);
     text += labelled("Its source", fmt::format("{} {}", sentence(requirement.source),
@@ -68,7 +68,7 @@ std::string clause_text(const ClauseView& view) {
     for (const std::string& words : override_words(view.of.verdict, figures_behind(view)))
         text += labelled("Replaced", words);
     text += labelled("Outcome", outcome_sentence(requirement));
-    if (requirement.status == "attest")
+    if (requirement.status == RequirementStatus::attest)
         text += labelled("To do", std::string(phrase_of(view.requirement.decided_by)));
     return text;
 }
@@ -77,8 +77,8 @@ std::string clause_in_short(const ClauseView& view) {
     const Requirement& requirement = view.requirement;
     constexpr std::size_t indent = 13;
     const std::string blanks(indent, ' ');
-    std::string text = fmt::format("  {:<{}}{}", in_capitals(requirement.status), indent - 2,
-                                   wrapped(requirement.clause, indent, indent));
+    std::string text = fmt::format("  {:<{}}{}", upper_case(words_of(requirement.status)),
+                                   indent - 2, wrapped(requirement.clause, indent, indent));
     const std::string doubt = requirement.certainty == Certainty::unconfirmed
                                   ? " (Not confirmed that the rule says so.)"
                                   : "";

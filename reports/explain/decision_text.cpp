@@ -9,8 +9,9 @@ namespace runcert {
 namespace {
 
 std::string title(const ProfileView& view) {
-    return heading(view.verdict.outcome, fmt::format("{}: {}, {}", view.verdict.profile,
-                                                     view.verdict.title, view.verdict.body));
+    return heading(
+        words_of(view.verdict.outcome),
+        fmt::format("{}: {}, {}", view.verdict.profile, view.verdict.title, view.verdict.body));
 }
 
 std::string window_text(const ProfileView& view) {
@@ -83,7 +84,7 @@ std::string uncertainty_text(const ProfileView& view) {
 
 std::string why_text(const ProfileView& view) {
     const ProfileVerdict& verdict = view.verdict;
-    if (verdict.outcome == "not_certifiable")
+    if (verdict.outcome == Outcome::not_certifiable)
         return "The speed cannot be certified, so that no comparison with a record counts: " +
                sentence(verdict.reason);
     if (!verdict.decision) return sentence(verdict.reason);
@@ -91,10 +92,10 @@ std::string why_text(const ProfileView& view) {
     const std::string probability = probability_text(decision.probability);
     const std::string level = level_text(decision.level);
     const std::string refusal = level_text(1.0 - decision.level);
-    if (verdict.outcome == "beaten")
+    if (verdict.outcome == Outcome::beaten)
         return fmt::format("Beaten, because the probability is {}, at least the {} asked.",
                            probability, level);
-    if (verdict.outcome == "not_beaten")
+    if (verdict.outcome == Outcome::not_beaten)
         return fmt::format(
             "Not beaten, because the probability is {}, at most {}: it is as sure that the speed "
             "to reach was not reached as the rule would want it sure that it was.",
@@ -181,7 +182,7 @@ std::string decision_in_short(const ProfileView& view) {
                 : fmt::format("; to reach {}", speed_words(*verdict.target_mps, unit));
         text += labelled("Speed", speed + target);
     }
-    if (verdict.decision && verdict.outcome != "not_certifiable")
+    if (verdict.decision && verdict.outcome != Outcome::not_certifiable)
         text += labelled("Probability", fmt::format("{} that it reaches that; {} is asked",
                                                     probability_text(verdict.decision->probability),
                                                     level_text(verdict.decision->level)));

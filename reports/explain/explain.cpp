@@ -83,12 +83,13 @@ std::string one_clause(const std::vector<ProfileView>& views, const std::string&
 }
 
 std::string counts_of(const ProfileVerdict& verdict) {
-    const auto count = [&](std::string_view status) {
+    const auto count = [&](RequirementStatus status) {
         return std::ranges::count(verdict.requirements, status, &Requirement::status);
     };
     return fmt::format("{}: {} met, {} not met, {} for a person to attest",
-                       counted(std::ssize(verdict.requirements), "clause"), count("met"),
-                       count("not_met"), count("attest"));
+                       counted(std::ssize(verdict.requirements), "clause"),
+                       count(RequirementStatus::met), count(RequirementStatus::not_met),
+                       count(RequirementStatus::attest));
 }
 
 std::string in_short(const ProfileView& view) {

@@ -22,7 +22,7 @@ std::string labelled(std::string_view label, std::string_view text) {
 }
 
 std::string heading(std::string_view outcome, std::string_view text) {
-    const std::string word = in_capitals(outcome);
+    const std::string word = upper_case(outcome);
     return fmt::format("{}  {}", word, wrapped(text, word.size() + 2, word.size() + 2));
 }
 
@@ -30,13 +30,6 @@ std::string sentence(std::string text) {
     if (text.empty()) return text;
     text = capitalised(text);
     if (!text.ends_with('.') && !text.ends_with('?') && !text.ends_with('!')) text += '.';
-    return text;
-}
-
-std::string in_capitals(std::string_view word) {
-    if (word == "attest") return "TO ATTEST";
-    std::string text = upper_case(word);
-    std::ranges::replace(text, '_', ' ');
     return text;
 }
 

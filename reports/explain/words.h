@@ -22,9 +22,6 @@ std::string heading(std::string_view outcome, std::string_view text);
 /// A capital at the beginning and a full stop at the end.
 std::string sentence(std::string text);
 
-/// "not_met" as "NOT MET"; "attest" as "TO ATTEST".
-std::string in_capitals(std::string_view word);
-
 /// A plain figure in its shortest form: "0.8", "1000"; with its unit, where it has one.
 std::string plain_figure(double value, std::string_view unit);
 

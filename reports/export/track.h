@@ -41,8 +41,8 @@ struct TrackWindow {
     std::string body;
     std::string title;
     SpeedDefinition definition = SpeedDefinition::displacement;
-    std::string outcome;  ///< of the rule, by the verdict's words
-    std::string reason;   ///< the outcome in one sentence
+    Outcome outcome = Outcome::not_certifiable;  ///< of the rule
+    std::string reason;                          ///< the outcome in one sentence
     WindowSpan span = {};
     double speed_mps = 0.0;
     std::optional<double> expanded_uncertainty_mps = {};  ///< k = 2; none for a refused one

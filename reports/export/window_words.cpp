@@ -20,13 +20,6 @@ constexpr int widest = 10;
 constexpr int narrower = 2;
 constexpr int narrowest = 4;
 
-std::string outcome_words(const std::string& outcome) {
-    if (outcome == "not_beaten") return "not beaten";
-    if (outcome == "not_proven") return "not proven";
-    if (outcome == "not_certifiable") return "not certifiable";
-    return outcome;
-}
-
 /// The speed for people: as the verdict shows it, or in km/h.
 std::string speed_words(const TrackWindow& window) {
     if (window.shown)
@@ -47,7 +40,7 @@ std::string name_of(const TrackWindow& window) {
     switch (window.kind) {
         case TrackWindowKind::best:
             return fmt::format("{}: {}, {}", window.profile, speed_words(window),
-                               outcome_words(window.outcome));
+                               words_of(window.outcome));
         case TrackWindowKind::further:
             return fmt::format("{}: {}, another window of the mean", window.profile,
                                speed_words(window));
@@ -74,7 +67,7 @@ std::vector<MapFact> facts_of(const TrackWindow& window) {
         {"body", "Body", window.body},
         {"title", "Title", window.title},
         {"definition", "Speed defined as", std::string(to_text(window.definition))},
-        {"rule_outcome", "", window.outcome}};
+        {"rule_outcome", "", std::string(to_text(window.outcome))}};
     if (certified) facts.push_back({"reason", "Outcome", window.reason});
     facts.push_back({"speed_m_s", "Speed (m/s)", format_fixed(window.speed_mps, speed_decimals)});
     if (window.expanded_uncertainty_mps)

@@ -22,12 +22,13 @@ Finding against_limit(const Compared& figure, const Clause& clause) {
     const double sign = at_most ? 1.0 : -1.0;
     const double worst = sign * figure.value + reach;
     const double best = sign * figure.value - reach;
-    const char* const status =
-        worst <= sign * limit ? "met" : (best > sign * limit ? "not_met" : "attest");
+    const RequirementStatus status = worst <= sign * limit ? RequirementStatus::met
+                                     : best > sign * limit ? RequirementStatus::not_met
+                                                           : RequirementStatus::attest;
     std::string evidence =
         fmt::format("{}, {} {:.4g} {}{}", words_of(figure, clause.unit),
                     at_most ? "at most" : "at least", limit, clause.unit,
-                    std::string_view(status) == "attest"
+                    status == RequirementStatus::attest
                         ? ": the limit lies within the uncertainty, the data cannot tell"
                         : "");
     if (!figure.note.empty()) evidence += "; " + figure.note;
@@ -41,7 +42,7 @@ Finding against_limit(const Compared& figure, const Clause& clause) {
 }
 
 Finding unknown(std::string why) {
-    return {"attest", "the data do not tell: " + std::move(why)};
+    return {RequirementStatus::attest, "the data do not tell: " + std::move(why)};
 }
 
 }  // namespace runcert

@@ -17,7 +17,8 @@ namespace {
 std::vector<std::string> failed_clauses(const std::vector<Requirement>& requirements) {
     std::vector<std::string> failed;
     for (const Requirement& requirement : requirements)
-        if (requirement.status == "not_met" && requirement.decided_by != Computation::margin)
+        if (requirement.status == RequirementStatus::not_met &&
+            requirement.decided_by != Computation::margin)
             failed.push_back(requirement.clause + ": " + requirement.evidence);
     return failed;
 }
@@ -174,20 +175,20 @@ std::string refused_but_fast_enough(const ClauseContext& context) {
 
 void set_outcome(const ClauseContext& context, ProfileVerdict& verdict) {
     if (std::string refused = refusal_of(context, verdict.requirements); !refused.empty()) {
-        verdict.outcome = "not_certifiable";
+        verdict.outcome = Outcome::not_certifiable;
         verdict.reason = std::move(refused);
     } else if (!context.decision) {
-        verdict.outcome = "not_proven";
+        verdict.outcome = Outcome::not_proven;
         verdict.reason = "The attempt names no record to beat.";
     } else {
         const Outcome outcome = decide(*context.speed, *context.target, context.decision->level);
         if (outcome == Outcome::not_beaten)
             if (std::string doubt = refused_but_fast_enough(context); !doubt.empty()) {
-                verdict.outcome = "not_certifiable";
+                verdict.outcome = Outcome::not_certifiable;
                 verdict.reason = std::move(doubt);
                 return;
             }
-        verdict.outcome = to_text(outcome);
+        verdict.outcome = outcome;
         verdict.reason = reason_of(context, outcome);
         verdict.decision->risk = decision_risk(*context.speed, *context.target, outcome);
     }

@@ -21,9 +21,9 @@ struct ReceiverEvidence {
     std::string receiver;
     RecordingFacts facts;
     std::string accuracy_source;
-    std::string format = {};           ///< of the recording
-    std::string time_origin = {};      ///< what its time stamps are, in words
-    std::string solution_source = {};  ///< who says the kind of solution
+    std::string format = {};       ///< of the recording
+    std::string time_origin = {};  ///< what its time stamps are, in words
+    SolutionSource solution_source = SolutionSource::unknown;  ///< who says the kind of solution
     RecordCount records = {};
     ScreeningSummary screening;
     ScreeningEvidence tests;

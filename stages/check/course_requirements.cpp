@@ -87,20 +87,21 @@ Finding computation::standing_start(const Clause&, const ClauseContext& context)
                                      .unit = "m/s",
                                      .expanded_uncertainty = speed.expanded_uncertainty}};
         if (facts.standing_start)
-            return {"met",
+            return {RequirementStatus::met,
                     words +
                         ", which is standing still; what moved it first, the data do "
                         "not tell",
                     std::move(figures)};
         const CraftRun& run = *context.course.run;
-        const std::string& began = run.began;
-        if (began == "standing" && start_was_seen(run, speed, context))
-            return {"not_met", words + ": it was moving when the run began", std::move(figures)};
-        return {"attest",
+        const RunEdge began = run.began;
+        if (began == RunEdge::standing && start_was_seen(run, speed, context))
+            return {RequirementStatus::not_met, words + ": it was moving when the run began",
+                    std::move(figures)};
+        return {RequirementStatus::attest,
                 fmt::format("{}: {}, so the start was not seen", words,
-                            began == "turn"  ? "the run begins with a turn"
-                            : began == "gap" ? "the run begins after a gap"
-                            : began == "standing"
+                            began == RunEdge::turn  ? "the run begins with a turn"
+                            : began == RunEdge::gap ? "the run begins after a gap"
+                            : began == RunEdge::standing
                                 ? "the recording begins with the craft moving, if slowly"
                                 : "the recording begins with the craft moving"),
                 std::move(figures)};

@@ -125,10 +125,4 @@ double decision_risk(const SpeedPosterior& posterior, const Threshold& threshold
                : probability_not_below_zero(difference(posterior, threshold, Bias::highest));
 }
 
-std::string to_text(Outcome outcome) {
-    return outcome == Outcome::beaten       ? "beaten"
-           : outcome == Outcome::not_beaten ? "not_beaten"
-                                            : "not_proven";
-}
-
 }  // namespace runcert

@@ -36,8 +36,6 @@ double conformance_probability(const SpeedPosterior& posterior, const Threshold&
 /// as above, or where lower > upper.
 double conformance_probability(const SpeedPosterior& posterior, double lower_mps, double upper_mps);
 
-enum class Outcome { beaten, not_beaten, not_proven };
-
 /// Guarded acceptance and guarded rejection ([JCGM106] 8.3): beaten where the probability is at
 /// least `level`, not beaten where it is at most 1 - level, else not proven. Failure (at
 /// "decision") unless 0 <= probability <= 1 and 0.5 < level < 1.
@@ -55,8 +53,5 @@ double acceptance_limit(const SpeedPosterior& posterior, const Threshold& thresh
 /// speed found to be beaten is below the threshold, or that one that is not, so that it is refused,
 /// reaches it. Keeps its digits however small it is. Failure as for conformance_probability.
 double decision_risk(const SpeedPosterior& posterior, const Threshold& threshold, Outcome outcome);
-
-/// "beaten", "not_beaten", "not_proven".
-std::string to_text(Outcome outcome);
 
 }  // namespace runcert

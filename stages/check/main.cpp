@@ -53,8 +53,8 @@ void say_verdict(StageRun& run, const Verdict& verdict) {
                 ? fmt::format(", {:.3f} km/h +/- {:.3f} km/h", *profile.speed_mps * 3.6,
                               *profile.expanded_uncertainty_mps * 3.6)
                 : "";
-        run.say(
-            fmt::format("{}: {}{}: {}", profile.profile, profile.outcome, speed, profile.reason));
+        run.say(fmt::format("{}: {}{}: {}", profile.profile, to_text(profile.outcome), speed,
+                            profile.reason));
     }
 }
 

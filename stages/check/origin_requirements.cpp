@@ -30,7 +30,7 @@ std::vector<std::string> signs_of_filter(const ClauseContext& context) {
     constexpr double too_smooth = 0.3;
     constexpr double as_stated = 0.1;
     for (const ScreeningModel& model : judged.tests.models)
-        if (model.axes == TestedAxes::horizontal && model.noise == "fitted" &&
+        if (model.axes == TestedAxes::horizontal && model.noise == NoiseBasis::fitted &&
             model.white_scale < too_smooth)
             signs.push_back(fmt::format(
                 "from epoch to epoch the positions scatter by {:.2f} times what is stated",
@@ -57,10 +57,10 @@ Finding computation::time_scale(const Clause&, const ClauseContext& context) {
                                        .unit = "",
                                        .expanded_uncertainty = std::nullopt,
                                        .note = "in millionths"}};
-    if (source == "satellites") return {"met", what, figures};
+    if (source == "satellites") return {RequirementStatus::met, what, figures};
     constexpr double allowed = 1e-4;
     if (source == "unknown" && std::abs(rate) > std::max(allowed, rate_by_chance(judged)))
-        return {"not_met",
+        return {RequirementStatus::not_met,
                 fmt::format("{}; their steps are on average {:.3f} % {} than those of a rate that "
                             "receivers are set to, so that either the clock or the rate is not "
                             "what it seems: write time_source: satellites in the attempt if they "
@@ -68,10 +68,10 @@ Finding computation::time_scale(const Clause&, const ClauseContext& context) {
                             what, std::abs(rate) * 100.0, rate < 0.0 ? "shorter" : "longer"),
                 figures};
     if (source == "attempt")
-        return {"attest", what + ": that they are the satellites' time, the attempt states",
-                figures};
-    return {"attest", what + ": whether its rate is the true one the recording does not tell",
-            figures};
+        return {RequirementStatus::attest,
+                what + ": that they are the satellites' time, the attempt states", figures};
+    return {RequirementStatus::attest,
+            what + ": whether its rate is the true one the recording does not tell", figures};
 }
 
 Finding computation::measured_positions(const Clause&, const ClauseContext& context) {
@@ -81,14 +81,14 @@ Finding computation::measured_positions(const Clause&, const ClauseContext& cont
         const DeviceEvidence& device = *judged.tests.device;
         const auto moving = static_cast<double>(device.moving);
         if (static_cast<double>(device.held) > std::max(3.0, share * moving))
-            return {"not_met",
+            return {RequirementStatus::not_met,
                     fmt::format("{} of {} positions recorded in motion repeat the one before: they "
                                 "are held, not measured; record at the rate at which the receiver "
                                 "measures",
                                 device.held, device.moving)};
         const double in_line = static_cast<double>(device.interpolated);
         if (in_line > std::max({10.0, 0.2 * moving, 3.0 * device.by_chance}))
-            return {"not_met",
+            return {RequirementStatus::not_met,
                     fmt::format("{} of {} positions recorded in motion lie in line with their "
                                 "neighbours to the last digit, where chance makes {:.0f}: they are "
                                 "interpolated, not measured; hand in the recording before it was "
@@ -97,44 +97,48 @@ Finding computation::measured_positions(const Clause&, const ClauseContext& cont
     }
     const std::vector<std::string> signs = signs_of_filter(context);
     if (judged.format == "rinex")
-        return {"met", "positions were solved here, from raw observations that are kept"};
+        return {RequirementStatus::met,
+                "positions were solved here, from raw observations that are kept"};
     if (context.witnesses.empty())
-        return {"attest",
+        return {RequirementStatus::attest,
                 signs.empty()
                     ? std::string("nothing but the positions themselves speaks of it")
                     : fmt::format("nothing but the positions themselves speaks of it, and: {}",
                                   fmt::join(signs, "; "))};
     if (!signs.empty())
-        return {"attest", fmt::format("{}; but {}", fmt::join(context.witnesses, "; "),
-                                      fmt::join(signs, "; "))};
-    return {"met", fmt::format("{}", fmt::join(context.witnesses, "; "))};
+        return {
+            RequirementStatus::attest,
+            fmt::format("{}; but {}", fmt::join(context.witnesses, "; "), fmt::join(signs, "; "))};
+    return {RequirementStatus::met, fmt::format("{}", fmt::join(context.witnesses, "; "))};
 }
 
 Finding computation::stated_solution(const Clause&, const ClauseContext& context) {
-    const std::string& source = context.input.judged.solution_source;
+    const SolutionSource source = context.input.judged.solution_source;
     const auto& best = context.windows.best;
     const std::string taken =
-        best && best->bound && !best->bound->floor_fix.empty()
+        best && best->bound && best->bound->floor_fix
             ? fmt::format(
                   " (in the window: {}, whose slow errors are taken to be at least "
                   "{:g} m)",
-                  best->bound->floor_fix, best->bound->floor_m)
+                  to_text(*best->bound->floor_fix), best->bound->floor_m)
             : "";
-    if (source == "attempt") {
+    if (source == SolutionSource::attempt) {
         const auto& rows = context.input.judged.epochs_of(context.profile.id);
         const std::string kind =
             rows.empty() ? std::string("the kind of solution") : std::string(to_text(rows[0].fix));
-        return {"attest", fmt::format("the recording does not say; that it is {} the attempt "
-                                      "states{}",
-                                      kind, taken)};
+        return {RequirementStatus::attest,
+                fmt::format("the recording does not say; that it is {} the attempt "
+                            "states{}",
+                            kind, taken)};
     }
-    if (source == "recording") return {"met", "the recording says it" + taken};
-    if (source == "partly")
-        return {"met",
+    if (source == SolutionSource::recording)
+        return {RequirementStatus::met, "the recording says it" + taken};
+    if (source == SolutionSource::partly)
+        return {RequirementStatus::met,
                 "the recording says it of some positions; the others count as those of one "
                 "receiver alone" +
                     taken};
-    return {"met",
+    return {RequirementStatus::met,
             "the recording does not say, so that the positions count as those of one "
             "receiver alone" +
                 taken};

@@ -12,7 +12,7 @@ namespace {
 
 Finding wind(const Clause& clause, const ClauseContext& context, bool gust) {
     if (!context.wind) return unknown("the attempt gives no series of the wind");
-    if (!context.wind->missing.empty()) return {"not_met", context.wind->missing};
+    if (!context.wind->missing.empty()) return {RequirementStatus::not_met, context.wind->missing};
     return against_limit({.name = gust ? "strongest wind in the window" : "mean wind in the window",
                           .value = (gust ? context.wind->gust_mps : context.wind->mean_mps) /
                                    metres_per_second(clause.unit),
@@ -51,7 +51,8 @@ Finding computation::wind_gust(const Clause& clause, const ClauseContext& contex
 
 Finding computation::current(const Clause& clause, const ClauseContext& context) {
     if (!context.current) return unknown("the attempt gives no series of the current");
-    if (!context.current->missing.empty()) return {"not_met", context.current->missing};
+    if (!context.current->missing.empty())
+        return {RequirementStatus::not_met, context.current->missing};
     const double unit = metres_per_second(clause.unit);
     return against_limit(
         {.name = "strongest current in the window",
@@ -107,14 +108,15 @@ Finding computation::sample_accuracy(const Clause& clause, const ClauseContext& 
 
 Finding computation::opposite_runs(const Clause&, const ClauseContext& context) {
     if (!context.windows.best || context.windows.further.empty())
-        return {"not_met", context.windows.missing.empty() ? "there are no two certifiable windows"
-                                                           : context.windows.missing};
+        return {RequirementStatus::not_met, context.windows.missing.empty()
+                                                ? "there are no two certifiable windows"
+                                                : context.windows.missing};
     const WindowSpan& one = context.windows.best->span;
     const WindowSpan& other = context.windows.further.front().span;
     const double from_s = std::min(one.start, other.start).seconds();
     const double to_s = std::max(one.start.seconds() + one.duration.seconds(),
                                  other.start.seconds() + other.duration.seconds());
-    return {"met",
+    return {RequirementStatus::met,
             fmt::format("two runs in opposite directions, {:.3f} km/h and {:.3f} km/h, within "
                         "{:.1f} s, at most {:g} s",
                         context.windows.best->speed_mps * 3.6,
@@ -130,10 +132,11 @@ Finding computation::opposite_runs(const Clause&, const ClauseContext& context) 
 /// Whether what the recording shows to be fastest is what was certified.
 Finding computation::fastest_certifiable(const Clause&, const ClauseContext& context) {
     const auto& best = context.windows.best;
-    if (!best) return {"not_met", "there is no certifiable window"};
+    if (!best) return {RequirementStatus::not_met, "there is no certifiable window"};
     const auto& indicated = context.windows.indicated;
     if (!indicated || indicated->refusals.empty())
-        return {"met", "the fastest window that the recording shows could be certified"};
+        return {RequirementStatus::met,
+                "the fastest window that the recording shows could be certified"};
     const double least_mps = best->speed_mps + 2.0 * best->standard_uncertainty_mps;
     const std::string words =
         fmt::format("the recording shows {:.3f} km/h in a window that cannot be certified ({})",
@@ -141,8 +144,10 @@ Finding computation::fastest_certifiable(const Clause&, const ClauseContext& con
     std::vector<Figure> figures{
         {.name = "fastest as recorded", .value = indicated->speed_mps, .unit = "m/s"}};
     if (indicated->speed_mps <= least_mps)
-        return {"met", words + ", which is no faster than the certified one", std::move(figures)};
-    return {"not_met", words + ": what the score would be is not known", std::move(figures)};
+        return {RequirementStatus::met, words + ", which is no faster than the certified one",
+                std::move(figures)};
+    return {RequirementStatus::not_met, words + ": what the score would be is not known",
+            std::move(figures)};
 }
 
 }  // namespace runcert

@@ -93,11 +93,13 @@ std::vector<Figure> crossing_figures(const ClauseContext& context) {
 /// What the second receiver says.
 Finding by_receiver(const ClauseContext& context) {
     const std::string& receiver = context.input.secondary->receiver;
-    if (!context.agreement) return {"not_met", "there is no certifiable window to compare"};
+    if (!context.agreement)
+        return {RequirementStatus::not_met, "there is no certifiable window to compare"};
     const Agreement& agreement = *context.agreement;
     if (!agreement.missing.empty())
-        return {"not_met", fmt::format("receiver \"{}\" {}", receiver, agreement.missing)};
-    return {agreement.agrees() ? "met" : "not_met",
+        return {RequirementStatus::not_met,
+                fmt::format("receiver \"{}\" {}", receiver, agreement.missing)};
+    return {agreement.agrees() ? RequirementStatus::met : RequirementStatus::not_met,
             fmt::format(
                 "receiver \"{}\" gives {:.3f} km/h over the same {:.3f} s, {:+.3f} km/h "
                 "against the primary one (displacement over time); normalised error "
@@ -112,12 +114,14 @@ Finding by_receiver(const ClauseContext& context) {
 
 /// What the method says that the attempt declares.
 Finding by_declaration(const ClauseContext& context) {
-    if (!context.declared) return {"not_met", "there is no certifiable window to compare"};
+    if (!context.declared)
+        return {RequirementStatus::not_met, "there is no certifiable window to compare"};
     const DeclaredAgreement& agreement = *context.declared;
     if (!agreement.missing.empty())
-        return {"not_met", fmt::format("{}: {}", agreement.method, agreement.missing)};
+        return {RequirementStatus::not_met,
+                fmt::format("{}: {}", agreement.method, agreement.missing)};
     return {
-        agreement.agrees() ? "met" : "not_met",
+        agreement.agrees() ? RequirementStatus::met : RequirementStatus::not_met,
         fmt::format("{} gives {:.3f} km/h +/- {:.3f} km/h, {:+.3f} km/h against the primary "
                     "method; normalised error {:.2f}, at most 1",
                     agreement.method, agreement.other_mps * 3.6,
@@ -141,12 +145,13 @@ Finding computed(const Clause& clause, const ClauseContext& context) {
 }  // namespace
 
 Finding computation::window_complete(const Clause&, const ClauseContext& context) {
-    if (!context.windows.best) return {"not_met", no_window(context)};
+    if (!context.windows.best) return {RequirementStatus::not_met, no_window(context)};
     if (!figure_of(context.windows))
-        return {"not_met", fmt::format("of {} windows of {} that the rule takes the mean of, {} "
-                                       "are certifiable without overlapping",
-                                       context.profile.windows, window_words(context.profile),
-                                       context.windows.further.size() + 1)};
+        return {RequirementStatus::not_met,
+                fmt::format("of {} windows of {} that the rule takes the mean of, {} "
+                            "are certifiable without overlapping",
+                            context.profile.windows, window_words(context.profile),
+                            context.windows.further.size() + 1)};
     const WindowSpan& span = context.windows.best->span;
     std::string evidence = fmt::format(
         "{:.3f} s from epoch {} to epoch {}, no break and no unusable epoch inside; "
@@ -159,17 +164,18 @@ Finding computation::window_complete(const Clause&, const ClauseContext& context
     if (context.profile.window_kind == WindowKind::course)
         for (Figure& figure : crossing_figures(context))
             figures.push_back(std::move(figure));
-    return {"met", std::move(evidence), std::move(figures)};
+    return {RequirementStatus::met, std::move(evidence), std::move(figures)};
 }
 
 Finding computation::accuracy(const Clause&, const ClauseContext& context) {
     if (!context.speed || !context.profile.accuracy_limit_mps)
-        return {"not_met", "there is no certifiable window whose accuracy could be stated"};
+        return {RequirementStatus::not_met,
+                "there is no certifiable window whose accuracy could be stated"};
     const double u = *context.expanded_uncertainty_mps;
     const double bias_limit_mps = context.speed->bias_limit_mps;
     const bool met = u <= *context.profile.accuracy_limit_mps;
     const std::string& unit = context.profile.accuracy_unit;
-    return {met ? "met" : "not_met",
+    return {met ? RequirementStatus::met : RequirementStatus::not_met,
             fmt::format("{:.3g} times the standard uncertainty{} is {}, the limit {}; {}",
                         context.coverage_factor,
                         bias_limit_mps > 0.0
@@ -185,13 +191,14 @@ Finding computation::accuracy(const Clause&, const ClauseContext& context) {
 }
 
 Finding computation::margin(const Clause&, const ClauseContext& context) {
-    if (context.record == nullptr) return {"attest", "the attempt names no record to beat"};
-    if (!context.speed) return {"not_met", "there is no certifiable window"};
+    if (context.record == nullptr)
+        return {RequirementStatus::attest, "the attempt names no record to beat"};
+    if (!context.speed) return {RequirementStatus::not_met, "there is no certifiable window"};
     const std::string& unit = context.record->unit;
     const double speed = context.speed->speed_mps;
     const double u = *context.expanded_uncertainty_mps;
     const bool met = context.decision->probability >= context.decision->level;
-    return {met ? "met" : "not_met",
+    return {met ? RequirementStatus::met : RequirementStatus::not_met,
             fmt::format("speed {} +/- {}, to reach {}: probability {} that it does, {} needed "
                         "(speeds from {} on are accepted)",
                         in_unit(speed, unit, 3), in_unit(u, unit, 3),
@@ -207,8 +214,9 @@ Finding computation::margin(const Clause&, const ClauseContext& context) {
 
 Finding computation::georeferenced(const Clause&, const ClauseContext& context) {
     if (context.input.judged.facts.georeferenced)
-        return {"met", "WGS 84 positions, taken to a local frame without a grid's scale factor"};
-    return {"attest",
+        return {RequirementStatus::met,
+                "WGS 84 positions, taken to a local frame without a grid's scale factor"};
+    return {RequirementStatus::attest,
             "the recording holds local-plane coordinates, not georeferenced: their unit "
             "must be the true metre on the ground"};
 }
@@ -216,19 +224,20 @@ Finding computation::georeferenced(const Clause&, const ClauseContext& context) 
 Finding computation::secondary_method(const Clause&, const ClauseContext& context) {
     const bool declared = context.input.attempt.secondary_method.has_value();
     if (!context.input.secondary && !declared)
-        return {"attest", "the attempt has one receiver; another method is not part of it"};
+        return {RequirementStatus::attest,
+                "the attempt has one receiver; another method is not part of it"};
     if (!declared) return by_receiver(context);
     Finding finding = by_declaration(context);
     if (!context.input.secondary) return finding;
     Finding other = by_receiver(context);
-    if (other.status != "met") finding.status = other.status;
+    if (other.status != RequirementStatus::met) finding.status = other.status;
     finding.evidence += "; " + other.evidence;
     finding.figures.insert(finding.figures.end(), other.figures.begin(), other.figures.end());
     return finding;
 }
 
 Finding computation::attest(const Clause&, const ClauseContext&) {
-    return {"attest", "the data cannot tell"};
+    return {RequirementStatus::attest, "the data cannot tell"};
 }
 
 Requirement decide_clause(const Clause& clause, const ClauseContext& context) {

@@ -36,10 +36,9 @@ struct ClauseContext {
     std::optional<FlowInWindow> current = std::nullopt;
 };
 
-/// What a computation finds of a clause: "met", "not_met", or "attest", which leaves it to a
-/// person.
+/// What a computation finds of a clause.
 struct Finding {
-    std::string status;
+    RequirementStatus status = RequirementStatus::not_met;
     std::string evidence;
     std::vector<Figure> figures = {};
 };

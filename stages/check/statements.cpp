@@ -32,12 +32,12 @@ std::string not_fitted(const NoiseSummary& noise, const std::string& axes) {
     const std::string instead = fmt::format(
         "the stated accuracies times {:.2f} and a jerk density of {:.3g} m s^-2.5 were used",
         noise.measurement_scale.value, noise.jerk_density.value);
-    if (noise.status == "too_few_epochs")
+    if (noise.status == NoiseBasis::too_few_epochs)
         return fmt::format(
             "The {} noise could not be learnt from the recording, which has {} usable epochs where "
             "{} are needed: {}.",
             axes, noise.epochs, noise.epochs_needed, instead);
-    if (noise.status == "constant_positions")
+    if (noise.status == NoiseBasis::constant_positions)
         return fmt::format(
             "The {} noise could not be learnt from the recording, whose positions are all the "
             "same: {}.",
@@ -47,7 +47,7 @@ std::string not_fitted(const NoiseSummary& noise, const std::string& axes) {
 }
 
 void add_fit(const NoiseSummary& noise, const std::string& axes, Statements& statements) {
-    if (noise.status != "fitted") {
+    if (noise.status != NoiseBasis::fitted) {
         statements.push_back(not_fitted(noise, axes));
         return;
     }
@@ -175,12 +175,14 @@ void add_recording(const RecordingFacts& facts, Statements& statements) {
 
 void add_kinds(const std::vector<FixKindEvidence>& kinds, Statements& statements) {
     for (const FixKindEvidence& kind : kinds) {
-        if (kind.judgement != "too_good" && kind.judgement != "too_bad") continue;
+        if (kind.judgement != AccuracyJudgement::too_good &&
+            kind.judgement != AccuracyJudgement::too_bad)
+            continue;
         statements.push_back(fmt::format(
             "The {} accuracies stated for {} solutions are {}: the errors that the epochs show "
             "against one another are {:.2f} times as large.",
             to_text(kind.axes), to_text(kind.fix),
-            kind.judgement == "too_good" ? "too good" : "too bad",
+            kind.judgement == AccuracyJudgement::too_good ? "too good" : "too bad",
             std::sqrt(kind.variance_factor)));
     }
 }
@@ -190,7 +192,7 @@ void add_time(const TimeEvidence& time, Statements& statements) {
         statements.push_back(
             fmt::format("The recording holds {} sessions, which were not joined.", time.sessions));
     for (const TimeFault& fault : time.faults)
-        if (fault.kind == "whole_second_shift")
+        if (fault.kind == TimeFaultKind::whole_second_shift)
             statements.push_back(fmt::format(
                 "At epoch {} the clock jumped by {:+.0f} s while the craft went on: times before "
                 "and after it are not of one scale.",
@@ -243,7 +245,7 @@ void add_drift(const ReceiverEvidence& judged, Statements& statements) {
     for (const ProfileWindows& windows : judged.windows.profiles) {
         if (!windows.best) continue;
         for (const UndetectedError& error : windows.best->reliability) {
-            if (error.hypothesis != to_text(Hypothesis::ramp)) continue;
+            if (error.hypothesis != Hypothesis::ramp) continue;
             statements.push_back(fmt::format(
                 "Under {}, a drift of the positions beside the window is sure to be found by the "
                 "positions alone only from {:.2f} m/s on; {}.",
@@ -297,7 +299,7 @@ void add_screening(const ReceiverEvidence& judged, Statements& statements) {
         "probability of at most {:g}.",
         tests.tests, tests.family_false_alarm_rate));
     for (const ScreeningModel& model : tests.models)
-        if (model.noise != "fitted")
+        if (model.noise != NoiseBasis::fitted)
             statements.push_back(fmt::format(
                 "The {} tests rest on the stated accuracies times {:.2f}, not on noise learnt from "
                 "the recording.",

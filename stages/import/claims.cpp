@@ -9,7 +9,7 @@ void note_origins_of_head(const Receiver& receiver, Observations& head) {
     head.facts.time_source = format && format->of_satellites        ? "satellites"
                              : receiver.time_source == "satellites" ? "attempt"
                                                                     : "unknown";
-    head.solution_source = "recording";
+    head.solution_source = SolutionSource::recording;
 }
 
 void note_origins(const Receiver& receiver, Observations& observations) {
@@ -27,9 +27,9 @@ void note_origins(const Receiver& receiver, Observations& observations) {
         row.fix = claimed;
     }
     if (missing)
-        observations.solution_source = claimed != FixKind::unknown ? "attempt"
-                                       : stated                    ? "partly"
-                                                                   : "unknown";
+        observations.solution_source = claimed != FixKind::unknown ? SolutionSource::attempt
+                                       : stated                    ? SolutionSource::partly
+                                                                   : SolutionSource::unknown;
 }
 
 }  // namespace runcert

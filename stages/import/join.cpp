@@ -141,9 +141,10 @@ Observations join(std::vector<Observations> parts, const std::vector<RecordingBy
             coarser(all.facts.time_resolution_s, part.facts.time_resolution_s);
         if (part.solution_source != all.solution_source)
             // What one file has by the attempt's word alone stays a claim.
-            all.solution_source =
-                part.solution_source == "attempt" || all.solution_source == "attempt" ? "attempt"
-                                                                                      : "partly";
+            all.solution_source = part.solution_source == SolutionSource::attempt ||
+                                          all.solution_source == SolutionSource::attempt
+                                      ? SolutionSource::attempt
+                                      : SolutionSource::partly;
         if (part.accuracy_source == "none" || all.accuracy_source == "none")
             all.accuracy_source = "none";
         append(all, part, static_cast<std::int8_t>(i + 1));

@@ -120,7 +120,7 @@ EstimationModel learn_model(const Series& series, double length_m, const TestPla
     finish_arcs(first_look.rows, config.burst_epochs_max, config.min_arc_epochs);
     config.fit_noise = true;
     const ScreeningNoise fitted = learn_screening_noise<Axes>(first_look, config);
-    return fitted.evidence.noise == "fitted" ? fitted.model : stated;
+    return fitted.evidence.noise == NoiseBasis::fitted ? fitted.model : stated;
 }
 
 /// Estimates the errors anew, given all decisions, and each epoch's of a burst by itself.

@@ -151,10 +151,11 @@ std::vector<FixKindEvidence> compare_fix_kinds(const ScreenedTable& first_look,
                             .axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal,
                             .epochs = std::ssize(values),
                             .variance_factor = factor,
-                            .judgement = !enough                      ? "too_few_epochs"
-                                         : factor > 1.0 + 3.0 * sigma ? "too_good"
-                                         : factor < 1.0 - 3.0 * sigma ? "too_bad"
-                                                                      : "as_stated"});
+                            .judgement = !enough ? AccuracyJudgement::too_few_epochs
+                                         : factor > 1.0 + 3.0 * sigma ? AccuracyJudgement::too_good
+                                         : factor < 1.0 - 3.0 * sigma
+                                             ? AccuracyJudgement::too_bad
+                                             : AccuracyJudgement::as_stated});
     }
     return evidence;
 }

@@ -7,6 +7,7 @@
 #include "core/statistics.h"
 #include "estimation/noise_fit.h"
 #include "estimation/tables/arcs.h"
+#include "estimation/tables/noise_models.h"
 
 namespace runcert {
 namespace {
@@ -71,18 +72,6 @@ bool has_velocities(const ScreenedTable& table) {
     return 2 * recorded > usable;
 }
 
-std::string words_of(NoiseFit::Status status) {
-    switch (status) {
-        case NoiseFit::Status::fitted:
-            return "fitted";
-        case NoiseFit::Status::too_few_epochs:
-            return "too_few_epochs";
-        case NoiseFit::Status::constant_positions:
-            return "constant_positions";
-    }
-    return {};
-}
-
 }  // namespace
 
 template <int Axes>
@@ -93,7 +82,7 @@ ScreeningNoise learn_screening_noise(const ScreenedTable& first_look, const Scre
     EstimationModel& model = noise.model;
     model.motion.jerk_density = config.jerk_density;
     noise.evidence.axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal;
-    noise.evidence.noise = "stated";
+    noise.evidence.noise = NoiseBasis::stated;
     if (config.fit_noise) {
         NoiseFitOptions options;
         options.initial_jerk_density = config.jerk_density;
@@ -101,7 +90,7 @@ ScreeningNoise learn_screening_noise(const ScreenedTable& first_look, const Scre
         options.tau_max_s = config.tau_max_s;
         options.motion = NoiseFitOptions::Motion::constant_acceleration;
         const NoiseFit fit = fit_noise<Axes>(stretches, options);
-        noise.evidence.noise = words_of(fit.status);
+        noise.evidence.noise = basis_of(fit.status);
         if (fit.status == NoiseFit::Status::fitted) {
             model = fit.model;
             noise.fitted = fit.model;
@@ -111,7 +100,7 @@ ScreeningNoise learn_screening_noise(const ScreenedTable& first_look, const Scre
                 model.measurement_scale = std::max(model.measurement_scale, config.noise_scale_min);
         }
     }
-    if (noise.evidence.noise != "fitted") {
+    if (noise.evidence.noise != NoiseBasis::fitted) {
         model.measurement_scale = robust_scale<Axes>(stretches, model);
         noise.fitted = model;
         noise.evidence.white_scale = model.measurement_scale;

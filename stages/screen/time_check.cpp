@@ -211,13 +211,13 @@ bool begins_session(const std::vector<ScreenedEpoch>& rows, const Jump& jump, co
 TimeFault fault_of(const std::vector<ScreenedEpoch>& rows, const Jump& jump, const Rhythm& rhythm,
                    const TimeCheckOptions& options) {
     const std::int64_t epoch = rows[jump.row].epoch;
-    if (jump.step_s == 0.0) return {epoch, "duplicate", 0.0};
+    if (jump.step_s == 0.0) return {epoch, TimeFaultKind::duplicate, 0.0};
     if (const auto shift_s = clock_shift(rows, jump, rhythm))
-        return {epoch, "whole_second_shift", *shift_s};
+        return {epoch, TimeFaultKind::whole_second_shift, *shift_s};
     const double size_s = jump.advance_s - rhythm.mean_s;
     if (begins_session(rows, jump, rhythm, options.session_gap_s))
-        return {epoch, "session", size_s};
-    return {epoch, jump.step_s < 0.0 ? "backward" : "gap", size_s};
+        return {epoch, TimeFaultKind::session, size_s};
+    return {epoch, jump.step_s < 0.0 ? TimeFaultKind::backward : TimeFaultKind::gap, size_s};
 }
 
 }  // namespace
@@ -237,7 +237,7 @@ TimeEvidence examine_time(const std::vector<ScreenedEpoch>& rows, const TimeChec
             evidence.longest_gap_s = std::max(evidence.longest_gap_s, jump.advance_s);
         }
         TimeFault fault = fault_of(rows, jump, rhythm, options);
-        if (fault.kind == "session") ++evidence.sessions;
+        if (fault.kind == TimeFaultKind::session) ++evidence.sessions;
         if (evidence.faults.size() < faults_kept) evidence.faults.push_back(std::move(fault));
     }
     return evidence;

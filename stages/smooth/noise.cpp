@@ -65,7 +65,7 @@ std::vector<std::span<const ArcEpoch<Axes>>> spans_of(const std::vector<Arc<Axes
 }
 
 void take_over(const NoiseFit& fit, NoiseSummary& noise) {
-    noise.status = "fitted";
+    noise.status = NoiseBasis::fitted;
     noise.jerk_density = parameter(fit.jerk_density);
     noise.measurement_scale = parameter(fit.measurement_scale);
     if (std::isfinite(fit.acceleration_time.value))
@@ -134,10 +134,9 @@ NoiseSummary learn_noise(std::vector<Arc<Axes>>& arcs, const SmoothConfig& confi
             return noise;
         }
         forget_motion(arcs);
-        noise.status = fit.status == NoiseFit::Status::too_few_epochs ? "too_few_epochs"
-                                                                      : "constant_positions";
+        noise.status = basis_of(fit.status);
     } else {
-        noise.status = "not_asked";
+        noise.status = NoiseBasis::stated;
     }
     scale_stated(arcs, noise);
     return noise;
@@ -146,7 +145,7 @@ NoiseSummary learn_noise(std::vector<Arc<Axes>>& arcs, const SmoothConfig& confi
 template <int Axes>
 void set_jerk_densities(std::vector<Arc<Axes>>& arcs, const NoiseSummary& noise,
                         const SmoothConfig& config) {
-    if (noise.status != "fitted") return;
+    if (noise.status != NoiseBasis::fitted) return;
     const double fitted = noise.jerk_density.value;
     const double of_class = config.fit.initial_jerk_density;
     for (Arc<Axes>& arc : arcs)

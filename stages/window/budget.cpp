@@ -29,7 +29,7 @@ BudgetRow bounded_row(std::string symbol, std::string source, double half_width,
             .degrees_of_freedom = std::nullopt,
             .sensitivity = sensitivity,
             .contribution_mps = uncertainty * std::abs(sensitivity),
-            .correlation = independent,
+            .correlation = independent_of_other_rows,
             .note = std::move(note)};
 }
 
@@ -62,7 +62,7 @@ void add_position_rows(const BudgetInput& input, std::vector<BudgetRow>& rows) {
     white.degrees_of_freedom = degrees_of(fit.measurement_scale);
     rows.push_back(std::move(white));
 
-    const bool fitted = input.bound.decided_by == "fitted";
+    const bool fitted = input.bound.decided_by == BoundSource::fitted;
     BudgetRow slow =
         speed_row("b", "slowly varying error of the positions", fitted ? "A" : "B",
                   input.noise.correlated_mps, joint,
@@ -206,7 +206,7 @@ BudgetRow length_row(const SurveyedLength& length, double duration_s) {
             .degrees_of_freedom = std::nullopt,
             .sensitivity = 1.0 / duration_s,
             .contribution_mps = length.standard_uncertainty_m / duration_s,
-            .correlation = independent,
+            .correlation = independent_of_other_rows,
             .note = "as the attempt states it"};
 }
 
@@ -238,10 +238,10 @@ BudgetRow undetected_row(const BudgetInput& input) {
 /// The bias itself is no row: what may remain of it is added to the expanded uncertainty.
 BudgetRow selection_row(const BudgetInput& input) {
     const SelectionBias& selection = input.selection;
-    const bool subtracted = selection.treatment == "subtracted";
+    const bool subtracted = selection.treatment == SelectionTreatment::subtracted;
     BudgetRow row = speed_row(
         "f", "choice of the fastest of many windows", "A", selection.bias_uncertainty_mps,
-        independent,
+        independent_of_other_rows,
         fmt::format("bias between {:.4f} m/s and {:.4f} m/s, {} could have been the fastest; {}",
                     selection.fitted_bias_mps, selection.bounded_bias_mps,
                     selection.candidates == 1 ? std::string("no other window")

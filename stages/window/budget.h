@@ -32,7 +32,7 @@ struct BudgetInput {
 };
 
 /// What a row says of its correlation where there is none.
-inline constexpr const char* independent = "independent of the other rows";
+inline constexpr const char* independent_of_other_rows = "independent of the other rows";
 
 /// A row whose quantity is the speed itself (m/s), of a normal distribution.
 BudgetRow speed_row(std::string symbol, std::string source, std::string type,

@@ -109,8 +109,9 @@ SelectionBias selection_of(const AxesEvidence<Axes>& evidence, const WindowChoic
                                              .tau_min_s = bound.tau_min_s,
                                              .tau_max_s = bound.tau_max_s},
                              stated_mps, evidence.config.selection_samples, evidence.config.seed);
-    selection.treatment =
-        choice.profile.uncertainty.subtract_selection_bias ? "subtracted" : "covered";
+    selection.treatment = choice.profile.uncertainty.subtract_selection_bias
+                              ? SelectionTreatment::subtracted
+                              : SelectionTreatment::covered;
     return selection;
 }
 

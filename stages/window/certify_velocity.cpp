@@ -117,17 +117,17 @@ CertifiableWindow certified_by_velocity(const ScreenedTable& screened,
     const double selection = stated * std::sqrt(2.0 * std::log(static_cast<double>(rivals)));
     window.budget.push_back(speed_row(
         "u", "accuracy of the recorded velocities, as the recording states it", "B", stated,
-        independent,
+        independent_of_other_rows,
         fmt::format("taken as one error throughout the window; the smoothed positions give {:.3f} "
                     "m/s over the same window",
                     speed_by(window.definitions, profile.definition))));
     window.budget.push_back(speed_row(
-        "d", "undetected error", "B", 0.0, independent,
+        "d", "undetected error", "B", 0.0, independent_of_other_rows,
         "not quantified: screening tests positions; velocities are only compared with them"));
     window.bias_limit_mps = 0.5 * selection;
     window.speed_mps = less_bias(window.speed_mps, window.bias_limit_mps);
     BudgetRow row = speed_row(
-        "f", "choice of the fastest of many windows", "B", 0.0, independent,
+        "f", "choice of the fastest of many windows", "B", 0.0, independent_of_other_rows,
         fmt::format("{} that do not overlap could have been the fastest: a bias of at most {:.4f} "
                     "m/s, half of which is subtracted from the speed and half added to the "
                     "expanded uncertainty",

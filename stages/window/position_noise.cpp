@@ -37,9 +37,9 @@ ErrorBound error_bound(const ScreenedTable& screened, std::size_t first_row, std
         ++count;
         const auto floor = rule.error_floor_m.find(std::string(to_text(row.fix)));
         if (floor != rule.error_floor_m.end() &&
-            (bound.floor_fix.empty() || floor->second > bound.floor_m)) {
+            (!bound.floor_fix || floor->second > bound.floor_m)) {
             bound.floor_m = floor->second;
-            bound.floor_fix = floor->first;
+            bound.floor_fix = row.fix;
         }
     }
     // A scale below one is that of errors which differ from epoch to epoch: the smooth ones it
@@ -48,9 +48,9 @@ ErrorBound error_bound(const ScreenedTable& screened, std::size_t first_row, std
     if (noise.error_told)
         bound.fitted_m = along * noise.error_diffusion->value * std::sqrt(0.5 * rule.tau_min_s);
     bound.sigma_m = std::max({bound.fitted_m, bound.stated_m, bound.floor_m});
-    bound.decided_by = bound.sigma_m == bound.floor_m    ? "floor"
-                       : bound.sigma_m == bound.stated_m ? "stated"
-                                                         : "fitted";
+    bound.decided_by = bound.sigma_m == bound.floor_m    ? BoundSource::floor
+                       : bound.sigma_m == bound.stated_m ? BoundSource::stated
+                                                         : BoundSource::fitted;
     return bound;
 }
 

@@ -44,7 +44,7 @@ std::vector<ArcEpoch<Axes>> tested_epochs(const ScreenedTable& screened, const A
 class Worst {
   public:
     Worst(Hypothesis hypothesis, std::string unit)
-        : error_{.hypothesis = std::string(to_text(hypothesis)), .unit = std::move(unit)} {}
+        : error_{.hypothesis = hypothesis, .unit = std::move(unit)} {}
 
     /// `effect` is what an error of one unit in each direction moves the speed by.
     template <int Size>
@@ -154,13 +154,12 @@ template std::vector<UndetectedError> undetected_errors<2>(const ScreenedTable&,
                                                            std::span<const PositionVector<2>>);
 
 std::string undetected_words(const UndetectedError& error, double power) {
-    const bool epochs = error.hypothesis == to_text(Hypothesis::outlier) ||
-                        error.hypothesis == to_text(Hypothesis::burst);
-    const std::string what = error.hypothesis == to_text(Hypothesis::time_shift)
-                                 ? std::string("shift of the time stamps")
-                             : error.hypothesis == to_text(Hypothesis::burst)
-                                 ? std::string("error of several epochs")
-                                 : error.hypothesis;
+    const bool epochs =
+        error.hypothesis == Hypothesis::outlier || error.hypothesis == Hypothesis::burst;
+    const std::string what =
+        error.hypothesis == Hypothesis::time_shift ? std::string("shift of the time stamps")
+        : error.hypothesis == Hypothesis::burst    ? std::string("error of several epochs")
+                                                   : std::string(to_text(error.hypothesis));
     const std::string size = error.unit == "s"   ? fmt::format("{:.4f} s", error.size)
                              : error.unit == "m" ? fmt::format("{:.3f} m", error.size)
                                                  : fmt::format("{:.3f} m/s", error.size);
@@ -178,7 +177,7 @@ std::string undetected_words(const UndetectedError& error, double power) {
 const UndetectedError* undetected_in_budget(const std::vector<UndetectedError>& reliability) {
     const auto found = std::find_if(
         reliability.begin(), reliability.end(),
-        [](const UndetectedError& error) { return error.hypothesis != to_text(Hypothesis::ramp); });
+        [](const UndetectedError& error) { return error.hypothesis != Hypothesis::ramp; });
     return found == reliability.end() ? nullptr : &*found;
 }
 

@@ -527,13 +527,13 @@ TEST(Audit, WhatTheTestsRestedOn) {
     table.rows[9].local_variance_factor = 3.25;
     ScreeningEvidence& evidence = table.evidence;
     evidence.models = {{.axes = TestedAxes::horizontal,
-                        .noise = "fitted",
+                        .noise = NoiseBasis::fitted,
                         .jerk_density = 0.625,
                         .measurement_scale = 1.5,
                         .error_sigma_m = 0.0125,
                         .error_tau_s = 2.5},
                        {.axes = TestedAxes::vertical,
-                        .noise = "too_few_epochs",
+                        .noise = NoiseBasis::too_few_epochs,
                         .jerk_density = 0.6,
                         .measurement_scale = 1.25,
                         .error_sigma_m = 0.0,

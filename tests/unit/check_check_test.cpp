@@ -66,21 +66,21 @@ struct Scene {
     }
 };
 
-std::string status_of(const ProfileVerdict& verdict, const std::string& clause) {
+RequirementStatus status_of(const ProfileVerdict& verdict, const std::string& clause) {
     for (const Requirement& requirement : verdict.requirements)
         if (requirement.clause == clause) return requirement.status;
-    return "no such clause";
+    throw std::runtime_error("no clause " + clause);
 }
 
 TEST(Check, ARecordBeaten) {
     const ProfileVerdict verdict = Scene(60.0, 0.005).verdict();
-    EXPECT_EQ(verdict.outcome, "beaten");
-    EXPECT_EQ(status_of(verdict, "average-over-3-s"), "met");
-    EXPECT_EQ(status_of(verdict, "accuracy"), "met");
-    EXPECT_EQ(status_of(verdict, "margin"), "met");
-    EXPECT_EQ(status_of(verdict, "positions-on-the-earth"), "met");
-    EXPECT_EQ(status_of(verdict, "secondary-method"), "attest");
-    EXPECT_EQ(status_of(verdict, "own-start"), "attest");
+    EXPECT_EQ(verdict.outcome, Outcome::beaten);
+    EXPECT_EQ(status_of(verdict, "average-over-3-s"), RequirementStatus::met);
+    EXPECT_EQ(status_of(verdict, "accuracy"), RequirementStatus::met);
+    EXPECT_EQ(status_of(verdict, "margin"), RequirementStatus::met);
+    EXPECT_EQ(status_of(verdict, "positions-on-the-earth"), RequirementStatus::met);
+    EXPECT_EQ(status_of(verdict, "secondary-method"), RequirementStatus::attest);
+    EXPECT_EQ(status_of(verdict, "own-start"), RequirementStatus::attest);
     EXPECT_NEAR(*verdict.expanded_uncertainty_mps, 0.010, 1e-12);
 }
 
@@ -92,9 +92,9 @@ TEST(Check, FewDegreesOfFreedomWidenTheExpandedUncertainty) {
     EXPECT_NEAR(*verdict.expanded_uncertainty_mps, verdict.coverage_factor * 0.005, 1e-15);
     // 0.2222 m/s over 2.87 is 0.0774: within the limit for many degrees of freedom, not for four.
     scene.judged.windows.profiles[0].best->standard_uncertainty_mps = 0.08;
-    EXPECT_EQ(status_of(scene.verdict(), "accuracy"), "not_met");
+    EXPECT_EQ(status_of(scene.verdict(), "accuracy"), RequirementStatus::not_met);
     scene.judged.windows.profiles[0].best->effective_degrees_of_freedom.reset();
-    EXPECT_EQ(status_of(scene.verdict(), "accuracy"), "met");
+    EXPECT_EQ(status_of(scene.verdict(), "accuracy"), RequirementStatus::met);
 }
 
 TEST(Check, TheAccuracySaysWhatOfItTheChoiceOfTheWindowMayHaveLeft) {
@@ -107,7 +107,7 @@ TEST(Check, TheAccuracySaysWhatOfItTheChoiceOfTheWindowMayHaveLeft) {
     EXPECT_TRUE(accuracy().evidence.starts_with("2 times the standard uncertainty is 0.576 km/h,"))
         << accuracy().evidence;
     scene.judged.windows.profiles[0].best->bias_limit_mps = 0.1;
-    EXPECT_EQ(accuracy().status, "not_met");
+    EXPECT_EQ(accuracy().status, RequirementStatus::not_met);
     EXPECT_TRUE(accuracy().evidence.starts_with(
         "2 times the standard uncertainty, and 0.360 km/h that choosing the window may have left, "
         "is 0.936 km/h, the limit 0.800 km/h"))
@@ -123,16 +123,16 @@ TEST(Check, ARobustEstimateThatDisagreesIsNotCertifiable) {
                        .downweighted = 3};
     scene.judged.windows.profiles[0].best->robust = robust;
     const ProfileVerdict verdict = scene.verdict();
-    EXPECT_EQ(verdict.outcome, "not_certifiable");
+    EXPECT_EQ(verdict.outcome, Outcome::not_certifiable);
     for (const char* part : {"robust", "+0.360 km/h", "0.043 km/h", "screening"})
         EXPECT_NE(verdict.reason.find(part), std::string::npos) << verdict.reason;
     robust.agrees = true;
     scene.judged.windows.profiles[0].best->robust = robust;
-    EXPECT_EQ(scene.verdict().outcome, "beaten");
+    EXPECT_EQ(scene.verdict().outcome, Outcome::beaten);
     scene.judged.windows.profiles[0].best->robust.reset();
     scene.judged.estimation.robust_unsolved = 1;
     const ProfileVerdict unsolved = scene.verdict();
-    EXPECT_EQ(unsolved.outcome, "not_certifiable");
+    EXPECT_EQ(unsolved.outcome, Outcome::not_certifiable);
     EXPECT_NE(unsolved.reason.find("did not converge"), std::string::npos);
 }
 
@@ -156,10 +156,10 @@ TEST(Check, EveryWindowOfAMeanIsRefusedForWhatTheBestIs) {
     };
     Scene scene = mean_of_two();
     scene.judged.records.bad_records[0].epoch = 150;
-    EXPECT_EQ(scene.verdict().outcome, "beaten") << scene.verdict().reason;
+    EXPECT_EQ(scene.verdict().outcome, Outcome::beaten) << scene.verdict().reason;
     EXPECT_NEAR(*scene.verdict().speed_mps, 59.5, 1e-12);
     scene.judged.records.bad_records[0].epoch = 210;
-    EXPECT_EQ(scene.verdict().outcome, "not_certifiable");
+    EXPECT_EQ(scene.verdict().outcome, Outcome::not_certifiable);
     EXPECT_NE(scene.verdict().reason.find("could not be read"), std::string::npos);
     scene = mean_of_two();
     scene.judged.windows.profiles[0].further[0].robust = RobustSpeed{.speed_mps = 59.1,
@@ -167,7 +167,7 @@ TEST(Check, EveryWindowOfAMeanIsRefusedForWhatTheBestIs) {
                                                                      .limit_mps = 0.012,
                                                                      .agrees = false,
                                                                      .downweighted = 3};
-    EXPECT_EQ(scene.verdict().outcome, "not_certifiable");
+    EXPECT_EQ(scene.verdict().outcome, Outcome::not_certifiable);
     EXPECT_NE(scene.verdict().reason.find("robust"), std::string::npos);
 }
 
@@ -181,43 +181,44 @@ TEST(Check, TheStatementsStandInTheVerdict) {
 
 TEST(Check, AnAccuracyBeyondTheLimitIsNotCertifiable) {
     // 0.8 km/h is 0.2222 m/s: twice 0.112 m/s is beyond, twice 0.111 m/s is within.
-    EXPECT_EQ(Scene(60.0, 0.112).verdict().outcome, "not_certifiable");
-    EXPECT_EQ(status_of(Scene(60.0, 0.112).verdict(), "accuracy"), "not_met");
-    EXPECT_EQ(Scene(60.0, 0.111).verdict().outcome, "beaten");
+    EXPECT_EQ(Scene(60.0, 0.112).verdict().outcome, Outcome::not_certifiable);
+    EXPECT_EQ(status_of(Scene(60.0, 0.112).verdict(), "accuracy"), RequirementStatus::not_met);
+    EXPECT_EQ(Scene(60.0, 0.111).verdict().outcome, Outcome::beaten);
 }
 
 TEST(Check, NotBeatenAndNotProven) {
     const double target = 202.9 * kmh + 1609.344 / 3600.0;
     // Phi(-2) = 0.0228 is at most 0.025, Phi(-1.9) = 0.0287 is not; Phi(1.9), Phi(2) likewise.
-    EXPECT_EQ(Scene(target - 0.010, 0.005).verdict().outcome, "not_beaten");
-    EXPECT_EQ(Scene(target - 0.0095, 0.005).verdict().outcome, "not_proven");
-    EXPECT_EQ(Scene(target - 0.001, 0.005).verdict().outcome, "not_proven");
-    EXPECT_EQ(Scene(target + 0.005, 0.005).verdict().outcome, "not_proven");
-    EXPECT_EQ(Scene(target + 0.0095, 0.005).verdict().outcome, "not_proven");
-    EXPECT_EQ(Scene(target + 0.010, 0.005).verdict().outcome, "beaten");
-    EXPECT_EQ(status_of(Scene(target + 0.005, 0.005).verdict(), "margin"), "not_met");
-    EXPECT_EQ(Scene(target + 0.011, 0.005).verdict().outcome, "beaten");
+    EXPECT_EQ(Scene(target - 0.010, 0.005).verdict().outcome, Outcome::not_beaten);
+    EXPECT_EQ(Scene(target - 0.0095, 0.005).verdict().outcome, Outcome::not_proven);
+    EXPECT_EQ(Scene(target - 0.001, 0.005).verdict().outcome, Outcome::not_proven);
+    EXPECT_EQ(Scene(target + 0.005, 0.005).verdict().outcome, Outcome::not_proven);
+    EXPECT_EQ(Scene(target + 0.0095, 0.005).verdict().outcome, Outcome::not_proven);
+    EXPECT_EQ(Scene(target + 0.010, 0.005).verdict().outcome, Outcome::beaten);
+    EXPECT_EQ(status_of(Scene(target + 0.005, 0.005).verdict(), "margin"),
+              RequirementStatus::not_met);
+    EXPECT_EQ(Scene(target + 0.011, 0.005).verdict().outcome, Outcome::beaten);
 }
 
 TEST(Check, WithoutARecordNothingIsBeaten) {
     Scene scene(60.0, 0.005);
     scene.attempt.record.reset();
-    EXPECT_EQ(scene.verdict().outcome, "not_proven");
+    EXPECT_EQ(scene.verdict().outcome, Outcome::not_proven);
 }
 
 TEST(Check, WithoutAWindowNothingIsCertifiable) {
     Scene scene(60.0, 0.005);
     scene.judged.windows.profiles[0].best.reset();
     const ProfileVerdict verdict = scene.verdict();
-    EXPECT_EQ(verdict.outcome, "not_certifiable");
+    EXPECT_EQ(verdict.outcome, Outcome::not_certifiable);
     EXPECT_FALSE(verdict.speed_mps.has_value());
-    EXPECT_EQ(status_of(verdict, "average-over-3-s"), "not_met");
+    EXPECT_EQ(status_of(verdict, "average-over-3-s"), RequirementStatus::not_met);
 }
 
 TEST(Check, LocalPlaneCoordinatesAreForAPersonToAnswerFor) {
     Scene scene(60.0, 0.005);
     scene.judged.facts.georeferenced = false;
-    EXPECT_EQ(status_of(scene.verdict(), "positions-on-the-earth"), "attest");
+    EXPECT_EQ(status_of(scene.verdict(), "positions-on-the-earth"), RequirementStatus::attest);
     const Verdict verdict =
         check({.attempt = scene.attempt, .profiles = scene.profiles, .judged = scene.judged});
     EXPECT_FALSE(verdict.georeferenced);
@@ -293,21 +294,21 @@ struct TwoReceivers : Scene {
 std::string evidence_of(const ProfileVerdict& verdict, const std::string& clause) {
     for (const Requirement& requirement : verdict.requirements)
         if (requirement.clause == clause) return requirement.evidence;
-    return "no such clause";
+    throw std::runtime_error("no clause " + clause);
 }
 
 TEST(Agreement, OfTheSpeedsOverThePrimarysWindow) {
     TwoReceivers scene;
     scene.second.speed_mps = 60.013;  // E_n = 0.013 / 0.01414 = 0.92
     scene.record();
-    EXPECT_EQ(status_of(scene.both(), "secondary-method"), "met");
+    EXPECT_EQ(status_of(scene.both(), "secondary-method"), RequirementStatus::met);
     EXPECT_NE(evidence_of(scene.both(), "secondary-method").find("error 0.92"), std::string::npos)
         << evidence_of(scene.both(), "secondary-method");
-    EXPECT_EQ(scene.both().outcome, "beaten");
+    EXPECT_EQ(scene.both().outcome, Outcome::beaten);
     scene.second.speed_mps = 60.015;  // 1.06
     scene.record();
-    EXPECT_EQ(status_of(scene.both(), "secondary-method"), "not_met");
-    EXPECT_EQ(scene.both().outcome, "not_certifiable");
+    EXPECT_EQ(status_of(scene.both(), "secondary-method"), RequirementStatus::not_met);
+    EXPECT_EQ(scene.both().outcome, Outcome::not_certifiable);
 }
 
 TEST(Agreement, ContradictionIsNotCertifiableUnderARuleThatDoesNotAskForAnotherMethod) {
@@ -317,10 +318,10 @@ TEST(Agreement, ContradictionIsNotCertifiableUnderARuleThatDoesNotAskForAnotherM
     std::erase_if(scene.profiles[0].clauses, [](const Clause& clause) {
         return clause.decided_by == Computation::secondary_method;
     });
-    EXPECT_EQ(scene.both().outcome, "not_certifiable");
+    EXPECT_EQ(scene.both().outcome, Outcome::not_certifiable);
     for (const char* part : {"\"secondary\"", "+0.108 km/h", "2.12", "one of the two"})
         EXPECT_NE(scene.both().reason.find(part), std::string::npos) << scene.both().reason;
-    EXPECT_EQ(scene.verdict(false).outcome, "beaten");
+    EXPECT_EQ(scene.verdict(false).outcome, Outcome::beaten);
 }
 
 TEST(Agreement, TimesAreMatchedWhateverTheRecordingsBeginWith) {
@@ -329,7 +330,7 @@ TEST(Agreement, TimesAreMatchedWhateverTheRecordingsBeginWith) {
         scene.second.speed_mps = 60.010;
         scene.second.radius_m = scene.first.radius_m = 500.0;
         scene.record(later_s);
-        EXPECT_EQ(status_of(scene.both(), "secondary-method"), "met") << later_s;
+        EXPECT_EQ(status_of(scene.both(), "secondary-method"), RequirementStatus::met) << later_s;
         EXPECT_NE(evidence_of(scene.both(), "secondary-method").find("+0.03"), std::string::npos)
             << evidence_of(scene.both(), "secondary-method");
     }
@@ -354,13 +355,13 @@ TEST(Agreement, AntennasOnTheOuterAndTheInnerSideOfATurn) {
     scene.second.right_m = -2.0;
     scene.second.ahead_m = 1.0;
     scene.record();
-    EXPECT_EQ(status_of(scene.both(), "secondary-method"), "met")
+    EXPECT_EQ(status_of(scene.both(), "secondary-method"), RequirementStatus::met)
         << evidence_of(scene.both(), "secondary-method");
     EXPECT_NE(evidence_of(scene.both(), "secondary-method").find("normalised error 0.0"),
               std::string::npos);
     // Without a common frame the antennas' places are not known.
     scene.secondary.origin = FrameOrigin{.position = {}, .source = "attempt"};
-    EXPECT_EQ(status_of(scene.both(), "secondary-method"), "not_met");
+    EXPECT_EQ(status_of(scene.both(), "secondary-method"), RequirementStatus::not_met);
 }
 
 struct CoverageCase {
@@ -388,35 +389,35 @@ TEST(Agreement, WithoutUsableDataOverThatTimeIsNotMet) {
         SCOPED_TRACE(one.name);
         TwoReceivers scene;
         scene.record();
-        ASSERT_EQ(status_of(scene.both(), "secondary-method"), "met");
+        ASSERT_EQ(status_of(scene.both(), "secondary-method"), RequirementStatus::met);
         one.damage(scene);
-        EXPECT_EQ(status_of(scene.both(), "secondary-method"), "not_met");
+        EXPECT_EQ(status_of(scene.both(), "secondary-method"), RequirementStatus::not_met);
         EXPECT_NE(evidence_of(scene.both(), "secondary-method").find(one.said), std::string::npos)
             << evidence_of(scene.both(), "secondary-method");
-        EXPECT_EQ(scene.both().outcome, "not_certifiable");
+        EXPECT_EQ(scene.both().outcome, Outcome::not_certifiable);
     }
     // Outside of the window it does not matter.
     TwoReceivers scene;
     scene.record();
     scene.secondary.trajectory[49].usable = scene.secondary.trajectory[81].usable = false;
     scene.secondary.bridged_epochs = {51, 82};
-    EXPECT_EQ(status_of(scene.both(), "secondary-method"), "met");
+    EXPECT_EQ(status_of(scene.both(), "secondary-method"), RequirementStatus::met);
 }
 
 TEST(Agreement, TheOthersUncertaintyIsTheLargerOfItsBudgetsAndItsEnds) {
     TwoReceivers scene;
     scene.second.speed_mps = 60.03;
     scene.record();
-    EXPECT_EQ(status_of(scene.both(), "secondary-method"), "not_met");
+    EXPECT_EQ(status_of(scene.both(), "secondary-method"), RequirementStatus::not_met);
     // sqrt(2) 0.05 m / 3 s = 0.0236 m/s
     for (TrajectoryEpoch& row : scene.secondary.trajectory)
         row.sigma_east_m = row.sigma_north_m = 0.05;
-    EXPECT_EQ(status_of(scene.both(), "secondary-method"), "met");
+    EXPECT_EQ(status_of(scene.both(), "secondary-method"), RequirementStatus::met);
     scene.record();
     scene.set_window(scene.secondary, 75.0, 0.02);
-    EXPECT_EQ(status_of(scene.both(), "secondary-method"), "met");
+    EXPECT_EQ(status_of(scene.both(), "secondary-method"), RequirementStatus::met);
     scene.secondary.windows.profiles[0].best.reset();
-    EXPECT_EQ(status_of(scene.both(), "secondary-method"), "not_met");
+    EXPECT_EQ(status_of(scene.both(), "secondary-method"), RequirementStatus::not_met);
 }
 
 /// Both receivers within 0.167 km/h (k = 2), of which only 0.070 km/h is their own.
@@ -434,15 +435,15 @@ TwoReceivers that_share_most(double second_above_kmh) {
 TEST(Agreement, IsTestedWithWhatTheTwoDoNotShare) {
     // 0.23 / (sqrt(2) 0.070) = 2.32; with all of both, 0.23 / (sqrt(2) 0.167) = 0.97.
     TwoReceivers scene = that_share_most(0.23);
-    EXPECT_EQ(status_of(scene.both(), "secondary-method"), "not_met");
+    EXPECT_EQ(status_of(scene.both(), "secondary-method"), RequirementStatus::not_met);
     EXPECT_NE(evidence_of(scene.both(), "secondary-method").find("normalised error 2.32"),
               std::string::npos)
         << evidence_of(scene.both(), "secondary-method");
-    EXPECT_EQ(scene.both().outcome, "not_certifiable");
+    EXPECT_EQ(scene.both().outcome, Outcome::not_certifiable);
     // Where windows do not say what they share.
     for (ReceiverEvidence* one : {&scene.judged, &scene.secondary})
         one->windows.profiles[0].best->own_standard_uncertainty_mps.reset();
-    EXPECT_EQ(status_of(scene.both(), "secondary-method"), "met");
+    EXPECT_EQ(status_of(scene.both(), "secondary-method"), RequirementStatus::met);
     EXPECT_NE(evidence_of(scene.both(), "secondary-method").find("normalised error 0.97"),
               std::string::npos);
     // Without a window of its own the other counts as the judged one.
@@ -456,7 +457,7 @@ TEST(Agreement, OfAnErrorThatBothShareSaysNothingAndWhatIsSharedIsListed) {
     TwoReceivers scene = that_share_most(0.0);
     scene.first.speed_mps = scene.second.speed_mps = 66.0;  // both by a tenth too fast
     scene.record();
-    EXPECT_EQ(status_of(scene.both(), "secondary-method"), "met");
+    EXPECT_EQ(status_of(scene.both(), "secondary-method"), RequirementStatus::met);
     const std::string evidence = evidence_of(scene.both(), "secondary-method");
     for (const char* part : {"normalised error 0.00",
                              "They share base station, satellites, atmosphere, frame and time"})

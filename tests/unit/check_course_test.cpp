@@ -64,8 +64,10 @@ struct Straight {
 };
 
 CraftRun whole(const std::vector<TrajectoryEpoch>& rows) {
-    return {
-        .first_row = 0, .last_row = rows.size() - 1, .began = "recording", .ended = "recording"};
+    return {.first_row = 0,
+            .last_row = rows.size() - 1,
+            .began = RunEdge::recording,
+            .ended = RunEdge::recording};
 }
 
 CourseFacts facts_of(const std::vector<TrajectoryEpoch>& rows, std::size_t first, std::size_t last,

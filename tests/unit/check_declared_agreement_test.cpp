@@ -33,12 +33,12 @@ TEST(DeclaredSpeed, AgreesUpToANormalisedErrorOfOne) {
     // sqrt(0.01^2 + 0.04^2) = 0.0412311 m/s is allowed, on either side.
     for (const double side : {-1.0, 1.0}) {
         const RuleScene within = with_speed(60.0 + side * 0.0412310, 0.04);
-        EXPECT_EQ(within.clause("secondary_method").status, "met");
-        EXPECT_EQ(within.verdict().outcome, "beaten");
+        EXPECT_EQ(within.clause("secondary_method").status, RequirementStatus::met);
+        EXPECT_EQ(within.verdict().outcome, Outcome::beaten);
         EXPECT_NEAR(within.clause("secondary_method").figures.at(0).value, 1.0, 1e-5);
         const RuleScene beyond = with_speed(60.0 + side * 0.0412312, 0.04);
-        EXPECT_EQ(beyond.clause("secondary_method").status, "not_met");
-        EXPECT_EQ(beyond.verdict().outcome, "not_certifiable");
+        EXPECT_EQ(beyond.clause("secondary_method").status, RequirementStatus::not_met);
+        EXPECT_EQ(beyond.verdict().outcome, Outcome::not_certifiable);
     }
     const std::string evidence = with_speed(60.02, 0.04).clause("secondary_method").evidence;
     for (const char* part :
@@ -47,8 +47,9 @@ TEST(DeclaredSpeed, AgreesUpToANormalisedErrorOfOne) {
 }
 
 TEST(DeclaredSpeed, OfAMethodWithoutUncertaintyIsHeldAgainstTheJudgedOnesAlone) {
-    EXPECT_EQ(with_speed(60.0099, 0.0).clause("secondary_method").status, "met");
-    EXPECT_EQ(with_speed(60.0101, 0.0).clause("secondary_method").status, "not_met");
+    EXPECT_EQ(with_speed(60.0099, 0.0).clause("secondary_method").status, RequirementStatus::met);
+    EXPECT_EQ(with_speed(60.0101, 0.0).clause("secondary_method").status,
+              RequirementStatus::not_met);
     RuleScene neither = with_speed(60.0, 0.0);
     neither.best().standard_uncertainty_mps = 0.0;
     EXPECT_EQ(neither.clause("secondary_method").figures.at(0).value, 0.0);
@@ -58,7 +59,7 @@ TEST(DeclaredSpeed, IsHeldAgainstWhatTheTwoDoNotShare) {
     // Of 0.01 m/s (k = 2) 0.004 m/s are the window's own: sqrt(0.004^2 + 0.003^2) = 0.005 m/s.
     for (const auto& [speed_mps, status] : {std::pair{60.0049, "met"}, {60.0051, "not_met"}}) {
         RuleScene scene = with_speed(speed_mps, 0.003);
-        EXPECT_EQ(scene.clause("secondary_method").status, "met");
+        EXPECT_EQ(scene.clause("secondary_method").status, RequirementStatus::met);
         scene.best().own_standard_uncertainty_mps = 0.002;
         EXPECT_EQ(scene.clause("secondary_method").status, status);
     }
@@ -68,12 +69,12 @@ TEST(DeclaredSpeed, ThatContradictsIsNotCertifiableUnderARuleThatDoesNotAskForIt
     RuleScene scene = with_speed(60.1, 0.04);
     scene.use(profile_text(clause_text("margin")));
     const ProfileVerdict verdict = scene.verdict();
-    EXPECT_EQ(verdict.outcome, "not_certifiable");
+    EXPECT_EQ(verdict.outcome, Outcome::not_certifiable);
     for (const char* part : {"The second method (radar) gives +0.360 km/h against the first",
                              "normalised error 2.43", "one of the two is wrong"})
         EXPECT_TRUE(contains(verdict.reason, part)) << verdict.reason;
     scene.attempt.secondary_method->speed->speed_mps = 60.01;
-    EXPECT_EQ(scene.verdict().outcome, "beaten");
+    EXPECT_EQ(scene.verdict().outcome, Outcome::beaten);
 }
 
 TEST(DeclaredSpeed, IsComparedBeforeTheCurrentIsTakenOff) {
@@ -81,7 +82,7 @@ TEST(DeclaredSpeed, IsComparedBeforeTheCurrentIsTakenOff) {
     scene.use(profile_of("{duration_s: 3, definition: displacement}", "current: subtracted\n"));
     set_current(scene, 0.5, 0.0, 0.02);
     EXPECT_NEAR(*scene.verdict().speed_mps, 59.5, 1e-12);
-    EXPECT_EQ(scene.clause("secondary_method").status, "met");
+    EXPECT_EQ(scene.clause("secondary_method").status, RequirementStatus::met);
 }
 
 /// 500 m in 8.333 s from the second 25 on; times at the lines off by so much, each +- 1 ms.
@@ -112,7 +113,7 @@ RuleScene with_times(double start_off_s, double finish_off_s, double length_unce
 TEST(DeclaredTimes, MakeASpeedOverTheCourse) {
     const RuleScene scene = with_times(0.0, 0.001);
     const Requirement requirement = scene.clause("secondary_method");
-    EXPECT_EQ(requirement.status, "met") << requirement.evidence;
+    EXPECT_EQ(requirement.status, RequirementStatus::met) << requirement.evidence;
     // 500 / 8.334 = 59.99520; sqrt(2) 0.001 s of 8.334 s are 0.01018 m/s.
     const double other = 500.0 / 8.334, u = std::numbers::sqrt2 * 0.001 * other / 8.334;
     EXPECT_NEAR(requirement.figures.at(0).value, (500.0 / 8.333 - other) / std::hypot(u, 0.01),
@@ -120,16 +121,17 @@ TEST(DeclaredTimes, MakeASpeedOverTheCourse) {
     EXPECT_TRUE(contains(requirement.evidence, "light gates gives 215.983 km/h +/- 0.037 km/h"))
         << requirement.evidence;
     // What both times are off by is of no account: the clocks differ.
-    EXPECT_EQ(with_times(1.5, 1.5).clause("secondary_method").status, "met");
+    EXPECT_EQ(with_times(1.5, 1.5).clause("secondary_method").status, RequirementStatus::met);
 }
 
 TEST(DeclaredTimes, ThatContradictAreNotCertifiable) {
     // 3 ms of 8.333 s: 0.0216 m/s, where hypot(0.0102, 0.01) = 0.0143 is allowed.
     const ProfileVerdict verdict = with_times(0.0, 0.003).verdict();
-    EXPECT_EQ(verdict.outcome, "not_certifiable");
+    EXPECT_EQ(verdict.outcome, Outcome::not_certifiable);
     EXPECT_TRUE(contains(verdict.reason, "normalised error 1.5")) << verdict.reason;
     // A length that is known to 0.15 m: 0.018 m/s more, which allows it.
-    EXPECT_EQ(with_times(0.0, 0.003, 0.15).clause("secondary_method").status, "met");
+    EXPECT_EQ(with_times(0.0, 0.003, 0.15).clause("secondary_method").status,
+              RequirementStatus::met);
 }
 
 TEST(DeclaredTimes, OfAnotherRunOrClockSayNothing) {
@@ -137,7 +139,7 @@ TEST(DeclaredTimes, OfAnotherRunOrClockSayNothing) {
          {std::pair{2.01, 2.01}, {-2.01, 0.0}, {0.0, 2.01}, {600.0, 600.0}}) {
         const RuleScene scene = with_times(start_s, finish_s);
         const Requirement requirement = scene.clause("secondary_method");
-        EXPECT_EQ(requirement.status, "not_met") << start_s << ' ' << finish_s;
+        EXPECT_EQ(requirement.status, RequirementStatus::not_met) << start_s << ' ' << finish_s;
         EXPECT_TRUE(contains(requirement.evidence, "they are of another run, or of another clock"))
             << requirement.evidence;
         EXPECT_TRUE(contains(requirement.evidence, fmt::format("{:+.3f} s and", start_s)));
@@ -146,33 +148,33 @@ TEST(DeclaredTimes, OfAnotherRunOrClockSayNothing) {
         std::erase_if(unasked.profiles[0].clauses, [](const Clause& one) {
             return one.decided_by == Computation::secondary_method;
         });
-        EXPECT_EQ(unasked.verdict().outcome, "beaten");
+        EXPECT_EQ(unasked.verdict().outcome, Outcome::beaten);
     }
-    EXPECT_EQ(with_times(1.99, 1.99).clause("secondary_method").status, "met");
+    EXPECT_EQ(with_times(1.99, 1.99).clause("secondary_method").status, RequirementStatus::met);
 }
 
 TEST(DeclaredTimes, NeedARecordingWithInstants) {
     RuleScene scene = with_times(0.0, 0.0);
     scene.best().span.start_gps.reset();
-    EXPECT_EQ(scene.clause("secondary_method").status, "not_met");
+    EXPECT_EQ(scene.clause("secondary_method").status, RequirementStatus::not_met);
     EXPECT_TRUE(contains(scene.clause("secondary_method").evidence, "time is relative"));
 }
 
 TEST(DeclaredTimes, SayNothingOfAWindowThatIsNotTheCourse) {
     RuleScene scene = with_times(0.0, 0.0);
     scene.use(profile_of("{duration_s: 3, definition: displacement}"));
-    EXPECT_EQ(scene.clause("secondary_method").status, "not_met");
+    EXPECT_EQ(scene.clause("secondary_method").status, RequirementStatus::not_met);
     EXPECT_TRUE(contains(scene.clause("secondary_method").evidence,
                          "times at the lines of a course say nothing of this rule's window"));
     RuleScene without = with_times(0.0, 0.0);
     without.attempt.course.reset();
-    EXPECT_EQ(without.clause("secondary_method").status, "not_met");
+    EXPECT_EQ(without.clause("secondary_method").status, RequirementStatus::not_met);
 }
 
 TEST(DeclaredMethod, WithoutAWindowThereIsNothingToCompare) {
     RuleScene scene = with_speed(60.0, 0.04);
     scene.windows().best.reset();
-    EXPECT_EQ(scene.clause("secondary_method").status, "not_met");
+    EXPECT_EQ(scene.clause("secondary_method").status, RequirementStatus::not_met);
     EXPECT_TRUE(contains(scene.clause("secondary_method").evidence, "no certifiable window"));
 }
 
@@ -188,13 +190,13 @@ TEST(DeclaredMethod, AndASecondReceiverMustBothAgree) {
             .profiles.at(0)
             .requirements.at(0);
     };
-    EXPECT_EQ(status().status, "met");
+    EXPECT_EQ(status().status, RequirementStatus::met);
     EXPECT_TRUE(contains(status().evidence, "radar gives"));
     EXPECT_TRUE(contains(status().evidence, "receiver \"second\" gives"));
     EXPECT_EQ(status().figures.size(), 2U);
     for (TrajectoryEpoch& row : second.trajectory)
         row.north_m = *row.north_m * 1.01;
-    EXPECT_EQ(status().status, "not_met");
+    EXPECT_EQ(status().status, RequirementStatus::not_met);
 }
 
 }  // namespace

@@ -100,7 +100,7 @@ TEST(Overrides, ArePrintedWithTheRulesOwnFigureAndTheReason) {
                               .place = "attempt:11:3"});
     scene.row(33.0).up_m = 0.7;  // within the rule's own limit, not within the other
     const ProfileVerdict verdict = scene.verdict();
-    EXPECT_EQ(verdict.outcome, "not_certifiable");
+    EXPECT_EQ(verdict.outcome, Outcome::not_certifiable);
     EXPECT_NEAR(*verdict.target_mps, (202.9 + 2.5) * kmh, 1e-12);
     EXPECT_EQ(verdict.decision->level, 0.99);
     EXPECT_EQ(note_with(verdict, "flatness"),
@@ -124,8 +124,8 @@ TEST(Unconfirmed, ClausesAreNamed) {
                                        "certainty: unconfirmed, decided_by: attest}\n"));
     EXPECT_EQ(note_with(scene.verdict(), "Not confirmed"),
               "Not confirmed: rounding: Nobody knows.");
-    EXPECT_EQ(scene.clause("rounding").status, "attest");
-    EXPECT_EQ(scene.verdict().outcome, "beaten");
+    EXPECT_EQ(scene.clause("rounding").status, RequirementStatus::attest);
+    EXPECT_EQ(scene.verdict().outcome, Outcome::beaten);
 }
 
 /// Two windows more, and the rule takes the mean of three.
@@ -165,7 +165,7 @@ TEST(SeveralWindows, OfWhichTooFewAreCertifiableAreNone) {
     scene.windows().further.pop_back();
     EXPECT_FALSE(figure_of(scene.windows()).has_value());
     const ProfileVerdict verdict = scene.verdict();
-    EXPECT_EQ(verdict.outcome, "not_certifiable");
+    EXPECT_EQ(verdict.outcome, Outcome::not_certifiable);
     EXPECT_FALSE(verdict.speed_mps || verdict.shown);
     EXPECT_TRUE(contains(scene.clause("window_complete").evidence,
                          "of 3 windows of 3 s that the rule takes the mean of, 2 are certifiable"))
@@ -259,8 +259,8 @@ TEST(CourseFigures, OfCourseAndWindAreInTheVerdict) {
     // From the right, so that it moves to the left.
     EXPECT_NEAR(value("wind across the heading, to the right"), -5.0, 1e-9);
     ASSERT_EQ(verdict.runs.size(), 1U);
-    EXPECT_EQ(verdict.runs[0].began, "standing");
-    EXPECT_EQ(verdict.runs[0].ended, "recording");
+    EXPECT_EQ(verdict.runs[0].began, RunEdge::standing);
+    EXPECT_EQ(verdict.runs[0].ended, RunEdge::recording);
     EXPECT_NEAR(verdict.runs[0].length_m, 450.0 - 0.08 + 1200.0, 1e-9);
     EXPECT_NEAR(verdict.runs[0].top_speed_mps, 60.0, 1e-12);
 }

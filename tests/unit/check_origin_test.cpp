@@ -19,7 +19,7 @@ RuleScene scene() {
     RuleScene scene(profile_text(clause_text("margin")));
     scene.judged.format = "csv";
     scene.judged.time_origin = "the table's time column";
-    scene.judged.solution_source = "recording";
+    scene.judged.solution_source = SolutionSource::recording;
     scene.judged.tests.device = DeviceEvidence{.moving = 350};
     return scene;
 }
@@ -51,7 +51,7 @@ TEST(TimeScale, OfSatellitesIsMet) {
     RuleScene stamped = scene();
     stamped.judged.facts.time_source = "satellites";
     stamped.judged.time_origin = "GPS time of the receiver's measurements";
-    EXPECT_EQ(stamped.clause("time-scale").status, "met");
+    EXPECT_EQ(stamped.clause("time-scale").status, RequirementStatus::met);
     EXPECT_EQ(stamped.clause("time-scale").evidence, "GPS time of the receiver's measurements");
     EXPECT_EQ(stamped.clause("time-scale").decided_by, Computation::time_scale);
 }
@@ -62,11 +62,11 @@ TEST(TimeScale, OfACounterOrAnUnknownClockIsToAttest) {
     for (const double rate : {0.0, -9.9e-5, 9.9e-5}) {
         unknown.judged.tests.time.rate_deviation = rate;
         const Requirement requirement = unknown.clause("time-scale");
-        EXPECT_EQ(requirement.status, "attest") << rate;
+        EXPECT_EQ(requirement.status, RequirementStatus::attest) << rate;
         EXPECT_TRUE(contains(requirement.evidence, "the recording does not tell"));
         EXPECT_NEAR(requirement.figures.at(0).value, rate * 1e6, 1e-9);
     }
-    EXPECT_EQ(unknown.verdict().outcome, "beaten");
+    EXPECT_EQ(unknown.verdict().outcome, Outcome::beaten);
 }
 
 TEST(TimeScale, ThatIsSatellitesByTheAttemptsWordIsToAttestWhateverItsRate) {
@@ -74,7 +74,7 @@ TEST(TimeScale, ThatIsSatellitesByTheAttemptsWordIsToAttestWhateverItsRate) {
     claimed.judged.facts.time_source = "attempt";
     for (const double rate : {0.0, -2e-3}) {
         claimed.judged.tests.time.rate_deviation = rate;
-        EXPECT_EQ(claimed.clause("time-scale").status, "attest");
+        EXPECT_EQ(claimed.clause("time-scale").status, RequirementStatus::attest);
         EXPECT_TRUE(contains(claimed.clause("time-scale").evidence, "the attempt states"));
         EXPECT_NEAR(claimed.clause("time-scale").figures.at(0).value, rate * 1e6, 1e-9);
     }
@@ -96,10 +96,10 @@ TEST(TimeScale, OfStampsThatRunWrongIsNotMetAndNothingIsBeaten) {
         // Stamps of milliseconds, 351 epochs in 35 s: 5 x 0.3 ms x sqrt(401) / 40 s is 7.5e-4.
         short_by.judged.tests.time.jitter_s = 3e-4;
         const Requirement requirement = short_by.clause("time-scale");
-        EXPECT_EQ(requirement.status, "not_met");
+        EXPECT_EQ(requirement.status, RequirementStatus::not_met);
         EXPECT_TRUE(contains(requirement.evidence, wrong.said)) << requirement.evidence;
         EXPECT_TRUE(contains(requirement.evidence, "time_source: satellites"));
-        EXPECT_EQ(short_by.verdict().outcome, "not_certifiable");
+        EXPECT_EQ(short_by.verdict().outcome, Outcome::not_certifiable);
         EXPECT_TRUE(contains(short_by.verdict().reason, "time-scale"));
     }
 }
@@ -110,9 +110,9 @@ TEST(TimeScale, IsNotBlamedForWhatTheScatterOfTheStepsMakesByChance) {
     jittery.judged.tests.time.jitter_s = 2e-3;
     const double by_chance = 5.0 * 2e-3 * std::sqrt(401.0) / 40.0;
     jittery.judged.tests.time.rate_deviation = -0.999 * by_chance;
-    EXPECT_EQ(jittery.clause("time-scale").status, "attest");
+    EXPECT_EQ(jittery.clause("time-scale").status, RequirementStatus::attest);
     jittery.judged.tests.time.rate_deviation = -1.001 * by_chance;
-    EXPECT_EQ(jittery.clause("time-scale").status, "not_met");
+    EXPECT_EQ(jittery.clause("time-scale").status, RequirementStatus::not_met);
 }
 
 /// The recorded velocities of the window's epochs: this speed towards north.
@@ -128,7 +128,7 @@ void set_velocities(RuleScene& scene, double speed_mps) {
 TEST(MeasuredPositions, WithoutAWitnessAreToAttestAndTheReasonSaysPositionsAlone) {
     const RuleScene alone = scene();
     const Requirement requirement = alone.clause("positions-as-measured");
-    EXPECT_EQ(requirement.status, "attest");
+    EXPECT_EQ(requirement.status, RequirementStatus::attest);
     EXPECT_EQ(requirement.evidence, "nothing but the positions themselves speaks of it");
     EXPECT_TRUE(alone.verdict().witnesses.empty());
     EXPECT_EQ(alone.verdict().reason.find("By positions alone, the speed reaches"), 0U)
@@ -138,7 +138,7 @@ TEST(MeasuredPositions, WithoutAWitnessAreToAttestAndTheReasonSaysPositionsAlone
 TEST(MeasuredPositions, WithVelocitiesThatAgreeAreMet) {
     RuleScene with = scene();
     set_velocities(with, 60.0);
-    EXPECT_EQ(with.clause("positions-as-measured").status, "met");
+    EXPECT_EQ(with.clause("positions-as-measured").status, RequirementStatus::met);
     const ProfileVerdict verdict = with.verdict();
     ASSERT_EQ(verdict.witnesses.size(), 1U);
     EXPECT_TRUE(contains(verdict.witnesses[0], "recorded velocities give 216.000 km/h"));
@@ -157,7 +157,7 @@ TEST(MeasuredPositions, HaveNoWitnessInVelocitiesThatDifferOrDoNotCoverTheWindow
     set_velocities(with, 60.0);
     with.rows()[7].recorded_velocity_north_mps = {};
     EXPECT_TRUE(with.verdict().witnesses.empty());
-    EXPECT_EQ(with.clause("positions-as-measured").status, "attest");
+    EXPECT_EQ(with.clause("positions-as-measured").status, RequirementStatus::attest);
 }
 
 TEST(MeasuredPositions, HaveAWitnessInVelocitiesThatLagBehindOnceTheDelayIsTakenOff) {
@@ -178,7 +178,7 @@ TEST(MeasuredPositions, HaveAWitnessInASecondMethodThatAgrees) {
                                                     .source = "protocol",
                                                     .speed = SecondaryMethod::Speed{60.01, 0.02},
                                                     .times = std::nullopt};
-    EXPECT_EQ(with.clause("positions-as-measured").status, "met");
+    EXPECT_EQ(with.clause("positions-as-measured").status, RequirementStatus::met);
     EXPECT_EQ(with.clause("positions-as-measured").evidence,
               "the second method (radar) gives 216.036 km/h");
 }
@@ -186,20 +186,20 @@ TEST(MeasuredPositions, HaveAWitnessInASecondMethodThatAgrees) {
 TEST(MeasuredPositions, SolvedHereFromRawObservationsAreMet) {
     RuleScene solved = scene();
     solved.judged.format = "rinex";
-    EXPECT_EQ(solved.clause("positions-as-measured").status, "met");
+    EXPECT_EQ(solved.clause("positions-as-measured").status, RequirementStatus::met);
 }
 
 TEST(MeasuredPositions, ThatAreHeldAreNotMetWhoeverSpeaksForThem) {
     RuleScene held = scene();
     set_velocities(held, 60.0);
     held.judged.tests.device = DeviceEvidence{.moving = 350, .held = 3};
-    EXPECT_EQ(held.clause("positions-as-measured").status, "met");
+    EXPECT_EQ(held.clause("positions-as-measured").status, RequirementStatus::met);
     held.judged.tests.device->held = 4;  // of 350 one in a hundred is 3.5
     const Requirement requirement = held.clause("positions-as-measured");
-    EXPECT_EQ(requirement.status, "not_met");
+    EXPECT_EQ(requirement.status, RequirementStatus::not_met);
     for (const char* part : {"4 of 350 positions", "repeat the one before", "held"})
         EXPECT_TRUE(contains(requirement.evidence, part)) << requirement.evidence;
-    EXPECT_EQ(held.verdict().outcome, "not_certifiable");
+    EXPECT_EQ(held.verdict().outcome, Outcome::not_certifiable);
 }
 
 TEST(MeasuredPositions, ThatAreInterpolatedAreNotMetUnlessChanceMakesThem) {
@@ -208,33 +208,33 @@ TEST(MeasuredPositions, ThatAreInterpolatedAreNotMetUnlessChanceMakesThem) {
     DeviceEvidence& device = *resampled.judged.tests.device;
     device.interpolated = 175;  // every other one
     const Requirement requirement = resampled.clause("positions-as-measured");
-    EXPECT_EQ(requirement.status, "not_met");
+    EXPECT_EQ(requirement.status, RequirementStatus::not_met);
     for (const char* part : {"175 of 350 positions", "in line", "interpolated", "chance makes 0"})
         EXPECT_TRUE(contains(requirement.evidence, part)) << requirement.evidence;
-    EXPECT_EQ(resampled.verdict().outcome, "not_certifiable");
+    EXPECT_EQ(resampled.verdict().outcome, Outcome::not_certifiable);
     // Where coordinates are coarse, so many of a steady run are in line by chance.
     device.by_chance = 60.0;
-    EXPECT_EQ(resampled.clause("positions-as-measured").status, "met");
+    EXPECT_EQ(resampled.clause("positions-as-measured").status, RequirementStatus::met);
     device = {.moving = 350, .held = 0, .interpolated = 70, .by_chance = 0.0};  // a fifth
-    EXPECT_EQ(resampled.clause("positions-as-measured").status, "met");
+    EXPECT_EQ(resampled.clause("positions-as-measured").status, RequirementStatus::met);
 }
 
 TEST(MeasuredPositions, ThatLookFilteredAreToAttestWhateverTheWitnesses) {
     RuleScene filtered = scene();
     set_velocities(filtered, 60.0);
     filtered.judged.tests.models = {
-        {.axes = TestedAxes::horizontal, .noise = "fitted", .white_scale = 0.31}};
+        {.axes = TestedAxes::horizontal, .noise = NoiseBasis::fitted, .white_scale = 0.31}};
     filtered.judged.estimation.horizontal = AxesEstimation{};
     filtered.judged.estimation.horizontal.health.autocorrelation = 0.09;
-    EXPECT_EQ(filtered.clause("positions-as-measured").status, "met");
+    EXPECT_EQ(filtered.clause("positions-as-measured").status, RequirementStatus::met);
     filtered.judged.tests.models[0].white_scale = 0.29;
-    EXPECT_EQ(filtered.clause("positions-as-measured").status, "attest");
+    EXPECT_EQ(filtered.clause("positions-as-measured").status, RequirementStatus::attest);
     EXPECT_TRUE(contains(filtered.clause("positions-as-measured").evidence,
                          "scatter by 0.29 times what is stated"));
-    filtered.judged.tests.models[0].noise = "too_few_epochs";  // then it says nothing
-    EXPECT_EQ(filtered.clause("positions-as-measured").status, "met");
+    filtered.judged.tests.models[0].noise = NoiseBasis::too_few_epochs;  // then it says nothing
+    EXPECT_EQ(filtered.clause("positions-as-measured").status, RequirementStatus::met);
     filtered.judged.estimation.horizontal.health.autocorrelation = 0.43;
-    EXPECT_EQ(filtered.clause("positions-as-measured").status, "attest");
+    EXPECT_EQ(filtered.clause("positions-as-measured").status, RequirementStatus::attest);
     EXPECT_TRUE(contains(filtered.clause("positions-as-measured").evidence,
                          "follow one another (lag 1: "
                          "+0.43)"));
@@ -262,7 +262,7 @@ TEST(MeasuredPositions, ThatSwingAfterEveryChangeOfAccelerationAreToAttest) {
         row.sigma_acceleration_east_mps2 = row.sigma_acceleration_north_mps2 = 0.03;
     }
     const Requirement requirement = filtered.clause("positions-as-measured");
-    EXPECT_EQ(requirement.status, "attest");
+    EXPECT_EQ(requirement.status, RequirementStatus::attest);
     EXPECT_TRUE(contains(requirement.evidence,
                          "after 2 of 2 changes of acceleration the motion swings with a period of "
                          "3.5 s, by 36 % at first"))
@@ -271,13 +271,13 @@ TEST(MeasuredPositions, ThatSwingAfterEveryChangeOfAccelerationAreToAttest) {
 
 TEST(KindOfSolution, ThatTheAttemptClaimsIsToAttest) {
     RuleScene claimed = scene();
-    claimed.judged.solution_source = "attempt";
+    claimed.judged.solution_source = SolutionSource::attempt;
     for (ScreenedEpoch& row : claimed.rows())
         row.fix = FixKind::fixed;
     claimed.best().bound.emplace().floor_m = 0.01;
     claimed.best().bound->floor_fix = "fixed";
     const Requirement requirement = claimed.clause("kind-of-solution");
-    EXPECT_EQ(requirement.status, "attest");
+    EXPECT_EQ(requirement.status, RequirementStatus::attest);
     for (const char* part : {"the recording does not say", "it is fixed the attempt states",
                              "in the window: fixed, whose slow errors are taken to be at least "
                              "0.01 m"})
@@ -286,7 +286,7 @@ TEST(KindOfSolution, ThatTheAttemptClaimsIsToAttest) {
 
 TEST(KindOfSolution, ThatTheRecordingSaysOrNobodyIsMet) {
     RuleScene said = scene();
-    EXPECT_EQ(said.clause("kind-of-solution").status, "met");
+    EXPECT_EQ(said.clause("kind-of-solution").status, RequirementStatus::met);
     EXPECT_EQ(said.clause("kind-of-solution").evidence, "the recording says it");
     for (const auto& [source, words] :
          {std::pair{"unknown",
@@ -296,7 +296,7 @@ TEST(KindOfSolution, ThatTheRecordingSaysOrNobodyIsMet) {
            "the recording says it of some positions; the others count as those of one "
            "receiver alone"}}) {
         said.judged.solution_source = source;
-        EXPECT_EQ(said.clause("kind-of-solution").status, "met") << source;
+        EXPECT_EQ(said.clause("kind-of-solution").status, RequirementStatus::met) << source;
         EXPECT_EQ(said.clause("kind-of-solution").evidence, words);
     }
 }

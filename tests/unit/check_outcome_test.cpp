@@ -39,7 +39,7 @@ TEST(RefusedWindow, ThatReachesTheTargetMakesNotBeatenNotCertifiableAndIsNamed) 
         RuleScene scene = above_target(-5.0);
         scene.windows().indicated = refused(target_mps + above);
         const ProfileVerdict verdict = scene.verdict();
-        EXPECT_EQ(verdict.outcome, "not_certifiable") << above;
+        EXPECT_EQ(verdict.outcome, Outcome::not_certifiable) << above;
         EXPECT_FALSE(verdict.decision->risk);
     }
     RuleScene scene = above_target(-5.0);
@@ -54,16 +54,16 @@ TEST(RefusedWindow, ThatReachesTheTargetMakesNotBeatenNotCertifiableAndIsNamed) 
 
 TEST(RefusedWindow, BelowTheTargetOrOfWhatIsCertifiedChangesNothing) {
     RuleScene scene = above_target(-5.0);
-    EXPECT_EQ(scene.verdict().outcome, "not_beaten");
+    EXPECT_EQ(scene.verdict().outcome, Outcome::not_beaten);
     scene.windows().indicated = refused(target_mps - 1e-6);
-    EXPECT_EQ(scene.verdict().outcome, "not_beaten");
+    EXPECT_EQ(scene.verdict().outcome, Outcome::not_beaten);
     scene.windows().indicated = refused(57.5);
     scene.windows().indicated->refusals.clear();  // the fastest is the certified one
-    EXPECT_EQ(scene.verdict().outcome, "not_beaten");
+    EXPECT_EQ(scene.verdict().outcome, Outcome::not_beaten);
 }
 
 TEST(RefusedWindow, ChangesNothingOfOtherOutcomes) {
-    for (const auto& [above, outcome] : {std::pair{0.0, "not_proven"}, {0.1, "beaten"}}) {
+    for (const auto& [above, outcome] : {std::pair{0.0, Outcome::not_proven}, {0.1, Outcome::beaten}}) {
         RuleScene scene = above_target(above);
         scene.windows().indicated = refused(target_mps + 5.0);
         EXPECT_EQ(scene.verdict().outcome, outcome);
@@ -74,9 +74,9 @@ TEST(RefusedWindow, OfAMeanIsJudgedByTheMean) {
     RuleScene scene = above_target(-5.0);
     scene.windows().indicated = refused(target_mps + 3.0);
     scene.windows().indicated->mean_mps = target_mps - 1.0;
-    EXPECT_EQ(scene.verdict().outcome, "not_beaten");
+    EXPECT_EQ(scene.verdict().outcome, Outcome::not_beaten);
     scene.windows().indicated->mean_mps = target_mps + 1.0;
-    EXPECT_EQ(scene.verdict().outcome, "not_certifiable");
+    EXPECT_EQ(scene.verdict().outcome, Outcome::not_certifiable);
 }
 
 TEST(AttemptsMade, ShareTheRiskOfOne) {
@@ -96,18 +96,18 @@ TEST(AttemptsMade, ShareTheRiskOfOne) {
 TEST(AttemptsMade, OfManyTheBestNeedsMore) {
     // Phi(3) = 0.99865 is enough for one, at 0.975, and not for 40, at 0.999375.
     RuleScene scene = above_target(0.015);
-    EXPECT_EQ(scene.verdict().outcome, "beaten");
+    EXPECT_EQ(scene.verdict().outcome, Outcome::beaten);
     scene.attempt.attempts_made = 40;
-    EXPECT_EQ(scene.verdict().outcome, "not_proven");
+    EXPECT_EQ(scene.verdict().outcome, Outcome::not_proven);
     EXPECT_TRUE(contains(scene.verdict().reason, "99.9375 % needed")) << scene.verdict().reason;
-    EXPECT_EQ(scene.clause("margin").status, "not_met");
+    EXPECT_EQ(scene.clause("margin").status, RequirementStatus::not_met);
     scene.best().speed_mps = target_mps + 0.0165;  // 3.3 u, 0.99952
-    EXPECT_EQ(scene.verdict().outcome, "beaten");
-    EXPECT_EQ(scene.clause("margin").status, "met");
+    EXPECT_EQ(scene.verdict().outcome, Outcome::beaten);
+    EXPECT_EQ(scene.clause("margin").status, RequirementStatus::met);
     scene.best().speed_mps = target_mps - 0.015;
-    EXPECT_EQ(scene.verdict().outcome, "not_proven");
+    EXPECT_EQ(scene.verdict().outcome, Outcome::not_proven);
     scene.attempt.attempts_made = 1;
-    EXPECT_EQ(scene.verdict().outcome, "not_beaten");
+    EXPECT_EQ(scene.verdict().outcome, Outcome::not_beaten);
 }
 
 TEST(BiasLimit, IsAddedToTheExpandedUncertaintyAndToTheGuardBand) {
@@ -119,13 +119,13 @@ TEST(BiasLimit, IsAddedToTheExpandedUncertaintyAndToTheGuardBand) {
     EXPECT_NEAR(verdict.decision->acceptance_limit_mps - target_mps, 1.959964 * 0.005 + 0.02, 1e-8);
     EXPECT_NEAR(verdict.decision->probability, phi(1.96), 1e-9);
     EXPECT_NEAR(*verdict.decision->risk, phi(-1.96), 1e-9);
-    EXPECT_EQ(verdict.outcome, "beaten");
+    EXPECT_EQ(verdict.outcome, Outcome::beaten);
     scene.best().speed_mps = target_mps + 0.0297;
-    EXPECT_EQ(scene.verdict().outcome, "not_proven");
+    EXPECT_EQ(scene.verdict().outcome, Outcome::not_proven);
     scene.best().speed_mps = target_mps - 0.0297;
-    EXPECT_EQ(scene.verdict().outcome, "not_proven");
+    EXPECT_EQ(scene.verdict().outcome, Outcome::not_proven);
     scene.best().speed_mps = target_mps - 0.0299;
-    EXPECT_EQ(scene.verdict().outcome, "not_beaten");
+    EXPECT_EQ(scene.verdict().outcome, Outcome::not_beaten);
     EXPECT_NEAR(*scene.verdict().decision->risk, phi(-1.98), 1e-9);
 }
 

@@ -43,10 +43,10 @@ TEST(Margin, OfARecordWithItsOwnUncertainty) {
     // Half of 1.8 km/h, times 1.02.
     EXPECT_NEAR(verdict.decision->target_standard_uncertainty_mps, 1.02 * 0.25, 1e-12);
     // 60 m/s is 216 km/h: (216 - 204) / 3.6 / sqrt(0.255^2 + 0.005^2) = 13 standard deviations.
-    EXPECT_EQ(verdict.outcome, "beaten");
+    EXPECT_EQ(verdict.outcome, Outcome::beaten);
     set_record(scene, 211.5, "km/h", 1.8);  // 215.73: 0.075 / 0.255 = 0.29 of them
     EXPECT_NEAR(scene.verdict().decision->probability, 0.61564, 2e-4);
-    EXPECT_EQ(scene.verdict().outcome, "not_proven");
+    EXPECT_EQ(scene.verdict().outcome, Outcome::not_proven);
     EXPECT_NEAR(*scene.verdict().record->expanded_uncertainty, 1.8, 1e-15);
 }
 
@@ -57,7 +57,7 @@ TEST(Margin, AboveTheUpperLimitHasTheRecordsUncertaintyInIt) {
     const ProfileVerdict verdict = scene.verdict();
     EXPECT_NEAR(*verdict.target_mps, 205.83 / 3.6, 1e-9);  // 201.8 x 1.02 = 205.836
     EXPECT_EQ(verdict.decision->target_standard_uncertainty_mps, 0.0);
-    EXPECT_EQ(verdict.outcome, "beaten");
+    EXPECT_EQ(verdict.outcome, Outcome::beaten);
 }
 
 const char* const course_window = "{kind: course, distance_m: 500, definition: elapsed_time}";
@@ -67,29 +67,29 @@ TEST(Margin, OfElapsedTimeOverACourse) {
                                  "{kind: elapsed_time, value: 0.01, unit: s}", course_window));
     set_record(scene, 50.0, "m/s", 0.0);  // 10 s over 500 m
     EXPECT_NEAR(*scene.verdict().target_mps, 500.0 / 9.99, 1e-12);
-    EXPECT_EQ(scene.verdict().outcome, "beaten");
+    EXPECT_EQ(scene.verdict().outcome, Outcome::beaten);
 }
 
 TEST(Margin, WithoutARecordIsForAPersonAndWithoutASpeedIsNotMet) {
     RuleScene scene(with_margin("{kind: absolute, value: 1, unit: km/h}"));
     scene.attempt.record.reset();
-    EXPECT_EQ(scene.clause("margin").status, "attest");
-    EXPECT_EQ(scene.verdict().outcome, "not_proven");
+    EXPECT_EQ(scene.clause("margin").status, RequirementStatus::attest);
+    EXPECT_EQ(scene.verdict().outcome, Outcome::not_proven);
     set_record(scene, 100.0, "km/h", 0.0);
     scene.windows().best.reset();
-    EXPECT_EQ(scene.clause("margin").status, "not_met");
-    EXPECT_EQ(scene.verdict().outcome, "not_certifiable");
+    EXPECT_EQ(scene.clause("margin").status, RequirementStatus::not_met);
+    EXPECT_EQ(scene.verdict().outcome, Outcome::not_certifiable);
 }
 
 TEST(Margin, NeedsTheProbabilityThatTheProfileAsksFor) {
     RuleScene scene(
         with_margin("{kind: absolute, value: 0, unit: m/s}", "decision: {probability: 0.9}\n"));
     set_record(scene, 59.9935, "m/s", 0.0);  // 1.3 standard deviations: 0.9032
-    EXPECT_EQ(scene.verdict().outcome, "beaten");
+    EXPECT_EQ(scene.verdict().outcome, Outcome::beaten);
     set_record(scene, 59.9937, "m/s", 0.0);  // 1.26: 0.8962
-    EXPECT_EQ(scene.verdict().outcome, "not_proven");
+    EXPECT_EQ(scene.verdict().outcome, Outcome::not_proven);
     set_record(scene, 60.0065, "m/s", 0.0);
-    EXPECT_EQ(scene.verdict().outcome, "not_beaten");
+    EXPECT_EQ(scene.verdict().outcome, Outcome::not_beaten);
 }
 
 // The current, where the rule subtracts it.
@@ -112,7 +112,7 @@ TEST(SubtractedCurrent, ThatIsNotKnownIsNotCertifiable) {
     RuleScene scene(with_margin("{kind: absolute, value: 0, unit: kn}", "current: subtracted\n"));
     const auto refused = [&] {
         const ProfileVerdict verdict = scene.verdict();
-        EXPECT_EQ(verdict.outcome, "not_certifiable");
+        EXPECT_EQ(verdict.outcome, Outcome::not_certifiable);
         EXPECT_FALSE(verdict.speed_mps || verdict.decision || verdict.shown);
         EXPECT_TRUE(contains(verdict.reason,
                              "The rule subtracts the current, which is not known "
@@ -124,11 +124,11 @@ TEST(SubtractedCurrent, ThatIsNotKnownIsNotCertifiable) {
     scene.current = steady(0.5, 0.0, 0.0, 20.0);
     refused();
     set_current(scene, 0.5, 0.0, 0.06);
-    EXPECT_EQ(scene.verdict().outcome, "beaten");
+    EXPECT_EQ(scene.verdict().outcome, Outcome::beaten);
     // A rule that ignores it is not touched by it.
     scene.current.reset();
     scene.use(with_margin("{kind: absolute, value: 0, unit: kn}"));
-    EXPECT_EQ(scene.verdict().outcome, "beaten");
+    EXPECT_EQ(scene.verdict().outcome, Outcome::beaten);
     EXPECT_FALSE(scene.verdict().current_subtracted_mps.has_value());
 }
 

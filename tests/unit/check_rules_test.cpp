@@ -123,14 +123,14 @@ std::string with_limit(const char* computation, double limit, const char* unit) 
 
 TEST(Heights, ThatAreMissingLeaveFlatnessAndSlopeToAPerson) {
     RuleScene scene(with_limit("flatness", 1.0, "m"));
-    ASSERT_EQ(scene.clause("flatness").status, "met");
+    ASSERT_EQ(scene.clause("flatness").status, RequirementStatus::met);
     scene.row(35.0).up_m.reset();
-    EXPECT_EQ(scene.clause("flatness").status, "attest");
+    EXPECT_EQ(scene.clause("flatness").status, RequirementStatus::attest);
     EXPECT_TRUE(contains(scene.clause("flatness").evidence, "not every epoch of the run"));
     scene.use(with_limit("slope", 3.0, "%"));
-    EXPECT_EQ(scene.clause("slope").status, "met");
+    EXPECT_EQ(scene.clause("slope").status, RequirementStatus::met);
     scene.row(28.0).up_m.reset();
-    EXPECT_EQ(scene.clause("slope").status, "attest");
+    EXPECT_EQ(scene.clause("slope").status, RequirementStatus::attest);
     EXPECT_TRUE(contains(scene.clause("slope").evidence, "the window's ends have no heights"));
 }
 
@@ -146,14 +146,14 @@ TEST(Heights, HaveTheSlowErrorThatTheirNoiseOrItsBoundTells) {
     scene.judged.estimation.vertical->noise.white_scale = 2.0;
     EXPECT_NEAR(*scene.clause("flatness").figures.at(0).expanded_uncertainty,
                 2.0 * std::sqrt(2.0 * (0.0004 + 0.36)), 1e-12);
-    EXPECT_EQ(scene.clause("flatness").status, "attest");
+    EXPECT_EQ(scene.clause("flatness").status, RequirementStatus::attest);
 }
 
 TEST(Course, OfAWindowOutsideOfEveryRunIsForAPerson) {
     RuleScene scene(with_limit("straightness", 1.0, "m"));
     for (TrajectoryEpoch& row : scene.judged.trajectory)
         row.velocity_north_mps = 0.5;
-    EXPECT_EQ(scene.clause("straightness").status, "attest");
+    EXPECT_EQ(scene.clause("straightness").status, RequirementStatus::attest);
     EXPECT_TRUE(contains(scene.clause("straightness").evidence, "not within one run"));
     scene.judged.trajectory.resize(270);
     EXPECT_TRUE(contains(scene.clause("straightness").evidence, "does not hold the window"));
@@ -163,56 +163,56 @@ TEST(Course, OfAWindowOutsideOfEveryRunIsForAPerson) {
 
 TEST(StandingStart, IsMetNotMetOrNotSeen) {
     RuleScene scene(profile_text(clause_text("standing_start")));
-    EXPECT_EQ(scene.clause("standing_start").status, "met");
+    EXPECT_EQ(scene.clause("standing_start").status, RequirementStatus::met);
     EXPECT_TRUE(contains(scene.clause("standing_start").evidence, "0.000 m/s"));
     // Never slower than 0.6 m/s, which 0.05 m/s tells from zero: rolling.
     for (TrajectoryEpoch& row : scene.judged.trajectory)
         row.velocity_north_mps = std::max(0.6, *row.velocity_north_mps);
-    EXPECT_EQ(scene.clause("standing_start").status, "not_met");
+    EXPECT_EQ(scene.clause("standing_start").status, RequirementStatus::not_met);
     EXPECT_TRUE(contains(scene.clause("standing_start").evidence, "moving when the run began"));
-    EXPECT_EQ(scene.verdict().outcome, "not_certifiable");
+    EXPECT_EQ(scene.verdict().outcome, Outcome::not_certifiable);
     // The same with 0.4 m/s of uncertainty (0.6 / 0.4 = 1.5, squared 2.25, at most 5.99).
     for (TrajectoryEpoch& row : scene.judged.trajectory)
         row.sigma_velocity_east_mps = row.sigma_velocity_north_mps = 0.4;
-    EXPECT_EQ(scene.clause("standing_start").status, "met");
+    EXPECT_EQ(scene.clause("standing_start").status, RequirementStatus::met);
 }
 
 TEST(StandingStart, ThatTheRecordingDoesNotHoldIsForAPerson) {
     RuleScene scene(profile_text(clause_text("standing_start")));
     auto& rows = scene.judged.trajectory;
     rows.erase(rows.begin(), rows.begin() + 150);
-    EXPECT_EQ(scene.clause("standing_start").status, "attest");
+    EXPECT_EQ(scene.clause("standing_start").status, RequirementStatus::attest);
     EXPECT_TRUE(contains(scene.clause("standing_start").evidence,
                          "the recording begins with the craft moving, so the start was not seen"));
     // An interruption of 8 s while moving ends the run and begins the next.
     RuleScene broken(profile_text(clause_text("standing_start")));
     for (double time_s = 14.0; time_s < 22.05; time_s += 0.1)
         broken.row(time_s).arc.reset();
-    EXPECT_EQ(broken.clause("standing_start").status, "attest");
+    EXPECT_EQ(broken.clause("standing_start").status, RequirementStatus::attest);
     EXPECT_TRUE(contains(broken.clause("standing_start").evidence, "after a gap"));
 }
 
 TEST(SeriesOfTheWind, ThatIsNotGivenOrDoesNotCoverTheWindow) {
     RuleScene scene(with_limit("wind_mean", 10.0, "m/s"));
-    EXPECT_EQ(scene.clause("wind_mean").status, "attest");
+    EXPECT_EQ(scene.clause("wind_mean").status, RequirementStatus::attest);
     EXPECT_TRUE(contains(scene.clause("wind_mean").evidence, "no series of the wind"));
     scene.wind = steady(5.0, 270.0, 0.0, 20.0);
-    EXPECT_EQ(scene.clause("wind_mean").status, "not_met");
+    EXPECT_EQ(scene.clause("wind_mean").status, RequirementStatus::not_met);
     EXPECT_TRUE(contains(scene.clause("wind_mean").evidence,
                          "series.csv covers 0.0 s to 20.0 s from the recording's first epoch; the "
                          "window is 25.0 s to 28.0 s"))
         << scene.clause("wind_mean").evidence;
-    EXPECT_EQ(scene.verdict().outcome, "not_certifiable");
+    EXPECT_EQ(scene.verdict().outcome, Outcome::not_certifiable);
     EXPECT_TRUE(contains(scene.verdict().notes.at(0), "The series of the wind says nothing"));
 }
 
 TEST(SeriesOfTheCurrent, ThatIsNotGivenOrDoesNotCoverTheWindow) {
     RuleScene scene(with_limit("current", 1.0, "kn"));
-    EXPECT_EQ(scene.clause("current").status, "attest");
+    EXPECT_EQ(scene.clause("current").status, RequirementStatus::attest);
     set_current(scene, 0.1, 0.0, 0.02);
-    EXPECT_EQ(scene.clause("current").status, "met");
+    EXPECT_EQ(scene.clause("current").status, RequirementStatus::met);
     scene.current = steady(0.1, 0.0, 27.0, 60.0);
-    EXPECT_EQ(scene.clause("current").status, "not_met");
+    EXPECT_EQ(scene.clause("current").status, RequirementStatus::not_met);
 }
 
 TEST(SamplingRate, OfFiveAndOfFourHertzAndOfOneLateEpoch) {
@@ -224,15 +224,15 @@ TEST(SamplingRate, OfFiveAndOfFourHertzAndOfOneLateEpoch) {
             rows[i].time = {25'000'000'000 + static_cast<std::int64_t>(i) * ms * 1'000'000};
         return scene;
     };
-    EXPECT_EQ(at_interval(200).clause("sampling_rate").status, "met");
-    EXPECT_EQ(at_interval(250).clause("sampling_rate").status, "not_met");
+    EXPECT_EQ(at_interval(200).clause("sampling_rate").status, RequirementStatus::met);
+    EXPECT_EQ(at_interval(250).clause("sampling_rate").status, RequirementStatus::not_met);
     RuleScene late = at_interval(200);
     late.rows()[5].time.nanoseconds += 1'000'000;
-    EXPECT_EQ(late.clause("sampling_rate").status, "not_met");
+    EXPECT_EQ(late.clause("sampling_rate").status, RequirementStatus::not_met);
     EXPECT_TRUE(contains(late.clause("sampling_rate").evidence, "4.975 Hz"))
         << late.clause("sampling_rate").evidence;
     late.rows().resize(1);
-    EXPECT_EQ(late.clause("sampling_rate").status, "attest");
+    EXPECT_EQ(late.clause("sampling_rate").status, RequirementStatus::attest);
 }
 
 std::string accuracy_profile(double limit, const char* dimension) {
@@ -246,13 +246,13 @@ TEST(SampleAccuracy, IsThatOfTheWorstSampleByPositionsOrByVelocities) {
     RuleScene scene(accuracy_profile(3.0, "vertical"));
     // sqrt(2) sigma / 3 s: 3 m/s is a height of 6.364 m.
     scene.rows()[7].sigma_up_m = 6.3639;
-    EXPECT_EQ(scene.clause("sample_accuracy").status, "met");
+    EXPECT_EQ(scene.clause("sample_accuracy").status, RequirementStatus::met);
     scene.rows()[7].sigma_up_m = 6.3640;
-    EXPECT_EQ(scene.clause("sample_accuracy").status, "not_met");
+    EXPECT_EQ(scene.clause("sample_accuracy").status, RequirementStatus::not_met);
     scene.rows()[7].sigma_up_m = 1.0;
     // Horizontal accuracies have no part in it.
     scene.rows()[7].sigma_east_m = 100.0;
-    EXPECT_EQ(scene.clause("sample_accuracy").status, "met");
+    EXPECT_EQ(scene.clause("sample_accuracy").status, RequirementStatus::met);
     for (ScreenedEpoch& row : scene.rows())
         row.sigma_recorded_velocity_east_mps = row.sigma_recorded_velocity_north_mps =
             row.sigma_recorded_velocity_up_mps = 0.1;
@@ -262,9 +262,9 @@ TEST(SampleAccuracy, IsThatOfTheWorstSampleByPositionsOrByVelocities) {
     scene.rows()[3].sigma_recorded_velocity_east_mps = 2.0;
     scene.rows()[3].sigma_recorded_velocity_north_mps = 2.0;
     scene.rows()[3].sigma_recorded_velocity_up_mps = 1.0;
-    EXPECT_EQ(scene.clause("sample_accuracy").status, "met");
+    EXPECT_EQ(scene.clause("sample_accuracy").status, RequirementStatus::met);
     scene.rows()[3].sigma_recorded_velocity_up_mps = 1.01;
-    EXPECT_EQ(scene.clause("sample_accuracy").status, "not_met");
+    EXPECT_EQ(scene.clause("sample_accuracy").status, RequirementStatus::not_met);
 }
 
 TEST(SampleAccuracy, ThatIsNotStatedThroughout) {
@@ -272,38 +272,38 @@ TEST(SampleAccuracy, ThatIsNotStatedThroughout) {
     for (ScreenedEpoch& row : scene.rows())
         row.sigma_recorded_velocity_east_mps = row.sigma_recorded_velocity_north_mps =
             row.sigma_recorded_velocity_up_mps = 50.0;
-    EXPECT_EQ(scene.clause("sample_accuracy").status, "not_met");
+    EXPECT_EQ(scene.clause("sample_accuracy").status, RequirementStatus::not_met);
     scene.rows()[4].sigma_recorded_velocity_up_mps = OptionalReal{};
-    EXPECT_EQ(scene.clause("sample_accuracy").status, "met");
+    EXPECT_EQ(scene.clause("sample_accuracy").status, RequirementStatus::met);
     EXPECT_TRUE(contains(scene.clause("sample_accuracy").evidence, "not stated throughout"));
     scene.rows()[4].sigma_up_m = {};
-    EXPECT_EQ(scene.clause("sample_accuracy").status, "attest");
+    EXPECT_EQ(scene.clause("sample_accuracy").status, RequirementStatus::attest);
     EXPECT_TRUE(contains(scene.clause("sample_accuracy").evidence, "accuracy is not stated"));
 }
 
 TEST(FastestCertifiable, IsNotMetWhereAFasterWindowCannotBeCertified) {
     RuleScene scene(profile_text(clause_text("fastest_certifiable")));
-    EXPECT_EQ(scene.clause("fastest_certifiable").status, "met");
+    EXPECT_EQ(scene.clause("fastest_certifiable").status, RequirementStatus::met);
     // 60 m/s and twice 0.005 m/s: up to 60.01 m/s it is no faster.
     scene.windows().indicated = IndicatedWindow{
         .span = {}, .speed_mps = 60.0099, .refusals = {"an epoch without a position"}};
-    EXPECT_EQ(scene.clause("fastest_certifiable").status, "met");
+    EXPECT_EQ(scene.clause("fastest_certifiable").status, RequirementStatus::met);
     scene.windows().indicated->speed_mps = 60.0101;
-    EXPECT_EQ(scene.clause("fastest_certifiable").status, "not_met");
+    EXPECT_EQ(scene.clause("fastest_certifiable").status, RequirementStatus::not_met);
     EXPECT_TRUE(contains(scene.clause("fastest_certifiable").evidence, "216.036 km/h"));
-    EXPECT_EQ(scene.verdict().outcome, "not_certifiable");
+    EXPECT_EQ(scene.verdict().outcome, Outcome::not_certifiable);
     EXPECT_TRUE(contains(scene.verdict().reason, "an epoch without a position"));
     scene.windows().indicated->refusals.clear();
-    EXPECT_EQ(scene.clause("fastest_certifiable").status, "met");
+    EXPECT_EQ(scene.clause("fastest_certifiable").status, RequirementStatus::met);
     scene.windows().best.reset();
-    EXPECT_EQ(scene.clause("fastest_certifiable").status, "not_met");
+    EXPECT_EQ(scene.clause("fastest_certifiable").status, RequirementStatus::not_met);
 }
 
 TEST(OppositeRuns, HoldBothWindows) {
     RuleScene scene(
         profile_text(clause_text("opposite_runs"), "opposite_runs: {within_s: 3600}\n"));
-    EXPECT_EQ(scene.clause("opposite_runs").status, "not_met");
-    EXPECT_EQ(scene.verdict().outcome, "not_certifiable");
+    EXPECT_EQ(scene.clause("opposite_runs").status, RequirementStatus::not_met);
+    EXPECT_EQ(scene.verdict().outcome, Outcome::not_certifiable);
     scene.windows().missing = "no two runs in opposite directions lie within 3600 s";
     EXPECT_TRUE(contains(scene.clause("opposite_runs").evidence, "lie within 3600 s"));
     FurtherWindow other{
@@ -312,7 +312,7 @@ TEST(OppositeRuns, HoldBothWindows) {
     scene.windows().further = {other};
     scene.windows().missing.clear();
     const Requirement met = scene.clause("opposite_runs");
-    EXPECT_EQ(met.status, "met");
+    EXPECT_EQ(met.status, RequirementStatus::met);
     // From the one's beginning to the other's end.
     EXPECT_NEAR(met.figures.at(2).value, 103.0, 1e-9);
     EXPECT_NEAR(*scene.verdict().speed_mps, 59.0, 1e-12);

@@ -26,7 +26,7 @@ struct Scene {
         judged.estimation.arcs = 1;
         judged.estimation.horizontal = AxesEstimation{};
         NoiseSummary& fit = noise();
-        fit.status = "fitted";
+        fit.status = NoiseBasis::fitted;
         fit.epochs = 451;
         fit.epochs_needed = 30;
         fit.stated_sigma_m = 0.010;
@@ -81,15 +81,15 @@ TEST(Statements, OfAGoodFitSayWhatWasLearntAndNothingIsAmiss) {
 
 TEST(Statements, WhyNothingWasFittedAndWhatStandsInItsPlace) {
     Scene scene;
-    scene.noise().status = "too_few_epochs";
+    scene.noise().status = NoiseBasis::too_few_epochs;
     scene.noise().epochs = 20;
     scene.noise().jerk_density.value = 0.6;
     EXPECT_EQ(scene.count({"could not be learnt", "20 usable epochs where 30 are needed",
                            "stated accuracies times 1.04", "0.6 m s^-2.5"}),
               1);
-    scene.noise().status = "constant_positions";
+    scene.noise().status = NoiseBasis::constant_positions;
     EXPECT_EQ(scene.count({"could not be learnt", "positions are all the same"}), 1);
-    scene.noise().status = "not_asked";
+    scene.noise().status = NoiseBasis::stated;
     EXPECT_EQ(scene.count({"was not learnt from the recording, as the attempt asks"}), 1);
     EXPECT_EQ(scene.count({"could not be told"}), 0);
 }
@@ -146,7 +146,7 @@ TEST(Statements, HowTheFilterFared) {
 TEST(Statements, OfBothAxesEachForItself) {
     Scene scene;
     scene.judged.estimation.vertical = scene.judged.estimation.horizontal;
-    scene.judged.estimation.vertical->noise.status = "constant_positions";
+    scene.judged.estimation.vertical->noise.status = NoiseBasis::constant_positions;
     scene.judged.estimation.vertical->health.white = false;
     EXPECT_EQ(scene.count({"horizontal noise was learnt"}), 1);
     EXPECT_EQ(scene.count({"vertical noise could not be learnt", "all the same"}), 1);
@@ -157,7 +157,7 @@ TEST(Statements, OfBothAxesEachForItself) {
 TEST(Statements, WithoutAnArcThereIsNoFitToSpeakOf) {
     Scene scene;
     scene.judged.estimation.arcs = 0;
-    scene.noise().status = "too_few_epochs";
+    scene.noise().status = NoiseBasis::too_few_epochs;
     EXPECT_EQ(scene.count({"noise"}), 0);
 }
 
@@ -214,7 +214,7 @@ Scene tested_scene() {
     ScreeningEvidence& tests = scene.judged.tests;
     tests.tests = 30'000;
     tests.family_false_alarm_rate = 0.001;
-    tests.models = {{.axes = TestedAxes::horizontal, .noise = "fitted"}};
+    tests.models = {{.axes = TestedAxes::horizontal, .noise = NoiseBasis::fitted}};
     return scene;
 }
 
@@ -230,14 +230,17 @@ TEST(Statements, OnTheTestsSayHowManyAndHowOftenTheyErr) {
 TEST(Statements, OnTheWitnessesSayWhatIsAmiss) {
     Scene scene = tested_scene();
     ScreeningEvidence& tests = scene.judged.tests;
-    tests.models[0].noise = "too_few_epochs";
+    tests.models[0].noise = NoiseBasis::too_few_epochs;
     tests.models[0].measurement_scale = 1.7;
-    tests.fix_kinds = {{.fix = FixKind::fixed, .variance_factor = 4.0, .judgement = "too_good"},
-                       {.fix = FixKind::single, .variance_factor = 1.0, .judgement = "as_stated"}};
+    tests.fix_kinds = {
+        {.fix = FixKind::fixed, .variance_factor = 4.0, .judgement = AccuracyJudgement::too_good},
+        {.fix = FixKind::single,
+         .variance_factor = 1.0,
+         .judgement = AccuracyJudgement::as_stated}};
     tests.time.sessions = 3;
     tests.time.rate_deviation = 5e-4;
-    tests.time.faults = {{.epoch = 77, .kind = "whole_second_shift", .size_s = 18.0},
-                         {.epoch = 90, .kind = "gap", .size_s = 3.0}};
+    tests.time.faults = {{.epoch = 77, .kind = TimeFaultKind::whole_second_shift, .size_s = 18.0},
+                         {.epoch = 90, .kind = TimeFaultKind::gap, .size_s = 3.0}};
     tests.velocity = VelocityEvidence{.compared = 500,
                                       .delay_s = 0.123,
                                       .sigma_delay_s = 0.002,
@@ -317,7 +320,7 @@ TEST(Statements, OnDriftsSayWhatStandsAgainstASlowOne) {
     windows.profile = "nalsa";
     windows.best.emplace();
     windows.best->reliability = {
-        {.hypothesis = "ramp", .size = 0.853, .unit = "m / s", .speed_mps = 0.8}};
+        {.hypothesis = Hypothesis::ramp, .size = 0.853, .unit = "m / s", .speed_mps = 0.8}};
     scene.judged.windows.profiles = {windows};
     EXPECT_EQ(scene.count({"only from 0.85 m/s on", "no velocities to check a slower one"}), 1);
     scene.judged.tests.velocity = VelocityEvidence{.compared = 500,

@@ -59,7 +59,7 @@ Sample sample() {
             .time = row.time, .position = {true_east_m(t), 0.0}, .speed_mps = true_speed_mps(t)});
     }
     AxesEstimation estimation;
-    estimation.noise.status = "fitted";
+    estimation.noise.status = NoiseBasis::fitted;
     estimation.noise.jerk_density.value = 1.0;
     estimation.noise.measurement_scale.value = 1.0;
     one.trajectory.estimation.horizontal = estimation;

@@ -50,7 +50,8 @@ AttemptResult failed(const std::string& id) {
 }
 
 TEST(DayPage, SaysWhatFailedBeforeAnyRanking) {
-    const std::string page = day_page(results_of({attempt("a", "beaten", 52.0, 0.1), failed("b")}));
+    const std::string page =
+        day_page(results_of({attempt("a", Outcome::beaten, 52.0, 0.1), failed("b")}));
     const std::size_t failure = page.find("line 7 is cut off");
     const std::size_t ranking = page.find("because of a");
     ASSERT_NE(failure, std::string::npos);
@@ -58,14 +59,15 @@ TEST(DayPage, SaysWhatFailedBeforeAnyRanking) {
     EXPECT_LT(failure, ranking);
     EXPECT_NE(page.find("Give the whole recording"), std::string::npos);
     EXPECT_NE(page.find("r.pos:7"), std::string::npos);
-    EXPECT_EQ(day_page(results_of({attempt("a", "beaten", 52.0, 0.1)})).find("not be processed"),
-              std::string::npos);
+    EXPECT_EQ(
+        day_page(results_of({attempt("a", Outcome::beaten, 52.0, 0.1)})).find("not be processed"),
+        std::string::npos);
 }
 
 TEST(DayPage, MarksRanksThatAreNotToldApart) {
-    const std::string page = day_page(
-        results_of({attempt("a", "beaten", 52.00, 0.1), attempt("b", "beaten", 51.95, 0.1),
-                    attempt("c", "beaten", 51.90, 0.1), attempt("d", "beaten", 51.00, 0.1)}));
+    const std::string page = day_page(results_of(
+        {attempt("a", Outcome::beaten, 52.00, 0.1), attempt("b", Outcome::beaten, 51.95, 0.1),
+         attempt("c", Outcome::beaten, 51.90, 0.1), attempt("d", Outcome::beaten, 51.00, 0.1)}));
     EXPECT_EQ(count_of(page, "not told apart from ranks 2 to 3<"), 1U);
     EXPECT_EQ(count_of(page, "not told apart from ranks 1 and 3<"), 1U);
     EXPECT_EQ(count_of(page, "not told apart from ranks 1 to 2<"), 1U);
@@ -120,15 +122,15 @@ TEST(DayPage, WordsOfTheBestOfManyNeverShowCertainty) {
 
 TEST(DayPage, SaysWhatTheBestOfTheDayIs) {
     using day::beaten_with;
-    const std::string page =
-        day_page(results_of({beaten_with("a", 53.0, 0.98), attempt("b", "not_beaten", 49.0, 0.1)}));
+    const std::string page = day_page(
+        results_of({beaten_with("a", 53.0, 0.98), attempt("b", Outcome::not_beaten, 49.0, 0.1)}));
     EXPECT_EQ(count_of(page,
                        "2 attempts were made; the best of so many needs a probability of "
                        "98.75 %"),
               1U);
     EXPECT_EQ(count_of(page, "as the best of so many it is not proven"), 1U);
     EXPECT_EQ(complaints_of(page), "");
-    const std::string none = day_page(results_of({attempt("b", "not_beaten", 49.0, 0.1)}));
+    const std::string none = day_page(results_of({attempt("b", Outcome::not_beaten, 49.0, 0.1)}));
     EXPECT_EQ(none.find("attempts were made"), std::string::npos);
     EXPECT_EQ(none.find("attempt was made"), std::string::npos);
 }
@@ -136,12 +138,12 @@ TEST(DayPage, SaysWhatTheBestOfTheDayIs) {
 TEST(DayPage, DrawsEverySpeedOfAFewAndSaysHowManyOfMany) {
     std::vector<AttemptResult> attempts;
     for (int i = 0; i < 4; ++i)
-        attempts.push_back(attempt(fmt::format("run-{}", i), "beaten", 52.0 + i, 0.1));
+        attempts.push_back(attempt(fmt::format("run-{}", i), Outcome::beaten, 52.0 + i, 0.1));
     const std::string few = day_page(results_of(attempts));
     EXPECT_EQ(count_of(few, "<svg class=\"mark\""), 4U);
     EXPECT_EQ(few.find("speeds are drawn"), std::string::npos);
     for (int i = 4; i < 300; ++i)
-        attempts.push_back(attempt(fmt::format("run-{}", i), "beaten", 52.0 + 0.01 * i, 0.1));
+        attempts.push_back(attempt(fmt::format("run-{}", i), Outcome::beaten, 52.0 + 0.01 * i, 0.1));
     const std::string many = day_page(results_of(attempts));
     EXPECT_EQ(count_of(many, "<svg class=\"mark\""), 24U);
     EXPECT_NE(many.find("The first 24 of 300 speeds are drawn"), std::string::npos);
@@ -151,8 +153,8 @@ TEST(DayPage, DrawsEverySpeedOfAFewAndSaysHowManyOfMany) {
 
 TEST(DayPage, DrawsBarsInTheScaleOfItsTicks) {
     // Between 40 and 60 the bar of 50 ± 5 covers a quarter of what two speeds of 10 apart cover.
-    const std::string page = day_page(
-        results_of({attempt("a", "not_beaten", 40.0, 0.0), attempt("b", "not_beaten", 50.0, 5.0)}));
+    const std::string page = day_page(results_of({attempt("a", Outcome::not_beaten, 40.0, 0.0),
+                                                  attempt("b", Outcome::not_beaten, 50.0, 5.0)}));
     std::smatch found;
     ASSERT_TRUE(std::regex_search(page, found,
                                   std::regex("class=\"bar\" x1=\"([0-9.]+)%\" x2=\"([0-9.]+)%\"")));
@@ -182,7 +184,7 @@ const std::vector<std::string> hostile{"<script>alert(1)</script>",
                                        "Bj\u00f8rn's \u8239"};
 
 DayResults hostile_day(const std::string& text) {
-    AttemptResult done = attempt("a", "beaten", 52.0, 0.1);
+    AttemptResult done = attempt("a", Outcome::beaten, 52.0, 0.1);
     done.source = done.craft->name = done.craft->craft_class = text;
     done.notes = {text};
     done.pages = {text + ".html"};
@@ -238,7 +240,7 @@ TEST(DayCsv, WhatComesFromOutsideIsACellAndNoFormula) {
 }
 
 TEST(DayCsv, HoldsEveryFigureInTheColumnOfItsName) {
-    DayResults results = results_of({attempt("a", "beaten", 52.25, 0.125), failed("b")});
+    DayResults results = results_of({attempt("a", Outcome::beaten, 52.25, 0.125), failed("b")});
     results.attempts[0].results[0].start_utc = "2022-03-18T08:51:22.300Z";
     EXPECT_EQ(
         day_csv(results),
@@ -255,7 +257,7 @@ TEST(DayCsv, HoldsEveryFigureInTheColumnOfItsName) {
 }
 
 TEST(DayPage, IsItsOwnAndNeedsNoScript) {
-    const std::string page = day_page(results_of({attempt("a", "beaten", 52.0, 0.1)}));
+    const std::string page = day_page(results_of({attempt("a", Outcome::beaten, 52.0, 0.1)}));
     // The namespace of SVG is a name, not a place.
     EXPECT_EQ(count_of(page, "http://"), count_of(page, "'http://www.w3.org/2000/svg'"));
     EXPECT_EQ(page.find("https://"), std::string::npos);

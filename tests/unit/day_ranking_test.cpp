@@ -34,27 +34,33 @@ using Lines = std::vector<std::string>;
 TEST(Ranking, OutcomeComesBeforeSpeed) {
     // The fastest is not certifiable; it has no rank.
     EXPECT_EQ(
-        lines_of({attempt("a", "not_certifiable", 80.0, 0.1), attempt("b", "not_beaten", 49.0, 0.1),
-                  attempt("c", "beaten", 52.0, 0.1), attempt("d", "not_proven", 55.0, 9.0),
-                  without_speed("e", "not_certifiable"), attempt("f", "beaten", 53.0, 0.1)}),
+        lines_of({attempt("a", Outcome::not_certifiable, 80.0, 0.1),
+                  attempt("b", Outcome::not_beaten, 49.0, 0.1),
+                  attempt("c", Outcome::beaten, 52.0, 0.1),
+                  attempt("d", Outcome::not_proven, 55.0, 9.0),
+                  without_speed("e", Outcome::not_certifiable),
+                  attempt("f", Outcome::beaten, 53.0, 0.1)}),
         (Lines{"1 f [-,-]", "2 c [-,3]", "3 d [1,4]", "4 b [3,-]", "- a [-,-]", "- e [-,-]"}));
 }
 
 TEST(Ranking, OfEqualSpeedsTheLessUncertainIsAhead) {
-    EXPECT_EQ(lines_of({attempt("a", "beaten", 52.0, 0.3), attempt("b", "beaten", 52.0, 0.1)}),
+    EXPECT_EQ(lines_of({attempt("a", Outcome::beaten, 52.0, 0.3),
+                        attempt("b", Outcome::beaten, 52.0, 0.1)}),
               (Lines{"1 b [-,2]", "2 a [1,-]"}));
 }
 
 TEST(Ranking, EqualInAllShareARankAndTheNextCountsThem) {
-    EXPECT_EQ(lines_of({attempt("c", "beaten", 52.0, 0.1), attempt("d", "beaten", 51.0, 0.1),
-                        attempt("a", "beaten", 52.0, 0.1), attempt("b", "beaten", 53.0, 0.1)}),
-              (Lines{"1 b [-,-]", "2 a [-,-]", "2 c [-,-]", "4 d [-,-]"}));
+    EXPECT_EQ(
+        lines_of(
+            {attempt("c", Outcome::beaten, 52.0, 0.1), attempt("d", Outcome::beaten, 51.0, 0.1),
+             attempt("a", Outcome::beaten, 52.0, 0.1), attempt("b", Outcome::beaten, 53.0, 0.1)}),
+        (Lines{"1 b [-,-]", "2 a [-,-]", "2 c [-,-]", "4 d [-,-]"}));
 }
 
 TEST(Ranking, SpeedsAreToldApartFromTheExpandedUncertaintyOfTheirDifferenceOn) {
     const auto between = [](double difference) {
-        return lines_of(
-            {attempt("a", "beaten", 64.0, 0.375), attempt("b", "beaten", 64.0 - difference, 0.5)});
+        return lines_of({attempt("a", Outcome::beaten, 64.0, 0.375),
+                         attempt("b", Outcome::beaten, 64.0 - difference, 0.5)});
     };
     // sqrt(0.375^2 + 0.5^2) = 0.625.
     EXPECT_EQ(between(0.625), (Lines{"1 a [-,-]", "2 b [-,-]"}));
@@ -63,19 +69,21 @@ TEST(Ranking, SpeedsAreToldApartFromTheExpandedUncertaintyOfTheirDifferenceOn) {
 
 TEST(Ranking, NotToldApartReachesAsFarAsThereIsNoGap) {
     // Neighbours differ by 0.1, each has U = 0.11: sqrt(2) x 0.11 = 0.156 reaches one rank.
-    EXPECT_EQ(lines_of({attempt("a", "beaten", 52.4, 0.11), attempt("b", "beaten", 52.3, 0.11),
-                        attempt("c", "beaten", 52.2, 0.11)}),
+    EXPECT_EQ(lines_of({attempt("a", Outcome::beaten, 52.4, 0.11),
+                        attempt("b", Outcome::beaten, 52.3, 0.11),
+                        attempt("c", Outcome::beaten, 52.2, 0.11)}),
               (Lines{"1 a [-,2]", "2 b [1,3]", "3 c [2,-]"}));
     // The third is so uncertain that it reaches both; the first two are told apart.
-    EXPECT_EQ(lines_of({attempt("a", "beaten", 52.4, 0.01), attempt("b", "beaten", 52.3, 0.01),
-                        attempt("c", "beaten", 52.2, 1.0)}),
+    EXPECT_EQ(lines_of({attempt("a", Outcome::beaten, 52.4, 0.01),
+                        attempt("b", Outcome::beaten, 52.3, 0.01),
+                        attempt("c", Outcome::beaten, 52.2, 1.0)}),
               (Lines{"1 a [-,-]", "2 b [-,3]", "3 c [1,-]"}));
 }
 
 TEST(Ranking, DoesNotDependOnTheOrderInWhichAttemptsCome) {
     RandomGenerator random(7);
     std::vector<AttemptResult> attempts;
-    constexpr const char* outcomes[] = {"beaten", "not_proven", "not_beaten", "not_certifiable"};
+    constexpr Outcome outcomes[] = {Outcome::beaten, Outcome::not_proven, Outcome::not_beaten, Outcome::not_certifiable};
     for (int i = 0; i < 200; ++i)
         attempts.push_back(attempt("run-" + std::to_string(i), outcomes[random.next() % 4],
                                    50.0 + 0.25 * static_cast<double>(random.next() % 8),
@@ -92,9 +100,10 @@ TEST(Ranking, DoesNotDependOnTheOrderInWhichAttemptsCome) {
 TEST(BestOfDay, OfSeveralSharesTheRiskAmongThem) {
     // Of four 1 - 0.025/4 = 0.99375 is needed, whatever became of the other three.
     for (const auto& [probability, beaten] : {std::pair{0.99375, true}, {0.99374, false}}) {
-        const auto best =
-            best_of({attempt("a", "not_beaten", 49.0, 0.1), beaten_with("b", 53.0, probability),
-                     without_speed("c", "not_certifiable"), attempt("d", "not_proven", 55.0, 9.0)});
+        const auto best = best_of({attempt("a", Outcome::not_beaten, 49.0, 0.1),
+                                   beaten_with("b", 53.0, probability),
+                                   without_speed("c", Outcome::not_certifiable),
+                                   attempt("d", Outcome::not_proven, 55.0, 9.0)});
         ASSERT_TRUE(best);
         EXPECT_EQ(best->id, "b");
         EXPECT_EQ(best->attempts, 4);
@@ -114,13 +123,14 @@ TEST(BestOfDay, OfOneNeedsWhatItNeededAlone) {
 
 TEST(BestOfDay, ThatSaysItIsTheBestOfSomeHasSharedTheRiskAlready) {
     // Of ten by its own word, at 0.9975, on a day of two; and of two on a day of three.
-    auto best = best_of({beaten_with("a", 53.0, 0.998, 10), attempt("b", "not_beaten", 49.0, 0.1)});
+    auto best =
+        best_of({beaten_with("a", 53.0, 0.998, 10), attempt("b", Outcome::not_beaten, 49.0, 0.1)});
     ASSERT_TRUE(best);
     EXPECT_EQ(best->attempts, 10);
     EXPECT_NEAR(best->level, 0.9975, 1e-12);
     EXPECT_TRUE(best->beaten);
-    best = best_of({beaten_with("a", 53.0, 0.9905, 2), attempt("b", "not_beaten", 49.0, 0.1),
-                    attempt("c", "not_beaten", 48.0, 0.1)});
+    best = best_of({beaten_with("a", 53.0, 0.9905, 2), attempt("b", Outcome::not_beaten, 49.0, 0.1),
+                    attempt("c", Outcome::not_beaten, 48.0, 0.1)});
     ASSERT_TRUE(best);
     EXPECT_EQ(best->attempts, 3);
     EXPECT_NEAR(best->level, 1.0 - 0.025 / 3.0, 1e-12);
@@ -142,10 +152,10 @@ TEST(BestOfDay, IsOfAsManyAsAnyAttemptOfTheRuleStates) {
 
 TEST(BestOfDay, IsNoneWhereNoneBeatTheRecordByItself) {
     EXPECT_FALSE(best_of({}));
-    EXPECT_FALSE(best_of({attempt("a", "not_proven", 53.0, 0.1)}));
-    EXPECT_FALSE(best_of({without_speed("a", "not_certifiable")}));
+    EXPECT_FALSE(best_of({attempt("a", Outcome::not_proven, 53.0, 0.1)}));
+    EXPECT_FALSE(best_of({without_speed("a", Outcome::not_certifiable)}));
     // Nor where it is not said how it was decided.
-    EXPECT_FALSE(best_of({attempt("a", "beaten", 53.0, 0.1)}));
+    EXPECT_FALSE(best_of({attempt("a", Outcome::beaten, 53.0, 0.1)}));
 }
 
 // 40 attempts at exactly the speed to reach, each measured with the same uncertainty: the page says
@@ -162,7 +172,7 @@ TEST(BestOfDay, OfManyAtTheTargetIsFalselyBeatenNoMoreOftenThanOneAttempt) {
             const double probability = 0.5 * std::erfc(-error_mps / u_mps / std::sqrt(2.0));
             AttemptResult one = beaten_with(std::to_string(i), 50.0 + error_mps, probability);
             if (probability < 0.975)
-                one.results.front().outcome = probability <= 0.025 ? "not_beaten" : "not_proven";
+                one.results.front().outcome = probability <= 0.025 ? Outcome::not_beaten : Outcome::not_proven;
             attempts.push_back(std::move(one));
         }
         const auto best = best_of(attempts);
@@ -175,9 +185,9 @@ TEST(BestOfDay, OfManyAtTheTargetIsFalselyBeatenNoMoreOftenThanOneAttempt) {
 }
 
 TEST(Ranking, CountsAreThoseOfStatesAndOutcomes) {
-    std::vector<AttemptResult> attempts{attempt("a", "beaten", 52.0, 0.1),
-                                        attempt("b", "not_beaten", 49.0, 0.1),
-                                        without_speed("c", "not_certifiable"),
+    std::vector<AttemptResult> attempts{attempt("a", Outcome::beaten, 52.0, 0.1),
+                                        attempt("b", Outcome::not_beaten, 49.0, 0.1),
+                                        without_speed("c", Outcome::not_certifiable),
                                         {.id = "d", .source = "d.yaml", .state = "failed"},
                                         {.id = "e", .source = "e.yaml", .state = "not_processed"}};
     const DayCounts counts = counts_of(attempts);

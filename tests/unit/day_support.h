@@ -10,7 +10,7 @@
 namespace runcert::day {
 
 /// An attempt that is done, with one result by the rule "nalsa".
-inline AttemptResult attempt(const std::string& id, const std::string& outcome, double speed_mps,
+inline AttemptResult attempt(const std::string& id, Outcome outcome, double speed_mps,
                              double expanded_mps) {
     DayResult result{.profile = "nalsa",
                      .outcome = outcome,
@@ -27,7 +27,7 @@ inline AttemptResult attempt(const std::string& id, const std::string& outcome, 
             .results = {result}};
 }
 
-inline AttemptResult without_speed(const std::string& id, const std::string& outcome) {
+inline AttemptResult without_speed(const std::string& id, Outcome outcome) {
     AttemptResult made = attempt(id, outcome, 0.0, 0.0);
     made.results.front().speed_mps.reset();
     made.results.front().expanded_uncertainty_mps.reset();
@@ -37,7 +37,7 @@ inline AttemptResult without_speed(const std::string& id, const std::string& out
 /// An attempt that beat the record by itself, with this probability that it did.
 inline AttemptResult beaten_with(const std::string& id, double speed_mps, double probability,
                                  std::int64_t attempts_made = 1) {
-    AttemptResult made = attempt(id, "beaten", speed_mps, 0.1);
+    AttemptResult made = attempt(id, Outcome::beaten, speed_mps, 0.1);
     made.results.front().probability = probability;
     made.results.front().level = 1.0 - 0.025 / static_cast<double>(attempts_made);
     made.results.front().attempts_made = attempts_made;

@@ -12,7 +12,8 @@ namespace runcert::RUNCERT_FILE {
 namespace {
 
 /// A result whose standard uncertainty is a tenth of 1 m/s.
-DayResult result(double speed_mps, const std::string& outcome = "beaten", double expanded = 0.2) {
+DayResult result(double speed_mps, Outcome outcome = Outcome::beaten,
+                 double expanded = 0.2) {
     return {.profile = "nalsa",
             .outcome = outcome,
             .reason = "why",
@@ -47,7 +48,7 @@ TEST(CompareDays, AMoveUpToATenthOfTheSmallerStandardUncertaintyIsNone) {
     EXPECT_NEAR(*moved.results[0].moved_by, 0.1171875, 1e-9);
     // The smaller of two uncertainties counts, whichever it is.
     for (const bool swap : {false, true}) {
-        DayResult sure = result(64.0, "beaten", 0.2), unsure = result(64.015, "beaten", 0.4);
+        DayResult sure = result(64.0, Outcome::beaten, 0.2), unsure = result(64.015, Outcome::beaten, 0.4);
         if (swap) std::swap(sure.speed_mps, unsure.speed_mps);
         if (swap) std::swap(sure, unsure);
         const DayComparison found = compared({done("a", {sure})}, {done("a", {unsure})});
@@ -59,14 +60,14 @@ TEST(CompareDays, AMoveUpToATenthOfTheSmallerStandardUncertaintyIsNone) {
 
 TEST(CompareDays, AnUncertaintyThatGrewIsSaidThoughTheSpeedStands) {
     const DayComparison found =
-        compared({done("a", {result(64.0)})}, {done("a", {result(64.0, "beaten", 0.25)})});
+        compared({done("a", {result(64.0)})}, {done("a", {result(64.0, Outcome::beaten, 0.25)})});
     ASSERT_EQ(found.results.size(), 1U);
     EXPECT_FALSE(found.results[0].speed_moved);
     EXPECT_TRUE(found.results[0].uncertainty_moved);
 }
 
 TEST(CompareDays, OutcomesStatesAndAttemptsThatCameOrWent) {
-    DayResult none = result(0.0, "not_certifiable");
+    DayResult none = result(0.0, Outcome::not_certifiable);
     none.speed_mps.reset();
     none.expanded_uncertainty_mps.reset();
     DayResult fisly = result(63.0);
@@ -75,7 +76,7 @@ TEST(CompareDays, OutcomesStatesAndAttemptsThatCameOrWent) {
         {done("same", {result(64.0)}), done("lost", {result(64.0)}), done("worse", {result(64.0)}),
          done("refused", {result(64.0)}), failed("cured", "x"), failed("sick", "x"),
          failed("other", "x"), done("gone", {})},
-        {done("new", {}), done("refused", {none}), done("worse", {result(64.0, "not_beaten")}),
+        {done("new", {}), done("refused", {none}), done("worse", {result(64.0, Outcome::not_beaten)}),
          failed("lost", "cut off"), done("cured", {}), failed("sick", "x"), failed("other", "y"),
          done("same", {result(64.0), fisly})});
     EXPECT_EQ(found.only_old, std::vector<std::string>{"gone"});

@@ -64,7 +64,7 @@ Profile profile() {
 }
 
 /// A speed of 60.002417 m/s against a record of 126.2 mph: 127.2 mph to reach.
-Verdict verdict(const std::string& outcome, const std::string& status = "met") {
+Verdict verdict(Outcome outcome, RequirementStatus status = RequirementStatus::met) {
     ProfileVerdict entry;
     entry.profile = "rule";
     entry.body = "Body";
@@ -135,7 +135,7 @@ class EveryComputation : public testing::TestWithParam<Explained> {};
 TEST_P(EveryComputation, IsSaidHowItIsMadeAndCompared) {
     const Explained& expected = GetParam();
     const std::string text =
-        explained(verdict("beaten"), fmt::format("{}-clause", expected.computation));
+        explained(verdict(Outcome::beaten), fmt::format("{}-clause", expected.computation));
     EXPECT_TRUE(text.starts_with(fmt::format("MET  rule/{}-clause ", expected.computation)))
         << text;
     expect_in(text,
@@ -195,21 +195,22 @@ INSTANTIATE_TEST_SUITE_P(
 
 TEST_P(EveryComputation, SaysWhatToDoWhereAPersonMustAttest) {
     const std::string name = fmt::format("{}-clause", GetParam().computation);
-    const std::string text = explained(verdict("beaten", "attest"), name);
+    const std::string text = explained(verdict(Outcome::beaten, RequirementStatus::attest), name);
     EXPECT_TRUE(text.starts_with("TO ATTEST  rule/" + name)) << text;
     expect_in(text, "Outcome           Left to a person. The evidence.");
     expect_in(text, "To do  ");
-    EXPECT_EQ(explained(verdict("beaten"), name).find("To do  "), std::string::npos);
+    EXPECT_EQ(explained(verdict(Outcome::beaten), name).find("To do  "), std::string::npos);
 }
 
 TEST(Explain, AClauseThatIsNotMetSaysSoFirst) {
-    const std::string text = explained(verdict("not_certifiable", "not_met"), "rule/slope-clause");
+    const std::string text = explained(
+        verdict(Outcome::not_certifiable, RequirementStatus::not_met), "rule/slope-clause");
     EXPECT_TRUE(text.starts_with("NOT MET  rule/slope-clause ")) << text;
     expect_in(text, "Outcome           Not met. The evidence.");
 }
 
 TEST(Explain, HowSureAClauseIsStandsWithItsSource) {
-    Verdict of = verdict("beaten");
+    Verdict of = verdict(Outcome::beaten);
     of.profiles[0].requirements[0].certainty = Certainty::quoted;
     expect_in(explained(of, "window_complete-clause"), "These are the rule's own words");
     of.profiles[0].requirements[0].certainty = Certainty::unconfirmed;
@@ -219,7 +220,7 @@ TEST(Explain, HowSureAClauseIsStandsWithItsSource) {
 }
 
 TEST(Explain, AReplacedFigureStandsWithWhatHangsOnIt) {
-    Verdict of = verdict("beaten");
+    Verdict of = verdict(Outcome::beaten);
     of.profiles[0].overrides = {
         {.figure = "clauses.flatness-clause.limit",
          .rule = 1.0,
@@ -244,7 +245,7 @@ TEST(Explain, AReplacedFigureStandsWithWhatHangsOnIt) {
 }
 
 TEST(Explain, TheDecisionIsTakenApart) {
-    const std::string text = explained(verdict("not_proven"), "decision");
+    const std::string text = explained(verdict(Outcome::not_proven), "decision");
     EXPECT_TRUE(text.starts_with("NOT PROVEN  rule: top speed, Body ")) << text;
     expect_in(text, "3.000 s from 40.200 s after the first epoch.");
     expect_in(text,
@@ -260,15 +261,15 @@ TEST(Explain, TheDecisionIsTakenApart) {
     expect_in(text, "97.5 % or more counts as beaten, 2.5 % or less as not beaten");
     expect_in(text, "the least speed that would count as beaten");
     expect_in(text, "Not proven, because the probability of 97.49 % is below the 97.5 % asked");
-    EXPECT_EQ(text, explained(verdict("not_proven"), "outcome"));
-    EXPECT_EQ(text, explained(verdict("not_proven"), "rule/outcome"));
+    EXPECT_EQ(text, explained(verdict(Outcome::not_proven), "outcome"));
+    EXPECT_EQ(text, explained(verdict(Outcome::not_proven), "rule/outcome"));
 }
 
 TEST(Explain, AMeanOfSeveralWindowsIsSaidToBeOne) {
     Profile rule = profile();
     const auto text = [&] {
         return unwrapped(
-            explain_text(verdict("beaten"), {rule}, {.clause = "decision", .profile = {}}));
+            explain_text(verdict(Outcome::beaten), {rule}, {.clause = "decision", .profile = {}}));
     };
     expect_in(text(), "the mean of two runs over 3 s. The faster: 3.000 s from 40.200 s");
     rule.opposite_runs_within_s.reset();
@@ -278,23 +279,23 @@ TEST(Explain, AMeanOfSeveralWindowsIsSaidToBeOne) {
 }
 
 TEST(Explain, EveryOutcomeHasItsSentence) {
-    Verdict of = verdict("beaten");
+    Verdict of = verdict(Outcome::beaten);
     of.profiles[0].decision->probability = 0.975;
     expect_in(explained(of, "outcome"),
               "Beaten, because the probability is 97.50 %, at least the "
               "97.5 % asked.");
-    of = verdict("not_beaten");
+    of = verdict(Outcome::not_beaten);
     of.profiles[0].decision->probability = 1e-9;
     expect_in(explained(of, "outcome"),
               "Not beaten, because the probability is less than 0.0001 %, at most 2.5 %");
-    of = verdict("not_certifiable");
+    of = verdict(Outcome::not_certifiable);
     of.profiles[0].speed_mps = of.profiles[0].expanded_uncertainty_mps = std::nullopt;
     of.profiles[0].window.reset();
     of.profiles[0].decision.reset();
     of.profiles[0].shown.reset();
     expect_in(explained(of, "outcome"), "None of 3 s could be certified.");
     expect_in(explained(of, "outcome"), "no comparison with a record counts: A sentence that says");
-    of = verdict("not_proven");
+    of = verdict(Outcome::not_proven);
     of.profiles[0].decision.reset();
     of.profiles[0].record.reset();
     of.profiles[0].target_mps.reset();
@@ -304,8 +305,8 @@ TEST(Explain, EveryOutcomeHasItsSentence) {
 
 // The speed may be far above the one to reach: that says nothing.
 TEST(Explain, InShortNoProbabilityIsGivenOfASpeedThatCannotBeCertified) {
-    expect_in(explain_text(verdict("beaten"), {profile()}), "Probability ");
-    EXPECT_EQ(explain_text(verdict("not_certifiable"), {profile()}).find("Probability "),
+    expect_in(explain_text(verdict(Outcome::beaten), {profile()}), "Probability ");
+    EXPECT_EQ(explain_text(verdict(Outcome::not_certifiable), {profile()}).find("Probability "),
               std::string::npos);
 }
 
@@ -313,7 +314,7 @@ TEST(Explain, MarginsAndRoundingOfEveryKind) {
     Profile rule = profile();
     const auto text = [&] {
         return unwrapped(
-            explain_text(verdict("beaten"), {rule}, {.clause = "decision", .profile = {}}));
+            explain_text(verdict(Outcome::beaten), {rule}, {.clause = "decision", .profile = {}}));
     };
     rule.margin_kind = MarginKind::relative;
     rule.margin = 0.002;
@@ -329,7 +330,8 @@ TEST(Explain, MarginsAndRoundingOfEveryKind) {
 }
 
 TEST(Explain, WithoutAClauseEveryOneHasABlockOutcomeFirst) {
-    const std::string text = explain_text(verdict("beaten", "attest"), {profile()});
+    const std::string text =
+        explain_text(verdict(Outcome::beaten, RequirementStatus::attest), {profile()});
     EXPECT_TRUE(text.starts_with("BEATEN  rule: top speed, Body\n")) << text;
     expect_in(text, "134.22 mph +/- 0.02 mph (k = 2); to reach 127.20 mph");
     expect_in(text, "19 clauses: 0 met, 0 not met, 19 for a person to attest");
@@ -344,7 +346,7 @@ TEST(Explain, WithoutAClauseEveryOneHasABlockOutcomeFirst) {
 }
 
 TEST(Explain, NoLineIsLongerThanAPage) {
-    Verdict of = verdict("not_proven", "attest");
+    Verdict of = verdict(Outcome::not_proven, RequirementStatus::attest);
     of.profiles[0].requirements[6].evidence = std::string(250, 'x') + " \xC3\xA9 \x1b[31m red";
     of.profiles[0].notes = {std::string(300, 'n')};
     for (const char* name : {"", "decision", "flatness-clause", "current-clause"}) {
@@ -359,7 +361,7 @@ TEST(Explain, NoLineIsLongerThanAPage) {
 }
 
 TEST(Explain, AClauseOfTwoProfilesIsExplainedForBoth) {
-    Verdict of = verdict("beaten");
+    Verdict of = verdict(Outcome::beaten);
     of.profiles.push_back(of.profiles[0]);
     of.profiles[1].profile = "other";
     std::vector<Profile> rules{profile(), profile()};
@@ -377,7 +379,7 @@ TEST(Explain, AClauseOfTwoProfilesIsExplainedForBoth) {
 TEST(Explain, WhatIsNotThereIsRefusedWithWhatIs) {
     const auto refusal = [](const ExplainOptions& options) {
         try {
-            (void)explain_text(verdict("beaten"), {profile()}, options);
+            (void)explain_text(verdict(Outcome::beaten), {profile()}, options);
         } catch (const Failure& failure) {
             return failure.problem() + " " + failure.remedy();
         }
@@ -388,7 +390,7 @@ TEST(Explain, WhatIsNotThereIsRefusedWithWhatIs) {
     expect_in(text, "Did you mean flatness-clause?");
     expect_in(text, "outcome, decision, rule/window_complete-clause");
     expect_in(refusal({.clause = {}, .profile = "fisly"}), "Use one of: rule");
-    EXPECT_THROW((void)explain_text(verdict("beaten"), {}), Failure);
+    EXPECT_THROW((void)explain_text(verdict(Outcome::beaten), {}), Failure);
 }
 
 TEST(ExplainWords, AProbabilityNeverShowsAsOneThatItDoesNotReach) {

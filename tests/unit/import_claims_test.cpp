@@ -73,7 +73,7 @@ TEST(KindOfSolution, ThatTheRecordingSaysIsNotChangedByTheAttempt) {
         Observations said = with_fixes({single, none, float_ambiguities});
         note_origins(claiming(claimed), said);
         EXPECT_EQ(fixes_of(said), (Fixes{single, none, float_ambiguities}));
-        EXPECT_EQ(said.solution_source, "recording");
+        EXPECT_EQ(said.solution_source, SolutionSource::recording);
     }
 }
 
@@ -81,11 +81,11 @@ TEST(KindOfSolution, ThatNobodySaysStaysUnknown) {
     Observations silent = with_fixes({unknown, unknown});
     note_origins(claiming(""), silent);
     EXPECT_EQ(fixes_of(silent), (Fixes{unknown, unknown}));
-    EXPECT_EQ(silent.solution_source, "unknown");
+    EXPECT_EQ(silent.solution_source, SolutionSource::unknown);
     Observations partly = with_fixes({fixed, unknown});
     note_origins(claiming(""), partly);
     EXPECT_EQ(fixes_of(partly), (Fixes{fixed, unknown}));
-    EXPECT_EQ(partly.solution_source, "partly");
+    EXPECT_EQ(partly.solution_source, SolutionSource::partly);
 }
 
 TEST(KindOfSolution, ThatTheAttemptClaimsIsItsClaimAlsoWhereItIsOfSomeRowsOnly) {
@@ -95,18 +95,18 @@ TEST(KindOfSolution, ThatTheAttemptClaimsIsItsClaimAlsoWhereItIsOfSomeRowsOnly) 
         Observations silent = with_fixes({unknown, unknown});
         note_origins(claiming(word), silent);
         EXPECT_EQ(fixes_of(silent), (Fixes{kind, kind}));
-        EXPECT_EQ(silent.solution_source, "attempt");
+        EXPECT_EQ(silent.solution_source, SolutionSource::attempt);
         Observations partly = with_fixes({single, unknown, none});
         note_origins(claiming(word), partly);
         EXPECT_EQ(fixes_of(partly), (Fixes{single, kind, none}));
-        EXPECT_EQ(partly.solution_source, "attempt");
+        EXPECT_EQ(partly.solution_source, SolutionSource::attempt);
     }
 }
 
 TEST(KindOfSolution, OfARecordingWithoutRowsIsTheRecordings) {
     Observations empty = with_fixes({});
     note_origins(claiming("fixed"), empty);
-    EXPECT_EQ(empty.solution_source, "recording");
+    EXPECT_EQ(empty.solution_source, SolutionSource::recording);
 }
 
 /// Recordings in files that follow one another, as main.cpp reads them.
@@ -129,15 +129,15 @@ TEST(KindOfSolution, OfSeveralFilesIsAClaimWhereItIsOneOfAnyOfThem) {
     const std::string says = head + "0.0,35.5,-137.25,40.5,single\n0.1,35.6,-137.35,41,single\n";
     const std::string silent =
         head + "0.2,35.5,-137.25,40.5,unknown\n0.3,35.6,-137.35,41,unknown\n";
-    EXPECT_EQ(joined(receiver, {says, silent}).solution_source, "partly");
+    EXPECT_EQ(joined(receiver, {says, silent}).solution_source, SolutionSource::partly);
     receiver.solution = "fixed";
     for (const auto& files : {std::vector{says, silent}, {silent, says}}) {
         const Observations all = joined(receiver, files);
-        EXPECT_EQ(all.solution_source, "attempt");
+        EXPECT_EQ(all.solution_source, SolutionSource::attempt);
         EXPECT_EQ(std::ranges::count(all.rows, fixed, &Observation::fix), 2);
         EXPECT_EQ(std::ranges::count(all.rows, single, &Observation::fix), 2);
     }
-    EXPECT_EQ(joined(receiver, {says}).solution_source, "recording");
+    EXPECT_EQ(joined(receiver, {says}).solution_source, SolutionSource::recording);
     EXPECT_EQ(joined(receiver, {says, silent}).time_origin, joined(receiver, {says}).time_origin);
     receiver.time_source = "satellites";
     EXPECT_EQ(joined(receiver, {says, silent}).facts.time_source, "attempt");
@@ -150,7 +150,7 @@ TEST(Origins, OutlastTheTable) {
     note_origins(claiming("float", "satellites"), written);
     const Observations read = read_observations(write_observations(written), "f");
     EXPECT_EQ(read.facts.time_source, "attempt");
-    EXPECT_EQ(read.solution_source, "attempt");
+    EXPECT_EQ(read.solution_source, SolutionSource::attempt);
     EXPECT_EQ(read.time_origin, written.time_origin);
     EXPECT_EQ(fixes_of(read), (Fixes{float_ambiguities, float_ambiguities}));
 }

@@ -184,7 +184,7 @@ TEST(Origins, OfTimesAndSolutionsAreThoseOfTheObservations) {
     Observations& observations = run.inputs.receivers[0].observations;
     observations.time_origin = "UTC of the receiver's position sentences";
     observations.facts.time_source = "satellites";
-    observations.solution_source = "attempt";
+    observations.solution_source = SolutionSource::attempt;
     const Json receiver = receiver_of(run);
     EXPECT_EQ(receiver["time_origin"], "UTC of the receiver's position sentences");
     EXPECT_EQ(receiver["time_source"], "satellites");
@@ -203,12 +203,13 @@ TEST(Origins, OfTimesAndSolutionsAreThoseOfTheObservations) {
 TEST(Origins, OfEverySolutionHaveWordsOfTheirOwn) {
     sample::Run run = made();
     std::set<std::string> words;
-    for (const char* source : {"recording", "attempt", "partly", "unknown"}) {
+    for (const SolutionSource source : {SolutionSource::recording, SolutionSource::attempt,
+                                        SolutionSource::partly, SolutionSource::unknown}) {
         run.inputs.receivers[0].observations.solution_source = source;
         words.insert(fact_of(receiver_of(run)["recording_facts"], "Kind of solution"));
     }
     EXPECT_EQ(words.size(), 4U);
-    EXPECT_TRUE(words.contains("nobody says; taken as that of one receiver alone"));
+    EXPECT_TRUE(words.contains("stated by nobody; taken as that of one receiver alone"));
 }
 
 TEST(DeviceSigns, AreInFiguresAndWords) {

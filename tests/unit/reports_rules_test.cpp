@@ -117,7 +117,7 @@ TEST(Decision, IsInTheReportInFiguresAndWords) {
 TEST(Decision, OfASpeedThatCannotBeCertifiedItSaysThatItDoesNotCount) {
     sample::Run run = sample::make_run();
     EXPECT_EQ(page_of(run).find("no comparison counts"), std::string::npos);
-    verdict_of(run).outcome = "not_certifiable";
+    verdict_of(run).outcome = Outcome::not_certifiable;
     expect_in(page_of(run), "The speed cannot be certified, so that no comparison counts. Prob");
 }
 

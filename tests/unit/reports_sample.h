@@ -136,7 +136,7 @@ inline void fill_uncertainty(CertifiableWindow& best) {
                             .stated_m = 0.009517,
                             .floor_m = 0.01,
                             .floor_fix = "fixed",
-                            .decided_by = "floor",
+                            .decided_by = BoundSource::floor,
                             .standard_uncertainty_mps = 0.002361};
     best.robust = RobustSpeed{60.002551, -0.00004, 0.003745, true, 6};
     best.selection = SelectionBias{.candidates = 118,
@@ -163,7 +163,7 @@ inline void fill_uncertainty(CertifiableWindow& best) {
 inline AxesEstimation axes(bool vertical) {
     AxesEstimation axes;
     NoiseSummary& noise = axes.noise;
-    noise.status = "fitted";
+    noise.status = NoiseBasis::fitted;
     noise.epochs = 443;
     noise.epochs_needed = 30;
     noise.stated_sigma_m = vertical ? 0.02 : 0.01;
@@ -326,16 +326,17 @@ inline ReceiverResults receiver(const Options& options, const std::string& id) {
 inline std::vector<Requirement> requirements(const Profile& profile, bool certified) {
     std::vector<Requirement> list;
     for (const Clause& clause : profile.clauses) {
-        Requirement entry{clause.id, "met", "", clause.text, clause.source, clause.certainty};
+        Requirement entry{clause.id,   RequirementStatus::met, "",
+                          clause.text, clause.source,          clause.certainty};
         entry.decided_by = clause.decided_by;
-        if (clause.decided_by == Computation::attest) entry.status = "attest";
+        if (clause.decided_by == Computation::attest) entry.status = RequirementStatus::attest;
         if (clause.decided_by == Computation::window_complete)
             entry.evidence = certified
                                  ? "The window of 3.000 s holds 31 usable epochs in one "
                                    "stretch."
                                  : "No stretch of the rule's length holds usable epochs only.";
         if (clause.decided_by == Computation::window_complete && !certified)
-            entry.status = "not_met";
+            entry.status = RequirementStatus::not_met;
         if (clause.decided_by == Computation::accuracy)
             entry.evidence = "Expanded uncertainty 0.0184 km/h (k = 2), limit 0.8 km/h.";
         if (entry.evidence.empty()) entry.evidence = "Not decided by the data.";
@@ -355,23 +356,23 @@ inline Verdict verdict(const Options& options, const std::vector<Profile>& profi
                                    "An error that screening should have found is not in it."},
                     .profiles = {}};
     for (const Profile& profile : profiles) {
-        ProfileVerdict entry{.profile = profile.id,
-                             .body = profile.body,
-                             .title = profile.title,
-                             .outcome = options.certified ? "beaten" : "not_certifiable",
-                             .reason = options.certified
-                                           ? "216.009 km/h less 0.018 km/h reaches the 204.51 km/h "
-                                             "that the rule asks for."
-                                           : "There is no stretch of the rule's length in which "
-                                             "every epoch is usable.",
-                             .definition = profile.definition,
-                             .coverage_factor = 2.0,
-                             .speed_mps = std::nullopt,
-                             .expanded_uncertainty_mps = std::nullopt,
-                             .target_mps = 204.509344 / 3.6,
-                             .window = std::nullopt,
-                             .requirements = requirements(profile, options.certified),
-                             .indicated = std::nullopt};
+        ProfileVerdict entry{
+            .profile = profile.id,
+            .body = profile.body,
+            .title = profile.title,
+            .outcome = options.certified ? Outcome::beaten : Outcome::not_certifiable,
+            .reason = options.certified ? "216.009 km/h less 0.018 km/h reaches the 204.51 km/h "
+                                          "that the rule asks for."
+                                        : "There is no stretch of the rule's length in which "
+                                          "every epoch is usable.",
+            .definition = profile.definition,
+            .coverage_factor = 2.0,
+            .speed_mps = std::nullopt,
+            .expanded_uncertainty_mps = std::nullopt,
+            .target_mps = 204.509344 / 3.6,
+            .window = std::nullopt,
+            .requirements = requirements(profile, options.certified),
+            .indicated = std::nullopt};
         if (options.certified) {
             entry.speed_mps = 60.002417;
             entry.expanded_uncertainty_mps = 0.005102;

@@ -16,7 +16,7 @@ inline ScreeningEvidence evidence(bool vertical) {
     evidence.burst_epochs_max = 20;
     evidence.passes = 2;
     evidence.models = {{.axes = TestedAxes::horizontal,
-                        .noise = "fitted",
+                        .noise = NoiseBasis::fitted,
                         .jerk_density = 0.43,
                         .measurement_scale = 0.951671,
                         .white_scale = 0.97,
@@ -51,11 +51,11 @@ inline ScreeningEvidence evidence(bool vertical) {
 
 /// Largest first. Row "d" of the budget is the step's 0.000693 m/s over the root of three.
 inline std::vector<UndetectedError> reliability() {
-    return {{"ramp", 375, 375, 0.0123, "m / s", 0.004321},
-            {"step", 396, 396, 0.0352, "m", 0.000693},
-            {"burst", 401, 409, 0.0414, "m", 0.000612},
-            {"outlier", 403, 403, 0.0587, "m", 0.000405},
-            {"time_shift", 1, 1, 0.0, "s", 0.0}};
+    return {{Hypothesis::ramp, 375, 375, 0.0123, "m / s", 0.004321},
+            {Hypothesis::step, 396, 396, 0.0352, "m", 0.000693},
+            {Hypothesis::burst, 401, 409, 0.0414, "m", 0.000612},
+            {Hypothesis::outlier, 403, 403, 0.0587, "m", 0.000405},
+            {Hypothesis::time_shift, 1, 1, 0.0, "s", 0.0}};
 }
 
 }  // namespace runcert::sample

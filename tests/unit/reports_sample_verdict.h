@@ -33,14 +33,14 @@ inline std::vector<RunSummary> runs(const WindowSpan& whole, const WindowSpan& w
              .length_m = 312.4567,
              .top_speed_mps = 41.234567,
              .heading_deg = 225.125,
-             .began = "recording",
-             .ended = "turn"},
+             .began = RunEdge::recording,
+             .ended = RunEdge::turn},
             {.span = second,
              .length_m = 1501.25,
              .top_speed_mps = 60.012345,
              .heading_deg = 44.9871,
-             .began = "turn",
-             .ended = "standing"}};
+             .began = RunEdge::turn,
+             .ended = RunEdge::standing}};
 }
 
 inline void fill_verdict(ProfileVerdict& verdict, const RecordToBeat& record,

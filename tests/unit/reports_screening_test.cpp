@@ -143,7 +143,7 @@ TEST(Screening, IsSaidInPlainWords) {
     EXPECT_NE(line(run, "Recorded velocities").find("cannot be told"), std::string::npos);
     evidence_of(run).velocity->compared = 0;
     EXPECT_EQ(line(run, "Recorded velocities"), "could not be compared with the motion");
-    evidence_of(run).models[0].noise = "too_few_epochs";
+    evidence_of(run).models[0].noise = NoiseBasis::too_few_epochs;
     EXPECT_EQ(line(run, "Noise that the tests rest on"),
               "horizontal: 0.95 times the stated one (too few epochs to learn from); vertical: "
               "learnt from the recording");
@@ -157,8 +157,8 @@ TEST(Screening, TheFirstFaultsOfTheTimeStampsAreListed) {
     TimeEvidence& time = evidence_of(run).time;
     time.gaps = 30;
     for (std::int64_t i = 0; i < 30; ++i)
-        time.faults.push_back({.epoch = 10 + i, .kind = "gap", .size_s = 0.4});
-    time.faults[1] = {.epoch = 11, .kind = "whole_second_shift", .size_s = -18.0};
+        time.faults.push_back({.epoch = 10 + i, .kind = TimeFaultKind::gap, .size_s = 0.4});
+    time.faults[1] = {.epoch = 11, .kind = TimeFaultKind::whole_second_shift, .size_s = -18.0};
     const Json written = receiver_of(run)["screening"]["evidence"]["time"];
     EXPECT_EQ(written["faults"].size(), 20U);
     EXPECT_EQ(written["faults_found"], 30);
@@ -167,7 +167,7 @@ TEST(Screening, TheFirstFaultsOfTheTimeStampsAreListed) {
               "30 faults: epoch 10: 0.400 s missing; epoch 11: the clock jumps by 18.000 s while "
               "the positions go on; epoch 12: 0.400 s missing; and 27 more");
     time = {.sessions = 1, .gaps = 0, .longest_gap_s = 0.0, .duplicates = 1, .faults = {}};
-    time.faults.push_back({.epoch = 7, .kind = "duplicate", .size_s = 0.0});
+    time.faults.push_back({.epoch = 7, .kind = TimeFaultKind::duplicate, .size_s = 0.0});
     EXPECT_EQ(line(run, "Order and spacing of the time stamps"),
               "1 fault: epoch 7: the time of the epoch before");
 }
@@ -232,17 +232,17 @@ TEST(Reliability, EveryHypothesisStandsInReportAndPage) {
 TEST(Reliability, WordsFollowTheErrorThatCounts) {
     sample::Run run = sample::make_run();
     auto& errors = best_of(run).reliability;
-    errors[1] = {"outlier", 812, 812, 0.1034, "m", 0.0341};
+    errors[1] = {Hypothesis::outlier, 812, 812, 0.1034, "m", 0.0341};
     EXPECT_NE(words(run).find("An undetected error of one position by 0.10 m (at epoch 812) could "
                               "have changed the speed by at most 0.123 km/h;"),
               std::string::npos);
-    errors[1] = {"time_shift", 812, 812, 0.0021, "s", 0.0341};
+    errors[1] = {Hypothesis::time_shift, 812, 812, 0.0021, "s", 0.0341};
     EXPECT_NE(words(run).find("jump of the time stamps of 0.0021 s (before epoch 812)"),
               std::string::npos);
-    errors[1] = {"step", 812, 812, 1e6, "m", 1e6};
+    errors[1] = {Hypothesis::step, 812, 812, 1e6, "m", 1e6};
     EXPECT_NE(words(run).find("could not be detected whatever its size"), std::string::npos);
     EXPECT_EQ(window_of(run)["reliability"][1]["change_text"], "no limit");
-    errors[0] = {"ramp", 812, 812, 1e6, "m / s", 1e6};
+    errors[0] = {Hypothesis::ramp, 812, 812, 1e6, "m / s", 1e6};
     EXPECT_NE(drift(run).find("whatever its rate"), std::string::npos);
     std::erase_if(best_of(run).budget, [](const BudgetRow& row) { return row.symbol == "d"; });
     EXPECT_EQ(words(run).find("Row d"), std::string::npos);

@@ -208,7 +208,7 @@ TEST(Uncertainty, NoiseIsGivenWithItsUncertaintyOrSaidNotToBeTold) {
     EXPECT_EQ(noise_cell(run, "Autocorrelation of the innovations, lag 1", 0),
               "-0.114 with noise as stated, -0.029 with the noise used: white");
 
-    noise_of(run).status = "too_few_epochs";
+    noise_of(run).status = NoiseBasis::too_few_epochs;
     noise_of(run).epochs = 12;
     EXPECT_EQ(noise_cell(run, "Noise", 0), "not learnt: 12 usable epochs where 30 are needed");
     EXPECT_EQ(noise_cell(run, "Jerk density of the motion", 0), "0.430 m s^-2.5");

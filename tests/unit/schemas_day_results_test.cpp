@@ -26,7 +26,7 @@ DayResults day_of(const DayResult& result, const std::optional<BestOfDay>& best)
 
 DayResult result() {
     return {.profile = "nalsa",
-            .outcome = "beaten",
+            .outcome = Outcome::beaten,
             .reason = "r",
             .probability = 0.999875,
             .level = 0.9875,
@@ -47,7 +47,8 @@ TEST(DayDecision, RoundTrips) {
 }
 
 TEST(DayDecision, IsAbsentWhereNothingWasDecided) {
-    const DayResult undecided{.profile = "nalsa", .outcome = "not_certifiable", .reason = "r"};
+    const DayResult undecided{
+        .profile = "nalsa", .outcome = Outcome::not_certifiable, .reason = "r"};
     const DayResults back =
         read_day_results(write_day_results(day_of(undecided, std::nullopt)), "f");
     EXPECT_FALSE(back.attempts.at(0).results.at(0).probability);

@@ -25,7 +25,7 @@ Header header(const std::string& stage) {
 
 NoiseSummary fitted_noise() {
     NoiseSummary noise;
-    noise.status = "fitted";
+    noise.status = NoiseBasis::fitted;
     noise.epochs = 451;
     noise.epochs_needed = 60;
     noise.stated_sigma_m = 0.0101;
@@ -147,7 +147,7 @@ TEST(TrajectoryEstimation, RoundTrips) {
 TEST(TrajectoryEstimation, WhatTheDataDoNotTellIsAbsent) {
     TrajectoryTable table = trajectory();
     NoiseSummary& noise = table.estimation.horizontal.noise;
-    noise.status = "too_few_epochs";
+    noise.status = NoiseBasis::too_few_epochs;
     noise.acceleration_time_s = noise.error_diffusion = noise.error_tau_s = noise.error_sigma_m =
         std::nullopt;
     noise.jerk_density.relative_uncertainty = std::numeric_limits<double>::infinity();
@@ -205,9 +205,9 @@ CertifiableWindow window() {
         MonteCarloCheck{7, 200'000, 60.0024, 0.0126, 59.9775, 60.0275, 0.00005, true};
     window.repaired_steps = 2;
     window.detection_power = 0.8;
-    window.reliability = {{"step", 12, 31, 0.0625, "m", 0.0205},
-                          {"ramp", 14, 30, 0.75, "m / s", 0.0125},
-                          {"time_shift", 9, 31, 0.001250125, "s", 0.0075}};
+    window.reliability = {{Hypothesis::step, 12, 31, 0.0625, "m", 0.0205},
+                          {Hypothesis::ramp, 14, 30, 0.75, "m / s", 0.0125},
+                          {Hypothesis::time_shift, 9, 31, 0.001250125, "s", 0.0075}};
     return window;
 }
 
@@ -241,7 +241,7 @@ TEST(WindowUncertainty, SpeedsRoundTrip) {
     EXPECT_EQ(back.bound->stated_m, 0.005);
     EXPECT_EQ(back.bound->floor_m, 0.0125);
     EXPECT_EQ(back.bound->floor_fix, "float");
-    EXPECT_EQ(back.bound->decided_by, "fitted");
+    EXPECT_EQ(back.bound->decided_by, BoundSource::fitted);
     EXPECT_EQ(back.bound->standard_uncertainty_mps, 0.0095);
     EXPECT_EQ(back.robust->speed_mps, 60.001);
     EXPECT_EQ(back.robust->difference_mps, -0.0025);
@@ -325,7 +325,7 @@ TEST(WindowReliability, RoundTrips) {
 
 TEST(WindowReliability, HasOnlyKnownWords) {
     CertifiableWindow wrong = window();
-    wrong.reliability[0].hypothesis = "slip";
+    wrong.reliability[0].hypothesis = Hypothesis::slip;
     EXPECT_TRUE(
         failure_of([&] { write_windows(windows(wrong)); }).contains("\"slip\" is not one of"));
     wrong = window();

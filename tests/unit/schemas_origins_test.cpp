@@ -57,7 +57,7 @@ constexpr TableKind kinds[] = {
     {"trajectory",
      [](const std::string& source) {
          auto table = table_of<TrajectoryTable>("smooth", source);
-         table.estimation.horizontal.noise.status = "not_asked";
+         table.estimation.horizontal.noise.status = NoiseBasis::stated;
          return write_trajectory(table);
      },
      [](const std::string& text) { return read_trajectory(text, "f").facts; }},
@@ -113,7 +113,7 @@ TEST(ObservationOrigins, WhatIsNotSaidIsAbsentOrUnknown) {
     EXPECT_EQ(text.find("time_origin"), std::string::npos);
     EXPECT_EQ(read_observations(text, "f").time_origin, "");
     const std::string without = replaced(text, "#   solution_source: unknown\n", "");
-    EXPECT_EQ(read_observations(without, "f").solution_source, "unknown");
+    EXPECT_EQ(read_observations(without, "f").solution_source, SolutionSource::unknown);
 }
 
 }  // namespace

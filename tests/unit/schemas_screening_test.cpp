@@ -40,8 +40,10 @@ ScreeningEvidence evidence() {
     evidence.power = 0.8;
     evidence.burst_epochs_max = 20;
     evidence.passes = 2;
-    evidence.models = {{.axes = TestedAxes::vertical, .noise = "fitted", .jerk_density = 0.5}};
-    evidence.fix_kinds = {{.fix = FixKind::single, .epochs = 7, .judgement = "too_bad"}};
+    evidence.models = {
+        {.axes = TestedAxes::vertical, .noise = NoiseBasis::fitted, .jerk_density = 0.5}};
+    evidence.fix_kinds = {
+        {.fix = FixKind::single, .epochs = 7, .judgement = AccuracyJudgement::too_bad}};
     return evidence;
 }
 

@@ -25,7 +25,7 @@ Verdict verdict_of(const Decision& decision, const std::vector<std::string>& wit
     profile.profile = "nalsa";
     profile.body = "b";
     profile.title = "t";
-    profile.outcome = "beaten";
+    profile.outcome = Outcome::beaten;
     profile.reason = "r";
     profile.definition = SpeedDefinition::displacement;
     profile.decision = decision;

@@ -84,7 +84,7 @@ void expect_faults(const TimeEvidence& evidence, const std::vector<TimeFault>& e
         EXPECT_EQ(evidence.faults[k].kind, expected[k].kind);
         EXPECT_EQ(evidence.faults[k].epoch, expected[k].epoch);
         EXPECT_NEAR(evidence.faults[k].size_s, expected[k].size_s, 1e-9);
-        sessions += expected[k].kind == "session" ? 1 : 0;
+        sessions += expected[k].kind == TimeFaultKind::session ? 1 : 0;
     }
     EXPECT_EQ(evidence.sessions, sessions);
 }
@@ -150,48 +150,66 @@ struct FaultCase {
 };
 
 TEST(TimeCheck, EachFaultAlone) {
-    const char* shift = "whole_second_shift";
+    constexpr TimeFaultKind shift = TimeFaultKind::whole_second_shift;
     const FaultCase cases[] = {
-        {"rows lost", 30, lost(4), {{501, "gap", 0.4}}, {1, 0, 0}},
-        {"a whole second lost", 30, lost(10), {{501, "gap", 1}}, {1, 0, 0}},
-        {"row twice", 30, [](Rows& r) { repeat(r, 500); }, {{502, "duplicate", 0}}, {0, 1, 0}},
+        {"rows lost", 30, lost(4), {{501, TimeFaultKind::gap, 0.4}}, {1, 0, 0}},
+        {"a whole second lost", 30, lost(10), {{501, TimeFaultKind::gap, 1}}, {1, 0, 0}},
+        {"row twice",
+         30,
+         [](Rows& r) { repeat(r, 500); },
+         {{502, TimeFaultKind::duplicate, 0}},
+         {0, 1, 0}},
         {"late row",
          30,
          [](Rows& r) { swap_rows(r, 500); },
-         {{501, "gap", 0.1}, {502, "backward", -0.2}},
+         {{501, TimeFaultKind::gap, 0.1}, {502, TimeFaultKind::backward, -0.2}},
          {1, 0, 1}},
-        {"set back, caught up", 0, clock_set(-100), {{501, "backward", -100}}, {0, 0, 1}},
-        {"no whole second", 30, clock_set(-99.95), {{501, "backward", -99.95}}, {0, 0, 1}},
-        {"forward, parked", 0, clock_set(1), {{501, "gap", 1}}, {1, 0, 0}},
-        {"leap seconds, parked", 0, clock_set(18), {{501, "gap", 18}}, {1, 0, 0}},
+        {"set back, caught up",
+         0,
+         clock_set(-100),
+         {{501, TimeFaultKind::backward, -100}},
+         {0, 0, 1}},
+        {"no whole second",
+         30,
+         clock_set(-99.95),
+         {{501, TimeFaultKind::backward, -99.95}},
+         {0, 0, 1}},
+        {"forward, parked", 0, clock_set(1), {{501, TimeFaultKind::gap, 1}}, {1, 0, 0}},
+        {"leap seconds, parked", 0, clock_set(18), {{501, TimeFaultKind::gap, 18}}, {1, 0, 0}},
         {"one second forward", 30, clock_set(1), {{501, shift, 1}}, {1, 0, 0}},
         {"one second back", 30, clock_set(-1), {{501, shift, -1}}, {0, 0, 1}},
         {"leap seconds forward", 30, clock_set(18), {{501, shift, 18}}, {1, 0, 0}},
         {"leap seconds back", 30, clock_set(-18), {{501, shift, -18}}, {0, 0, 1}},
         {"another time zone", 30, clock_set(-3600), {{501, shift, -3600}}, {0, 0, 1}},
-        {"second session", 30, new_session(300), {{501, "session", 300}}, {1, 0, 0}},
-        {"early session", 30, new_session(-3600), {{501, "session", -3600}}, {0, 0, 1}},
+        {"second session", 30, new_session(300), {{501, TimeFaultKind::session, 300}}, {1, 0, 0}},
+        {"early session",
+         30,
+         new_session(-3600),
+         {{501, TimeFaultKind::session, -3600}},
+         {0, 0, 1}},
         {"early session with a late row",
          30,
          early_session_with_late_row,
-         {{501, "session", -3600}, {701, "gap", 0.1}, {702, "backward", -0.2}},
+         {{501, TimeFaultKind::session, -3600},
+          {701, TimeFaultKind::gap, 0.1},
+          {702, TimeFaultKind::backward, -0.2}},
          {1, 0, 2}},
         {"early session between two",
          30,
          early_session_between_two,
-         {{501, "session", -3600}, {701, "session", 3620}},
+         {{501, TimeFaultKind::session, -3600}, {701, TimeFaultKind::session, 3620}},
          {1, 0, 1}},
         {"one stamp far ahead",
          30,
          one_stamp(5000),
-         {{501, "gap", 5000}, {502, "backward", -5000}},
+         {{501, TimeFaultKind::gap, 5000}, {502, TimeFaultKind::backward, -5000}},
          {1, 0, 1}},
         {"one stamp far back",
          30,
          one_stamp(-5000),
-         {{501, "backward", -5000}, {502, "gap", 0.1}},
+         {{501, TimeFaultKind::backward, -5000}, {502, TimeFaultKind::gap, 0.1}},
          {1, 0, 1}},
-        {"rows written again", 30, write_again, {{501, "backward", -2}}, {0, 0, 1}}};
+        {"rows written again", 30, write_again, {{501, TimeFaultKind::backward, -2}}, {0, 0, 1}}};
     for (const FaultCase& one : cases) {
         SCOPED_TRACE(one.name);
         Rows rows = recording(3000, one.speed_mps);
@@ -217,16 +235,16 @@ TEST(TimeCheck, FaultsTogether) {
     swap_rows(rows, 1500);
     set_clock(rows, 1000, -1.0);
     const TimeEvidence evidence = examine(rows);
-    expect_faults(evidence, {{1001, "whole_second_shift", -1.0},
-                             {1501, "gap", 0.1},
-                             {1502, "backward", -0.2},
-                             {2001, "session", 600.0},
-                             {3001, "gap", 0.7},
-                             {3495, "duplicate", 0.0},
-                             {3496, "duplicate", 0.0},
-                             {3996, "session", -7200.0},
-                             {4496, "whole_second_shift", 18.0},
-                             {4996, "whole_second_shift", -18.0}});
+    expect_faults(evidence, {{1001, TimeFaultKind::whole_second_shift, -1.0},
+                             {1501, TimeFaultKind::gap, 0.1},
+                             {1502, TimeFaultKind::backward, -0.2},
+                             {2001, TimeFaultKind::session, 600.0},
+                             {3001, TimeFaultKind::gap, 0.7},
+                             {3495, TimeFaultKind::duplicate, 0.0},
+                             {3496, TimeFaultKind::duplicate, 0.0},
+                             {3996, TimeFaultKind::session, -7200.0},
+                             {4496, TimeFaultKind::whole_second_shift, 18.0},
+                             {4996, TimeFaultKind::whole_second_shift, -18.0}});
     EXPECT_EQ(evidence.gaps, 4);
     EXPECT_EQ(evidence.duplicates, 2);
     EXPECT_EQ(evidence.backward, 4);
@@ -239,7 +257,7 @@ TEST(TimeCheck, MarksOfOtherTestsChangeNothing) {
     set_clock(rows, 500, -18.0);
     for (ScreenedEpoch& row : rows)
         row.reason = Reason::backward_time;
-    expect_faults(examine(rows), {{501, "whole_second_shift", -18.0}});
+    expect_faults(examine(rows), {{501, TimeFaultKind::whole_second_shift, -18.0}});
 }
 
 TEST(TimeCheck, AShiftIsToldOnlyWhereThePositionsCanTell) {
@@ -248,25 +266,25 @@ TEST(TimeCheck, AShiftIsToldOnlyWhereThePositionsCanTell) {
     for (const std::size_t missing : {497U, 499U, 500U, 502U}) {
         Rows without = rows;
         without[missing].east_m.reset();
-        expect_faults(examine(without), {{501, "gap", 18.0}});
+        expect_faults(examine(without), {{501, TimeFaultKind::gap, 18.0}});
     }
     Rows inaccurate = rows;
     for (ScreenedEpoch& row : inaccurate)
         row.sigma_east_m = 10.0;
-    expect_faults(examine(inaccurate), {{501, "gap", 18.0}});
+    expect_faults(examine(inaccurate), {{501, TimeFaultKind::gap, 18.0}});
     Rows at_the_end = rows;
     at_the_end.resize(502);
-    expect_faults(examine(at_the_end), {{501, "gap", 18.0}});
+    expect_faults(examine(at_the_end), {{501, TimeFaultKind::gap, 18.0}});
     at_the_end.push_back(rows[502]);
-    expect_faults(examine(at_the_end), {{501, "whole_second_shift", 18.0}});
+    expect_faults(examine(at_the_end), {{501, TimeFaultKind::whole_second_shift, 18.0}});
     Rows displaced = rows;
     carry(displaced, 500, 0.5);
-    expect_faults(examine(displaced), {{501, "gap", 18.0}});
+    expect_faults(examine(displaced), {{501, TimeFaultKind::gap, 18.0}});
     // A change of velocity by 8 m/s within three intervals, the displacement as its mean.
     Rows turned = rows;
     for (std::size_t k = 500; k < turned.size(); ++k)
         *turned[k].north_m += 0.8 * (static_cast<double>(k) - 499.5);
-    expect_faults(examine(turned), {{501, "gap", 18.0}});
+    expect_faults(examine(turned), {{501, TimeFaultKind::gap, 18.0}});
 }
 
 TEST(TimeCheck, StampsOfTwoDecimalsAtThreeHertzShowAShiftToo) {
@@ -308,7 +326,7 @@ TEST(TimeCheck, LossesOfWholeSecondsAreNotTakenForShiftsOfTheClock) {
                      static_cast<std::size_t>(std::ceil(4.0 * random.uniform()) * rate_hz));
             const TimeEvidence evidence = examine(rows, 1.0 / rate_hz);
             for (const TimeFault& fault : evidence.faults)
-                EXPECT_EQ(fault.kind, "gap") << rate_hz << " " << fault.epoch;
+                EXPECT_EQ(fault.kind, TimeFaultKind::gap) << rate_hz << " " << fault.epoch;
             gaps += evidence.faults.size();
         }
     EXPECT_EQ(gaps, 3U * 20U * 56U);
@@ -325,7 +343,7 @@ TEST(TimeCheck, ShiftsOfTheClockAreFoundWhereTheCraftIsFast) {
         ++fast;
         const double size_s = std::ceil(random.uniform() * 18.0) * (run % 2 == 0 ? 1.0 : -1.0);
         set_clock(rows, 500, size_s);
-        expect_faults(examine(rows), {{501, "whole_second_shift", size_s}});
+        expect_faults(examine(rows), {{501, TimeFaultKind::whole_second_shift, size_s}});
     }
     EXPECT_GT(fast, 50U);
 }
@@ -474,7 +492,7 @@ TEST(TimeCheck, TooFewRows) {
 TEST(TimeCheck, TheNominalIntervalIsFoundWhereItIsNotGiven) {
     Rows rows = recording(1000, 30.0);
     lose(rows, 500, 4);
-    expect_faults(examine(rows, 0.0), {{501, "gap", 0.4}});
+    expect_faults(examine(rows, 0.0), {{501, TimeFaultKind::gap, 0.4}});
 }
 
 // What check_epochs and number_arcs make of such recordings.

@@ -76,19 +76,19 @@ NoiseSummary learnt(const ScreenedTable& table, const SmoothConfig& with = confi
 TEST(LearnNoise, FromTooFewEpochs) {
     // 30, and the three at the beginning of an arc that its vague prior makes worthless.
     const NoiseSummary noise = learnt(record({.epochs = 32}));
-    EXPECT_EQ(noise.status, "too_few_epochs");
+    EXPECT_EQ(noise.status, NoiseBasis::too_few_epochs);
     EXPECT_EQ(noise.epochs, 32);
     EXPECT_EQ(noise.epochs_needed, 33);
     EXPECT_GE(noise.measurement_scale.value, 1.0);
     EXPECT_NEAR(noise.jerk_density.value / noise.measurement_scale.value, 0.6, 1e-6);
-    EXPECT_EQ(learnt(record({.epochs = 33})).status, "fitted");
+    EXPECT_EQ(learnt(record({.epochs = 33})).status, NoiseBasis::fitted);
 }
 
 TEST(LearnNoise, OnlyMeasuredEpochsCount) {
     ScreenedTable table = record({.epochs = 34});
     table.rows[10].usable = table.rows[20].usable = false;
     table.rows[10].reason = table.rows[20].reason = Reason::outlier;
-    EXPECT_EQ(learnt(table).status, "too_few_epochs");
+    EXPECT_EQ(learnt(table).status, NoiseBasis::too_few_epochs);
     EXPECT_EQ(learnt(table).epochs, 32);
 }
 
@@ -99,12 +99,12 @@ TEST(LearnNoise, FromConstantPositions) {
         row.north_m = -6.789;
     }
     const NoiseSummary noise = learnt(table);
-    EXPECT_EQ(noise.status, "constant_positions");
+    EXPECT_EQ(noise.status, NoiseBasis::constant_positions);
     EXPECT_EQ(noise.measurement_scale.value, 1.0);  // never below what is stated
     EXPECT_EQ(noise.jerk_density.value, 0.6);
     EXPECT_FALSE(noise.error_told);
     *table.rows[100].east_m += 0.001;
-    EXPECT_EQ(learnt(table).status, "fitted");
+    EXPECT_EQ(learnt(table).status, NoiseBasis::fitted);
 }
 
 TEST(LearnNoise, StatedAccuraciesThatAreAllEqual) {
@@ -119,7 +119,7 @@ TEST(LearnNoise, StatedAccuraciesThatAreAllEqual) {
 
 TEST(LearnNoise, AsStatedWhereTheAttemptAsksForIt) {
     const NoiseSummary noise = learnt(record({.epochs = 300}), as_stated());
-    EXPECT_EQ(noise.status, "not_asked");
+    EXPECT_EQ(noise.status, NoiseBasis::stated);
     EXPECT_EQ(noise.epochs, 300);
     EXPECT_EQ(noise.evaluations, 0);
     EXPECT_TRUE(noise.posterior.empty());
@@ -168,7 +168,7 @@ TEST(LearnNoise, AFitAtTheLimitOfItsRangeSaysSo) {
         row.north_m = 0.010 * random.normal();
     }
     const NoiseSummary noise = learnt(table);
-    EXPECT_EQ(noise.status, "fitted");
+    EXPECT_EQ(noise.status, NoiseBasis::fitted);
     EXPECT_TRUE(noise.jerk_density.at_bound);
     EXPECT_FALSE(noise.jerk_density.relative_uncertainty.has_value());
     EXPECT_NEAR(noise.measurement_scale.value, 1.0, 0.1);
@@ -193,7 +193,7 @@ ScreenedTable waited_and_sailed(double swing_m = 6.0) {
 TEST(LearnNoise, FitsWithTheMotionWhereItIs) {
     std::vector<Arc<2>> arcs = arcs_of<2>(waited_and_sailed());
     const NoiseSummary noise = learn_noise<2>(arcs, config());
-    ASSERT_EQ(noise.status, "fitted");
+    ASSERT_EQ(noise.status, NoiseBasis::fitted);
     const std::vector<ArcEpoch<2>>& epochs = arcs.front().epochs;
     double least_moving = epochs[2020].jerk_factor;
     double largest_quiet = 0.0;
@@ -211,7 +211,7 @@ TEST(LearnNoise, FitsWithTheMotionWhereItIs) {
 
 TEST(LearnNoise, WhereNothingIsFittedNoMotionIsFollowed) {
     std::vector<Arc<2>> arcs = arcs_of<2>(record({.epochs = 32}));
-    EXPECT_EQ(learn_noise<2>(arcs, config()).status, "too_few_epochs");
+    EXPECT_EQ(learn_noise<2>(arcs, config()).status, NoiseBasis::too_few_epochs);
     for (const ArcEpoch<2>& epoch : arcs.front().epochs)
         EXPECT_EQ(epoch.jerk_factor, 1.0);
     arcs = arcs_of<2>(record({.epochs = 300}));

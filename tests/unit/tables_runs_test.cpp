@@ -65,8 +65,8 @@ void remove_estimate(std::vector<TrajectoryEpoch>& rows, std::size_t from, std::
     }
 }
 
-void expect_run(const CraftRun& run, std::size_t first, std::size_t last, const char* began,
-                const char* ended) {
+void expect_run(const CraftRun& run, std::size_t first, std::size_t last, RunEdge began,
+                RunEdge ended) {
     EXPECT_EQ(run.first_row, first);
     EXPECT_EQ(run.last_row, last);
     EXPECT_EQ(run.began, began);
@@ -80,8 +80,8 @@ TEST(Runs, StopAndGoAreTwoFromStandingToStanding) {
     });
     const auto runs = runs_in(rows);
     ASSERT_EQ(runs.size(), 2u);
-    expect_run(runs[0], 104, 296, "standing", "standing");
-    expect_run(runs[1], 504, 696, "standing", "standing");
+    expect_run(runs[0], 104, 296, RunEdge::standing, RunEdge::standing);
+    expect_run(runs[1], 504, 696, RunEdge::standing, RunEdge::standing);
     EXPECT_EQ(runs[0].stood_from_row, 0u);
     EXPECT_EQ(runs[1].stood_from_row, 296u);
 }
@@ -93,8 +93,8 @@ TEST(Runs, AShortStopIsWithinTheRunAndALongOneIsNot) {
         });
         const auto runs = runs_in(rows);
         ASSERT_EQ(runs.size(), count) << stop_s;
-        EXPECT_EQ(runs.front().began, "recording");
-        EXPECT_EQ(runs.back().ended, "recording");
+        EXPECT_EQ(runs.front().began, RunEdge::recording);
+        EXPECT_EQ(runs.back().ended, RunEdge::recording);
         EXPECT_EQ(runs.back().last_row, 600u);
     }
 }
@@ -105,7 +105,7 @@ TEST(Runs, DipsBeforeItWasFastAreNotPartOfIt) {
     });
     const auto runs = runs_in(rows);
     ASSERT_EQ(runs.size(), 1u);
-    expect_run(runs[0], 60, 300, "standing", "recording");
+    expect_run(runs[0], 60, 300, RunEdge::standing, RunEdge::recording);
     EXPECT_EQ(runs[0].stood_from_row, 50u);
 }
 
@@ -120,7 +120,7 @@ TEST(Runs, EndsWhereItStopsForGood) {
     const auto rows = moving(23.0, [](double t) { return Velocity{t < 20.95 ? 8.0 : 0.2, 0.0}; });
     const auto runs = runs_in(rows);
     ASSERT_EQ(runs.size(), 1u);
-    expect_run(runs[0], 0, 210, "recording", "standing");
+    expect_run(runs[0], 0, 210, RunEdge::recording, RunEdge::standing);
 }
 
 TEST(Runs, OutAndBackIsCutWhereItIsSlowest) {
@@ -135,8 +135,8 @@ TEST(Runs, OutAndBackIsCutWhereItIsSlowest) {
     const auto runs = runs_in(rows);
     ASSERT_EQ(runs.size(), 2u);
     EXPECT_NEAR(static_cast<double>(runs[0].last_row), 500.0, 3.0);
-    expect_run(runs[0], 0, runs[1].first_row, "recording", "turn");
-    expect_run(runs[1], runs[0].last_row, 1000, "turn", "recording");
+    expect_run(runs[0], 0, runs[1].first_row, RunEdge::recording, RunEdge::turn);
+    expect_run(runs[1], runs[0].last_row, 1000, RunEdge::turn, RunEdge::recording);
 }
 
 TEST(Runs, AShortStandAtTheTurnBeginsTheNextAtItsEnd) {
@@ -145,9 +145,9 @@ TEST(Runs, AShortStandAtTheTurnBeginsTheNextAtItsEnd) {
     });
     const auto runs = runs_in(rows);
     ASSERT_EQ(runs.size(), 2u);
-    EXPECT_EQ(runs[0].ended, "turn");
+    EXPECT_EQ(runs[0].ended, RunEdge::turn);
     EXPECT_GE(runs[0].last_row, 486u);
-    expect_run(runs[1], 514, 1000, "standing", "recording");
+    expect_run(runs[1], 514, 1000, RunEdge::standing, RunEdge::recording);
 }
 
 TEST(Runs, TurnsByNoMoreThanTheLimitAreOneRun) {
@@ -192,12 +192,12 @@ TEST(Runs, SpanAShortGapAndEndAtALongOne) {
     remove_estimate(rows, 201, 250);  // 5.0 s from row 200 to row 250
     auto runs = runs_in(rows);
     ASSERT_EQ(runs.size(), 1u);
-    expect_run(runs[0], 0, 600, "recording", "recording");
+    expect_run(runs[0], 0, 600, RunEdge::recording, RunEdge::recording);
     remove_estimate(rows, 250, 251);
     runs = runs_in(rows);
     ASSERT_EQ(runs.size(), 2u);
-    expect_run(runs[0], 0, 200, "recording", "gap");
-    expect_run(runs[1], 251, 600, "gap", "recording");
+    expect_run(runs[0], 0, 200, RunEdge::recording, RunEdge::gap);
+    expect_run(runs[1], 251, 600, RunEdge::gap, RunEdge::recording);
     EXPECT_FALSE(runs[1].stood_from_row.has_value());
 }
 
@@ -207,7 +207,7 @@ TEST(Runs, AGapAfterAStopIsAStop) {
     remove_estimate(rows, 210, 300);
     const auto runs = runs_in(rows);
     ASSERT_EQ(runs.size(), 1u);
-    expect_run(runs[0], 10, 200, "recording", "standing");
+    expect_run(runs[0], 10, 200, RunEdge::recording, RunEdge::standing);
 }
 
 TEST(Runs, ThresholdsAreTheCallers) {

@@ -44,7 +44,7 @@ NoiseSummary noise_with(double white_scale, std::optional<double> diffusion) {
 TEST(ErrorBound, TheFloorDecidesWhereItIsLargest) {
     const ErrorBound bound =
         error_bound<2>(table_of(FixKind::fixed), 0, 9, noise_with(1.5, 0.02), rule());
-    EXPECT_EQ(bound.decided_by, "floor");
+    EXPECT_EQ(bound.decided_by, BoundSource::floor);
     EXPECT_EQ(bound.floor_fix, "fixed");
     EXPECT_EQ(bound.sigma_m, 0.020);
     EXPECT_EQ(bound.floor_m, 0.020);
@@ -57,7 +57,7 @@ TEST(ErrorBound, TheFloorDecidesWhereItIsLargest) {
 TEST(ErrorBound, TheStatedAccuracyTimesItsScaleDecidesWhereThatIsLargest) {
     const ErrorBound bound =
         error_bound<2>(table_of(FixKind::fixed), 0, 9, noise_with(4.0, 0.02), rule());
-    EXPECT_EQ(bound.decided_by, "stated");
+    EXPECT_EQ(bound.decided_by, BoundSource::stated);
     EXPECT_NEAR(bound.sigma_m, 4.0 * stated_m, 1e-15);
 }
 
@@ -65,7 +65,7 @@ TEST(ErrorBound, TheFittedErrorDecidesWhereThatIsLargest) {
     // It wanders by 0.1 m s^-0.5; with tau 0.5 s that is 0.1 sqrt(0.25) = 50 mm.
     const ErrorBound bound =
         error_bound<2>(table_of(FixKind::fixed), 0, 9, noise_with(4.0, 0.1), rule());
-    EXPECT_EQ(bound.decided_by, "fitted");
+    EXPECT_EQ(bound.decided_by, BoundSource::fitted);
     EXPECT_NEAR(bound.sigma_m, 0.050, 1e-15);
     EXPECT_EQ(error_bound<2>(table_of(FixKind::fixed), 0, 9, noise_with(4.0, std::nullopt), rule())
                   .fitted_m,

@@ -92,14 +92,14 @@ TEST(Budget, WhatScreeningCouldHaveMissedIsABoundOfTheSpeed) {
     // Rectangular over +-34.6 mm/s: 34.6 / sqrt(3) = 19.98 mm/s [GUM] 4.3.7. A ramp is the slow
     // error's row already.
     Scene scene;
-    scene.reliability = {{.hypothesis = "ramp", .unit = "m / s", .speed_mps = 0.4},
-                         {.hypothesis = "step",
+    scene.reliability = {{.hypothesis = Hypothesis::ramp, .unit = "m / s", .speed_mps = 0.4},
+                         {.hypothesis = Hypothesis::step,
                           .epoch = 812,
                           .last_epoch = 812,
                           .size = 0.103,
                           .unit = "m",
                           .speed_mps = 0.0346},
-                         {.hypothesis = "outlier", .unit = "m", .speed_mps = 0.02}};
+                         {.hypothesis = Hypothesis::outlier, .unit = "m", .speed_mps = 0.02}};
     const BudgetRow row = scene.row("d");
     EXPECT_NEAR(row.contribution_mps, 0.0346 / std::sqrt(3.0), 1e-15);
     EXPECT_EQ(row.type, "B");
@@ -121,9 +121,9 @@ TEST(Budget, ASlowErrorThatWasFittedHasTheFitsDegreesOfFreedom) {
     scene.fit().error_told = true;
     scene.fit().error_diffusion = test::parameter_of(0.05);
     scene.fit().error_diffusion->relative_uncertainty = 0.1;
-    scene.bound.decided_by = "floor";
+    scene.bound.decided_by = BoundSource::floor;
     EXPECT_FALSE(scene.row("b").degrees_of_freedom.has_value());
-    scene.bound.decided_by = "fitted";
+    scene.bound.decided_by = BoundSource::fitted;
     EXPECT_NEAR(scene.row("b").degrees_of_freedom.value(), 50.0, 1e-9);
     EXPECT_EQ(scene.row("b").type, "A");
 }
@@ -150,7 +150,7 @@ TEST(Budget, WhatAnotherReceiverDoesNotShareLeavesOutFrameClockAndWhatIsLookedFo
     Scene scene;
     scene.noise.own_correlated_mps = 0.002;
     scene.trajectory.facts.time_source = "unknown";
-    scene.reliability = {{.hypothesis = "step", .unit = "m", .speed_mps = 0.0346}};
+    scene.reliability = {{.hypothesis = Hypothesis::step, .unit = "m", .speed_mps = 0.0346}};
     EXPECT_NEAR(own_uncertainty(scene.noise, scene.rows()), std::hypot(0.002, 0.003), 1e-12);
 }
 

@@ -22,7 +22,7 @@ ScreenedTable screened_run() {
     evidence.power = 0.8;
     evidence.burst_epochs_max = 5;
     evidence.models.push_back({.axes = TestedAxes::horizontal,
-                               .noise = "fitted",
+                               .noise = NoiseBasis::fitted,
                                .jerk_density = 0.6,
                                .measurement_scale = 1.0,
                                .white_scale = 1.0,
@@ -58,9 +58,10 @@ double speed_of(const WindowStretch<2>& stretch, SpeedDefinition definition) {
         .speed_mps;
 }
 
-const UndetectedError& entry(const std::vector<UndetectedError>& errors, std::string_view name) {
-    return *std::find_if(errors.begin(), errors.end(),
-                         [&](const UndetectedError& error) { return error.hypothesis == name; });
+const UndetectedError& entry(const std::vector<UndetectedError>& errors, Hypothesis hypothesis) {
+    return *std::find_if(errors.begin(), errors.end(), [&](const UndetectedError& error) {
+        return error.hypothesis == hypothesis;
+    });
 }
 
 class Reliability : public testing::TestWithParam<SpeedDefinition> {
@@ -91,7 +92,7 @@ TEST_P(Reliability, NoDirectionOfAnUndetectedStepDoesMore) {
             largest = std::max(largest, effect);
         }
     }
-    const UndetectedError& step = entry(errors, "step");
+    const UndetectedError& step = entry(errors, Hypothesis::step);
     EXPECT_NEAR(step.speed_mps, largest, 0.01 * largest);
     EXPECT_GT(step.epoch, 318);
     EXPECT_LT(step.epoch, 354);
@@ -102,7 +103,7 @@ TEST_P(Reliability, NoDirectionOfAnUndetectedStepDoesMore) {
 }
 
 TEST_P(Reliability, AnOutlierOfThatSizeDoesThat) {
-    const UndetectedError& outlier = entry(errors, "outlier");
+    const UndetectedError& outlier = entry(errors, Hypothesis::outlier);
     const std::size_t k = static_cast<std::size_t>(outlier.epoch) - 1;
     const double before = speed_of(stretch, GetParam());
     double largest = 0.0;
@@ -120,15 +121,17 @@ TEST_P(Reliability, OneEntryForEachHypothesisLargestFirst) {
     ASSERT_EQ(errors.size(), 5U);
     for (std::size_t i = 1; i < errors.size(); ++i)
         EXPECT_GE(errors[i - 1].speed_mps, errors[i].speed_mps);
-    EXPECT_EQ(errors.front().hypothesis, "ramp");  // at most as fast as it drifts
+    EXPECT_EQ(errors.front().hypothesis, Hypothesis::ramp);  // at most as fast as it drifts
     EXPECT_LT(errors.front().speed_mps, errors.front().size);
     EXPECT_EQ(undetected_in_budget(errors), &errors[1]);
     // At a constant speed late stamps are a step along the track, with one unknown for two.
-    const UndetectedError& late = entry(errors, "time_shift");
-    EXPECT_LT(late.speed_mps, entry(errors, "step").speed_mps);
-    EXPECT_GT(late.speed_mps, 0.9 * entry(errors, "step").speed_mps);
-    EXPECT_NEAR(late.size * 60.0, entry(errors, "step").size, 0.1 * entry(errors, "step").size);
-    EXPECT_GE(entry(errors, "burst").last_epoch, entry(errors, "burst").epoch + 1);
+    const UndetectedError& late = entry(errors, Hypothesis::time_shift);
+    EXPECT_LT(late.speed_mps, entry(errors, Hypothesis::step).speed_mps);
+    EXPECT_GT(late.speed_mps, 0.9 * entry(errors, Hypothesis::step).speed_mps);
+    EXPECT_NEAR(late.size * 60.0, entry(errors, Hypothesis::step).size,
+                0.1 * entry(errors, Hypothesis::step).size);
+    EXPECT_GE(entry(errors, Hypothesis::burst).last_epoch,
+              entry(errors, Hypothesis::burst).epoch + 1);
 }
 
 INSTANTIATE_TEST_SUITE_P(OfEachDefinition, Reliability,

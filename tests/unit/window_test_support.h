@@ -25,7 +25,7 @@ inline NoiseParameter parameter_of(double value) {
 /// A noise model as a trajectory says it was estimated with.
 inline NoiseSummary summary_of(const EstimationModel& model) {
     NoiseSummary noise;
-    noise.status = "fitted";
+    noise.status = NoiseBasis::fitted;
     noise.jerk_density.value = model.motion.jerk_density;
     noise.measurement_scale.value = noise.white_scale = model.measurement_scale;
     if (model.error.initial_sigma_m > 1e-4) {

@@ -235,7 +235,7 @@ TEST(CertifiedWindow, HoldsEveryWayToItsSpeed) {
     EXPECT_NEAR(best.speed_mps, 60.0, 3.0 * best.standard_uncertainty_mps);
     EXPECT_NEAR(best.displacement_m, 3.0 * (best.speed_mps + best.selection->bias_mps), 1e-9);
     // nalsa's floor for fixed solutions decides against 10 mm stated.
-    EXPECT_EQ(best.bound->decided_by, "floor");
+    EXPECT_EQ(best.bound->decided_by, BoundSource::floor);
     EXPECT_EQ(best.bound->sigma_m, 0.020);
     EXPECT_GT(best.bound->standard_uncertainty_mps, best.fitted->standard_uncertainty_mps);
     EXPECT_EQ(best.fitted->models, 1);

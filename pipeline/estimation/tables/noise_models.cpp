@@ -16,6 +16,18 @@ EstimationModel model_of(const NoiseSummary& noise) {
     return model;
 }
 
+NoiseBasis basis_of(NoiseFit::Status status) {
+    switch (status) {
+        case NoiseFit::Status::fitted:
+            return NoiseBasis::fitted;
+        case NoiseFit::Status::too_few_epochs:
+            return NoiseBasis::too_few_epochs;
+        case NoiseFit::Status::constant_positions:
+            return NoiseBasis::constant_positions;
+    }
+    return NoiseBasis::stated;
+}
+
 template <int Axes>
 const NoiseSummary& noise_of(const TrajectoryTable& trajectory) {
     const EstimationSummary& estimation = trajectory.estimation;

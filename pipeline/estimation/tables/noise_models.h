@@ -11,6 +11,9 @@ namespace runcert {
 /// The noise model that a trajectory was estimated with.
 EstimationModel model_of(const NoiseSummary& noise);
 
+/// What an estimate rests on after this fit.
+NoiseBasis basis_of(NoiseFit::Status status);
+
 /// The horizontal (Axes 2) or vertical (1) noise that a trajectory says it was estimated with.
 /// Failure without heights for the vertical one.
 template <int Axes>

@@ -58,21 +58,21 @@ class RunCutter {
         : moments_(std::move(moments)), thresholds_(thresholds) {}
 
     std::vector<CraftRun> runs() && {
-        begin_at(0, "recording");
+        begin_at(0, RunEdge::recording);
         for (std::size_t k = 0; k < moments_.size(); ++k) {
             if (k > begin_ && is_gap_before(k)) {
-                end_at(k - 1, "gap");
-                begin_at(k, "gap");
+                end_at(k - 1, RunEdge::gap);
+                begin_at(k, RunEdge::gap);
             }
             visit(k);
             if (const auto cut = turn_at(k)) {
-                end_at(*cut, "turn");
-                begin_at(*cut, "turn");
+                end_at(*cut, RunEdge::turn);
+                begin_at(*cut, RunEdge::turn);
                 k = *cut;
                 visit(k);
             }
         }
-        if (!moments_.empty()) end_at(moments_.size() - 1, "recording");
+        if (!moments_.empty()) end_at(moments_.size() - 1, RunEdge::recording);
         return std::move(runs_);
     }
 
@@ -83,7 +83,7 @@ class RunCutter {
         return moments_[k].time_s - moments_[k - 1].time_s > thresholds_.stop_s;
     }
 
-    void begin_at(std::size_t k, const char* why) {
+    void begin_at(std::size_t k, RunEdge why) {
         begin_ = k;
         began_ = why;
         fast_ = false;
@@ -95,18 +95,18 @@ class RunCutter {
     /// Begins anew while the craft stands, as it does since `slow_since_`.
     void begin_standing_at(std::size_t k) {
         const std::optional<std::size_t> since = slow_since_;
-        begin_at(k, "standing");
+        begin_at(k, RunEdge::standing);
         slow_since_ = stood_from_ = since;
     }
 
     /// Ends the run, if it is one, here or where the craft has been standing since.
-    void end_at(std::size_t k, const char* why) {
+    void end_at(std::size_t k, RunEdge why) {
         if (!fast_) return;
-        const bool stands = slow_since_.has_value() && std::string_view(why) != "turn";
+        const bool stands = slow_since_.has_value() && why != RunEdge::turn;
         runs_.push_back({.first_row = moments_[begin_].row,
                          .last_row = moments_[stands ? *slow_since_ : k].row,
                          .began = began_,
-                         .ended = stands ? "standing" : why});
+                         .ended = stands ? RunEdge::standing : why});
         if (stood_from_) runs_.back().stood_from_row = moments_[*stood_from_].row;
     }
 
@@ -119,7 +119,7 @@ class RunCutter {
         if (!slow_since_) slow_since_ = k;
         if (fast_ && moments_[k].time_s - moments_[*slow_since_].time_s < thresholds_.stop_s)
             return;
-        end_at(k, "standing");
+        end_at(k, RunEdge::standing);
         begin_standing_at(k);
     }
 
@@ -153,7 +153,7 @@ class RunCutter {
     RunThresholds thresholds_;
     std::vector<CraftRun> runs_;
     std::size_t begin_ = 0;  ///< where the run would begin
-    const char* began_ = "";
+    RunEdge began_ = RunEdge::recording;
     bool fast_ = false;                      ///< it is a run: it has a fast part
     std::optional<std::size_t> slow_since_;  ///< below stop_mps from there to now
     std::optional<std::size_t> stood_from_;  ///< and from there to begin_

@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "schemas/trajectory/trajectory.h"
@@ -22,8 +21,8 @@ struct RunThresholds {
 struct CraftRun {
     std::size_t first_row = 0;
     std::size_t last_row = 0;
-    std::string began;  ///< "standing", "turn", "recording" (was moving where it begins), "gap"
-    std::string ended;  ///< the same words
+    RunEdge began = RunEdge::recording;  ///< recording: it was moving where that begins
+    RunEdge ended = RunEdge::recording;
     /// Where it began standing: the first of the rows below `stop_mps`, one after the other, that
     /// `first_row` is the last of. At rest it was somewhere there, if at all.
     std::optional<std::size_t> stood_from_row = std::nullopt;

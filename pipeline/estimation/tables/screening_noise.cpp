@@ -22,7 +22,8 @@ std::map<FixKind, double> kind_factors(const ScreeningEvidence& evidence, Tested
     for (const FixKindEvidence& kind : evidence.fix_kinds) {
         if (kind.axes != axes) continue;
         ++kinds;
-        if (kind.judgement != "too_few_epochs") factors[kind.fix] = kind.variance_factor / scale;
+        if (kind.judgement != AccuracyJudgement::too_few_epochs)
+            factors[kind.fix] = kind.variance_factor / scale;
     }
     if (kinds < 2) factors.clear();
     return factors;

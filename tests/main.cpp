@@ -2,8 +2,14 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <string>
+#include <utility>
 
 namespace {
+
+std::string name_of(const testing::TestInfo& test) {
+    return std::string(test.test_suite_name()) + "." + test.name();
+}
 
 /// Where the set-up of a suite fails, GoogleTest calls its tests skipped, and CTest then takes them
 /// for tests that had nothing to do here. They have failed.
@@ -18,10 +24,43 @@ class FailedSetUp : public testing::EmptyTestEventListener {
     }
 };
 
+/// Adds to the file RUNCERT_SKIPPED a line for each test that is skipped, with its reason. With it,
+/// the tools that tests need are there, having been installed for them: a test that misses one has
+/// failed.
+class Skipped : public testing::EmptyTestEventListener {
+  public:
+    bool tool_missing() const { return tool_missing_; }
+
+  private:
+    void OnTestPartResult(const testing::TestPartResult& result) override {
+        if (result.skipped()) reason_ = result.message();
+    }
+    void OnTestEnd(const testing::TestInfo& test) override {
+        const std::string reason = std::exchange(reason_, {});
+        const char* file = std::getenv("RUNCERT_SKIPPED");
+        if (reason.empty() || file == nullptr) return;
+        if (reason.find("not installed") != std::string::npos) {
+            tool_missing_ = true;
+            std::printf("%s needs a program that was to be installed: %s\n", name_of(test).c_str(),
+                        reason.c_str());
+        }
+        if (std::FILE* out = std::fopen(file, "a")) {
+            std::fprintf(out, "%s: %s\n", name_of(test).c_str(), reason.c_str());
+            std::fclose(out);
+        }
+    }
+
+    std::string reason_;
+    bool tool_missing_ = false;
+};
+
 }  // namespace
 
 int main(int argc, char** argv) {
     testing::InitGoogleTest(&argc, argv);
+    auto* skipped = new Skipped;
     testing::UnitTest::GetInstance()->listeners().Append(new FailedSetUp);
-    return RUN_ALL_TESTS();
+    testing::UnitTest::GetInstance()->listeners().Append(skipped);
+    const int status = RUN_ALL_TESTS();
+    return skipped->tool_missing() ? EXIT_FAILURE : status;
 }

@@ -73,39 +73,49 @@ class Adaptation {
           section_epochs_(section_epochs),
           decisions_(arc.size()) {}
 
-    ArcDecisions run() {
-        bool changed = true;
-        while (changed && decisions_.passes < passes_max) {
-            ++decisions_.passes;
-            changed = false;
-            for (const TestedStretch<Axes>& stretch : stretches_of(arc_, model_, decisions_)) {
-                const std::size_t end = stretch.first + stretch.epochs.size();
-                if (settled_.contains({stretch.first, end})) continue;
-                if (adapt_stretch(stretch))
-                    changed = true;
-                else
-                    settled_.insert({stretch.first, end});
-            }
-        }
-        if (changed) give_up();
-        return std::move(decisions_);
+    /// The stretches that decisions leave, as far as they are not known to fit the model.
+    std::vector<TestedStretch<Axes>> begin_pass() {
+        ++decisions_.passes;
+        return open_stretches();
     }
 
-  private:
+    /// Tests every hypothesis at every epoch of a stretch and decides for the best supported of
+    /// those that exceed their critical values; where there is none, takes back what need not have
+    /// been decided. Whether anything was.
+    bool adapt_stretch(const TestedStretch<Axes>& stretch) {
+        const bool changed = decide_in(stretch);
+        if (!changed) settled_.insert(place_of(stretch));
+        return changed;
+    }
+
     /// Stretches that no number of decisions has made fit are left out.
     void give_up() {
-        for (const TestedStretch<Axes>& stretch : stretches_of(arc_, model_, decisions_)) {
-            const std::size_t end = stretch.first + stretch.epochs.size();
-            if (settled_.contains({stretch.first, end})) continue;
+        for (const TestedStretch<Axes>& stretch : open_stretches()) {
+            const auto [first, end] = place_of(stretch);
             const Decision decision{.hypothesis = Hypothesis::model,
-                                    .first = stretch.first,
+                                    .first = first,
                                     .last = end - 1,
                                     .statistic = static_cast<double>(decisions_.passes),
                                     .threshold = static_cast<double>(passes_max),
                                     .estimated = {}};
-            for (std::size_t k = stretch.first; k < end; ++k)
+            for (std::size_t k = first; k < end; ++k)
                 if (!decisions_.left_out[k]) decisions_.left_out[k] = decision;
         }
+    }
+
+    const ArcDecisions& decisions() const { return decisions_; }
+
+  private:
+    static std::pair<std::size_t, std::size_t> place_of(const TestedStretch<Axes>& stretch) {
+        return {stretch.first, stretch.first + stretch.epochs.size()};
+    }
+
+    std::vector<TestedStretch<Axes>> open_stretches() const {
+        std::vector<TestedStretch<Axes>> stretches = stretches_of(arc_, model_, decisions_);
+        std::erase_if(stretches, [&](const TestedStretch<Axes>& stretch) {
+            return settled_.contains(place_of(stretch));
+        });
+        return stretches;
     }
 
     struct Findings {
@@ -134,7 +144,7 @@ class Adaptation {
         return findings;
     }
 
-    bool adapt_stretch(const TestedStretch<Axes>& stretch) {
+    bool decide_in(const TestedStretch<Axes>& stretch) {
         const std::vector<Section> sections = sections_of<Axes>(
             stretch.epochs,
             stretch.epochs.size() > section_epochs_ ? memory_s<Axes>(stretch.epochs, model_) : 0.0,
@@ -283,7 +293,14 @@ std::vector<TestedStretch<Axes>> stretches_of(const std::vector<ArcEpoch<Axes>>&
 template <int Axes>
 ArcDecisions adapt(const std::vector<ArcEpoch<Axes>>& arc, const EstimationModel& model,
                    const TestPlan& plan, std::size_t section_epochs) {
-    return Adaptation<Axes>(arc, model, plan, section_epochs).run();
+    Adaptation<Axes> adaptation(arc, model, plan, section_epochs);
+    for (bool changed = true; changed && adaptation.decisions().passes < passes_max;) {
+        changed = false;
+        for (const TestedStretch<Axes>& stretch : adaptation.begin_pass())
+            changed = adaptation.adapt_stretch(stretch) || changed;
+        if (changed && adaptation.decisions().passes == passes_max) adaptation.give_up();
+    }
+    return adaptation.decisions();
 }
 
 #define RUNCERT_INSTANTIATE(AXES)                                                           \

@@ -71,16 +71,6 @@ struct AdaptedArcs {
     std::vector<ArcDecisions> decisions;
 };
 
-/// The plan is a copy: it keeps what it has worked out, and the other axes are tested meanwhile.
-template <int Axes>
-AdaptedArcs<Axes> adapt_arcs(std::vector<Arc<Axes>> arcs, const EstimationModel& model,
-                             TestPlan plan, std::size_t section_epochs) {
-    AdaptedArcs<Axes> adapted{.arcs = std::move(arcs), .decisions = {}};
-    for (const Arc<Axes>& arc : adapted.arcs)
-        adapted.decisions.push_back(adapt<Axes>(arc.epochs, model, plan, section_epochs));
-    return adapted;
-}
-
 template <int Axes>
 void mark_arcs(ScreenedTable& screened, const AdaptedArcs<Axes>& adapted,
                const MarkOptions& options, ScreeningEvidence& evidence) {
@@ -94,20 +84,25 @@ void mark_arcs(ScreenedTable& screened, const AdaptedArcs<Axes>& adapted,
 
 void test_positions(ScreenedTable& screened, const ScreeningNoises& noises, const TestPlan& plan,
                     const ScreenConfig& config, ScreeningEvidence& evidence) {
-    // Both groups of axes are tested on what the epochs' own checks left.
+    // Both groups of axes are tested on what the epochs' own checks left. The plan is a copy for
+    // each: it keeps what it has worked out.
     AdaptedArcs<2> horizontal;
     AdaptedArcs<1> vertical;
     do_together(
-        [&] {
-            horizontal = adapt_arcs<2>(
-                tested_arcs<2>(screened, noises.horizontal.model, noises.horizontal_factors),
-                noises.horizontal.model, plan, config.section_epochs);
+        [&, plan = plan] {
+            const EstimationModel& model = noises.horizontal.model;
+            horizontal.arcs = tested_arcs<2>(screened, model, noises.horizontal_factors);
+            for (const Arc<2>& arc : horizontal.arcs)
+                horizontal.decisions.push_back(
+                    adapt<2>(arc.epochs, model, plan, config.section_epochs));
         },
-        [&] {
-            if (noises.vertical)
-                vertical = adapt_arcs<1>(
-                    tested_arcs<1>(screened, noises.vertical->model, noises.vertical_factors),
-                    noises.vertical->model, plan, config.section_epochs);
+        [&, plan = plan] {
+            if (!noises.vertical) return;
+            const EstimationModel& model = noises.vertical->model;
+            vertical.arcs = tested_arcs<1>(screened, model, noises.vertical_factors);
+            for (const Arc<1>& arc : vertical.arcs)
+                vertical.decisions.push_back(
+                    adapt<1>(arc.epochs, model, plan, config.section_epochs));
         });
     // No craft on the ground goes up or down faster; those that do have scores in it.
     constexpr double on_the_ground_mps = 20.0;

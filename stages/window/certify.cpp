@@ -259,6 +259,7 @@ CertifiableWindow certified(const AxesEvidence<Axes>& evidence, const WindowChoi
     const auto [part, smoothed] = checked_estimate(evidence, found);
     const ArcWithInstants<Axes> at = with_instants(part.arc, part.times, found.start, found.end);
     const WindowStretch<Axes> stretch = cut_stretch(at.arc, at.window, stretch_margin_s);
+    // Once more where the window begins or ends between epochs, with these instants among them.
     const bool between_epochs = at.arc.epochs.size() != part.arc.epochs.size();
     const SmoothedArc<Axes> between =
         between_epochs ? smooth<Axes>(at.arc.epochs, evidence.model) : SmoothedArc<Axes>{};

@@ -65,6 +65,7 @@ CrossingTimes smoothed_crossings(const Arc<2>& arc, const std::vector<ElapsedTim
     CrossingTimes crossings = straight;
     for (int step = 0; step < 3; ++step) {
         const ArcWithInstants<2> both = with_instants(arc, times, crossings.start, crossings.end);
+        // The trajectory holds the epochs alone; where the line was crossed lies between two.
         const SmoothedArc<2> smoothed = smooth<2>(both.arc.epochs, model);
         const auto move = [&](ElapsedTime& instant, std::size_t k, const Gate& gate) {
             instant.nanoseconds += std::llround(1e9 * lateness_s(smoothed, k, gate));

@@ -172,6 +172,7 @@ double error_along(std::span<const ArcEpoch<2>> epochs, const EstimationModel& m
 
 namespace {
 
+/// The speed by a stiffer or softer model of the motion: smoothed anew with it.
 template <int Axes>
 double speed_with(const EstimatedWindow<Axes>& at, const SpeedQuantity& quantity,
                   std::span<const ArcEpoch<Axes>> epochs, double density_factor) {

@@ -49,6 +49,7 @@ CheckedPart<Axes> checked_estimate(const AxesEvidence<Axes>& evidence, const Fou
         CheckedPart<Axes> checked{
             .part = part_around(arc, evidence.times[found.series], window, margin_s),
             .smoothed = {}};
+        // Again, as the trajectory does not hold what the errors of two epochs have in common.
         checked.smoothed = smooth<Axes>(checked.part.arc.epochs, evidence.model);
         const auto different = difference_from(evidence.trajectory, checked.part, checked.smoothed);
         if (!different) return checked;

@@ -157,23 +157,16 @@ Choice choose(const ScreenedTable& screened, const TrajectoryTable& trajectory,
     return choice;
 }
 
-/// Certifies the windows chosen, each among those that do not overlap one chosen before it.
-void certify_chosen(const Certifier& certifier, const Profile& profile, Choice choice,
-                    const std::optional<CourseGates>& gates, ProfileWindows& entry) {
-    std::vector<FoundWindow> left = std::move(choice.all);
-    for (const FoundWindow& found : choice.chosen) {
-        const CertifiableWindow window = certifier.certify(profile, found, left, gates);
-        if (!entry.best)
-            entry.best = window;
-        else
-            entry.further.push_back({.span = window.span,
-                                     .arc = window.arc,
-                                     .speed_mps = window.speed_mps,
-                                     .standard_uncertainty_mps = window.standard_uncertainty_mps,
-                                     .bias_limit_mps = window.bias_limit_mps,
-                                     .robust = window.robust});
-        std::erase_if(left, [&](const FoundWindow& one) { return overlap(one, found); });
-    }
+void add_window(const CertifiableWindow& window, ProfileWindows& entry) {
+    if (!entry.best)
+        entry.best = window;
+    else
+        entry.further.push_back({.span = window.span,
+                                 .arc = window.arc,
+                                 .speed_mps = window.speed_mps,
+                                 .standard_uncertainty_mps = window.standard_uncertainty_mps,
+                                 .bias_limit_mps = window.bias_limit_mps,
+                                 .robust = window.robust});
 }
 
 ProfileWindows windows_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
@@ -197,7 +190,11 @@ ProfileWindows windows_of(const ScreenedTable& screened, const TrajectoryTable& 
         entry.missing =
             "as recorded the track passes over the course, but not within one stretch of usable "
             "epochs";
-    certify_chosen(certifier, profile, std::move(choice), gates, entry);
+    // Each is certified among those that do not overlap one chosen before it.
+    for (const FoundWindow& found : choice.chosen) {
+        add_window(certifier.certify(profile, found, choice.all, gates), entry);
+        std::erase_if(choice.all, [&](const FoundWindow& one) { return overlap(one, found); });
+    }
     return entry;
 }
 

@@ -1,6 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <regex>
+
 #include "chain_support.h"
+#include "core/text.h"
 
 // The README's commands to sign and verify, each as it stands there, by this and other programs.
 
@@ -90,6 +93,43 @@ TEST_F(Readme, ItsCommandsToSignAndVerifyWork) {
     must("./runcert verify RUN --roster roster --tsa-ca ca.pem");
     EXPECT_NE(last_said_.find("3 signers"), std::string::npos) << last_said_;
     must("./runcert verify run.tar.zst --roster roster --tsa-ca ca.pem");
+}
+
+/// A call of a walk, "2. `windows_of` in `stages/window/window.cpp`: ...".
+struct Call {
+    std::string function;
+    std::string file;
+};
+
+/// The walks of stages/README.md, each from a main.cpp on.
+std::vector<std::vector<Call>> walks() {
+    static const std::regex from("From `([^`]+)`:");
+    static const std::regex call("[1-9]\\. `([^`]+)` in `([^`]+)`: .*");
+    std::vector<std::vector<Call>> found;
+    std::smatch match;
+    for (const std::string& line :
+         lines_of(read_file(fs::path(RUNCERT_SOURCE_DIR) / "stages" / "README.md")))
+        if (std::regex_match(line, match, from))
+            found.push_back({{"main", match[1]}});
+        else if (std::regex_match(line, match, call))
+            found.back().push_back({match[1], match[2]});
+    return found;
+}
+
+TEST(Walks, HaveAtMostFiveCallsEachFromTheOneBefore) {
+    const auto all = walks();
+    ASSERT_EQ(all.size(), 3U);
+    for (const std::vector<Call>& walk : all) {
+        EXPECT_GE(walk.size(), 2U);
+        EXPECT_LE(walk.size(), 6U) << walk.back().function;
+        for (std::size_t i = 1; i < walk.size(); ++i) {
+            const std::regex named("\\b" + walk[i].function + "(<\\w+>)?\\(");
+            for (const std::string& file : {walk[i].file, walk[i - 1].file})
+                EXPECT_TRUE(
+                    std::regex_search(read_file(fs::path(RUNCERT_SOURCE_DIR) / file), named))
+                    << walk[i].function << " in " << file;
+        }
+    }
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ struct Tables {
 inline constexpr const char* base_station =
     "origin: {latitude_deg: 35.134709483, longitude_deg: 136.977574275, height_m: 104.728}\n";
 
-inline Tables certified(const fs::path& recording, const std::string& more = {}) {
+inline Tables certified_anew(const fs::path& recording, const std::string& more) {
     const TemporaryFolder folder;
     write_file_atomically(
         folder.path() / "attempt.yaml",
@@ -40,6 +40,15 @@ inline Tables certified(const fs::path& recording, const std::string& more = {})
     return {read_screened(read_file(run / "3-screened.ecsv"), "3-screened.ecsv"),
             read_trajectory(read_file(run / "4-trajectory.ecsv"), "4-trajectory.ecsv"),
             read_yaml(run / "6-verdict.yaml")};
+}
+
+/// The same once for all tests of the process.
+inline const Tables& certified(const fs::path& recording, const std::string& more = {}) {
+    static std::map<std::pair<fs::path, std::string>, Tables> made;
+    const auto key = std::pair(recording, more);
+    const auto found = made.find(key);
+    return found != made.end() ? found->second
+                               : made.emplace(key, certified_anew(recording, more)).first->second;
 }
 
 /// Positions of the reference by GPS time of week in milliseconds, in the run's local frame.

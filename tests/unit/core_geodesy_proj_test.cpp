@@ -58,7 +58,7 @@ Geodetic geodetic(const Eigen::Vector3d& longitude_latitude_height) {
 }
 
 TEST(GeodesyAgainstProj, LocalFrame) {
-    if (!have_cct()) GTEST_SKIP() << "no cct (package proj-bin)";
+    if (!have_cct()) GTEST_SKIP() << "cct (proj-bin) is not installed";
     const Eigen::Vector3d origins[] = {{136.977574275, 35.134709483, 104.728},
                                        {136.5, -30.9, 0.0},
                                        {-0.1, 51.5, 50.0},
@@ -94,7 +94,7 @@ TEST(GeodesyAgainstProj, LocalFrame) {
 }
 
 TEST(GeodesyAgainstProj, Ecef) {
-    if (!have_cct()) GTEST_SKIP() << "no cct (package proj-bin)";
+    if (!have_cct()) GTEST_SKIP() << "cct (proj-bin) is not installed";
     RandomGenerator random(32);
     std::vector<Eigen::Vector3d> points;
     for (int i = 0; i < 500; ++i)
@@ -111,7 +111,7 @@ TEST(GeodesyAgainstProj, Ecef) {
 }
 
 TEST(GeodesyAgainstProj, Utm) {
-    if (!have_cct()) GTEST_SKIP() << "no cct (package proj-bin)";
+    if (!have_cct()) GTEST_SKIP() << "cct (proj-bin) is not installed";
     RandomGenerator random(33);
     double worst_m = 0.0;
     double worst_back_m = 0.0;

@@ -91,7 +91,7 @@ TEST_P(NmeaByGpsbabel, SaysTheSame) {
     const std::string name = std::string("nmea_gst/") + GetParam();
     const auto text = recorded(name);
     if (!text) GTEST_SKIP() << "RUNCERT_DATA is not set";
-    if (std::system("command -v gpsbabel > /dev/null") != 0) GTEST_SKIP() << "gpsbabel is missing";
+    if (std::system("command -v gpsbabel > /dev/null") != 0) GTEST_SKIP() << "gpsbabel is not installed";
     const std::string command =
         fmt::format("grep -av RMC, '{}/{}' | gpsbabel -t -i nmea -f - -o gpx -F -",
                     std::getenv("RUNCERT_DATA"), name);

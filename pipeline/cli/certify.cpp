@@ -19,6 +19,7 @@
 #include "run/evidence.h"
 #include "run/run_times.h"
 #include "schemas/attempt/attempt.h"
+#include "schemas/common/members.h"
 #include "schemas/common/product_files.h"
 #include "schemas/verdict/declared.h"
 #include "trust/signing.h"

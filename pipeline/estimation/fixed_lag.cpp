@@ -56,7 +56,5 @@ template std::vector<StateEstimate<1>> smooth_fixed_lag<1>(std::span<const ArcEp
                                                            const EstimationModel&, std::size_t);
 template std::vector<StateEstimate<2>> smooth_fixed_lag<2>(std::span<const ArcEpoch<2>>,
                                                            const EstimationModel&, std::size_t);
-template std::vector<StateEstimate<3>> smooth_fixed_lag<3>(std::span<const ArcEpoch<3>>,
-                                                           const EstimationModel&, std::size_t);
 
 }  // namespace runcert

@@ -228,7 +228,6 @@ InnovationSums innovation_sums(std::span<const std::span<const ArcEpoch<Axes>>> 
         std::span<const std::size_t>);
 RUNCERT_INSTANTIATE(1)
 RUNCERT_INSTANTIATE(2)
-RUNCERT_INSTANTIATE(3)
 #undef RUNCERT_INSTANTIATE
 
 }  // namespace runcert

@@ -152,9 +152,7 @@ SmoothedArc<Axes> smooth(std::span<const ArcEpoch<Axes>> arc, const EstimationMo
 
 template struct SmoothedArc<1>;
 template struct SmoothedArc<2>;
-template struct SmoothedArc<3>;
 template SmoothedArc<1> smooth<1>(std::span<const ArcEpoch<1>>, const EstimationModel&);
 template SmoothedArc<2> smooth<2>(std::span<const ArcEpoch<2>>, const EstimationModel&);
-template SmoothedArc<3> smooth<3>(std::span<const ArcEpoch<3>>, const EstimationModel&);
 
 }  // namespace runcert

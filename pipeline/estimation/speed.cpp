@@ -173,7 +173,6 @@ SpeedEstimate mean_speed(const SmoothedArc<Axes>& arc, std::size_t s, std::size_
     template SpeedEstimate mean_speed<AXES>(const SmoothedArc<AXES>&, std::size_t, std::size_t);
 RUNCERT_INSTANTIATE(1)
 RUNCERT_INSTANTIATE(2)
-RUNCERT_INSTANTIATE(3)
 #undef RUNCERT_INSTANTIATE
 
 }  // namespace runcert

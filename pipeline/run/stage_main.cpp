@@ -62,10 +62,11 @@ int guarded_main(const std::function<int()>& body) {
 }
 
 int reader_main(int argc, char** argv, const std::string& name, const std::string& summary,
-                const std::function<void(CLI::App&)>& options, const std::function<int()>& run) {
+                const std::function<void(CommandLine&)>& options, const std::function<int()>& run) {
     return guarded_main([&]() -> int {
         CLI::App app(summary, "runcert-" + name);
-        options(app);
+        CommandLine line(app);
+        options(line);
         const auto status = parsed(app, argc, argv);
         return status ? *status : run();
     });
@@ -73,20 +74,21 @@ int reader_main(int argc, char** argv, const std::string& name, const std::strin
 
 int stage_main(int argc, char** argv, const std::string& stage, const std::string& summary,
                const std::function<void(StageRun&)>& body,
-               const std::function<void(CLI::App&)>& options) {
+               const std::function<void(CommandLine&)>& options) {
     return guarded_main([&]() -> int {
         CLI::App app(summary, "runcert-" + stage);
         std::string attempt;
         std::string run_dir;
         app.add_option("--attempt", attempt, "the attempt (schema attempt/1.0)")->required();
         app.add_option("--run-dir", run_dir, "folder of the run's files")->required();
-        if (options) options(app);
+        CommandLine line(app);
+        if (options) options(line);
         if (const auto status = parsed(app, argc, argv)) return *status;
         StageRun run(stage, attempt, run_dir);
         const RunLock lock(run_dir);
         body(run);
-        for (const std::string& line : run.said())
-            fmt::print("{}\n", plain_text(line));
+        for (const std::string& said : run.said())
+            fmt::print("{}\n", plain_text(said));
         return 0;
     });
 }

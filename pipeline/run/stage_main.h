@@ -3,11 +3,8 @@
 #include <functional>
 #include <string>
 
+#include "run/command_line.h"
 #include "run/stage_run.h"
-
-namespace CLI {
-class App;
-}
 
 namespace runcert {
 
@@ -19,11 +16,11 @@ int guarded_main(const std::function<int()>& body);
 /// runs the stage, prints what it says. `summary` is the first line of --help.
 int stage_main(int argc, char** argv, const std::string& stage, const std::string& summary,
                const std::function<void(StageRun&)>& body,
-               const std::function<void(CLI::App&)>& options = {});
+               const std::function<void(CommandLine&)>& options = {});
 
 /// Main of a program that looks at what the stages wrote: `options` adds to its command line, `run`
 /// gives its exit status.
 int reader_main(int argc, char** argv, const std::string& name, const std::string& summary,
-                const std::function<void(CLI::App&)>& options, const std::function<int()>& run);
+                const std::function<void(CommandLine&)>& options, const std::function<int()>& run);
 
 }  // namespace runcert

@@ -11,7 +11,9 @@
 #include "files/yaml_input.h"
 #include "run/evidence.h"
 #include "run/steps.h"
+#include "schemas/common/members.h"
 #include "schemas/common/product_files.h"
+#include "schemas/verdict/declared.h"
 #include "trust/verification.h"
 
 // report.json against the files that it vouches for: whoever signs it may have written it by hand.

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
 
@@ -168,13 +167,13 @@ int main(int argc, char** argv) {
     Options options;
     return reader_main(
         argc, argv, "audit", "A walk through a run: every input, decision and result",
-        [&](CLI::App& app) {
-            app.add_option("RUN_DIR", options.run_dir, "folder of a certified run")->required();
-            app.add_option("--stage", options.stages, "this stage alone (may be repeated)")
-                ->allow_extra_args(false);
-            app.add_option("--receiver", options.receiver, "which receiver (default: all)");
-            app.add_flag("--all", options.all, "hashes, parameters and epochs used in full");
-            app.add_option("--html", options.html, "write the walk to this file, as one page");
+        [&](CommandLine& line) {
+            line.text("RUN_DIR", options.run_dir, "folder of a certified run",
+                      CommandLine::Need::required);
+            line.texts("--stage", options.stages, "this stage alone (may be repeated)");
+            line.text("--receiver", options.receiver, "which receiver (default: all)");
+            line.flag("--all", options.all, "hashes, parameters and epochs used in full");
+            line.text("--html", options.html, "write the walk to this file, as one page");
         },
         [&]() -> int {
             const Walk walk = audit(options);

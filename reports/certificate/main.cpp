@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 
 #include "files/atomic_file.h"
@@ -91,10 +90,10 @@ int main(int argc, char** argv) {
                           {.signatures = signatures_of(run.run_dir()), .pdf = !no_pdf});
             run.say(no_pdf ? "report.json, report.html" : "report.json, report.html, report.pdf");
         },
-        [&](CLI::App& app) {
-            app.add_option("--key", key, "secret key to sign report.json with");
-            app.add_flag("--no-render", no_render, "stop after report.json");
-            app.add_flag("--no-pdf", no_pdf, "no PDF, which takes longest");
-            app.add_flag("--render-only", render_only, "HTML and PDF of the report.json there is");
+        [&](CommandLine& line) {
+            line.text("--key", key, "secret key to sign report.json with");
+            line.flag("--no-render", no_render, "stop after report.json");
+            line.flag("--no-pdf", no_pdf, "no PDF, which takes longest");
+            line.flag("--render-only", render_only, "HTML and PDF of the report.json there is");
         });
 }

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 
 #include "core/failure.h"
@@ -42,11 +41,11 @@ int main(int argc, char** argv) {
     return reader_main(
         argc, argv, "compare",
         "All estimators' best windows side by side, for every profile of a run",
-        [&](CLI::App& app) {
-            app.add_option("RUN_DIR", options.run_dir, "folder of a certified run")->required();
-            app.add_option("--truth", options.truth,
-                           "the true run (CSV, as runcert simulate writes)");
-            app.add_option("--receiver", options.receiver, "which receiver (default: the first)");
+        [&](CommandLine& line) {
+            line.text("RUN_DIR", options.run_dir, "folder of a certified run",
+                      CommandLine::Need::required);
+            line.text("--truth", options.truth, "the true run (CSV, as runcert simulate writes)");
+            line.text("--receiver", options.receiver, "which receiver (default: the first)");
         },
         [&]() -> int {
             fmt::print("{}", compare_run(options));

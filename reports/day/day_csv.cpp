@@ -38,13 +38,14 @@ std::string cell(const std::optional<std::int64_t>& value) {
 /// The columns from `profile` to `shown_target`'s successors that belong to one rule.
 std::string result_cells(const DayResult& result, const DayPlace& place) {
     const DayShown shown = result.shown.value_or(DayShown{});
-    return fmt::format(
-        "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}", csv_cell(result.profile),
-        cell(place.rank), cell(place.not_told_apart_up_to), cell(place.not_told_apart_down_to),
-        result.outcome, cell(result.speed_mps, 6), cell(result.expanded_uncertainty_mps, 6),
-        format_fixed(result.coverage_factor, 6), cell(result.target_mps, 6), shown.unit,
-        csv_cell(shown.speed), csv_cell(shown.expanded_uncertainty), csv_cell(shown.target),
-        csv_cell(result.start_utc), cell(result.start_time_s, 9), cell(result.duration_s, 9));
+    return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}", csv_cell(result.profile),
+                       cell(place.rank), cell(place.not_told_apart_up_to),
+                       cell(place.not_told_apart_down_to), to_text(result.outcome),
+                       cell(result.speed_mps, 6), cell(result.expanded_uncertainty_mps, 6),
+                       format_fixed(result.coverage_factor, 6), cell(result.target_mps, 6),
+                       shown.unit, csv_cell(shown.speed), csv_cell(shown.expanded_uncertainty),
+                       csv_cell(shown.target), csv_cell(result.start_utc),
+                       cell(result.start_time_s, 9), cell(result.duration_s, 9));
 }
 
 std::string row(const AttemptResult& attempt, const DayResult* result, const DayPlace* place) {

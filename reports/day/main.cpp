@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 
 #include "core/failure.h"
@@ -85,15 +84,16 @@ int write_day(const Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    Options options;
+    std::string out;
+    std::string list;
     return reader_main(
         argc, argv, "day", "The results of a day's runs: day.yaml, day.csv, day.html",
-        [&](CLI::App& app) {
-            app.add_option("--out", options.out, "folder of the day, which holds the run folders")
-                ->required();
-            app.add_option("--list", options.list,
-                           "what became of each attempt: JSON, as `runcert batch` writes it")
-                ->required();
+        [&](CommandLine& line) {
+            line.text("--out", out, "folder of the day, which holds the run folders",
+                      CommandLine::Need::required);
+            line.text("--list", list,
+                      "what became of each attempt: JSON, as `runcert batch` writes it",
+                      CommandLine::Need::required);
         },
-        [&]() -> int { return write_day(options); });
+        [&]() -> int { return write_day({.out = out, .list = list}); });
 }

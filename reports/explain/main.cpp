@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 
 #include "core/failure.h"
@@ -66,14 +65,13 @@ int main(int argc, char** argv) {
     Options options;
     return reader_main(
         argc, argv, "explain", "What decides a verdict, clause by clause, in plain words",
-        [&](CLI::App& app) {
-            auto* run_dir = app.add_option("RUN_DIR", options.run_dir, "folder of a certified run");
-            app.add_option("CLAUSE", options.what.clause,
-                           "clause, or outcome (default: all in short)");
-            app.add_option("--profile", options.what.profile, "which profile (default: all)");
-            app.add_flag("--profiles", options.profiles,
-                         "list the profiles that come with the program")
-                ->excludes(run_dir);
+        [&](CommandLine& line) {
+            line.text("RUN_DIR", options.run_dir, "folder of a certified run");
+            line.text("CLAUSE", options.what.clause, "clause, or outcome (default: all in short)");
+            line.text("--profile", options.what.profile, "which profile (default: all)");
+            line.flag("--profiles", options.profiles,
+                      "list the profiles that come with the program");
+            line.exclude("--profiles", "RUN_DIR");
         },
         [&]() -> int {
             if (!options.profiles && options.run_dir.empty())

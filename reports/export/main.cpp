@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 
 #include "core/failure.h"
@@ -101,18 +100,18 @@ int main(int argc, char** argv) {
     Options options;
     return reader_main(
         argc, argv, "export", "A run for maps and spreadsheets",
-        [&](CLI::App& app) {
-            app.add_option("RUN_DIR", options.run_dir, "folder of a certified run")->required();
-            app.add_option("--format", options.format, "kml, geojson, gpx or csv")
-                ->required()
-                ->check(CLI::IsMember({"kml", "geojson", "gpx", "csv"}));
-            app.add_option("--out", options.out, "file to write, - for standard output");
-            app.add_option("--table", options.table, "of csv: which table")
-                ->check(CLI::IsMember({"observations", "enu", "screened", "trajectory"}));
-            app.add_option("--receiver", options.receiver, "which receiver (default: the first)");
-            app.add_option("--every", options.every, "of a map: every so many epochs")
-                ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000}));
-            app.add_flag("--force", options.force, "replace the file if it exists");
+        [&](CommandLine& line) {
+            line.text("RUN_DIR", options.run_dir, "folder of a certified run",
+                      CommandLine::Need::required);
+            line.word("--format", options.format, "kml, geojson, gpx or csv",
+                      {"kml", "geojson", "gpx", "csv"}, CommandLine::Need::required);
+            line.text("--out", options.out, "file to write, - for standard output");
+            line.word("--table", options.table, "of csv: which table",
+                      {"observations", "enu", "screened", "trajectory"});
+            line.text("--receiver", options.receiver, "which receiver (default: the first)");
+            line.integer("--every", options.every, "of a map: every so many epochs", 1,
+                         1'000'000'000);
+            line.flag("--force", options.force, "replace the file if it exists");
         },
         [&]() -> int { return export_run(options); });
 }

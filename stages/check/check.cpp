@@ -153,6 +153,8 @@ std::string reason_of(const ClauseContext& context, Outcome outcome) {
             return beginning(
                 "By positions alone, the target lies within the uncertainty of the speed: ",
                 "The target lies within the uncertainty of the speed: ");
+        case Outcome::not_certifiable:
+            break;
     }
     return figures;
 }

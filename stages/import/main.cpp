@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
 
@@ -173,12 +172,12 @@ int main(int argc, char** argv) {
             if (!evidence.empty()) source.evidence = evidence;
             import_attempt(run, source);
         },
-        [&](CLI::App& app) {
-            app.add_option("--folder", folder,
-                           "folder that what the attempt names is relative to and must be inside "
-                           "of (default: the attempt's)");
-            app.add_option("--evidence", evidence,
-                           "take recordings and profiles from this run folder's copies instead of "
-                           "where the attempt says");
+        [&](CommandLine& line) {
+            line.text("--folder", folder,
+                      "folder that what the attempt names is relative to and must be inside "
+                      "of (default: the attempt's)");
+            line.text("--evidence", evidence,
+                      "take recordings and profiles from this run folder's copies instead of "
+                      "where the attempt says");
         });
 }

@@ -103,7 +103,8 @@ class Adaptation {
         }
     }
 
-    const ArcDecisions& decisions() const { return decisions_; }
+    std::int64_t passes() const { return decisions_.passes; }
+    ArcDecisions decisions() && { return std::move(decisions_); }
 
   private:
     static std::pair<std::size_t, std::size_t> place_of(const TestedStretch<Axes>& stretch) {
@@ -294,13 +295,13 @@ template <int Axes>
 ArcDecisions adapt(const std::vector<ArcEpoch<Axes>>& arc, const EstimationModel& model,
                    const TestPlan& plan, std::size_t section_epochs) {
     Adaptation<Axes> adaptation(arc, model, plan, section_epochs);
-    for (bool changed = true; changed && adaptation.decisions().passes < passes_max;) {
+    for (bool changed = true; changed && adaptation.passes() < passes_max;) {
         changed = false;
         for (const TestedStretch<Axes>& stretch : adaptation.begin_pass())
             changed = adaptation.adapt_stretch(stretch) || changed;
-        if (changed && adaptation.decisions().passes == passes_max) adaptation.give_up();
+        if (changed && adaptation.passes() == passes_max) adaptation.give_up();
     }
-    return adaptation.decisions();
+    return std::move(adaptation).decisions();
 }
 
 #define RUNCERT_INSTANTIATE(AXES)                                                           \

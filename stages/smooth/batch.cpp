@@ -234,24 +234,16 @@ template BatchSolution<1> solve_batch<1>(std::span<const ArcEpoch<1>>, const Est
                                          const BatchOptions&);
 template BatchSolution<2> solve_batch<2>(std::span<const ArcEpoch<2>>, const EstimationModel&,
                                          const BatchOptions&);
-template BatchSolution<3> solve_batch<3>(std::span<const ArcEpoch<3>>, const EstimationModel&,
-                                         const BatchOptions&);
 template RobustSolution<1> solve_robust<1>(std::span<const ArcEpoch<1>>, const EstimationModel&,
                                            double, std::span<const StateVector<1>>,
                                            const BatchOptions&);
 template RobustSolution<2> solve_robust<2>(std::span<const ArcEpoch<2>>, const EstimationModel&,
                                            double, std::span<const StateVector<2>>,
                                            const BatchOptions&);
-template RobustSolution<3> solve_robust<3>(std::span<const ArcEpoch<3>>, const EstimationModel&,
-                                           double, std::span<const StateVector<3>>,
-                                           const BatchOptions&);
 template TwoStateCovariance<1> batch_covariance<1>(std::span<const ArcEpoch<1>>,
                                                    const EstimationModel&, std::size_t,
                                                    std::size_t);
 template TwoStateCovariance<2> batch_covariance<2>(std::span<const ArcEpoch<2>>,
-                                                   const EstimationModel&, std::size_t,
-                                                   std::size_t);
-template TwoStateCovariance<3> batch_covariance<3>(std::span<const ArcEpoch<3>>,
                                                    const EstimationModel&, std::size_t,
                                                    std::size_t);
 

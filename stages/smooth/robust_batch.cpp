@@ -262,7 +262,6 @@ std::string BatchProblem<Axes>::where() const {
     template class BatchProblem<AXES>;
 RUNCERT_INSTANTIATE(1)
 RUNCERT_INSTANTIATE(2)
-RUNCERT_INSTANTIATE(3)
 #undef RUNCERT_INSTANTIATE
 
 }  // namespace runcert

@@ -267,6 +267,5 @@ bool RobustChain<Axes>::solve(std::int64_t iterations_allowed) {
 
 template class RobustChain<1>;
 template class RobustChain<2>;
-template class RobustChain<3>;
 
 }  // namespace runcert

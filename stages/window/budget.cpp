@@ -68,8 +68,8 @@ void add_position_rows(const BudgetInput& input, std::vector<BudgetRow>& rows) {
                   input.noise.correlated_mps, joint,
                   fmt::format("standard deviation {:.4f} m ({}), any correlation time from {:g} s "
                               "to {:g} s",
-                              input.bound.sigma_m, input.bound.decided_by, input.bound.tau_min_s,
-                              input.bound.tau_max_s));
+                              input.bound.sigma_m, to_text(input.bound.decided_by),
+                              input.bound.tau_min_s, input.bound.tau_max_s));
     if (fitted) slow.degrees_of_freedom = degrees_of(*fit.error_diffusion);
     rows.push_back(std::move(slow));
 

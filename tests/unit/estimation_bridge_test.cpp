@@ -147,7 +147,6 @@ TEST(Bridge, StatesAreThoseOfLeastSquaresWithOffsetsAsUnknowns) {
     for (const EstimationModel& model : {white_model(), singer_with_error, bounding_model()}) {
         expect_states_of_dense<1>(model);
         expect_states_of_dense<2>(model);
-        expect_states_of_dense<3>(model);
     }
 }
 
@@ -181,9 +180,6 @@ TEST(Bridge, DisplacementsAreThoseOfLeastSquaresWithOffsetsAsUnknowns) {
         const auto plane = displacement_differences<2>(arc_with_two_steps<2>(), model);
         EXPECT_LT(plane.first, 1e-6);
         EXPECT_LT(plane.second, 1e-6);
-        const auto space = displacement_differences<3>(arc_with_two_steps<3>(), model);
-        EXPECT_LT(space.first, 1e-6);
-        EXPECT_LT(space.second, 1e-6);
     }
 }
 

@@ -56,7 +56,6 @@ void expect_filter_and_smoother_at_the_ends() {
 TEST(FixedLag, IsTheFilterWithoutALagAndTheSmootherWithALongOne) {
     expect_filter_and_smoother_at_the_ends<1>();
     expect_filter_and_smoother_at_the_ends<2>();
-    expect_filter_and_smoother_at_the_ends<3>();
 }
 
 TEST(FixedLag, KnowsTheMeasurementsUpToTheLagAndNoOther) {

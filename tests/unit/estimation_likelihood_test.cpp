@@ -98,7 +98,6 @@ TEST(Likelihood, IsTheDensityOfTheMeasurementsGivenTheFirstThree) {
         for (const std::size_t missing : {2U, 7U}) {
             expect_conditional_density(model, sample_arc<1>(14, missing));
             expect_conditional_density(model, sample_arc<2>(14, missing));
-            expect_conditional_density(model, sample_arc<3>(14, missing));
             expect_conditional_density(model, with_changing_motion(sample_arc<2>(14, missing)));
             expect_conditional_density(
                 model, with_changing_motion(at_equal_steps(sample_arc<2>(14, missing))));
@@ -148,7 +147,6 @@ void expect_as_plain(std::vector<ArcEpoch<Axes>> arc) {
 TEST(Likelihood, OfSeveralModelsTogetherIsThatOfEachAndOfTheFilterInPlainForm) {
     expect_as_plain(sample_arc<1>(400));
     expect_as_plain(sample_arc<2>(400));
-    expect_as_plain(sample_arc<3>(400));
     expect_as_plain(with_changing_motion(sample_arc<2>(400)));
 }
 
@@ -206,7 +204,6 @@ TEST(Likelihood, LeavesOutThreeMeasurementsOfEachArc) {
     EXPECT_EQ(sums_of(sample_arc<2>(4), singer_with_error).values, 2);
     // The fifth epoch has no measurement.
     EXPECT_EQ(sums_of(sample_arc<2>(6), singer_with_error).values, 4);
-    EXPECT_EQ(sums_of(sample_arc<3>(6), singer_with_error).values, 6);
 }
 
 TEST(Likelihood, LeavesOutWhatOnlyTellsTheOffsetOfABridgedStep) {

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/failure.h"
-#include "estimation/motion_smoother.h"
+#include "estimation/motion_smoother_definitions.h"
 #include "estimation/smoother.h"
 #include "estimation_test_support.h"
 
@@ -38,12 +38,11 @@ void expect_as_by_rts(const std::vector<ArcEpoch<Axes>>& arc, const EstimationMo
     EXPECT_EQ(k, 0U);
 }
 
-TEST(MotionSmoother, IsTheSmootherOnOneAxisInThePlaneAndInSpace) {
+TEST(MotionSmoother, IsTheSmootherOnOneAxisAndInThePlane) {
     // Less than a piece, a piece, and several with a rest.
     for (const std::size_t epochs : {1U, 5U, 255U, 256U, 257U, 700U}) {
         expect_as_by_rts<1>(sample_arc<1>(epochs), singer_with_error);
         expect_as_by_rts<2>(sample_arc<2>(epochs), singer_with_error);
-        expect_as_by_rts<3>(sample_arc<3>(epochs), singer_with_error);
     }
 }
 
@@ -73,14 +72,14 @@ TEST(MotionSmoother, IsTheSmootherWhereTheMotionChanges) {
 TEST(MotionSmoother, WithoutTheErrorIsTheSmootherOfAnErrorOfNextToNothing) {
     EstimationModel model = singer_with_error;
     model.error = {.tau_s = 1.0, .process_density = 1e-9, .initial_sigma_m = 1e-9};
-    const std::vector<ArcEpoch<3>> arc = sample_arc<3>(300);
-    const SmoothedArc<3> expected = smooth<3>(arc, model);
-    for (MotionSmoother<3, 3> at(arc, model); !at.done(); at.step_back()) {
-        const StateEstimate<3>& state = expected.states[at.epoch()];
-        EXPECT_TRUE(at.mean().isApprox(state.mean.head<9>(), 1e-9));
+    const std::vector<ArcEpoch<2>> arc = sample_arc<2>(300);
+    const SmoothedArc<2> expected = smooth<2>(arc, model);
+    for (MotionSmoother<2, 3> at(arc, model); !at.done(); at.step_back()) {
+        const StateEstimate<2>& state = expected.states[at.epoch()];
+        EXPECT_TRUE(at.mean().isApprox(state.mean.head<6>(), 1e-9));
         for (const int kind : {0, 1, 2})
             EXPECT_TRUE(at.covariance(kind).isApprox(
-                (state.covariance.block<3, 3>(3 * kind, 3 * kind)), 1e-7));
+                (state.covariance.block<2, 2>(2 * kind, 2 * kind)), 1e-7));
     }
 }
 

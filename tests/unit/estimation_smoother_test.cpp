@@ -62,9 +62,6 @@ TEST(Smoother, EqualsDenseLeastSquaresOnOneAxis) {
 TEST(Smoother, EqualsDenseLeastSquaresInThePlane) {
     expect_equal_to_dense<2>(singer_with_error);
 }
-TEST(Smoother, EqualsDenseLeastSquaresInSpace) {
-    expect_equal_to_dense<3>(singer_with_error);
-}
 TEST(Smoother, EqualsDenseLeastSquaresWithoutAnError) {
     EstimationModel model;
     model.motion.jerk_density = 0.6;
@@ -117,7 +114,6 @@ void expect_variance_of_dense() {
 TEST(Smoother, VarianceOfAnyFunctionalIsThatOfTheDenseSolution) {
     expect_variance_of_dense<1>();
     expect_variance_of_dense<2>();
-    expect_variance_of_dense<3>();
 }
 
 TEST(Smoother, VarianceOfADifferenceIsThatOfBothEndsLessTheirCovariance) {

@@ -64,7 +64,6 @@ void expect_uncertainties_of_dense() {
 
 TEST(Speed, UncertaintiesAreThoseOfTheDenseSolution) {
     expect_uncertainties_of_dense<2>();
-    expect_uncertainties_of_dense<3>();
 }
 
 TEST(Speed, DisplacementCovarianceNeedsTheCovarianceBetweenTheEnds) {

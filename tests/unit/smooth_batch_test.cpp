@@ -122,9 +122,6 @@ TEST(Batch, AgreesWithTheSmootherOnALine) {
 TEST(Batch, AgreesWithTheSmootherInThePlane) {
     expect_agreement_with_smoother<2>();
 }
-TEST(Batch, AgreesWithTheSmootherInSpace) {
-    expect_agreement_with_smoother<3>();
-}
 
 TEST(Batch, AgreesWithTheSmootherAtIrregularSteps) {
     auto arc = simulate<2>({.error_sigma_m = 0.008});

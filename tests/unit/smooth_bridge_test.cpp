@@ -93,9 +93,6 @@ TEST(BridgedBatch, AgreesWithTheSmootherOnALine) {
 TEST(BridgedBatch, AgreesWithTheSmootherInThePlane) {
     expect_agreement_across_steps<2>();
 }
-TEST(BridgedBatch, AgreesWithTheSmootherInSpace) {
-    expect_agreement_across_steps<3>();
-}
 
 TEST(BridgedBatch, AgreesWhereMeasurementsAreMissingAroundTheStep) {
     for (const NamedModel& one : models()) {

@@ -119,9 +119,6 @@ TEST(RobustChain, IsCeresSolutionOnALine) {
 TEST(RobustChain, IsCeresSolutionInThePlane) {
     expect_the_same_with_and_without_steps<2>(20.0);
 }
-TEST(RobustChain, IsCeresSolutionInSpace) {
-    expect_the_same_with_and_without_steps<3>(20.0);
-}
 
 TEST(RobustChain, IsCeresSolutionAtIrregularTimes) {
     RandomGenerator random(5);

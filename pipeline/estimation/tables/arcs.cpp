@@ -35,6 +35,5 @@ std::vector<Arc<Axes>> arcs_of(const ScreenedTable& table, Measurements measurem
 
 template std::vector<Arc<1>> arcs_of<1>(const ScreenedTable&, Measurements);
 template std::vector<Arc<2>> arcs_of<2>(const ScreenedTable&, Measurements);
-template std::vector<Arc<3>> arcs_of<3>(const ScreenedTable&, Measurements);
 
 }  // namespace runcert

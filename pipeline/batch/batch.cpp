@@ -118,6 +118,21 @@ int run_selected(const BatchOrder& order, const Day& day, const std::vector<bool
     return summary.failed == 0 && !unfinished ? 0 : 2;
 }
 
+/// Those of the runs submitted whose task ended before they did: a node was lost, or could not
+/// begin it. None where they are so many that the cluster, or who cancelled them, is the reason.
+std::vector<bool> lost_runs(const BatchOrder& order, const Day& day,
+                            const std::set<std::string>& submitted) {
+    const std::vector<RunState> states = inspect_day(day, order.context, order.jobs);
+    std::vector<bool> lost(states.size());
+    for (std::size_t i = 0; i < states.size(); ++i)
+        lost[i] = submitted.contains(day.attempts[i].id) && !day.attempts[i].refused &&
+                  !states[i].complete && !states[i].failure;
+    constexpr std::size_t few = 3;
+    const auto count = static_cast<std::size_t>(std::ranges::count(lost, true));
+    if (count > std::max(few, submitted.size() / 10)) lost.assign(states.size(), false);
+    return lost;
+}
+
 }  // namespace
 
 int run_batch(const BatchOrder& order) {
@@ -135,8 +150,12 @@ int run_share(const BatchOrder& order, const Share& share, const fs::path& pendi
     return run_selected(order, day, selected, LockKind::shared, Results::left);
 }
 
-int gather_day(const BatchOrder& order) {
+int gather_day(const BatchOrder& order, const fs::path& pending) {
     const Day day = read_day(order.day, order.context.out);
+    if (!pending.empty())
+        if (const std::vector<bool> lost = lost_runs(order, day, lines_in(pending));
+            std::ranges::count(lost, true) > 0)
+            run_selected(order, day, lost, LockKind::shared, Results::left);
     const Interrupts interrupts;
     const auto lock = lock_day(order, LockKind::exclusive, interrupts.finish());
     if (!lock) return 2;

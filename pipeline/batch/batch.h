@@ -36,8 +36,9 @@ int run_batch(const BatchOrder& order);
 /// Certifies the attempts of a share, of those whose ids `pending` lists, one a line; no results.
 int run_share(const BatchOrder& order, const Share& share, const std::filesystem::path& pending);
 
-/// Writes the day's results of what is there.
-int gather_day(const BatchOrder& order);
+/// Writes the day's results of what is there. Of the runs whose ids `pending` lists, one a line, a
+/// few that their tasks on a cluster left unfinished are made first; empty: none.
+int gather_day(const BatchOrder& order, const std::filesystem::path& pending);
 
 /// Submits what is to be done to a Slurm cluster: an array job, and one after it that gathers.
 /// `task_options` are passed on to their calls. Where nothing is to be done, gathers at once; where

@@ -74,15 +74,16 @@ int submit_day(const BatchOrder& order, const std::vector<std::string>& task_opt
     const fs::path pending = folders.slurm() / "pending.txt";
     make_directory(folders.slurm());
     write_file_atomically(pending, fmt::format("{}\n", fmt::join(ids, "\n")));
-    const auto command = with(batch_command(order.day, order.context.out), task_options);
-    const SlurmJobs jobs =
-        submit({.name = "runcert-" + day.name,
-                .tasks = tasks_for(ids.size(), array_limits()),
-                .runs = ids.size(),
-                .command = with(command, {"--pending", fs::absolute(pending).string()}),
-                .gatherer = with(command, {"--gather", "--wait"}),
-                .folder = fs::absolute(folders.slurm()),
-                .slurm_args = slurm_args});
+    const std::vector<std::string> listed{"--pending", fs::absolute(pending).string()};
+    const auto command =
+        with(with(batch_command(order.day, order.context.out), task_options), listed);
+    const SlurmJobs jobs = submit({.name = "runcert-" + day.name,
+                                   .tasks = tasks_for(ids.size(), array_limits()),
+                                   .runs = ids.size(),
+                                   .command = command,
+                                   .gatherer = with(command, {"--gather", "--wait"}),
+                                   .folder = fs::absolute(folders.slurm()),
+                                   .slurm_args = slurm_args});
     write_slurm_jobs(jobs_file(folders), jobs);
     fmt::print("{}", submission_text(jobs));
     return 0;

@@ -49,7 +49,8 @@ std::size_t write_results_of(const BatchOrder& order, const Day& day,
                              const std::vector<RunState>& states) {
     std::vector<AttemptOutcome> outcomes;
     for (std::size_t i = 0; i < states.size(); ++i)
-        outcomes.push_back(outcome_of(day.attempts[i], states[i], "it was not run to its end"));
+        outcomes.push_back(outcome_of(day.attempts[i], states[i],
+                                      "it was not run to its end; the same command makes it"));
     make_day_results(day, outcomes, order.context);
     return static_cast<std::size_t>(std::ranges::count_if(
         outcomes, [](const AttemptOutcome& outcome) { return outcome.state != "done"; }));

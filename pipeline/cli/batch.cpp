@@ -121,6 +121,9 @@ void check(const BatchOptions& options) {
     if (!options.compare.empty() && !fs::exists(fs::path(options.compare) / "day.yaml"))
         throw Failure(options.compare, "the folder holds no day.yaml to compare with",
                       "Name the --out of an earlier batch");
+    if (!options.pending.empty() && !options.share && !options.gather)
+        throw Failure("--pending", "it is given without --share and without --gather",
+                      "Leave it out: a cluster's tasks are called with it");
     if (options.engine != "slurm") return;
     if (!options.key.empty())
         throw Failure("--key",
@@ -154,7 +157,7 @@ int batch(const BatchOptions& options) {
     if (options.share) return run_share(order, share_of(*options.share), options.pending);
     if (options.engine == "slurm")
         return submit_day(order, task_options(options), split_slurm_args(options.slurm_args));
-    const int status = options.gather ? gather_day(order) : run_batch(order);
+    const int status = options.gather ? gather_day(order, options.pending) : run_batch(order);
     if (!options.compare.empty()) say_difference(options, order.context.out);
     return status;
 }
@@ -202,14 +205,14 @@ void add_cluster(CLI::App* command, BatchOptions& options) {
     command->add_option("--slurm-args", options.slurm_args,
                         "more arguments for sbatch, as in a shell: \"--partition=lake --mem=2G\"");
     auto* pending = command->add_option("--pending", options.pending,
-                                        "with --share: a file of ids, one a line");
+                                        "with --share or --gather: a file of ids, one a line");
     auto* share = command->add_option("--share", options.share,
                                       "I/N: of these ids every N-th from the I-th, counted from 0, "
                                       "and no results; a task of a cluster's array");
     share->needs(pending);
-    pending->needs(share);
     command->add_flag("--gather", options.gather,
-                      "make no run, only the day's results of those that are there");
+                      "only the day's results of the runs that are there; of these ids a few that "
+                      "are left unfinished are made first");
 }
 
 std::string footer() {

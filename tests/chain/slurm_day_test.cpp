@@ -80,10 +80,10 @@ TEST_F(SlurmDay, EndsWithTheBytesOfALocalRunThoughANodeFails) {
     ASSERT_EQ(first.exit_status, 0) << first.errors;
     EXPECT_TRUE(holds(first.output, "submitted job ")) << first.output;
     EXPECT_TRUE(holds(first.output, "40 tasks for 40 runs")) << first.output;
-    ASSERT_TRUE(holds_within(60, [&] { return state().over >= 8 && state().running == 6; }));
+    ASSERT_TRUE(holds_within(300, [&] { return state().over >= 8 && cluster.runs_on("n2"); }));
 
     cluster.take_down("n2");
-    ASSERT_TRUE(holds_within(30, [&] { return state().requeued > 0; }));
+    ASSERT_TRUE(holds_within(120, [&] { return state().requeued > 0; }));
     const ProcessResult status = batch({"--status"});
     EXPECT_EQ(status.exit_status, 1) << "not all is done: " << status.errors;
     EXPECT_TRUE(holds(status.output, "begun again by Slurm")) << status.output;
@@ -91,7 +91,7 @@ TEST_F(SlurmDay, EndsWithTheBytesOfALocalRunThoughANodeFails) {
     submitted();
     EXPECT_EQ(jobs().array, array) << "submitted twice while the first still runs";
 
-    ASSERT_TRUE(holds_within(200, [&] { return is_over(); }));
+    ASSERT_TRUE(holds_within(900, [&] { return is_over(); }));
     EXPECT_EQ(cluster.count_nodes("down"), 1U);
     const ProcessResult here =
         runcert({"batch", day.string(), "--out", local.string(), "--no-render"});
@@ -121,8 +121,25 @@ TEST_F(SlurmDay, OnlyTheRestIsSubmitted) {
     const ProcessResult rest = submitted();
     ASSERT_EQ(rest.exit_status, 0) << rest.errors;
     EXPECT_TRUE(holds(rest.output, "2 tasks for 2 runs")) << rest.output;
-    ASSERT_TRUE(holds_within(60, [&] { return is_over(); }));
+    ASSERT_TRUE(holds_within(300, [&] { return is_over(); }));
     EXPECT_TRUE(results_of(out) == expected);
+}
+
+TEST_F(SlurmDay, WhatATaskLeftUnfinishedIsMadeBeforeTheResults) {
+    const ProcessResult here = batch({"--engine", "local"});
+    ASSERT_EQ(here.exit_status, 0) << here.errors;
+    const auto expected = results_of(out);
+    fs::remove_all(out / "run-0019");
+    const fs::path ids = folder.path() / "ids";
+    write_file_atomically(ids, "run-0018\nrun-0019\nrun-0020\n");
+    const ProcessResult gathered = batch({"--gather", "--pending", ids.string()});
+    EXPECT_EQ(gathered.exit_status, 0) << gathered.errors;
+    EXPECT_TRUE(results_of(out) == expected);
+    // Of a task that left nothing the results say so; it was not among those submitted.
+    fs::remove_all(out / "run-0019");
+    write_file_atomically(ids, "run-0018\n");
+    EXPECT_EQ(batch({"--gather", "--pending", ids.string()}).exit_status, 2);
+    EXPECT_TRUE(holds(read_file(out / "day.yaml"), "it was not run to its end"));
 }
 
 TEST(SlurmDayWithoutSlurm, SaysWhatToInstall) {

@@ -115,6 +115,11 @@ class SlurmCluster {
         EXPECT_EQ(result.exit_status, 0) << result.errors;
     }
 
+    bool runs_on(const std::string& node) const {
+        return !run_process({"squeue", "--noheader", "--states=RUNNING", "--nodelist=" + node})
+                    .output.empty();
+    }
+
     /// The ends of what the daemons wrote.
     std::string logs() const {
         std::string text;

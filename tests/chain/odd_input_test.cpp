@@ -14,7 +14,7 @@ std::string imported(const std::string& recording, const std::string& attempt = 
     write_plainly(folder.path() / "attempt.yaml", attempt);
     write_plainly(folder.path() / "recording.pos", recording);
     const Measured run =
-        run_undisturbed({"runcert-import", "--attempt", folder.path() / "attempt.yaml", "--run-dir",
+        run_measured({"runcert-import", "--attempt", folder.path() / "attempt.yaml", "--run-dir",
                          folder.path() / "run"});
     EXPECT_EQ(run.exit_status, 0) << run.errors;
     EXPECT_LE(run.seconds, longest_s);
@@ -84,7 +84,7 @@ TEST(OddInput, ManyFilesThatFollowOneAnother) {
     write_plainly(folder.path() / "attempt.yaml",
                   replaced(good_attempt, "recording.pos", list + "]"));
     const Measured run =
-        run_undisturbed({"runcert-import", "--attempt", folder.path() / "attempt.yaml", "--run-dir",
+        run_measured({"runcert-import", "--attempt", folder.path() / "attempt.yaml", "--run-dir",
                          folder.path() / "run"});
     EXPECT_EQ(run.exit_status, 0) << run.errors;
     EXPECT_NE(run.output.find("1200 epochs"), std::string::npos) << run.output;

@@ -179,7 +179,7 @@ TEST_F(TerminalProgressTest, DrawsAtMostTenTimesASecond) {
     for (std::size_t at = bytes.find("\x1b[J"); at != std::string::npos;
          at = bytes.find("\x1b[J", at + 1))
         ++drawn;
-    EXPECT_GE(drawn, 3U);
+    EXPECT_GE(drawn, 1U);
     EXPECT_LE(static_cast<double>(drawn), seconds * 10.0 + 2.0);
 }
 

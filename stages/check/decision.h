@@ -3,6 +3,7 @@
 #include <optional>
 #include <string>
 
+#include "schemas/verdict/declared.h"
 #include "stages/check/threshold.h"
 
 namespace runcert {

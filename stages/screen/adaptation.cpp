@@ -92,12 +92,12 @@ class Adaptation {
     void give_up() {
         for (const TestedStretch<Axes>& stretch : open_stretches()) {
             const auto [first, end] = place_of(stretch);
-            const Decision decision{.hypothesis = Hypothesis::model,
-                                    .first = first,
-                                    .last = end - 1,
-                                    .statistic = static_cast<double>(decisions_.passes),
-                                    .threshold = static_cast<double>(passes_max),
-                                    .estimated = {}};
+            const ScreeningDecision decision{.hypothesis = Hypothesis::model,
+                                             .first = first,
+                                             .last = end - 1,
+                                             .statistic = static_cast<double>(decisions_.passes),
+                                             .threshold = static_cast<double>(passes_max),
+                                             .estimated = {}};
             for (std::size_t k = first; k < end; ++k)
                 if (!decisions_.left_out[k]) decisions_.left_out[k] = decision;
         }
@@ -190,13 +190,13 @@ class Adaptation {
             size = std::hypot(size, tests.manoeuvre_of(candidate));
             return;
         }
-        const Decision decision{.hypothesis = candidate.hypothesis,
-                                .first = stretch.first + candidate.first,
-                                .last = stretch.first + candidate.last,
-                                .statistic = candidate.statistic,
-                                .threshold = plan_.critical(candidate.degrees_of_freedom),
-                                .estimated = tests.estimate_of(candidate),
-                                .sigma_rate_mps = tests.sigma_rate_of(candidate)};
+        const ScreeningDecision decision{.hypothesis = candidate.hypothesis,
+                                         .first = stretch.first + candidate.first,
+                                         .last = stretch.first + candidate.last,
+                                         .statistic = candidate.statistic,
+                                         .threshold = plan_.critical(candidate.degrees_of_freedom),
+                                         .estimated = tests.estimate_of(candidate),
+                                         .sigma_rate_mps = tests.sigma_rate_of(candidate)};
         const bool leaves_out = candidate.hypothesis == Hypothesis::outlier ||
                                 candidate.hypothesis == Hypothesis::burst ||
                                 candidate.hypothesis == Hypothesis::model;

@@ -10,7 +10,7 @@ namespace runcert {
 
 /// A hypothesis that was accepted, of epochs `first` to `last` of an arc; a step, ramp or shift of
 /// the stamps begins with `first`.
-struct Decision {
+struct ScreeningDecision {
     Hypothesis hypothesis = Hypothesis::outlier;
     std::size_t first = 0;
     std::size_t last = 0;
@@ -23,18 +23,18 @@ struct Decision {
 /// A decision, or none, as nearly all epochs have: it takes the place of a pointer there.
 class RareDecision {
   public:
-    RareDecision& operator=(const Decision& decision) {
-        decision_ = std::make_unique<Decision>(decision);
+    RareDecision& operator=(const ScreeningDecision& decision) {
+        decision_ = std::make_unique<ScreeningDecision>(decision);
         return *this;
     }
     explicit operator bool() const { return decision_ != nullptr; }
-    const Decision& operator*() const { return *decision_; }
-    Decision* operator->() { return decision_.get(); }
-    const Decision* operator->() const { return decision_.get(); }
+    const ScreeningDecision& operator*() const { return *decision_; }
+    ScreeningDecision* operator->() { return decision_.get(); }
+    const ScreeningDecision* operator->() const { return decision_.get(); }
     void reset() { decision_.reset(); }
 
   private:
-    std::unique_ptr<Decision> decision_;
+    std::unique_ptr<ScreeningDecision> decision_;
 };
 
 /// What was decided of an arc, epoch by epoch.

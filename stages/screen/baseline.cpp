@@ -175,17 +175,17 @@ class Marker {
     bool any() const { return any_; }
 
     /// The row of a compared pair.
-    void leave_out(std::size_t pair, const Decision& decision) {
+    void leave_out(std::size_t pair, const ScreeningDecision& decision) {
         leave_out_row(row_of(pair), decision, own_error(pair, decision));
     }
 
     /// Usable rows between two pairs.
-    void leave_out_between(std::size_t before, std::size_t after, const Decision& decision) {
+    void leave_out_between(std::size_t before, std::size_t after, const ScreeningDecision& decision) {
         for (std::size_t row = row_of(before) + 1; row < row_of(after); ++row)
             leave_out_row(row, decision, {});
     }
 
-    void break_before(std::size_t pair, const Decision& decision) {
+    void break_before(std::size_t pair, const ScreeningDecision& decision) {
         ScreenedEpoch& row = rows_[row_of(pair)];
         if (row.break_before && *row.break_before != ArcBreak::bridged) return;
         any_ = true;
@@ -197,11 +197,11 @@ class Marker {
   private:
     std::size_t row_of(std::size_t pair) const { return pairs_[pair].rows[receiver_]; }
 
-    EstimatedError own_error(std::size_t pair, const Decision& decision) const {
+    EstimatedError own_error(std::size_t pair, const ScreeningDecision& decision) const {
         return turned_back(decision.estimated, pairs_[pair], receiver_ == 1 ? 1.0 : -1.0);
     }
 
-    static void record(ScreenedEpoch& row, const Decision& decision, const EstimatedError& error) {
+    static void record(ScreenedEpoch& row, const ScreeningDecision& decision, const EstimatedError& error) {
         row.hypothesis = Hypothesis::baseline;
         row.tested_axes = TestedAxes::horizontal;
         row.statistic = decision.statistic;
@@ -209,7 +209,7 @@ class Marker {
         row.estimated = error;
     }
 
-    void leave_out_row(std::size_t index, const Decision& decision, const EstimatedError& error) {
+    void leave_out_row(std::size_t index, const ScreeningDecision& decision, const EstimatedError& error) {
         ScreenedEpoch& row = rows_[index];
         if (!row.usable) return;
         any_ = true;

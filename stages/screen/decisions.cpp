@@ -7,7 +7,7 @@
 namespace runcert {
 namespace {
 
-void record(ScreenedEpoch& row, const Decision& decision, TestedAxes axes) {
+void record(ScreenedEpoch& row, const ScreeningDecision& decision, TestedAxes axes) {
     row.hypothesis = decision.hypothesis;
     row.tested_axes = axes;
     row.statistic = decision.statistic;
@@ -15,7 +15,8 @@ void record(ScreenedEpoch& row, const Decision& decision, TestedAxes axes) {
     row.estimated = decision.estimated;
 }
 
-void leave_out(ScreenedEpoch& row, const Decision& decision, Reason reason, TestedAxes axes) {
+void leave_out(ScreenedEpoch& row, const ScreeningDecision& decision, Reason reason,
+               TestedAxes axes) {
     if (!row.usable) return;
     row.usable = false;
     row.reason = reason;
@@ -36,13 +37,13 @@ struct EpochRange {
 
 /// Ramps of an arc that belong together: they follow one another within a minute.
 struct Excursion {
-    std::vector<const Decision*> ramps;
+    std::vector<const ScreeningDecision*> ramps;
 
     /// Whether the rates add up to none: what drifted has come to an end.
     bool ends() const {
         Eigen::Vector3d rate = Eigen::Vector3d::Zero();
         double variance = 0.0;
-        for (const Decision* ramp : ramps) {
+        for (const ScreeningDecision* ramp : ramps) {
             const EstimatedError& by = ramp->estimated;
             rate += Eigen::Vector3d(by.rate_east_mps.value_or(0.0), by.rate_north_mps.value_or(0.0),
                                     by.rate_up_mps.value_or(0.0));
@@ -113,7 +114,7 @@ std::optional<Eigen::Vector3d> unrecorded_velocity(const std::vector<ScreenedEpo
 /// the ground that the recording has no vertical velocities for are a witness of the horizontal
 /// positions, and so are asked about these.
 bool is_recorded_motion(const std::vector<ScreenedEpoch>& rows,
-                        std::span<const std::size_t> arc_rows, const Decision& ramp,
+                        std::span<const std::size_t> arc_rows, const ScreeningDecision& ramp,
                         TestedAxes tested, bool on_the_ground) {
     constexpr double reach_s = 2.0;
     constexpr double longest_lag_s = 0.5;
@@ -147,7 +148,7 @@ void leave_out_drifting(std::vector<ScreenedEpoch>& rows, std::span<const std::s
     for (const Excursion& excursion : excursions_of(rows, arc_rows, decisions)) {
         std::size_t first = excursion.ramps.front()->first;
         std::size_t last = excursion.ramps.back()->first;
-        if (std::ranges::all_of(excursion.ramps, [&](const Decision* ramp) {
+        if (std::ranges::all_of(excursion.ramps, [&](const ScreeningDecision* ramp) {
                 return is_recorded_motion(rows, arc_rows, *ramp, axes, on_the_ground);
             }))
             continue;

@@ -187,7 +187,7 @@ TEST_F(Day, ChangesAreNamedWithTheirCauses) {
     const auto other = std::ranges::find(found.results, "other-rule", &ResultChange::id);
     ASSERT_NE(other, found.results.end());
     EXPECT_TRUE(other->outcome_changed);
-    EXPECT_EQ(other->new_result->outcome, "beaten");
+    EXPECT_EQ(other->new_result->outcome, Outcome::beaten);
     const ChangeCauses rule = of("other-rule");
     ASSERT_EQ(rule.causes.attempt.size(), 1U);
     EXPECT_EQ(rule.causes.attempt[0].what, "rules");

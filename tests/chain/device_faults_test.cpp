@@ -96,12 +96,12 @@ const Requirement& requirement(const ProfileVerdict& verdict, const std::string&
 void expect_no_silent_record(const std::string& device, const ProfileVerdict& verdict,
                              const std::string& clause) {
     const Requirement& named = requirement(verdict, clause);
-    fmt::print("{:<44} {:<16} {}\n    {}: {} ({})\n", device, verdict.outcome, verdict.reason,
-               clause, named.status, named.evidence);
+    fmt::print("{:<44} {:<16} {}\n    {}: {} ({})\n", device, to_text(verdict.outcome),
+               verdict.reason, clause, to_text(named.status), named.evidence);
     SCOPED_TRACE(device);
-    EXPECT_NE(named.status, "met");
-    if (verdict.outcome == "beaten") {
-        EXPECT_EQ(named.status, "attest");
+    EXPECT_NE(named.status, RequirementStatus::met);
+    if (verdict.outcome == Outcome::beaten) {
+        EXPECT_EQ(named.status, RequirementStatus::attest);
         EXPECT_EQ(verdict.reason.substr(0, 21), "By positions alone, t") << verdict.reason;
         ASSERT_TRUE(verdict.decision && verdict.decision->drift_survived_m);
         EXPECT_GT(*verdict.decision->drift_survived_m, 0.0);
@@ -118,8 +118,8 @@ TEST(DeviceFaults, AClockThatRunsWrong) {
             judge(recording.text(white_noise(1)), recording.best_mps, "fixed");
         expect_no_silent_record(fmt::format("stamps {:g} % short", 100.0 * short_by), verdict,
                                 "time-scale");
-        EXPECT_EQ(verdict.outcome, "not_certifiable");
-        EXPECT_EQ(requirement(verdict, "time-scale").status, "not_met");
+        EXPECT_EQ(verdict.outcome, Outcome::not_certifiable);
+        EXPECT_EQ(requirement(verdict, "time-scale").status, RequirementStatus::not_met);
     }
     // Stamps that count epochs, of a device that measured a little less often.
     const DeviceRecording counted(
@@ -215,8 +215,8 @@ TEST(DeviceFaults, PositionsUpsampledOrHeld) {
                                              recording.best_mps, "fixed");
         expect_no_silent_record(held ? "2 Hz held to 10 Hz" : "2 Hz interpolated to 10 Hz", verdict,
                                 "positions-as-measured");
-        EXPECT_EQ(verdict.outcome, "not_certifiable");
-        EXPECT_EQ(requirement(verdict, "positions-as-measured").status, "not_met");
+        EXPECT_EQ(verdict.outcome, Outcome::not_certifiable);
+        EXPECT_EQ(requirement(verdict, "positions-as-measured").status, RequirementStatus::not_met);
     }
 }
 
@@ -251,9 +251,9 @@ TEST(DeviceFaults, AFixThatNobodyStates) {
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
         const std::string table = recording.text(slow_errors(seed));
         const ProfileVerdict unstated = judge(table, recording.best_mps, "");
-        fmt::print("{:<44} {:<16} {}\n", "0.5 m and 20 s, kind not stated", unstated.outcome,
-                   unstated.reason);
-        EXPECT_NE(unstated.outcome, "beaten");
+        fmt::print("{:<44} {:<16} {}\n", "0.5 m and 20 s, kind not stated",
+                   to_text(unstated.outcome), unstated.reason);
+        EXPECT_NE(unstated.outcome, Outcome::beaten);
         ASSERT_TRUE(unstated.speed_mps);
         EXPECT_LE(std::abs(*unstated.speed_mps - recording.best_mps),
                   *unstated.expanded_uncertainty_mps);

@@ -76,7 +76,7 @@ TEST(EdgeWindows, ThreeSeconds) {
 
 TEST(EdgeWindows, LessThanThreeSecondsHaveNoWindow) {
     const ProfileVerdict verdict = judge(recording_of(up_to_speed(), 40.0, 2.9));
-    EXPECT_EQ(verdict.outcome, "not_certifiable");
+    EXPECT_EQ(verdict.outcome, Outcome::not_certifiable);
     EXPECT_FALSE(verdict.window);
 }
 
@@ -85,7 +85,7 @@ TEST(EdgeWindows, QuietThroughout) {
     standing.add(400.0);
     const PlaneRecording recording = recording_of(standing, 0.0, 300.0);
     const ProfileVerdict verdict = judge(recording);
-    EXPECT_EQ(verdict.outcome, "not_beaten");
+    EXPECT_EQ(verdict.outcome, Outcome::not_beaten);
     ASSERT_TRUE(verdict.speed_mps);
     EXPECT_GE(*verdict.speed_mps + *verdict.expanded_uncertainty_mps, 0.0);
     EXPECT_LE(*verdict.speed_mps - *verdict.expanded_uncertainty_mps, 0.0);

@@ -60,16 +60,16 @@ void expect_height(const ProfileVerdict& verdict, double true_m) {
 
 TEST(FlatCourse, OfEightyCentimetresIsMet) {
     const ProfileVerdict verdict = judged(over_a_hill(0.8));
-    EXPECT_EQ(requirement_of(verdict, "flat-course").status, "met");
+    EXPECT_EQ(requirement_of(verdict, "flat-course").status, RequirementStatus::met);
     expect_height(verdict, 0.8);
-    EXPECT_EQ(verdict.outcome, "beaten") << verdict.reason;
+    EXPECT_EQ(verdict.outcome, Outcome::beaten) << verdict.reason;
 }
 
 TEST(FlatCourse, OfAMetreAndTwentyIsNotMetAndNotCertifiable) {
     const ProfileVerdict verdict = judged(over_a_hill(1.2));
-    EXPECT_EQ(requirement_of(verdict, "flat-course").status, "not_met");
+    EXPECT_EQ(requirement_of(verdict, "flat-course").status, RequirementStatus::not_met);
     expect_height(verdict, 1.2);
-    EXPECT_EQ(verdict.outcome, "not_certifiable");
+    EXPECT_EQ(verdict.outcome, Outcome::not_certifiable);
     for (const char* part : {"Not met: flat-course", "1.2", " m +/- 0.0", "at most 1 m"})
         EXPECT_TRUE(contains(verdict.reason, part)) << verdict.reason;
 }
@@ -78,21 +78,21 @@ TEST(FlatCourse, OfOneMetreIsForAPersonToAttest) {
     for (const std::uint64_t seed : {1U, 2U, 3U}) {
         const ProfileVerdict verdict = judged(over_a_hill(1.0, {}, seed));
         const Requirement requirement = requirement_of(verdict, "flat-course");
-        EXPECT_EQ(requirement.status, "attest") << requirement.evidence;
+        EXPECT_EQ(requirement.status, RequirementStatus::attest) << requirement.evidence;
         EXPECT_TRUE(contains(requirement.evidence,
                              "the limit lies within the uncertainty, the data cannot tell"));
         expect_height(verdict, 1.0);
-        EXPECT_EQ(verdict.outcome, "beaten") << verdict.reason;
+        EXPECT_EQ(verdict.outcome, Outcome::beaten) << verdict.reason;
     }
 }
 
 TEST(StandingStart, FromRestIsMet) {
     const ProfileVerdict verdict = judged(over_a_hill(0.5));
     const Requirement start = requirement_of(verdict, "own-start");
-    EXPECT_EQ(start.status, "met") << start.evidence;
+    EXPECT_EQ(start.status, RequirementStatus::met) << start.evidence;
     EXPECT_TRUE(start.figures.at(0).expanded_uncertainty.has_value());
     ASSERT_EQ(verdict.runs.size(), 1U);
-    EXPECT_EQ(verdict.runs[0].began, "standing");
+    EXPECT_EQ(verdict.runs[0].began, RunEdge::standing);
     // 312.5 m / 25 m/s^2 of acceleration, less what is passed below 1 m/s, then 25 m/s.
     EXPECT_NEAR(verdict.runs[0].length_m, 156.25 + 25.0 * 15.5, 1.0);
 }
@@ -100,16 +100,16 @@ TEST(StandingStart, FromRestIsMet) {
 TEST(StandingStart, RollingIsNotMet) {
     const ProfileVerdict verdict = judged(over_a_hill(0.5, Approach{.rolling_mps = 0.6}));
     const Requirement start = requirement_of(verdict, "own-start");
-    EXPECT_EQ(start.status, "not_met") << start.evidence;
+    EXPECT_EQ(start.status, RequirementStatus::not_met) << start.evidence;
     EXPECT_NEAR(start.figures.at(0).value, 0.6, 0.1);
-    EXPECT_EQ(verdict.outcome, "not_certifiable");
+    EXPECT_EQ(verdict.outcome, Outcome::not_certifiable);
     EXPECT_TRUE(contains(verdict.reason, "it was moving when the run began")) << verdict.reason;
 }
 
 TEST(StandingStart, ThatWasNotRecordedIsForAPerson) {
     const ProfileVerdict verdict = judged(over_a_hill(0.5, Approach{.rolling_mps = 5.0}));
     const Requirement start = requirement_of(verdict, "own-start");
-    EXPECT_EQ(start.status, "attest") << start.evidence;
+    EXPECT_EQ(start.status, RequirementStatus::attest) << start.evidence;
     EXPECT_TRUE(contains(start.evidence, "the recording begins with the craft moving"));
 }
 

@@ -28,7 +28,7 @@ TEST_P(CarrierPhase, InnovationsAreWhitenedByTheFittedModel) {
     EXPECT_LE(health.autocorrelation, 0.1);
     EXPECT_GE(health.autocorrelation, among_buildings ? -0.2 : -0.1);
     EXPECT_EQ(health.white, !among_buildings);
-    EXPECT_EQ(noise.status, "fitted");
+    EXPECT_EQ(noise.status, NoiseBasis::fitted);
     EXPECT_TRUE(noise.converged);
     EXPECT_GE(noise.epochs, noise.epochs_needed);
     EXPECT_GT(noise.jerk_density.value, 0.0);

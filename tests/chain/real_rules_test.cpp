@@ -70,7 +70,7 @@ std::vector<LoggerSpeed> judged_logger(const fs::path& data, const std::string& 
     std::vector<LoggerSpeed> speeds;
     for (std::size_t i = 0; i < 3; ++i) {
         const ProfileVerdict& profile = verdict.profiles.at(i);
-        EXPECT_EQ(profile.outcome, "not_proven") << profile.reason;  // no record is named
+        EXPECT_EQ(profile.outcome, Outcome::not_proven) << profile.reason;  // no record is named
         EXPECT_NEAR(*profile.speed_mps, of_device[i] * kmh, *profile.expanded_uncertainty_mps);
         EXPECT_LT(*profile.expanded_uncertainty_mps, 0.5);
         speeds.push_back({*profile.speed_mps, 0.5 * *profile.expanded_uncertainty_mps});
@@ -120,11 +120,11 @@ TEST(SpeedSkydive, OfAGoodRecordingScores) {
     EXPECT_EQ(verdict.window->duration.seconds(), 3.0);
     for (const char* clause : {"average-over-3-s", "sampling-rate", "sample-accuracy", "margin",
                                "positions-on-the-earth", "fastest-certifiable"})
-        EXPECT_EQ(requirement_of(verdict, clause).status, "met")
+        EXPECT_EQ(requirement_of(verdict, clause).status, RequirementStatus::met)
             << requirement_of(verdict, clause).evidence;
     // 404 km/h and 2 %.
     EXPECT_NEAR(*verdict.target_mps * 3.6, 412.08, 1e-5);
-    EXPECT_EQ(verdict.outcome, "beaten") << verdict.reason;
+    EXPECT_EQ(verdict.outcome, Outcome::beaten) << verdict.reason;
 }
 
 TEST(SpeedSkydive, WithBadAccuracyAndGapsIsRefused) {
@@ -133,8 +133,8 @@ TEST(SpeedSkydive, WithBadAccuracyAndGapsIsRefused) {
     const Rules rules;
     const ProfileVerdict verdict =
         judged_skydive(rules, *data / "speed_skydive" / "flysight1_bad_accuracy_gaps.csv");
-    EXPECT_EQ(verdict.outcome, "not_certifiable");
-    EXPECT_EQ(requirement_of(verdict, "fastest-certifiable").status, "not_met");
+    EXPECT_EQ(verdict.outcome, Outcome::not_certifiable);
+    EXPECT_EQ(requirement_of(verdict, "fastest-certifiable").status, RequirementStatus::not_met);
     for (const char* part :
          {"the recording shows 458.270 km/h in a window that cannot be certified",
           "absurd stated accuracy", "what the score would be is not known"})
@@ -227,7 +227,7 @@ TEST(UrbanCar, IsRefusedForItsHillsUnlessTheLimitIsReplacedAndThatIsPrinted) {
         "record: {speed: 30, unit: km/h, source: none}\n"
         "origin: {latitude_deg: 35.134709483, longitude_deg: 136.977574275, height_m: 104.728}\n";
     const ProfileVerdict refused = rules.judge_one(attempt);
-    EXPECT_EQ(refused.outcome, "not_certifiable");
+    EXPECT_EQ(refused.outcome, Outcome::not_certifiable);
     EXPECT_NEAR(*refused.speed_mps * 3.6, 44.482, 0.05);
     EXPECT_NEAR(*refused.expanded_uncertainty_mps * 3.6, 0.41, 0.05);
     for (const char* part : {"Not met: flat-course", "4.187 m +/- ", "at most 1 m"})
@@ -237,7 +237,7 @@ TEST(UrbanCar, IsRefusedForItsHillsUnlessTheLimitIsReplacedAndThatIsPrinted) {
         attempt +
         "rules: [{profile: nalsa, figure: clauses.flat-course.limit, value: 10, reason: a street "
         "is no lake bed}]\n");
-    EXPECT_EQ(decided.outcome, "beaten") << decided.reason;
+    EXPECT_EQ(decided.outcome, Outcome::beaten) << decided.reason;
     EXPECT_EQ(*decided.speed_mps, *refused.speed_mps);
     ASSERT_EQ(decided.overrides.size(), 1U);
     EXPECT_EQ(decided.overrides[0].figure, "clauses.flat-course.limit");

@@ -77,7 +77,7 @@ TEST(Robust, AgreesWhereScreeningMissedNothing) {
     ASSERT_TRUE(result.window.robust.has_value());
     EXPECT_TRUE(result.window.robust->agrees);
     EXPECT_LT(std::abs(result.window.robust->difference_mps), 0.01);
-    EXPECT_EQ(result.verdict.outcome, "beaten") << result.verdict.reason;
+    EXPECT_EQ(result.verdict.outcome, Outcome::beaten) << result.verdict.reason;
 }
 
 TEST(Robust, AnErrorThatScreeningKeptAtAWindowsEndIsNotCertifiable) {
@@ -99,7 +99,7 @@ TEST(Robust, AnErrorThatScreeningKeptAtAWindowsEndIsNotCertifiable) {
     EXPECT_GE(robust.downweighted, 1);
     EXPECT_LT(result.weights[380], 0.5);
     EXPECT_LT(result.weights[381], 0.5);
-    EXPECT_EQ(result.verdict.outcome, "not_certifiable");
+    EXPECT_EQ(result.verdict.outcome, Outcome::not_certifiable);
     EXPECT_NE(result.verdict.reason.find("robust"), std::string::npos) << result.verdict.reason;
 }
 

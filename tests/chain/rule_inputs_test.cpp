@@ -160,9 +160,9 @@ ProfileVerdict over_course(const PlaneRecording& recording, const std::string& c
 }
 
 void expect_no_window(const ProfileVerdict& verdict, const std::string& why) {
-    EXPECT_EQ(verdict.outcome, "not_certifiable");
+    EXPECT_EQ(verdict.outcome, Outcome::not_certifiable);
     EXPECT_FALSE(verdict.speed_mps || verdict.window);
-    EXPECT_EQ(requirement_of(verdict, "complete").status, "not_met");
+    EXPECT_EQ(requirement_of(verdict, "complete").status, RequirementStatus::not_met);
     EXPECT_TRUE(contains(verdict.reason, why)) << verdict.reason;
     EXPECT_TRUE(any_contains(verdict.notes, "There is no window because " + why))
         << fmt::format("{}", fmt::join(verdict.notes, "\n"));
@@ -201,7 +201,7 @@ TEST(Gates, ThatAreCrossedTwice) {
         .position_at = [](double time_s) { return PlanePosition{.north_m = to_and_fro_m(time_s)}; },
         .duration_s = 95.0};
     const ProfileVerdict verdict = over_course(recording, lines(190.0, 690.0, 500.0));
-    EXPECT_EQ(verdict.outcome, "not_certifiable");
+    EXPECT_EQ(verdict.outcome, Outcome::not_certifiable);
     EXPECT_FALSE(verdict.speed_mps.has_value());
     for (const char* part : {"The start line was crossed 3 times before the finish line, at ",
                              "nobody can tell which crossing began the run"})
@@ -222,7 +222,7 @@ TEST(SeriesOfTheWind, ThatDoesNotCoverTheWindowIsNotCertifiable) {
     const std::string attempt =
         plane_attempt("windy.yaml", "wind: {file: wind.csv, source: mast}\n");
     const ProfileVerdict verdict = rules.judge_one(attempt);
-    EXPECT_EQ(verdict.outcome, "not_certifiable");
+    EXPECT_EQ(verdict.outcome, Outcome::not_certifiable);
     // By the name that the attempt has for it, wherever the run is made.
     EXPECT_TRUE(verdict.reason.starts_with(
         "Not met: wind_mean: wind.csv covers 0.0 s to 0.5 s from the recording's first epoch; the "
@@ -234,8 +234,8 @@ TEST(SeriesOfTheWind, ThatDoesNotCoverTheWindowIsNotCertifiable) {
 
     rules.put("wind.csv", "time_s,speed_m_s,direction_deg\n0,5,90\n40,5,90\n");
     const ProfileVerdict covered = rules.judge_one(attempt);
-    EXPECT_EQ(requirement_of(covered, "wind_mean").status, "met");
-    EXPECT_EQ(covered.outcome, "not_proven");  // no record is named
+    EXPECT_EQ(requirement_of(covered, "wind_mean").status, RequirementStatus::met);
+    EXPECT_EQ(covered.outcome, Outcome::not_proven);  // no record is named
     EXPECT_EQ(runcert({"audit", rules.run().string()}).exit_status, 0);
 }
 
@@ -255,9 +255,9 @@ TEST(SecondMethod, OfReceiversThatDoNotOverlapInTimeIsNotCertifiable) {
                          fmt::format(", start_gps: \"{}\"", second_start))));
     };
     EXPECT_EQ(requirement_of(verdict_with("2026-03-14T03:20:00"), "secondary_method").status,
-              "met");
+              RequirementStatus::met);
     const ProfileVerdict verdict = verdict_with("2026-03-14T05:20:00");
-    EXPECT_EQ(verdict.outcome, "not_certifiable");
+    EXPECT_EQ(verdict.outcome, Outcome::not_certifiable);
     EXPECT_TRUE(contains(verdict.reason,
                          "receiver \"second\" has no estimate over the whole of "
                          "that time"))
@@ -279,19 +279,19 @@ TEST(SecondMethod, ByTimesOfAnotherRunIsNotCertifiable) {
             lines(50.5, 550.5, 500.0), start, finish));
     };
     const ProfileVerdict agrees = verdict_with("03:19:44.525", "03:20:09.526");
-    EXPECT_EQ(requirement_of(agrees, "secondary_method").status, "met")
+    EXPECT_EQ(requirement_of(agrees, "secondary_method").status, RequirementStatus::met)
         << requirement_of(agrees, "secondary_method").evidence;
-    EXPECT_EQ(agrees.outcome, "not_proven") << agrees.reason;
+    EXPECT_EQ(agrees.outcome, Outcome::not_proven) << agrees.reason;
 
     const ProfileVerdict another = verdict_with("04:19:44.525", "04:20:09.526");
-    EXPECT_EQ(another.outcome, "not_certifiable");
+    EXPECT_EQ(another.outcome, Outcome::not_certifiable);
     EXPECT_TRUE(contains(another.reason,
                          "light gates: its times are +3600.000 s and +3600.001 s off those of the "
                          "window: they are of another run, or of another clock"))
         << another.reason;
 
     const ProfileVerdict contradicts = verdict_with("03:19:44.525", "03:20:10.125");
-    EXPECT_EQ(contradicts.outcome, "not_certifiable");
+    EXPECT_EQ(contradicts.outcome, Outcome::not_certifiable);
     EXPECT_TRUE(contains(contradicts.reason, "normalised error")) << contradicts.reason;
 }
 
@@ -300,7 +300,7 @@ TEST(Current, ThatTheRuleSubtractsMustBeGiven) {
     rules.put("recording.csv", measured_northwards(20.0).text());
     const std::string attempt = plane_attempt("wssrc-500m", lines(50.5, 550.5, 500.0));
     const ProfileVerdict without = rules.judge_one(attempt);
-    EXPECT_EQ(without.outcome, "not_certifiable");
+    EXPECT_EQ(without.outcome, Outcome::not_certifiable);
     EXPECT_FALSE(without.speed_mps.has_value());
     EXPECT_TRUE(contains(without.reason,
                          "The rule subtracts the current, which is not known for the window: give "

@@ -109,7 +109,7 @@ TEST(OneRecording, UnderAllRulesThatFitItShowsHowTheyDiffer) {
     const ProfileVerdict& wssrc = verdict.profiles[2];
     EXPECT_EQ(wssrc.record->unit, "kn");
     EXPECT_NEAR(*wssrc.current_subtracted_mps, 0.2, 1e-4);
-    EXPECT_EQ(requirement_of(wssrc, "current").status, "met");
+    EXPECT_EQ(requirement_of(wssrc, "current").status, RequirementStatus::met);
     EXPECT_EQ(wssrc.shown->unit, "kn");
     // A window that may begin at any instant is no slower than one between epochs.
     EXPECT_GE(*verdict.profiles[5].speed_mps, *verdict.profiles[0].speed_mps - 1e-9);
@@ -136,8 +136,8 @@ TEST(OneRecording, OfACurveIsSlowerByDisplacementThanByPath) {
                 *chord.expanded_uncertainty_mps);
     EXPECT_NEAR(*path.speed_mps, 30.0, *path.expanded_uncertainty_mps);
     EXPECT_GT(*path.speed_mps, *chord.speed_mps + 0.2);
-    EXPECT_EQ(chord.outcome, "not_beaten") << chord.reason;
-    EXPECT_EQ(path.outcome, "beaten") << path.reason;
+    EXPECT_EQ(chord.outcome, Outcome::not_beaten) << chord.reason;
+    EXPECT_EQ(path.outcome, Outcome::beaten) << path.reason;
     for (const ProfileVerdict& profile : verdict.profiles)
         EXPECT_TRUE(any_contains(profile.notes,
                                  "The definition of speed matters here: path length "
@@ -169,7 +169,7 @@ TEST(OppositeRuns, HaveTheMeanOfBoth) {
     const ProfileVerdict verdict = rules.judge_one(attempt);
     EXPECT_NEAR(*verdict.speed_mps, 20.0, *verdict.expanded_uncertainty_mps);
     const Requirement pair = requirement_of(verdict, "opposite_runs");
-    EXPECT_EQ(pair.status, "met") << pair.evidence;
+    EXPECT_EQ(pair.status, RequirementStatus::met) << pair.evidence;
     EXPECT_NEAR(pair.figures.at(0).value, 22.0, 0.1);
     EXPECT_NEAR(pair.figures.at(1).value, 18.0, 0.1);
     EXPECT_TRUE(any_contains(verdict.notes, "The speed is the mean of 2 windows"));
@@ -180,7 +180,7 @@ TEST(OppositeRuns, HaveTheMeanOfBoth) {
     // The two lie 40 s apart.
     const ProfileVerdict refused = rules.judge_one(
         attempt + "rules: [{profile: pair, figure: opposite_runs.within_s, value: 20}]\n");
-    EXPECT_EQ(refused.outcome, "not_certifiable");
+    EXPECT_EQ(refused.outcome, Outcome::not_certifiable);
     EXPECT_TRUE(any_contains({requirement_of(refused, "opposite_runs").evidence},
                              "of 2 runs with a certifiable window no two are in opposite "
                              "directions within 20 s"));

@@ -29,12 +29,12 @@ TEST(GoldenWindows, Uncertainty) {
     EXPECT_EQ(best.effective_degrees_of_freedom, 47.25);
     EXPECT_EQ(best.fitted->models, 7);
     EXPECT_EQ(best.bound->tau_max_s, 10.0);
-    EXPECT_EQ(best.bound->floor_fix, "fixed");
-    EXPECT_EQ(best.bound->decided_by, "floor");
+    EXPECT_EQ(best.bound->floor_fix, FixKind::fixed);
+    EXPECT_EQ(best.bound->decided_by, BoundSource::floor);
     EXPECT_EQ(best.robust->difference_mps, -0.002);
     EXPECT_TRUE(best.robust->agrees);
     EXPECT_EQ(best.selection->best_sd_mps, 0.00925);
-    EXPECT_EQ(best.selection->treatment, "covered");
+    EXPECT_EQ(best.selection->treatment, SelectionTreatment::covered);
     ASSERT_EQ(best.budget.size(), 2U);
     EXPECT_EQ(best.budget[0].unit, "m");
     EXPECT_EQ(best.budget[0].degrees_of_freedom, 47.25);
@@ -51,7 +51,7 @@ TEST(GoldenWindows, Reliability) {
     EXPECT_EQ(best.repaired_steps, 1);
     EXPECT_EQ(best.detection_power, 0.8);
     ASSERT_EQ(best.reliability.size(), 3U);
-    EXPECT_EQ(best.reliability[0].hypothesis, "step");
+    EXPECT_EQ(best.reliability[0].hypothesis, Hypothesis::step);
     EXPECT_EQ(best.reliability[0].speed_mps, 0.020125);
     EXPECT_EQ(best.reliability[1].epoch, 110);
     EXPECT_EQ(best.reliability[1].last_epoch, 131);
@@ -134,11 +134,11 @@ TEST(GoldenVerdict, Outcomes) {
     EXPECT_EQ(verdict.record->speed, 202.9);
     EXPECT_DOUBLE_EQ(verdict.record->speed_mps, 202.9 / 3.6);
     const ProfileVerdict& nalsa = verdict.profiles.at(0);
-    EXPECT_EQ(nalsa.outcome, "not_beaten");
+    EXPECT_EQ(nalsa.outcome, Outcome::not_beaten);
     EXPECT_EQ(nalsa.speed_mps, 56.375);
     EXPECT_EQ(nalsa.target_mps, 56.808151);
     EXPECT_EQ(nalsa.window->last_epoch, 131);
-    EXPECT_EQ(nalsa.requirements.at(2).status, "attest");
+    EXPECT_EQ(nalsa.requirements.at(2).status, RequirementStatus::attest);
     EXPECT_EQ(nalsa.indicated->speed_mps, 57.5);
     EXPECT_FALSE(verdict.profiles.at(1).speed_mps);
 }
@@ -187,9 +187,9 @@ TEST(GoldenVerdict, WhatMustBeReadWithTheVerdict) {
     EXPECT_EQ(nalsa.runs[0].span.last_epoch, 240);
     EXPECT_EQ(nalsa.runs[0].length_m, 812.625);
     EXPECT_EQ(nalsa.runs[0].top_speed_mps, 56.5);
-    EXPECT_EQ(nalsa.runs[0].ended, "turn");
+    EXPECT_EQ(nalsa.runs[0].ended, RunEdge::turn);
     EXPECT_EQ(nalsa.runs[1].heading_deg, 224.5);
-    EXPECT_EQ(nalsa.runs[1].began, "gap");
+    EXPECT_EQ(nalsa.runs[1].began, RunEdge::gap);
     EXPECT_EQ(to_iso(*nalsa.runs[1].span.start_gps), "2022-03-18T08:51:46.300");
     const ProfileVerdict& fisly = verdict.profiles.at(1);
     EXPECT_FALSE(fisly.record || fisly.decision || fisly.shown || fisly.current_subtracted_mps);

@@ -79,7 +79,7 @@ TEST(GoldenTables, WhoseClockMadeTheTimeStampsStandsInEveryTable) {
         EXPECT_EQ(facts.time_source, "satellites");
     const Observations table = read_observations(text_of("v1.0/1-observations.ecsv"), "f");
     EXPECT_EQ(table.time_origin, "GPS time of the receiver's measurements, as RTKLIB solved it");
-    EXPECT_EQ(table.solution_source, "recording");
+    EXPECT_EQ(table.solution_source, SolutionSource::recording);
 }
 
 TEST(GoldenTables, TheFileOfEachRow) {
@@ -197,7 +197,7 @@ TEST(GoldenScreened, WhatTheTestsRestedOn) {
     EXPECT_EQ(evidence.models[0].error_sigma_m, 0.0125);
     EXPECT_EQ(evidence.models[0].error_tau_s, 2.5);
     EXPECT_EQ(evidence.models[1].axes, TestedAxes::vertical);
-    EXPECT_EQ(evidence.models[1].noise, "too_few_epochs");
+    EXPECT_EQ(evidence.models[1].noise, NoiseBasis::too_few_epochs);
     EXPECT_EQ(evidence.models[1].jerk_density, 0.6);
     EXPECT_EQ(evidence.models[1].measurement_scale, 1.5);
     EXPECT_EQ(evidence.models[1].white_scale, 1.75);
@@ -206,7 +206,7 @@ TEST(GoldenScreened, WhatTheTestsRestedOn) {
     EXPECT_EQ(evidence.fix_kinds[1].axes, TestedAxes::vertical);
     EXPECT_EQ(evidence.fix_kinds[1].epochs, 1);
     EXPECT_EQ(evidence.fix_kinds[1].variance_factor, 4.5);
-    EXPECT_EQ(evidence.fix_kinds[1].judgement, "too_good");
+    EXPECT_EQ(evidence.fix_kinds[1].judgement, AccuracyJudgement::too_good);
 }
 
 TEST(GoldenScreened, WhatOtherChecksFound) {
@@ -223,7 +223,7 @@ TEST(GoldenScreened, WhatOtherChecksFound) {
     EXPECT_EQ(evidence.time.jitter_s, 0.000015625);
     ASSERT_EQ(evidence.time.faults.size(), 2U);
     EXPECT_EQ(evidence.time.faults[1].epoch, 2);
-    EXPECT_EQ(evidence.time.faults[1].kind, "whole_second_shift");
+    EXPECT_EQ(evidence.time.faults[1].kind, TimeFaultKind::whole_second_shift);
     EXPECT_EQ(evidence.time.faults[1].size_s, -1.0);
     EXPECT_EQ(evidence.limits.jerk_max_mps3, 200.0);
     EXPECT_EQ(evidence.limits.acceleration_mps2, 8.75);
@@ -275,7 +275,7 @@ TEST(GoldenTrajectory, RobustEstimateAndNoise) {
     EXPECT_EQ(table.estimation.robust_downweighted, 1);
     ASSERT_TRUE(table.estimation.vertical);
     const NoiseSummary& noise = table.estimation.horizontal.noise;
-    EXPECT_EQ(noise.status, "fitted");
+    EXPECT_EQ(noise.status, NoiseBasis::fitted);
     EXPECT_EQ(noise.jerk_density.value, 0.6125);
     EXPECT_EQ(noise.jerk_density.relative_uncertainty, 0.0875);
     EXPECT_EQ(noise.acceleration_time_s->value, 4.5);
@@ -287,7 +287,7 @@ TEST(GoldenTrajectory, RobustEstimateAndNoise) {
     EXPECT_EQ(noise.posterior[1].weight, 0.25);
     EXPECT_EQ(table.estimation.horizontal.health.largest_asymmetry, 1.25e-16);
     EXPECT_EQ(table.estimation.horizontal.health.spans_outside, 1);
-    EXPECT_EQ(table.estimation.vertical->noise.status, "constant_positions");
+    EXPECT_EQ(table.estimation.vertical->noise.status, NoiseBasis::constant_positions);
     EXPECT_EQ(table.estimation.vertical->health.repaired, 3);
     EXPECT_FALSE(table.estimation.vertical->health.consistent);
 }

@@ -72,7 +72,7 @@ TEST(Dhd22Smoother, RootMeanSquareSpeedErrorOverAllEpochs) {
 
 TEST(Dhd22Smoother, TheFittedWhiteNoiseIsTenMillimetres) {
     const NoiseSummary& noise = appendix_a_smoothed().trajectory.estimation.horizontal.noise;
-    EXPECT_EQ(noise.status, "fitted");
+    EXPECT_EQ(noise.status, NoiseBasis::fitted);
     EXPECT_EQ(noise.epochs, 451);
     EXPECT_TRUE(noise.converged);
     EXPECT_FALSE(noise.jerk_density.at_bound);

@@ -53,8 +53,9 @@ SelectionStudy study_selection(const StudyRun& run, std::int64_t runs, std::uint
         const auto last = static_cast<std::size_t>(best.span.last_epoch) - 1;
         const double true_mps =
             (recording.truth[last] - recording.truth[first]).norm() / best.span.duration.seconds();
-        const double taken_off_mps =
-            best.selection->treatment == "subtracted" ? best.selection->bias_mps : 0.0;
+        const double taken_off_mps = best.selection->treatment == SelectionTreatment::subtracted
+                                         ? best.selection->bias_mps
+                                         : 0.0;
         const double error_mps = best.speed_mps + taken_off_mps - true_mps;
         uncorrected.push_back(error_mps);
         less_fitted.push_back(error_mps - best.selection->fitted_bias_mps);

@@ -538,17 +538,18 @@ TEST(Audit, WhatTheTestsRestedOn) {
                         .measurement_scale = 1.25,
                         .error_sigma_m = 0.0,
                         .error_tau_s = 1.0}};
-    const auto kind = [](FixKind fix, std::int64_t epochs, double factor, std::string judgement) {
+    const auto kind = [](FixKind fix, std::int64_t epochs, double factor,
+                         AccuracyJudgement judgement) {
         return FixKindEvidence{.fix = fix,
                                .axes = TestedAxes::horizontal,
                                .epochs = epochs,
                                .variance_factor = factor,
-                               .judgement = std::move(judgement)};
+                               .judgement = judgement};
     };
-    evidence.fix_kinds = {kind(FixKind::fixed, 1500, 2.25, "too_good"),
-                          kind(FixKind::dgps, 120, 0.25, "too_bad"),
-                          kind(FixKind::sbas, 110, 1.0, "as_stated"),
-                          kind(FixKind::single, 12, 1.0, "too_few_epochs")};
+    evidence.fix_kinds = {kind(FixKind::fixed, 1500, 2.25, AccuracyJudgement::too_good),
+                          kind(FixKind::dgps, 120, 0.25, AccuracyJudgement::too_bad),
+                          kind(FixKind::sbas, 110, 1.0, AccuracyJudgement::as_stated),
+                          kind(FixKind::single, 12, 1.0, AccuracyJudgement::too_few_epochs)};
     expect_in(unwrapped(audit_text(table, subject, false)),
               {"rover.pos: 1,587 epochs, 1,586 used, in 1 arc (stretches without a break). Left "
                "out: 1 (wrong position).",
@@ -592,11 +593,11 @@ TEST(Audit, TimeVelocitiesAndTheOtherReceiver) {
                      .backward = 1,
                      .rate_deviation = -12e-6,
                      .jitter_s = 0.00025,
-                     .faults = {{4, "gap", 2.5},
-                                {7, "duplicate", 0.0},
-                                {9, "backward", -0.5},
-                                {12, "session", 75.4},
-                                {99, "whole_second_shift", -18.0}}};
+                     .faults = {{4, TimeFaultKind::gap, 2.5},
+                                {7, TimeFaultKind::duplicate, 0.0},
+                                {9, TimeFaultKind::backward, -0.5},
+                                {12, TimeFaultKind::session, 75.4},
+                                {99, TimeFaultKind::whole_second_shift, -18.0}}};
     const std::string text = unwrapped(audit_text(table, subject, false));
     expect_in(text,
               {"1,200 epochs; they differ by 0.050 m/s",

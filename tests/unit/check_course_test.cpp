@@ -304,7 +304,7 @@ TEST(Course, RowsWithoutAnEstimateArePassedOver) {
     EXPECT_THROW(facts_of(rows, 42, 130), Failure);
     EXPECT_THROW(facts_of(rows, 100, 100), Failure);
     const auto of_run = [&](std::size_t first, std::size_t last) {
-        return course_facts(rows, {first, last, "turn", "turn", {}}, 100, 130, {});
+        return course_facts(rows, {first, last, RunEdge::turn, RunEdge::turn, {}}, 100, 130, {});
     };
     EXPECT_NO_THROW(of_run(100, 130));
     EXPECT_THROW(of_run(101, 150), Failure);

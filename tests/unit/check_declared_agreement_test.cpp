@@ -57,7 +57,8 @@ TEST(DeclaredSpeed, OfAMethodWithoutUncertaintyIsHeldAgainstTheJudgedOnesAlone) 
 
 TEST(DeclaredSpeed, IsHeldAgainstWhatTheTwoDoNotShare) {
     // Of 0.01 m/s (k = 2) 0.004 m/s are the window's own: sqrt(0.004^2 + 0.003^2) = 0.005 m/s.
-    for (const auto& [speed_mps, status] : {std::pair{60.0049, "met"}, {60.0051, "not_met"}}) {
+    for (const auto& [speed_mps, status] :
+         {std::pair{60.0049, RequirementStatus::met}, {60.0051, RequirementStatus::not_met}}) {
         RuleScene scene = with_speed(speed_mps, 0.003);
         EXPECT_EQ(scene.clause("secondary_method").status, RequirementStatus::met);
         scene.best().own_standard_uncertainty_mps = 0.002;

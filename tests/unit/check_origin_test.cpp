@@ -275,7 +275,7 @@ TEST(KindOfSolution, ThatTheAttemptClaimsIsToAttest) {
     for (ScreenedEpoch& row : claimed.rows())
         row.fix = FixKind::fixed;
     claimed.best().bound.emplace().floor_m = 0.01;
-    claimed.best().bound->floor_fix = "fixed";
+    claimed.best().bound->floor_fix = FixKind::fixed;
     const Requirement requirement = claimed.clause("kind-of-solution");
     EXPECT_EQ(requirement.status, RequirementStatus::attest);
     for (const char* part : {"the recording does not say", "it is fixed the attempt states",
@@ -289,14 +289,15 @@ TEST(KindOfSolution, ThatTheRecordingSaysOrNobodyIsMet) {
     EXPECT_EQ(said.clause("kind-of-solution").status, RequirementStatus::met);
     EXPECT_EQ(said.clause("kind-of-solution").evidence, "the recording says it");
     for (const auto& [source, words] :
-         {std::pair{"unknown",
+         {std::pair{SolutionSource::unknown,
                     "the recording does not say, so that the positions count as those "
                     "of one receiver alone"},
-          {"partly",
+          {SolutionSource::partly,
            "the recording says it of some positions; the others count as those of one "
            "receiver alone"}}) {
         said.judged.solution_source = source;
-        EXPECT_EQ(said.clause("kind-of-solution").status, RequirementStatus::met) << source;
+        EXPECT_EQ(said.clause("kind-of-solution").status, RequirementStatus::met)
+            << to_text(source);
         EXPECT_EQ(said.clause("kind-of-solution").evidence, words);
     }
 }

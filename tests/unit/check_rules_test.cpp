@@ -46,12 +46,14 @@ TEST_P(LimitedFigure, IsDecidedOnlyWhereItsWholeIntervalIsOnOneSide) {
     const double low = given.value - given.expanded_uncertainty;
     const double high = given.value + given.expanded_uncertainty;
     const double little = 1e-6 * given.value;
-    const char* const below = given.at_most ? "not_met" : "met";
-    const char* const above = given.at_most ? "met" : "not_met";
+    const RequirementStatus below =
+        given.at_most ? RequirementStatus::not_met : RequirementStatus::met;
+    const RequirementStatus above =
+        given.at_most ? RequirementStatus::met : RequirementStatus::not_met;
     const bool uncertain = given.expanded_uncertainty > 0.0;
     EXPECT_EQ(judged_against(low - little).status, below);
-    EXPECT_EQ(judged_against(low + little).status, uncertain ? "attest" : above);
-    EXPECT_EQ(judged_against(high - little).status, uncertain ? "attest" : below);
+    EXPECT_EQ(judged_against(low + little).status, uncertain ? RequirementStatus::attest : above);
+    EXPECT_EQ(judged_against(high - little).status, uncertain ? RequirementStatus::attest : below);
     EXPECT_EQ(judged_against(high + little).status, above);
     if (uncertain) {
         EXPECT_TRUE(contains(judged_against(given.value).evidence,

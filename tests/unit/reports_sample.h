@@ -135,7 +135,7 @@ inline void fill_uncertainty(CertifiableWindow& best) {
                             .fitted_m = 0.0,
                             .stated_m = 0.009517,
                             .floor_m = 0.01,
-                            .floor_fix = "fixed",
+                            .floor_fix = FixKind::fixed,
                             .decided_by = BoundSource::floor,
                             .standard_uncertainty_mps = 0.002361};
     best.robust = RobustSpeed{60.002551, -0.00004, 0.003745, true, 6};
@@ -146,7 +146,7 @@ inline void fill_uncertainty(CertifiableWindow& best) {
                                    .best_sd_mps = 0.000414,
                                    .bias_mps = 0.000876,
                                    .bias_uncertainty_mps = 0.000079,
-                                   .treatment = "covered",
+                                   .treatment = SelectionTreatment::covered,
                                    .samples = 500,
                                    .seed = 1};
     best.budget = budget();

@@ -23,15 +23,16 @@ inline ScreeningEvidence evidence(bool vertical) {
                         .error_sigma_m = 0.0,
                         .error_tau_s = 1.0}};
     evidence.fix_kinds = {
-        {FixKind::fixed, TestedAxes::horizontal, 420, 1.69, "too_good"},
-        {FixKind::float_ambiguities, TestedAxes::horizontal, 31, 1.0, "too_few_epochs"}};
+        {FixKind::fixed, TestedAxes::horizontal, 420, 1.69, AccuracyJudgement::too_good},
+        {FixKind::float_ambiguities, TestedAxes::horizontal, 31, 1.0,
+         AccuracyJudgement::too_few_epochs}};
     if (vertical) {
         evidence.models.push_back(evidence.models.front());
         evidence.models.back().axes = TestedAxes::vertical;
         evidence.models.back().error_sigma_m = 0.0271;
         evidence.models.back().error_tau_s = 10.0;
         evidence.fix_kinds.push_back(
-            {FixKind::fixed, TestedAxes::vertical, 420, 1.0404, "as_stated"});
+            {FixKind::fixed, TestedAxes::vertical, 420, 1.0404, AccuracyJudgement::as_stated});
     }
     evidence.velocity = {.compared = 437,
                          .delay_s = 0.1024,

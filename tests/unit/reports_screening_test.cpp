@@ -223,7 +223,7 @@ TEST(Reliability, EveryHypothesisStandsInReportAndPage) {
                 entry["kind_text"].get<std::string>(), entry["where_text"].get<std::string>(),
                 entry["size_text"].get<std::string>(), entry["change_text"].get<std::string>())),
             std::string::npos)
-            << errors[i].hypothesis;
+            << to_text(errors[i].hypothesis);
     }
     EXPECT_EQ(window["reliability"][2]["where_text"], "at epochs 401 to 409");
     EXPECT_EQ(window["reliability"][4]["size_text"], "–");

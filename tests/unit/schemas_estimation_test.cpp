@@ -155,8 +155,6 @@ TEST(TrajectoryEstimation, WhatTheDataDoNotTellIsAbsent) {
     const TrajectoryTable back = read_trajectory(write_trajectory(table), "f");
     noise.jerk_density.relative_uncertainty.reset();
     expect_equal(back.estimation.horizontal.noise, noise);
-    noise.status = "guessed";
-    EXPECT_TRUE(failure_of([&] { write_trajectory(table); }).contains("\"guessed\" is not one of"));
 }
 
 TEST(TrajectoryEstimation, IsRoundedToTheFieldTable) {
@@ -192,11 +190,30 @@ CertifiableWindow window() {
     window.own_standard_uncertainty_mps = 0.0105;
     window.bias_limit_mps = 0.0015;
     window.estimates = OtherEstimates{60.0045, 0.0035, 60.0015, 60.0055, 60.0005, 0.0035};
-    window.bound =
-        ErrorBound{0.25, 20.0, 0.02, 0.0075, 1.25, 0.005, 0.0125, "float", "fitted", 0.0095};
+    window.bound = ErrorBound{0.25,
+                              20.0,
+                              0.02,
+                              0.0075,
+                              1.25,
+                              0.005,
+                              0.0125,
+                              FixKind::float_ambiguities,
+                              BoundSource::fitted,
+                              0.0095};
     window.robust = RobustSpeed{60.001, -0.0025, 0.0245, true, 2};
-    window.selection = SelectionBias{17,     60.0,   0.0115, 60.0005,      0.011, 0.001, 0.004,
-                                     0.0025, 0.0015, 0.0005, "subtracted", 5000,  42};
+    window.selection = SelectionBias{17,
+                                     60.0,
+                                     0.0115,
+                                     60.0005,
+                                     0.011,
+                                     0.001,
+                                     0.004,
+                                     0.0025,
+                                     0.0015,
+                                     0.0005,
+                                     SelectionTreatment::subtracted,
+                                     5000,
+                                     42};
     window.budget = {{"d", "displacement", 180.0075, "m", 0.0375, "A", "normal", 12.75, 0.333333,
                       0.0125, "with b", "fit"},
                      {"b", "scale", 1.0, "", 0.00057735, "B", "rectangular", std::nullopt, 60.0,
@@ -240,7 +257,7 @@ TEST(WindowUncertainty, SpeedsRoundTrip) {
     EXPECT_EQ(back.bound->along, 1.25);
     EXPECT_EQ(back.bound->stated_m, 0.005);
     EXPECT_EQ(back.bound->floor_m, 0.0125);
-    EXPECT_EQ(back.bound->floor_fix, "float");
+    EXPECT_EQ(back.bound->floor_fix, FixKind::float_ambiguities);
     EXPECT_EQ(back.bound->decided_by, BoundSource::fitted);
     EXPECT_EQ(back.bound->standard_uncertainty_mps, 0.0095);
     EXPECT_EQ(back.robust->speed_mps, 60.001);
@@ -270,7 +287,7 @@ TEST(WindowUncertainty, SelectionAndMonteCarloRoundTrip) {
     EXPECT_EQ(back.selection->bias_mps, 0.0025);
     EXPECT_EQ(back.selection->bias_half_range_mps, 0.0015);
     EXPECT_EQ(back.selection->bias_uncertainty_mps, 0.0005);
-    EXPECT_EQ(back.selection->treatment, "subtracted");
+    EXPECT_EQ(back.selection->treatment, SelectionTreatment::subtracted);
     EXPECT_EQ(back.selection->samples, 5000);
     EXPECT_EQ(back.selection->seed, 42);
     EXPECT_EQ(back.monte_carlo->seed, 7);
@@ -325,10 +342,6 @@ TEST(WindowReliability, RoundTrips) {
 
 TEST(WindowReliability, HasOnlyKnownWords) {
     CertifiableWindow wrong = window();
-    wrong.reliability[0].hypothesis = Hypothesis::slip;
-    EXPECT_TRUE(
-        failure_of([&] { write_windows(windows(wrong)); }).contains("\"slip\" is not one of"));
-    wrong = window();
     wrong.reliability[0].unit = "km";
     EXPECT_TRUE(
         failure_of([&] { write_windows(windows(wrong)); }).contains("is not one of m, m / s"));

@@ -96,15 +96,21 @@ TEST(TimeSource, HasOnlyKnownWords) {
 TEST(ObservationOrigins, RoundTrip) {
     Observations table = observations_of();
     table.time_origin = "UTC of the receiver: \"as written\"";
-    for (const char* source : {"recording", "attempt", "partly", "unknown"}) {
+    for (const SolutionSource source : {SolutionSource::recording, SolutionSource::attempt,
+                                        SolutionSource::partly, SolutionSource::unknown}) {
         table.solution_source = source;
         const Observations back = read_observations(write_observations(table), "f");
         EXPECT_EQ(back.time_origin, table.time_origin);
         EXPECT_EQ(back.solution_source, source);
     }
-    table.solution_source = "guessed";
+    const std::string text = write_observations(table);
+    const std::string written = "solution_source: unknown";
+    const std::size_t at = text.find(written);
+    ASSERT_NE(at, std::string::npos);
     EXPECT_TRUE(failure_of([&] {
-                    write_observations(table);
+                    (void)read_observations(
+                        std::string(text).replace(at, written.size(), "solution_source: guessed"),
+                        "f");
                 }).contains("\"guessed\" is not one of recording, attempt, partly, unknown"));
 }
 

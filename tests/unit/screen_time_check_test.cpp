@@ -293,8 +293,8 @@ TEST(TimeCheck, StampsOfTwoDecimalsAtThreeHertzShowAShiftToo) {
         for (ScreenedEpoch& row : rows)
             row.time.nanoseconds = (row.time.nanoseconds + 5'000'000) / 10'000'000 * 10'000'000;
         set_clock(rows, first, 18.0);
-        expect_faults(examine(rows, 0.33),
-                      {{static_cast<std::int64_t>(first) + 1, "whole_second_shift", 18.0}});
+        expect_faults(examine(rows, 0.33), {{static_cast<std::int64_t>(first) + 1,
+                                             TimeFaultKind::whole_second_shift, 18.0}});
     }
 }
 

@@ -45,7 +45,7 @@ TEST(ErrorBound, TheFloorDecidesWhereItIsLargest) {
     const ErrorBound bound =
         error_bound<2>(table_of(FixKind::fixed), 0, 9, noise_with(1.5, 0.02), rule());
     EXPECT_EQ(bound.decided_by, BoundSource::floor);
-    EXPECT_EQ(bound.floor_fix, "fixed");
+    EXPECT_EQ(bound.floor_fix, FixKind::fixed);
     EXPECT_EQ(bound.sigma_m, 0.020);
     EXPECT_EQ(bound.floor_m, 0.020);
     EXPECT_NEAR(bound.stated_m, 1.5 * stated_m, 1e-15);
@@ -76,11 +76,12 @@ TEST(ErrorBound, TheWorstKindOfSolutionInTheWindowSetsTheFloor) {
     ScreenedTable table = table_of(FixKind::fixed);
     table.rows[4].fix = FixKind::float_ambiguities;
     const NoiseSummary noise = noise_with(1.0, std::nullopt);
-    EXPECT_EQ(error_bound<2>(table, 0, 9, noise, rule()).floor_fix, "float");
+    EXPECT_EQ(error_bound<2>(table, 0, 9, noise, rule()).floor_fix, FixKind::float_ambiguities);
     EXPECT_EQ(error_bound<2>(table, 0, 9, noise, rule()).sigma_m, 0.200);
-    EXPECT_EQ(error_bound<2>(table, 5, 9, noise, rule()).floor_fix, "fixed");  // not in the window
+    EXPECT_EQ(error_bound<2>(table, 5, 9, noise, rule()).floor_fix,
+              FixKind::fixed);  // not in the window
     table.rows[4].usable = false;
-    EXPECT_EQ(error_bound<2>(table, 0, 9, noise, rule()).floor_fix, "fixed");
+    EXPECT_EQ(error_bound<2>(table, 0, 9, noise, rule()).floor_fix, FixKind::fixed);
 }
 
 TEST(ErrorBound, OnlyUsableEpochsOfTheWindowCount) {
@@ -100,7 +101,7 @@ TEST(ErrorBound, TheProfilesOwnFloorsAreThoseOfItsSchema) {
     EXPECT_EQ(error_bound<2>(table_of(FixKind::single), 0, 9, noise, nalsa.uncertainty).sigma_m,
               0.5);
     EXPECT_EQ(error_bound<2>(table_of(FixKind::unknown), 0, 9, noise, nalsa.uncertainty).floor_fix,
-              "unknown");
+              FixKind::unknown);
 }
 
 TEST(BoundingError, IsThatOfTheBoundedSize) {

@@ -41,7 +41,7 @@ struct Scene {
         noise.correlated_mps = 0.004;
         noise.motion_mps = 0.0;
         noise.speed.standard_uncertainty_mps = 0.005;
-        selection.treatment = "covered";
+        selection.treatment = SelectionTreatment::covered;
     }
     NoiseSummary& fit() { return trajectory.estimation.horizontal.noise; }
     void set_speed(double speed_mps) {
@@ -238,7 +238,7 @@ TEST(Budget, SelectionCoveredOrSubtracted) {
     scene.selection.bias_uncertainty_mps = 0.0002;
     EXPECT_EQ(scene.row("f").contribution_mps, 0.0002);
     EXPECT_EQ(scene.row("f").estimate, 0.0);
-    scene.selection.treatment = "subtracted";
+    scene.selection.treatment = SelectionTreatment::subtracted;
     EXPECT_EQ(scene.row("f").contribution_mps, 0.0002);
     EXPECT_EQ(scene.row("f").estimate, 0.003);
     EXPECT_EQ(scene.row("f").sensitivity, -1.0);

@@ -198,7 +198,7 @@ TEST(SelectionBias, OfTheRunOfThePaperIsSomeMillimetresPerSecond) {
     EXPECT_LT(bias.bounded_bias_mps, 0.024);
     EXPECT_LT(bias.bias_uncertainty_mps, 0.0005);
     EXPECT_GT(bias.candidates, 50);
-    EXPECT_EQ(bias.treatment, "covered");
+    EXPECT_EQ(bias.treatment, SelectionTreatment::covered);
     // The truly best window is no faster than the run, and no slower than the chosen one.
     EXPECT_NEAR(bias.best_mean_mps, 60.0, 0.02);
     EXPECT_NEAR(bias.chosen_mean_mps, 60.0, 3.0 * covered.standard_uncertainty_mps);
@@ -216,7 +216,7 @@ TEST(SelectionBias, SubtractedTheSpeedIsLowerByItAndItsOwnUncertaintyStays) {
     const CertifiableWindow covered = run.best(false);
     const CertifiableWindow subtracted = run.best(true);
     const SelectionBias& bias = subtracted.selection.value();
-    EXPECT_EQ(bias.treatment, "subtracted");
+    EXPECT_EQ(bias.treatment, SelectionTreatment::subtracted);
     EXPECT_EQ(bias.bias_mps, covered.selection->bias_mps);
     EXPECT_EQ(subtracted.speed_mps, covered.speed_mps - bias.bias_mps);
     EXPECT_EQ(row_f(subtracted).contribution_mps, bias.bias_uncertainty_mps);

@@ -1,0 +1,129 @@
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <regex>
+
+#include "approved.h"
+#include "chain_support.h"
+#include "core/text.h"
+
+// What people read of a run, whole: certify, audit, explain, the report's page and that of a day.
+// The texts are those of tests/approved; figures may differ by the last digit shown, as another
+// compiler rounds otherwise.
+
+namespace runcert::chain::RUNCERT_FILE {
+namespace {
+
+/// Without what differs from run to run: hashes, lengths, times taken, revisions, folders.
+std::string lasting(std::string text, const fs::path& folder) {
+    const auto replace = [&](const char* pattern, const char* by) {
+        text = std::regex_replace(text, std::regex(pattern), by);
+    };
+    for (std::size_t at = 0; (at = text.find(folder.string(), at)) != std::string::npos;)
+        text.replace(at, folder.string().size(), "FOLDER");
+    replace("\\b[0-9a-f]{12,64}\\b(-modified)?", "HASH");
+    replace("[0-9,]+ bytes", "N bytes");
+    replace("( +)[0-9]+\\.[0-9]+ s(?=\\n)", " T s");
+    replace("[0-9]+(\\.[0-9]+)? s,", "T s,");
+    return text;
+}
+
+const std::regex number("[-+]?[0-9]+(\\.[0-9]+)?(e[-+]?[0-9]+)?");
+
+/// A text with each figure cut to what another compiler does not change: three digits.
+std::string rounded(const std::string& text) {
+    std::string out;
+    auto from = text.begin();
+    for (std::sregex_iterator match(text.begin(), text.end(), number), end; match != end; ++match) {
+        out.append(from, text.begin() + match->position());
+        from = text.begin() + match->position() + match->length();
+        const std::string figure = match->str();
+        out += figure.find('.') == std::string::npos
+                   ? figure
+                   : fmt::format("{:.3g}", std::stod(figure) * (1.0 + 1e-7));
+    }
+    out.append(from, text.end());
+    return out;
+}
+
+class Views : public testing::Test {
+  protected:
+    static void SetUpTestSuite() {
+        folder_ = new TemporaryFolder();
+        for (const char* example : {"land_yacht", "rejected", "course"})
+            said_[example] = certify(examples / example / "attempt.yaml", run(example)).output;
+        said_["day"] = runcert({"batch", (examples / "day").string(), "--out", run("day").string(),
+                                "--no-render"})
+                           .output;
+    }
+    static void TearDownTestSuite() {
+        delete folder_;
+        folder_ = nullptr;
+    }
+
+    static fs::path run(const std::string& example) { return folder_->path() / example; }
+    static void expect_view(const std::string& name, const std::string& text) {
+        test::expect_approved(name, rounded(lasting(text, folder_->path())));
+    }
+    static std::string said_by(const std::vector<std::string>& arguments) {
+        const ProcessResult result = runcert(arguments);
+        EXPECT_EQ(result.exit_status, 0) << result.errors;
+        return result.output;
+    }
+    /// The words of a page, a line for each piece of text; scripts, styles and pictures left out.
+    static std::string words_of_page(const fs::path& file) {
+        const std::string page = read_file(file);
+        std::string words;
+        std::size_t at = page.find("<body");
+        while (at < page.size()) {
+            const std::size_t tag = std::min(page.find('<', at), page.size());
+            if (const std::string_view word = trim(std::string_view(page).substr(at, tag - at));
+                !word.empty())
+                words.append(word).append("\n");
+            std::string_view end = ">";
+            for (const auto& [begin, its_end] :
+                 {std::pair<std::string_view, std::string_view>{"<script", "</script>"},
+                  {"<style", "</style>"},
+                  {"<svg", "</svg>"},
+                  {"<!--", "-->"}})
+                if (page.compare(tag, begin.size(), begin) == 0) end = its_end;
+            const std::size_t found = page.find(end, tag);
+            at = found == std::string::npos ? page.size() : found + end.size();
+        }
+        return words;
+    }
+
+    static inline TemporaryFolder* folder_ = nullptr;
+    static inline std::map<std::string, std::string> said_;
+};
+
+TEST_F(Views, Certify) {
+    test::ApprovedTexts texts("certify.txt");
+    for (const auto& [example, said] : said_)
+        texts.add(example, rounded(lasting(said, folder_->path())));
+}
+
+TEST_F(Views, Audit) {
+    for (const char* example : {"land_yacht", "rejected", "course"})
+        expect_view(fmt::format("audit_{}.txt", example),
+                    said_by({"audit", run(example).string()}));
+}
+
+TEST_F(Views, Explain) {
+    for (const char* example : {"land_yacht", "rejected", "course"})
+        expect_view(fmt::format("explain_{}.txt", example),
+                    said_by({"explain", run(example).string()}));
+}
+
+TEST_F(Views, Report) {
+    for (const char* example : {"land_yacht", "rejected", "course"})
+        expect_view(fmt::format("report_{}.txt", example),
+                    words_of_page(run(example) / "report.html"));
+}
+
+TEST_F(Views, Day) {
+    expect_view("day.txt", words_of_page(run("day") / "day.html"));
+}
+
+}  // namespace
+}  // namespace runcert::chain::RUNCERT_FILE

@@ -134,7 +134,7 @@ Json profile_json(const ReportInputs& inputs, std::size_t index) {
     Json json{{"profile", verdict.profile},
               {"body", verdict.body},
               {"title", verdict.title},
-              {"outcome", verdict.outcome},
+              {"outcome", to_text(verdict.outcome)},
               {"outcome_title", words.title},
               {"outcome_mark", words.mark},
               {"tone", words.tone},

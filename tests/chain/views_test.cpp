@@ -52,9 +52,9 @@ class Views : public testing::Test {
         folder_ = new TemporaryFolder();
         for (const char* example : {"land_yacht", "rejected", "course"})
             said_[example] = certify(examples / example / "attempt.yaml", run(example)).output;
-        said_["day"] = runcert({"batch", (examples / "day").string(), "--out", run("day").string(),
-                                "--no-render"})
-                           .output;
+        const ProcessResult day = runcert(
+            {"batch", (examples / "day").string(), "--out", run("day").string(), "--no-render"});
+        EXPECT_EQ(day.exit_status, 0) << day.errors;
     }
     static void TearDownTestSuite() {
         delete folder_;

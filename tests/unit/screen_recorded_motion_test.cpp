@@ -93,12 +93,12 @@ struct Ramp {
             arc_rows.push_back(k);
         }
         rows[0].break_before = ArcBreak::start;
-        decisions.breaks[30] = Decision{.hypothesis = Hypothesis::ramp,
-                                        .first = 30,
-                                        .last = 30,
-                                        .statistic = 99.0,
-                                        .threshold = 40.0,
-                                        .estimated = {}};
+        decisions.breaks[30] = ScreeningDecision{.hypothesis = Hypothesis::ramp,
+                                                 .first = 30,
+                                                 .last = 30,
+                                                 .statistic = 99.0,
+                                                 .threshold = 40.0,
+                                                 .estimated = {}};
         decisions.breaks[30]->estimated.rate_north_mps = -6.0;
     }
     /// Velocities north that change by so much, that much later.

@@ -203,18 +203,18 @@ TEST(Screen, AStepWhoseFirstEpochIsLeftOutShowsAtTheNext) {
         arc_rows.push_back(k);
     }
     rows[0].break_before = ArcBreak::start;
-    decisions.breaks[3] = Decision{.hypothesis = Hypothesis::step,
-                                   .first = 3,
-                                   .last = 3,
-                                   .statistic = 99.0,
-                                   .threshold = 40.0,
-                                   .estimated = {}};
-    decisions.left_out[3] = Decision{.hypothesis = Hypothesis::outlier,
-                                     .first = 3,
-                                     .last = 3,
-                                     .statistic = 88.0,
-                                     .threshold = 40.0,
-                                     .estimated = {}};
+    decisions.breaks[3] = ScreeningDecision{.hypothesis = Hypothesis::step,
+                                            .first = 3,
+                                            .last = 3,
+                                            .statistic = 99.0,
+                                            .threshold = 40.0,
+                                            .estimated = {}};
+    decisions.left_out[3] = ScreeningDecision{.hypothesis = Hypothesis::outlier,
+                                              .first = 3,
+                                              .last = 3,
+                                              .statistic = 88.0,
+                                              .threshold = 40.0,
+                                              .estimated = {}};
     mark_rows(rows, arc_rows, decisions, TestedAxes::horizontal, MarkOptions{});
     finish_arcs(rows, 20, 2);
     EXPECT_EQ(rows[3].reason, Reason::outlier);

@@ -557,7 +557,7 @@ TEST(Audit, WhatTheTestsRestedOn) {
                "accuracies and a jerk density of 0.625 m s^-2.5, a slow error of 0.0125 m that "
                "lasts 2.5 s.",
                "rested vertically on 1.25 times the stated accuracies and a jerk density of 0.6 m "
-               "s^-2.5: noise was not learnt from the recording, because it has too few epochs.",
+               "s^-2.5: noise was not learnt from the recording (too few epochs to learn from).",
                "at most 3.25 (epoch 10)", "588,235 tests planned", "gone through 3 times",
                "in a recording without a wrong epoch, and with that noise, the tests together mark "
                "anything in at most 1 of 1,000 recordings",

@@ -191,7 +191,7 @@ TEST(Origins, OfTimesAndSolutionsAreThoseOfTheObservations) {
     EXPECT_EQ(receiver["solution_source"], "attempt");
     EXPECT_EQ(fact_of(receiver["recording_facts"], "Time stamps"),
               "UTC of the receiver's position sentences");
-    expect_in(page_of(run), "as the attempt states; the recording does not say");
+    expect_in(page_of(run), "as the attempt states it; the recording states none");
 
     observations.time_origin.clear();
     observations.facts.time_source = "unknown";

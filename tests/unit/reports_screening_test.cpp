@@ -211,7 +211,7 @@ TEST(Reliability, EveryHypothesisStandsInReportAndPage) {
     const std::string page = section(page_of(run), "Uncertainty: rule “nalsa”");
     for (std::size_t i = 0; i < errors.size(); ++i) {
         const Json& entry = window["reliability"][i];
-        EXPECT_EQ(entry["hypothesis"], errors[i].hypothesis);
+        EXPECT_EQ(entry["hypothesis"], to_text(errors[i].hypothesis));
         EXPECT_EQ(entry["epoch"], errors[i].epoch);
         EXPECT_EQ(entry["last_epoch"], errors[i].last_epoch);
         EXPECT_EQ(entry["size"], errors[i].size);

@@ -1,31 +1,31 @@
 #include <gtest/gtest.h>
 
+#include <iterator>
 #include <regex>
+#include <sstream>
 
 #include "chain_support.h"
 #include "core/text.h"
 
-// The README's commands to sign and verify, each as it stands there, by this and other programs.
+// The README and its pages: their commands, each as it stands there, by this and other programs.
 
 namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
-/// The lines of the blocks of code under a heading of the README, without their remarks.
-std::vector<std::string> commands_under(const std::string& heading) {
-    const std::string readme = read_file(fs::path(RUNCERT_SOURCE_DIR) / "README.md");
-    const std::size_t begin = readme.find("## " + heading + "\n");
-    EXPECT_NE(begin, std::string::npos);
-    const std::string section = readme.substr(begin, readme.find("\n## ", begin + 3) - begin);
+const fs::path source = RUNCERT_SOURCE_DIR;
+
+/// The lines of the blocks of code of a page, without their remarks.
+std::vector<std::string> commands_of(const std::string& page) {
     std::vector<std::string> commands;
     bool code = false;
-    for (std::size_t from = 0; from < section.size();) {
-        const std::size_t end = std::min(section.find('\n', from), section.size());
-        const std::string line = section.substr(from, end - from);
-        from = end + 1;
-        if (line.starts_with("```"))
+    bool commands_follow = false;
+    for (const std::string& line : lines_of(read_file(source / page))) {
+        if (line.starts_with("```")) {
             code = !code;
-        else if (code)
+            commands_follow = line == "```";
+        } else if (code && commands_follow) {
             commands.push_back(line.substr(0, line.find("  ")));
+        }
     }
     return commands;
 }
@@ -75,7 +75,7 @@ class Readme : public testing::Test {
 
 TEST_F(Readme, ItsCommandsToSignAndVerifyWork) {
     prepare();
-    const std::vector<std::string> commands = commands_under("Sign and verify");
+    const std::vector<std::string> commands = commands_of("pipeline/trust/README.md");
     ASSERT_EQ(commands.size(), 15U);
     for (const std::string& command : commands) {
         SCOPED_TRACE(command);
@@ -95,6 +95,37 @@ TEST_F(Readme, ItsCommandsToSignAndVerifyWork) {
     must("./runcert verify run.tar.zst --roster roster --tsa-ca ca.pem");
 }
 
+TEST_F(Readme, CommandsOfEveryPageWork) {
+    must("ln -s " RUNCERT_PROGRAMS "/runcert runcert && ln -s " + examples.string() + " examples");
+    for (const char* page : {"README.md", "examples/README.md", "stages/check/profiles/README.md",
+                             "pipeline/batch/README.md", "schemas/README.md"}) {
+        const std::vector<std::string> commands = commands_of(page);
+        EXPECT_FALSE(commands.empty()) << page;
+        for (const std::string& command : commands) {
+            if (command == "./runcert test") continue;
+            const ProcessResult result = shell(command);
+            // 1 is an answer: a record not beaten, runs that differ.
+            EXPECT_LT(result.exit_status, 2) << page << ": " << command << result.errors;
+        }
+    }
+}
+
+TEST(ReadmePage, IsOneScreenAndItsLinksLeadSomewhere) {
+    const std::string readme = read_file(source / "README.md");
+    std::istringstream words(readme);
+    EXPECT_LE(std::distance(std::istream_iterator<std::string>(words), {}), 500);
+    static const std::regex link("\\]\\(([^)#]+)\\)");
+    for (const char* page :
+         {"README.md", "examples/README.md", "stages/check/profiles/README.md",
+          "pipeline/batch/README.md", "pipeline/trust/README.md", "schemas/README.md",
+          "reports/METHOD.md", "stages/README.md", "tests/README.md"}) {
+        const std::string text = read_file(source / page);
+        for (std::sregex_iterator at(text.begin(), text.end(), link), end; at != end; ++at)
+            EXPECT_TRUE(fs::exists((source / page).parent_path() / (*at)[1].str()))
+                << page << ": " << (*at)[1];
+    }
+}
+
 /// A call of a walk, "2. `windows_of` in `stages/window/window.cpp`: ...".
 struct Call {
     std::string function;
@@ -107,8 +138,7 @@ std::vector<std::vector<Call>> walks() {
     static const std::regex call("[1-9]\\. `([^`]+)` in `([^`]+)`: .*");
     std::vector<std::vector<Call>> found;
     std::smatch match;
-    for (const std::string& line :
-         lines_of(read_file(fs::path(RUNCERT_SOURCE_DIR) / "stages" / "README.md")))
+    for (const std::string& line : lines_of(read_file(source / "stages" / "README.md")))
         if (std::regex_match(line, match, from))
             found.push_back({{"main", match[1]}});
         else if (std::regex_match(line, match, call))
@@ -125,8 +155,7 @@ TEST(Walks, HaveAtMostFiveCallsEachFromTheOneBefore) {
         for (std::size_t i = 1; i < walk.size(); ++i) {
             const std::regex named("\\b" + walk[i].function + "(<\\w+>)?\\(");
             for (const std::string& file : {walk[i].file, walk[i - 1].file})
-                EXPECT_TRUE(
-                    std::regex_search(read_file(fs::path(RUNCERT_SOURCE_DIR) / file), named))
+                EXPECT_TRUE(std::regex_search(read_file(source / file), named))
                     << walk[i].function << " in " << file;
         }
     }

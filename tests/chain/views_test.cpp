@@ -23,6 +23,7 @@ std::string lasting(std::string text, const fs::path& folder) {
         text.replace(at, folder.string().size(), "FOLDER");
     replace("\\b[0-9a-f]{12,64}\\b(-modified)?", "HASH");
     replace("[0-9,]+ bytes", "N bytes");
+    replace("[0-9,]+ +HASH", "N HASH");
     replace(" +[0-9]+\\.[0-9]{2} s(?=\\n)", " T s");
     replace("agrees within [0-9]e-[0-9]+ m +[0-9.]+ s", "agrees within E m T s");
     return text;

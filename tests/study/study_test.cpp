@@ -9,7 +9,7 @@ namespace {
 
 /// Prints the table of one rate and checks every cell of it.
 void expect_coverage(double rate_hz) {
-    const CoverageOptions options;
+    const CoverageOptions options{.runs = 100, .runs_known = 1000};
     std::vector<CoverageCell> cells;
     for (const CoverageCell& cell : coverage_cells(rate_hz))
         cells.push_back(study_coverage(cell, options));

@@ -156,7 +156,7 @@ int certify(const CertifyOptions& options) {
     }
     const fs::path run_dir =
         options.out.empty() ? fs::path("out") / attempt.id : fs::path(options.out);
-    Workshop workshop(run_dir);
+    StagingFolder staging(run_dir);
     std::vector<StageDone> stages;
     const auto done = [&](const StageDone& stage) {
         StageDone shown = stage;
@@ -165,13 +165,13 @@ int certify(const CertifyOptions& options) {
         stages.push_back(stage);
     };
     try {
-        run_stages(options.attempt, workshop.path(), {}, done);
-        const StepCall call{.attempt = workshop.path() / evidence_attempt_file,
-                            .run_dir = workshop.path(),
+        run_stages(options.attempt, staging.path(), {}, done);
+        const StepCall call{.attempt = staging.path() / evidence_attempt_file,
+                            .run_dir = staging.path(),
                             .pdf = !options.no_pdf};
         const ProcessOptions unsynced{.environment = {synced_by_caller()}};
         StageDone written = run_step("report", call, unsynced);
-        if (key) sign_report(workshop.path(), read_report_facts(workshop.path()), *key, role);
+        if (key) sign_report(staging.path(), read_report_facts(staging.path()), *key, role);
         if (!options.no_render) {
             const StageDone rendered = run_step("render", call, unsynced);
             written.seconds += rendered.seconds;
@@ -182,8 +182,8 @@ int certify(const CertifyOptions& options) {
         fmt::print(stderr, "{}", failed.errors);
         return 2;
     }
-    write_file_unsynced(workshop.path() / "run.yaml", run_times_text(started, stages));
-    workshop.publish();
+    write_file_unsynced(staging.path() / "run.yaml", run_times_text(started, stages));
+    staging.publish();
     return print_verdicts(run_dir, key.has_value(), !options.no_render) ? 0 : 1;
 }
 

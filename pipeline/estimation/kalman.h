@@ -134,7 +134,7 @@ class UnknownsToTell {
     }
 
     /// Takes a measurement; whether it was needed to tell one of the unknowns.
-    bool told_by_measurement() {
+    bool determined_by_measurement() {
         step_open_ = false;
         if (unknowns_ == 0) return false;
         --unknowns_;
@@ -165,7 +165,7 @@ void filter_along(KalmanFilter<Axes>& filter, std::span<const ArcEpoch<Axes>> ar
         if (arc[k].measurement) {
             require_positive_definite<Axes>(arc[k].measurement->covariance, arc[k].time_s);
             Innovation<Axes> seen = filter.innovation(predicted, *arc[k].measurement);
-            seen.tests_model = !unknowns.told_by_measurement();
+            seen.tests_model = !unknowns.determined_by_measurement();
             estimate = filter.update(predicted, *arc[k].measurement);
             visit(k, predicted, &seen, estimate);
         } else {

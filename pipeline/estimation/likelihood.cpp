@@ -74,7 +74,7 @@ class Likelihood {
             if (arc[k].measurement) {
                 require_positive_definite<Axes>(arc[k].measurement->covariance, arc[k].time_s);
                 const auto seen = filter.take_in(measured(*arc[k].measurement));
-                if (!unknowns.told_by_measurement()) count(seen);
+                if (!unknowns.determined_by_measurement()) count(seen);
             }
             visited(k);
         }

@@ -70,13 +70,14 @@ struct Maxima {
     Best white;
     Best error;  ///< with an error
     std::optional<Best> singer;
-    bool error_told = false;
+    bool correlated_error_detected = false;
     bool converged = false;
 
     /// That of white noise alone unless an error is told.
-    const Best& of_persistent() const { return error_told ? error : white; }
+    const Best& of_persistent() const { return correlated_error_detected ? error : white; }
     void tell() {
-        error_told = error.log_likelihood - white.log_likelihood > gain_of_two_parameters;
+        correlated_error_detected =
+            error.log_likelihood - white.log_likelihood > gain_of_two_parameters;
     }
 };
 
@@ -111,7 +112,7 @@ class Fit {
         const Maxima maxima = by_part ? *near_part : find(whole_);
         fit.white_scale = maxima.white.scale;
         fit.error_gain = maxima.error.log_likelihood - maxima.white.log_likelihood;
-        fit.error_told = maxima.error_told;
+        fit.correlated_error_detected = maxima.correlated_error_detected;
         Best best = maxima.of_persistent();
         double acceleration_time_s = infinity;
         if (maxima.singer) {
@@ -160,8 +161,8 @@ class Fit {
         x.push_back(std::log(3.0));
         return search.maximise(x, 0.5, free_of_singer(persistent.x.size() > 1));
     }
-    static std::vector<bool> free_of_singer(bool error_told) {
-        return {true, error_told, error_told, true};
+    static std::vector<bool> free_of_singer(bool correlated_error_detected) {
+        return {true, correlated_error_detected, correlated_error_detected, true};
     }
 
     /// Nothing of a short recording, and where the part is not like the whole: a craft that stands
@@ -197,8 +198,8 @@ class Fit {
         do_together(
             [&] {
                 if (part.singer)
-                    maxima.singer =
-                        searches[0].maximise(part.singer->x, step, free_of_singer(part.error_told));
+                    maxima.singer = searches[0].maximise(
+                        part.singer->x, step, free_of_singer(part.correlated_error_detected));
             },
             [&] { maxima.error = searches[1].maximise(part.error.x, step); },
             [&] { maxima.white = searches[2].maximise(part.white.x, step); });
@@ -327,13 +328,14 @@ class Fit {
             parameter.at_bound = is_scale ? best.scale <= scale_min
                                           : best.x[i] < whole_.lower_bound(i) + near ||
                                                 best.x[i] > whole_.upper_bound(i) - near;
-            if (!parameter.at_bound && (!of_error || fit.error_told)) free.push_back(i);
+            if (!parameter.at_bound && (!of_error || fit.correlated_error_detected))
+                free.push_back(i);
         }
         auto covariance = covariance_at(y, free);
         // Size and correlation time may trade against each other along a ridge on which the
         // likelihood is flat: then the correlation time is not told.
         const auto tau = std::find(free.begin(), free.end(), 2U);
-        if (fit.error_told && tau != free.end()) {
+        if (fit.correlated_error_detected && tau != free.end()) {
             const auto k = static_cast<Eigen::Index>(tau - free.begin());
             if (!covariance || (*covariance)(k, k) > 1.0) {
                 free.erase(tau);
@@ -345,7 +347,7 @@ class Fit {
                 const auto k = static_cast<Eigen::Index>(a);
                 parameters[free[a]]->relative_uncertainty = std::sqrt((*covariance)(k, k));
             }
-        if (!fit.error_told) {
+        if (!fit.correlated_error_detected) {
             fit.error_diffusion = {};
             fit.error_tau = {};
             return;

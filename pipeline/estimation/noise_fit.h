@@ -46,7 +46,7 @@ struct NoiseFit {
     FittedParameter acceleration_time;  ///< s; infinite where acceleration persists
     /// Whether a Gauss-Markov error improves the likelihood beyond chance (likelihood ratio
     /// against white noise alone, chi-squared with two degrees of freedom, 5 %).
-    bool error_told = false;
+    bool correlated_error_detected = false;
     /// sigma sqrt(2 / tau) of that error, m s^-0.5: how fast it wanders, which the data tell best.
     FittedParameter error_diffusion;
     FittedParameter error_tau;    ///< its correlation time, s; often not told

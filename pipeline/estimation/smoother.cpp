@@ -90,10 +90,10 @@ double SmoothedArc<Axes>::variance(std::size_t s, const Gradients<Axes>& gradien
 }
 
 template <int Axes>
-CountedMatrix<Axes> SmoothedArc<Axes>::covariance(std::size_t s,
-                                                  const CountedGradients<Axes>& gradients) const {
-    const CountedMatrix<Axes> covariance =
-        joint_covariance<Axes, counted_axes<Axes>>(*this, s, gradients);
+SpeedMatrix<Axes> SmoothedArc<Axes>::covariance(std::size_t s,
+                                                const CountedGradients<Axes>& gradients) const {
+    const SpeedMatrix<Axes> covariance =
+        joint_covariance<Axes, speed_axes<Axes>>(*this, s, gradients);
     return 0.5 * (covariance + covariance.transpose());
 }
 

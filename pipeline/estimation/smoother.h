@@ -13,15 +13,15 @@ using Gradients = std::vector<StateVector<Axes>>;
 
 /// The axes that a displacement is counted along: east and north, or up where heights are alone.
 template <int Axes>
-inline constexpr int counted_axes = Axes == 1 ? 1 : 2;
+inline constexpr int speed_axes = Axes == 1 ? 1 : 2;
 template <int Axes>
-using CountedVector = Eigen::Matrix<double, counted_axes<Axes>, 1>;
+using SpeedVector = Eigen::Matrix<double, speed_axes<Axes>, 1>;
 template <int Axes>
-using CountedMatrix = Eigen::Matrix<double, counted_axes<Axes>, counted_axes<Axes>>;
+using SpeedMatrix = Eigen::Matrix<double, speed_axes<Axes>, speed_axes<Axes>>;
 
 /// The same of a vector along these axes: a column for each of its coordinates.
 template <int Axes>
-using CountedGradients = std::vector<Eigen::Matrix<double, state_size<Axes>, counted_axes<Axes>>>;
+using CountedGradients = std::vector<Eigen::Matrix<double, state_size<Axes>, speed_axes<Axes>>>;
 
 /// A step of an arc over which the positions jump by an unknown offset. What the craft itself moved
 /// over it, each axis for itself, is told by velocity and acceleration at its two ends: the mean of
@@ -70,7 +70,7 @@ struct SmoothedArc {
     double variance(std::size_t s, const Gradients<Axes>& gradients) const;
 
     /// The same for a vector along the counted axes.
-    CountedMatrix<Axes> covariance(std::size_t s, const CountedGradients<Axes>& gradients) const;
+    SpeedMatrix<Axes> covariance(std::size_t s, const CountedGradients<Axes>& gradients) const;
 
     /// The bridged steps between epochs s and e: those with s < epoch <= e.
     std::span<const BridgedStep> bridged_between(std::size_t s, std::size_t e) const;

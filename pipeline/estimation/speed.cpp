@@ -1,8 +1,9 @@
-#include "core/eigenvalues.h"
 #include "estimation/speed.h"
 
 #include <algorithm>
 #include <cmath>
+
+#include "core/eigenvalues.h"
 
 namespace runcert {
 
@@ -31,7 +32,7 @@ CountedGradients<Axes> displacement_gradients(const SmoothedArc<Axes>& arc, std:
                                               std::size_t e) {
     CountedGradients<Axes> gradients(e - s + 1, CountedGradients<Axes>::value_type::Zero());
     const auto add = [&](std::size_t k, int block, double factor) {
-        gradients[k - s].template middleRows<counted_axes<Axes>>(block * Axes).diagonal().array() +=
+        gradients[k - s].template middleRows<speed_axes<Axes>>(block * Axes).diagonal().array() +=
             factor;
     };
     add(s, 0, -1.0);
@@ -50,12 +51,12 @@ CountedGradients<Axes> displacement_gradients(const SmoothedArc<Axes>& arc, std:
 }  // namespace
 
 template <int Axes>
-CountedVector<Axes> displacement(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e) {
-    constexpr int counted = counted_axes<Axes>;
+SpeedVector<Axes> displacement(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e) {
+    constexpr int counted = speed_axes<Axes>;
     const auto position = [&](std::size_t k) {
         return arc.states[k].mean.template head<counted>();
     };
-    CountedVector<Axes> displacement = position(e) - position(s);
+    SpeedVector<Axes> displacement = position(e) - position(s);
     for (const BridgedStep& step : arc.bridged_between(s, e)) {
         const std::size_t k = step.epoch;
         displacement -= position(k) - position(k - 1);
@@ -66,17 +67,17 @@ CountedVector<Axes> displacement(const SmoothedArc<Axes>& arc, std::size_t s, st
 }
 
 template <int Axes>
-CountedMatrix<Axes> displacement_covariance(const SmoothedArc<Axes>& arc, std::size_t s,
-                                            std::size_t e) {
-    constexpr int counted = counted_axes<Axes>;
+SpeedMatrix<Axes> displacement_covariance(const SmoothedArc<Axes>& arc, std::size_t s,
+                                          std::size_t e) {
+    constexpr int counted = speed_axes<Axes>;
     const std::span<const BridgedStep> bridged = arc.bridged_between(s, e);
     if (!bridged.empty()) {
-        CountedMatrix<Axes> covariance = arc.covariance(s, displacement_gradients(arc, s, e));
+        SpeedMatrix<Axes> covariance = arc.covariance(s, displacement_gradients(arc, s, e));
         for (const BridgedStep& step : bridged)
             covariance.diagonal().array() += step.variance_m2;
         return covariance;
     }
-    const CountedMatrix<Axes> cross =
+    const SpeedMatrix<Axes> cross =
         arc.cross_covariance(s, e).template topLeftCorner<counted, counted>();
     return arc.states[s].covariance.template topLeftCorner<counted, counted>() +
            arc.states[e].covariance.template topLeftCorner<counted, counted>() - cross -
@@ -86,8 +87,8 @@ CountedMatrix<Axes> displacement_covariance(const SmoothedArc<Axes>& arc, std::s
 template <int Axes>
 SpeedEstimate displacement_speed(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e,
                                  double duration_s) {
-    const CountedVector<Axes> velocity = displacement(arc, s, e) / duration_s;
-    const CountedMatrix<Axes> covariance =
+    const SpeedVector<Axes> velocity = displacement(arc, s, e) / duration_s;
+    const SpeedMatrix<Axes> covariance =
         displacement_covariance(arc, s, e) / (duration_s * duration_s);
     if constexpr (Axes == 1)
         return vertical_speed(velocity.value(), covariance.value());
@@ -98,10 +99,10 @@ SpeedEstimate displacement_speed(const SmoothedArc<Axes>& arc, std::size_t s, st
 template <int Axes>
 Gradients<Axes> displacement_speed_gradients(const SmoothedArc<Axes>& arc, std::size_t s,
                                              std::size_t e, double duration_s) {
-    const CountedVector<Axes> moved = displacement(arc, s, e);
+    const SpeedVector<Axes> moved = displacement(arc, s, e);
     Gradients<Axes> gradients(e - s + 1, StateVector<Axes>::Zero());
     if (moved.norm() == 0.0) return gradients;
-    const CountedVector<Axes> direction = moved.normalized() / duration_s;
+    const SpeedVector<Axes> direction = moved.normalized() / duration_s;
     const CountedGradients<Axes> of_both = displacement_gradients(arc, s, e);
     for (std::size_t i = 0; i < gradients.size(); ++i)
         gradients[i] = of_both[i] * direction;
@@ -125,10 +126,10 @@ Gradients<Axes> mean_speed_gradients(const SmoothedArc<Axes>& arc, std::size_t s
     const auto count = static_cast<double>(e - s + 1);
     Gradients<Axes> gradients(e - s + 1, StateVector<Axes>::Zero());
     for (std::size_t k = s; k <= e; ++k) {
-        const CountedVector<Axes> velocity =
-            arc.states[k].mean.template segment<counted_axes<Axes>>(Axes);
+        const SpeedVector<Axes> velocity =
+            arc.states[k].mean.template segment<speed_axes<Axes>>(Axes);
         if (velocity.norm() > 0.0)
-            gradients[k - s].template segment<counted_axes<Axes>>(Axes) =
+            gradients[k - s].template segment<speed_axes<Axes>>(Axes) =
                 velocity.normalized() / count;
     }
     return gradients;
@@ -150,16 +151,16 @@ template <int Axes>
 SpeedEstimate mean_speed(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e) {
     double sum_mps = 0.0;
     for (std::size_t k = s; k <= e; ++k)
-        sum_mps += arc.states[k].mean.template segment<counted_axes<Axes>>(Axes).norm();
+        sum_mps += arc.states[k].mean.template segment<speed_axes<Axes>>(Axes).norm();
     return {sum_mps / static_cast<double>(e - s + 1),
             std::sqrt(std::max(arc.variance(s, mean_speed_gradients(arc, s, e)), 0.0))};
 }
 
 #define RUNCERT_INSTANTIATE(AXES)                                                                  \
-    template CountedVector<AXES> displacement<AXES>(const SmoothedArc<AXES>&, std::size_t,         \
-                                                    std::size_t);                                  \
-    template CountedMatrix<AXES> displacement_covariance<AXES>(const SmoothedArc<AXES>&,           \
-                                                               std::size_t, std::size_t);          \
+    template SpeedVector<AXES> displacement<AXES>(const SmoothedArc<AXES>&, std::size_t,           \
+                                                  std::size_t);                                    \
+    template SpeedMatrix<AXES> displacement_covariance<AXES>(const SmoothedArc<AXES>&,             \
+                                                             std::size_t, std::size_t);            \
     template SpeedEstimate displacement_speed<AXES>(const SmoothedArc<AXES>&, std::size_t,         \
                                                     std::size_t, double);                          \
     template SpeedEstimate path_speed<AXES>(const SmoothedArc<AXES>&, std::size_t, std::size_t,    \

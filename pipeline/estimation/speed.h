@@ -26,13 +26,13 @@ SpeedEstimate vertical_speed(double velocity_mps, double variance);
 /// hold the unknown offset, what velocity and acceleration at both ends say of the motion
 /// (`BridgedStep`).
 template <int Axes>
-CountedVector<Axes> displacement(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e);
+SpeedVector<Axes> displacement(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e);
 
 /// Covariance (m^2) of this displacement: P_s + P_e - C - C', from the joint covariance of both
 /// positions; across bridged steps, from that of all states between.
 template <int Axes>
-CountedMatrix<Axes> displacement_covariance(const SmoothedArc<Axes>& arc, std::size_t s,
-                                            std::size_t e);
+SpeedMatrix<Axes> displacement_covariance(const SmoothedArc<Axes>& arc, std::size_t s,
+                                          std::size_t e);
 
 /// Horizontal displacement over time between epochs s and e of an arc, with the uncertainty
 /// u' [P_s + P_e - C - C'] u / T^2, or as above across bridged steps; u is the direction of the

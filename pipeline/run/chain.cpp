@@ -18,12 +18,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view workshop_prefix = ".runcert-";
+constexpr std::string_view staging_prefix = ".runcert-";
 
-/// Removes workshops of runs that were killed: whoever makes one holds the lock of the run folder.
+/// Removes staging folders of runs that were killed: whoever makes one holds the lock of the run
+/// folder.
 void remove_abandoned(const fs::path& run_dir) {
     for (const auto& entry : fs::directory_iterator(run_dir)) {
-        if (!entry.path().filename().string().starts_with(workshop_prefix) || !entry.is_directory())
+        if (!entry.path().filename().string().starts_with(staging_prefix) || !entry.is_directory())
             continue;
         std::error_code ignored;
         fs::remove_all(entry.path(), ignored);
@@ -74,22 +75,22 @@ void run_stages(const fs::path& attempt, const fs::path& run_dir, const fs::path
     }
 }
 
-Workshop::Workshop(fs::path run_dir)
+StagingFolder::StagingFolder(fs::path run_dir)
     : run_dir_(std::move(run_dir)), created_run_dir_(!fs::exists(run_dir_)) {
     make_directory(run_dir_);
     lock_.emplace(run_dir_);
     remove_abandoned(run_dir_);
-    path_ = run_dir_ / fmt::format("{}{}", workshop_prefix, getpid());
+    path_ = run_dir_ / fmt::format("{}{}", staging_prefix, getpid());
     make_directory(path_);
 }
 
-Workshop::~Workshop() {
+StagingFolder::~StagingFolder() {
     std::error_code ignored;
     fs::remove_all(path_, ignored);
     if (created_run_dir_ && fs::is_empty(run_dir_, ignored)) fs::remove(run_dir_, ignored);
 }
 
-void Workshop::publish() {
+void StagingFolder::publish() {
     std::vector<std::string> names;
     for (const auto& entry : fs::directory_iterator(path_))
         names.push_back(entry.path().filename().string());

@@ -40,12 +40,12 @@ void run_stages(const std::filesystem::path& attempt, const std::filesystem::pat
 /// A folder inside a run folder in which new results are made, so that earlier ones stay whole
 /// until all new ones are. Removed at the end with what is left in it, and the run folder too if it
 /// did not exist before and holds nothing. Meanwhile it holds the run folder's lock.
-class Workshop {
+class StagingFolder {
   public:
-    explicit Workshop(std::filesystem::path run_dir);
-    ~Workshop();
-    Workshop(const Workshop&) = delete;
-    Workshop& operator=(const Workshop&) = delete;
+    explicit StagingFolder(std::filesystem::path run_dir);
+    ~StagingFolder();
+    StagingFolder(const StagingFolder&) = delete;
+    StagingFolder& operator=(const StagingFolder&) = delete;
 
     const std::filesystem::path& path() const { return path_; }
 

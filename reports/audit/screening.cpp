@@ -47,8 +47,8 @@ std::vector<AuditEntry> audit_entries(const std::vector<ScreenedEpoch>& rows) {
     return entries;
 }
 
-std::optional<DetectableSizes> detectable_sizes(const std::vector<ScreenedEpoch>& rows,
-                                                std::optional<double> DetectableError::*size) {
+std::optional<DetectableSizes> detectable_sizes(
+    const std::vector<ScreenedEpoch>& rows, std::optional<double> MinimalDetectableBias::*size) {
     DetectableSizes sizes;
     std::vector<double> found;
     for (const ScreenedEpoch& row : rows) {

@@ -36,7 +36,7 @@ struct DetectableSizes {
 };
 /// Nothing where no usable row has one.
 std::optional<DetectableSizes> detectable_sizes(const std::vector<ScreenedEpoch>& rows,
-                                                std::optional<double> DetectableError::*size);
+                                                std::optional<double> MinimalDetectableBias::*size);
 
 /// The certified window of a rule.
 struct AuditedWindow {

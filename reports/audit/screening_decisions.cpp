@@ -63,7 +63,7 @@ bool has_tested(Reason reason) {
     }
 }
 
-std::string detectable_text(const DetectableError& error) {
+std::string detectable_text(const MinimalDetectableBias& error) {
     std::string sizes;
     const auto add = [&](std::string_view name, std::optional<double> size, int decimals,
                          std::string_view unit) {

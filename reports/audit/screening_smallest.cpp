@@ -13,16 +13,16 @@ struct Quantity {
     std::string_view name;
     std::string_view unit;
     int decimals;
-    std::optional<double> DetectableError::*size;
+    std::optional<double> MinimalDetectableBias::*size;
 };
 
 constexpr Quantity quantities[] = {
-    {"A wrong position of one epoch", "m", 3, &DetectableError::outlier_m},
-    {"A step of the positions", "m", 3, &DetectableError::step_m},
-    {"A drift of the positions", "m/s", 3, &DetectableError::ramp_mps},
-    {"A jump of the time stamps", "s", 4, &DetectableError::time_s},
-    {"A wrong height of one epoch", "m", 3, &DetectableError::outlier_up_m},
-    {"A step of the heights", "m", 3, &DetectableError::step_up_m}};
+    {"A wrong position of one epoch", "m", 3, &MinimalDetectableBias::outlier_m},
+    {"A step of the positions", "m", 3, &MinimalDetectableBias::step_m},
+    {"A drift of the positions", "m/s", 3, &MinimalDetectableBias::ramp_mps},
+    {"A jump of the time stamps", "s", 4, &MinimalDetectableBias::time_s},
+    {"A wrong height of one epoch", "m", 3, &MinimalDetectableBias::outlier_up_m},
+    {"A step of the heights", "m", 3, &MinimalDetectableBias::step_up_m}};
 
 std::string line_of(const Quantity& quantity, const DetectableSizes& sizes) {
     const auto text = [&](double value) {
@@ -72,7 +72,7 @@ std::vector<Block> smallest_blocks(const ScreenedTable& table, const AuditSubjec
                     "could be found.",
                     format_fixed(100.0 * table.evidence.power, 1))}};
     blocks.emplace_back(std::move(lines));
-    if (const auto step = detectable_sizes(table.rows, &DetectableError::step_m))
+    if (const auto step = detectable_sizes(table.rows, &MinimalDetectableBias::step_m))
         blocks.emplace_back(Paragraph{consequence(*step, subject.windows)});
     return blocks;
 }

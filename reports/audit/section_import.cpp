@@ -106,10 +106,10 @@ Facts declared(const Receiver& receiver) {
                             ? ", " + metres(receiver.accuracy->vertical_m) + " vertical"
                             : ""));
     if (receiver.lever_arm)
-        add("Lever arm, by the attempt",
-            fmt::format("{} m forward, {} m right, {} m down", figure_text(receiver.lever_arm->x()),
-                        figure_text(receiver.lever_arm->y()),
-                        figure_text(receiver.lever_arm->z())));
+        add("Lever arm, by the attempt", fmt::format("{} m forward, {} m right, {} m down",
+                                                     figure_text((*receiver.lever_arm)[0]),
+                                                     figure_text((*receiver.lever_arm)[1]),
+                                                     figure_text((*receiver.lever_arm)[2])));
     add("Antenna height, by the attempt", metres(receiver.antenna_height_m));
     add("Height, by the attempt", metres(receiver.height_m));
     add("Start date, by the attempt", receiver.start_date);

@@ -31,7 +31,7 @@ std::string fitted_text(const NoiseParameter& parameter, std::string_view unit) 
 }
 
 std::string slow_error_text(const NoiseSummary& noise) {
-    if (!noise.error_told || !noise.error_sigma_m || !noise.error_tau_s)
+    if (!noise.correlated_error_detected || !noise.error_sigma_m || !noise.error_tau_s)
         return fmt::format(
             "could not be told from white noise and motion (looked for from {} s to {} s): the "
             "bound of the window stage decides",

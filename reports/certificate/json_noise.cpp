@@ -46,7 +46,8 @@ std::string parameter_text(const NoiseParameter& parameter, const NoiseSummary& 
 
 std::string error_text(const std::optional<NoiseParameter>& parameter, const NoiseSummary& noise,
                        const std::string& unit) {
-    if (noise.error_told && parameter) return parameter_text(*parameter, noise, unit);
+    if (noise.correlated_error_detected && parameter)
+        return parameter_text(*parameter, noise, unit);
     return noise.status == NoiseBasis::fitted ? "not told" : "not looked for";
 }
 

@@ -10,6 +10,7 @@
 #include "estimation/tables/arcs.h"
 #include "estimation/tables/noise_models.h"
 #include "reports/compare/recorded_velocity.h"
+#include "schemas/enu/measured_position.h"
 
 namespace runcert {
 namespace {

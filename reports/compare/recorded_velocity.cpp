@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "reports/compare/enhanced_kalman.h"
+#include "schemas/observations/stated_covariance.h"
 
 namespace runcert {
 namespace {

@@ -53,8 +53,8 @@ std::string window_words(const DayResult& result) {
 
 std::string told_apart_words(const DayPlace& place, std::optional<std::int64_t> above,
                              std::optional<std::int64_t> below) {
-    const auto& up = place.not_told_apart_up_to;
-    const auto& down = place.not_told_apart_down_to;
+    const auto& up = place.tied_up_to_rank;
+    const auto& down = place.tied_down_to_rank;
     if (!up && !down) return {};
     const auto range = [](std::int64_t first, std::int64_t last) {
         return first == last ? fmt::format("rank {}", first)

@@ -33,7 +33,7 @@ bool told_apart(const Entry& a, const Entry& b) {
 
 /// The last place that one is not told apart from, going step by step (1 or -1) from it; nothing
 /// where that has its own rank.
-std::optional<std::int64_t> not_told_apart(const std::vector<Entry>& entries,
+std::optional<std::int64_t> tied_rank(const std::vector<Entry>& entries,
                                            const std::vector<DayPlace>& places, std::size_t from,
                                            std::ptrdiff_t step) {
     std::optional<std::int64_t> last;
@@ -70,8 +70,8 @@ std::vector<DayPlace> ranking_by(std::string_view profile,
     }
     for (std::size_t i = 0; i < entries.size(); ++i)
         if (places[i].rank) {
-            places[i].not_told_apart_up_to = not_told_apart(entries, places, i, -1);
-            places[i].not_told_apart_down_to = not_told_apart(entries, places, i, 1);
+            places[i].tied_up_to_rank = tied_rank(entries, places, i, -1);
+            places[i].tied_down_to_rank = tied_rank(entries, places, i, 1);
         }
     return places;
 }

@@ -148,8 +148,7 @@ Receiver read_receiver(const YamlValue& entry) {
     receiver.time_source = entry["time_source"].text_or("");
     receiver.antenna_height_m = entry["antenna_height_m"].optional_real();
     if (const YamlValue arm = entry["lever_arm_m"]; arm.exists())
-        receiver.lever_arm =
-            Eigen::Vector3d(arm["forward"].real(), arm["right"].real(), arm["down"].real());
+        receiver.lever_arm = {arm["forward"].real(), arm["right"].real(), arm["down"].real()};
     receiver.rotation_bound_deg = entry["rotation_bound_deg"].optional_real();
     if (receiver.rotation_bound_deg && !receiver.lever_arm)
         entry["rotation_bound_deg"].fail(

@@ -1,13 +1,13 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <array>
 #include <map>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "core/geodesy.h"
+#include "core/geodetic.h"
 #include "core/gps_time.h"
 #include "files/held_json.h"
 #include "schemas/common/header.h"
@@ -56,7 +56,7 @@ struct Receiver {
     std::string time_source;  ///< "satellites" where the attempt says so; empty where not given
     std::optional<double> antenna_height_m;
     /// From the antenna to the craft's reference point (m): forward, right, down.
-    std::optional<Eigen::Vector3d> lever_arm;
+    std::optional<std::array<double, 3>> lever_arm;
     /// Largest change of the craft's attitude, about any axis, between the ends of a window.
     std::optional<double> rotation_bound_deg = std::nullopt;
     /// How the recording is to be read, as the attempt has it: all but the names of receiver and
@@ -84,8 +84,8 @@ struct ReplacedFigure {
 
 /// A point on the ground: on the Earth, or in the recording's own plane.
 struct CoursePoint {
-    std::optional<Geodetic> geodetic;        ///< its height is not known, and zero
-    std::optional<Eigen::Vector2d> plane_m;  ///< east, north
+    std::optional<Geodetic> geodetic;              ///< its height is not known, and zero
+    std::optional<std::array<double, 2>> plane_m;  ///< east, north
 };
 
 /// A surveyed line across the course, its ends seen along the course.

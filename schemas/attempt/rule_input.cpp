@@ -60,7 +60,7 @@ CoursePoint read_point(const YamlValue& map) {
                  "Give latitude_deg and longitude_deg, or east_m and north_m");
     if (in_plane)
         return {.geodetic = std::nullopt,
-                .plane_m = Eigen::Vector2d(map["east_m"].real(), map["north_m"].real())};
+                .plane_m = std::array{map["east_m"].real(), map["north_m"].real()}};
     return {.geodetic = Geodetic{.latitude = Angle::from_degrees(map["latitude_deg"].real()),
                                  .longitude = Angle::from_degrees(map["longitude_deg"].real()),
                                  .height_m = 0.0},

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "core/geodesy.h"
+#include "core/geodetic.h"
 #include "schemas/common/codec.h"
 
 namespace runcert {

@@ -1,4 +1,4 @@
-#include "schemas/observations/observations.h"
+#include "schemas/observations/stated_covariance.h"
 
 namespace runcert {
 

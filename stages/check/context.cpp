@@ -47,7 +47,7 @@ CourseErrors errors_of(const ReceiverEvidence& judged, const CertifiableWindow& 
         const NoiseSummary& noise = vertical->noise;
         errors.slow_vertical_m =
             std::max({errors.slow_vertical_m, noise.white_scale * noise.stated_sigma_m,
-                      noise.error_told ? noise.error_sigma_m->value : 0.0});
+                      noise.correlated_error_detected ? noise.error_sigma_m->value : 0.0});
     }
     return errors;
 }

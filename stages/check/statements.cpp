@@ -60,7 +60,7 @@ void add_fit(const NoiseSummary& noise, const std::string& axes, Statements& sta
         noise.acceleration_time_s
             ? fmt::format(", acceleration that lasts {:.2g} s", noise.acceleration_time_s->value)
             : std::string()));
-    if (!noise.error_told)
+    if (!noise.correlated_error_detected)
         statements.push_back(fmt::format(
             "A slowly varying error of the {} positions could not be told from their white noise "
             "and the motion: its bound decides.",

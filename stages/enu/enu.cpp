@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/failure.h"
+#include "schemas/observations/stated_covariance.h"
 
 namespace runcert {
 namespace {

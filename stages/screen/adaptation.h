@@ -21,9 +21,9 @@ struct ScreeningDecision {
 };
 
 /// A decision, or none, as nearly all epochs have: it takes the place of a pointer there.
-class RareDecision {
+class OptionalDecision {
   public:
-    RareDecision& operator=(const ScreeningDecision& decision) {
+    OptionalDecision& operator=(const ScreeningDecision& decision) {
         decision_ = std::make_unique<ScreeningDecision>(decision);
         return *this;
     }
@@ -42,8 +42,8 @@ struct ArcDecisions {
     explicit ArcDecisions(std::size_t epochs)
         : left_out(epochs), breaks(epochs), manoeuvres_mps2(epochs, 0.0) {}
 
-    std::vector<RareDecision> left_out;  ///< the measurement is not used
-    std::vector<RareDecision> breaks;    ///< a step, ramp or shift begins here
+    std::vector<OptionalDecision> left_out;  ///< the measurement is not used
+    std::vector<OptionalDecision> breaks;    ///< a step, ramp or shift begins here
     /// By how much (m/s^2) the craft's acceleration changes before the epoch, where it changes more
     /// than the model has it.
     std::vector<double> manoeuvres_mps2;

@@ -9,6 +9,8 @@
 #include "core/rounding.h"
 #include "core/statistics.h"
 #include "estimation/memory.h"
+#include "schemas/enu/measured_position.h"
+#include "schemas/observations/stated_covariance.h"
 
 namespace runcert {
 namespace {

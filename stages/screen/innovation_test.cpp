@@ -5,6 +5,8 @@
 
 #include "core/statistics.h"
 #include "estimation/kalman.h"
+#include "schemas/enu/measured_position.h"
+#include "schemas/observations/stated_covariance.h"
 
 namespace runcert {
 namespace {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/geodesy.h"
+#include "schemas/observations/stated_covariance.h"
 
 namespace runcert {
 namespace {

@@ -115,8 +115,9 @@ void test_positions(ScreenedTable& screened, const ScreeningNoises& noises, cons
 
 /// The witnesses beside the positions: what they mark changes the motion, so that they are asked
 /// again.
-Motion ask_witnesses(ScreenedTable& screened, const ScreeningNoises& noises, const TestPlan& plan,
-                     const ScreenConfig& config, ScreeningEvidence& evidence) {
+Motion check_velocities_and_limits(ScreenedTable& screened, const ScreeningNoises& noises,
+                                   const TestPlan& plan, const ScreenConfig& config,
+                                   ScreeningEvidence& evidence) {
     constexpr int rounds = 4;
     std::int64_t velocities = 0;
     std::int64_t limits = 0;
@@ -186,7 +187,7 @@ ReceiverScreening screen_alone(const EnuTable& table, const ScreenConfig& config
         noises = learn_noises(look, config, evidence);
     }
     test_positions(screened, noises, plan, config, evidence);
-    Motion motion = ask_witnesses(screened, noises, plan, config, evidence);
+    Motion motion = check_velocities_and_limits(screened, noises, plan, config, evidence);
     screened.evidence = std::move(evidence);
     return {.table = std::move(screened),
             .noises = std::move(noises),

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "core/statistics.h"
+#include "schemas/enu/measured_position.h"
 
 namespace runcert {
 namespace {

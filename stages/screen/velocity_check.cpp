@@ -8,6 +8,8 @@
 
 #include "core/statistics.h"
 #include "estimation/velocity_delay.h"
+#include "schemas/enu/measured_position.h"
+#include "schemas/observations/stated_covariance.h"
 
 namespace runcert {
 namespace {

@@ -71,9 +71,9 @@ void take_over(const NoiseFit& fit, NoiseSummary& noise) {
     if (std::isfinite(fit.acceleration_time.value))
         noise.acceleration_time_s = parameter(fit.acceleration_time);
     noise.singer_gain = rounded(fit.singer_gain, 2);
-    noise.error_told = fit.error_told;
+    noise.correlated_error_detected = fit.correlated_error_detected;
     noise.error_gain = rounded(fit.error_gain, 2);
-    if (fit.error_told) {
+    if (fit.correlated_error_detected) {
         noise.error_diffusion = parameter(fit.error_diffusion);
         noise.error_tau_s = parameter(fit.error_tau);
         noise.error_sigma_m = parameter(fit.error_sigma);

@@ -148,7 +148,7 @@ ErrorBound bound_of(const AxesEvidence<Axes>& evidence, const WindowChoice& choi
     double along = 1.0;
     if constexpr (Axes == 2) {
         const Eigen::Vector2d moved = displacement(at.smoothed, at.window.first, at.window.last);
-        if (evidence.noise.error_told && moved.norm() > 0.0)
+        if (evidence.noise.correlated_error_detected && moved.norm() > 0.0)
             along = error_along(stretch.epochs, evidence.model, moved.normalized());
     }
     return error_bound<Axes>(evidence.screened, arc.rows[choice.found.first],

@@ -19,7 +19,7 @@ Eigen::Vector2d in_frame(const CoursePoint& point, const Course& course,
                              : "the course is on the Earth, the recording in a plane of its own",
                       origin ? "Give latitude_deg and longitude_deg of the course's points"
                              : "Give east_m and north_m of the course's points");
-    if (!origin) return *point.plane_m;
+    if (!origin) return Eigen::Vector2d(point.plane_m->data());
     Geodetic place = *point.geodetic;
     // Heights of the points are not known: the course is where the origin is.
     place.height_m = origin->position.height_m;

@@ -7,6 +7,7 @@
 #include "core/accuracy_measures.h"
 #include "core/uncertainty.h"
 #include "estimation/sensitivity.h"
+#include "schemas/observations/stated_covariance.h"
 
 namespace runcert {
 namespace {
@@ -45,7 +46,7 @@ ErrorBound error_bound(const ScreenedTable& screened, std::size_t first_row, std
     // A scale below one is that of errors which differ from epoch to epoch: the smooth ones it
     // cannot see.
     bound.stated_m = std::max(1.0, noise.white_scale) * std::sqrt(sum / static_cast<double>(count));
-    if (noise.error_told)
+    if (noise.correlated_error_detected)
         bound.fitted_m = along * noise.error_diffusion->value * std::sqrt(0.5 * rule.tau_min_s);
     bound.sigma_m = std::max({bound.fitted_m, bound.stated_m, bound.floor_m});
     bound.decided_by = bound.sigma_m == bound.floor_m    ? BoundSource::floor
@@ -57,12 +58,12 @@ ErrorBound error_bound(const ScreenedTable& screened, std::size_t first_row, std
 template <int Axes>
 double position_r95_m(const SmoothedArc<Axes>& smoothed, EpochPair window,
                       const ErrorBound& bound) {
-    constexpr int counted = counted_axes<Axes>;
+    constexpr int counted = speed_axes<Axes>;
     double radius_m = 0.0;
     for (const std::size_t k : {window.first, window.last}) {
-        const CountedMatrix<Axes> covariance =
+        const SpeedMatrix<Axes> covariance =
             smoothed.states[k].covariance.template topLeftCorner<counted, counted>() +
-            bound.sigma_m * bound.sigma_m * CountedMatrix<Axes>::Identity();
+            bound.sigma_m * bound.sigma_m * SpeedMatrix<Axes>::Identity();
         if constexpr (Axes == 1)
             radius_m = std::max(
                 radius_m, coverage_factor(0.95, std::nullopt) * std::sqrt(covariance.value()));
@@ -70,11 +71,11 @@ double position_r95_m(const SmoothedArc<Axes>& smoothed, EpochPair window,
             radius_m = std::max(radius_m, r95(covariance));
     }
     for (const BridgedStep& step : smoothed.bridged_between(window.first, window.last)) {
-        const auto position = [&](std::size_t k) -> CountedVector<Axes> {
+        const auto position = [&](std::size_t k) -> SpeedVector<Axes> {
             return smoothed.states[k].mean.template head<counted>();
         };
-        const CountedVector<Axes> offset = position(step.epoch) - position(step.epoch - 1) -
-                                           displacement(smoothed, step.epoch - 1, step.epoch);
+        const SpeedVector<Axes> offset = position(step.epoch) - position(step.epoch - 1) -
+                                         displacement(smoothed, step.epoch - 1, step.epoch);
         radius_m += offset.norm();
     }
     return radius_m;
@@ -83,7 +84,7 @@ double position_r95_m(const SmoothedArc<Axes>& smoothed, EpochPair window,
 GaussMarkovError bounding_error(const NoiseSummary& noise, const ErrorBound& bound) {
     const GaussMarkovError error =
         GaussMarkovError::bounding(bound.sigma_m, bound.tau_min_s, bound.tau_max_s);
-    if (!noise.error_told) return error;
+    if (!noise.correlated_error_detected) return error;
     return GaussMarkovError::larger(
         error, GaussMarkovError::bounding_diffusion(bound.along * noise.error_diffusion->value,
                                                     bound.tau_max_s));

@@ -33,7 +33,7 @@ namespace {
 
 template <int Axes>
 double speed_at(const SmoothedArc<Axes>& smoothed, std::size_t k) {
-    return smoothed.states[k].mean.template segment<counted_axes<Axes>>(Axes).norm();
+    return smoothed.states[k].mean.template segment<speed_axes<Axes>>(Axes).norm();
 }
 
 /// By how much an error of the path, over the duration, counts in the speed over a given length:

@@ -25,9 +25,9 @@ std::optional<TrajectoryDifference> difference_from(const TrajectoryTable& traje
     constexpr double tolerance_m = 2e-6;  // coordinates are written to a micrometre
     for (const std::size_t k : {part.window.first, part.window.last}) {
         const TrajectoryEpoch& row = trajectory.rows[part.arc.rows[k]];
-        const CountedVector<Axes> position =
-            smoothed.states[k].mean.template head<counted_axes<Axes>>();
-        CountedVector<Axes> written;
+        const SpeedVector<Axes> position =
+            smoothed.states[k].mean.template head<speed_axes<Axes>>();
+        SpeedVector<Axes> written;
         if constexpr (Axes == 1)
             written << *row.up_m;
         else

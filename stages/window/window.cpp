@@ -218,13 +218,15 @@ ProfileOrFailure result_or_failure(const Task& task) {
 
 WindowConfig window_config(const Attempt& attempt, const Receiver& receiver) {
     const nlohmann::ordered_json& parameters = attempt.parameters.at("window");
+    std::optional<Eigen::Vector3d> lever_arm;
+    if (receiver.lever_arm) lever_arm = Eigen::Vector3d(receiver.lever_arm->data());
     return {.duration_tolerance_s = parameters.at("duration_tolerance_s"),
             .seed = parameters.at("seed"),
             .selection_samples = parameters.at("selection_samples"),
             .monte_carlo_trials_max = parameters.at("monte_carlo_trials_max"),
             .plane_scale_bound = parameters.at("plane_scale_bound"),
             .clock_rate_bound = parameters.at("clock_rate_bound"),
-            .lever_arm = receiver.lever_arm,
+            .lever_arm = lever_arm,
             .rotation_bound_deg = receiver.rotation_bound_deg};
 }
 

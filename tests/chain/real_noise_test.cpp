@@ -38,7 +38,7 @@ TEST_P(CarrierPhase, InnovationsAreWhitenedByTheFittedModel) {
     fmt::print("    {} epochs, scale {:.3f} of {:.1f} mm, jerk density {:.2f} m s^-2.5",
                noise.epochs, noise.measurement_scale.value, noise.stated_sigma_m * 1e3,
                noise.jerk_density.value);
-    if (noise.error_told) {
+    if (noise.correlated_error_detected) {
         EXPECT_GT(noise.error_diffusion.value().value, 0.0);
         fmt::print(", slow error {:.1f} mm over {:.1f} s", noise.error_sigma_m.value().value * 1e3,
                    noise.error_tau_s.value().value);

@@ -149,11 +149,12 @@ TEST_F(Recompute, ARemovedRowIsNamed) {
 
 TEST_F(Recompute, AForgedHeaderAndVerdictAreNamed) {
     std::string text = read_file(run() / "4-trajectory.ecsv");
-    std::size_t at = text.find("error_told: false");
+    std::size_t at = text.find("correlated_error_detected: false");
     ASSERT_NE(at, std::string::npos);
-    forge("4-trajectory.ecsv", text.replace(at, 17, "error_told: true "));
-    expect_in(recomputed(), {"first at the stage smooth: 4-trajectory.ecsv, header "
-                             "estimation.horizontal.noise.error_told: true in the folder, false"});
+    forge("4-trajectory.ecsv", text.replace(at, 17, "correlated_error_detected: true "));
+    expect_in(recomputed(),
+              {"first at the stage smooth: 4-trajectory.ecsv, header "
+               "estimation.horizontal.noise.correlated_error_detected: true in the folder, false"});
     TearDown();
     SetUp();
     text = read_file(run() / "6-verdict.yaml");

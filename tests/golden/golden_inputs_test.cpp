@@ -18,7 +18,7 @@ TEST(GoldenAttempt, Receivers) {
     EXPECT_TRUE(attempt.receivers.at(0).utm_zone->northern);
     EXPECT_EQ(attempt.receivers.at(0).columns.size(), 12U);
     EXPECT_EQ(attempt.receivers.at(0).columns.at("sigma_up"), "7");
-    EXPECT_EQ(attempt.receivers.at(0).lever_arm->z(), -1.2);
+    EXPECT_EQ(attempt.receivers.at(0).lever_arm->at(2), -1.2);
     EXPECT_EQ(attempt.profiles.at(1), "rules/my-rule.yaml");
     EXPECT_EQ(attempt.overrides.size(), 35U);
 }
@@ -101,10 +101,10 @@ TEST(GoldenAttempt, InAPlane) {
     EXPECT_EQ(attempt.profiles.size(), 7U);
     EXPECT_EQ(attempt.profiles.at(0), "gps-speed-sailing-2s");
     EXPECT_EQ(attempt.profiles.at(6), "gps-speed-sailing-alpha-500");
-    EXPECT_EQ(*attempt.course->start.left.plane_m, Eigen::Vector2d(-10.5, 0.25));
-    EXPECT_EQ(*attempt.course->start.right.plane_m, Eigen::Vector2d(10.5, -0.25));
-    EXPECT_EQ(*attempt.course->finish.left.plane_m, Eigen::Vector2d(-12.5, 500.125));
-    EXPECT_EQ(*attempt.course->finish.right.plane_m, Eigen::Vector2d(12.5, 499.875));
+    EXPECT_EQ(*attempt.course->start.left.plane_m, (std::array<double, 2>{-10.5, 0.25}));
+    EXPECT_EQ(*attempt.course->start.right.plane_m, (std::array<double, 2>{10.5, -0.25}));
+    EXPECT_EQ(*attempt.course->finish.left.plane_m, (std::array<double, 2>{-12.5, 500.125}));
+    EXPECT_EQ(*attempt.course->finish.right.plane_m, (std::array<double, 2>{12.5, 499.875}));
     EXPECT_DOUBLE_EQ(attempt.secondary_method->speed->speed_mps, 50.5 * 1852.0 / 3600.0);
     EXPECT_DOUBLE_EQ(attempt.secondary_method->speed->expanded_uncertainty_mps,
                      0.25 * 1852.0 / 3600.0);

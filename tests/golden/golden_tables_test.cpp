@@ -170,7 +170,7 @@ TEST(GoldenScreened, EstimatedErrors) {
 
 TEST(GoldenScreened, DetectableErrors) {
     const auto rows = read_screened(text_of("v1.0/3-screened.ecsv"), "f").rows;
-    const DetectableError& detectable = rows.at(0).detectable;
+    const MinimalDetectableBias& detectable = rows.at(0).detectable;
     EXPECT_EQ(detectable.outlier_m, 0.045);
     EXPECT_EQ(detectable.step_m, 0.0625);
     EXPECT_EQ(detectable.ramp_mps, 0.75);

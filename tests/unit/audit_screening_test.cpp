@@ -626,14 +626,14 @@ TEST(Audit, SmallestErrorsAreMedianAndWorstOfTheEpochsUsed) {
     for (std::size_t k = 0; k < 5; ++k)
         table.rows[k].detectable.step_m = 0.05 + 0.01 * static_cast<double>((3 * k) % 5);
     leave_out(table.rows[4], Reason::no_fix);  // had 0.07
-    const auto sizes = detectable_sizes(table.rows, &DetectableError::step_m);
+    const auto sizes = detectable_sizes(table.rows, &MinimalDetectableBias::step_m);
     ASSERT_TRUE(sizes);
     EXPECT_EQ(sizes->epochs, 4);
     EXPECT_EQ(sizes->without, 1);
     EXPECT_DOUBLE_EQ(sizes->median, 0.07);  // of 0.05, 0.06, 0.08, 0.09
     EXPECT_DOUBLE_EQ(sizes->worst, 0.09);
     EXPECT_EQ(sizes->worst_epoch, 4);
-    EXPECT_FALSE(detectable_sizes(table.rows, &DetectableError::outlier_m));
+    EXPECT_FALSE(detectable_sizes(table.rows, &MinimalDetectableBias::outlier_m));
     // 0.07 m in 3 s is 0.0233 m/s, which is 0.084 km/h; in 2 s 0.126 km/h.
     AuditSubject with_windows = subject;
     with_windows.windows = {{.profile = "nalsa", .duration_s = 3.0},

@@ -38,7 +38,7 @@ struct Scene {
     NoiseSummary& noise() { return judged.estimation.horizontal.noise; }
     FilterHealth& health() { return judged.estimation.horizontal.health; }
     void tell_error(std::optional<double> tau_uncertainty) {
-        noise().error_told = true;
+        noise().correlated_error_detected = true;
         noise().error_diffusion = NoiseParameter{0.008, 0.1, false};
         noise().error_tau_s = NoiseParameter{2.0, tau_uncertainty, false};
         noise().error_sigma_m = NoiseParameter{0.0081, std::nullopt, false};

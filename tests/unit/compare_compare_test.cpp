@@ -8,6 +8,8 @@
 #include "core/failure.h"
 #include "core/random.h"
 #include "estimation/smoother.h"
+#include "schemas/enu/measured_position.h"
+#include "schemas/observations/stated_covariance.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

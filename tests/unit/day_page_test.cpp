@@ -77,8 +77,7 @@ TEST(DayPage, MarksRanksThatAreNotToldApart) {
 TEST(DayPage, WordsOfRanksNotToldApart) {
     const auto words = [](std::optional<std::int64_t> up, std::optional<std::int64_t> down) {
         return told_apart_words(
-            {.rank = 4, .id = "x", .not_told_apart_up_to = up, .not_told_apart_down_to = down}, 3,
-            6);
+            {.rank = 4, .id = "x", .tied_up_to_rank = up, .tied_down_to_rank = down}, 3, 6);
     };
     EXPECT_EQ(words({}, {}), "");
     EXPECT_EQ(words(3, {}), "not told apart from rank 3");
@@ -143,7 +142,8 @@ TEST(DayPage, DrawsEverySpeedOfAFewAndSaysHowManyOfMany) {
     EXPECT_EQ(count_of(few, "<svg class=\"mark\""), 4U);
     EXPECT_EQ(few.find("speeds are drawn"), std::string::npos);
     for (int i = 4; i < 300; ++i)
-        attempts.push_back(attempt(fmt::format("run-{}", i), Outcome::beaten, 52.0 + 0.01 * i, 0.1));
+        attempts.push_back(
+            attempt(fmt::format("run-{}", i), Outcome::beaten, 52.0 + 0.01 * i, 0.1));
     const std::string many = day_page(results_of(attempts));
     EXPECT_EQ(count_of(many, "<svg class=\"mark\""), 24U);
     EXPECT_NE(many.find("The first 24 of 300 speeds are drawn"), std::string::npos);
@@ -244,8 +244,8 @@ TEST(DayCsv, HoldsEveryFigureInTheColumnOfItsName) {
     results.attempts[0].results[0].start_utc = "2022-03-18T08:51:22.300Z";
     EXPECT_EQ(
         day_csv(results),
-        "attempt,source,state,craft,class,profile,rank,not_told_apart_up_to_rank,"
-        "not_told_apart_down_to_rank,outcome,speed_m_s,expanded_uncertainty_m_s,coverage_factor,"
+        "attempt,source,state,craft,class,profile,rank,tied_up_to_rank,"
+        "tied_down_to_rank,outcome,speed_m_s,expanded_uncertainty_m_s,coverage_factor,"
         "target_m_s,shown_unit,shown_speed,shown_expanded_uncertainty,shown_target,"
         "window_start_utc,window_start_time_s,window_duration_s,reason,replaced_figures,"
         "failed_step,problem,where,remedy,notes,report_id,report\n"

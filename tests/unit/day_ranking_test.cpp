@@ -23,9 +23,8 @@ std::vector<std::string> lines_of(const std::vector<AttemptResult>& attempts) {
     };
     std::vector<std::string> lines;
     for (const DayPlace& place : ranking_by("nalsa", attempts))
-        lines.push_back(text(place.rank) + " " + place.id + " [" +
-                        text(place.not_told_apart_up_to) + "," +
-                        text(place.not_told_apart_down_to) + "]");
+        lines.push_back(text(place.rank) + " " + place.id + " [" + text(place.tied_up_to_rank) +
+                        "," + text(place.tied_down_to_rank) + "]");
     return lines;
 }
 
@@ -83,7 +82,8 @@ TEST(Ranking, NotToldApartReachesAsFarAsThereIsNoGap) {
 TEST(Ranking, DoesNotDependOnTheOrderInWhichAttemptsCome) {
     RandomGenerator random(7);
     std::vector<AttemptResult> attempts;
-    constexpr Outcome outcomes[] = {Outcome::beaten, Outcome::not_proven, Outcome::not_beaten, Outcome::not_certifiable};
+    constexpr Outcome outcomes[] = {Outcome::beaten, Outcome::not_proven, Outcome::not_beaten,
+                                    Outcome::not_certifiable};
     for (int i = 0; i < 200; ++i)
         attempts.push_back(attempt("run-" + std::to_string(i), outcomes[random.next() % 4],
                                    50.0 + 0.25 * static_cast<double>(random.next() % 8),
@@ -172,7 +172,8 @@ TEST(BestOfDay, OfManyAtTheTargetIsFalselyBeatenNoMoreOftenThanOneAttempt) {
             const double probability = 0.5 * std::erfc(-error_mps / u_mps / std::sqrt(2.0));
             AttemptResult one = beaten_with(std::to_string(i), 50.0 + error_mps, probability);
             if (probability < 0.975)
-                one.results.front().outcome = probability <= 0.025 ? Outcome::not_beaten : Outcome::not_proven;
+                one.results.front().outcome =
+                    probability <= 0.025 ? Outcome::not_beaten : Outcome::not_proven;
             attempts.push_back(std::move(one));
         }
         const auto best = best_of(attempts);

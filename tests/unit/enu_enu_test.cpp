@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/failure.h"
+#include "schemas/observations/stated_covariance.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {

@@ -60,7 +60,7 @@ TEST(NoiseFit, FindsJerkDensityAndScaleWithinTheirUncertainties) {
         EXPECT_LT(std::abs(normalised(fit.measurement_scale, 1.5)), 3.0) << seed;
         jerk += std::pow(normalised(fit.jerk_density, 1.0), 2) / runs;
         scale += std::pow(normalised(fit.measurement_scale, 1.5), 2) / runs;
-        told += fit.error_told ? 1 : 0;
+        told += fit.correlated_error_detected ? 1 : 0;
         singer += std::isfinite(fit.acceleration_time.value) ? 1 : 0;
     }
     EXPECT_GT(jerk, 0.5);
@@ -91,7 +91,7 @@ TEST(NoiseFit, TellsACorrelatedError) {
         EXPECT_LT(std::abs(normalised(fit.jerk_density, 1.0)), 3.0) << seed;
         // White noise alone takes part of the error for itself.
         EXPECT_GT(fit.white_scale, 1.05);
-        if (!fit.error_told) continue;
+        if (!fit.correlated_error_detected) continue;
         ++told;
         EXPECT_GT(fit.error_gain, 2.9957);
         EXPECT_LT(std::abs(normalised(fit.measurement_scale, 1.0)), 3.0) << seed;
@@ -142,7 +142,7 @@ TEST(NoiseFit, ModelIsThatOfTheParameters) {
     const NoiseFit fit = fit_of<2>(arc_of<2>(white_model(0.5, 2.0), 200, 0.01, 3));
     EXPECT_NEAR(fit.model.motion.jerk_density / fit.jerk_density.value, 1.0, 1e-12);
     EXPECT_NEAR(fit.model.measurement_scale / fit.measurement_scale.value, 1.0, 1e-12);
-    EXPECT_FALSE(fit.error_told);
+    EXPECT_FALSE(fit.correlated_error_detected);
     EXPECT_LT(fit.model.error.initial_sigma_m, 1e-4);
     EXPECT_EQ(fit.error_diffusion.value, 0.0);
     EXPECT_GT(fit.evaluations, 20);
@@ -214,7 +214,7 @@ TEST(NoiseFit, OfTheSameArcTwiceIsSurerByTheRootOfTwo) {
     options.motion = NoiseFitOptions::Motion::constant_acceleration;
     const NoiseFit once = fit_of<1>(arc, options);
     const NoiseFit twice = fit_noise<1>(arcs, options);
-    ASSERT_FALSE(once.error_told || twice.error_told);
+    ASSERT_FALSE(once.correlated_error_detected || twice.correlated_error_detected);
     EXPECT_EQ(twice.epochs, 1200);
     EXPECT_NEAR(twice.jerk_density.value / once.jerk_density.value, 1.0, 5e-3);
     EXPECT_NEAR(twice.measurement_scale.value / once.measurement_scale.value, 1.0, 5e-3);
@@ -245,7 +245,7 @@ void expect_as_given(const NoiseFit& fit, NoiseFit::Status status) {
     EXPECT_TRUE(std::isinf(fit.model.motion.acceleration_time_s));
     EXPECT_EQ(fit.model.error.initial_sigma_m, 1e-5);
     EXPECT_EQ(fit.jerk_density.value, 2.5);
-    EXPECT_FALSE(fit.error_told);
+    EXPECT_FALSE(fit.correlated_error_detected);
     ASSERT_EQ(fit.posterior.size(), 1U);
     EXPECT_EQ(fit.posterior[0].weight, 1.0);
     EXPECT_EQ(fit.posterior[0].model.motion.jerk_density, 2.5);
@@ -270,7 +270,7 @@ TEST(NoiseFit, OfALongArcIsTheMaximumOfAllOfIt) {
     const auto arc = arc_of<2>(model_with_error(), 10'000, 0.003, 5);
     const NoiseFit fit = fit_of<2>(arc);
     EXPECT_TRUE(fit.converged);
-    EXPECT_TRUE(fit.error_told);
+    EXPECT_TRUE(fit.correlated_error_detected);
     expect_a_maximum<2>(arc, fit);
     EXPECT_LT(std::abs(normalised(fit.error_sigma, 0.008)), 4.0);
     double weights = 0.0;

@@ -175,7 +175,7 @@ inline AxesEstimation axes(bool vertical) {
     noise.evaluations = 198;
     noise.converged = true;
     if (vertical) {
-        noise.error_told = true;
+        noise.correlated_error_detected = true;
         noise.error_gain = 12.5;
         noise.error_diffusion = NoiseParameter{0.0123, 0.11, false};
         noise.error_sigma_m = NoiseParameter{0.0271, 1.2, false};

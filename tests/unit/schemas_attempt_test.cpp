@@ -145,7 +145,7 @@ TEST(Attempt, EveryMemberOfAReceiverIsKept) {
     EXPECT_EQ(first.accuracy->vertical_m, 0.02);
     EXPECT_EQ(first.antenna_height_m, 1.5);
     ASSERT_TRUE(first.lever_arm);
-    EXPECT_EQ(*first.lever_arm, Eigen::Vector3d(0.5, -0.25, -1.2));
+    EXPECT_EQ(*first.lever_arm, (std::array<double, 3>{0.5, -0.25, -1.2}));
     const Receiver& second = attempt.receivers[1];
     EXPECT_EQ(second.frame, CoordinateFrame::local_plane);
     EXPECT_FALSE(second.utm_zone || second.accuracy->vertical_m || second.lever_arm);

@@ -36,7 +36,7 @@ NoiseSummary fitted_noise() {
     noise.measurement_scale = {1.0625, std::nullopt, true};
     noise.acceleration_time_s = NoiseParameter{4.5, 0.5, true};
     noise.singer_gain = -1.25;
-    noise.error_told = true;
+    noise.correlated_error_detected = true;
     noise.error_gain = 7.5;
     noise.error_diffusion = NoiseParameter{0.0125, 0.125, false};
     noise.error_tau_s = NoiseParameter{2.25, std::nullopt, false};
@@ -68,7 +68,7 @@ void expect_equal(const NoiseSummary& a, const NoiseSummary& b) {
     expect_equal(a.measurement_scale, b.measurement_scale);
     expect_equal(a.acceleration_time_s, b.acceleration_time_s);
     EXPECT_EQ(a.singer_gain, b.singer_gain);
-    EXPECT_EQ(a.error_told, b.error_told);
+    EXPECT_EQ(a.correlated_error_detected, b.correlated_error_detected);
     EXPECT_EQ(a.error_gain, b.error_gain);
     expect_equal(a.error_diffusion, b.error_diffusion);
     expect_equal(a.error_tau_s, b.error_tau_s);

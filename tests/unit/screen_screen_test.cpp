@@ -267,7 +267,7 @@ TEST(Screen, AFaultThatShowsAsThreeTimesTheSpeedIsLeftOut) {
 TEST(Screen, EveryEpochSaysWhatWouldHaveBeenFound) {
     const ScreenedTable screened = screen(clean_run(300), config());
     for (std::size_t k = 10; k < 290; ++k) {
-        const DetectableError& size = screened.rows[k].detectable;
+        const MinimalDetectableBias& size = screened.rows[k].detectable;
         ASSERT_TRUE(size.outlier_m && size.step_m && size.ramp_mps && size.outlier_up_m);
         // Above the noise, of 10 mm, and far below what would make a record.
         EXPECT_GT(*size.outlier_m, 0.03);

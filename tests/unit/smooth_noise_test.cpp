@@ -102,7 +102,7 @@ TEST(LearnNoise, FromConstantPositions) {
     EXPECT_EQ(noise.status, NoiseBasis::constant_positions);
     EXPECT_EQ(noise.measurement_scale.value, 1.0);  // never below what is stated
     EXPECT_EQ(noise.jerk_density.value, 0.6);
-    EXPECT_FALSE(noise.error_told);
+    EXPECT_FALSE(noise.correlated_error_detected);
     *table.rows[100].east_m += 0.001;
     EXPECT_EQ(learnt(table).status, NoiseBasis::fitted);
 }
@@ -205,7 +205,7 @@ TEST(LearnNoise, FitsWithTheMotionWhereItIs) {
     EXPECT_LT(largest_quiet, 0.2 * least_moving);
     // What is white is not lost in the motion, nor the motion in it.
     EXPECT_NEAR(noise.measurement_scale.value, 1.0, 0.05);
-    EXPECT_FALSE(noise.error_told);
+    EXPECT_FALSE(noise.correlated_error_detected);
     EXPECT_TRUE(filter_health<2>(arcs, model_of(noise)).white);
 }
 
@@ -270,7 +270,7 @@ TEST(LearnNoise, WhatIsWrittenAndReadGivesTheSameModel) {
         const NoiseSummary& written = trajectory.estimation.horizontal.noise;
         const NoiseSummary& read = back.estimation.horizontal.noise;
         if (with.fit_noise) {
-            EXPECT_TRUE(written.error_told);
+            EXPECT_TRUE(written.correlated_error_detected);
             EXPECT_GT(written.posterior.size(), 1U);
         }
         const auto expect_same = [](const EstimationModel& a, const EstimationModel& b) {

@@ -36,7 +36,7 @@ Profile::Uncertainty rule() {
 NoiseSummary noise_with(double white_scale, std::optional<double> diffusion) {
     NoiseSummary noise;
     noise.white_scale = white_scale;
-    noise.error_told = diffusion.has_value();
+    noise.correlated_error_detected = diffusion.has_value();
     if (diffusion) noise.error_diffusion = test::parameter_of(*diffusion);
     return noise;
 }
@@ -112,7 +112,7 @@ TEST(BoundingError, IsThatOfTheBoundedSize) {
     bound.sigma_m = 0.02;
     // Langel, Garcia Crespo & Joerger 2021: tau_max, process noise larger by tau_max / tau_min,
     // initial variance 2 sigma^2 / (1 + tau_min / tau_max).
-    noise.error_told = false;
+    noise.correlated_error_detected = false;
     const GaussMarkovError error = bounding_error(noise, bound);
     EXPECT_EQ(error.tau_s, 10.0);
     EXPECT_NEAR(std::pow(error.process_density, 2), 2.0 * 0.02 * 0.02 / 10.0 * (10.0 / 0.5), 1e-15);

@@ -118,7 +118,7 @@ TEST(Budget, WhiteNoiseIsOneRowWithTheDegreesOfFreedomOfItsOneScale) {
 
 TEST(Budget, ASlowErrorThatWasFittedHasTheFitsDegreesOfFreedom) {
     Scene scene;
-    scene.fit().error_told = true;
+    scene.fit().correlated_error_detected = true;
     scene.fit().error_diffusion = test::parameter_of(0.05);
     scene.fit().error_diffusion->relative_uncertainty = 0.1;
     scene.bound.decided_by = BoundSource::floor;

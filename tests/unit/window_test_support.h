@@ -29,7 +29,7 @@ inline NoiseSummary summary_of(const EstimationModel& model) {
     noise.jerk_density.value = model.motion.jerk_density;
     noise.measurement_scale.value = noise.white_scale = model.measurement_scale;
     if (model.error.initial_sigma_m > 1e-4) {
-        noise.error_told = true;
+        noise.correlated_error_detected = true;
         noise.error_tau_s = parameter_of(model.error.tau_s);
         noise.error_sigma_m = parameter_of(model.error.initial_sigma_m);
         noise.error_diffusion = parameter_of(model.error.process_density);

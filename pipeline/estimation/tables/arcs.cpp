@@ -1,5 +1,8 @@
 #include "estimation/tables/arcs.h"
 
+#include "schemas/enu/measured_position.h"
+#include "schemas/observations/stated_covariance.h"
+
 namespace runcert {
 namespace {
 

@@ -10,7 +10,7 @@ EstimationModel model_of(const NoiseSummary& noise) {
     if (noise.acceleration_time_s)
         model.motion.acceleration_time_s = noise.acceleration_time_s->value;
     model.measurement_scale = noise.measurement_scale.value;
-    if (noise.error_told)
+    if (noise.correlated_error_detected)
         model.error =
             GaussMarkovError::steady(noise.error_sigma_m->value, noise.error_tau_s->value);
     return model;

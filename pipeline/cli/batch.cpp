@@ -189,8 +189,8 @@ void add_choices(CLI::App* command, BatchOptions& options) {
 }
 
 void add_display(CLI::App* command, BatchOptions& options) {
-    command->add_flag("--explain", options.explain, "say of each step why it ran or not");
-    command->add_flag("--quiet", options.quiet, "failures and the end alone");
+    command->add_flag("--explain", options.explain, "explain why each step ran or was skipped");
+    command->add_flag("--quiet", options.quiet, "print failures and summary only");
     command->add_flag("--json", options.json, "one event a line, for programs");
     command->add_option("--compare", options.compare,
                         "at the end, what differs from the results in this folder, and why");

@@ -62,8 +62,9 @@ void print_speed(const YamlValue& profile) {
                shown["expanded_uncertainty"].text(), unit, k, unit == "km/h" ? "" : "; " + km_h);
     const YamlValue decision = profile["decision"];
     if (decision.exists() && outcome_of(profile) != Outcome::not_certifiable)
-        fmt::print("  to reach {} {}: probability {}, {} needed\n", shown["target"].text_or("?"),
-                   unit, probability_text(decision["probability"].real()),
+        fmt::print("  required {} {}: conformance probability {} (at least {} required)\n",
+                   shown["target"].text_or("?"), unit,
+                   probability_text(decision["probability"].real()),
                    level_text(decision["level"].real()));
 }
 

@@ -15,7 +15,7 @@ int main(int argc, char** argv) {
         app.require_subcommand(1);
         app.set_version_flag("--version",
                              fmt::format("runcert {} {}", program_version(), source_revision()));
-        app.footer("Exit status: 0 yes or done, 1 the answer is no, 2 it could not be done.");
+        app.footer("Exit status: 0 success or yes, 1 no, 2 error.");
         Command chosen;
         add_certify(app, chosen);
         add_batch(app, chosen);

@@ -71,8 +71,8 @@ int sign_run(const SignOptions& options) {
 
 void add_sign(CLI::App& app, Command& chosen) {
     auto options = std::make_shared<SignOptions>();
-    CLI::App* command =
-        app.add_subcommand("sign", "Sign the report of a run folder, beside those who signed it");
+    CLI::App* command = app.add_subcommand(
+        "sign", "Sign the report of a run folder, in addition to existing signatures");
     command->add_option("RUN_DIR", options->run_dir, "the folder of a certified run")->required();
     command
         ->add_option("--key", options->key,

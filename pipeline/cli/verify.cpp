@@ -128,7 +128,7 @@ void add_verify(CLI::App& app, Command& chosen) {
         "A key must be valid at the time of the signature's checked time stamp, else at --at; what "
         "the signer\nstates is shown, and must lie within the key's validity too. A key counts for "
         "one role. Whether a\ncertificate of an authority was revoked is not looked at.\n"
-        "Exit status: 0 all of it holds, 1 it does not, 2 it could not be checked.");
+        "Exit status: 0 verified, 1 not verified, 2 not checkable.");
     command->callback([&chosen, options] { chosen = [options] { return verify(*options); }; });
 }
 

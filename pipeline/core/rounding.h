@@ -29,7 +29,7 @@ enum class StepRounding { down, nearest, up };
 double whole_steps(double steps, double tolerance, StepRounding mode);
 
 /// The side to which rounding cannot flatter the claim: a speed is rounded down, an uncertainty and
-/// a speed to reach are rounded up.
+/// a required speed are rounded up.
 enum class SafeSide { down, up };
 
 /// The figure with so many decimals (0 to 9), never rounded to the wrong side. A value that is a

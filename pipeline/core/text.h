@@ -21,7 +21,7 @@ std::optional<double> parse_any_double(std::string_view text);
 /// The integer a text holds, or nothing: decimal digits with an optional leading + or -, no more.
 std::optional<std::int64_t> parse_integer(std::string_view text);
 
-/// Whether this is one of 0 to 9, whatever the locale.
+/// Whether this is one of 0 to 9, independent of locale.
 constexpr bool is_digit(char c) {
     return c >= '0' && c <= '9';
 }
@@ -36,7 +36,7 @@ std::string capitalised(std::string_view text);
 /// The text without blanks, tabs and line ends at both ends.
 std::string_view trim(std::string_view text);
 
-/// A finite number with this many decimals (0 or more), correctly rounded, whatever the locale. A
+/// A finite number with this many decimals (0 or more), correctly rounded, independent of locale. A
 /// value that rounds to zero has no minus sign.
 std::string format_fixed(double value, int decimals);
 

@@ -28,20 +28,18 @@ Facts decision_facts(const ProfileVerdict& verdict) {
         add("Expanded uncertainty",
             fmt::format("{} m/s (k = {:.4g})", format_fixed(*verdict.expanded_uncertainty_mps, 6),
                         verdict.coverage_factor));
-    if (verdict.target_mps) add("Speed to reach", speed_text(*verdict.target_mps));
+    if (verdict.target_mps) add("Required speed", speed_text(*verdict.target_mps));
     if (verdict.shown)
         add("As shown",
             fmt::format(
                 "{} +/- {} {}{}", verdict.shown->speed, verdict.shown->expanded_uncertainty,
                 verdict.shown->unit,
-                verdict.shown->target.empty() ? "" : ", to reach " + verdict.shown->target));
+                verdict.shown->target.empty() ? "" : ", required " + verdict.shown->target));
     if (verdict.decision)
-        add("Probability",
-            fmt::format("{} that the speed to reach is reached; {} is asked; from {} on the speed "
-                        "would be accepted",
-                        probability_text(verdict.decision->probability),
-                        level_text(verdict.decision->level),
-                        speed_text(verdict.decision->acceptance_limit_mps)));
+        add("Conformance", fmt::format("probability {} (at least {} required); acceptance limit {}",
+                                       probability_text(verdict.decision->probability),
+                                       level_text(verdict.decision->level),
+                                       speed_text(verdict.decision->acceptance_limit_mps)));
     if (verdict.current_subtracted_mps)
         add("Current", speed_text(*verdict.current_subtracted_mps) + " subtracted");
     return facts;

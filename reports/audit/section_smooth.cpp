@@ -26,7 +26,7 @@ std::string fitted_text(const NoiseParameter& parameter, std::string_view unit) 
     text += parameter.relative_uncertainty
                 ? fmt::format(", known to {} %",
                               format_fixed(100.0 * *parameter.relative_uncertainty, 1))
-                : ", how well is not told by the data";
+                : ", uncertainty not determined by the data";
     return text + (parameter.at_bound ? "; AT THE LIMIT of its range" : "");
 }
 

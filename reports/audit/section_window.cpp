@@ -44,7 +44,7 @@ std::string indicated_text(const ProfileWindows& windows) {
     std::string text = fmt::format("the recording's own fastest: {} over {}",
                                    speed_text(indicated.speed_mps), span_text(indicated.span));
     if (indicated.mean_mps) text += "; mean of those asked for " + speed_text(*indicated.mean_mps);
-    return text + (refused ? ": REFUSED, because" : ": nothing is wrong with it");
+    return text + (refused ? ": REFUSED, because" : ": certifiable");
 }
 
 std::string bound_text(const ErrorBound& bound) {

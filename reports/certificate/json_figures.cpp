@@ -148,13 +148,13 @@ std::string window_caption(const Json& profile) {
     return std::string(
                "Smoothed speed with a band of twice its standard uncertainty, and the speeds by "
                "other methods. Shaded: the window. Straight across it: the speed that counts. "
-               "Dashed: the speed to reach, where it is within the figure.") +
+               "Dashed: the required speed, where it is within the figure.") +
            (is_horizontal(profile)
                 ? ""
                 : " The rule counts another than the horizontal speed, so that neither is drawn.");
 }
 
-/// The speed that counts, over its window, and the speed to reach where it is near.
+/// The speed that counts, over its window, and the required speed where it is near.
 void add_counting_speeds(Json& figure, Range& speeds, const Json& profile, double start,
                          double end) {
     if (!is_horizontal(profile)) return;
@@ -171,7 +171,7 @@ void add_counting_speeds(Json& figure, Range& speeds, const Json& profile, doubl
     if (target < *speeds.least - room || target > *speeds.most + room) return;
     speeds.widen(target);
     figure["levels"].push_back(
-        {{"level_name", "speed to reach, " + profile_name_of(profile)}, {"level", target}});
+        {{"level_name", "required speed, " + profile_name_of(profile)}, {"level", target}});
 }
 
 }  // namespace
@@ -208,7 +208,7 @@ Json speed_figure(const ReceiverResults& results, const Json& profiles) {
         "speed", "Horizontal speed over the whole run",
         "Smoothed speed; the line is broken where the recording is. Marked at the foot: epochs "
         "that were not used. Shaded: the windows, the certified and the fastest of the raw "
-        "positions where that one was refused. Dashed: the speed to reach." +
+        "positions where that one was refused. Dashed: the required speed." +
             thinning_words(every),
         time_label, "horizontal speed (km/h)");
     Curve curve({"smoothed speed", "line", "blue"});
@@ -226,7 +226,7 @@ Json speed_figure(const ReceiverResults& results, const Json& profiles) {
     for (const Json& profile : profiles) {
         if (!profile.contains("target_km_h") || !is_horizontal(profile)) continue;
         speeds.widen(profile["target_km_h"].get<double>());
-        figure["levels"].push_back({{"level_name", "speed to reach, " + profile_name_of(profile)},
+        figure["levels"].push_back({{"level_name", "required speed, " + profile_name_of(profile)},
                                     {"level", profile["target_km_h"]}});
     }
     figure["spans"] = window_spans(profiles);

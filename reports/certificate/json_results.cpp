@@ -47,7 +47,7 @@ Json headline_json(const ProfileVerdict& verdict, const Profile& profile) {
         if (!shown->target.empty()) {
             json["headline_target"] = shown->target;
             json["headline_note"] =
-                "Speed rounded down, uncertainty and speed to reach rounded up.";
+                "Speed rounded down, uncertainty and required speed rounded up.";
         }
         return json;
     }
@@ -76,7 +76,7 @@ void set_results(Json& json, const ProfileVerdict& verdict, const Profile& profi
           uncertainty, SpeedRow::uncertainty},
          {"Speed less expanded uncertainty", lower},
          {"Least speed that would be accepted", acceptance},
-         {"Speed to reach", verdict.target_mps},
+         {"Required speed", verdict.target_mps},
          {"Standing record",
           verdict.record ? std::optional(verdict.record->speed_mps) : std::nullopt,
           SpeedRow::stated}},
@@ -121,7 +121,7 @@ std::string qualification(const ProfileVerdict& verdict) {
         verdict.requirements.begin(), verdict.requirements.end(),
         [](const Requirement& entry) { return entry.status == RequirementStatus::attest; });
     return count == 0 ? ""
-                      : fmt::format("{} of {} left for a person to attest: see below.",
+                      : fmt::format("{} of {} still to be attested (listed below).",
                                     counted(count, "requirement"), verdict.requirements.size());
 }
 

@@ -38,9 +38,9 @@ std::string ends_words(const Profile& profile) {
 std::string decision_rule(const ProfileVerdict& verdict, const Profile& profile) {
     const double level = verdict.decision ? verdict.decision->level : profile.decision_probability;
     return fmt::format(
-        "The record counts as beaten where the probability that the true speed reaches the speed "
-        "to reach is at least {}, as not beaten where it is at most {}; what is in between is not "
-        "proven (guarded acceptance and rejection, JCGM 106).",
+        "The record counts as beaten if the conformance probability (that the true speed reaches "
+        "the required speed) is at least {}, as not beaten if it is at most {}, and otherwise as "
+        "not proven (guarded acceptance and rejection, JCGM 106).",
         level_text(level), level_text(1.0 - level));
 }
 
@@ -57,16 +57,16 @@ std::string decision_words(const ProfileVerdict& verdict, const SpeedUnit& unit)
     std::string words = verdict.outcome == Outcome::not_certifiable
                             ? "The speed cannot be certified, so that no comparison counts. "
                             : "";
-    words +=
-        fmt::format("Probability that the true speed reaches the speed to reach: {}; {} is asked.",
-                    probability_text(decision.probability), level_text(decision.level));
+    words += fmt::format("Conformance probability: {} (at least {} required).",
+                         probability_text(decision.probability), level_text(decision.level));
     if (decision.target_standard_uncertainty_mps > 0.0)
         words += fmt::format(
-            " The record's own standard uncertainty, {} {} of the speed to reach, is taken in.",
+            " It includes the standard uncertainty of the record itself, {} {} of the required "
+            "speed.",
             uncertainty_text(decision.target_standard_uncertainty_mps * unit.per_mps), unit.name);
     if (decision.attempts_made > 1)
-        words += fmt::format(" The best of {} attempts is judged, so that {} is asked of it.",
-                             decision.attempts_made, level_text(decision.level));
+        words += fmt::format(" As the best of {} attempts it needs {}.", decision.attempts_made,
+                             level_text(decision.level));
     if (decision.risk)
         words += fmt::format(" Probability that this outcome is wrong: {}.",
                              probability_text(*decision.risk));

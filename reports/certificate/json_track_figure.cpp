@@ -26,7 +26,8 @@ struct Extent {
 /// of the origin, since nobody states another.
 std::optional<Eigen::Vector2d> in_frame(const CoursePoint& point,
                                         const std::optional<FrameOrigin>& origin) {
-    if (!origin) return point.plane_m;
+    if (!origin && point.plane_m) return Eigen::Vector2d(point.plane_m->data());
+    if (!origin) return std::nullopt;
     if (!point.geodetic) return std::nullopt;
     Geodetic place = *point.geodetic;
     place.height_m = origin->position.height_m;

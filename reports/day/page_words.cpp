@@ -71,7 +71,7 @@ std::string told_apart_words(const DayPlace& place, std::optional<std::int64_t> 
 std::string best_words(const BestOfDay& best) {
     const bool alone = best.attempts == 1;
     return fmt::format(
-        "{} a probability of {} that its speed reaches the one to reach. {} has {}, so that {}.",
+        "{} a conformance probability of {}. {} has {}: {}.",
         alone ? std::string("One attempt was made; it needs")
               : fmt::format("{} attempts were made; the best of so many needs", best.attempts),
         level_text(best.level), best.id, probability_text(best.probability),

@@ -147,7 +147,7 @@ std::string picture_svg(const Picture& picture) {
     const std::optional<double> target = common_target(picture.lines);
     if (target)
         svg += vertical("target", axis.at(*target), 2, head - 2) +
-               beside(axis, *target, head - 10, "to reach");
+               beside(axis, *target, head - 10, "required");
     int top = head;
     for (const PictureLine& line : picture.lines) {
         svg += line_svg(axis, line, top);

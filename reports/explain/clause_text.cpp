@@ -12,8 +12,8 @@ std::string certainty_words(Certainty certainty) {
         case Certainty::quoted:
             return "These are the rule's own words, or this program's own rule.";
         case Certainty::secondary:
-            return "The rule itself could not be read: others tell it so. Compare with the body's "
-                   "text before relying on it.";
+            return "The rule text was unavailable; the wording is from a secondary source. Compare "
+                   "it with the body's text before relying on it.";
         case Certainty::unconfirmed:
             break;
     }

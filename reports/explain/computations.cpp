@@ -34,7 +34,7 @@ std::string accuracy_words(const ClauseView& view) {
 
 std::string margin_clause_words(const Profile& profile) {
     return fmt::format(
-        "The speed to reach is {}; {}. From the speed and its standard uncertainty, the record's "
+        "The required speed is {}; {}. From the speed and its standard uncertainty, the record's "
         "own taken in where it has one, follows the probability that the true speed reaches it. "
         "Met where that is at least {}: this is the decision itself, which `decision` explains.",
         margin_words(profile), rounding_words(profile), level_text(profile.decision_probability));
@@ -46,7 +46,7 @@ std::string bound_words(Computation computation) {
     return fmt::format(
         " Compared with the limit: met where it is {0} the limit with all of its expanded "
         "uncertainty, if it has one, not met where it is {1} the limit with all of it; in between "
-        "the data cannot tell, and a person must.",
+        "the recording does not decide it, and an official must attest it.",
         limit.at_most ? "at most" : "at least", limit.at_most ? "above" : "below");
 }
 

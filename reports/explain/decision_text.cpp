@@ -76,7 +76,7 @@ std::string uncertainty_text(const ProfileView& view) {
                           uncertainty_words(standard_mps, unit));
     if (verdict.decision && verdict.decision->target_standard_uncertainty_mps > 0.0)
         text += fmt::format(
-            " The speed to reach has a standard uncertainty of {}, from the record's own; the two "
+            " The required speed has a standard uncertainty of {}, from the record's own; the two "
             "are combined.",
             uncertainty_words(verdict.decision->target_standard_uncertainty_mps, unit));
     return text;
@@ -93,32 +93,30 @@ std::string why_text(const ProfileView& view) {
     const std::string level = level_text(decision.level);
     const std::string refusal = level_text(1.0 - decision.level);
     if (verdict.outcome == Outcome::beaten)
-        return fmt::format("Beaten, because the probability is {}, at least the {} asked.",
-                           probability, level);
+        return fmt::format(
+            "Beaten, because the conformance probability is {}, at least the {} required.",
+            probability, level);
     if (verdict.outcome == Outcome::not_beaten)
         return fmt::format(
-            "Not beaten, because the probability is {}, at most {}: it is as sure that the speed "
-            "to reach was not reached as the rule would want it sure that it was.",
+            "Not beaten, because the conformance probability is {}, at most {}: the required speed "
+            "was missed as surely as the rule wants it reached.",
             probability, refusal);
     return fmt::format(
-        "Not proven, because the probability of {} is below the {} asked and above {}: the "
-        "uncertainty leaves both open. A more accurate measurement of the same run could decide "
-        "it.",
+        "Not proven, because the conformance probability of {} is below the {} required and above "
+        "{}: the uncertainty leaves both open. A more accurate measurement of the same run could "
+        "decide it.",
         probability, level, refusal);
 }
 
 std::string level_sentence(const Decision& decision) {
     const std::string why =
         decision.attempts_made > 1
-            ? fmt::format(
-                  "The best of {} attempts is judged: each may take that share of the "
-                  "risk. So ",
-                  decision.attempts_made)
+            ? fmt::format("As the best of {} attempts it may take one share of the risk. So ",
+                          decision.attempts_made)
             : std::string();
     return why + fmt::format(
-                     "{} or more counts as beaten, {} or less as not beaten, what is in between as "
-                     "not proven "
-                     "(guarded acceptance and rejection, JCGM 106).",
+                     "{} or more counts as beaten, {} or less as not beaten, and anything between "
+                     "as not proven (guarded acceptance and rejection, JCGM 106).",
                      level_text(decision.level), level_text(1.0 - decision.level));
 }
 
@@ -131,15 +129,15 @@ std::string comparison_text(const ProfileView& view) {
         text +=
             labelled("Margin", fmt::format("The rule asks for {}; {}.", margin_words(view.profile),
                                            rounding_words(view.profile)));
-        text += labelled("Speed to reach", speed_words(*verdict.target_mps, unit) + ".");
+        text += labelled("Required speed", speed_words(*verdict.target_mps, unit) + ".");
     }
     if (verdict.speed_mps) {
         text += labelled("Speed", speed_text(view));
         text += labelled("Uncertainty", uncertainty_text(view));
     }
     if (verdict.decision) {
-        text += labelled("Probability", probability_text(verdict.decision->probability) +
-                                            " that the true speed reaches the speed to reach.");
+        text += labelled("Conformance", probability_text(verdict.decision->probability) +
+                                            " that the true speed reaches the required speed.");
         text += labelled("Level", level_sentence(*verdict.decision));
         text += labelled("Acceptance limit",
                          fmt::format("{}: the least speed that would count as beaten with this "
@@ -178,12 +176,12 @@ std::string decision_in_short(const ProfileView& view) {
         const std::string target =
             !verdict.target_mps ? ""
             : verdict.shown && !verdict.shown->target.empty()
-                ? fmt::format("; to reach {} {}", verdict.shown->target, unit)
-                : fmt::format("; to reach {}", speed_words(*verdict.target_mps, unit));
+                ? fmt::format("; required {} {}", verdict.shown->target, unit)
+                : fmt::format("; required {}", speed_words(*verdict.target_mps, unit));
         text += labelled("Speed", speed + target);
     }
     if (verdict.decision && verdict.outcome != Outcome::not_certifiable)
-        text += labelled("Probability", fmt::format("{} that it reaches that; {} is asked",
+        text += labelled("Conformance", fmt::format("probability {} (at least {} required)",
                                                     probability_text(verdict.decision->probability),
                                                     level_text(verdict.decision->level)));
     return text + labelled("Why", sentence(verdict.reason));

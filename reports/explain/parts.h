@@ -42,7 +42,7 @@ std::string computation_words(const ClauseView& view);
 
 /// By how much the record must be beaten: "by 1 mph".
 std::string margin_words(const Profile& profile);
-/// How the body rounds the speed to reach.
+/// How the body rounds the required speed.
 std::string rounding_words(const Profile& profile);
 /// The unit that the verdict shows speeds in, else the rule's.
 std::string unit_of(const ProfileView& view);

@@ -25,9 +25,9 @@ std::string margin_words(const Profile& profile) {
 }
 
 std::string rounding_words(const Profile& profile) {
-    if (!profile.rounding) return "the speed to reach is not rounded";
+    if (!profile.rounding) return "the required speed is not rounded";
     return fmt::format(
-        "the speed to reach is {} to {} of {}, as the body does",
+        "the required speed is {} to {} of {}, as the body does",
         profile.rounding->mode == "truncate" ? "cut off" : "rounded to the nearest figure",
         counted(profile.rounding->decimals, "decimal"), profile.rounding->unit);
 }

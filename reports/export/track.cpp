@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/failure.h"
+#include "core/geodesy.h"
 #include "schemas/common/product_files.h"
 
 namespace runcert {

@@ -77,7 +77,7 @@ struct Profile {
     double margin = 0.0;                    ///< m/s, a fraction, or s
     std::string margin_unit;                ///< that it is written in; empty for a fraction
     bool margin_above_upper_limit = false;  ///< of the record's own interval
-    std::optional<DecimalRule> rounding;    ///< of the speed to reach
+    std::optional<DecimalRule> rounding;    ///< of the required speed
     std::optional<DecimalRule> result;      ///< of the speed itself, as the body writes it
     double decision_probability = 0.975;
     std::vector<NeededSignatures> signatures;  ///< of a report under this rule

@@ -25,12 +25,12 @@ Finding against_limit(const Compared& figure, const Clause& clause) {
     const RequirementStatus status = worst <= sign * limit ? RequirementStatus::met
                                      : best > sign * limit ? RequirementStatus::not_met
                                                            : RequirementStatus::attest;
-    std::string evidence =
-        fmt::format("{}, {} {:.4g} {}{}", words_of(figure, clause.unit),
-                    at_most ? "at most" : "at least", limit, clause.unit,
-                    status == RequirementStatus::attest
-                        ? ": the limit lies within the uncertainty, the data cannot tell"
-                        : "");
+    std::string evidence = fmt::format(
+        "{}, {} {:.4g} {}{}", words_of(figure, clause.unit), at_most ? "at most" : "at least",
+        limit, clause.unit,
+        status == RequirementStatus::attest
+            ? ": the limit lies within the uncertainty, not decidable from the recording"
+            : "");
     if (!figure.note.empty()) evidence += "; " + figure.note;
     return {status,
             std::move(evidence),

@@ -129,7 +129,7 @@ std::string drift_words(const Decision& decision, const ClauseContext& context) 
 std::string reason_of(const ClauseContext& context, Outcome outcome) {
     const std::string& unit = context.record->unit;
     const std::string figures = fmt::format(
-        "{} +/- {} against {} to reach, probability {}, {} needed.",
+        "{} +/- {}, required {}; conformance probability {} (at least {} required).",
         in_unit(context.speed->speed_mps, unit, 3),
         in_unit(*context.expanded_uncertainty_mps, unit, 3),
         in_unit(context.target->speed_mps, unit, 3),
@@ -142,17 +142,21 @@ std::string reason_of(const ClauseContext& context, Outcome outcome) {
     switch (outcome) {
         case Outcome::beaten:
             return beginning(
-                       "By positions alone, the speed reaches the target beyond its uncertainty: ",
-                       "The speed reaches the target beyond its uncertainty: ") +
+                       "By positions alone, the measured speed exceeds the required speed with the "
+                       "required probability: ",
+                       "The measured speed exceeds the required speed with the required "
+                       "probability: ") +
                    drift_words(*context.decision, context);
         case Outcome::not_beaten:
             return beginning(
-                "By positions alone, the speed is below the target beyond its uncertainty: ",
-                "The speed is below the target beyond its uncertainty: ");
+                "By positions alone, the measured speed is below the required speed beyond its "
+                "uncertainty: ",
+                "The measured speed is below the required speed beyond its uncertainty: ");
         case Outcome::not_proven:
             return beginning(
-                "By positions alone, the target lies within the uncertainty of the speed: ",
-                "The target lies within the uncertainty of the speed: ");
+                "By positions alone, the required speed lies within the uncertainty of the "
+                "measured speed: ",
+                "The required speed lies within the uncertainty of the measured speed: ");
         case Outcome::not_certifiable:
             break;
     }
@@ -167,7 +171,7 @@ std::string refused_but_fast_enough(const ClauseContext& context) {
     if (shown_mps < context.target->speed_mps) return {};
     const std::string& unit = context.record->unit;
     return fmt::format(
-        "The recording shows {} {:.3f} s after its first epoch, at or above the {} to reach, in a "
+        "The recording shows {} {:.3f} s after its first epoch, at or above the required {}, in a "
         "window that cannot be certified (it holds {}): what can be certified, {}, does not say "
         "that the record was not beaten.",
         in_unit(shown_mps, unit, 3), indicated->span.start.seconds(),

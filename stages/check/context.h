@@ -4,7 +4,7 @@
 
 namespace runcert {
 
-/// Gathers a profile's figures: what its windows say, the record and the speed to reach, the
+/// Gathers a profile's figures: what its windows say, the record and the required speed, the
 /// probability that it is reached, course and craft, wind and current, second methods.
 ClauseContext gather_context(const CheckInput& input, const Profile& profile,
                              const ProfileWindows& windows);

@@ -39,7 +39,7 @@ enum class Bias { lowest, none, highest };
 
 Difference difference(const SpeedPosterior& posterior, const Threshold& threshold, Bias bias) {
     require_finite(posterior.speed_mps, "speed (m/s)");
-    require_finite(threshold.speed_mps, "speed to reach (m/s)");
+    require_finite(threshold.speed_mps, "required speed (m/s)");
     require_finite(posterior.bias_limit_mps, "limit of the bias (m/s)");
     if (posterior.bias_limit_mps < 0.0)
         fail(fmt::format("the limit of the bias {} m/s is negative", posterior.bias_limit_mps),

@@ -15,7 +15,7 @@ namespace {
 
 using Notes = std::vector<std::string>;
 
-/// Where the definitions of speed do not agree on whether the speed to reach is reached.
+/// Where the definitions of speed do not agree on whether the required speed is reached.
 void add_straddle(const ClauseContext& context, Notes& notes) {
     const auto& best = context.windows.best;
     if (!best || !context.target || context.profile.speed_source == SpeedSource::velocity ||
@@ -35,7 +35,7 @@ void add_straddle(const ClauseContext& context, Notes& notes) {
     sort("the mean without the first speed", all.mean_n_mps);
     if (above.empty() || below.empty()) return;
     notes.push_back(fmt::format(
-        "The definition of speed matters here: {} would reach the {} to reach, {} would not; the "
+        "The definition of speed matters here: {} would reach the required {}, {} would not; the "
         "rule counts {}.",
         fmt::join(above, ", "), in_unit(context.target->speed_mps, unit, 3), fmt::join(below, ", "),
         context.profile.definition == SpeedDefinition::displacement  ? "displacement over time"
@@ -54,8 +54,8 @@ void add_windows(const ClauseContext& context, Notes& notes) {
         for (const FurtherWindow& one : windows.further)
             speeds.push_back(fmt::format("{:.3f}", one.speed_mps * 3.6));
         notes.push_back(fmt::format(
-            "The speed is the mean of {} windows ({} km/h); their errors are taken as the same, so "
-            "that the mean is no surer than one.",
+            "The speed is the mean of {} windows ({} km/h); their errors are taken as equal, so "
+            "averaging does not reduce the uncertainty.",
             speeds.size(), fmt::join(speeds, ", ")));
     }
     if (windows.indicated && windows.indicated->mean_mps)

@@ -8,7 +8,7 @@
 namespace runcert {
 
 /// What must be read with a profile's verdict, a sentence each: definitions of speed on both sides
-/// of the speed to reach, a mean of several windows, the current, figures replaced, clauses that
+/// of the required speed, a mean of several windows, the current, figures replaced, clauses that
 /// could not be confirmed.
 std::vector<std::string> notes_of(const ClauseContext& context);
 
@@ -18,11 +18,11 @@ std::vector<Figure> course_figures(const ClauseContext& context);
 /// The runs of the recording.
 std::vector<RunSummary> run_summaries(const ClauseContext& context);
 
-/// Speed, uncertainty and speed to reach as people are to read them: in the rule's unit, to its
+/// Speed, uncertainty and required speed as people are to read them: in the rule's unit, to its
 /// resolution and to the uncertainty's, rounded towards the safe side. Empty without a speed.
 std::optional<ShownFigures> shown_figures(const ClauseContext& context);
 
-/// One sentence that sets the rules' speeds beside one another; empty for one rule.
+/// One sentence that compares the rules' speeds; empty for one rule.
 std::string compared_rules(const std::vector<Profile>& profiles,
                            const std::vector<ProfileVerdict>& verdicts);
 

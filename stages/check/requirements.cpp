@@ -175,19 +175,21 @@ Finding computation::accuracy(const Clause&, const ClauseContext& context) {
     const double bias_limit_mps = context.speed->bias_limit_mps;
     const bool met = u <= *context.profile.accuracy_limit_mps;
     const std::string& unit = context.profile.accuracy_unit;
-    return {met ? RequirementStatus::met : RequirementStatus::not_met,
-            fmt::format("{:.3g} times the standard uncertainty{} is {}, the limit {}; {}",
-                        context.coverage_factor,
-                        bias_limit_mps > 0.0
-                            ? fmt::format(", and {} that choosing the window may have left,",
-                                          in_unit(bias_limit_mps, unit, 3))
-                            : std::string(),
-                        in_unit(u, unit, 3), in_unit(*context.profile.accuracy_limit_mps, unit, 3),
-                        context.profile.speed_source == SpeedSource::velocity
-                            ? "it rests on what the recording states of its velocities"
-                            : "the bound on slow errors and the worst undetected error are in it"),
-            {speed_figure("expanded uncertainty", u, unit),
-             speed_figure("limit", *context.profile.accuracy_limit_mps, unit)}};
+    return {
+        met ? RequirementStatus::met : RequirementStatus::not_met,
+        fmt::format(
+            "{:.3g} times the standard uncertainty{} is {}, the limit {}; {}",
+            context.coverage_factor,
+            bias_limit_mps > 0.0 ? fmt::format(", and {} that choosing the window may have left,",
+                                               in_unit(bias_limit_mps, unit, 3))
+                                 : std::string(),
+            in_unit(u, unit, 3), in_unit(*context.profile.accuracy_limit_mps, unit, 3),
+            context.profile.speed_source == SpeedSource::velocity
+                ? "it rests on what the recording states of its velocities"
+                : "includes the bound on time-correlated errors and the worst undetected error "
+                  "except drift"),
+        {speed_figure("expanded uncertainty", u, unit),
+         speed_figure("limit", *context.profile.accuracy_limit_mps, unit)}};
 }
 
 Finding computation::margin(const Clause&, const ClauseContext& context) {
@@ -198,18 +200,19 @@ Finding computation::margin(const Clause&, const ClauseContext& context) {
     const double speed = context.speed->speed_mps;
     const double u = *context.expanded_uncertainty_mps;
     const bool met = context.decision->probability >= context.decision->level;
-    return {met ? RequirementStatus::met : RequirementStatus::not_met,
-            fmt::format("speed {} +/- {}, to reach {}: probability {} that it does, {} needed "
-                        "(speeds from {} on are accepted)",
-                        in_unit(speed, unit, 3), in_unit(u, unit, 3),
-                        in_unit(context.target->speed_mps, unit, 3),
-                        probability_text(context.decision->probability),
-                        level_text(context.decision->level),
-                        in_unit(context.decision->acceptance_limit_mps, unit, 3)),
-            {speed_figure("speed", speed, unit, u),
-             speed_figure("speed to reach", context.target->speed_mps, unit,
-                          2.0 * context.target->standard_uncertainty_mps),
-             {.name = "probability that it is reached", .value = context.decision->probability}}};
+    return {
+        met ? RequirementStatus::met : RequirementStatus::not_met,
+        fmt::format(
+            "measured speed {} +/- {}, required {}: conformance probability {} (at least {} "
+            "required); acceptance limit {}",
+            in_unit(speed, unit, 3), in_unit(u, unit, 3),
+            in_unit(context.target->speed_mps, unit, 3),
+            probability_text(context.decision->probability), level_text(context.decision->level),
+            in_unit(context.decision->acceptance_limit_mps, unit, 3)),
+        {speed_figure("speed", speed, unit, u),
+         speed_figure("required speed", context.target->speed_mps, unit,
+                      2.0 * context.target->standard_uncertainty_mps),
+         {.name = "probability that it is reached", .value = context.decision->probability}}};
 }
 
 Finding computation::georeferenced(const Clause&, const ClauseContext& context) {
@@ -237,7 +240,7 @@ Finding computation::secondary_method(const Clause&, const ClauseContext& contex
 }
 
 Finding computation::attest(const Clause&, const ClauseContext&) {
-    return {RequirementStatus::attest, "the data cannot tell"};
+    return {RequirementStatus::attest, "not decidable from the recording"};
 }
 
 Requirement decide_clause(const Clause& clause, const ClauseContext& context) {

@@ -68,7 +68,7 @@ void add_fit(const NoiseSummary& noise, const std::string& axes, Statements& sta
     else if (!noise.error_tau_s->relative_uncertainty)
         statements.push_back(fmt::format(
             "The {} positions have a slowly varying error that wanders by {:.1f} mm in the first "
-            "second; its size and its correlation time cannot be told apart from these data.",
+            "second; its size and its correlation time cannot be separated with these data.",
             axes, noise.error_diffusion->value * 1e3));
     else
         statements.push_back(fmt::format(
@@ -250,12 +250,13 @@ void add_drift(const ReceiverEvidence& judged, Statements& statements) {
                 "Under {}, a drift of the positions beside the window is sure to be found by the "
                 "positions alone only from {:.2f} m/s on; {}.",
                 windows.profile, error.size,
-                velocities ? fmt::format("the recorded velocities, which agree to {:.3f} m/s per "
-                                         "axis, stand against a slower one",
-                                         judged.tests.velocity->scale_mps)
-                           : std::string("the recording has no velocities to check a slower one: "
-                                         "that the solution does not drift beyond the slow error "
-                                         "of the budget is taken from its kind")));
+                velocities
+                    ? fmt::format("the recorded velocities, which agree to {:.3f} m/s per "
+                                  "axis, stand against a slower one",
+                                  judged.tests.velocity->scale_mps)
+                    : std::string("the recording has no velocities to check a slower one: "
+                                  "from the fix type, the budget assumes no drift beyond its "
+                                  "time-correlated error")));
         }
     }
 }

@@ -78,7 +78,7 @@ Threshold threshold_of(const MarginRule& rule, const StandingRecord& record) {
         rule.above_upper_limit
             ? 0.0
             : exact.derivative * record.expanded_uncertainty_mps / usual_coverage_factor;
-    require_positive(exact.speed_mps, "speed to reach (m/s)");
+    require_positive(exact.speed_mps, "required speed (m/s)");
     return {.speed_mps =
                 rule.rounding ? rounded_speed(exact.speed_mps, *rule.rounding) : exact.speed_mps,
             .standard_uncertainty_mps = standard_uncertainty_mps};

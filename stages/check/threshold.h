@@ -30,14 +30,14 @@ struct StandingRecord {
     double expanded_uncertainty_mps = 0.0;  ///< k = 2; 0 where none is stated
 };
 
-/// The speed to reach.
+/// The required speed.
 struct Threshold {
     double speed_mps = 0.0;
     /// From the record's own; 0 where it has none or its upper limit was taken.
     double standard_uncertainty_mps = 0.0;
 };
 
-/// The speed to reach over a record r (its upper limit, where the rule says so): r + value,
+/// The required speed over a record r (its upper limit, where the rule says so): r + value,
 /// r (1 + value), or over a course of length D, which the record took t = D / r, D / (t - value);
 /// then rounded as the body rounds it. The uncertainty of r is propagated by the derivative of the
 /// speed before rounding ([GUM] 5.1). Failure (at "margin") for numbers that are not finite, a

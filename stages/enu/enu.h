@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "core/geodesy.h"
 #include "schemas/enu/enu.h"
 
 namespace runcert {

@@ -169,7 +169,7 @@ void add_quality_concerns(const Inspection& it, std::vector<std::string>& concer
         concerns.push_back(
             "No accuracy is stated: the attempt must give one (accuracy: {horizontal_m: ...}).");
     else if (*it.worst_horizontal_m > 10.0 || *it.median_horizontal_m < 0.001)
-        concerns.push_back("The stated accuracy is not believable everywhere.");
+        concerns.push_back("Some stated standard deviations are implausible.");
     if (it.velocity_delay_s && std::abs(*it.velocity_delay_s) > notable_delay_s)
         concerns.push_back("The recorded velocity is late: it shows the speed of a moment before.");
 }
@@ -245,7 +245,7 @@ std::string inspection_text(const Inspection& it, const std::string& file_name) 
         it.notes.begin() + static_cast<std::ptrdiff_t>(std::min(it.notes.size(), most_notes)));
     for (const std::string& concern : concerns)
         text += "  - " + plain_text(concern) + "\n";
-    if (concerns.empty()) text += "  Nothing in it looks wrong at first sight.\n";
+    if (concerns.empty()) text += "  No obvious problems found.\n";
     return text;
 }
 

@@ -151,7 +151,7 @@ TEST_F(Recompute, AForgedHeaderAndVerdictAreNamed) {
     std::string text = read_file(run() / "4-trajectory.ecsv");
     std::size_t at = text.find("correlated_error_detected: false");
     ASSERT_NE(at, std::string::npos);
-    forge("4-trajectory.ecsv", text.replace(at, 17, "correlated_error_detected: true "));
+    forge("4-trajectory.ecsv", text.replace(at, 32, "correlated_error_detected: true "));
     expect_in(recomputed(),
               {"first at the stage smooth: 4-trajectory.ecsv, header "
                "estimation.horizontal.noise.correlated_error_detected: true in the folder, false"});

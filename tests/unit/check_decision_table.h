@@ -5,7 +5,7 @@
 
 #include "stages/check/decision.h"
 
-// Each group's speed to reach is worked out in its heading, in exact decimals, and each row's
+// Each group's required speed is worked out in its heading, in exact decimals, and each row's
 // comment sets (y - T) / u_c against the one-sided quantile of its level (tables of the normal and
 // of Student's distribution). The probabilities are scipy 1.10's (stats.norm.cdf,
 // stats.t.cdf).

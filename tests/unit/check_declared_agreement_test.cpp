@@ -94,8 +94,8 @@ RuleScene with_times(double start_off_s, double finish_off_s, double length_unce
     const auto at = [&](double time_s) {
         return scene.judged.facts.first_epoch->plus_nanoseconds(std::llround(time_s * 1e9));
     };
-    const CourseLine line{.left = {.geodetic = std::nullopt, .plane_m = Eigen::Vector2d(-20, 0)},
-                          .right = {.geodetic = std::nullopt, .plane_m = Eigen::Vector2d(20, 0)}};
+    const CourseLine line{.left = {.geodetic = std::nullopt, .plane_m = std::array{-20.0, 0.0}},
+                          .right = {.geodetic = std::nullopt, .plane_m = std::array{20.0, 0.0}}};
     scene.attempt.course = Course{.start = line,
                                   .finish = line,
                                   .length_m = 500.0,

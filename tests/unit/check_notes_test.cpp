@@ -43,7 +43,7 @@ TEST(Straddle, IsSaidWithEveryDefinitionOnItsSide) {
     EXPECT_EQ(
         note_with(scene.verdict(), "definition of speed"),
         "The definition of speed matters here: path length over time (203.950 km/h), the mean "
-        "without the first speed (203.910 km/h) would reach the 203.900 km/h to reach, "
+        "without the first speed (203.910 km/h) would reach the required 203.900 km/h, "
         "displacement over time (203.890 km/h), the mean of all speeds (203.880 km/h) would "
         "not; the rule counts displacement over time.");
     scene.use(margin_profile({}, "{duration_s: 3, definition: mean_n}"));
@@ -155,7 +155,7 @@ TEST(SeveralWindows, HaveTheirMeanAndAreNoSurerThanOne) {
     EXPECT_NEAR(*verdict.expanded_uncertainty_mps, 0.024, 1e-12);
     EXPECT_EQ(note_with(verdict, "mean of 3"),
               "The speed is the mean of 3 windows (216.000, 208.800, 201.600 km/h); their errors "
-              "are taken as the same, so that the mean is no surer than one.");
+              "are taken as equal, so averaging does not reduce the uncertainty.");
     EXPECT_TRUE(contains(note_with(verdict, "as it is"), "a mean of 210.600 km/h"));
     EXPECT_TRUE(contains(scene.clause("window_complete").evidence, "with 2 more the mean"));
 }

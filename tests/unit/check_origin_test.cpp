@@ -131,7 +131,7 @@ TEST(MeasuredPositions, WithoutAWitnessAreToAttestAndTheReasonSaysPositionsAlone
     EXPECT_EQ(requirement.status, RequirementStatus::attest);
     EXPECT_EQ(requirement.evidence, "nothing but the positions themselves speaks of it");
     EXPECT_TRUE(alone.verdict().witnesses.empty());
-    EXPECT_EQ(alone.verdict().reason.find("By positions alone, the speed reaches"), 0U)
+    EXPECT_EQ(alone.verdict().reason.find("By positions alone, the measured speed"), 0U)
         << alone.verdict().reason;
 }
 

@@ -20,7 +20,7 @@ double phi(double z) {
     return 0.5 * std::erfc(-z / std::sqrt(2.0));
 }
 
-/// Certified by so much above the speed to reach, with 0.005 m/s.
+/// Certified by so much above the required speed, with 0.005 m/s.
 RuleScene above_target(double above_mps) {
     RuleScene scene(profile_text(clause_text("margin")));
     scene.best().speed_mps = target_mps + above_mps;
@@ -46,7 +46,7 @@ TEST(RefusedWindow, ThatReachesTheTargetMakesNotBeatenNotCertifiableAndIsNamed) 
     scene.windows().indicated = refused(57.5);
     const std::string reason = scene.verdict().reason;
     for (const char* part :
-         {"shows 207.000 km/h 31.500 s after its first epoch", "203.900 km/h to reach",
+         {"shows 207.000 km/h 31.500 s after its first epoch", "required 203.900 km/h",
           "(it holds a gap, an epoch without a position)", "185.900 km/h",
           "does not say that the record was not beaten"})
         EXPECT_TRUE(contains(reason, part)) << reason;
@@ -63,7 +63,8 @@ TEST(RefusedWindow, BelowTheTargetOrOfWhatIsCertifiedChangesNothing) {
 }
 
 TEST(RefusedWindow, ChangesNothingOfOtherOutcomes) {
-    for (const auto& [above, outcome] : {std::pair{0.0, Outcome::not_proven}, {0.1, Outcome::beaten}}) {
+    for (const auto& [above, outcome] :
+         {std::pair{0.0, Outcome::not_proven}, {0.1, Outcome::beaten}}) {
         RuleScene scene = above_target(above);
         scene.windows().indicated = refused(target_mps + 5.0);
         EXPECT_EQ(scene.verdict().outcome, outcome);
@@ -99,7 +100,8 @@ TEST(AttemptsMade, OfManyTheBestNeedsMore) {
     EXPECT_EQ(scene.verdict().outcome, Outcome::beaten);
     scene.attempt.attempts_made = 40;
     EXPECT_EQ(scene.verdict().outcome, Outcome::not_proven);
-    EXPECT_TRUE(contains(scene.verdict().reason, "99.9375 % needed")) << scene.verdict().reason;
+    EXPECT_TRUE(contains(scene.verdict().reason, "at least 99.9375 % required"))
+        << scene.verdict().reason;
     EXPECT_EQ(scene.clause("margin").status, RequirementStatus::not_met);
     scene.best().speed_mps = target_mps + 0.0165;  // 3.3 u, 0.99952
     EXPECT_EQ(scene.verdict().outcome, Outcome::beaten);

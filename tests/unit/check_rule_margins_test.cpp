@@ -4,7 +4,7 @@
 
 #include "check_rules_support.h"
 
-// The speed to reach over the record by each rule's margin, and the current where it is subtracted.
+// The required speed over the record by each rule's margin, and the current where it is subtracted.
 
 namespace runcert::RUNCERT_FILE {
 namespace {
@@ -28,7 +28,7 @@ TEST(Margin, IsTakenOverTheRecordOfTheProfile) {
     const ProfileVerdict own = scene.verdict();
     EXPECT_NEAR(*own.target_mps, 130.0 * 0.44704 + 1.0 / 3.6, 1e-12);
     EXPECT_EQ(own.record->unit, "mph");
-    EXPECT_TRUE(contains(own.reason, " mph against ")) << own.reason;
+    EXPECT_TRUE(contains(own.reason, " mph, required ")) << own.reason;
     EXPECT_EQ(scene.all().record->unit, "km/h");
     scene.attempt.records.clear();
     scene.attempt.records["another"] = {.speed = 10.0, .unit = "mph", .source = "o"};

@@ -56,8 +56,9 @@ TEST_P(LimitedFigure, IsDecidedOnlyWhereItsWholeIntervalIsOnOneSide) {
     EXPECT_EQ(judged_against(high - little).status, uncertain ? RequirementStatus::attest : below);
     EXPECT_EQ(judged_against(high + little).status, above);
     if (uncertain) {
-        EXPECT_TRUE(contains(judged_against(given.value).evidence,
-                             "the limit lies within the uncertainty, the data cannot tell"));
+        EXPECT_TRUE(
+            contains(judged_against(given.value).evidence,
+                     "the limit lies within the uncertainty, not decidable from the recording"));
     }
 }
 

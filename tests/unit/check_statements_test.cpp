@@ -100,7 +100,7 @@ TEST(Statements, WhatIsKnownOfASlowError) {
     EXPECT_EQ(scene.count({"slowly varying error of 8.1 mm", "correlation time of 2.0 s"}), 1);
     EXPECT_EQ(scene.count({"its bound decides"}), 0);
     scene.tell_error(std::nullopt);
-    EXPECT_EQ(scene.count({"wanders by 8.0 mm in the first second", "cannot be told apart"}), 1);
+    EXPECT_EQ(scene.count({"wanders by 8.0 mm in the first second", "cannot be separated"}), 1);
 }
 
 TEST(Statements, EveryParameterThatAFitLeftAtALimitIsNamed) {

@@ -93,19 +93,19 @@ TEST(DayPage, WordsOfTheBestOfManyNeverShowCertainty) {
     EXPECT_EQ(
         best_words(
             {.id = "a", .attempts = 40, .probability = 0.99938, .level = 0.999375, .beaten = true}),
-        "40 attempts were made; the best of so many needs a probability of 99.9375 % that its "
-        "speed reaches the one to reach. a has 99.9380 %, so that the record is beaten as the "
+        "40 attempts were made; the best of so many needs a conformance probability of "
+        "99.9375 %. a has 99.9380 %: the record is beaten as the "
         "best of them too.");
     EXPECT_EQ(
         best_words(
             {.id = "a", .attempts = 40, .probability = 0.99, .level = 0.999375, .beaten = false}),
-        "40 attempts were made; the best of so many needs a probability of 99.9375 % that its "
-        "speed reaches the one to reach. a has 99.00 %, so that it may be the luckiest of "
+        "40 attempts were made; the best of so many needs a conformance probability of "
+        "99.9375 %. a has 99.00 %: it may be the luckiest of "
         "them: as the best of so many it is not proven.");
     EXPECT_EQ(
         best_words({.id = "a", .attempts = 1, .probability = 0.98, .level = 0.975, .beaten = true}),
-        "One attempt was made; it needs a probability of 97.5 % that its speed reaches the "
-        "one to reach. a has 98.00 %, so that the record is beaten.");
+        "One attempt was made; it needs a conformance probability of 97.5 %. a has 98.00 %: "
+        "the record is beaten.");
     for (const double below_one : {0.99999, 0.9999996, 1.0 - 1e-12, 1.0})
         for (const std::int64_t attempts : {1, 1000, 10'000, 100'000}) {
             const std::string words =
@@ -124,8 +124,8 @@ TEST(DayPage, SaysWhatTheBestOfTheDayIs) {
     const std::string page = day_page(
         results_of({beaten_with("a", 53.0, 0.98), attempt("b", Outcome::not_beaten, 49.0, 0.1)}));
     EXPECT_EQ(count_of(page,
-                       "2 attempts were made; the best of so many needs a probability of "
-                       "98.75 %"),
+                       "2 attempts were made; the best of so many needs a conformance "
+                       "probability of 98.75 %"),
               1U);
     EXPECT_EQ(count_of(page, "as the best of so many it is not proven"), 1U);
     EXPECT_EQ(complaints_of(page), "");

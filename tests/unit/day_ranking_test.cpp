@@ -158,7 +158,7 @@ TEST(BestOfDay, IsNoneWhereNoneBeatTheRecordByItself) {
     EXPECT_FALSE(best_of({attempt("a", Outcome::beaten, 53.0, 0.1)}));
 }
 
-// 40 attempts at exactly the speed to reach, each measured with the same uncertainty: the page says
+// 40 attempts at exactly the required speed, each measured with the same uncertainty: the page says
 // of one day in forty that the best of them beat the record. Each by itself: of two days in three.
 TEST(BestOfDay, OfManyAtTheTargetIsFalselyBeatenNoMoreOftenThanOneAttempt) {
     constexpr int days = 3000, tries = 40;

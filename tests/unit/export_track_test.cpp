@@ -5,6 +5,7 @@
 
 #include "core/csv_cell.h"
 #include "core/failure.h"
+#include "core/geodesy.h"
 #include "core/plain_text.h"
 #include "files/atomic_file.h"
 #include "files/process.h"

@@ -161,8 +161,7 @@ TEST(DecisionMembers, AreThoseOfTheVerdict) {
     EXPECT_EQ(json["bias_limit_m_s"], 0.0004);
     EXPECT_EQ(json["drift_survived_m"], 0.420001);
     EXPECT_EQ(json["drift_found_m_s"], 0.0712);
-    expect_in(json["decision_words"],
-              "The best of 7 attempts is judged, so that 99.6429 % is asked of it.");
+    expect_in(json["decision_words"], "As the best of 7 attempts it needs 99.6429 %.");
     decision = {.probability = 0.2, .level = 0.975, .acceptance_limit_mps = 61.0};
     const Json alone = profile_of(run)["decision"];
     EXPECT_EQ(alone["attempts_made"], 1);

@@ -68,17 +68,17 @@ TEST_F(Rendering, ARunWithoutWindowHasFiguresToo) {
     EXPECT_EQ(figures({.certified = false}).size(), 4U);
 }
 
-// Neither a line of the speed that counts nor one of the speed to reach: those are vertical.
+// Neither a line of the speed that counts nor one of the required speed: those are vertical.
 TEST_F(Rendering, OfAVerticalRuleTheHorizontalSpeedIsDrawnAlone) {
     sample::Run run = sample::make_run();
     const auto level = draw_figures(report_json(run.inputs)["predicate"]);
     EXPECT_NE(level[0].find("speed that counts"), std::string::npos);
-    EXPECT_NE(level[2].find("speed to reach, nalsa"), std::string::npos);
+    EXPECT_NE(level[2].find("required speed, nalsa"), std::string::npos);
     run.inputs.profiles[0].dimension = Dimension::vertical;
     const auto drawn = draw_figures(report_json(run.inputs)["predicate"]);
     EXPECT_EQ(drawn[0].find("speed that counts"), std::string::npos);
-    EXPECT_EQ(drawn[2].find("speed to reach, nalsa"), std::string::npos);
-    EXPECT_NE(drawn[2].find("speed to reach, fisly"), std::string::npos);
+    EXPECT_EQ(drawn[2].find("required speed, nalsa"), std::string::npos);
+    EXPECT_NE(drawn[2].find("required speed, fisly"), std::string::npos);
 }
 
 TEST_F(Rendering, WindowsOfOtherKindsAndFurtherOnesAreDrawn) {

@@ -97,10 +97,11 @@ TEST(Decision, IsInTheReportInFiguresAndWords) {
     const Json nalsa = profile_of(run);
     EXPECT_EQ(nalsa["decision"]["probability"], 0.9999876);
     EXPECT_EQ(nalsa["decision"]["acceptance_limit_m_s"], 56.8201);
-    expect_in(nalsa["decision_rule"], "at least 95 %, as not beaten where it is at most 5 %");
-    expect_in(nalsa["decision"]["decision_words"],
-              "reaches the speed to reach: 99.9987 %; 95 % is asked. The record's own standard "
-              "uncertainty, 0.025 km/h of the speed to reach, is taken in.");
+    expect_in(nalsa["decision_rule"], "at least 95 %, as not beaten if it is at most 5 %");
+    expect_in(
+        nalsa["decision"]["decision_words"],
+        "Conformance probability: 99.9987 % (at least 95 % required). It includes the standard "
+        "uncertainty of the record itself, 0.025 km/h of the required speed.");
     EXPECT_EQ(nalsa["record"]["record_words"],
               "202.9 km/h ± 0.05 km/h (k = 2): published figure of 2009");
     EXPECT_EQ(nalsa["headline"]["headline_target"], "204.51");
@@ -108,8 +109,8 @@ TEST(Decision, IsInTheReportInFiguresAndWords) {
     EXPECT_NE(std::ranges::find(labels, "Least speed that would be accepted"), labels.end());
     const std::string page = page_of(run);
     expect_in(page, "<p class=\"speed\">216.00 ± 0.019 km/h</p>");
-    expect_in(page, "Speed to reach: 204.51 km/h");
-    expect_in(page, "Speed rounded down, uncertainty and speed to reach rounded up.");
+    expect_in(page, "Required speed: 204.51 km/h");
+    expect_in(page, "Speed rounded down, uncertainty and required speed rounded up.");
     expect_in(page, "99.9987 %");
     expect_in(page, "202.9 km/h ± 0.05 km/h (k = 2): published figure of 2009");
 }
@@ -118,7 +119,7 @@ TEST(Decision, OfASpeedThatCannotBeCertifiedItSaysThatItDoesNotCount) {
     sample::Run run = sample::make_run();
     EXPECT_EQ(page_of(run).find("no comparison counts"), std::string::npos);
     verdict_of(run).outcome = Outcome::not_certifiable;
-    expect_in(page_of(run), "The speed cannot be certified, so that no comparison counts. Prob");
+    expect_in(page_of(run), "The speed cannot be certified, so that no comparison counts. Conf");
 }
 
 // 0.9999876 * 100 cut off; a level is never shown as reached by less.
@@ -136,7 +137,7 @@ TEST(Decision, WithoutARecordTheRuleIsSaidAllTheSame) {
     verdict_of(run).target_mps.reset();
     verdict_of(run).record.reset();
     const Json nalsa = profile_of(run);
-    expect_in(nalsa["decision_rule"], "at least 97.5 %, as not beaten where it is at most 2.5 %");
+    expect_in(nalsa["decision_rule"], "at least 97.5 %, as not beaten if it is at most 2.5 %");
     EXPECT_FALSE(nalsa.contains("decision"));
     EXPECT_FALSE(nalsa.contains("record"));
 }

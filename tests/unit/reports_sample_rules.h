@@ -83,7 +83,7 @@ clauses:
     certainty: secondary
     decided_by: window_complete
   - id: margin
-    text: "The new speed exceeds the standing record by 0.2 %, the speed to reach being truncated to 0.01 km/h (222.43 gave 222.87)."
+    text: "The new speed exceeds the standing record by 0.2 %, the required speed being truncated to 0.01 km/h (222.43 gave 222.87)."
     source: press reports of the ratification of December 2022
     certainty: secondary
     decided_by: margin

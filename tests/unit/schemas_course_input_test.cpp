@@ -11,10 +11,10 @@ TEST(CourseInput, ACourseInTheRecordingsPlane) {
     const Course course = read(course_of("{east_m: -10, north_m: 0.25}")).course.value();
     EXPECT_EQ(course.length_m, 502.25);
     EXPECT_EQ(course.length_expanded_uncertainty_m, 0.02);
-    EXPECT_EQ(course.start.left.plane_m, Eigen::Vector2d(-10.0, 0.25));
-    EXPECT_EQ(course.start.right.plane_m, Eigen::Vector2d(10.0, 0.0));
-    EXPECT_EQ(course.finish.left.plane_m, Eigen::Vector2d(-10.0, 500.0));
-    EXPECT_EQ(course.finish.right.plane_m, Eigen::Vector2d(10.0, 500.5));
+    EXPECT_EQ(course.start.left.plane_m, (std::array<double, 2>{-10.0, 0.25}));
+    EXPECT_EQ(course.start.right.plane_m, (std::array<double, 2>{10.0, 0.0}));
+    EXPECT_EQ(course.finish.left.plane_m, (std::array<double, 2>{-10.0, 500.0}));
+    EXPECT_EQ(course.finish.right.plane_m, (std::array<double, 2>{10.0, 500.5}));
     EXPECT_FALSE(course.start.left.geodetic);
     EXPECT_EQ(course.place, "f:8:3");
 }

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/geodesy.h"
 #include "core/random.h"
 #include "stages/screen/baseline.h"
 

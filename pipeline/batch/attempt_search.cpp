@@ -16,7 +16,7 @@
 #include "core/prose.h"
 #include "core/text.h"
 #include "files/atomic_file.h"
-#include "run/evidence.h"
+#include "run/attempt_files.h"
 #include "schemas/common/product_files.h"
 
 namespace runcert {
@@ -91,7 +91,7 @@ class Search {
             return std::any_of(entries.begin(), entries.end(),
                                [&](const auto& entry) { return entry.path().filename() == name; });
         };
-        if (holds(evidence_attempt_file) && holds(products::observations_file)) {
+        if (holds(attempt_copy_name) && holds(products::observations_file)) {
             ++run_folders_;
             return;
         }
@@ -108,7 +108,7 @@ class Search {
         if (entry.is_directory(error))
             (entry.is_symlink(error) ? links_ : folders_).insert(path);
         else if (is_yaml_name(name))
-            look_at_file(path, name == evidence_attempt_file);
+            look_at_file(path, name == attempt_copy_name);
     }
 
     void look_at_file(const std::string& path, bool named_attempt) {

@@ -36,28 +36,28 @@ Claim read_claim(const DayAttempt& given, const std::filesystem::path& composed)
     for (const std::string& claimed : claim.attempt.profiles) {
         const std::string profile = find_profile(claimed, claim.source);
         claim.profiles.push_back(json_of_yaml(profile, claimed));
-        claim.files[evidence_profile_file(claimed)] = sha256_hex(profile);
+        claim.files[profile_copy_name(claimed)] = sha256_hex(profile);
     }
-    for (const EvidenceFile& file : flow_files(claim.attempt))
+    for (const AttemptFile& file : flow_files(claim.attempt))
         claim.files[file.name] = sha256_hex(find_flow(file, claim.attempt, claim.source));
-    claim.files[std::string(evidence_attempt_file)] = sha256_hex(claim.text);
+    claim.files[std::string(attempt_copy_name)] = sha256_hex(claim.text);
     return claim;
 }
 
 FileHashes recording_hashes(const Claim& claim) {
     FileHashes hashes;
     for (const Receiver& receiver : claim.attempt.receivers)
-        for (const EvidenceFile& file : evidence_files(receiver))
-            hashes[file.name] = sha256_hex(open_evidence(file, receiver, claim.source).bytes());
+        for (const AttemptFile& file : files_of_receiver(receiver))
+            hashes[file.name] = sha256_hex(open_attempt_file(file, receiver, claim.source).bytes());
     return hashes;
 }
 
 std::uint64_t estimated_epochs(const Claim& claim) {
     std::uint64_t epochs = 0;
     for (const Receiver& receiver : claim.attempt.receivers)
-        for (const EvidenceFile& file : evidence_files(receiver))
+        for (const AttemptFile& file : files_of_receiver(receiver))
             if (file.role == "recording")
-                epochs += estimated_epochs(open_evidence(file, receiver, claim.source).bytes());
+                epochs += estimated_epochs(open_attempt_file(file, receiver, claim.source).bytes());
     return epochs;
 }
 

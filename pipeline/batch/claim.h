@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "batch/day_attempts.h"
-#include "run/evidence.h"
+#include "run/attempt_files.h"
 
 namespace runcert {
 

@@ -27,7 +27,7 @@ void RunMaking::prepare() {
 
 void RunMaking::run_program(const std::string& step, StepRecord& record) {
     // Every step reads the attempt that was hashed, and not the file, which may change meanwhile.
-    const auto copy = files_.work_dir() / std::string(evidence_attempt_file);
+    const auto copy = files_.work_dir() / std::string(attempt_copy_name);
     const std::string folder =
         claim_.source.folder.empty() ? std::string(".") : claim_.source.folder.string();
     const ProcessResult result = run_process(

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "run/evidence.h"
+#include "run/attempt_files.h"
 
 namespace runcert {
 namespace {
@@ -39,7 +39,7 @@ Json without(Json document, auto&& keys) {
 
 Json files_of(const Receiver& receiver) {
     Json files = Json::array();
-    for (const EvidenceFile& file : evidence_files(receiver))
+    for (const AttemptFile& file : files_of_receiver(receiver))
         files.push_back(file.original);
     return files;
 }

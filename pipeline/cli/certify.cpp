@@ -15,8 +15,8 @@
 #include "files/file_sync.h"
 #include "files/program.h"
 #include "files/yaml_input.h"
+#include "run/attempt_files.h"
 #include "run/chain.h"
-#include "run/evidence.h"
 #include "run/run_times.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/common/members.h"
@@ -42,8 +42,8 @@ Outcome outcome_of(const YamlValue& profile) {
 }
 
 /// A speed of the verdict in km/h, rounded once, from the figure with the most digits.
-std::string in_km_h(const YamlValue& speed_mps) {
-    return format_fixed(speed_mps.real() * 3.6, 3);
+std::string in_km_h(const YamlValue& speed_m_s) {
+    return format_fixed(speed_m_s.real() * 3.6, 3);
 }
 
 /// The speed as the rule writes it, and in km/h where that is another unit.
@@ -63,7 +63,7 @@ void print_speed(const YamlValue& profile) {
     const YamlValue decision = profile["decision"];
     if (decision.exists() && outcome_of(profile) != Outcome::not_certifiable)
         fmt::print("  required {} {}: conformance probability {} (at least {} required)\n",
-                   shown["target"].text_or("?"), unit,
+                   shown["required_speed"].text_or("?"), unit,
                    probability_text(decision["probability"].real()),
                    level_text(decision["level"].real()));
 }
@@ -131,7 +131,7 @@ bool print_verdicts(const fs::path& run_dir, bool signed_report, bool rendered) 
         all_beaten = print_verdict(profile, run_dir) && all_beaten;
     if (!verdict["georeferenced"].boolean())
         fmt::print(
-            "\nnote     not georeferenced: local-plane coordinates, whose scale on the ground is "
+            "\nnote     not georeferenced: engineering coordinates, whose scale on the ground is "
             "not stated\n");
     fmt::print("\nreport   {}{}\n", (run_dir / (rendered ? "report.html" : "report.json")).string(),
                signed_report ? " (signed)" : " (UNSIGNED: give --key to sign it)");
@@ -167,7 +167,7 @@ int certify(const CertifyOptions& options) {
     };
     try {
         run_stages(options.attempt, staging.path(), {}, done);
-        const StepCall call{.attempt = staging.path() / evidence_attempt_file,
+        const StepCall call{.attempt = staging.path() / attempt_copy_name,
                             .run_dir = staging.path(),
                             .pdf = !options.no_pdf};
         const ProcessOptions unsynced{.environment = {synced_by_caller()}};

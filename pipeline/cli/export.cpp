@@ -52,7 +52,7 @@ void add_export(CLI::App& app, Command& chosen) {
         "table\n"
         "of the run, one header row, no comments. Positions are WGS 84; heights are above the\n"
         "ellipsoid, not above sea level (in KML the lines lie on the ground). A run in "
-        "local-plane\n"
+        "engineering\n"
         "coordinates is on no map: of it, only CSV. Hashes are checked.");
     command->callback([&chosen, options] { chosen = [options] { return export_run(*options); }; });
 }

@@ -11,14 +11,14 @@ namespace runcert {
 
 template <int Axes>
 StateEstimate<Axes> KalmanFilter<Axes>::prior(const PositionVector<Axes>& position) const {
-    constexpr double sigma_velocity_mps = 300.0;
-    constexpr double sigma_acceleration_mps2 = 100.0;
+    constexpr double sigma_velocity_m_s = 300.0;
+    constexpr double sigma_acceleration_m_s2 = 100.0;
     StateEstimate<Axes> prior;
     prior.mean.template head<Axes>() = position;
     StateVector<Axes> sigma;
     sigma << PositionVector<Axes>::Constant(vague_position_sigma_m),
-        PositionVector<Axes>::Constant(sigma_velocity_mps),
-        PositionVector<Axes>::Constant(sigma_acceleration_mps2),
+        PositionVector<Axes>::Constant(sigma_velocity_m_s),
+        PositionVector<Axes>::Constant(sigma_acceleration_m_s2),
         PositionVector<Axes>::Constant(model_.error.initial_sigma_m);
     prior.covariance = sigma.cwiseAbs2().asDiagonal();
     return prior;
@@ -130,7 +130,7 @@ void require_positive_definite(const PositionMatrix<Axes>& covariance, double ti
     if (kernel::is_positive_definite<Axes>(covariance.data())) return;
     throw Failure(fmt::format("time {:.3f} s", time_s),
                   "the stated covariance of the position is not positive definite",
-                  "Check the stated accuracies and correlations of this epoch");
+                  "Check the stated standard deviations and correlations of this epoch");
 }
 template void require_positive_definite<1>(const PositionMatrix<1>&, double);
 template void require_positive_definite<2>(const PositionMatrix<2>&, double);

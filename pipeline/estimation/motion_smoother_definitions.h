@@ -19,7 +19,7 @@ namespace motion_smoother {
 [[noreturn]] inline void not_positive_definite(const char* which, double time_s) {
     throw Failure(fmt::format("time {:.3f} s", time_s),
                   fmt::format("the {} covariance is not positive definite", which),
-                  "Check the stated accuracies and the time steps around this epoch");
+                  "Check the stated standard deviations and the time steps around this epoch");
 }
 
 /// Whether a filtered state is known so badly that P - P N P would lose digits: 10 m, 1 m/s or

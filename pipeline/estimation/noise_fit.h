@@ -35,7 +35,7 @@ struct WeightedModel {
     double weight = 0.0;
 };
 
-/// Noise learnt from a recording by maximum likelihood of the forward filter.
+/// Noise estimated from a recording by maximum likelihood of the forward filter.
 struct NoiseFit {
     enum class Status { fitted, too_few_epochs, constant_positions };
     Status status = Status::fitted;

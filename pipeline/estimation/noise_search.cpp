@@ -12,7 +12,7 @@ namespace {
 constexpr double jerk_min = 3e-3;
 constexpr double jerk_max = 1e4;
 constexpr double sigma_min_m = error_sigma_min_m;
-constexpr double sigma_max_of_stated = 100.0;  // in units of the stated accuracy
+constexpr double sigma_max_of_stated = 100.0;  // in units of the stated standard deviation
 constexpr double acceleration_time_min_s = 0.2;
 constexpr double acceleration_time_max_s = 1e3;
 constexpr int evaluations_allowed = 200;

@@ -41,7 +41,7 @@ struct Best {
 struct GridPoint {
     Best best;
     double tau_s = 0.0;
-    double sigma = 0.0;  ///< in units of the stated accuracy
+    double sigma = 0.0;  ///< in units of the stated standard deviation
 };
 
 /// The point of the largest likelihood.

@@ -33,7 +33,7 @@ Factor<Axes> factorise(const StateMatrix<Axes>& covariance, double time_s, std::
     }
     throw Failure(fmt::format("time {:.3f} s", time_s),
                   "the predicted covariance is not positive definite",
-                  "Check the stated accuracies and the time steps around this epoch");
+                  "Check the stated standard deviations and the time steps around this epoch");
 }
 
 /// The motion over a step given velocity and acceleration at both ends: that of the model without
@@ -143,7 +143,7 @@ SmoothedArc<Axes> smooth(std::span<const ArcEpoch<Axes>> arc, const EstimationMo
         if (!(state.covariance.diagonal().array() > 0.0).all())
             throw Failure(fmt::format("time {:.3f} s", arc[k].time_s),
                           "the smoothed covariance is not positive definite",
-                          "Check the stated accuracies and the time steps around this epoch");
+                          "Check the stated standard deviations and the time steps around this epoch");
         result.gains[k] = gain;
     }
     std::ranges::reverse(result.bridged);

@@ -19,8 +19,8 @@ SpeedEstimate horizontal_speed(const Eigen::Vector2d& velocity, const Eigen::Mat
     return {speed, std::sqrt(std::max(variance, 0.0))};
 }
 
-SpeedEstimate vertical_speed(double velocity_mps, double variance) {
-    return {std::abs(velocity_mps), std::sqrt(std::max(variance, 0.0))};
+SpeedEstimate vertical_speed(double velocity_m_s, double variance) {
+    return {std::abs(velocity_m_s), std::sqrt(std::max(variance, 0.0))};
 }
 
 namespace {
@@ -149,10 +149,10 @@ SpeedEstimate path_speed(const SmoothedArc<Axes>& arc, std::size_t s, std::size_
 
 template <int Axes>
 SpeedEstimate mean_speed(const SmoothedArc<Axes>& arc, std::size_t s, std::size_t e) {
-    double sum_mps = 0.0;
+    double sum_m_s = 0.0;
     for (std::size_t k = s; k <= e; ++k)
-        sum_mps += arc.states[k].mean.template segment<speed_axes<Axes>>(Axes).norm();
-    return {sum_mps / static_cast<double>(e - s + 1),
+        sum_m_s += arc.states[k].mean.template segment<speed_axes<Axes>>(Axes).norm();
+    return {sum_m_s / static_cast<double>(e - s + 1),
             std::sqrt(std::max(arc.variance(s, mean_speed_gradients(arc, s, e)), 0.0))};
 }
 

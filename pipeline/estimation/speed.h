@@ -8,8 +8,8 @@ namespace runcert {
 
 /// A speed (m/s) and its standard uncertainty (m/s).
 struct SpeedEstimate {
-    double speed_mps = 0.0;
-    double standard_uncertainty_mps = 0.0;
+    double speed_m_s = 0.0;
+    double standard_uncertainty_m_s = 0.0;
 };
 
 /// Horizontal speed of a velocity (east, north; m/s) with covariance, by [DHD22] (25). At rest,
@@ -19,7 +19,7 @@ SpeedEstimate horizontal_speed(const Eigen::Vector2d& velocity, const Eigen::Mat
 // Speeds are horizontal; of heights alone (Axes 1) they are vertical, without sign.
 
 /// The vertical counterpart: speed of a vertical velocity (m/s) of this variance.
-SpeedEstimate vertical_speed(double velocity_mps, double variance);
+SpeedEstimate vertical_speed(double velocity_m_s, double variance);
 
 /// Horizontal displacement (m) of the craft between epochs s and e (s < e) of an arc: the
 /// difference of the smoothed positions; across a bridged step, over whose ends alone that would

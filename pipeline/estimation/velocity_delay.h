@@ -7,7 +7,7 @@
 #include "estimation/epoch_motion.h"
 
 // The delay of recorded velocities behind the positions: the part of the velocity check that
-// learns.
+// estimates.
 
 namespace runcert::velocities {
 

@@ -11,7 +11,7 @@
 #include "files/atomic_file.h"
 #include "files/file_sync.h"
 #include "files/process.h"
-#include "run/evidence.h"
+#include "run/attempt_files.h"
 
 namespace runcert {
 namespace {
@@ -53,12 +53,12 @@ StageDone run_step(std::string_view step, const StepCall& call, const ProcessOpt
         .seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count()};
 }
 
-void run_stages(const fs::path& attempt, const fs::path& run_dir, const fs::path& evidence,
+void run_stages(const fs::path& attempt, const fs::path& run_dir, const fs::path& earlier_run,
                 const std::function<void(const StageDone&)>& done) {
     StepCall call{.attempt = attempt, .run_dir = run_dir};
-    if (!evidence.empty()) call.import_options = {"--evidence", evidence.string()};
+    if (!earlier_run.empty()) call.import_options = {"--earlier-run", earlier_run.string()};
     const ProcessOptions options{.environment = {synced_by_caller()}};
-    const fs::path copy = run_dir / evidence_attempt_file;
+    const fs::path copy = run_dir / attempt_copy_name;
     for (const Step& step : steps()) {
         if (step.product == nullptr) continue;
         try {

@@ -30,11 +30,11 @@ struct StageFailed {
 /// where it ends in any other way but well.
 StageDone run_step(std::string_view step, const StepCall& call, const ProcessOptions& options = {});
 
-/// The stages from import to check, each on the attempt and run folder given; `evidence`, if not
+/// The stages from import to check, each on the attempt and run folder given; `earlier_run`, if not
 /// empty, is a run folder to take recordings and profiles from. `done` is called after each. What
 /// they write is not synced.
 void run_stages(const std::filesystem::path& attempt, const std::filesystem::path& run_dir,
-                const std::filesystem::path& evidence,
+                const std::filesystem::path& earlier_run,
                 const std::function<void(const StageDone&)>& done);
 
 /// A folder inside a run folder in which new results are made, so that earlier ones stay whole

@@ -7,7 +7,7 @@
 #include "files/atomic_file.h"
 #include "files/program.h"
 #include "files/sha256.h"
-#include "run/evidence.h"
+#include "run/attempt_files.h"
 #include "run/steps.h"
 
 namespace runcert {
@@ -44,7 +44,7 @@ void StageRun::note(const InputFile& input) {
 }
 
 void StageRun::note_attempt() {
-    note_input("attempt", std::string(evidence_attempt_file), attempt_text_);
+    note_input("attempt", std::string(attempt_copy_name), attempt_text_);
 }
 
 void StageRun::note_input(const std::string& role, const std::string& file, std::string_view bytes,
@@ -120,7 +120,7 @@ StageRun open_run(const std::string& program, const std::filesystem::path& run_d
     if (!std::filesystem::is_directory(run_dir))
         throw Failure(run_dir.string(), "there is no such run folder",
                       "Name a folder that `runcert certify` wrote");
-    return StageRun(program, run_dir / evidence_attempt_file, run_dir);
+    return StageRun(program, run_dir / attempt_copy_name, run_dir);
 }
 
 const Receiver& receiver_of(const Attempt& attempt, const std::string& id) {

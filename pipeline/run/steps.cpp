@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cassert>
 
-#include "run/evidence.h"
+#include "run/attempt_files.h"
 
 namespace runcert {
 namespace {
@@ -19,18 +19,18 @@ void append(Names& names, const Names& more) {
 /// Recordings, and what import makes of them beside its table.
 Names recorded_files(const Receiver& receiver) {
     Names names;
-    for (const auto& files : {evidence_files(receiver), solution_files(receiver)})
-        for (const EvidenceFile& file : files)
+    for (const auto& files : {files_of_receiver(receiver), solution_files(receiver)})
+        for (const AttemptFile& file : files)
             names.push_back(file.name);
     return names;
 }
 
 /// What the attempt claims by: itself, rules, series of wind and current.
 Names claim_files(const Attempt& attempt) {
-    Names names{std::string(evidence_attempt_file)};
+    Names names{std::string(attempt_copy_name)};
     for (const std::string& claimed : attempt.profiles)
-        names.push_back(evidence_profile_file(claimed));
-    for (const EvidenceFile& file : flow_files(attempt))
+        names.push_back(profile_copy_name(claimed));
+    for (const AttemptFile& file : flow_files(attempt))
         names.push_back(file.name);
     return names;
 }

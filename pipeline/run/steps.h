@@ -69,7 +69,7 @@ RunInventory inventory_of(const Attempt& attempt);
 struct StepCall {
     std::filesystem::path attempt;
     std::filesystem::path run_dir;
-    /// For import: where what the attempt names is to be found ("--evidence", "--folder").
+    /// For import: where what the attempt names is to be found ("--earlier-run", "--folder").
     std::vector<std::string> import_options = {};
     bool pdf = true;
 };

@@ -6,17 +6,17 @@ namespace runcert {
 /// v(t) = A / (1 + exp(-r (t - t0))), r = ln(A / v0 - 1) / t0. The paper's own figures are the
 /// defaults.
 struct LogisticRun {
-    double top_speed_mps = 60.0;      ///< A, approached and never reached
-    double start_speed_mps = 0.01;    ///< v0, the speed at time 0
+    double top_speed_m_s = 60.0;      ///< A, approached and never reached
+    double start_speed_m_s = 0.01;    ///< v0, the speed at time 0
     double half_speed_time_s = 15.0;  ///< t0, when the speed is A / 2
 };
 
 /// The run at one time.
 struct RunState {
     double distance_m = 0.0;  ///< from where the craft was at time 0
-    double speed_mps = 0.0;
-    double acceleration_mps2 = 0.0;
-    double jerk_mps3 = 0.0;
+    double speed_m_s = 0.0;
+    double acceleration_m_s2 = 0.0;
+    double jerk_m_s3 = 0.0;
 };
 
 /// Failure (at "run") unless 0 < v0 < A / 2 and t0 > 0, all finite.

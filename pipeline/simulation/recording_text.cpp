@@ -44,7 +44,7 @@ std::string rtklib_header(const RecordingStyle& style) {
 
 std::string rtklib_pos_text(const SimulationSpec& spec, std::span<const SimulatedEpoch> epochs) {
     if (!spec.place || !spec.start)
-        throw Failure("simulation", "a .pos needs a place on the Earth and a GPS time of its start",
+        throw Failure("simulation", "a .pos holds geodetic coordinates and GPS time, and place or start_gps is missing",
                       "Give place and start_gps");
     const LocalFrame frame(*spec.place);
     const RecordingStyle& style = spec.recording;
@@ -89,7 +89,7 @@ std::string truth_csv_text(std::span<const SimulatedEpoch> epochs) {
     for (const SimulatedEpoch& epoch : epochs) {
         text += seconds_text(epoch);
         for (const double value : {epoch.true_enu_m.x(), epoch.true_enu_m.y(), epoch.true_enu_m.z(),
-                                   epoch.truth.speed_mps, epoch.truth.acceleration_mps2})
+                                   epoch.truth.speed_m_s, epoch.truth.acceleration_m_s2})
             text += ',' + format_fixed(value, truth_decimals);
         text += '\n';
     }

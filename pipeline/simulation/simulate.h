@@ -49,7 +49,7 @@ struct Faults {
 struct RecordingStyle {
     int decimals_m = 5;     ///< of metres; 0 to 5
     int decimals_deg = 11;  ///< of degrees; 5 to 11 (1e-11 degrees are a micrometre)
-    bool with_up = true;    ///< in a local plane, whether heights are recorded
+    bool with_up = true;    ///< in an engineering CRS, whether heights are recorded
     ErrorSigmas accuracy{.horizontal_m = 0.010, .vertical_m = 0.020};  ///< that it claims
 };
 
@@ -61,7 +61,7 @@ struct SimulationSpec {
     Angle bearing = Angle::from_degrees(45.0);  ///< of travel, clockwise from north
     Eigen::Vector3d start_enu_m = Eigen::Vector3d::Zero();
 
-    /// Origin of the east, north, up that the run is in; without it they are a local plane's. The
+    /// Origin of the east, north, up that the run is in; without it they are engineering coordinates. The
     /// run stays in the plane (up is constant), so that the speed in this frame is the logistic.
     std::optional<Geodetic> place;
     std::optional<GpsTime> start;  ///< GPS time of time 0; whole milliseconds

@@ -11,7 +11,7 @@
 #include "core/text.h"
 #include "files/atomic_file.h"
 #include "files/sha256.h"
-#include "run/evidence.h"
+#include "run/attempt_files.h"
 #include "run/stage_run.h"
 #include "run/steps.h"
 #include "schemas/products/products.h"
@@ -101,7 +101,7 @@ void compare_shown_files(const ReportFacts& report, VerificationStep& step) {
 std::vector<std::string> missing_inputs(
     const fs::path& run_dir, const std::map<std::string, std::set<std::string>>& inputs_of,
     const std::map<std::string, nlohmann::ordered_json>& parameters_of) {
-    const fs::path file = run_dir / evidence_attempt_file;
+    const fs::path file = run_dir / attempt_copy_name;
     const Attempt attempt = read_attempt(read_handwritten(file), file.string());
     std::vector<std::string> missing;
     for (const Receiver& receiver : attempt.receivers) {

@@ -9,7 +9,7 @@
 #include "files/atomic_file.h"
 #include "files/sha256.h"
 #include "files/yaml_input.h"
-#include "run/evidence.h"
+#include "run/attempt_files.h"
 #include "run/steps.h"
 #include "schemas/common/members.h"
 #include "schemas/common/product_files.h"
@@ -77,7 +77,7 @@ void compare_headline(const std::string& rule, const Json& profile, const YamlVa
     for (const auto& [key, name] : {std::pair("headline_speed", "speed"),
                                     {"headline_unit", "unit"},
                                     {"headline_uncertainty", "expanded_uncertainty"},
-                                    {"headline_target", "target"}})
+                                    {"headline_required_speed", "required_speed"}})
         compare.equal(fmt::format("{}, {}", rule, key), text_of(headline, key),
                       figures[name].text_or(""), verdict_file);
 }
@@ -85,7 +85,7 @@ void compare_headline(const std::string& rule, const Json& profile, const YamlVa
 /// The title of the outcome is what a page shows largest.
 void compare_title(const std::string& rule, const Json& profile, Outcome outcome,
                    Comparison& compare) {
-    const bool unnamed = outcome == Outcome::not_proven && !profile.contains("target_km_h");
+    const bool unnamed = outcome == Outcome::not_proven && !profile.contains("required_speed_km_h");
     const std::string title(unnamed ? "Speed measured; no record is named" : phrase_of(outcome));
     compare.equal(rule + ", outcome_title", text_of(profile, "outcome_title"), title,
                   verdict_file + " (by its outcome)");
@@ -97,7 +97,7 @@ void compare_profile(const Json& profile, const YamlValue& verdict, Comparison& 
         compare.equal(fmt::format("{}, {}", rule, key), text_of(profile, key), verdict[key].text(),
                       verdict_file);
     compare_title(rule, profile, member::read<Outcome>(verdict["outcome"]), compare);
-    for (const char* quantity : {"speed", "expanded_uncertainty", "target"})
+    for (const char* quantity : {"speed", "expanded_uncertainty", "required_speed"})
         for (const char* unit : {"km_h", "m_s", "knots", "mph"}) {
             const std::string key = fmt::format("{}_{}", quantity, unit);
             compare.number(fmt::format("{}, {}", rule, key), number_of(profile, key),
@@ -169,7 +169,7 @@ void compare_subjects(const ReportFacts& report, const RunInventory& inventory,
 }
 
 void compare_all(const fs::path& run_dir, const ReportFacts& report, Comparison& compare) {
-    const std::string file(evidence_attempt_file);
+    const std::string file(attempt_copy_name);
     if (!report.subjects.contains(file))
         return compare.fail("attempt.yaml: the report does not name it, and says nothing without");
     const Attempt attempt =

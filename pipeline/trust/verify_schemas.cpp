@@ -6,7 +6,7 @@
 #include "core/text.h"
 #include "files/atomic_file.h"
 #include "files/program.h"
-#include "run/evidence.h"
+#include "run/attempt_files.h"
 #include "schemas/common/document.h"
 #include "schemas/common/revision.h"
 #include "schemas/products/products.h"
@@ -98,15 +98,15 @@ void check_report(const ReportFacts& report, const std::string& where) {
                         where, report_field_table());
 }
 
-void check_evidence(const fs::path& run_dir, Findings& findings) {
-    const std::string name(evidence_attempt_file);
+void check_attempt_files(const fs::path& run_dir, Findings& findings) {
+    const std::string name(attempt_copy_name);
     const fs::path file = run_dir / name;
     if (!fs::is_regular_file(fs::symlink_status(file))) return;
     std::optional<Attempt> attempt;
     findings.check(name, [&] { attempt = read_attempt(read_handwritten(file), file.string()); });
     if (!attempt) return;
     for (const std::string& claimed : attempt->profiles)
-        if (const std::string profile = evidence_profile_file(claimed);
+        if (const std::string profile = profile_copy_name(claimed);
             fs::is_regular_file(fs::symlink_status(run_dir / profile)))
             findings.check(profile,
                            [&] { (void)read_claimed_profile(run_dir, claimed, *attempt); });
@@ -118,7 +118,7 @@ VerificationStep verify_schemas(const fs::path& run_dir, const ReportFacts& repo
     Findings findings;
     const std::string where = (run_dir / "report.json").string();
     findings.check("report.json", [&] { check_report(report, where); });
-    check_evidence(run_dir, findings);
+    check_attempt_files(run_dir, findings);
     for (const auto& [name, sha256] : report.subjects)
         if (is_product_name(name) && fs::is_regular_file(fs::symlink_status(run_dir / name)))
             findings.check(name, [&, file = run_dir / name] { check_stage_file(file, report); });

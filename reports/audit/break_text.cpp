@@ -62,10 +62,10 @@ std::string way_of_shift(const Rows& rows, std::size_t at) {
     const double time_s = to.time.seconds() - from.time.seconds();
     if (!from.east_m || !from.north_m || !to.usable || !to.east_m || !to.north_m || time_s <= 0.0)
         return {};
-    const double speed_mps =
+    const double speed_m_s =
         std::hypot(*to.east_m - *from.east_m, *to.north_m - *from.north_m) / time_s;
     return fmt::format(", about {} m",
-                       format_fixed(std::abs(*from.estimated.time_s) * speed_mps, 2));
+                       format_fixed(std::abs(*from.estimated.time_s) * speed_m_s, 2));
 }
 
 }  // namespace

@@ -46,8 +46,8 @@ std::string accuracy(RowSpan rows) {
     if (!row.statistic || !row.threshold) return std::string(words_of(row.reason));
     constexpr double least_m = 1e-6;  // what is below it bounds the determinant of correlations
     if (*row.threshold < least_m)
-        return "the stated accuracies and correlations are not those of any error";
-    return fmt::format("the stated accuracy of {} is not believable: {} than {} m",
+        return "the stated standard deviations and correlations are not those of any error";
+    return fmt::format("the stated standard deviation of {} is not believable: {} than {} m",
                        range_text(rows, 4, " m", statistic_of),
                        *row.statistic > *row.threshold ? "larger" : "smaller",
                        format_fixed(*row.threshold, 4));
@@ -63,7 +63,7 @@ std::string short_arc(const ScreenedEpoch& row) {
 std::string wrong_positions(RowSpan rows) {
     const ScreenedEpoch& row = rows.front();
     const bool one = rows.size() == 1;
-    std::string text = row.reason == Reason::burst ? "several wrong epochs in a row: " : "";
+    std::string text = row.reason == Reason::burst ? "several outliers in a row: " : "";
     text += one ? "its " : "their ";
     text += row.tested_axes == TestedAxes::vertical ? "height" : "position";
     text += one ? " is " : "s are ";
@@ -93,16 +93,16 @@ std::string stretch(const ScreenedEpoch& row) {
 struct Limit {
     std::string_view name;
     std::string_view unit;
-    double LimitEvidence::*allowed;
+    double LimitComparison::*allowed;
 };
 
 std::optional<Limit> limit_of(std::optional<Hypothesis> hypothesis) {
     if (hypothesis == Hypothesis::acceleration)
-        return Limit{"an acceleration", " m/s^2", &LimitEvidence::acceleration_max_mps2};
+        return Limit{"an acceleration", " m/s^2", &LimitComparison::acceleration_max_m_s2};
     if (hypothesis == Hypothesis::jerk)
-        return Limit{"a jerk", " m/s^3", &LimitEvidence::jerk_max_mps3};
+        return Limit{"a jerk", " m/s^3", &LimitComparison::jerk_max_m_s3};
     if (hypothesis == Hypothesis::vertical_rate)
-        return Limit{"a vertical rate", " m/s", &LimitEvidence::vertical_rate_max_mps};
+        return Limit{"a vertical rate", " m/s", &LimitComparison::vertical_rate_max_m_s};
     return std::nullopt;
 }
 
@@ -113,7 +113,7 @@ std::string physical_limit(const ScreenedTable& table, RowSpan rows) {
     if (figure.empty()) return motion;
     std::string text = fmt::format("{}: {} of {}", motion, limit->name, figure);
     text += fmt::format(", where its class can make {}{}",
-                        format_fixed(table.evidence.limits.*limit->allowed, 1), limit->unit);
+                        format_fixed(table.basis.limits.*limit->allowed, 1), limit->unit);
     const std::string threshold =
         range_text(rows, 1, limit->unit, [](const ScreenedEpoch& each) { return each.threshold; });
     if (!threshold.empty())
@@ -157,9 +157,8 @@ std::string left_out_text(const ScreenedTable& table, const AuditEntry& entry) {
         case Reason::physical_limit:
             return physical_limit(table, rows);
         case Reason::baseline:
-            return fmt::format(
-                "{}{}", words_of(row.reason),
-                table.evidence.baseline ? ", " + table.evidence.baseline->receiver : "");
+            return fmt::format("{}{}", words_of(row.reason),
+                               table.basis.baseline ? ", " + table.basis.baseline->receiver : "");
         default:
             return std::string(words_of(row.reason));
     }

@@ -10,7 +10,7 @@
 #include "files/program.h"
 #include "reports/audit/record.h"
 #include "reports/audit/report_record.h"
-#include "run/evidence.h"
+#include "run/attempt_files.h"
 #include "run/stage_main.h"
 #include "schemas/common/product_files.h"
 
@@ -70,16 +70,16 @@ class Witnesses {
     std::map<std::string, std::vector<std::string>> named_by_;
 };
 
-/// The files by which the audit of screening goes: evidence, the products up to its own, and what
-/// its table names.
+/// The files by which the audit of screening goes: those of the attempt, the products up to its
+/// own, and what its table names.
 std::vector<std::string> witnesses_of(const ReceiverRecord& one) {
-    std::vector<std::string> files{std::string(evidence_attempt_file)};
+    std::vector<std::string> files{std::string(attempt_copy_name)};
     const auto add = [&](const std::string& file) {
         if (std::ranges::find(files, file) == files.end()) files.push_back(file);
     };
-    for (const EvidenceFile& file : evidence_files(one.receiver))
+    for (const AttemptFile& file : files_of_receiver(one.receiver))
         add(file.name);
-    for (const EvidenceFile& file : solution_files(one.receiver))
+    for (const AttemptFile& file : solution_files(one.receiver))
         add(file.name);
     for (const std::string& file : {one.observations_file, one.enu_file, one.screened_file})
         add(file);
@@ -93,7 +93,7 @@ ReceiverRecord read_receiver(Witnesses& witnesses, const Receiver& receiver) {
     const auto named = [&](const ProductFile& product) {
         return witnesses.run().file_of(product, receiver);
     };
-    for (const EvidenceFile& file : evidence_files(receiver))
+    for (const AttemptFile& file : files_of_receiver(receiver))
         witnesses.note(file.role, file.name);
     ReceiverRecord one{.receiver = receiver,
                        .recording = recording_names(receiver),
@@ -127,7 +127,7 @@ RunRecord read_run(const std::filesystem::path& run_dir) {
                      .receivers = {},
                      .verdict_file = std::string(products::verdict_file),
                      .signatures = signatures_in(run_dir)};
-    witnesses.note("attempt", std::string(evidence_attempt_file));
+    witnesses.note("attempt", std::string(attempt_copy_name));
     for (const Receiver& receiver : record.attempt.receivers)
         record.receivers.push_back(read_receiver(witnesses, receiver));
     record.verdict = witnesses.read("verdict", record.verdict_file, read_verdict);

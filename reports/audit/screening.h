@@ -54,7 +54,7 @@ struct AuditSubject {
 };
 
 /// The audit of one receiver's screening: what the tests rested on, every decision with its rows in
-/// the recording, the smallest errors that could be found. An entry begins with "epoch ..." or
+/// the recording, the minimal detectable biases. An entry begins with "epoch ..." or
 /// "epochs ..." for rows and "before epoch ..." for a break. With `all` the rows used are entries
 /// too. Tables of any revision.
 Section screening_section(const ScreenedTable& table, const AuditSubject& subject, bool all);

@@ -16,7 +16,7 @@ std::string_view adverb(TestedAxes axes) {
 
 std::string recording_text(const ScreenedTable& table, const AuditSubject& subject) {
     const ScreeningSummary summary = summarise(table.rows);
-    std::string text = fmt::format("Recording. {}: {}, {} used, in {} (stretches without a break).",
+    std::string text = fmt::format("Recording. {}: {}, {} used, in {} (arcs).",
                                    subject.recording, counted(std::ssize(table.rows), "epoch"),
                                    counted(summary.usable), counted(summary.arcs, "arc"));
     std::vector<std::string> reasons;
@@ -48,26 +48,26 @@ std::string files_text(const ScreenedTable& table, const AuditSubject& subject) 
 
 std::string noise_sentence(const ScreeningModel& model) {
     const std::string figures =
-        fmt::format("{} times the stated accuracies and a jerk density of {:.3g} m s^-2.5",
+        fmt::format("{} times the stated standard deviations and a jerk density of {:.3g} m s^-2.5",
                     format_fixed(model.measurement_scale, 2), model.jerk_density);
     if (model.noise != NoiseBasis::fitted) {
         return fmt::format(
-            " The tests rested {} on {}: noise was not learnt from the recording ({}).",
+            " The tests rested {} on {}: noise was not estimated from the recording ({}).",
             adverb(model.axes), figures, words_of(model.noise));
     }
     constexpr double least_m = 5e-5;  // what is not zero as written
     const std::string slow =
         model.error_sigma_m >= least_m
-            ? fmt::format("a slow error of {} m that lasts {:.3g} s",
+            ? fmt::format("a time-correlated error of {} m with a correlation time of {:.3g} s",
                           format_fixed(model.error_sigma_m, 4), model.error_tau_s)
-            : std::string("no slow error");
-    return fmt::format(" The tests rested {} on noise learnt from the recording: {}, {}.",
+            : std::string("no time-correlated error");
+    return fmt::format(" The tests rested {} on noise estimated from the recording: {}, {}.",
                        adverb(model.axes), figures, slow);
 }
 
 std::string noise_text(const ScreenedTable& table) {
     std::string text = "Noise.";
-    for (const ScreeningModel& model : table.evidence.models)
+    for (const ScreeningModel& model : table.basis.models)
         text += noise_sentence(model);
     const ScreenedEpoch* loudest = nullptr;
     for (const ScreenedEpoch& row : table.rows)
@@ -82,21 +82,20 @@ std::string noise_text(const ScreenedTable& table) {
     return text;
 }
 
-std::string tests_text(const ScreeningEvidence& evidence) {
-    const double rate = evidence.family_false_alarm_rate;
-    std::string text =
-        fmt::format("Tests. {} planned, the recording gone through {}.",
-                    counted(evidence.tests, "test"), counted(evidence.passes, "time"));
-    if (rate > 0.0 && evidence.test_size > 0.0)
+std::string tests_text(const ScreeningBasis& basis) {
+    const double rate = basis.family_false_alarm_rate;
+    std::string text = fmt::format("Tests. {} planned, the recording gone through {}.",
+                                   counted(basis.tests, "test"), counted(basis.passes, "time"));
+    if (rate > 0.0 && basis.test_size > 0.0)
         text += fmt::format(
-            " A test rejects by chance {}: in a recording without a wrong epoch, and with that "
+            " A test rejects by chance {}: in a recording without an outlier, and with that "
             "noise, the tests together mark anything in at most 1 of {} recordings.",
-            once_in(evidence.test_size),
+            once_in(basis.test_size),
             counted(static_cast<std::int64_t>(std::floor(1.0 / rate + 1e-9))));
     return text + fmt::format(
                       " An error of the smallest detectable size (see the end) is found with a "
                       "probability of {} %.",
-                      format_fixed(100.0 * evidence.power, 1));
+                      format_fixed(100.0 * basis.power, 1));
 }
 
 /// Motion that screening found sudden, and positions that look as if nobody had measured them.
@@ -104,19 +103,19 @@ std::string motion_text(const ScreenedTable& table) {
     std::int64_t manoeuvres = 0;
     const ScreenedEpoch* largest = nullptr;
     for (const ScreenedEpoch& row : table.rows) {
-        if (!row.manoeuvre_mps2) continue;
+        if (!row.manoeuvre_m_s2) continue;
         ++manoeuvres;
-        if (!largest || *row.manoeuvre_mps2 > *largest->manoeuvre_mps2) largest = &row;
+        if (!largest || *row.manoeuvre_m_s2 > *largest->manoeuvre_m_s2) largest = &row;
     }
     if (!largest) return "";
     return fmt::format(
         "Motion. At {} the acceleration was found to change beyond what the tests take for "
         "granted, at most by {} m/s^2 (epoch {}): a manoeuvre of the craft explains the data "
         "better than an error, and the tests allow for it.",
-        counted(manoeuvres, "epoch"), format_fixed(*largest->manoeuvre_mps2, 1), largest->epoch);
+        counted(manoeuvres, "epoch"), format_fixed(*largest->manoeuvre_m_s2, 1), largest->epoch);
 }
 
-std::string device_text(const DeviceEvidence& device) {
+std::string device_text(const DeviceSigns& device) {
     return fmt::format(
         "Device. Of {} recorded in motion {} repeat the one before (held), and {} lie in line with "
         "their neighbours to the last digit (interpolated), where chance makes {}.",
@@ -124,7 +123,7 @@ std::string device_text(const DeviceEvidence& device) {
         format_fixed(device.by_chance, 1));
 }
 
-std::string kind_sentence(const FixKindEvidence& kind) {
+std::string kind_sentence(const FixTypeErrors& kind) {
     const std::string what = fmt::format(" {}, {} ({}): ", capitalised(words_of(kind.fix)),
                                          adverb(kind.axes), counted(kind.epochs, "epoch"));
     const std::string factor = fmt::format(
@@ -132,14 +131,14 @@ std::string kind_sentence(const FixKindEvidence& kind) {
         format_fixed(std::sqrt(kind.variance_factor), 2), format_fixed(kind.variance_factor, 3));
     if (kind.judgement == AccuracyJudgement::too_few_epochs)
         return what + "too few epochs to tell how large its errors are.";
-    if (kind.judgement == AccuracyJudgement::too_good)
-        return what + factor + ": the stated accuracy is too good, the errors are larger.";
-    if (kind.judgement == AccuracyJudgement::too_bad)
-        return what + factor + ": the stated accuracy is too bad, the errors are smaller.";
+    if (kind.judgement == AccuracyJudgement::optimistic)
+        return what + factor + ": the stated standard deviation is optimistic: the errors are larger.";
+    if (kind.judgement == AccuracyJudgement::pessimistic)
+        return what + factor + ": the stated standard deviation is pessimistic: the errors are smaller.";
     return what + factor + ": as stated.";
 }
 
-std::string velocity_text(const VelocityEvidence& velocity) {
+std::string velocity_text(const VelocityComparison& velocity) {
     std::string text =
         fmt::format("Velocities. Recorded velocities were compared with the motion at {}",
                     counted(velocity.compared, "epoch"));
@@ -148,7 +147,7 @@ std::string velocity_text(const VelocityEvidence& velocity) {
                ": too few could be compared, or they never change; nothing follows from "
                "them.";
     text += fmt::format("; they differ by {} m/s (robust standard deviation of each component).",
-                        format_fixed(velocity.scale_mps, 3));
+                        format_fixed(velocity.scale_m_s, 3));
     if (velocity.delay_s)
         text += fmt::format(" They are {} s{} {} the positions.",
                             format_fixed(std::abs(*velocity.delay_s), 3),
@@ -162,7 +161,7 @@ std::string velocity_text(const VelocityEvidence& velocity) {
 }
 
 std::string time_text(const ScreenedTable& table) {
-    const TimeEvidence& time = table.evidence.time;
+    const TimeStampSummary& time = table.basis.time;
     std::string text = fmt::format("Time stamps. {}, ", counted(time.sessions, "session"));
     text += time.gaps == 0 ? "no gap"
                            : fmt::format("{}, the longest {} s", counted(time.gaps, "gap"),
@@ -202,20 +201,20 @@ std::string fault_line(const ScreenedTable& table, const TimeFault& fault) {
 }
 
 std::string limits_text(const ScreenedTable& table) {
-    const LimitEvidence& limits = table.evidence.limits;
+    const LimitComparison& limits = table.basis.limits;
     std::string text = fmt::format(
         "Limits. Of the epochs kept the largest acceleration is {} m/s^2 (a craft of the class can "
         "make {} m/s^2), the largest jerk {} m/s^3 ({} m/s^3)",
-        format_fixed(limits.acceleration_mps2, 1), format_fixed(limits.acceleration_max_mps2, 1),
-        format_fixed(limits.jerk_mps3, 1), format_fixed(limits.jerk_max_mps3, 1));
+        format_fixed(limits.acceleration_m_s2, 1), format_fixed(limits.acceleration_max_m_s2, 1),
+        format_fixed(limits.jerk_m_s3, 1), format_fixed(limits.jerk_max_m_s3, 1));
     if (table.facts.vertical_measured)
         text += fmt::format(", the largest vertical rate {} m/s ({} m/s)",
-                            format_fixed(limits.vertical_rate_mps, 1),
-                            format_fixed(limits.vertical_rate_max_mps, 1));
+                            format_fixed(limits.vertical_rate_m_s, 1),
+                            format_fixed(limits.vertical_rate_max_m_s, 1));
     return text + fmt::format("; {} beyond them.", counted(limits.rejected, "epoch"));
 }
 
-std::string baseline_text(const BaselineEvidence& baseline) {
+std::string baseline_text(const BaselineComparison& baseline) {
     return fmt::format(
         "Other receiver. Compared with {} at {}: the antennas are {} m apart, with a standard "
         "deviation of {} m; {} contradicted.",
@@ -230,25 +229,25 @@ std::vector<Block> basis_blocks(const ScreenedTable& table, const AuditSubject& 
     const auto say = [&](std::string text) { blocks.emplace_back(Paragraph{std::move(text)}); };
     say(recording_text(table, subject));
     say(files_text(table, subject));
-    const ScreeningEvidence& evidence = table.evidence;
-    if (!evidence.models.empty()) say(noise_text(table));
-    say(tests_text(evidence));
+    const ScreeningBasis& basis = table.basis;
+    if (!basis.models.empty()) say(noise_text(table));
+    say(tests_text(basis));
     std::string kinds = "Solutions.";
-    for (const FixKindEvidence& kind : evidence.fix_kinds)
+    for (const FixTypeErrors& kind : basis.fix_types)
         kinds += kind_sentence(kind);
-    if (!evidence.fix_kinds.empty()) say(kinds);
-    say(evidence.velocity ? velocity_text(*evidence.velocity)
-                          : "Velocities. None, or fewer than 30, were recorded.");
+    if (!basis.fix_types.empty()) say(kinds);
+    say(basis.velocity ? velocity_text(*basis.velocity)
+                       : "Velocities. None, or fewer than 30, were recorded.");
     say(time_text(table));
     Entries faults{.items = {}, .nested = true};
-    for (const TimeFault& fault : evidence.time.faults)
+    for (const TimeFault& fault : basis.time.faults)
         faults.items.push_back(fault_line(table, fault));
     if (!faults.items.empty()) blocks.emplace_back(std::move(faults));
     say(limits_text(table));
     if (std::string motion = motion_text(table); !motion.empty()) say(std::move(motion));
-    if (evidence.device) say(device_text(*evidence.device));
-    say(evidence.baseline ? baseline_text(*evidence.baseline)
-                          : "Other receiver. None was compared with this one.");
+    if (basis.device) say(device_text(*basis.device));
+    say(basis.baseline ? baseline_text(*basis.baseline)
+                       : "Other receiver. None was compared with this one.");
     return blocks;
 }
 

@@ -34,7 +34,7 @@ std::string where_of(const ScreenedEpoch& first, const ScreenedEpoch& last) {
 
 /// How often chance exceeds a threshold; empty where no test was made.
 std::string chance_text(const ScreenedTable& table) {
-    return table.evidence.test_size > 0.0 ? once_in(table.evidence.test_size) : "";
+    return table.basis.test_size > 0.0 ? once_in(table.basis.test_size) : "";
 }
 
 /// "; statistic 133.3 where 37.0 is exceeded by chance once in 590 million"
@@ -73,7 +73,7 @@ std::string detectable_text(const MinimalDetectableBias& error) {
     };
     add("position", error.outlier_m, 3, "m");
     add("step", error.step_m, 3, "m");
-    add("drift", error.ramp_mps, 3, "m/s");
+    add("drift", error.ramp_m_s, 3, "m/s");
     add("time", error.time_s, 4, "s");
     add("height", error.outlier_up_m, 3, "m");
     add("height step", error.step_up_m, 3, "m");
@@ -128,7 +128,7 @@ std::vector<Block> decision_blocks(const ScreenedTable& table, const AuditSubjec
             ? counted(used, "epoch") + " used (--all lists each of them)."
             : fmt::format(
                   "{} used: after each the hypothesis that it supports best, the statistic and the "
-                  "threshold that this stays below, and the smallest errors that the tests find "
+                  "threshold that this stays below, and the minimal detectable biases "
                   "there.",
                   counted(used, "epoch"));
     return {Paragraph{order}, std::move(entries), Paragraph{count}};

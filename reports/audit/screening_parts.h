@@ -23,10 +23,10 @@ std::string left_out_text(const ScreenedTable& table, const AuditEntry& entry);
 /// What the break before a row is, and which arcs it parts, without the statistic.
 std::string break_text(const std::vector<ScreenedEpoch>& rows, std::size_t at);
 
-/// Whether the evidence of a row is that of the break before it.
+/// Whether the test of a row is that of the break before it.
 bool explains_break(const ScreenedEpoch& row);
 
-/// The smallest errors that could be found, and what they would do to a speed.
+/// The minimal detectable biases, and what they would do to a speed.
 std::vector<Block> smallest_blocks(const ScreenedTable& table, const AuditSubject& subject);
 
 }  // namespace runcert

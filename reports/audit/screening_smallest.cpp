@@ -7,7 +7,7 @@
 namespace runcert {
 namespace {
 
-constexpr double km_h_per_mps = 3.6;
+constexpr double km_h_per_m_s = 3.6;
 
 struct Quantity {
     std::string_view name;
@@ -17,9 +17,9 @@ struct Quantity {
 };
 
 constexpr Quantity quantities[] = {
-    {"A wrong position of one epoch", "m", 3, &MinimalDetectableBias::outlier_m},
+    {"An outlier of one epoch", "m", 3, &MinimalDetectableBias::outlier_m},
     {"A step of the positions", "m", 3, &MinimalDetectableBias::step_m},
-    {"A drift of the positions", "m/s", 3, &MinimalDetectableBias::ramp_mps},
+    {"A drift of the positions", "m/s", 3, &MinimalDetectableBias::ramp_m_s},
     {"A jump of the time stamps", "s", 4, &MinimalDetectableBias::time_s},
     {"A wrong height of one epoch", "m", 3, &MinimalDetectableBias::outlier_up_m},
     {"A step of the heights", "m", 3, &MinimalDetectableBias::step_up_m}};
@@ -42,7 +42,7 @@ std::string change_by(double step_m, const std::vector<AuditedWindow>& windows) 
     std::vector<std::string> changes;
     for (const AuditedWindow& window : windows)
         changes.push_back(fmt::format("{} km/h under {} ({} s)",
-                                      format_fixed(step_m / window.duration_s * km_h_per_mps, 3),
+                                      format_fixed(step_m / window.duration_s * km_h_per_m_s, 3),
                                       window.profile, format_fixed(window.duration_s, 3)));
     return listed(changes);
 }
@@ -70,7 +70,7 @@ std::vector<Block> smallest_blocks(const ScreenedTable& table, const AuditSubjec
         fmt::format("Found with a probability of {} %, in the direction in which they are hardest "
                     "to find. The first figure is the median over the epochs used at which a size "
                     "could be found.",
-                    format_fixed(100.0 * table.evidence.power, 1))}};
+                    format_fixed(100.0 * table.basis.power, 1))}};
     blocks.emplace_back(std::move(lines));
     if (const auto step = detectable_sizes(table.rows, &MinimalDetectableBias::step_m))
         blocks.emplace_back(Paragraph{consequence(*step, subject.windows)});

@@ -23,25 +23,25 @@ Facts decision_facts(const ProfileVerdict& verdict) {
         add("Record", fmt::format("{} {}, by: {}", figure_text(verdict.record->speed),
                                   verdict.record->unit, verdict.record->source));
     if (verdict.window) add("Window", span_text(*verdict.window));
-    if (verdict.speed_mps) add("Speed", speed_text(*verdict.speed_mps));
-    if (verdict.expanded_uncertainty_mps)
+    if (verdict.speed_m_s) add("Speed", speed_text(*verdict.speed_m_s));
+    if (verdict.expanded_uncertainty_m_s)
         add("Expanded uncertainty",
-            fmt::format("{} m/s (k = {:.4g})", format_fixed(*verdict.expanded_uncertainty_mps, 6),
+            fmt::format("{} m/s (k = {:.4g})", format_fixed(*verdict.expanded_uncertainty_m_s, 6),
                         verdict.coverage_factor));
-    if (verdict.target_mps) add("Required speed", speed_text(*verdict.target_mps));
+    if (verdict.required_speed_m_s) add("Required speed", speed_text(*verdict.required_speed_m_s));
     if (verdict.shown)
-        add("As shown",
-            fmt::format(
-                "{} +/- {} {}{}", verdict.shown->speed, verdict.shown->expanded_uncertainty,
-                verdict.shown->unit,
-                verdict.shown->target.empty() ? "" : ", required " + verdict.shown->target));
+        add("As shown", fmt::format("{} +/- {} {}{}", verdict.shown->speed,
+                                    verdict.shown->expanded_uncertainty, verdict.shown->unit,
+                                    verdict.shown->required_speed.empty()
+                                        ? ""
+                                        : ", required " + verdict.shown->required_speed));
     if (verdict.decision)
         add("Conformance", fmt::format("probability {} (at least {} required); acceptance limit {}",
                                        probability_text(verdict.decision->probability),
                                        level_text(verdict.decision->level),
-                                       speed_text(verdict.decision->acceptance_limit_mps)));
-    if (verdict.current_subtracted_mps)
-        add("Current", speed_text(*verdict.current_subtracted_mps) + " subtracted");
+                                       speed_text(verdict.decision->acceptance_limit_m_s)));
+    if (verdict.current_subtracted_m_s)
+        add("Current", speed_text(*verdict.current_subtracted_m_s) + " subtracted");
     return facts;
 }
 
@@ -89,7 +89,7 @@ Section rule_verdict(const ProfileVerdict& verdict) {
     if (verdict.indicated) {
         part.blocks.emplace_back(Paragraph{fmt::format(
             "A window that the recording shows as {} over {} was REFUSED, because:",
-            speed_text(verdict.indicated->speed_mps), span_text(verdict.indicated->span))});
+            speed_text(verdict.indicated->speed_m_s), span_text(verdict.indicated->span))});
         part.blocks.emplace_back(Entries{.items = verdict.indicated->refusals, .nested = true});
     }
     std::vector<std::string> course;

@@ -13,8 +13,8 @@ namespace {
 Facts frame_facts(const EnuTable& table) {
     if (!table.origin)
         return {{{"Frame",
-                  "the recording's own plane: nobody has stated how it lies on the Earth, "
-                  "nor its scale"}}};
+                  "an engineering CRS (not tied to the Earth): nobody has stated its place, orientation "
+                  "and scale"}}};
     const Geodetic& at = table.origin->position;
     return {{{"Frame", "east, north and up at the origin, on WGS 84, without the scale of a map"},
              {"Origin",

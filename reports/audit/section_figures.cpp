@@ -5,10 +5,10 @@
 
 namespace runcert {
 
-std::string speed_text(double speed_mps) {
-    constexpr double km_h_per_mps = 3.6;
-    return fmt::format("{} m/s ({} km/h)", format_fixed(speed_mps, 3),
-                       format_fixed(speed_mps * km_h_per_mps, 3));
+std::string speed_text(double speed_m_s) {
+    constexpr double km_h_per_m_s = 3.6;
+    return fmt::format("{} m/s ({} km/h)", format_fixed(speed_m_s, 3),
+                       format_fixed(speed_m_s * km_h_per_m_s, 3));
 }
 
 std::string span_text(const WindowSpan& span) {

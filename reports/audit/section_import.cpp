@@ -82,7 +82,7 @@ Facts facts_of(const Receiver& receiver, const Observations& observations) {
                       counted(positions), format_fixed(observations.facts.nominal_interval_s, 3))},
          {"Heights", observations.facts.vertical_measured ? "measured" : "not measured"},
          {"Accuracy", accuracy_words(observations.accuracy_source)},
-         {"Kind of solution", std::string(words_of(observations.solution_source))},
+         {"Fix type", std::string(words_of(observations.solution_source))},
          {"Smallest steps", resolution_text(observations.facts)},
          {"Records", fmt::format("{} read, {} could not be read",
                                  counted(observations.records.total - observations.records.bad),

@@ -11,13 +11,13 @@ namespace {
 
 std::string status_words(const NoiseSummary& noise) {
     if (noise.status == NoiseBasis::fitted)
-        return fmt::format("learnt from {}, by {} evaluations of the likelihood{}",
+        return fmt::format("estimated from {}, by {} evaluations of the likelihood{}",
                            counted(noise.epochs, "epoch"), counted(noise.evaluations),
                            noise.converged ? "" : "; the search did NOT converge");
     if (noise.status == NoiseBasis::too_few_epochs)
-        return fmt::format("not learnt: {}, {} are needed; the stated noise is used",
+        return fmt::format("not estimated: {}, {} are needed; the stated noise is used",
                            counted(noise.epochs, "epoch"), counted(noise.epochs_needed));
-    return fmt::format("not learnt: {}; the stated noise is used", words_of(noise.status));
+    return fmt::format("not estimated: {}; the stated noise is used", words_of(noise.status));
 }
 
 std::string fitted_text(const NoiseParameter& parameter, std::string_view unit) {
@@ -33,17 +33,17 @@ std::string fitted_text(const NoiseParameter& parameter, std::string_view unit) 
 std::string slow_error_text(const NoiseSummary& noise) {
     if (!noise.correlated_error_detected || !noise.error_sigma_m || !noise.error_tau_s)
         return fmt::format(
-            "could not be told from white noise and motion (looked for from {} s to {} s): the "
+            "could not be separated from white noise and motion (looked for from {} s to {} s): the "
             "bound of the window stage decides",
             figure_text(noise.tau_min_s), figure_text(noise.tau_max_s));
-    return fmt::format("{}; it lasts {}", fitted_text(*noise.error_sigma_m, "m"),
+    return fmt::format("{}; correlation time {}", fitted_text(*noise.error_sigma_m, "m"),
                        fitted_text(*noise.error_tau_s, "s"));
 }
 
 /// `follows`: whether the trajectory says the jerk density epoch by epoch.
 std::vector<Block> noise_blocks(const NoiseSummary& noise, bool follows) {
     Facts facts{{{"Noise", status_words(noise)},
-                 {"Stated accuracy",
+                 {"Stated standard deviation",
                   fmt::format("{} m (root mean square){}", figure_text(noise.stated_sigma_m),
                               noise.stated_all_equal ? ", the same at all epochs" : "")}}};
     if (noise.status != NoiseBasis::fitted) return {std::move(facts)};
@@ -57,13 +57,13 @@ std::vector<Block> noise_blocks(const NoiseSummary& noise, bool follows) {
                                      : ""));
     add("Acceleration",
         noise.acceleration_time_s
-            ? fmt::format("lasts {}; that is more likely than that it persists (log-likelihood "
+            ? fmt::format("correlation time {}; that is more likely than that it persists (log-likelihood "
                           "{} higher)",
                           fitted_text(*noise.acceleration_time_s, "s"),
                           format_fixed(noise.singer_gain, 2))
             : fmt::format("persists: that it decays is no better (log-likelihood {} higher)",
                           format_fixed(noise.singer_gain, 2)));
-    add("Slow error", slow_error_text(noise));
+    add("Time-correlated error", slow_error_text(noise));
     add("Models weighed", counted(std::ssize(noise.posterior)) + ", by their profile likelihood");
     return {std::move(facts)};
 }
@@ -95,7 +95,7 @@ Facts agreement_facts(const EstimationSummary& estimation) {
              {"Batch and smoother",
               fmt::format("differ by at most {:.2g} m and {:.2g} m/s; the batch was solved in {}",
                           estimation.largest_position_difference_m,
-                          estimation.largest_velocity_difference_mps,
+                          estimation.largest_velocity_difference_m_s,
                           counted(estimation.batch_stretches) +
                               (estimation.batch_stretches == 1 ? " stretch" : " stretches"))},
              {"Variance factor", fmt::format("{} after the estimate; {} applied to the stated "
@@ -121,7 +121,7 @@ Section smooth_section(const RunRecord& record, const ReceiverRecord& one, bool 
     if (!one.trajectory) return missing_section(title, one.trajectory_file);
     const TrajectoryTable& table = *one.trajectory;
     const auto smoothed = std::ranges::count_if(
-        table.rows, [](const TrajectoryEpoch& row) { return row.speed_mps.has_value(); });
+        table.rows, [](const TrajectoryEpoch& row) { return row.speed_m_s.has_value(); });
     const bool follows = std::ranges::any_of(table.rows, [](const TrajectoryEpoch& row) {
         return row.jerk_density || row.jerk_density_up;
     });

@@ -25,14 +25,14 @@ std::string rule_text(const WindowRule& rule) {
 
 std::string best_text(const CertifiableWindow& best) {
     std::string text = fmt::format("{} over {}, in arc {}; combined standard uncertainty {} m/s",
-                                   speed_text(best.speed_mps), span_text(best.span), best.arc,
-                                   format_fixed(best.standard_uncertainty_mps, 6));
-    if (best.bias_limit_mps > 0.0)
+                                   speed_text(best.speed_m_s), span_text(best.span), best.arc,
+                                   format_fixed(best.standard_uncertainty_m_s, 6));
+    if (best.bias_limit_m_s > 0.0)
         text += fmt::format("; a bias of choosing it of at most {} m/s either way is left",
-                            format_fixed(best.bias_limit_mps, 6));
-    if (best.own_standard_uncertainty_mps)
+                            format_fixed(best.bias_limit_m_s, 6));
+    if (best.own_standard_uncertainty_m_s)
         text += fmt::format("; {} m/s of the uncertainty another receiver does not share",
-                            format_fixed(*best.own_standard_uncertainty_mps, 6));
+                            format_fixed(*best.own_standard_uncertainty_m_s, 6));
     if (best.repaired_steps > 0)
         text += fmt::format("; {} inside", counted(best.repaired_steps, "bridged step"));
     return text;
@@ -42,14 +42,14 @@ std::string indicated_text(const ProfileWindows& windows) {
     const IndicatedWindow& indicated = *windows.indicated;
     const bool refused = !indicated.refusals.empty();
     std::string text = fmt::format("the recording's own fastest: {} over {}",
-                                   speed_text(indicated.speed_mps), span_text(indicated.span));
-    if (indicated.mean_mps) text += "; mean of those asked for " + speed_text(*indicated.mean_mps);
+                                   speed_text(indicated.speed_m_s), span_text(indicated.span));
+    if (indicated.mean_m_s) text += "; mean of those asked for " + speed_text(*indicated.mean_m_s);
     return text + (refused ? ": REFUSED, because" : ": certifiable");
 }
 
 std::string bound_text(const ErrorBound& bound) {
     return fmt::format(
-        "a slow error of {} m that lasts {} s to {} s is allowed for, decided by {} (fitted {} "
+        "a time-correlated error of {} m with a correlation time of {} s to {} s is allowed for, decided by {} (fitted {} "
         "m{}, stated {} m, floor {} m{})",
         figure_text(bound.sigma_m), figure_text(bound.tau_min_s), figure_text(bound.tau_max_s),
         to_text(bound.decided_by), figure_text(bound.fitted_m),
@@ -63,31 +63,31 @@ std::string bound_text(const ErrorBound& bound) {
 
 std::string estimates_text(const OtherEstimates& estimates) {
     std::string text;
-    if (estimates.chord_mps)
+    if (estimates.chord_m_s)
         text = fmt::format("{} m/s from the measured ends alone",
-                           format_fixed(*estimates.chord_mps, 6)) +
-               (estimates.chord_difference_uncertainty_mps
+                           format_fixed(*estimates.chord_m_s, 6)) +
+               (estimates.chord_difference_uncertainty_m_s
                     ? fmt::format(" (u of the difference {} m/s)",
-                                  format_fixed(*estimates.chord_difference_uncertainty_mps, 6))
+                                  format_fixed(*estimates.chord_difference_uncertainty_m_s, 6))
                     : "") +
                "; ";
     return text + fmt::format(
                       "{} m/s with a third of the jerk density, {} m/s with three times it, {} m/s "
                       "with the one of the whole recording; the choice is taken to change the "
                       "speed by at most {} m/s",
-                      format_fixed(estimates.stiffer_mps, 6), format_fixed(estimates.softer_mps, 6),
-                      format_fixed(estimates.whole_mps, 6),
-                      format_fixed(estimates.half_width_mps, 6));
+                      format_fixed(estimates.stiffer_m_s, 6), format_fixed(estimates.softer_m_s, 6),
+                      format_fixed(estimates.whole_m_s, 6),
+                      format_fixed(estimates.half_width_m_s, 6));
 }
 
 std::string selection_text(const SelectionBias& selection) {
     const bool subtracted = selection.treatment == SelectionTreatment::subtracted;
     return fmt::format(
         "{} windows could have been the best; the one chosen is too fast by {} m/s with the errors "
-        "as fitted, {} m/s with the slow error at its bound (+- {} m/s): {} ({} trajectories "
+        "as fitted, {} m/s with the time-correlated error at its bound (+- {} m/s): {} ({} trajectories "
         "drawn, seed {})",
-        counted(selection.candidates), figure_text(selection.fitted_bias_mps),
-        figure_text(selection.bounded_bias_mps), figure_text(selection.bias_uncertainty_mps),
+        counted(selection.candidates), figure_text(selection.fitted_bias_m_s),
+        figure_text(selection.bounded_bias_m_s), figure_text(selection.bias_uncertainty_m_s),
         subtracted ? "the middle of the two is subtracted from the speed, half their difference "
                      "added to the expanded uncertainty"
                    : "the larger is added to the expanded uncertainty",
@@ -96,10 +96,10 @@ std::string selection_text(const SelectionBias& selection) {
 
 std::string monte_carlo_text(const MonteCarloCheck& check) {
     return fmt::format(
-        "{} draws (seed {}): mean {} m/s, standard deviation {} m/s, 95 % within {} to {} m/s; {}",
-        counted(check.trials), check.seed, format_fixed(check.mean_mps, 6),
-        format_fixed(check.standard_uncertainty_mps, 6), format_fixed(check.lower_mps, 6),
-        format_fixed(check.upper_mps, 6), check.converged ? "settled" : "NOT SETTLED");
+        "{} draws (seed {}): mean {} m/s, standard deviation {} m/s, 95 % coverage interval {} to {} m/s; {}",
+        counted(check.trials), check.seed, format_fixed(check.mean_m_s, 6),
+        format_fixed(check.standard_uncertainty_m_s, 6), format_fixed(check.lower_m_s, 6),
+        format_fixed(check.upper_m_s, 6), check.converged ? "settled" : "NOT SETTLED");
 }
 
 Facts checks_of(const CertifiableWindow& best) {
@@ -109,9 +109,9 @@ Facts checks_of(const CertifiableWindow& best) {
     };
     if (best.robust)
         add("Robust batch", fmt::format("{}, {} m/s from the screened solution, limit {} m/s: {}",
-                                        speed_text(best.robust->speed_mps),
-                                        figure_text(best.robust->difference_mps),
-                                        figure_text(best.robust->limit_mps),
+                                        speed_text(best.robust->speed_m_s),
+                                        figure_text(best.robust->difference_m_s),
+                                        figure_text(best.robust->limit_m_s),
                                         best.robust->agrees ? "agrees" : "DOES NOT AGREE"));
     if (best.estimates) add("Other estimates", estimates_text(*best.estimates));
     if (best.bound) add("Bound", bound_text(*best.bound));
@@ -121,19 +121,19 @@ Facts checks_of(const CertifiableWindow& best) {
         add("Could have been missed",
             fmt::format("{} of {} {} at epochs {} to {}: changes the speed by {} m/s",
                         to_text(error.hypothesis), figure_text(error.size), error.unit, error.epoch,
-                        error.last_epoch, figure_text(error.speed_mps)));
+                        error.last_epoch, figure_text(error.speed_m_s)));
     return facts;
 }
 
 FactTable budget_table(const std::vector<BudgetRow>& budget) {
     FactTable table{.caption = "Budget: standard uncertainties",
-                    .heads = {"symbol", "u of it", "u of the speed", "type", "source"},
+                    .heads = {"symbol", "standard uncertainty", "contribution to u", "type", "source"},
                     .rows = {}};
     for (const BudgetRow& row : budget)
         table.rows.push_back({row.symbol,
                               fmt::format("{}{}{}", figure_text(row.standard_uncertainty),
                                           row.unit.empty() ? "" : " ", row.unit),
-                              format_fixed(row.contribution_mps, 6) + " m/s", row.type,
+                              format_fixed(row.contribution_m_s, 6) + " m/s", row.type,
                               row.source});
     return table;
 }
@@ -147,7 +147,7 @@ Section rule_windows(const ProfileWindows& windows) {
                                                       "stretch long enough"
                                                     : "none: " + windows.missing}}};
     for (const FurtherWindow& further : windows.further)
-        facts.facts.push_back({"Further", fmt::format("{} over {}", speed_text(further.speed_mps),
+        facts.facts.push_back({"Further", fmt::format("{} over {}", speed_text(further.speed_m_s),
                                                       span_text(further.span))});
     if (windows.indicated) facts.facts.push_back({"Indicated", indicated_text(windows)});
     part.blocks.emplace_back(std::move(facts));

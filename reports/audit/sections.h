@@ -38,7 +38,7 @@ std::string stage_title(const std::string& stage, const std::string& receiver);
 std::string hash_text(const std::string& sha256, bool all);
 
 /// "62.130 m/s (223.670 km/h)"
-std::string speed_text(double speed_mps);
+std::string speed_text(double speed_m_s);
 /// "3.000 s from 57.000 s on (epochs 571 to 601; 2026-03-14T04:05:57.000Z)"
 std::string span_text(const WindowSpan& span);
 /// In its shortest form: "0.8", "1000".

@@ -63,17 +63,17 @@ std::optional<double> size_of(const EstimatedError& error) {
 }
 
 std::optional<double> rate_of(const EstimatedError& error) {
-    if (error.rate_up_mps) return std::abs(*error.rate_up_mps);
-    if (error.rate_east_mps && error.rate_north_mps)
-        return std::hypot(*error.rate_east_mps, *error.rate_north_mps);
+    if (error.rate_up_m_s) return std::abs(*error.rate_up_m_s);
+    if (error.rate_east_m_s && error.rate_north_m_s)
+        return std::hypot(*error.rate_east_m_s, *error.rate_north_m_s);
     return std::nullopt;
 }
 
 std::string rate_components(const EstimatedError& error) {
-    if (error.rate_up_mps) return part(*error.rate_up_mps, "m/s", "up", "down");
-    if (!error.rate_east_mps || !error.rate_north_mps) return {};
-    return part(*error.rate_east_mps, "m/s", "east", "west") + ", " +
-           part(*error.rate_north_mps, "m/s", "north", "south");
+    if (error.rate_up_m_s) return part(*error.rate_up_m_s, "m/s", "up", "down");
+    if (!error.rate_east_m_s || !error.rate_north_m_s) return {};
+    return part(*error.rate_east_m_s, "m/s", "east", "west") + ", " +
+           part(*error.rate_north_m_s, "m/s", "north", "south");
 }
 
 }  // namespace runcert

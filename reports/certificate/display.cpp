@@ -67,18 +67,18 @@ std::string coverage_text(double coverage_factor) {
     return fmt::format("{}", rounded(coverage_factor, 2));
 }
 
-std::string speed_text(double speed_mps, std::optional<double> uncertainty_mps,
+std::string speed_text(double speed_m_s, std::optional<double> uncertainty_m_s,
                        const SpeedUnit& unit) {
     int decimals = unit.decimals;
-    if (uncertainty_mps)
-        decimals = std::max(decimals, uncertainty_decimals(*uncertainty_mps * unit.per_mps));
-    return format_fixed(speed_mps * unit.per_mps, decimals);
+    if (uncertainty_m_s)
+        decimals = std::max(decimals, uncertainty_decimals(*uncertainty_m_s * unit.per_m_s));
+    return format_fixed(speed_m_s * unit.per_m_s, decimals);
 }
 
-std::string speed_with_uncertainty_text(double speed_mps, double expanded_uncertainty_mps,
+std::string speed_with_uncertainty_text(double speed_m_s, double expanded_uncertainty_m_s,
                                         const SpeedUnit& unit) {
-    return fmt::format("{} ± {} {}", speed_text(speed_mps, expanded_uncertainty_mps, unit),
-                       uncertainty_text(expanded_uncertainty_mps * unit.per_mps), unit.name);
+    return fmt::format("{} ± {} {}", speed_text(speed_m_s, expanded_uncertainty_m_s, unit),
+                       uncertainty_text(expanded_uncertainty_m_s * unit.per_m_s), unit.name);
 }
 
 std::string seconds_text(ElapsedTime time) {
@@ -102,11 +102,11 @@ nlohmann::ordered_json fact(std::string_view label, std::string value) {
 }
 
 void set_speeds(nlohmann::ordered_json& json, const std::string& name,
-                const std::optional<double>& speed_mps) {
-    if (!speed_mps) return;
+                const std::optional<double>& speed_m_s) {
+    if (!speed_m_s) return;
     for (const SpeedUnit& unit : speed_units())
         json[fmt::format("{}_{}", name, unit.key)] =
-            rounded(*speed_mps * unit.per_mps, unit.decimals_kept);
+            rounded(*speed_m_s * unit.per_m_s, unit.decimals_kept);
 }
 
 }  // namespace runcert

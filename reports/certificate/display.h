@@ -18,7 +18,7 @@ namespace runcert {
 struct SpeedUnit {
     std::string_view key;   ///< in the names of fields: "km_h"
     std::string_view name;  ///< as written: "km/h"
-    double per_mps = 1.0;   ///< so many of it are 1 m/s
+    double per_m_s = 1.0;   ///< so many of it are 1 m/s
     int decimals = 2;       ///< of a speed that is shown
     int decimals_kept = 4;  ///< of a speed in the report's fields
 };
@@ -47,11 +47,11 @@ std::string quantity_text(double value, std::optional<double> expanded_uncertain
 std::string coverage_text(double coverage_factor);
 
 /// A speed with the decimals usual for its unit, or those of its uncertainty where these are more.
-std::string speed_text(double speed_mps, std::optional<double> uncertainty_mps,
+std::string speed_text(double speed_m_s, std::optional<double> uncertainty_m_s,
                        const SpeedUnit& unit);
 
 /// "216.009 ± 0.018 km/h".
-std::string speed_with_uncertainty_text(double speed_mps, double expanded_uncertainty_mps,
+std::string speed_with_uncertainty_text(double speed_m_s, double expanded_uncertainty_m_s,
                                         const SpeedUnit& unit);
 
 /// "20.100 s": three decimals.
@@ -70,6 +70,6 @@ nlohmann::ordered_json fact(std::string_view label, std::string value);
 
 /// Sets `name_km_h`, `name_m_s`, `name_knots`, `name_mph` where there is a speed.
 void set_speeds(nlohmann::ordered_json& json, const std::string& name,
-                const std::optional<double>& speed_mps);
+                const std::optional<double>& speed_m_s);
 
 }  // namespace runcert

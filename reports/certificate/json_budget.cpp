@@ -22,13 +22,13 @@ constexpr double many_degrees_of_freedom = 10000.0;
 /// Decimals for every contribution of a budget: three digits of the combined uncertainty, no finer
 /// than the files hold it.
 int contribution_decimals(const CertifiableWindow& window, const SpeedUnit& unit) {
-    return std::min(uncertainty_decimals(window.standard_uncertainty_mps * unit.per_mps) + 1, 5);
+    return std::min(uncertainty_decimals(window.standard_uncertainty_m_s * unit.per_m_s) + 1, 5);
 }
 
-std::string contribution_text(double contribution_mps, const CertifiableWindow& window,
+std::string contribution_text(double contribution_m_s, const CertifiableWindow& window,
                               const SpeedUnit& unit) {
-    if (contribution_mps == 0.0) return "0";
-    return format_fixed(contribution_mps * unit.per_mps, contribution_decimals(window, unit));
+    if (contribution_m_s == 0.0) return "0";
+    return format_fixed(contribution_m_s * unit.per_m_s, contribution_decimals(window, unit));
 }
 
 std::string degrees_text(const std::optional<double>& degrees_of_freedom) {
@@ -60,7 +60,7 @@ std::string with_unit(std::string figure, std::string_view unit) {
 void set_row_texts(Json& json, const BudgetRow& row, const SpeedUnit& unit) {
     const std::string quantity_unit =
         is_speed(row) ? std::string(unit.name) : written_unit(row.unit);
-    const double factor = is_speed(row) ? unit.per_mps : 1.0;
+    const double factor = is_speed(row) ? unit.per_m_s : 1.0;
     json["estimate_text"] = with_unit(fmt::format("{:.4g}", row.estimate * factor), quantity_unit);
     json["uncertainty_text"] =
         with_unit(significant_text(row.standard_uncertainty * factor, 2), quantity_unit);
@@ -71,26 +71,26 @@ void set_row_texts(Json& json, const BudgetRow& row, const SpeedUnit& unit) {
         return;
     }
     json["sensitivity_text"] =
-        fmt::format("{} {}{}{}", significant_text(row.sensitivity * unit.per_mps, 3), unit.name,
+        fmt::format("{} {}{}{}", significant_text(row.sensitivity * unit.per_m_s, 3), unit.name,
                     quantity_unit.empty() ? "" : " per ", quantity_unit);
 }
 
 double variance_of(const std::vector<BudgetRow>& rows) {
     double sum = 0.0;
     for (const BudgetRow& row : rows)
-        sum += row.contribution_mps * row.contribution_mps;
+        sum += row.contribution_m_s * row.contribution_m_s;
     return sum;
 }
 
 /// Both intervals of 95 %, in words that say which of them is on the safe side.
 std::string interval_words(const MonteCarloCheck& check, const LinearisationJudgement& judged,
                            const UncertaintyScale& scale) {
-    const auto text = [&](double speed_mps) {
-        return speed_text(speed_mps, check.standard_uncertainty_mps, scale.unit);
+    const auto text = [&](double speed_m_s) {
+        return speed_text(speed_m_s, check.standard_uncertainty_m_s, scale.unit);
     };
     const std::string both =
-        fmt::format("The budget's 95 % interval, {} to {} {}, ", text(judged.lower_mps),
-                    text(judged.upper_mps), scale.unit.name);
+        fmt::format("The budget's 95 % interval, {} to {} {}, ", text(judged.lower_m_s),
+                    text(judged.upper_m_s), scale.unit.name);
     if (judged.interval_agrees) return both + "agrees within that tolerance.";
     return both + (judged.interval_holds ? "holds it and is wider: it is on the safe side."
                                          : "does not agree within that tolerance.");
@@ -103,12 +103,12 @@ Json budget_json(const CertifiableWindow& window, const UncertaintyScale& scale)
     Json rows = Json::array();
     for (const BudgetRow& row : window.budget) {
         const double share =
-            variance > 0.0 ? row.contribution_mps * row.contribution_mps / variance : 0.0;
+            variance > 0.0 ? row.contribution_m_s * row.contribution_m_s / variance : 0.0;
         Json json = members_json(row);
         json["share_percent"] = 100.0 * share;
         set_row_texts(json, row, scale.unit);
-        json["contribution_text"] = contribution_text(row.contribution_mps, window, scale.unit);
-        json["share_text"] = row.contribution_mps == 0.0
+        json["contribution_text"] = contribution_text(row.contribution_m_s, window, scale.unit);
+        json["share_text"] = row.contribution_m_s == 0.0
                                  ? std::string("0 %")
                                  : fmt::format("{} %", format_fixed(100.0 * share, 1));
         rows.push_back(std::move(json));
@@ -117,15 +117,15 @@ Json budget_json(const CertifiableWindow& window, const UncertaintyScale& scale)
 }
 
 Json budget_total_json(const CertifiableWindow& window, const UncertaintyScale& scale) {
-    const double expanded_mps = expanded_uncertainty_mps(window, scale.coverage_factor);
+    const double expanded_m_s = expanded_uncertainty_m_s(window, scale.coverage_factor);
     Json json{
         {"budget_unit", scale.unit.name},
-        {"combined_text", contribution_text(window.standard_uncertainty_mps, window, scale.unit)},
+        {"combined_text", contribution_text(window.standard_uncertainty_m_s, window, scale.unit)},
         {"effective_text", degrees_text(window.effective_degrees_of_freedom)},
         {"coverage_text", coverage_text(scale.coverage_factor)},
-        {"expanded_text", contribution_text(expanded_mps, window, scale.unit)}};
-    if (window.bias_limit_mps > 0.0)
-        json["limit_text"] = contribution_text(window.bias_limit_mps, window, scale.unit);
+        {"expanded_text", contribution_text(expanded_m_s, window, scale.unit)}};
+    if (window.bias_limit_m_s > 0.0)
+        json["limit_text"] = contribution_text(window.bias_limit_m_s, window, scale.unit);
     return json;
 }
 
@@ -133,22 +133,22 @@ Json monte_carlo_json(const CertifiableWindow& window, const UncertaintyScale& s
     const MonteCarloCheck& check = *window.monte_carlo;
     const LinearisationJudgement judged = judge_linearisation(window);
     Json json = members_json(check);
-    json["budget_lower_m_s"] = judged.lower_mps;
-    json["budget_upper_m_s"] = judged.upper_mps;
+    json["budget_lower_m_s"] = judged.lower_m_s;
+    json["budget_upper_m_s"] = judged.upper_m_s;
     json["uncertainty_agrees"] = judged.uncertainty_agrees;
     json["interval_agrees"] = judged.interval_agrees;
-    const auto text = [&](double speed_mps) {
-        return speed_text(speed_mps, check.standard_uncertainty_mps, scale.unit);
+    const auto text = [&](double speed_m_s) {
+        return speed_text(speed_m_s, check.standard_uncertainty_m_s, scale.unit);
     };
     json["monte_carlo_words"] = fmt::format(
         "Check of linearisation, the same rows drawn {} times (Monte Carlo, seed {}): {} {}, u = "
         "{} {}, 95 % interval {} to {} {}; {}, "
         "numerical tolerance {} {}. Its u {} with the budget's. {}",
-        check.trials, check.seed, text(check.mean_mps), scale.unit.name,
-        contribution_text(check.standard_uncertainty_mps, window, scale.unit), scale.unit.name,
-        text(check.lower_mps), text(check.upper_mps), scale.unit.name,
+        check.trials, check.seed, text(check.mean_m_s), scale.unit.name,
+        contribution_text(check.standard_uncertainty_m_s, window, scale.unit), scale.unit.name,
+        text(check.lower_m_s), text(check.upper_m_s), scale.unit.name,
         check.converged ? "converged" : "not converged",
-        significant_text(check.tolerance_mps * scale.unit.per_mps, 2), scale.unit.name,
+        significant_text(check.tolerance_m_s * scale.unit.per_m_s, 2), scale.unit.name,
         judged.uncertainty_agrees ? "agrees" : "does not agree",
         interval_words(check, judged, scale));
     return json;

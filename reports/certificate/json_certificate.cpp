@@ -40,9 +40,9 @@ Json result_json(const ProfileVerdict& verdict, const Profile& profile) {
     const SpeedUnit& unit = certificate_unit(profile);
     return {{"rule", verdict.profile},
             {"name", rule_words(profile)},
-            {"value", rounded(*verdict.speed_mps * unit.per_mps, 6)},
+            {"value", rounded(*verdict.speed_m_s * unit.per_m_s, 6)},
             {"unit", d_si_unit(unit)},
-            {"expanded_uncertainty", rounded(*verdict.expanded_uncertainty_mps * unit.per_mps, 6)},
+            {"expanded_uncertainty", rounded(*verdict.expanded_uncertainty_m_s * unit.per_m_s, 6)},
             {"coverage_factor", verdict.coverage_factor},
             {"coverage_probability", rounded(coverage_probability(profile.coverage_factor), 4)},
             {"distribution", "Student's t with the effective degrees of freedom of the budget"}};
@@ -142,7 +142,7 @@ Json certificate_json(const ReportInputs& inputs, const std::string& report_id) 
     json["results"] = Json::array();
     for (std::size_t i = 0; i < inputs.profiles.size(); ++i) {
         const ProfileVerdict& verdict = inputs.verdict.profiles[i];
-        if (verdict.speed_mps && verdict.expanded_uncertainty_mps &&
+        if (verdict.speed_m_s && verdict.expanded_uncertainty_m_s &&
             verdict.outcome != Outcome::not_certifiable)
             json["results"].push_back(result_json(verdict, inputs.profiles[i]));
     }

@@ -47,7 +47,7 @@ Json run_json(const RunSummary& run, std::size_t number, const ProfileVerdict& v
     json["run_time"] = seconds_text(run.span.duration);
     json["run_length"] = format_fixed(run.length_m, 1) + " m";
     json["run_speed"] =
-        fmt::format("{} {}", speed_text(run.top_speed_mps, std::nullopt, unit), unit.name);
+        fmt::format("{} {}", speed_text(run.top_speed_m_s, std::nullopt, unit), unit.name);
     json["run_heading"] = format_fixed(run.heading_deg, 1) + "°";
     json["run_words"] =
         fmt::format("begins {}, ends {}", began_words(run.began), ended_words(run.ended));

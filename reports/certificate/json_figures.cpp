@@ -84,7 +84,7 @@ void add_unused_spans(Json& spans, const std::vector<ScreenedEpoch>& rows) {
 std::vector<const TrajectoryEpoch*> estimated(const TrajectoryTable& table) {
     std::vector<const TrajectoryEpoch*> rows;
     for (const TrajectoryEpoch& row : table.rows)
-        if (row.arc && row.speed_mps) rows.push_back(&row);
+        if (row.arc && row.speed_m_s) rows.push_back(&row);
     return rows;
 }
 
@@ -102,16 +102,16 @@ void add_curve(MethodCurves& methods, const std::vector<const TrajectoryEpoch*>&
         if (row->arc != arc) curve.interrupt();
         arc = row->arc;
         if (!(row->*speed)) continue;
-        const double value = *(row->*speed) * kmh_per_mps;
-        if (speed == &TrajectoryEpoch::speed_mps && row->sigma_speed_mps) {
-            const double band = 2.0 * *row->sigma_speed_mps * kmh_per_mps;
+        const double value = *(row->*speed) * kmh_per_m_s;
+        if (speed == &TrajectoryEpoch::speed_m_s && row->sigma_speed_m_s) {
+            const double band = 2.0 * *row->sigma_speed_m_s * kmh_per_m_s;
             curve.add(row->time.seconds(), value, value - band, value + band);
             methods.speeds.widen(value - band);
             methods.speeds.widen(value + band);
         } else {
             curve.add(row->time.seconds(), value);
         }
-        if (speed != &TrajectoryEpoch::speed_kalman_mps) methods.speeds.widen(value);
+        if (speed != &TrajectoryEpoch::speed_kalman_m_s) methods.speeds.widen(value);
     }
     if (!curve.empty()) methods.curves.push_back(curve.json());
 }
@@ -120,15 +120,15 @@ void add_curve(MethodCurves& methods, const std::vector<const TrajectoryEpoch*>&
 MethodCurves method_curves(const std::vector<const TrajectoryEpoch*>& rows) {
     MethodCurves methods;
     add_curve(methods, rows, {"method v1 of [DHD22]", "points", "green"},
-              &TrajectoryEpoch::speed_v1_mps);
+              &TrajectoryEpoch::speed_v1_m_s);
     add_curve(methods, rows, {"method v2 of [DHD22]", "points", "vermilion"},
-              &TrajectoryEpoch::speed_v2_mps);
+              &TrajectoryEpoch::speed_v2_m_s);
     add_curve(methods, rows, {"forward filter of [DHD22]", "dashed", "purple"},
-              &TrajectoryEpoch::speed_kalman_mps);
+              &TrajectoryEpoch::speed_kalman_m_s);
     add_curve(methods, rows, {"smoothed, ± 2 standard uncertainties", "line", "blue"},
-              &TrajectoryEpoch::speed_mps);
+              &TrajectoryEpoch::speed_m_s);
     add_curve(methods, rows, {"batch least squares", "dashed", "black"},
-              &TrajectoryEpoch::speed_batch_mps);
+              &TrajectoryEpoch::speed_batch_m_s);
     return methods;
 }
 
@@ -165,13 +165,13 @@ void add_counting_speeds(Json& figure, Range& speeds, const Json& profile, doubl
                                       {"x", {rounded(start, 6), rounded(end, 6)}},
                                       {"y", {rounded(speed, 4), rounded(speed, 4)}}});
     }
-    if (!profile.contains("target_km_h") || !speeds.least) return;
-    const double target = profile["target_km_h"].get<double>();
+    if (!profile.contains("required_speed_km_h") || !speeds.least) return;
+    const double required_speed = profile["required_speed_km_h"].get<double>();
     const double room = std::max(speeds.span(), 0.1);
-    if (target < *speeds.least - room || target > *speeds.most + room) return;
-    speeds.widen(target);
+    if (required_speed < *speeds.least - room || required_speed > *speeds.most + room) return;
+    speeds.widen(required_speed);
     figure["levels"].push_back(
-        {{"level_name", "required speed, " + profile_name_of(profile)}, {"level", target}});
+        {{"level_name", "required speed, " + profile_name_of(profile)}, {"level", required_speed}});
 }
 
 }  // namespace
@@ -217,17 +217,17 @@ Json speed_figure(const ReceiverResults& results, const Json& profiles) {
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const bool begins = i == 0 || rows[i]->arc != rows[i - 1]->arc;
         times.widen(rows[i]->time.seconds());
-        speeds.widen(*rows[i]->speed_mps * kmh_per_mps);
+        speeds.widen(*rows[i]->speed_m_s * kmh_per_m_s);
         if (begins) curve.interrupt();
         if (begins || i % every == 0)
-            curve.add(rows[i]->time.seconds(), *rows[i]->speed_mps * kmh_per_mps);
+            curve.add(rows[i]->time.seconds(), *rows[i]->speed_m_s * kmh_per_m_s);
     }
     figure["curves"].push_back(curve.json());
     for (const Json& profile : profiles) {
-        if (!profile.contains("target_km_h") || !is_horizontal(profile)) continue;
-        speeds.widen(profile["target_km_h"].get<double>());
+        if (!profile.contains("required_speed_km_h") || !is_horizontal(profile)) continue;
+        speeds.widen(profile["required_speed_km_h"].get<double>());
         figure["levels"].push_back({{"level_name", "required speed, " + profile_name_of(profile)},
-                                    {"level", profile["target_km_h"]}});
+                                    {"level", profile["required_speed_km_h"]}});
     }
     figure["spans"] = window_spans(profiles);
     add_unused_spans(figure["spans"], results.screened.rows);

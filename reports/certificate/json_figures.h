@@ -36,6 +36,6 @@ std::size_t thinning(std::size_t rows);
 std::string thinning_words(std::size_t every);
 
 constexpr const char* time_label = "time from the first epoch (s)";
-constexpr double kmh_per_mps = 3.6;
+constexpr double kmh_per_m_s = 3.6;
 
 }  // namespace runcert

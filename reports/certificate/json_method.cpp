@@ -52,28 +52,27 @@ Json stage_json(const Header& header, const Attempt& attempt) {
     return json;
 }
 
-void describe_tests(Json& words, const ScreeningEvidence& evidence) {
+void describe_tests(Json& words, const ScreeningBasis& basis) {
     words.push_back(
         "Every epoch is screened. Epochs are marked, never deleted. First each by itself: the kind "
         "of its solution, what the recording says of satellites, ambiguities and corrections, its "
-        "stated accuracy, the order of time. A gap in time ends a stretch.");
+        "stated standard deviation, the order of time. A gap in time ends a stretch.");
     words.push_back(fmt::format(
         "Then by detection, identification and adaptation (Baarda 1968; Teunissen 2018) in the "
         "state-space model of the motion, horizontally and, where heights were measured, "
-        "vertically. The noise is learnt from what a first look leaves, a variance factor for each "
-        "kind of solution with it. Every epoch is tested for a wrong position, for up to {} wrong "
-        "positions in a row, for a step and a drift of the positions and for a jump of the time "
+        "vertically. The noise is estimated from what a first look leaves, a variance factor for each "
+        "fix type with it. Every epoch is tested for an outlier, for up to {} outliers in a row, for a step and a drift of the positions and for a jump of the time "
         "stamps; every span of epochs for the model as a whole. Each test uses all measurements of "
         "the stretch, before and after the supposed error: one pass of the Kalman filter forward "
         "and one of scores backward (de Jong & Penzer 1998) give what a least-squares adjustment "
         "with that error as an unknown would.",
-        evidence.burst_epochs_max));
+        basis.burst_epochs_max));
     words.push_back(
-        "The best supported error is adapted to: wrong positions are left out; a step, a drift or "
+        "The best supported error is adapted to: outliers are left out; a step, a drift or "
         "a jump of the time stamps ends the stretch, or, a step where the attempt asks for it, is "
         "bridged with its offset as an unknown of the estimate. The tests are repeated until they "
         "find nothing more. Their thresholds are such that all of them together raise a false "
-        "alarm at most at the family-wise rate, if the noise is as learnt.");
+        "alarm at most at the family-wise rate, if the noise is as estimated.");
     words.push_back(
         "Witnesses beside the positions follow: the recorded velocities, whose delay is estimated "
         "first; the accelerations, jerks and vertical rates that a craft of the class can make; "
@@ -81,11 +80,11 @@ void describe_tests(Json& words, const ScreeningEvidence& evidence) {
         "the other receiver, where there is one.");
 }
 
-void describe_learnt_noise(Json& words) {
+void describe_estimated_noise(Json& words) {
     words.push_back(
-        "The noise is learnt from the recording where the attempt does not ask for the stated one: "
+        "The noise is estimated from the recording where the attempt does not ask for the stated one: "
         "the jerk density of the motion, the scale of the stated standard deviations, and the size "
-        "and correlation time of a slow position error are the most likely ones given all usable "
+        "and correlation time of a time-correlated position error are the most likely ones given all usable "
         "epochs. Where the recording cannot tell them, the stated noise is used, its variances "
         "multiplied by the a posteriori variance of unit weight where it exceeds one.");
     words.push_back(
@@ -96,11 +95,11 @@ void describe_learnt_noise(Json& words) {
     words.push_back(
         "Every window of the rule's length that lies within one stretch and holds usable epochs "
         "only is compared; the fastest is the certified one. Its speed is estimated with a bound "
-        "on slow position errors in place of the fitted ones. Its standard uncertainty is that of "
+        "on time-correlated position errors in place of the fitted ones. Its standard uncertainty is that of "
         "the budget, one row for each source, by the law of propagation of uncertainty; a Monte "
         "Carlo propagation of the same distributions checks it.");
     words.push_back(
-        "What screening could have missed is bounded by the external reliability of the speed "
+        "The undetected error is bounded by the external reliability of the speed "
         "(Baarda 1968): for each kind of error, at every epoch and in every direction, the size "
         "that its test finds with the stated power only, and what that does to the speed. The "
         "largest that is not a drift is a row of the budget.");
@@ -115,8 +114,8 @@ Json description(const ReportInputs& inputs) {
             "them.");
     else
         words.push_back("Plane coordinates are taken from the recording as they are.");
-    describe_tests(words, inputs.receivers.front().screened.evidence);
-    describe_learnt_noise(words);
+    describe_tests(words, inputs.receivers.front().screened.basis);
+    describe_estimated_noise(words);
     words.push_back(
         "The speeds of [DHD22] (Deakin, Holden & Daddo 2022, Precision of Derived Velocity from "
         "Kinematic GPS for Land Yachting Speed Record Attempt) are computed beside it for "

@@ -18,9 +18,9 @@ namespace {
 
 std::string status_text(const NoiseSummary& noise) {
     if (noise.status == NoiseBasis::fitted)
-        return fmt::format("learnt from {}", counted(noise.epochs, "epoch"));
+        return fmt::format("estimated from {}", counted(noise.epochs, "epoch"));
     if (noise.status == NoiseBasis::too_few_epochs)
-        return fmt::format("not learnt: {} where {} are needed",
+        return fmt::format("not estimated: {} where {} are needed",
                            counted(noise.epochs, "usable epoch"), noise.epochs_needed);
     return fmt::format("as stated: {}", words_of(noise.status));
 }
@@ -108,7 +108,7 @@ constexpr std::array<NoiseLine, 11> noise_lines{{
              significant_text(axes.noise.stated_sigma_m, 2),
              axes.noise.stated_all_equal ? "equal at all epochs" : "root mean square");
      }},
-    {"Slow position error, standard deviation",
+    {"Time-correlated position error, standard deviation",
      [](const AxesEstimation& axes) {
          return error_text(axes.noise.error_sigma_m, axes.noise, " m");
      }},

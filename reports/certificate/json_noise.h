@@ -6,7 +6,7 @@
 
 namespace runcert {
 
-/// The noise learnt, and whether filter and smoother behaved by it, as shown: a column for the
+/// The noise estimated, and whether filter and smoother behaved by it, as shown: a column for the
 /// horizontal axes and one for the vertical one where heights were measured. Null where the run's
 /// files do not say it.
 nlohmann::ordered_json noise_table(const EstimationSummary& estimation);

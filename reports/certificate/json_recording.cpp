@@ -58,7 +58,7 @@ Json recording_facts(const ReceiverResults& results, const Json& recording) {
     facts.push_back(fact("Time scale", observations.time_scale));
     if (!observations.time_origin.empty())
         facts.push_back(fact("Time stamps", observations.time_origin));
-    facts.push_back(fact("Kind of solution", std::string(words_of(observations.solution_source))));
+    facts.push_back(fact("Fix type", std::string(words_of(observations.solution_source))));
     if (const auto& first = observations.facts.first_epoch) {
         facts.push_back(fact("First epoch, UTC", utc_text(*first)));
         facts.push_back(fact("First epoch, GPS time", gps_text(*first)));
@@ -88,11 +88,11 @@ Json estimation_facts(const Json& estimation) {
     facts.push_back(fact("Degrees of freedom", estimation["degrees_of_freedom"].dump()));
     facts.push_back(fact("Variance of unit weight, a posteriori",
                          format_fixed(estimation["variance_factor"].get<double>(), 2)));
-    const bool learnt = estimation.contains("horizontal");
-    facts.push_back(fact(learnt ? "Factor on the stated covariances, horizontal"
+    const bool estimated = estimation.contains("horizontal");
+    facts.push_back(fact(estimated ? "Factor on the stated covariances, horizontal"
                                 : "Factor applied to all covariances",
                          format_fixed(estimation["variance_factor_applied"].get<double>(), 2)));
-    if (learnt) {
+    if (estimated) {
         facts.push_back(
             fact("Stretches solved by batch least squares", estimation["batch_stretches"].dump()));
         facts.push_back(fact("Epochs at less than half weight in the robust estimate",
@@ -152,7 +152,7 @@ Json frame_json(const ReportInputs& inputs) {
     Json facts = Json::array();
     if (!table.facts.georeferenced)
         facts.push_back(fact("Coordinates",
-                             "local plane: nobody has stated its place, orientation and scale on "
+                             "engineering CRS: nobody has stated its place, orientation and scale on "
                              "the Earth"));
     if (table.origin) {
         const Geodetic& position = table.origin->position;

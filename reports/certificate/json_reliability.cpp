@@ -21,17 +21,17 @@ bool is(const UndetectedError& error, Hypothesis hypothesis) {
 }
 
 bool is_unlimited(const UndetectedError& error) {
-    return error.size >= without_limit || error.speed_mps >= without_limit;
+    return error.size >= without_limit || error.speed_m_s >= without_limit;
 }
 
 /// The stretch's tests see no such error, or the speed does not depend on it.
 bool is_nothing(const UndetectedError& error) {
-    return !(error.speed_mps > 0.0);
+    return !(error.speed_m_s > 0.0);
 }
 
 std::string kind_words(const UndetectedError& error) {
-    if (is(error, Hypothesis::outlier)) return "wrong position of one epoch";
-    if (is(error, Hypothesis::burst)) return "wrong positions of several epochs";
+    if (is(error, Hypothesis::outlier)) return "outlier of one epoch";
+    if (is(error, Hypothesis::burst)) return "outliers of several epochs";
     if (is(error, Hypothesis::step)) return "step of the positions";
     if (is(error, Hypothesis::ramp)) return "drift of the positions";
     if (is(error, Hypothesis::time_shift)) return "jump of the time stamps";
@@ -54,7 +54,7 @@ std::string size_text(const UndetectedError& error) {
 }
 
 std::string speed_words(const UndetectedError& error, const SpeedUnit& unit) {
-    return fmt::format("{} {}", significant_text(error.speed_mps * unit.per_mps, 3), unit.name);
+    return fmt::format("{} {}", significant_text(error.speed_m_s * unit.per_m_s, 3), unit.name);
 }
 
 /// "step of 0.10 m (before epoch 812)".
@@ -83,11 +83,11 @@ std::string worst_words(const UndetectedError& error, double power, const SpeedU
         error_words(error), speed_words(error, unit), power);
 }
 
-/// A drift is a slow error, whose bound is a row of the budget; but the positions of one receiver
+/// A drift is a time-correlated error, whose bound is a row of the budget; but the positions of one receiver
 /// cannot tell a steady drift from motion, so that the tests find only one far beyond that bound.
 std::string drift_words(const UndetectedError& drift, const SpeedUnit& unit) {
     const std::string covered =
-        "A drift of the positions is covered as a slow error, as far as the bound of row b goes, "
+        "A drift of the positions is covered as a time-correlated error, as far as the bound of row b goes, "
         "and not added again";
     if (is_nothing(drift))
         return covered + "; no undetected one beyond it could have changed the speed.";
@@ -107,7 +107,7 @@ Json error_json(const UndetectedError& error, const SpeedUnit& unit) {
     json["size_text"] = nothing ? "–" : unlimited ? "any" : size_text(error);
     json["change_text"] = nothing     ? "0"
                           : unlimited ? "no limit"
-                                      : significant_text(error.speed_mps * unit.per_mps, 3);
+                                      : significant_text(error.speed_m_s * unit.per_m_s, 3);
     return json;
 }
 

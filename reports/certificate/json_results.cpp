@@ -34,7 +34,7 @@ OutcomeWords outcome_words(const ProfileVerdict& verdict) {
         case Outcome::not_proven:
             break;
     }
-    return {verdict.target_mps ? title : "Speed measured; no record is named", "–", "open"};
+    return {verdict.required_speed_m_s ? title : "Speed measured; no record is named", "–", "open"};
 }
 
 /// The speed as it is to be read.
@@ -44,44 +44,44 @@ Json headline_json(const ProfileVerdict& verdict, const Profile& profile) {
                   {"headline_unit", shown->unit},
                   {"headline_uncertainty", shown->expanded_uncertainty},
                   {"headline_note", "Speed rounded down, uncertainty rounded up."}};
-        if (!shown->target.empty()) {
-            json["headline_target"] = shown->target;
+        if (!shown->required_speed.empty()) {
+            json["headline_required_speed"] = shown->required_speed;
             json["headline_note"] =
                 "Speed rounded down, uncertainty and required speed rounded up.";
         }
         return json;
     }
     const SpeedUnit& unit = rule_unit(profile);
-    const auto& uncertainty = verdict.expanded_uncertainty_mps;
-    Json json{{"headline_speed", speed_text(*verdict.speed_mps, uncertainty, unit)},
+    const auto& uncertainty = verdict.expanded_uncertainty_m_s;
+    Json json{{"headline_speed", speed_text(*verdict.speed_m_s, uncertainty, unit)},
               {"headline_unit", unit.name}};
-    if (uncertainty) json["headline_uncertainty"] = uncertainty_text(*uncertainty * unit.per_mps);
+    if (uncertainty) json["headline_uncertainty"] = uncertainty_text(*uncertainty * unit.per_m_s);
     return json;
 }
 
 void set_results(Json& json, const ProfileVerdict& verdict, const Profile& profile) {
-    const auto& uncertainty = verdict.expanded_uncertainty_mps;
+    const auto& uncertainty = verdict.expanded_uncertainty_m_s;
     std::optional<double> standard, lower, acceptance;
     if (uncertainty) standard = *uncertainty / verdict.coverage_factor;
-    if (verdict.speed_mps && uncertainty) lower = *verdict.speed_mps - *uncertainty;
-    if (verdict.decision) acceptance = verdict.decision->acceptance_limit_mps;
-    set_speeds(json, "speed", verdict.speed_mps);
+    if (verdict.speed_m_s && uncertainty) lower = *verdict.speed_m_s - *uncertainty;
+    if (verdict.decision) acceptance = verdict.decision->acceptance_limit_m_s;
+    set_speeds(json, "speed", verdict.speed_m_s);
     set_speeds(json, "standard_uncertainty", standard);
     set_speeds(json, "expanded_uncertainty", uncertainty);
     set_speeds(json, "lower_limit", lower);
-    set_speeds(json, "target", verdict.target_mps);
+    set_speeds(json, "required_speed", verdict.required_speed_m_s);
     json["speed_table"] = speed_table(
-        {{"Speed", verdict.speed_mps},
+        {{"Speed", verdict.speed_m_s},
          {fmt::format("Expanded uncertainty (k = {})", coverage_text(verdict.coverage_factor)),
           uncertainty, SpeedRow::uncertainty},
          {"Speed less expanded uncertainty", lower},
          {"Least speed that would be accepted", acceptance},
-         {"Required speed", verdict.target_mps},
+         {"Required speed", verdict.required_speed_m_s},
          {"Standing record",
-          verdict.record ? std::optional(verdict.record->speed_mps) : std::nullopt,
+          verdict.record ? std::optional(verdict.record->speed_m_s) : std::nullopt,
           SpeedRow::stated}},
         profile, uncertainty);
-    if (verdict.speed_mps) json["headline"] = headline_json(verdict, profile);
+    if (verdict.speed_m_s) json["headline"] = headline_json(verdict, profile);
 }
 
 Json requirement_json(const Requirement& requirement) {
@@ -100,13 +100,13 @@ Json by_receiver_json(const ReportInputs& inputs, const Profile& profile) {
         Json entry{{"receiver", results.windows.receiver}};
         const ProfileWindows* windows = windows_of(results.windows, profile.id);
         if (const auto figure = windows == nullptr ? std::nullopt : figure_of(*windows)) {
-            const double u = expanded_uncertainty_by_rule_mps(*figure, profile.coverage_factor);
+            const double u = expanded_uncertainty_by_rule_m_s(*figure, profile.coverage_factor);
             const SpeedUnit& unit = rule_unit(profile);
-            set_speeds(entry, "speed", figure->speed_mps);
+            set_speeds(entry, "speed", figure->speed_m_s);
             set_speeds(entry, "expanded_uncertainty", u);
             entry["by_receiver_words"] =
                 fmt::format("{}, {} after its first epoch",
-                            speed_with_uncertainty_text(figure->speed_mps, u, unit),
+                            speed_with_uncertainty_text(figure->speed_m_s, u, unit),
                             seconds_text(windows->best->span.start));
         } else {
             entry["by_receiver_words"] = "no certifiable window";

@@ -59,11 +59,12 @@ std::string decision_words(const ProfileVerdict& verdict, const SpeedUnit& unit)
                             : "";
     words += fmt::format("Conformance probability: {} (at least {} required).",
                          probability_text(decision.probability), level_text(decision.level));
-    if (decision.target_standard_uncertainty_mps > 0.0)
+    if (decision.required_speed_standard_uncertainty_m_s > 0.0)
         words += fmt::format(
             " It includes the standard uncertainty of the record itself, {} {} of the required "
             "speed.",
-            uncertainty_text(decision.target_standard_uncertainty_mps * unit.per_mps), unit.name);
+            uncertainty_text(decision.required_speed_standard_uncertainty_m_s * unit.per_m_s),
+            unit.name);
     if (decision.attempts_made > 1)
         words += fmt::format(" As the best of {} attempts it needs {}.", decision.attempts_made,
                              level_text(decision.level));
@@ -92,7 +93,7 @@ Json override_json(const Override& figure) {
 
 Json record_json(const RecordToBeat& record) {
     Json json{{"speed", record.speed}, {"unit", record.unit}, {"source", record.source}};
-    set_speeds(json, "speed", record.speed_mps);
+    set_speeds(json, "speed", record.speed_m_s);
     if (record.expanded_uncertainty) json["expanded_uncertainty"] = *record.expanded_uncertainty;
     json["record_words"] = record_words(record);
     return json;
@@ -133,12 +134,12 @@ void set_decision(Json& json, const ProfileVerdict& verdict, const Profile& prof
     json["decision_rule"] = decision_rule(verdict, profile);
     if (verdict.record) json["record"] = record_json(*verdict.record);
     if (verdict.decision) json["decision"] = decision_json(verdict, rule_unit(profile));
-    if (!verdict.current_subtracted_mps) return;
+    if (!verdict.current_subtracted_m_s) return;
     const SpeedUnit& unit = rule_unit(profile);
-    set_speeds(json, "current_subtracted", verdict.current_subtracted_mps);
+    set_speeds(json, "current_subtracted", verdict.current_subtracted_m_s);
     json["current_words"] =
         fmt::format("The current's component along the course, {} {}, is subtracted.",
-                    speed_text(*verdict.current_subtracted_mps, std::nullopt, unit), unit.name);
+                    speed_text(*verdict.current_subtracted_m_s, std::nullopt, unit), unit.name);
 }
 
 void set_reservations(Json& json, const ProfileVerdict& verdict) {

@@ -9,7 +9,7 @@
 #include "core/rounding.h"
 #include "core/text.h"
 #include "reports/certificate/display.h"
-#include "reports/certificate/json_evidence.h"
+#include "reports/certificate/json_screening_basis.h"
 
 namespace runcert {
 
@@ -36,7 +36,7 @@ struct Noun {
 Noun decided_for(Hypothesis hypothesis) {
     switch (hypothesis) {
         case Hypothesis::outlier:
-            return {"single wrong position", "single wrong positions"};
+            return {"single outlier", "single outliers"};
         case Hypothesis::burst:
             return {"position in a run of wrong ones", "positions in runs of wrong ones"};
         case Hypothesis::step:
@@ -81,8 +81,8 @@ std::string used_text(const ScreenedTable& table, const ScreeningSummary& summar
     if (summary.arcs == 0) return used;
     const std::string longest = format_fixed(longest_arc_s(table.rows), 3);
     if (summary.arcs == 1)
-        return fmt::format("{}, in one stretch without a break, of {} s", used, longest);
-    return fmt::format("{}, in {} stretches without a break, the longest of {} s", used,
+        return fmt::format("{}, in one arc, of {} s", used, longest);
+    return fmt::format("{}, in {} arcs, the longest of {} s", used,
                        summary.arcs, longest);
 }
 
@@ -105,7 +105,7 @@ Json screening_json(const ScreenedTable& table) {
         json["decisions"].push_back({{"hypothesis", to_text(hypothesis)},
                                      {"words", decided_for(hypothesis).one},
                                      {"count", count}});
-    json["evidence"] = evidence_json(table.evidence);
+    json["basis"] = screening_basis_json(table.basis);
     return json;
 }
 
@@ -114,7 +114,7 @@ Json screening_facts(const ScreenedTable& table) {
     Json facts = Json::array();
     facts.push_back(fact("Epochs used", used_text(table, summary)));
     facts.push_back(fact("Decided by the tests", decisions_text(summary)));
-    for (Json& line : evidence_facts(table.evidence))
+    for (Json& line : screening_basis_facts(table.basis))
         facts.push_back(std::move(line));
     return facts;
 }

@@ -60,7 +60,7 @@ std::string other_definition(const Profile& profile) {
 
 /// To which speeds beside the certified one are rounded.
 double shown_uncertainty(const CertifiableWindow& window, const Profile& profile) {
-    return expanded_uncertainty_mps(window, profile.coverage_factor);
+    return expanded_uncertainty_m_s(window, profile.coverage_factor);
 }
 
 std::string definition_note(const CertifiableWindow& best, const Profile& profile) {
@@ -73,7 +73,7 @@ std::string definition_note(const CertifiableWindow& best, const Profile& profil
                "the recording states. They are of the smoothed trajectory.";
     if (best.estimates && best.selection &&
         best.selection->treatment == SelectionTreatment::subtracted)
-        return "These figures are of the smoothed trajectory. The certified speed is the rule's, "
+        return "These figures are of the smoothed trajectory. The measured speed is the rule's, "
                "less what choosing the fastest window makes it look higher by.";
     return {};
 }
@@ -84,7 +84,7 @@ void set_definitions(Json& json, const CertifiableWindow& best, const Profile& p
     std::vector<SpeedRow> rows;
     json["definitions"] = Json::array();
     const std::string other = other_definition(profile);
-    if (!other.empty()) rows.push_back({other + " – the rule's", best.speed_mps});
+    if (!other.empty()) rows.push_back({other + " – the rule's", best.speed_m_s});
     for (const SpeedDefinition name : {SpeedDefinition::displacement, SpeedDefinition::path_length,
                                        SpeedDefinition::mean_n_plus_1, SpeedDefinition::mean_n}) {
         const bool counts = other.empty() && name == profile.definition;
@@ -98,7 +98,7 @@ void set_definitions(Json& json, const CertifiableWindow& best, const Profile& p
     if (!note.empty()) json["definition_note"] = note;
     if (!best.fitted)
         rows.push_back(
-            {"Standard uncertainty", best.standard_uncertainty_mps, SpeedRow::uncertainty});
+            {"Standard uncertainty", best.standard_uncertainty_m_s, SpeedRow::uncertainty});
     json["definition_table"] = speed_table(rows, profile, u);
 }
 
@@ -110,35 +110,35 @@ std::string window_label(const WindowSpan& span) {
 void set_further(Json& json, const ProfileWindows& windows, const Profile& profile) {
     if (windows.further.empty()) return;
     const double u = shown_uncertainty(*windows.best, profile);
-    std::vector<SpeedRow> rows{{window_label(windows.best->span), windows.best->speed_mps}};
+    std::vector<SpeedRow> rows{{window_label(windows.best->span), windows.best->speed_m_s}};
     for (const FurtherWindow& further : windows.further) {
         Json entry = members_json(further.span);
         set_end(entry, further.span);
         entry["arc"] = further.arc;
-        set_speeds(entry, "speed", further.speed_mps);
-        set_speeds(entry, "standard_uncertainty", further.standard_uncertainty_mps);
+        set_speeds(entry, "speed", further.speed_m_s);
+        set_speeds(entry, "standard_uncertainty", further.standard_uncertainty_m_s);
         json["further"].push_back(std::move(entry));
-        rows.push_back({window_label(further.span), further.speed_mps});
+        rows.push_back({window_label(further.span), further.speed_m_s});
     }
     if (const auto figure = figure_of(windows))
-        rows.push_back({fmt::format("Mean of the {}", rows.size()), figure->speed_mps});
+        rows.push_back({fmt::format("Mean of the {}", rows.size()), figure->speed_m_s});
     json["further_table"] = speed_table(rows, profile, u);
 }
 
 void set_methods(Json& json, const CertifiableWindow& best, const Profile& profile) {
     const std::vector<std::pair<std::string, SpeedRow>> methods{
-        {"smoothed", {"Smoother, forward and backward", best.methods.smoothed_mps}},
-        {"batch", {"Batch least squares", best.methods.batch_mps}},
-        {"v1", {"Method v1 of [DHD22]: central difference", best.methods.v1_mps}},
-        {"v2", {"Method v2 of [DHD22]: path length", best.methods.v2_mps}},
-        {"kalman", {"Forward filter of [DHD22]", best.methods.kalman_mps}}};
+        {"smoothed", {"Smoother, forward and backward", best.methods.smoothed_m_s}},
+        {"batch", {"Batch least squares", best.methods.batch_m_s}},
+        {"v1", {"Method v1 of [DHD22]: central difference", best.methods.v1_m_s}},
+        {"v2", {"Method v2 of [DHD22]: path length", best.methods.v2_m_s}},
+        {"kalman", {"Forward filter of [DHD22]", best.methods.kalman_m_s}}};
     json["methods"] = Json::array();
     std::vector<SpeedRow> rows;
     for (const auto& [name, row] : methods) {
         rows.push_back(row);
-        if (!row.speed_mps) continue;
+        if (!row.speed_m_s) continue;
         Json entry{{"method", name}};
-        set_speeds(entry, "speed", row.speed_mps);
+        set_speeds(entry, "speed", row.speed_m_s);
         json["methods"].push_back(std::move(entry));
     }
     json["method_table"] = speed_table(rows, profile, shown_uncertainty(best, profile));
@@ -154,21 +154,21 @@ void set_end(Json& json, const WindowSpan& span) {
 }
 
 Json speed_table(const std::vector<SpeedRow>& rows, const Profile& profile,
-                 std::optional<double> uncertainty_mps) {
+                 std::optional<double> uncertainty_m_s) {
     Json table{{"units", Json::array()}, {"rows", Json::array()}};
     const auto units = units_in_order(profile);
     for (const SpeedUnit* unit : units)
         table["units"].push_back(unit->name);
     for (const SpeedRow& row : rows) {
-        if (!row.speed_mps) continue;
+        if (!row.speed_m_s) continue;
         Json entry{{"label", row.label}, {"cells", Json::array()}};
         for (const SpeedUnit* unit : units) {
-            const double speed = *row.speed_mps;
+            const double speed = *row.speed_m_s;
             entry["cells"].push_back(
                 row.kind == SpeedRow::uncertainty
-                    ? uncertainty_text(speed * unit->per_mps)
+                    ? uncertainty_text(speed * unit->per_m_s)
                     : speed_text(speed,
-                                 row.kind == SpeedRow::stated ? std::nullopt : uncertainty_mps,
+                                 row.kind == SpeedRow::stated ? std::nullopt : uncertainty_m_s,
                                  *unit));
         }
         table["rows"].push_back(std::move(entry));
@@ -216,7 +216,7 @@ Json indicated_json(const RefusedWindow& indicated, const Profile& profile) {
     set_end(json, indicated.span);
     const SpeedUnit& unit = rule_unit(profile);
     json["indicated_speed"] =
-        fmt::format("{} {}", speed_text(indicated.speed_mps, std::nullopt, unit), unit.name);
+        fmt::format("{} {}", speed_text(indicated.speed_m_s, std::nullopt, unit), unit.name);
     Json facts = time_facts(indicated.span);
     for (const Json& place : place_facts(indicated.span))
         facts.push_back(place);

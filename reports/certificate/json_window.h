@@ -18,13 +18,13 @@ void set_end(nlohmann::ordered_json& json, const WindowSpan& span);
 struct SpeedRow {
     enum Kind { measured, uncertainty, stated };
     std::string label;
-    std::optional<double> speed_mps;
+    std::optional<double> speed_m_s;
     Kind kind = measured;  ///< a measured one takes the decimals of its uncertainty
 };
 
 /// Rows of one speed each, in every unit, the rule's own first. Rows without a speed are left out.
 nlohmann::ordered_json speed_table(const std::vector<SpeedRow>& rows, const Profile& profile,
-                                   std::optional<double> uncertainty_mps);
+                                   std::optional<double> uncertainty_m_s);
 
 /// The certified window of a verdict, which has one. `windows` is null where the search's results
 /// do not hold the rule.

@@ -5,7 +5,7 @@
 #include "files/atomic_file.h"
 #include "reports/certificate/report_html.h"
 #include "reports/certificate/report_run.h"
-#include "run/evidence.h"
+#include "run/attempt_files.h"
 #include "run/stage_main.h"
 #include "trust/signature_files.h"
 #include "trust/signing.h"
@@ -15,10 +15,10 @@ using namespace runcert;
 namespace {
 
 ReceiverResults gather_receiver(StageRun& run, const Receiver& receiver) {
-    for (const EvidenceFile& file : evidence_files(receiver))
+    for (const AttemptFile& file : files_of_receiver(receiver))
         run.note_file(file.role, file.name,
                       std::filesystem::path(file.original).filename().string());
-    for (const EvidenceFile& file : solution_files(receiver))
+    for (const AttemptFile& file : solution_files(receiver))
         run.note_file(file.role, file.name);
     ReceiverResults results;
     results.observations = run.read(products::observations, receiver, read_observations);
@@ -37,9 +37,9 @@ ReportInputs gather(StageRun& run) {
     run.note_attempt();
     for (const std::string& claimed : run.attempt().profiles) {
         inputs.profiles.push_back(read_claimed_profile(run.run_dir(), claimed, run.attempt()));
-        run.note_file("profile", evidence_profile_file(claimed));
+        run.note_file("profile", profile_copy_name(claimed));
     }
-    for (const EvidenceFile& file : flow_files(run.attempt()))
+    for (const AttemptFile& file : flow_files(run.attempt()))
         run.note_file(file.role, file.name,
                       std::filesystem::path(file.original).filename().string());
     for (const Receiver& receiver : run.attempt().receivers)

@@ -58,8 +58,8 @@ class WindowSpeeds {
     std::optional<double> mean_speed(std::size_t first, std::size_t last) const {
         double sum = 0.0;
         for (std::size_t i = first; i <= last; ++i) {
-            if (!track_.speeds_mps[i]) return std::nullopt;
-            sum += *track_.speeds_mps[i];
+            if (!track_.speeds_m_s[i]) return std::nullopt;
+            sum += *track_.speeds_m_s[i];
         }
         return sum / static_cast<double>(last - first + 1);
     }
@@ -84,7 +84,7 @@ MethodTrack track_of_truth(const TruthRows& truth) {
     MethodTrack track;
     for (const std::optional<TruthEpoch>& epoch : truth) {
         track.positions.push_back(epoch ? std::optional(epoch->position) : std::nullopt);
-        track.speeds_mps.push_back(epoch ? std::optional(epoch->speed_mps) : std::nullopt);
+        track.speeds_m_s.push_back(epoch ? std::optional(epoch->speed_m_s) : std::nullopt);
     }
     return track;
 }
@@ -96,8 +96,8 @@ std::optional<double> difference(std::optional<double> a, std::optional<double> 
 
 std::optional<double> rms_error(const MethodTrack& track, const MethodTrack& truth) {
     std::vector<double> errors;
-    for (std::size_t i = 0; i < track.speeds_mps.size(); ++i)
-        if (const auto error = difference(track.speeds_mps[i], truth.speeds_mps[i]))
+    for (std::size_t i = 0; i < track.speeds_m_s.size(); ++i)
+        if (const auto error = difference(track.speeds_m_s[i], truth.speeds_m_s[i]))
             errors.push_back(*error);
     if (errors.empty()) return std::nullopt;
     return root_mean_square(errors);
@@ -124,35 +124,35 @@ MethodResult result_of(const Task& task, const MethodTrack& track) {
     const WindowSpeeds speed(task.trajectory, track, result.window_speed);
     std::optional<RowPair> best;
     for (const RowPair window : task.candidates) {
-        const std::optional<double> speed_mps = speed(window);
-        if (!speed_mps || (result.best_mps && *speed_mps <= *result.best_mps)) continue;
-        result.best_mps = speed_mps;
+        const std::optional<double> speed_m_s = speed(window);
+        if (!speed_m_s || (result.best_m_s && *speed_m_s <= *result.best_m_s)) continue;
+        result.best_m_s = speed_m_s;
         best = window;
     }
     if (best) {
         result.best_start = task.trajectory.rows[best->first].time;
-        result.best_error_mps = difference(result.best_mps, task.truth_in(*best));
+        result.best_error_m_s = difference(result.best_m_s, task.truth_in(*best));
     }
     const bool jumps = track.window_speed == SpeedDefinition::displacement && task.windows.best &&
                        task.windows.best->repaired_steps > 0;
     if (task.certified && !jumps) {
-        result.certified_mps = speed(*task.certified);
-        result.certified_error_mps =
-            difference(result.certified_mps, task.truth_in(*task.certified));
+        result.certified_m_s = speed(*task.certified);
+        result.certified_error_m_s =
+            difference(result.certified_m_s, task.truth_in(*task.certified));
     }
-    if (task.truth) result.rms_error_mps = rms_error(track, *task.truth);
+    if (task.truth) result.rms_error_m_s = rms_error(track, *task.truth);
     return result;
 }
 
 /// The speed that is certified, as another row.
-MethodResult certified_result(const ProfileWindows& windows, std::optional<double> true_mps) {
+MethodResult certified_result(const ProfileWindows& windows, std::optional<double> true_m_s) {
     MethodResult result;
     result.name = "certified";
     result.window_speed = windows.rule.definition;
     if (!windows.best) return result;
     result.best_start = windows.best->span.start;
-    result.best_mps = result.certified_mps = windows.best->speed_mps;
-    result.certified_error_mps = result.best_error_mps = difference(result.best_mps, true_mps);
+    result.best_m_s = result.certified_m_s = windows.best->speed_m_s;
+    result.certified_error_m_s = result.best_error_m_s = difference(result.best_m_s, true_m_s);
     return result;
 }
 
@@ -197,11 +197,11 @@ ProfileComparison compare_profile(const Task& task, const Methods& methods) {
     if (windows.best) {
         comparison.certified_start = windows.best->span.start;
         comparison.certified_duration = windows.best->span.duration;
-        comparison.true_mps = task.truth_in(*task.certified);
+        comparison.true_m_s = task.truth_in(*task.certified);
     }
     for (const MethodTrack& track : methods.tracks)
         comparison.methods.push_back(result_of(task, track));
-    comparison.methods.push_back(certified_result(windows, comparison.true_mps));
+    comparison.methods.push_back(certified_result(windows, comparison.true_m_s));
     return comparison;
 }
 

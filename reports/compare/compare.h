@@ -19,11 +19,11 @@ struct MethodResult {
     std::string name;
     SpeedDefinition window_speed = SpeedDefinition::displacement;
     std::optional<ElapsedTime> best_start;  ///< of its own best window
-    std::optional<double> best_mps;
-    std::optional<double> certified_mps;  ///< in the certified window
-    std::optional<double> rms_error_mps;  ///< of its speeds, over all epochs with truth
-    std::optional<double> certified_error_mps;
-    std::optional<double> best_error_mps;
+    std::optional<double> best_m_s;
+    std::optional<double> certified_m_s;  ///< in the certified window
+    std::optional<double> rms_error_m_s;  ///< of its speeds, over all epochs with truth
+    std::optional<double> certified_error_m_s;
+    std::optional<double> best_error_m_s;
 };
 
 struct ProfileComparison {
@@ -33,7 +33,7 @@ struct ProfileComparison {
     std::int64_t candidates = 0;                 ///< certifiable windows
     std::optional<ElapsedTime> certified_start;  ///< empty where there is no certified window
     std::optional<ElapsedTime> certified_duration;
-    std::optional<double> true_mps;  ///< in the certified window, by the profile's definition
+    std::optional<double> true_m_s;  ///< in the certified window, by the profile's definition
     std::vector<MethodResult> methods;
 };
 

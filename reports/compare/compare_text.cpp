@@ -37,8 +37,8 @@ std::string heading(const ProfileComparison& profile) {
     if (!profile.certified_start) return text + "no certified window\n";
     text += fmt::format("certified window: {} s from {} s", in_seconds(profile.certified_duration),
                         in_seconds(profile.certified_start));
-    if (profile.true_mps)
-        text += fmt::format("; true speed in it {} km/h", in_km_h(profile.true_mps));
+    if (profile.true_m_s)
+        text += fmt::format("; true speed in it {} km/h", in_km_h(profile.true_m_s));
     return text + "\n";
 }
 
@@ -55,10 +55,10 @@ std::string column_names(bool with_truth) {
 std::string row(const MethodResult& method, bool with_truth) {
     std::string text = fmt::format("{:<32} {:<6} {:>9} {:>9} {:>9}", method.name,
                                    short_name(method.window_speed), in_seconds(method.best_start),
-                                   in_km_h(method.best_mps), in_km_h(method.certified_mps));
+                                   in_km_h(method.best_m_s), in_km_h(method.certified_m_s));
     if (with_truth)
-        text += fmt::format(" {:>9} {:>9} {:>9}", in_km_h(method.rms_error_mps),
-                            in_km_h(method.certified_error_mps), in_km_h(method.best_error_mps));
+        text += fmt::format(" {:>9} {:>9} {:>9}", in_km_h(method.rms_error_m_s),
+                            in_km_h(method.certified_error_m_s), in_km_h(method.best_error_m_s));
     return text + "\n";
 }
 

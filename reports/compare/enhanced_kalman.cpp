@@ -32,7 +32,7 @@ std::optional<MeasuredVelocity> velocity_between(const EnhancedKalmanEpoch& befo
                                                  const EnhancedKalmanEpoch& after) {
     if (!before.velocity) return after.velocity;
     if (!after.velocity) return before.velocity;
-    return MeasuredVelocity{.enu_mps = 0.5 * (before.velocity->enu_mps + after.velocity->enu_mps),
+    return MeasuredVelocity{.enu_m_s = 0.5 * (before.velocity->enu_m_s + after.velocity->enu_m_s),
                             .covariance_m2_s2 = 0.5 * (before.velocity->covariance_m2_s2 +
                                                        after.velocity->covariance_m2_s2)};
 }
@@ -96,14 +96,14 @@ std::vector<std::optional<EnhancedKalmanState>> filter_enhanced_kalman(
         if (input) {
             const double dt_s = epoch.time_s - epochs[k - 1].time_s;
             const Geodetic before = state->position;
-            state->position = moved_by(before, input->enu_mps * dt_s);
+            state->position = moved_by(before, input->enu_m_s * dt_s);
             state->covariance_enu_m2 += input->covariance_m2_s2 * dt_s * dt_s;
             if (epoch.position) state = updated(*state, *epoch.position);
-            state->velocity_enu_mps = step_between(before, state->position) / dt_s;
+            state->velocity_enu_m_s = step_between(before, state->position) / dt_s;
         } else if (epoch.position) {
             state = EnhancedKalmanState{.position = epoch.position->position,
                                         .covariance_enu_m2 = epoch.position->covariance_enu_m2,
-                                        .velocity_enu_mps = std::nullopt};
+                                        .velocity_enu_m_s = std::nullopt};
         } else {
             state.reset();
         }

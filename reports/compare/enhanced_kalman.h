@@ -33,7 +33,7 @@ struct MeasuredGeodetic {
 
 /// A measured velocity (m/s) towards east, north, up of the place, and its covariance.
 struct MeasuredVelocity {
-    Eigen::Vector3d enu_mps = Eigen::Vector3d::Zero();
+    Eigen::Vector3d enu_m_s = Eigen::Vector3d::Zero();
     Eigen::Matrix3d covariance_m2_s2 = Eigen::Matrix3d::Identity();
 };
 
@@ -48,7 +48,7 @@ struct EnhancedKalmanState {
     Eigen::Matrix3d covariance_enu_m2 = Eigen::Matrix3d::Identity();
     /// East, north, up from the state before to this one, over the time between; empty where the
     /// filter begins.
-    std::optional<Eigen::Vector3d> velocity_enu_mps;
+    std::optional<Eigen::Vector3d> velocity_enu_m_s;
 };
 
 /// The "enhanced Kalman filter" of [EKF]: its state is latitude, longitude and height, its input

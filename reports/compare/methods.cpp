@@ -23,7 +23,7 @@ MethodTrack empty_track(const std::string& name, SpeedDefinition window_speed, s
     track.name = name;
     track.window_speed = window_speed;
     track.positions.resize(rows);
-    track.speeds_mps.resize(rows);
+    track.speeds_m_s.resize(rows);
     return track;
 }
 
@@ -34,7 +34,7 @@ MethodTrack of_positions(const std::string& name, const TrajectoryTable& traject
     for (std::size_t i = 0; i < trajectory.rows.size(); ++i) {
         const TrajectoryEpoch& row = trajectory.rows[i];
         if (row.*east && row.*north) track.positions[i] = {*(row.*east), *(row.*north)};
-        if (speed) track.speeds_mps[i] = row.*speed;
+        if (speed) track.speeds_m_s[i] = row.*speed;
     }
     return track;
 }
@@ -42,7 +42,7 @@ MethodTrack of_positions(const std::string& name, const TrajectoryTable& traject
 MethodTrack of_speeds(const std::string& name, const TrajectoryTable& trajectory, Column speed) {
     MethodTrack track = empty_track(name, SpeedDefinition::mean_n_plus_1, trajectory.rows.size());
     for (std::size_t i = 0; i < trajectory.rows.size(); ++i)
-        track.speeds_mps[i] = trajectory.rows[i].*speed;
+        track.speeds_m_s[i] = trajectory.rows[i].*speed;
     return track;
 }
 
@@ -58,7 +58,7 @@ void take_states(const Arc<2>& arc, const std::vector<StateEstimate<2>>& states,
                  MethodTrack& track) {
     for (std::size_t k = 0; k < states.size(); ++k) {
         track.positions[arc.rows[k]] = states[k].mean.head<2>();
-        track.speeds_mps[arc.rows[k]] = states[k].mean.segment<2>(2).norm();
+        track.speeds_m_s[arc.rows[k]] = states[k].mean.segment<2>(2).norm();
     }
 }
 
@@ -145,9 +145,9 @@ Methods methods_of(const ScreenedTable& screened, const TrajectoryTable& traject
     Methods methods;
     std::vector<MethodTrack>& tracks = methods.tracks;
     tracks.push_back(raw_positions(screened));
-    tracks.push_back(of_speeds("v1 [DHD22]", trajectory, &Row::speed_v1_mps));
-    tracks.push_back(of_speeds("v2 [DHD22]", trajectory, &Row::speed_v2_mps));
-    tracks.push_back(of_speeds("Kalman filter [DHD22]", trajectory, &Row::speed_kalman_mps));
+    tracks.push_back(of_speeds("v1 [DHD22]", trajectory, &Row::speed_v1_m_s));
+    tracks.push_back(of_speeds("v2 [DHD22]", trajectory, &Row::speed_v2_m_s));
+    tracks.push_back(of_speeds("Kalman filter [DHD22]", trajectory, &Row::speed_kalman_m_s));
     add_fixed_lags(arcs_of<2>(screened, trajectory), model_of(noise), trajectory, tracks);
 
     FittedSmoother constant =
@@ -160,8 +160,8 @@ Methods methods_of(const ScreenedTable& screened, const TrajectoryTable& traject
     tracks.push_back(std::move(singer.track));
 
     tracks.push_back(of_positions("smoother of the trajectory", trajectory, &Row::east_m,
-                                  &Row::north_m, &Row::speed_mps));
-    tracks.push_back(of_speeds("batch", trajectory, &Row::speed_batch_mps));
+                                  &Row::north_m, &Row::speed_m_s));
+    tracks.push_back(of_speeds("batch", trajectory, &Row::speed_batch_m_s));
     tracks.push_back(of_positions("robust batch", trajectory, &Row::robust_east_m,
                                   &Row::robust_north_m, nullptr));
     tracks.push_back(recorded_speed(screened));

@@ -19,7 +19,7 @@ struct MethodTrack {
     /// How its figures make the speed of a window: displacement, or a mean of its speeds.
     SpeedDefinition window_speed = SpeedDefinition::displacement;
     std::vector<std::optional<Eigen::Vector2d>> positions;  ///< east, north, m
-    std::vector<std::optional<double>> speeds_mps;          ///< horizontal
+    std::vector<std::optional<double>> speeds_m_s;          ///< horizontal
     std::string unavailable;  ///< why the method has no value at all; else empty
 };
 

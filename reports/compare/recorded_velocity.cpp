@@ -12,12 +12,12 @@ namespace runcert {
 namespace {
 
 // Where the recording states no accuracy of its velocities, or zero.
-constexpr double default_velocity_sigma_mps = 0.1;
+constexpr double default_velocity_sigma_m_s = 0.1;
 // Heights that were not measured, or whose accuracy is not known.
 constexpr double loose_height_sigma_m = 1.0;
 
 bool has_velocity(const RecordedVelocity& row) {
-    return row.recorded_velocity_east_mps && row.recorded_velocity_north_mps;
+    return row.recorded_velocity_east_m_s && row.recorded_velocity_north_m_s;
 }
 
 bool stated(const std::optional<double>& sigma) {
@@ -25,24 +25,24 @@ bool stated(const std::optional<double>& sigma) {
 }
 
 bool accuracy_stated(const RecordedVelocity& row) {
-    return stated(row.sigma_recorded_velocity_east_mps) &&
-           stated(row.sigma_recorded_velocity_north_mps) &&
-           (!row.recorded_velocity_up_mps || stated(row.sigma_recorded_velocity_up_mps));
+    return stated(row.sigma_recorded_velocity_east_m_s) &&
+           stated(row.sigma_recorded_velocity_north_m_s) &&
+           (!row.recorded_velocity_up_m_s || stated(row.sigma_recorded_velocity_up_m_s));
 }
 
 /// The recorded velocity in the axes of the place, `rotation` * frame.
 MeasuredVelocity velocity_of(const RecordedVelocity& row, const Eigen::Matrix3d& rotation) {
     const auto variance = [](const std::optional<double>& sigma) {
-        const double taken_mps = stated(sigma) ? *sigma : default_velocity_sigma_mps;
-        return taken_mps * taken_mps;
+        const double taken_m_s = stated(sigma) ? *sigma : default_velocity_sigma_m_s;
+        return taken_m_s * taken_m_s;
     };
-    const Eigen::Vector3d frame_mps(*row.recorded_velocity_east_mps,
-                                    *row.recorded_velocity_north_mps,
-                                    row.recorded_velocity_up_mps.value_or(0.0));
-    const Eigen::Vector3d variances(variance(row.sigma_recorded_velocity_east_mps),
-                                    variance(row.sigma_recorded_velocity_north_mps),
-                                    variance(row.sigma_recorded_velocity_up_mps));
-    return {.enu_mps = rotation * frame_mps,
+    const Eigen::Vector3d frame_m_s(*row.recorded_velocity_east_m_s,
+                                    *row.recorded_velocity_north_m_s,
+                                    row.recorded_velocity_up_m_s.value_or(0.0));
+    const Eigen::Vector3d variances(variance(row.sigma_recorded_velocity_east_m_s),
+                                    variance(row.sigma_recorded_velocity_north_m_s),
+                                    variance(row.sigma_recorded_velocity_up_m_s));
+    return {.enu_m_s = rotation * frame_m_s,
             .covariance_m2_s2 = rotation * variances.asDiagonal() * rotation.transpose()};
 }
 
@@ -77,8 +77,8 @@ void filter_arc(const ScreenedTable& screened, const LocalFrame& frame,
     for (std::size_t k = 0; k < rows.size(); ++k) {
         if (!states[k]) continue;
         track.positions[rows[k]] = frame.enu_from_geodetic(states[k]->position).m.head<2>();
-        if (states[k]->velocity_enu_mps)
-            track.speeds_mps[rows[k]] = states[k]->velocity_enu_mps->head<2>().norm();
+        if (states[k]->velocity_enu_m_s)
+            track.speeds_m_s[rows[k]] = states[k]->velocity_enu_m_s->head<2>().norm();
     }
 }
 
@@ -93,7 +93,7 @@ std::string accuracy_note(const ScreenedTable& screened) {
     if (without == 0) return {};
     return fmt::format(
         "[EKF] takes {} m/s for the accuracy of {} of {} recorded velocities, which is not stated",
-        default_velocity_sigma_mps, without, velocities);
+        default_velocity_sigma_m_s, without, velocities);
 }
 
 bool any_velocity(const ScreenedTable& screened) {
@@ -107,7 +107,7 @@ MethodTrack track_of_velocities(const std::string& name, SpeedDefinition window_
     track.name = name;
     track.window_speed = window_speed;
     track.positions.resize(screened.rows.size());
-    track.speeds_mps.resize(screened.rows.size());
+    track.speeds_m_s.resize(screened.rows.size());
     if (!any_velocity(screened)) track.unavailable = "the recording has no velocities";
     return track;
 }
@@ -120,8 +120,8 @@ MethodTrack recorded_speed(const ScreenedTable& screened) {
     for (std::size_t i = 0; i < screened.rows.size(); ++i) {
         const ScreenedEpoch& row = screened.rows[i];
         if (row.arc && has_velocity(row))
-            track.speeds_mps[i] =
-                std::hypot(*row.recorded_velocity_east_mps, *row.recorded_velocity_north_mps);
+            track.speeds_m_s[i] =
+                std::hypot(*row.recorded_velocity_east_m_s, *row.recorded_velocity_north_m_s);
     }
     return track;
 }
@@ -132,7 +132,7 @@ EnhancedKalmanTrack enhanced_kalman_track(const ScreenedTable& screened) {
     track = track_of_velocities("enhanced Kalman filter [EKF]", SpeedDefinition::mean_n, screened);
     if (!track.unavailable.empty()) return result;
     if (!screened.origin) {
-        track.unavailable = "the positions are not on the Earth but in a local plane";
+        track.unavailable = "the positions are engineering coordinates, not tied to the Earth";
         return result;
     }
     const LocalFrame frame(screened.origin->position);

@@ -8,7 +8,7 @@ namespace runcert {
 MethodTrack recorded_speed(const ScreenedTable& screened);
 
 /// The filter of [EKF] over the arcs, and what was taken for the accuracy of the recorded velocity
-/// where the recording does not state it. Needs velocities, and positions on the Earth. Heights
+/// where the recording does not state it. Needs velocities, and geodetic coordinates. Heights
 /// that were not measured are those of the frame's plane.
 struct EnhancedKalmanTrack {
     MethodTrack track;

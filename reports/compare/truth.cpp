@@ -59,7 +59,7 @@ TruthEpoch read_row(const std::vector<std::string_view>& cells,
     };
     const auto time = parse_decimal_nanoseconds(cells[columns[0]]);
     if (!time) not_a_number(0);
-    return {.time = {*time}, .position = {number(1), number(2)}, .speed_mps = number(3)};
+    return {.time = {*time}, .position = {number(1), number(2)}, .speed_m_s = number(3)};
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ namespace runcert {
 struct TruthEpoch {
     ElapsedTime time;
     Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< east, north, m
-    double speed_mps = 0.0;
+    double speed_m_s = 0.0;
 };
 
 /// Reads what `runcert simulate` writes as truth.csv: a line of column names, then numbers. Of the

@@ -13,7 +13,8 @@ namespace {
 constexpr std::string_view columns =
     "attempt,source,state,craft,class,profile,rank,tied_up_to_rank,"
     "tied_down_to_rank,outcome,speed_m_s,expanded_uncertainty_m_s,coverage_factor,"
-    "target_m_s,shown_unit,shown_speed,shown_expanded_uncertainty,shown_target,window_start_utc,"
+    "required_speed_m_s,shown_unit,shown_speed,shown_expanded_uncertainty,shown_required_speed,"
+    "window_start_utc,"
     "window_start_time_s,window_duration_s,reason,replaced_figures,failed_step,problem,where,"
     "remedy,notes,report_id,report\n";
 
@@ -35,16 +36,16 @@ std::string cell(const std::optional<std::int64_t>& value) {
     return value ? fmt::format("{}", *value) : "";
 }
 
-/// The columns from `profile` to `shown_target`'s successors that belong to one rule.
+/// The columns from `profile` to `shown_required_speed`'s successors that belong to one rule.
 std::string result_cells(const DayResult& result, const DayPlace& place) {
     const DayShown shown = result.shown.value_or(DayShown{});
     return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}", csv_cell(result.profile),
                        cell(place.rank), cell(place.tied_up_to_rank), cell(place.tied_down_to_rank),
-                       to_text(result.outcome), cell(result.speed_mps, 6),
-                       cell(result.expanded_uncertainty_mps, 6),
-                       format_fixed(result.coverage_factor, 6), cell(result.target_mps, 6),
+                       to_text(result.outcome), cell(result.speed_m_s, 6),
+                       cell(result.expanded_uncertainty_m_s, 6),
+                       format_fixed(result.coverage_factor, 6), cell(result.required_speed_m_s, 6),
                        shown.unit, csv_cell(shown.speed), csv_cell(shown.expanded_uncertainty),
-                       csv_cell(shown.target), csv_cell(result.start_utc),
+                       csv_cell(shown.required_speed), csv_cell(result.start_utc),
                        cell(result.start_time_s, 9), cell(result.duration_s, 9));
 }
 

@@ -44,7 +44,7 @@ void set_speed(TemplateData& row, const DayResult& result) {
     set_text(row, "speed", speed->speed);
     set_text(row, "uncertainty", speed->uncertainty);
     set_text(row, "unit", speed->unit);
-    set_text(row, "target", speed->target);
+    set_text(row, "required_speed", speed->required_speed);
 }
 
 TemplateData place_data(const DayProfile& profile, std::size_t i, const AttemptResult& attempt) {
@@ -77,7 +77,7 @@ void set_picture(TemplateData& data, const DayProfile& profile, const AttemptsBy
     data.set("has_picture", TemplateData(!picture.lines.empty()));
     data.set("picture", picture_svg(picture));
     const auto with_speed = std::ranges::count_if(profile.ranking, [&](const DayPlace& place) {
-        return result_by(*attempts.at(place.id), profile.profile)->speed_mps.has_value();
+        return result_by(*attempts.at(place.id), profile.profile)->speed_m_s.has_value();
     });
     const auto drawn = std::ssize(picture.lines);
     set_text(data, "cut",
@@ -102,7 +102,7 @@ void set_count(TemplateData& counts, const std::string& sign, const std::string&
 TemplateData tally_of(const DayProfile& profile, const AttemptsById& attempts) {
     const auto no_record = std::ranges::count_if(profile.ranking, [&](const DayPlace& place) {
         const DayResult& result = *result_by(*attempts.at(place.id), profile.profile);
-        return result.outcome == Outcome::not_proven && !result.target_mps;
+        return result.outcome == Outcome::not_proven && !result.required_speed_m_s;
     });
     TemplateData counts = template_list();
     set_count(counts, "✓", "beaten", "yes", profile.counts.beaten);
@@ -157,14 +157,14 @@ Picture picture_of(const DayProfile& profile, const AttemptsById& attempts, std:
         if (!words) continue;
         if (picture.lines.size() == at_most) break;
         if (picture.unit.empty()) picture.unit = words->unit;
-        const double unit_mps = metres_per_second(picture.unit);
+        const double unit_m_s = metres_per_second(picture.unit);
         PictureLine line{
             .label = place.rank ? fmt::format("{} · {}", *place.rank, place.id) : "– · " + place.id,
             .figure = fmt::format("{} ± {}", words->speed, words->uncertainty),
             .tone = outcome_words(result).tone,
-            .speed = *result.speed_mps / unit_mps,
-            .expanded_uncertainty = result.expanded_uncertainty_mps.value_or(0.0) / unit_mps};
-        if (result.target_mps) line.target = *result.target_mps / unit_mps;
+            .speed = *result.speed_m_s / unit_m_s,
+            .expanded_uncertainty = result.expanded_uncertainty_m_s.value_or(0.0) / unit_m_s};
+        if (result.required_speed_m_s) line.required_speed = *result.required_speed_m_s / unit_m_s;
         if (words->unit != picture.unit) line.figure += " " + words->unit;
         picture.lines.push_back(std::move(line));
     }

@@ -19,24 +19,24 @@ OutcomeWords outcome_words(const DayResult& result) {
         case Outcome::not_proven:
             break;
     }
-    if (!result.target_mps) return {"Measured, no record named", "–", "open"};
+    if (!result.required_speed_m_s) return {"Measured, no record named", "–", "open"};
     return {title, "?", "open"};
 }
 
 std::optional<SpeedWords> speed_words(const DayResult& result) {
     constexpr int decimals = 3;
-    if (!result.speed_mps) return std::nullopt;
+    if (!result.speed_m_s) return std::nullopt;
     if (result.shown)
         return SpeedWords{.speed = result.shown->speed,
                           .uncertainty = result.shown->expanded_uncertainty,
-                          .target = result.shown->target,
+                          .required_speed = result.shown->required_speed,
                           .unit = result.shown->unit};
     const auto text = [](const std::optional<double>& value) {
         return value ? format_fixed(*value, decimals) : std::string();
     };
-    return SpeedWords{.speed = text(result.speed_mps),
-                      .uncertainty = text(result.expanded_uncertainty_mps),
-                      .target = text(result.target_mps),
+    return SpeedWords{.speed = text(result.speed_m_s),
+                      .uncertainty = text(result.expanded_uncertainty_m_s),
+                      .required_speed = text(result.required_speed_m_s),
                       .unit = "m/s"};
 }
 

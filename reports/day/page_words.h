@@ -18,10 +18,10 @@ OutcomeWords outcome_words(const DayResult& result);
 
 /// A speed in the rule's unit, as text and as numbers for a drawing.
 struct SpeedWords {
-    std::string speed;        ///< "202.91"
-    std::string uncertainty;  ///< "0.32"
-    std::string target;       ///< "205.34"; empty where no record is named
-    std::string unit;         ///< "km/h"
+    std::string speed;           ///< "202.91"
+    std::string uncertainty;     ///< "0.32"
+    std::string required_speed;  ///< "205.34"; empty where no record is named
+    std::string unit;            ///< "km/h"
 };
 /// As the verdict shows it; of a verdict that shows none, in m/s with three decimals. Nothing where
 /// there is no speed.

@@ -52,9 +52,9 @@ double tick_step(double span) {
 Axis axis_of(const std::vector<PictureLine>& lines) {
     Axis axis{.low = lines.front().speed, .high = lines.front().speed};
     for (const PictureLine& line : lines) {
-        const double target = line.target.value_or(line.speed);
-        axis.low = std::min({axis.low, line.speed - line.expanded_uncertainty, target});
-        axis.high = std::max({axis.high, line.speed + line.expanded_uncertainty, target});
+        const double required_speed = line.required_speed.value_or(line.speed);
+        axis.low = std::min({axis.low, line.speed - line.expanded_uncertainty, required_speed});
+        axis.high = std::max({axis.high, line.speed + line.expanded_uncertainty, required_speed});
     }
     constexpr double least_span = 1e-3;
     const double room = std::max(axis.high - axis.low, least_span) * 0.04;
@@ -65,13 +65,13 @@ Axis axis_of(const std::vector<PictureLine>& lines) {
     return axis;
 }
 
-/// One target for all of those that have one.
-std::optional<double> common_target(const std::vector<PictureLine>& lines) {
+/// One required speed for all of those that have one.
+std::optional<double> common_required_speed(const std::vector<PictureLine>& lines) {
     std::optional<double> common;
     for (const PictureLine& line : lines) {
-        if (!line.target) continue;
-        if (common && std::abs(*common - *line.target) > 1e-9) return std::nullopt;
-        common = line.target;
+        if (!line.required_speed) continue;
+        if (common && std::abs(*common - *line.required_speed) > 1e-9) return std::nullopt;
+        common = line.required_speed;
     }
     return common;
 }
@@ -130,7 +130,8 @@ std::string line_svg(const Axis& axis, const PictureLine& line, int top) {
     svg += fmt::format("<svg class=\"mark\" x=\"{}\" y=\"{}\">{}</svg>\n", axis.at(line.speed), y,
                        marker(line.tone));
     // Between the lines of letters.
-    if (line.target) svg += vertical("target", axis.at(*line.target), y - 8, y + 10);
+    if (line.required_speed)
+        svg += vertical("required", axis.at(*line.required_speed), y - 8, y + 10);
     return svg + "</g>\n";
 }
 
@@ -144,10 +145,10 @@ std::string picture_svg(const Picture& picture) {
         "<svg class=\"picture\" width=\"100%\" height=\"{}\" role=\"img\" aria-label=\"{}\">\n",
         bottom + foot, escaped(picture.title));
     svg += ticks(axis, picture.unit, bottom);
-    const std::optional<double> target = common_target(picture.lines);
-    if (target)
-        svg += vertical("target", axis.at(*target), 2, head - 2) +
-               beside(axis, *target, head - 10, "required");
+    const std::optional<double> required_speed = common_required_speed(picture.lines);
+    if (required_speed)
+        svg += vertical("required", axis.at(*required_speed), 2, head - 2) +
+               beside(axis, *required_speed, head - 10, "required");
     int top = head;
     for (const PictureLine& line : picture.lines) {
         svg += line_svg(axis, line, top);

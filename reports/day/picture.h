@@ -14,7 +14,7 @@ struct PictureLine {
     std::string tone;    ///< as OutcomeWords
     double speed = 0.0;  ///< all three in one unit
     double expanded_uncertainty = 0.0;
-    std::optional<double> target = {};
+    std::optional<double> required_speed = {};
 };
 
 struct Picture {

@@ -16,14 +16,14 @@ struct Entry {
     const DayResult* result;
 
     auto outcome() const { return std::ranges::find(outcome_order, result->outcome); }
-    double speed() const { return result->speed_mps.value_or(0.0); }
-    double uncertainty() const { return result->expanded_uncertainty_mps.value_or(0.0); }
+    double speed() const { return result->speed_m_s.value_or(0.0); }
+    double uncertainty() const { return result->expanded_uncertainty_m_s.value_or(0.0); }
     bool is_ranked() const {
-        return result->speed_mps.has_value() && result->outcome != Outcome::not_certifiable;
+        return result->speed_m_s.has_value() && result->outcome != Outcome::not_certifiable;
     }
     /// Less is ahead.
     auto merit() const {
-        return std::tuple(outcome(), !result->speed_mps.has_value(), -speed(), uncertainty());
+        return std::tuple(outcome(), !result->speed_m_s.has_value(), -speed(), uncertainty());
     }
 };
 
@@ -34,8 +34,8 @@ bool told_apart(const Entry& a, const Entry& b) {
 /// The last place that one is not told apart from, going step by step (1 or -1) from it; nothing
 /// where that has its own rank.
 std::optional<std::int64_t> tied_rank(const std::vector<Entry>& entries,
-                                           const std::vector<DayPlace>& places, std::size_t from,
-                                           std::ptrdiff_t step) {
+                                      const std::vector<DayPlace>& places, std::size_t from,
+                                      std::ptrdiff_t step) {
     std::optional<std::int64_t> last;
     for (std::ptrdiff_t i = static_cast<std::ptrdiff_t>(from) + step;
          i >= 0 && i < std::ssize(entries); i += step) {

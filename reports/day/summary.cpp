@@ -20,17 +20,17 @@ std::optional<DayShown> shown_of(const ProfileVerdict& verdict) {
     return DayShown{.unit = verdict.shown->unit,
                     .speed = verdict.shown->speed,
                     .expanded_uncertainty = verdict.shown->expanded_uncertainty,
-                    .target = verdict.shown->target};
+                    .required_speed = verdict.shown->required_speed};
 }
 
 DayResult result_of(const ProfileVerdict& verdict) {
     DayResult result{.profile = verdict.profile,
                      .outcome = verdict.outcome,
                      .reason = verdict.reason,
-                     .speed_mps = verdict.speed_mps,
-                     .expanded_uncertainty_mps = verdict.expanded_uncertainty_mps,
+                     .speed_m_s = verdict.speed_m_s,
+                     .expanded_uncertainty_m_s = verdict.expanded_uncertainty_m_s,
                      .coverage_factor = verdict.coverage_factor,
-                     .target_mps = verdict.target_mps,
+                     .required_speed_m_s = verdict.required_speed_m_s,
                      .shown = shown_of(verdict)};
     if (verdict.window) {
         if (verdict.window->start_gps) result.start_utc = to_utc_iso(*verdict.window->start_gps, 3);

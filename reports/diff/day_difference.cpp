@@ -37,19 +37,19 @@ bool same_failure(const std::optional<DayFailure>& a, const std::optional<DayFai
 }
 
 std::optional<double> standard_uncertainty(const DayResult& result) {
-    if (!result.expanded_uncertainty_mps || !(result.coverage_factor > 0.0)) return std::nullopt;
-    return *result.expanded_uncertainty_mps / result.coverage_factor;
+    if (!result.expanded_uncertainty_m_s || !(result.coverage_factor > 0.0)) return std::nullopt;
+    return *result.expanded_uncertainty_m_s / result.coverage_factor;
 }
 
 /// Sets what moved of a result that both days have.
 void compare_speeds(ResultChange& change) {
     const DayResult& from = *change.old_result;
     const DayResult& to = *change.new_result;
-    if (!from.speed_mps || !to.speed_mps) {
-        change.speed_moved = from.speed_mps.has_value() != to.speed_mps.has_value();
+    if (!from.speed_m_s || !to.speed_m_s) {
+        change.speed_moved = from.speed_m_s.has_value() != to.speed_m_s.has_value();
         return;
     }
-    const double difference = *to.speed_mps - *from.speed_mps;
+    const double difference = *to.speed_m_s - *from.speed_m_s;
     const auto u_old = standard_uncertainty(from);
     const auto u_new = standard_uncertainty(to);
     if (!u_old || !u_new || !(std::min(*u_old, *u_new) > 0.0)) {

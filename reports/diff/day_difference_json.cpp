@@ -18,9 +18,9 @@ Json json_of(const std::optional<DayFailure>& failure) {
 Json json_of(const std::optional<DayResult>& result) {
     if (!result) return nullptr;
     Json json{{"outcome", to_text(result->outcome)}, {"reason", result->reason}};
-    if (result->speed_mps) json["speed_m_s"] = *result->speed_mps;
-    if (result->expanded_uncertainty_mps)
-        json["expanded_uncertainty_m_s"] = *result->expanded_uncertainty_mps;
+    if (result->speed_m_s) json["speed_m_s"] = *result->speed_m_s;
+    if (result->expanded_uncertainty_m_s)
+        json["expanded_uncertainty_m_s"] = *result->expanded_uncertainty_m_s;
     json["coverage_factor"] = result->coverage_factor;
     return json;
 }

@@ -41,11 +41,11 @@ std::string outcome_words(const std::optional<DayResult>& result) {
 }
 
 std::string speed_words(const DayResult& result) {
-    if (!result.speed_mps) return "no speed";
-    std::string text = format_fixed(*result.speed_mps, 6) + " m/s";
-    if (result.expanded_uncertainty_mps)
-        text = fmt::format("{} ± {} m/s", format_fixed(*result.speed_mps, 6),
-                           format_fixed(*result.expanded_uncertainty_mps, 6));
+    if (!result.speed_m_s) return "no speed";
+    std::string text = format_fixed(*result.speed_m_s, 6) + " m/s";
+    if (result.expanded_uncertainty_m_s)
+        text = fmt::format("{} ± {} m/s", format_fixed(*result.speed_m_s, 6),
+                           format_fixed(*result.expanded_uncertainty_m_s, 6));
     return text;
 }
 

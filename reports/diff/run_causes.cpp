@@ -12,7 +12,7 @@
 #include "core/failure.h"
 #include "files/atomic_file.h"
 #include "reports/diff/table_comparison.h"
-#include "run/evidence.h"
+#include "run/attempt_files.h"
 #include "run/stage_run.h"
 #include "run/steps.h"
 #include "schemas/common/header.h"
@@ -130,7 +130,7 @@ void add_claims(Claims& claims, const Json& header) {
     for (const Json& input : header.value("inputs", Json::array())) {
         const std::string file = input.value("file", "");
         // The attempt is compared key by key, and products are no causes.
-        if (file != evidence_attempt_file && !is_product_name(file))
+        if (file != attempt_copy_name && !is_product_name(file))
             claims[file] = input.value("sha256", "");
     }
 }
@@ -151,7 +151,7 @@ std::vector<Change> claim_changes(const Claims& a, const Claims& b) {
 }  // namespace
 
 RunFolder read_run_folder(const fs::path& folder) {
-    const fs::path attempt_file = folder / evidence_attempt_file;
+    const fs::path attempt_file = folder / attempt_copy_name;
     if (!fs::is_directory(folder) || !fs::exists(attempt_file))
         throw Failure(folder.string(), "this is not the folder of a run",
                       "Name two folders that `runcert certify` wrote");

@@ -8,7 +8,7 @@
 #include "core/failure.h"
 #include "files/atomic_file.h"
 #include "files/sha256.h"
-#include "run/evidence.h"
+#include "run/attempt_files.h"
 #include "run/stage_run.h"
 
 namespace runcert {
@@ -18,31 +18,31 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 /// File to SHA-256, or "missing".
-using Evidence = std::map<std::string, std::string>;
+using HashesByName = std::map<std::string, std::string>;
 
 constexpr const char* missing = "missing";
 
-std::vector<std::string> evidence_names(const Attempt& attempt) {
+std::vector<std::string> attempt_file_names(const Attempt& attempt) {
     std::vector<std::string> names;
     for (const Receiver& receiver : attempt.receivers) {
-        for (const EvidenceFile& file : evidence_files(receiver))
+        for (const AttemptFile& file : files_of_receiver(receiver))
             names.push_back(file.name);
-        for (const EvidenceFile& file : solution_files(receiver))
+        for (const AttemptFile& file : solution_files(receiver))
             names.push_back(file.name);
     }
-    for (const EvidenceFile& file : flow_files(attempt))
+    for (const AttemptFile& file : flow_files(attempt))
         names.push_back(file.name);
     for (const std::string& claimed : attempt.profiles)
-        names.push_back(evidence_profile_file(claimed));
+        names.push_back(profile_copy_name(claimed));
     return names;
 }
 
-Evidence evidence_of(const RunFolder& run) {
-    Evidence evidence;
-    for (const std::string& name : evidence_names(run.attempt))
-        evidence[name] =
+HashesByName hashes_of(const RunFolder& run) {
+    HashesByName hashes;
+    for (const std::string& name : attempt_file_names(run.attempt))
+        hashes[name] =
             fs::exists(run.folder / name) ? digest_file(run.folder / name).sha256 : missing;
-    return evidence;
+    return hashes;
 }
 
 bool holds(const std::vector<std::string>& names, const std::string& name) {
@@ -59,14 +59,14 @@ std::vector<std::string> in_either(const std::vector<std::string>& a,
 }
 
 std::vector<Change> input_changes(const RunFolder& run_a, const RunFolder& run_b) {
-    const Evidence a = evidence_of(run_a);
-    const Evidence b = evidence_of(run_b);
+    const HashesByName a = hashes_of(run_a);
+    const HashesByName b = hashes_of(run_b);
     std::vector<Change> changes;
-    const auto hash = [](const Evidence& evidence, const std::string& name) {
-        const auto found = evidence.find(name);
-        return found == evidence.end() ? std::string("not named") : found->second;
+    const auto hash = [](const HashesByName& hashes, const std::string& name) {
+        const auto found = hashes.find(name);
+        return found == hashes.end() ? std::string("not named") : found->second;
     };
-    Evidence names = a;
+    HashesByName names = a;
     names.insert(b.begin(), b.end());
     for (const auto& [name, unused] : names)
         if (hash(a, name) != hash(b, name)) changes.push_back({name, hash(a, name), hash(b, name)});

@@ -85,14 +85,14 @@ class WindowPair {
         return fmt::format("{}{}", value > 0.0 ? "+" : "", format_fixed(value, decimals));
     }
 
-    std::string in_uncertainties(double difference_mps) const {
+    std::string in_uncertainties(double difference_m_s) const {
         const auto u_a = number_in(*a_, "standard_uncertainty_m_s");
         const auto u_b = number_in(*b_, "standard_uncertainty_m_s");
         if (!u_a || !u_b) return {};
         const double expanded = usual_coverage_factor * std::hypot(*u_a, *u_b);
         if (!(expanded > 0.0)) return {};
         return fmt::format(", {} of the combined expanded uncertainty (k = 2)",
-                           format_fixed(std::abs(difference_mps) / expanded, 4));
+                           format_fixed(std::abs(difference_m_s) / expanded, 4));
     }
 
     std::string name_;

@@ -105,13 +105,13 @@ bool is_same_prose(std::string_view a, std::string_view b) {
 class Comparison {
   public:
     void compare(const Json& a, const Json& b, const std::string& path,
-                 std::optional<double> uncertainty_mps) {
+                 std::optional<double> uncertainty_m_s) {
         if (a.is_object() && b.is_object())
-            compare_maps(a, b, path, uncertainty_mps);
+            compare_maps(a, b, path, uncertainty_m_s);
         else if (a.is_array() && b.is_array())
-            compare_lists(a, b, path, uncertainty_mps);
+            compare_lists(a, b, path, uncertainty_m_s);
         else if (a.is_number() && b.is_number())
-            compare_numbers(a, b, path, uncertainty_mps);
+            compare_numbers(a, b, path, uncertainty_m_s);
         else if (a != b)
             found_.push_back({.path = path,
                               .a = text_of(a),
@@ -128,12 +128,12 @@ class Comparison {
     }
 
     void compare_maps(const Json& a, const Json& b, const std::string& path,
-                      std::optional<double> uncertainty_mps) {
-        if (const auto own = speed_uncertainty(a)) uncertainty_mps = own;
+                      std::optional<double> uncertainty_m_s) {
+        if (const auto own = speed_uncertainty(a)) uncertainty_m_s = own;
         for (const auto& [key, value] : a.items()) {
             own_ = own_uncertainty(a, key);
             if (b.contains(key))
-                compare(value, b[key], below(path, key), uncertainty_mps);
+                compare(value, b[key], below(path, key), uncertainty_m_s);
             else
                 found_.push_back({.path = below(path, key), .a = text_of(value), .b = absent});
         }
@@ -143,11 +143,11 @@ class Comparison {
     }
 
     void compare_lists(const Json& a, const Json& b, const std::string& path,
-                       std::optional<double> uncertainty_mps) {
+                       std::optional<double> uncertainty_m_s) {
         for (std::size_t i = 0; i < std::max(a.size(), b.size()); ++i) {
             const std::string place = below(path, fmt::format("{}", i));
             if (i < a.size() && i < b.size())
-                compare(a[i], b[i], place, uncertainty_mps);
+                compare(a[i], b[i], place, uncertainty_m_s);
             else
                 found_.push_back({.path = place,
                                   .a = i < a.size() ? text_of(a[i]) : absent,
@@ -156,7 +156,7 @@ class Comparison {
     }
 
     void compare_numbers(const Json& a, const Json& b, const std::string& path,
-                         std::optional<double> uncertainty_mps) {
+                         std::optional<double> uncertainty_m_s) {
         if (a == b) return;
         ValueDifference different{.path = path, .a = text_of(a), .b = text_of(b)};
         const double from = a.get<double>();
@@ -165,7 +165,7 @@ class Comparison {
         const double size = std::abs(to - from);
         const auto unit = speed_unit(path);
         std::optional<double> uncertainty = own_;
-        if (!uncertainty && unit && uncertainty_mps) uncertainty = *uncertainty_mps * *unit;
+        if (!uncertainty && unit && uncertainty_m_s) uncertainty = *uncertainty_m_s * *unit;
         if (uncertainty && *uncertainty > 0.0) different.ratio = size / *uncertainty;
         different.tolerated = size <= allowed(a, b, path, uncertainty.value_or(0.0));
         found_.push_back(std::move(different));

@@ -48,8 +48,8 @@ std::string outcome_sentence(const Requirement& requirement) {
 
 std::string ClauseView::limit() const {
     const Profile& profile = of.profile;
-    if (requirement.decided_by == Computation::accuracy && profile.accuracy_limit_mps)
-        return plain_figure(*profile.accuracy_limit_mps / metres_per_second(profile.accuracy_unit),
+    if (requirement.decided_by == Computation::accuracy && profile.accuracy_limit_m_s)
+        return plain_figure(*profile.accuracy_limit_m_s / metres_per_second(profile.accuracy_unit),
                             profile.accuracy_unit);
     return clause != nullptr && clause->limit ? plain_figure(*clause->limit, clause->unit) : "";
 }

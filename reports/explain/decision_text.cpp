@@ -47,38 +47,38 @@ std::string record_text(const ProfileView& view) {
 
 std::string speed_text(const ProfileView& view) {
     const ProfileVerdict& verdict = view.verdict;
-    std::string text = fmt::format("{}.", speed_words(*verdict.speed_mps, unit_of(view)));
+    std::string text = fmt::format("{}.", speed_words(*verdict.speed_m_s, unit_of(view)));
     if (verdict.shown)
         text += fmt::format(" To be read as {} {}, rounded down.", verdict.shown->speed,
                             verdict.shown->unit);
-    if (verdict.current_subtracted_mps)
+    if (verdict.current_subtracted_m_s)
         text += fmt::format(
             " The current's component along the course, {}, has been subtracted from it.",
-            speed_words(*verdict.current_subtracted_mps, unit_of(view)));
+            speed_words(*verdict.current_subtracted_m_s, unit_of(view)));
     return text;
 }
 
 std::string uncertainty_text(const ProfileView& view) {
     const ProfileVerdict& verdict = view.verdict;
     const std::string unit = unit_of(view);
-    const double expanded_mps = verdict.expanded_uncertainty_mps.value_or(0.0);
-    const double limit_mps = verdict.decision ? verdict.decision->bias_limit_mps : 0.0;
-    const double standard_mps = (expanded_mps - limit_mps) / verdict.coverage_factor;
+    const double expanded_m_s = verdict.expanded_uncertainty_m_s.value_or(0.0);
+    const double limit_m_s = verdict.decision ? verdict.decision->bias_limit_m_s : 0.0;
+    const double standard_m_s = (expanded_m_s - limit_m_s) / verdict.coverage_factor;
     std::string text =
-        limit_mps > 0.0
+        limit_m_s > 0.0
             ? fmt::format(
                   "{} expanded: {:.3g} times the standard uncertainty, {}, and the limit of what "
                   "choosing the fastest window may have left in the speed, {}.",
-                  uncertainty_words(expanded_mps, unit), verdict.coverage_factor,
-                  uncertainty_words(standard_mps, unit), uncertainty_words(limit_mps, unit))
+                  uncertainty_words(expanded_m_s, unit), verdict.coverage_factor,
+                  uncertainty_words(standard_m_s, unit), uncertainty_words(limit_m_s, unit))
             : fmt::format("{} expanded (k = {:.3g}), so {} standard.",
-                          uncertainty_words(expanded_mps, unit), verdict.coverage_factor,
-                          uncertainty_words(standard_mps, unit));
-    if (verdict.decision && verdict.decision->target_standard_uncertainty_mps > 0.0)
+                          uncertainty_words(expanded_m_s, unit), verdict.coverage_factor,
+                          uncertainty_words(standard_m_s, unit));
+    if (verdict.decision && verdict.decision->required_speed_standard_uncertainty_m_s > 0.0)
         text += fmt::format(
             " The required speed has a standard uncertainty of {}, from the record's own; the two "
             "are combined.",
-            uncertainty_words(verdict.decision->target_standard_uncertainty_mps, unit));
+            uncertainty_words(verdict.decision->required_speed_standard_uncertainty_m_s, unit));
     return text;
 }
 
@@ -125,13 +125,13 @@ std::string comparison_text(const ProfileView& view) {
     const ProfileVerdict& verdict = view.verdict;
     const std::string unit = unit_of(view);
     std::string text = labelled("Record", record_text(view));
-    if (verdict.target_mps) {
+    if (verdict.required_speed_m_s) {
         text +=
             labelled("Margin", fmt::format("The rule asks for {}; {}.", margin_words(view.profile),
                                            rounding_words(view.profile)));
-        text += labelled("Required speed", speed_words(*verdict.target_mps, unit) + ".");
+        text += labelled("Required speed", speed_words(*verdict.required_speed_m_s, unit) + ".");
     }
-    if (verdict.speed_mps) {
+    if (verdict.speed_m_s) {
         text += labelled("Speed", speed_text(view));
         text += labelled("Uncertainty", uncertainty_text(view));
     }
@@ -142,7 +142,7 @@ std::string comparison_text(const ProfileView& view) {
         text += labelled("Acceptance limit",
                          fmt::format("{}: the least speed that would count as beaten with this "
                                      "uncertainty.",
-                                     speed_words(verdict.decision->acceptance_limit_mps, unit)));
+                                     speed_words(verdict.decision->acceptance_limit_m_s, unit)));
     }
     return text;
 }
@@ -162,7 +162,7 @@ std::string decision_text(const ProfileView& view) {
     if (verdict.indicated)
         text += labelled("Refused",
                          fmt::format("{} at {} s, of the raw positions: {}.",
-                                     speed_words(verdict.indicated->speed_mps, unit_of(view)),
+                                     speed_words(verdict.indicated->speed_m_s, unit_of(view)),
                                      format_fixed(verdict.indicated->span.start.seconds(), 3),
                                      listed(verdict.indicated->refusals)));
     return text;
@@ -173,12 +173,12 @@ std::string decision_in_short(const ProfileView& view) {
     std::string text = title(view);
     if (const std::string speed = speed_shown(view); !speed.empty()) {
         const std::string unit = unit_of(view);
-        const std::string target =
-            !verdict.target_mps ? ""
-            : verdict.shown && !verdict.shown->target.empty()
-                ? fmt::format("; required {} {}", verdict.shown->target, unit)
-                : fmt::format("; required {}", speed_words(*verdict.target_mps, unit));
-        text += labelled("Speed", speed + target);
+        const std::string required_speed =
+            !verdict.required_speed_m_s ? ""
+            : verdict.shown && !verdict.shown->required_speed.empty()
+                ? fmt::format("; required {} {}", verdict.shown->required_speed, unit)
+                : fmt::format("; required {}", speed_words(*verdict.required_speed_m_s, unit));
+        text += labelled("Speed", speed + required_speed);
     }
     if (verdict.decision && verdict.outcome != Outcome::not_certifiable)
         text += labelled("Conformance", fmt::format("probability {} (at least {} required)",

@@ -7,7 +7,7 @@
 #include "files/program.h"
 #include "reports/explain/explain.h"
 #include "reports/explain/words.h"
-#include "run/evidence.h"
+#include "run/attempt_files.h"
 #include "run/stage_main.h"
 
 using namespace runcert;
@@ -40,7 +40,7 @@ std::string explain_run(const Options& options) {
     const Verdict verdict = run.read(products::verdict, read_verdict);
     std::vector<Profile> profiles;
     for (const std::string& claimed : run.attempt().profiles) {
-        run.note_file("profile", evidence_profile_file(claimed));
+        run.note_file("profile", profile_copy_name(claimed));
         profiles.push_back(read_claimed_profile(run_dir, claimed, run.attempt()));
     }
     const std::vector<std::string> missing = check_inputs(run, verdict);

@@ -38,13 +38,13 @@ std::string unit_of(const ProfileView& view) {
 
 std::string speed_shown(const ProfileView& view) {
     const ProfileVerdict& verdict = view.verdict;
-    if (!verdict.speed_mps) return {};
+    if (!verdict.speed_m_s) return {};
     const std::string unit = unit_of(view);
     if (const auto& shown = verdict.shown)
         return fmt::format("{} {} +/- {} {} (k = {:.3g})", shown->speed, unit,
                            shown->expanded_uncertainty, unit, verdict.coverage_factor);
-    return fmt::format("{} +/- {} (k = {:.3g})", speed_words(*verdict.speed_mps, unit),
-                       uncertainty_words(verdict.expanded_uncertainty_mps.value_or(0.0), unit),
+    return fmt::format("{} +/- {} (k = {:.3g})", speed_words(*verdict.speed_m_s, unit),
+                       uncertainty_words(verdict.expanded_uncertainty_m_s.value_or(0.0), unit),
                        verdict.coverage_factor);
 }
 

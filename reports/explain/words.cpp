@@ -53,18 +53,18 @@ std::string figure_words(const Figure& figure) {
     return text;
 }
 
-std::string speed_words(double speed_mps, std::string_view unit) {
-    const std::string km_h = format_fixed(speed_mps * 3.6, 3) + " km/h";
+std::string speed_words(double speed_m_s, std::string_view unit) {
+    const std::string km_h = format_fixed(speed_m_s * 3.6, 3) + " km/h";
     if (unit == "km/h") return km_h;
-    return fmt::format("{} {} ({})", format_fixed(speed_mps / metres_per_second(unit), 3), unit,
+    return fmt::format("{} {} ({})", format_fixed(speed_m_s / metres_per_second(unit), 3), unit,
                        km_h);
 }
 
-std::string uncertainty_words(double uncertainty_mps, std::string_view unit) {
-    const std::string km_h = uncertainty_rounded_up(uncertainty_mps * 3.6) + " km/h";
+std::string uncertainty_words(double uncertainty_m_s, std::string_view unit) {
+    const std::string km_h = uncertainty_rounded_up(uncertainty_m_s * 3.6) + " km/h";
     if (unit == "km/h") return km_h;
     return fmt::format("{} {} ({})",
-                       uncertainty_rounded_up(uncertainty_mps / metres_per_second(unit)), unit,
+                       uncertainty_rounded_up(uncertainty_m_s / metres_per_second(unit)), unit,
                        km_h);
 }
 

@@ -31,8 +31,8 @@ std::string plain_figure(double value, std::string_view unit);
 std::string figure_words(const Figure& figure);
 
 /// A speed with three decimals, in the rule's unit, and in km/h beside it where that is another.
-std::string speed_words(double speed_mps, std::string_view unit);
+std::string speed_words(double speed_m_s, std::string_view unit);
 /// An uncertainty of a speed, with two significant digits, rounded up.
-std::string uncertainty_words(double uncertainty_mps, std::string_view unit);
+std::string uncertainty_words(double uncertainty_m_s, std::string_view unit);
 
 }  // namespace runcert

@@ -6,7 +6,7 @@
 #include "files/atomic_file.h"
 #include "files/program.h"
 #include "reports/export/export.h"
-#include "run/evidence.h"
+#include "run/attempt_files.h"
 #include "run/stage_main.h"
 
 using namespace runcert;

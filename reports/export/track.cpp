@@ -19,7 +19,7 @@ double rounded(double value, double step) {
     return std::round(value / step) * step;
 }
 
-/// Turns rows of the trajectory into points on the Earth.
+/// Turns rows of the trajectory into geodetic coordinates.
 class ToTheEarth {
   public:
     ToTheEarth(const RecordingFacts& facts, const FrameOrigin& origin,
@@ -132,20 +132,20 @@ void add_windows(const TrackInput& input, std::size_t rule, const ToTheEarth& ea
     };
     if (verdict.indicated) {
         TrackWindow& refused = add(TrackWindowKind::refused, verdict.indicated->span);
-        refused.speed_mps = verdict.indicated->speed_mps;
+        refused.speed_m_s = verdict.indicated->speed_m_s;
         refused.refusals = verdict.indicated->refusals;
     }
     if (const ProfileWindows* found = windows_of(*input.windows, verdict.profile))
         for (const FurtherWindow& further : found->further) {
             TrackWindow& window = add(TrackWindowKind::further, further.span);
-            window.speed_mps = further.speed_mps;
-            window.expanded_uncertainty_mps =
-                expanded_uncertainty_mps(further, verdict.coverage_factor);
+            window.speed_m_s = further.speed_m_s;
+            window.expanded_uncertainty_m_s =
+                expanded_uncertainty_m_s(further, verdict.coverage_factor);
         }
-    if (verdict.window && verdict.speed_mps) {
+    if (verdict.window && verdict.speed_m_s) {
         TrackWindow& best = add(TrackWindowKind::best, *verdict.window);
-        best.speed_mps = *verdict.speed_mps;
-        best.expanded_uncertainty_mps = verdict.expanded_uncertainty_mps;
+        best.speed_m_s = *verdict.speed_m_s;
+        best.expanded_uncertainty_m_s = verdict.expanded_uncertainty_m_s;
         best.shown = verdict.shown;
     }
 }
@@ -182,7 +182,7 @@ Track track_of(const TrackInput& input) {
     const TrajectoryTable& trajectory = *input.trajectory;
     if (!trajectory.facts.georeferenced || !trajectory.origin)
         throw Failure("the run of receiver \"" + trajectory.facts.receiver + "\"",
-                      "its positions are local-plane coordinates, and nobody has stated where on "
+                      "its positions are engineering coordinates, and nobody has stated where on "
                       "the Earth they lie: there is no map to put them on",
                       "Export the tables instead: --format csv");
     const ToTheEarth earth(trajectory.facts, *trajectory.origin, input.receiver->height_m);

@@ -11,7 +11,7 @@
 
 namespace runcert {
 
-/// A place on the Earth (WGS 84), degrees with the nine decimals that are written (0.1 mm).
+/// Geodetic coordinates (WGS 84), degrees with the nine decimals that are written (0.1 mm).
 struct TrackPoint {
     double latitude_deg = 0.0;
     double longitude_deg = 0.0;
@@ -44,8 +44,8 @@ struct TrackWindow {
     Outcome outcome = Outcome::not_certifiable;  ///< of the rule
     std::string reason;                          ///< the outcome in one sentence
     WindowSpan span = {};
-    double speed_mps = 0.0;
-    std::optional<double> expanded_uncertainty_mps = {};  ///< k = 2; none for a refused one
+    double speed_m_s = 0.0;
+    std::optional<double> expanded_uncertainty_m_s = {};  ///< k = 2; none for a refused one
     std::optional<ShownFigures> shown = {};               ///< of the best one
     std::vector<std::string> refusals = {};
     std::vector<TrackPoint> points = {};
@@ -80,9 +80,9 @@ struct TrackInput {
     std::int64_t every = 1;  ///< of each arc, every so many epochs, and its last; windows are whole
 };
 
-/// The smoothed trajectory on the Earth, cut into arcs at gaps, with windows and gates. Where
+/// The smoothed trajectory in geodetic coordinates, cut into arcs at gaps, with windows and gates. Where
 /// heights were not measured, the points lie at the attempt's height and state none.
-/// Failure where the run is in local-plane coordinates, or a window names an epoch that the
+/// Failure where the run is in engineering coordinates, or a window names an epoch that the
 /// trajectory does not have.
 Track track_of(const TrackInput& input);
 

@@ -25,8 +25,8 @@ std::string speed_words(const TrackWindow& window) {
     if (window.shown)
         return fmt::format("{0} {2} +/- {1} {2}", window.shown->speed,
                            window.shown->expanded_uncertainty, window.shown->unit);
-    const double unit_mps = metres_per_second("km/h");
-    return format_fixed(window.speed_mps / unit_mps, 2) + " km/h";
+    const double unit_m_s = metres_per_second("km/h");
+    return format_fixed(window.speed_m_s / unit_m_s, 2) + " km/h";
 }
 
 void add_time(std::vector<MapFact>& facts, const std::string& name, const std::string& label,
@@ -69,10 +69,10 @@ std::vector<MapFact> facts_of(const TrackWindow& window) {
         {"definition", "Speed defined as", std::string(to_text(window.definition))},
         {"rule_outcome", "", std::string(to_text(window.outcome))}};
     if (certified) facts.push_back({"reason", "Outcome", window.reason});
-    facts.push_back({"speed_m_s", "Speed (m/s)", format_fixed(window.speed_mps, speed_decimals)});
-    if (window.expanded_uncertainty_mps)
+    facts.push_back({"speed_m_s", "Speed (m/s)", format_fixed(window.speed_m_s, speed_decimals)});
+    if (window.expanded_uncertainty_m_s)
         facts.push_back({"expanded_uncertainty_m_s", "Expanded uncertainty, k = 2 (m/s)",
-                         format_fixed(*window.expanded_uncertainty_mps, speed_decimals)});
+                         format_fixed(*window.expanded_uncertainty_m_s, speed_decimals)});
     facts.push_back({"speed_shown", "", speed_words(window)});
     if (!window.refusals.empty())
         facts.push_back({"refused_because", "Not certified, because",

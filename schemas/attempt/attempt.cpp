@@ -193,7 +193,7 @@ void resolve_parameters(const YamlValue& document, Attempt& attempt) {
     }
 }
 
-/// The interval that the correlation time of a slow position error is looked for in.
+/// The interval that the correlation time of a time-correlated position error is looked for in.
 void require_error_times(const YamlValue& smooth, const nlohmann::ordered_json& resolved) {
     const double shortest = resolved["error_time_min_s"].get<double>();
     const double longest = resolved["error_time_max_s"].get<double>();

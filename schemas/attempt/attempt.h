@@ -82,7 +82,7 @@ struct ReplacedFigure {
     std::string place;   ///< "file:line:column", for messages
 };
 
-/// A point on the ground: on the Earth, or in the recording's own plane.
+/// A point on the ground: in geodetic coordinates, or in the recording's engineering CRS.
 struct CoursePoint {
     std::optional<Geodetic> geodetic;              ///< its height is not known, and zero
     std::optional<std::array<double, 2>> plane_m;  ///< east, north
@@ -104,7 +104,7 @@ struct Course {
 struct FlowFile {
     std::string file;
     std::string source;
-    double expanded_uncertainty_mps = 0.0;  ///< of a current, k = 2
+    double expanded_uncertainty_m_s = 0.0;  ///< of a current, k = 2
     std::string place;                      ///< "file:line:column", for messages
 };
 
@@ -113,8 +113,8 @@ struct SecondaryMethod {
     std::string method;
     std::string source;
     struct Speed {
-        double speed_mps = 0.0;
-        double expanded_uncertainty_mps = 0.0;  ///< k = 2
+        double speed_m_s = 0.0;
+        double expanded_uncertainty_m_s = 0.0;  ///< k = 2
     };
     struct LineTimes {
         GpsTime start, finish;

@@ -83,7 +83,7 @@ std::optional<FlowFile> read_flow_file(const YamlValue& map) {
     return FlowFile{
         .file = map["file"].text(),
         .source = map["source"].text(),
-        .expanded_uncertainty_mps = map["expanded_uncertainty_m_s"].optional_real().value_or(0.0),
+        .expanded_uncertainty_m_s = map["expanded_uncertainty_m_s"].optional_real().value_or(0.0),
         .place = map["file"].place()};
 }
 
@@ -113,8 +113,8 @@ std::optional<SecondaryMethod> read_secondary(const YamlValue& map) {
                               .times = std::nullopt};
     if (all_of({"speed", "unit", "expanded_uncertainty"})) {
         const double unit = metres_per_second(map["unit"].text());
-        secondary.speed = {.speed_mps = map["speed"].real() * unit,
-                           .expanded_uncertainty_mps = map["expanded_uncertainty"].real() * unit};
+        secondary.speed = {.speed_m_s = map["speed"].real() * unit,
+                           .expanded_uncertainty_m_s = map["expanded_uncertainty"].real() * unit};
     }
     if (all_of({"start_utc", "finish_utc", "time_expanded_uncertainty_s"}))
         secondary.times = {.start = read_utc_time(map["start_utc"]),

@@ -112,16 +112,16 @@ void take_all(const YamlValue& map, T& value) {
 
 /// A speed in the four units people use (knot 1852 m/h, statute mile 1609.344 m, both exact).
 inline void put_speed(nlohmann::ordered_json& map, const std::string& name,
-                      const std::optional<double>& speed_mps) {
-    if (!speed_mps) return;
-    map[name + "_km_h"] = *speed_mps * 3.6;
-    map[name + "_m_s"] = *speed_mps;
-    map[name + "_knots"] = *speed_mps * 3600.0 / 1852.0;
-    map[name + "_mph"] = *speed_mps * 3600.0 / 1609.344;
+                      const std::optional<double>& speed_m_s) {
+    if (!speed_m_s) return;
+    map[name + "_km_h"] = *speed_m_s * 3.6;
+    map[name + "_m_s"] = *speed_m_s;
+    map[name + "_knots"] = *speed_m_s * 3600.0 / 1852.0;
+    map[name + "_mph"] = *speed_m_s * 3600.0 / 1609.344;
 }
 template <class T>
-void take_speed(const YamlValue& map, const std::string& name, T& speed_mps) {
-    take(map, (name + "_m_s").c_str(), speed_mps);
+void take_speed(const YamlValue& map, const std::string& name, T& speed_m_s) {
+    take(map, (name + "_m_s").c_str(), speed_m_s);
 }
 
 }  // namespace member

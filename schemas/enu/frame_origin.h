@@ -7,7 +7,7 @@
 
 namespace runcert {
 
-/// Where the local frame stands on the Earth.
+/// The origin of the local frame, in geodetic coordinates.
 struct FrameOrigin {
     Geodetic position;
     std::string source;  ///< "attempt" or "first_epoch"

@@ -62,11 +62,9 @@ const Item* find(const std::map<std::string, Item>& items, const std::string& na
     return found == items.end() ? nullptr : &found->second;
 }
 
-/// The ends of names and units that C++ writes in another way than files.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 3> unit_ends{
-    {{"_m_s", "_mps"}, {"_m_s2", "_mps2"}, {"_m_s3", "_mps3"}}};
+/// What the name of a column's member ends with, by the column's unit.
 constexpr std::array<std::pair<std::string_view, std::string_view>, 5> column_units{
-    {{"m", "_m"}, {"m / s", "_mps"}, {"m / s2", "_mps2"}, {"s", "_s"}, {"deg", "_deg"}}};
+    {{"m", "_m"}, {"m / s", "_m_s"}, {"m / s2", "_m_s2"}, {"s", "_s"}, {"deg", "_deg"}}};
 
 }  // namespace
 
@@ -141,10 +139,7 @@ const DeclaredStruct* Declaration::group(const std::string& name) const {
 
 std::string member_name(const std::string& field, const YamlValue& entry) {
     if (entry["member"].exists()) return entry["member"].text();
-    if (entry["type"].text() == "speed") return field + "_mps";
-    for (const auto& [end, written] : unit_ends)
-        if (field.ends_with(end))
-            return field.substr(0, field.size() - end.size()) + std::string(written);
+    if (entry["type"].text() == "speed") return field + "_m_s";
     return field;
 }
 

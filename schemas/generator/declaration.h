@@ -123,7 +123,7 @@ std::string in_quotes(std::string_view text);
 /// Whether a declaration says yes to this.
 bool is_set(const YamlValue& entry, std::string_view key);
 
-/// The name of a field's member: "speed_m_s" is `speed_mps` in C++.
+/// The name of a field's member: its own; of a speed, which files hold in four units, "NAME_m_s".
 std::string member_name(const std::string& field, const YamlValue& entry);
 /// The name of a column's member: it ends with the column's unit.
 std::string column_member_name(const YamlValue& column);

@@ -72,7 +72,7 @@ std::vector<Clause> read_clauses(const YamlValue& document, const Profile& profi
             entry["id"].fail(
                 fmt::format("two clauses have the id \"{}\"", escape_for_message(clause.id)),
                 "Give each clause an id of its own");
-        if (clause.decided_by == Computation::accuracy && !profile.accuracy_limit_mps)
+        if (clause.decided_by == Computation::accuracy && !profile.accuracy_limit_m_s)
             entry["decided_by"].fail("the profile states no limit of accuracy",
                                      "Add accuracy: {limit, unit, coverage_factor}");
         if (clause.decided_by == Computation::opposite_runs && !profile.opposite_runs_within_s)
@@ -193,11 +193,11 @@ void read_runs(const YamlValue& document, Profile& profile) {
     const auto value = [&map](const char* key) {
         return value_or_default(map, "runs", key).real();
     };
-    profile.runs = {.start_mps = value("start_m_s"),
-                    .stop_mps = value("stop_m_s"),
+    profile.runs = {.start_m_s = value("start_m_s"),
+                    .stop_m_s = value("stop_m_s"),
                     .stop_s = value("stop_s"),
                     .turn_deg = value("turn_deg")};
-    if (profile.runs.stop_mps >= profile.runs.start_mps)
+    if (profile.runs.stop_m_s >= profile.runs.start_m_s)
         map.fail("stop_m_s is not below start_m_s", "Give stop_m_s below start_m_s");
     if (const YamlValue pair = document["opposite_runs"]; pair.exists()) {
         profile.opposite_runs_within_s = pair["within_s"].real();
@@ -272,7 +272,7 @@ Profile read_profile(std::string_view text, const std::string& where) {
     read_runs(document, profile);
     if (const YamlValue accuracy = document["accuracy"]; accuracy.exists()) {
         profile.accuracy_unit = accuracy["unit"].text();
-        profile.accuracy_limit_mps =
+        profile.accuracy_limit_m_s =
             accuracy["limit"].real() * metres_per_second(profile.accuracy_unit);
         profile.coverage_factor = accuracy["coverage_factor"].real();
     }

@@ -62,15 +62,15 @@ struct Profile {
     bool repaired_steps = false;  ///< whether a window may hold a step that was bridged
     /// How a recording is cut into runs of the craft.
     struct Runs {
-        double start_mps = 2.0;
-        double stop_mps = 1.0;
+        double start_m_s = 2.0;
+        double stop_m_s = 1.0;
         double stop_s = 5.0;
         double turn_deg = 90.0;
     };
     Runs runs = {};
     /// Two runs in opposite directions that begin within this; the figure is the mean of the two.
     std::optional<double> opposite_runs_within_s;
-    std::optional<double> accuracy_limit_mps;
+    std::optional<double> accuracy_limit_m_s;
     std::string accuracy_unit;     ///< unit the limit is written in
     double coverage_factor = 2.0;  ///< k of the expanded uncertainty
     MarginKind margin_kind = MarginKind::absolute;
@@ -84,10 +84,10 @@ struct Profile {
     bool subtract_current = false;
     /// How the uncertainty of the speed is made up.
     struct Uncertainty {
-        double tau_min_s = 0.5;               ///< correlation time of a slow position error: from
+        double tau_min_s = 0.5;               ///< correlation time of a time-correlated position error: from
         double tau_max_s = 10.0;              ///< and to
         bool subtract_selection_bias = true;  ///< else it is covered by the uncertainty
-        /// Smallest standard deviation of such an error (m), by kind of solution.
+        /// Smallest standard deviation of such an error (m), by fix type.
         std::map<std::string, double> error_floor_m;
     };
     Uncertainty uncertainty = {};

@@ -29,11 +29,11 @@ Figure figure_of(Profile& profile, std::string_view name) {
                                 ? metres_per_second(profile.margin_unit)
                                 : 1.0,
                 .unit = profile.margin_unit};
-    if (name == "accuracy.limit" && profile.accuracy_limit_mps)
-        return {.value = &*profile.accuracy_limit_mps,
+    if (name == "accuracy.limit" && profile.accuracy_limit_m_s)
+        return {.value = &*profile.accuracy_limit_m_s,
                 .per_unit = metres_per_second(profile.accuracy_unit),
                 .unit = profile.accuracy_unit};
-    if (name == "accuracy.coverage_factor" && profile.accuracy_limit_mps)
+    if (name == "accuracy.coverage_factor" && profile.accuracy_limit_m_s)
         return {.value = &profile.coverage_factor, .least = 1.0, .most = 4.0};
     if (name == "decision.probability")
         return {.value = &profile.decision_probability, .least = 0.51, .most = 0.9999};

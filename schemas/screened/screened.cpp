@@ -68,7 +68,7 @@ std::string write_screened(const ScreenedTable& table) {
                        {"reasons", counts_json(summary.reasons)},
                        {"decisions", counts_json(summary.decisions)},
                        {"variance_factor", table.variance_factor}};
-    meta["screening"] = members_json(table.evidence);
+    meta["screening"] = members_json(table.basis);
     return screened_format().write(std::move(meta), table.rows);
 }
 
@@ -81,7 +81,7 @@ ScreenedTable head_of(const YamlValue& meta) {
                           ? std::optional(read_members<FrameOrigin>(meta["origin"]))
                           : std::nullopt,
             .variance_factor = meta["summary"]["variance_factor"].real(),
-            .evidence = read_members<ScreeningEvidence>(meta["screening"]),
+            .basis = read_members<ScreeningBasis>(meta["screening"]),
             .rows = {}};
 }
 

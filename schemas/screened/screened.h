@@ -12,7 +12,7 @@ struct ScreenedTable {
     RecordingFacts facts;
     std::optional<FrameOrigin> origin;
     double variance_factor = 1.0;
-    ScreeningEvidence evidence;
+    ScreeningBasis basis;
     std::vector<ScreenedEpoch> rows;
 };
 

@@ -43,8 +43,8 @@ std::int64_t read_milliseconds(const YamlValue& value) {
 }
 
 LogisticRun read_run(const YamlValue& run) {
-    const LogisticRun logistic{.top_speed_mps = run["top_speed_m_s"].real(),
-                               .start_speed_mps = run["start_speed_m_s"].optional_real().value_or(
+    const LogisticRun logistic{.top_speed_m_s = run["top_speed_m_s"].real(),
+                               .start_speed_m_s = run["start_speed_m_s"].optional_real().value_or(
                                    default_real("run.start_speed_m_s")),
                                .half_speed_time_s = run["half_speed_time_s"].real()};
     try {
@@ -91,7 +91,7 @@ void read_place(const YamlValue& document, SimulationSpec& spec) {
                           .longitude = Angle::from_degrees(place["longitude_deg"].real()),
                           .height_m = place["height_m"].real()};
     if (!spec.start)
-        place.fail("positions on the Earth are recorded in GPS time, and no start is given",
+        place.fail("geodetic coordinates are recorded in GPS time, and no start is given",
                    "Add start_gps: \"YYYY-MM-DDTHH:MM:SS.sss\" to the document");
 }
 
@@ -169,8 +169,8 @@ void read_recording(const YamlValue& recording, SimulationSpec& spec) {
         default_integer("recording.decimals_deg")));
     if (const YamlValue up = recording["up"]; up.exists()) style.with_up = up.boolean();
     if (spec.place && !style.with_up)
-        recording["up"].fail("positions on the Earth are recorded with their heights",
-                             "Leave `up` out, or simulate in a local plane, without `place`");
+        recording["up"].fail("geodetic coordinates are recorded with their heights",
+                             "Leave `up` out, or simulate in an engineering CRS, without `place`");
     if (const YamlValue accuracy = recording["accuracy"]; accuracy.exists()) {
         style.accuracy = read_sigmas(accuracy);
         return;

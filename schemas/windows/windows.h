@@ -9,10 +9,10 @@ double speed_by(const SpeedDefinitions& definitions, SpeedDefinition definition)
 
 /// The speed that a rule counts.
 struct RuleFigure {
-    double speed_mps = 0.0;
-    double standard_uncertainty_mps = 0.0;
+    double speed_m_s = 0.0;
+    double standard_uncertainty_m_s = 0.0;
     std::optional<double> effective_degrees_of_freedom = std::nullopt;  ///< empty: infinite
-    double bias_limit_mps = 0.0;  ///< of a systematic error either way, beside that uncertainty
+    double bias_limit_m_s = 0.0;  ///< of a systematic error either way, beside that uncertainty
 };
 
 /// The best window's speed; of several, the mean, its uncertainty taken as if the errors of all
@@ -24,8 +24,8 @@ const ProfileWindows* windows_of(const Windows& windows, std::string_view profil
 
 /// Whether the law of propagation and the draws through the same model agree ([GUM-S1] 8).
 struct LinearisationJudgement {
-    double lower_mps = 0.0;  ///< the budget's 95 % interval
-    double upper_mps = 0.0;
+    double lower_m_s = 0.0;  ///< the budget's 95 % interval
+    double upper_m_s = 0.0;
     bool uncertainty_agrees = false;  ///< both standard uncertainties, within the tolerance
     bool interval_agrees = false;     ///< both intervals, at either end
     bool interval_holds = false;      ///< or the budget's holds that of the draws: the safe side
@@ -37,12 +37,12 @@ LinearisationJudgement judge_linearisation(const CertifiableWindow& window);
 /// What is stated with a speed: `coverage_factor` standard uncertainties and, added to them, the
 /// limit of a bias that is not known better.
 template <class Speed>
-double expanded_uncertainty_mps(const Speed& speed, double coverage_factor) {
-    return coverage_factor * speed.standard_uncertainty_mps + speed.bias_limit_mps;
+double expanded_uncertainty_m_s(const Speed& speed, double coverage_factor) {
+    return coverage_factor * speed.standard_uncertainty_m_s + speed.bias_limit_m_s;
 }
 
 /// The same with the coverage factor that the rule's stands for at the speed's degrees of freedom.
-double expanded_uncertainty_by_rule_mps(const CertifiableWindow& window, double rule_factor);
-double expanded_uncertainty_by_rule_mps(const RuleFigure& figure, double rule_factor);
+double expanded_uncertainty_by_rule_m_s(const CertifiableWindow& window, double rule_factor);
+double expanded_uncertainty_by_rule_m_s(const RuleFigure& figure, double rule_factor);
 
 }  // namespace runcert

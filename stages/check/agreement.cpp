@@ -24,8 +24,8 @@ struct Motion {
 Motion motion_of(const TrajectoryEpoch& row) {
     return {
         .position = {row.east_m.value(), row.north_m.value()},
-        .velocity = {row.velocity_east_mps.value(), row.velocity_north_mps.value()},
-        .acceleration = {row.acceleration_east_mps2.value(), row.acceleration_north_mps2.value()},
+        .velocity = {row.velocity_east_m_s.value(), row.velocity_north_m_s.value()},
+        .acceleration = {row.acceleration_east_m_s2.value(), row.acceleration_north_m_s2.value()},
         .variance = {std::pow(row.sigma_east_m.value(), 2),
                      std::pow(row.sigma_north_m.value(), 2)}};
 }
@@ -36,7 +36,7 @@ struct Coverage {
     std::string missing;
 };
 
-Coverage coverage_of(const ReceiverEvidence& receiver, std::int64_t from_ns, std::int64_t to_ns) {
+Coverage coverage_of(const ReceiverResults& receiver, std::int64_t from_ns, std::int64_t to_ns) {
     const auto& rows = receiver.trajectory;
     std::optional<std::size_t> first, last;
     for (std::size_t i = 0; i < rows.size() && !last; ++i) {
@@ -59,7 +59,7 @@ struct PositionAt {
     Vector2d position, variance;
 };
 
-PositionAt position_at(const ReceiverEvidence& receiver, const Coverage& covered,
+PositionAt position_at(const ReceiverResults& receiver, const Coverage& covered,
                        std::int64_t time_ns) {
     const auto& rows = receiver.trajectory;
     std::size_t i = covered.first;
@@ -101,7 +101,7 @@ Vector2d turned_baseline(const Vector2d& baseline, const Motion& from, const Mot
     return Eigen::Rotation2Dd(angle) * baseline - baseline;
 }
 
-const TrajectoryEpoch& row_of(const ReceiverEvidence& receiver, std::int64_t epoch) {
+const TrajectoryEpoch& row_of(const ReceiverResults& receiver, std::int64_t epoch) {
     const auto row = std::ranges::find(receiver.trajectory, epoch, &TrajectoryEpoch::epoch);
     if (row == receiver.trajectory.end())
         throw Failure("4-trajectory of receiver " + receiver.receiver,
@@ -111,8 +111,8 @@ const TrajectoryEpoch& row_of(const ReceiverEvidence& receiver, std::int64_t epo
 
 }  // namespace
 
-Agreement compare_speeds(const ReceiverEvidence& judged, const CertifiableWindow& window,
-                         const ReceiverEvidence& other, const CertifiableWindow* other_window) {
+Agreement compare_speeds(const ReceiverResults& judged, const CertifiableWindow& window,
+                         const ReceiverResults& other, const CertifiableWindow* other_window) {
     Agreement agreement;
     if (!judged.facts.first_epoch || !other.facts.first_epoch) {
         agreement.missing =
@@ -138,18 +138,18 @@ Agreement compare_speeds(const ReceiverEvidence& judged, const CertifiableWindow
     const double duration_s = window.span.duration.seconds();
     const Vector2d direction = moved.stableNormalized();
     const double of_ends = std::sqrt(direction.cwiseAbs2().dot(from.variance + to.variance));
-    agreement.judged_mps = window.definitions.displacement_mps;
-    agreement.other_mps = moved.norm() / duration_s;
-    const auto own_mps = [](const CertifiableWindow& one) {
-        return one.own_standard_uncertainty_mps.value_or(one.standard_uncertainty_mps);
+    agreement.judged_m_s = window.definitions.displacement_m_s;
+    agreement.other_m_s = moved.norm() / duration_s;
+    const auto own_m_s = [](const CertifiableWindow& one) {
+        return one.own_standard_uncertainty_m_s.value_or(one.standard_uncertainty_m_s);
     };
-    agreement.judged_standard_uncertainty_mps = own_mps(window);
-    agreement.other_standard_uncertainty_mps =
-        std::max(of_ends / duration_s, other_window ? own_mps(*other_window) : own_mps(window));
+    agreement.judged_standard_uncertainty_m_s = own_m_s(window);
+    agreement.other_standard_uncertainty_m_s =
+        std::max(of_ends / duration_s, other_window ? own_m_s(*other_window) : own_m_s(window));
     agreement.normalised_error =
-        std::abs(agreement.other_mps - agreement.judged_mps) /
-        (usual_coverage_factor * std::hypot(agreement.judged_standard_uncertainty_mps,
-                                            agreement.other_standard_uncertainty_mps));
+        std::abs(agreement.other_m_s - agreement.judged_m_s) /
+        (usual_coverage_factor * std::hypot(agreement.judged_standard_uncertainty_m_s,
+                                            agreement.other_standard_uncertainty_m_s));
     return agreement;
 }
 

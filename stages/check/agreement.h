@@ -9,11 +9,11 @@ namespace runcert {
 /// What the second receiver says of the window that is judged: speeds by displacement over time.
 struct Agreement {
     std::string missing;  ///< why it says nothing; empty where it does
-    double judged_mps = 0.0;
-    double other_mps = 0.0;
+    double judged_m_s = 0.0;
+    double other_m_s = 0.0;
     /// Of what the two do not share.
-    double judged_standard_uncertainty_mps = 0.0;
-    double other_standard_uncertainty_mps = 0.0;
+    double judged_standard_uncertainty_m_s = 0.0;
+    double other_standard_uncertainty_m_s = 0.0;
     /// Difference over the root sum of squares of both expanded uncertainties (k = 2) of what the
     /// two do not share; at most 1 means agreement (ISO/IEC 17043).
     double normalised_error = 0.0;
@@ -34,10 +34,10 @@ struct Agreement {
 ///
 /// An error that both share shows in neither: base station, satellites and atmosphere, the frame's
 /// scale, the time scale. The uncertainties that the difference is compared with are therefore
-/// those of what each has of its own (`own_standard_uncertainty_mps`): of the judged window, and of
+/// those of what each has of its own (`own_standard_uncertainty_m_s`): of the judged window, and of
 /// the other's best window of the profile (`other_window`; where it has none, as the judged one's),
 /// or what its positions at the two ends say, taken as independent, if that is larger.
-Agreement compare_speeds(const ReceiverEvidence& judged, const CertifiableWindow& window,
-                         const ReceiverEvidence& other, const CertifiableWindow* other_window);
+Agreement compare_speeds(const ReceiverResults& judged, const CertifiableWindow& window,
+                         const ReceiverResults& other, const CertifiableWindow* other_window);
 
 }  // namespace runcert

@@ -50,9 +50,9 @@ std::string refused_for_robust(const std::optional<RobustSpeed>& robust,
     if (robust && !robust->agrees)
         return fmt::format(
             "A robust estimate over the same epochs gives {:+.3f} km/h against the screened one, "
-            "more than their uncertainty of {:.3f} km/h: screening may have kept a wrong epoch or "
+            "more than their uncertainty of {:.3f} km/h: screening may have kept an outlier or "
             "rejected a right one.",
-            robust->difference_mps * 3.6, robust->limit_mps * 3.6);
+            robust->difference_m_s * 3.6, robust->limit_m_s * 3.6);
     if (!robust && estimation.robust_unsolved > 0)
         return "The robust estimate, which is the check on screening, did not converge over the "
                "stretch of this window.";
@@ -100,14 +100,14 @@ std::string refusal_of(const ClauseContext& context, const std::vector<Requireme
             "Receiver \"{}\" gives {:+.3f} km/h over the same time, more than both uncertainties "
             "allow (normalised error {:.2f}): one of the two receivers is wrong.",
             context.input.secondary->receiver,
-            (context.agreement->other_mps - context.agreement->judged_mps) * 3.6,
+            (context.agreement->other_m_s - context.agreement->judged_m_s) * 3.6,
             context.agreement->normalised_error);
     if (context.declared && context.declared->contradicts())
         return fmt::format(
             "The second method ({}) gives {:+.3f} km/h against the first, more than both "
             "uncertainties allow (normalised error {:.2f}): one of the two is wrong.",
             context.declared->method,
-            (context.declared->other_mps - context.declared->judged_mps) * 3.6,
+            (context.declared->other_m_s - context.declared->judged_m_s) * 3.6,
             context.declared->normalised_error);
     return {};
 }
@@ -119,9 +119,9 @@ std::string drift_words(const Decision& decision, const ClauseContext& context) 
     const double duration_s = context.windows.best->span.duration.seconds();
     std::string words = fmt::format(" It survives a drift of the positions by {:.2f} m in {:.3g} s",
                                     *decision.drift_survived_m, duration_s);
-    if (decision.drift_found_mps && *decision.drift_found_mps > 0.0)
+    if (decision.drift_found_m_s && *decision.drift_found_m_s > 0.0)
         words += fmt::format(", {:.2g} times the smallest that screening is sure to find there",
-                             *decision.drift_survived_m / duration_s / *decision.drift_found_mps);
+                             *decision.drift_survived_m / duration_s / *decision.drift_found_m_s);
     return words + ".";
 }
 
@@ -130,9 +130,9 @@ std::string reason_of(const ClauseContext& context, Outcome outcome) {
     const std::string& unit = context.record->unit;
     const std::string figures = fmt::format(
         "{} +/- {}, required {}; conformance probability {} (at least {} required).",
-        in_unit(context.speed->speed_mps, unit, 3),
-        in_unit(*context.expanded_uncertainty_mps, unit, 3),
-        in_unit(context.target->speed_mps, unit, 3),
+        in_unit(context.speed->speed_m_s, unit, 3),
+        in_unit(*context.expanded_uncertainty_m_s, unit, 3),
+        in_unit(context.required_speed->speed_m_s, unit, 3),
         probability_text(context.decision->probability), level_text(context.decision->level));
     const bool alone =
         context.witnesses.empty() && context.profile.speed_source == SpeedSource::position;
@@ -163,20 +163,21 @@ std::string reason_of(const ClauseContext& context, Outcome outcome) {
     return figures;
 }
 
-/// Why a speed below the target does not say that the record was not beaten; empty where it does.
+/// Why a speed below the required speed does not say that the record was not beaten; empty where it
+/// does.
 std::string refused_but_fast_enough(const ClauseContext& context) {
     const auto& indicated = context.windows.indicated;
     if (!indicated || indicated->refusals.empty()) return {};
-    const double shown_mps = indicated->mean_mps.value_or(indicated->speed_mps);
-    if (shown_mps < context.target->speed_mps) return {};
+    const double shown_m_s = indicated->mean_m_s.value_or(indicated->speed_m_s);
+    if (shown_m_s < context.required_speed->speed_m_s) return {};
     const std::string& unit = context.record->unit;
     return fmt::format(
         "The recording shows {} {:.3f} s after its first epoch, at or above the required {}, in a "
         "window that cannot be certified (it holds {}): what can be certified, {}, does not say "
         "that the record was not beaten.",
-        in_unit(shown_mps, unit, 3), indicated->span.start.seconds(),
-        in_unit(context.target->speed_mps, unit, 3), fmt::join(indicated->refusals, ", "),
-        in_unit(context.speed->speed_mps, unit, 3));
+        in_unit(shown_m_s, unit, 3), indicated->span.start.seconds(),
+        in_unit(context.required_speed->speed_m_s, unit, 3), fmt::join(indicated->refusals, ", "),
+        in_unit(context.speed->speed_m_s, unit, 3));
 }
 
 void set_outcome(const ClauseContext& context, ProfileVerdict& verdict) {
@@ -187,7 +188,8 @@ void set_outcome(const ClauseContext& context, ProfileVerdict& verdict) {
         verdict.outcome = Outcome::not_proven;
         verdict.reason = "The attempt names no record to beat.";
     } else {
-        const Outcome outcome = decide(*context.speed, *context.target, context.decision->level);
+        const Outcome outcome =
+            decide(*context.speed, *context.required_speed, context.decision->level);
         if (outcome == Outcome::not_beaten)
             if (std::string doubt = refused_but_fast_enough(context); !doubt.empty()) {
                 verdict.outcome = Outcome::not_certifiable;
@@ -196,7 +198,7 @@ void set_outcome(const ClauseContext& context, ProfileVerdict& verdict) {
             }
         verdict.outcome = outcome;
         verdict.reason = reason_of(context, outcome);
-        verdict.decision->risk = decision_risk(*context.speed, *context.target, outcome);
+        verdict.decision->risk = decision_risk(*context.speed, *context.required_speed, outcome);
     }
 }
 
@@ -204,7 +206,7 @@ RecordToBeat record_to_beat(const Record& record) {
     RecordToBeat result{.speed = record.speed,
                         .unit = record.unit,
                         .source = record.source,
-                        .speed_mps = record.speed * metres_per_second(record.unit)};
+                        .speed_m_s = record.speed * metres_per_second(record.unit)};
     if (record.expanded_uncertainty > 0.0)
         result.expanded_uncertainty = record.expanded_uncertainty;
     return result;
@@ -212,13 +214,13 @@ RecordToBeat record_to_beat(const Record& record) {
 
 void set_figures(const ClauseContext& context, ProfileVerdict& verdict) {
     verdict.coverage_factor = context.coverage_factor;
-    verdict.expanded_uncertainty_mps = context.expanded_uncertainty_mps;
-    if (context.speed) verdict.speed_mps = context.speed->speed_mps;
-    if (context.target) verdict.target_mps = context.target->speed_mps;
+    verdict.expanded_uncertainty_m_s = context.expanded_uncertainty_m_s;
+    if (context.speed) verdict.speed_m_s = context.speed->speed_m_s;
+    if (context.required_speed) verdict.required_speed_m_s = context.required_speed->speed_m_s;
     if (context.windows.best) verdict.window = context.windows.best->span;
     if (context.record != nullptr) verdict.record = record_to_beat(*context.record);
     if (context.profile.subtract_current && context.speed)
-        verdict.current_subtracted_mps = context.current->along_mps;
+        verdict.current_subtracted_m_s = context.current->along_m_s;
     verdict.decision = context.decision;
     verdict.witnesses = context.witnesses;
     verdict.shown = shown_figures(context);
@@ -234,7 +236,7 @@ void set_figures(const ClauseContext& context, ProfileVerdict& verdict) {
     if (const auto& indicated = context.windows.indicated;
         indicated && !indicated->refusals.empty())
         verdict.indicated = RefusedWindow{.span = indicated->span,
-                                          .speed_mps = indicated->speed_mps,
+                                          .speed_m_s = indicated->speed_m_s,
                                           .refusals = indicated->refusals};
 }
 
@@ -259,7 +261,7 @@ ProfileVerdict judge(const CheckInput& input, const Profile& profile) {
 
 }  // namespace
 
-void ScreenedEvidence::add(const ScreenedEpoch& row, const Windows& windows) {
+void ScreenedSelection::add(const ScreenedEpoch& row, const Windows& windows) {
     summary.add(row);
     if (row.break_before == ArcBreak::bridged) bridged_epochs.push_back(row.epoch);
     for (const ProfileWindows& entry : windows.profiles)

@@ -17,16 +17,16 @@
 namespace runcert {
 
 /// What the earlier stages say of one receiver.
-struct ReceiverEvidence {
+struct ReceiverResults {
     std::string receiver;
     RecordingFacts facts;
     std::string accuracy_source;
     std::string format = {};       ///< of the recording
     std::string time_origin = {};  ///< what its time stamps are, in words
-    SolutionSource solution_source = SolutionSource::unknown;  ///< who says the kind of solution
+    SolutionSource solution_source = SolutionSource::unknown;  ///< who says the fix type
     RecordCount records = {};
     ScreeningSummary screening;
-    ScreeningEvidence tests;
+    ScreeningBasis tests;
     EstimationSummary estimation;
     Windows windows;
     std::optional<FrameOrigin> origin = std::nullopt;  ///< of the trajectory
@@ -43,7 +43,7 @@ struct ReceiverEvidence {
 };
 
 /// What is gathered from the screened epochs, one by one.
-struct ScreenedEvidence {
+struct ScreenedSelection {
     ScreeningSummary summary;
     std::vector<std::int64_t> bridged_epochs;
     /// Of the best window of each profile.
@@ -55,9 +55,9 @@ struct ScreenedEvidence {
 struct CheckInput {
     const Attempt& attempt;
     const std::vector<Profile>& profiles;
-    const ReceiverEvidence& judged;
-    const ReceiverEvidence* secondary = nullptr;  ///< null where there is one receiver only
-    const FlowSeries* wind = nullptr;             ///< null where the attempt gives none
+    const ReceiverResults& judged;
+    const ReceiverResults* secondary = nullptr;  ///< null where there is one receiver only
+    const FlowSeries* wind = nullptr;            ///< null where the attempt gives none
     const FlowSeries* current = nullptr;
 };
 

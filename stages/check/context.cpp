@@ -15,7 +15,7 @@ std::optional<DecimalRounding> rounding_of(const std::optional<DecimalRule>& rul
     if (!rule) return std::nullopt;
     return DecimalRounding{
         .mode = rule->mode == "truncate" ? RoundingMode::truncate : RoundingMode::nearest,
-        .unit_mps = metres_per_second(rule->unit),
+        .unit_m_s = metres_per_second(rule->unit),
         .decimals = rule->decimals};
 }
 
@@ -26,8 +26,8 @@ Threshold target_over(const Profile& profile, const Record& record) {
                           .distance_m = profile.distance_m,
                           .above_upper_limit = profile.margin_above_upper_limit,
                           .rounding = rounding_of(profile.rounding)};
-    return threshold_of(rule, {.speed_mps = record.speed * unit,
-                               .expanded_uncertainty_mps = record.expanded_uncertainty * unit});
+    return threshold_of(rule, {.speed_m_s = record.speed * unit,
+                               .expanded_uncertainty_m_s = record.expanded_uncertainty * unit});
 }
 
 /// The row of an epoch, if the trajectory is there and has it.
@@ -37,9 +37,9 @@ std::optional<std::size_t> row_of(const std::vector<TrajectoryEpoch>& rows, std:
     return static_cast<std::size_t>(row - rows.begin());
 }
 
-/// Slow errors that may differ between places of a run: the bound of the window, and of heights
+/// Time-correlated errors that may differ between places of a run: the bound of the window, and of heights
 /// what they state, or were found to have, if that is more.
-CourseErrors errors_of(const ReceiverEvidence& judged, const CertifiableWindow& best) {
+CourseErrors errors_of(const ReceiverResults& judged, const CertifiableWindow& best) {
     CourseErrors errors;
     errors.tangent_plane = judged.facts.georeferenced;
     if (best.bound) errors.slow_horizontal_m = errors.slow_vertical_m = best.bound->sigma_m;
@@ -52,7 +52,7 @@ CourseErrors errors_of(const ReceiverEvidence& judged, const CertifiableWindow& 
     return errors;
 }
 
-CourseEvidence course_of(const ReceiverEvidence& judged, const Profile& profile,
+CourseFindings course_of(const ReceiverResults& judged, const Profile& profile,
                          const CertifiableWindow& best) {
     const auto first = row_of(judged.trajectory, best.span.first_epoch);
     const auto last = row_of(judged.trajectory, best.span.last_epoch);
@@ -74,13 +74,13 @@ CourseEvidence course_of(const ReceiverEvidence& judged, const Profile& profile,
 }
 
 /// Direction of the window's displacement.
-std::optional<double> heading_of(const CourseEvidence& course) {
+std::optional<double> heading_of(const CourseFindings& course) {
     if (!course.facts) return std::nullopt;
     return course.facts->heading_deg.value;
 }
 
 std::optional<FlowInWindow> flow_of(const FlowSeries* series, FlowKind kind,
-                                    const CertifiableWindow& best, const CourseEvidence& course) {
+                                    const CertifiableWindow& best, const CourseFindings& course) {
     if (series == nullptr) return std::nullopt;
     const double start_s = best.span.start.seconds();
     return flow_in_window(*series, kind, start_s, start_s + best.span.duration.seconds(),
@@ -92,53 +92,53 @@ std::optional<FlowInWindow> flow_of(const FlowSeries* series, FlowKind kind,
 void set_speed(ClauseContext& context) {
     const std::optional<RuleFigure> figure = figure_of(context.windows);
     if (!figure) return;
-    SpeedPosterior speed{.speed_mps = figure->speed_mps,
-                         .standard_uncertainty_mps = figure->standard_uncertainty_mps,
+    SpeedPosterior speed{.speed_m_s = figure->speed_m_s,
+                         .standard_uncertainty_m_s = figure->standard_uncertainty_m_s,
                          .degrees_of_freedom = figure->effective_degrees_of_freedom,
-                         .bias_limit_mps = figure->bias_limit_mps};
+                         .bias_limit_m_s = figure->bias_limit_m_s};
     if (context.profile.subtract_current) {
         if (!context.current || !context.current->missing.empty() || !context.course.facts) return;
-        speed.speed_mps -= context.current->along_mps;
-        speed.standard_uncertainty_mps =
-            std::hypot(speed.standard_uncertainty_mps,
-                       0.5 * context.input.attempt.current->expanded_uncertainty_mps);
+        speed.speed_m_s -= context.current->along_m_s;
+        speed.standard_uncertainty_m_s =
+            std::hypot(speed.standard_uncertainty_m_s,
+                       0.5 * context.input.attempt.current->expanded_uncertainty_m_s);
     }
     context.coverage_factor =
         equivalent_coverage_factor(context.profile.coverage_factor, speed.degrees_of_freedom);
-    context.expanded_uncertainty_mps = expanded_uncertainty_mps(speed, context.coverage_factor);
+    context.expanded_uncertainty_m_s = expanded_uncertainty_m_s(speed, context.coverage_factor);
     context.speed = speed;
 }
 
 /// The drift that the decision survives, and what screening finds of one in the window.
 void set_drift(ClauseContext& context) {
-    const double above_mps =
-        context.speed->speed_mps - context.speed->bias_limit_mps - context.target->speed_mps;
-    if (above_mps > 0.0)
+    const double above_m_s = context.speed->speed_m_s - context.speed->bias_limit_m_s -
+                             context.required_speed->speed_m_s;
+    if (above_m_s > 0.0)
         context.decision->drift_survived_m =
-            above_mps * context.windows.best->span.duration.seconds();
-    double found_mps = 0.0;
+            above_m_s * context.windows.best->span.duration.seconds();
+    double found_m_s = 0.0;
     for (const ScreenedEpoch& row : context.input.judged.epochs_of(context.profile.id))
-        found_mps = std::max(found_mps, row.detectable.ramp_mps.value_or(0.0));
-    if (found_mps > 0.0) context.decision->drift_found_mps = found_mps;
+        found_m_s = std::max(found_m_s, row.detectable.ramp_m_s.value_or(0.0));
+    if (found_m_s > 0.0) context.decision->drift_found_m_s = found_m_s;
 }
 
 void set_decision(ClauseContext& context) {
     context.record = context.input.attempt.record_for(context.profile.id);
     if (context.record == nullptr) return;
-    context.target = target_over(context.profile, *context.record);
+    context.required_speed = target_over(context.profile, *context.record);
     if (!context.speed) return;
     // Of many attempts the luckiest is put forward: each is judged so that together they are wrong
     // no more often than one alone (Bonferroni).
     const std::int64_t attempts = context.input.attempt.attempts_made;
     const double level =
         1.0 - (1.0 - context.profile.decision_probability) / static_cast<double>(attempts);
-    context.decision =
-        Decision{.probability = conformance_probability(*context.speed, *context.target),
-                 .level = level,
-                 .target_standard_uncertainty_mps = context.target->standard_uncertainty_mps,
-                 .acceptance_limit_mps = acceptance_limit(*context.speed, *context.target, level),
-                 .attempts_made = attempts,
-                 .bias_limit_mps = context.speed->bias_limit_mps};
+    context.decision = Decision{
+        .probability = conformance_probability(*context.speed, *context.required_speed),
+        .level = level,
+        .required_speed_standard_uncertainty_m_s = context.required_speed->standard_uncertainty_m_s,
+        .acceptance_limit_m_s = acceptance_limit(*context.speed, *context.required_speed, level),
+        .attempts_made = attempts,
+        .bias_limit_m_s = context.speed->bias_limit_m_s};
     set_drift(context);
 }
 
@@ -155,9 +155,9 @@ void set_second_methods(ClauseContext& context) {
     }
     if (input.attempt.secondary_method)
         context.declared = compare_declared(
-            {.speed_mps = best.speed_mps,
-             .standard_uncertainty_mps =
-                 best.own_standard_uncertainty_mps.value_or(best.standard_uncertainty_mps),
+            {.speed_m_s = best.speed_m_s,
+             .standard_uncertainty_m_s =
+                 best.own_standard_uncertainty_m_s.value_or(best.standard_uncertainty_m_s),
              .span = best.span,
              .over_course = context.profile.window_kind == WindowKind::course},
             *input.attempt.secondary_method, input.attempt.course);
@@ -166,7 +166,7 @@ void set_second_methods(ClauseContext& context) {
 /// What the recorded velocities say of the window, where all its epochs have one: their mean over
 /// it, the delay behind the positions taken off, against the displacement over time.
 std::optional<std::string> velocity_witness(const ClauseContext& context) {
-    const ReceiverEvidence& judged = context.input.judged;
+    const ReceiverResults& judged = context.input.judged;
     const auto& rows = judged.epochs_of(context.profile.id);
     if (context.profile.dimension != Dimension::horizontal ||
         context.profile.speed_source != SpeedSource::position || rows.size() < 2 ||
@@ -177,10 +177,10 @@ std::optional<std::string> velocity_witness(const ClauseContext& context) {
     std::optional<Eigen::Vector2d> first;
     double before_s = 0.0;
     for (const ScreenedEpoch& row : rows) {
-        if (!row.recorded_velocity_east_mps || !row.recorded_velocity_north_mps)
+        if (!row.recorded_velocity_east_m_s || !row.recorded_velocity_north_m_s)
             return std::nullopt;
-        const Eigen::Vector2d velocity(*row.recorded_velocity_east_mps,
-                                       *row.recorded_velocity_north_mps);
+        const Eigen::Vector2d velocity(*row.recorded_velocity_east_m_s,
+                                       *row.recorded_velocity_north_m_s);
         const double time_s = row.time.seconds();
         if (before) path += 0.5 * (time_s - before_s) * (*before + velocity);
         if (!first) first = velocity;
@@ -188,17 +188,17 @@ std::optional<std::string> velocity_witness(const ClauseContext& context) {
         before_s = time_s;
     }
     const double duration_s = before_s - rows.front().time.seconds();
-    const VelocityEvidence& velocity = *judged.tests.velocity;
+    const VelocityComparison& velocity = *judged.tests.velocity;
     path += velocity.delay_s.value_or(0.0) * (*before - *first);
-    const double other_mps = path.norm() / duration_s;
+    const double other_m_s = path.norm() / duration_s;
     const CertifiableWindow& best = *context.windows.best;
-    const double difference_mps = other_mps - best.definitions.displacement_mps;
-    const double allowed_mps = 2.0 * best.standard_uncertainty_mps + velocity.scale_mps;
-    if (std::abs(difference_mps) > allowed_mps) return std::nullopt;
+    const double difference_m_s = other_m_s - best.definitions.displacement_m_s;
+    const double allowed_m_s = 2.0 * best.standard_uncertainty_m_s + velocity.scale_m_s;
+    if (std::abs(difference_m_s) > allowed_m_s) return std::nullopt;
     return fmt::format(
         "the recorded velocities give {:.3f} km/h over the window, {:+.3f} km/h against the "
         "positions (displacement over time)",
-        other_mps * 3.6, difference_mps * 3.6);
+        other_m_s * 3.6, difference_m_s * 3.6);
 }
 
 /// What else than the positions speaks for the window.
@@ -207,11 +207,11 @@ void set_witnesses(ClauseContext& context) {
     if (context.agreement && context.agreement->agrees())
         context.witnesses.push_back(
             fmt::format("receiver \"{}\" gives {:.3f} km/h over the same time",
-                        context.input.secondary->receiver, context.agreement->other_mps * 3.6));
+                        context.input.secondary->receiver, context.agreement->other_m_s * 3.6));
     if (context.declared && context.declared->agrees())
         context.witnesses.push_back(fmt::format("the second method ({}) gives {:.3f} km/h",
                                                 context.declared->method,
-                                                context.declared->other_mps * 3.6));
+                                                context.declared->other_m_s * 3.6));
 }
 
 }  // namespace
@@ -232,9 +232,9 @@ const ProfileWindows& windows_of(const Windows& windows, const Profile& profile)
                   "Run runcert-window again");
 }
 
-std::vector<CraftRun> runs_under(const Profile& profile, const ReceiverEvidence& judged) {
-    return runs_in(judged.trajectory, {.start_mps = profile.runs.start_mps,
-                                       .stop_mps = profile.runs.stop_mps,
+std::vector<CraftRun> runs_under(const Profile& profile, const ReceiverResults& judged) {
+    return runs_in(judged.trajectory, {.start_m_s = profile.runs.start_m_s,
+                                       .stop_m_s = profile.runs.stop_m_s,
                                        .stop_s = profile.runs.stop_s,
                                        .turn_deg = profile.runs.turn_deg});
 }

@@ -24,12 +24,12 @@ constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 struct Place {
     std::size_t row = 0;
     double time_s = 0.0;
-    Vector3d position_m, velocity_mps;
+    Vector3d position_m, velocity_m_s;
     Vector3d variance;  ///< of the position, m^2
     Vector3d velocity_variance;
     Vector3d step_variance = Vector3d::Zero();  ///< of the offsets taken off since the first place
 
-    double speed_mps() const { return velocity_mps.head<2>().norm(); }
+    double speed_m_s() const { return velocity_m_s.head<2>().norm(); }
 };
 
 Place place_of(const TrajectoryEpoch& row, std::size_t index, const CourseErrors& errors) {
@@ -42,16 +42,16 @@ Place place_of(const TrajectoryEpoch& row, std::size_t index, const CourseErrors
     place.position_m = {*row.east_m, *row.north_m, row.up_m.value_or(unknown)};
     if (errors.tangent_plane)
         place.position_m.z() += fall_below_plane_m(place.position_m.x(), place.position_m.y());
-    place.velocity_mps = {*row.velocity_east_mps, *row.velocity_north_mps,
-                          row.velocity_up_mps.value_or(unknown)};
+    place.velocity_m_s = {*row.velocity_east_m_s, *row.velocity_north_m_s,
+                          row.velocity_up_m_s.value_or(unknown)};
     const double horizontal = errors.slow_horizontal_m * errors.slow_horizontal_m;
     const double vertical = errors.slow_vertical_m * errors.slow_vertical_m;
     place.variance =
         Vector3d(squared(row.sigma_east_m), squared(row.sigma_north_m), squared(row.sigma_up_m)) +
         Vector3d(horizontal, horizontal, vertical);
-    place.velocity_variance = {squared(row.sigma_velocity_east_mps),
-                               squared(row.sigma_velocity_north_mps),
-                               squared(row.sigma_velocity_up_mps)};
+    place.velocity_variance = {squared(row.sigma_velocity_east_m_s),
+                               squared(row.sigma_velocity_north_m_s),
+                               squared(row.sigma_velocity_up_m_s)};
     return place;
 }
 
@@ -61,8 +61,8 @@ std::vector<Place> places_of(std::span<const TrajectoryEpoch> rows, std::size_t 
     Vector3d offset = Vector3d::Zero();
     for (std::size_t i = first_row; i <= last_row; ++i) {
         const TrajectoryEpoch& row = rows[i];
-        if (!row.arc || !row.east_m || !row.north_m || !row.velocity_east_mps ||
-            !row.velocity_north_mps)
+        if (!row.arc || !row.east_m || !row.north_m || !row.velocity_east_m_s ||
+            !row.velocity_north_m_s)
             continue;
         Place place = place_of(row, i, errors);
         place.position_m -= offset;
@@ -71,7 +71,7 @@ std::vector<Place> places_of(std::span<const TrajectoryEpoch> rows, std::size_t 
             place.step_variance = last.step_variance;
             if (begins_after_step(row)) {
                 const double time_s = place.time_s - last.time_s;
-                const Vector3d moved = 0.5 * time_s * (last.velocity_mps + place.velocity_mps);
+                const Vector3d moved = 0.5 * time_s * (last.velocity_m_s + place.velocity_m_s);
                 const Vector3d step = place.position_m - last.position_m - moved;
                 offset += step;
                 place.position_m -= step;
@@ -145,7 +145,7 @@ CourseFigure heading_between(const Place& first, const Place& last) {
 }
 
 CourseFigure turning_between(const Place& first, const Place& last) {
-    const Vector2d from = first.velocity_mps.head<2>(), to = last.velocity_mps.head<2>();
+    const Vector2d from = first.velocity_m_s.head<2>(), to = last.velocity_m_s.head<2>();
     const double turning = direction_deg(to) - direction_deg(from);
     const auto variance = [](const Place& place, const Vector2d& velocity) {
         return direction_variance(variance_along(right_of(velocity), place.velocity_variance),
@@ -174,9 +174,9 @@ CourseFigure straightness_of(std::span<const Place> window) {
 }
 
 bool is_at_rest(const Place& place, const CourseErrors& errors) {
-    if (place.speed_mps() < errors.standing_below_mps) return true;
-    if (place.speed_mps() > errors.moving_above_mps) return false;
-    const double statistic = place.velocity_mps.head<2>()
+    if (place.speed_m_s() < errors.standing_below_m_s) return true;
+    if (place.speed_m_s() > errors.moving_above_m_s) return false;
+    const double statistic = place.velocity_m_s.head<2>()
                                  .cwiseAbs2()
                                  .cwiseQuotient(place.velocity_variance.head<2>())
                                  .sum();
@@ -185,16 +185,16 @@ bool is_at_rest(const Place& place, const CourseErrors& errors) {
 
 /// Of the places up to the window, from where the craft stood before the run on.
 void set_start(std::span<const Place> approach, const CourseErrors& errors, CourseFacts& facts) {
-    const Place& slowest = *std::ranges::min_element(approach, {}, &Place::speed_mps);
-    facts.speed_before_mps = figure(
-        slowest.speed_mps(), slowest.velocity_variance.head<2>().maxCoeff<Eigen::PropagateNaN>());
+    const Place& slowest = *std::ranges::min_element(approach, {}, &Place::speed_m_s);
+    facts.speed_before_m_s = figure(
+        slowest.speed_m_s(), slowest.velocity_variance.head<2>().maxCoeff<Eigen::PropagateNaN>());
     facts.standing_start = is_at_rest(slowest, errors);
 }
 
 void set_run_up(std::span<const Place> run_up, CourseFacts& facts) {
     facts.run_up_s = run_up.back().time_s - run_up.front().time_s;
     for (std::size_t i = 1; i < run_up.size(); ++i)
-        facts.run_up_m += 0.5 * (run_up[i - 1].speed_mps() + run_up[i].speed_mps()) *
+        facts.run_up_m += 0.5 * (run_up[i - 1].speed_m_s() + run_up[i].speed_m_s()) *
                           (run_up[i].time_s - run_up[i - 1].time_s);
 }
 

@@ -22,10 +22,10 @@ struct CourseErrors {
     double slow_horizontal_m = 0.0;
     double slow_vertical_m = 0.0;
     /// Whether "up" is above the plane that touches the Earth at the origin, so that the Earth
-    /// falls away from it. False for a recording in a plane of its own.
+    /// falls away from it. False for a recording in engineering coordinates.
     bool tangent_plane = true;
-    double standing_below_mps = 0.2;  ///< at rest, however small the uncertainty
-    double moving_above_mps = 1.0;    ///< never at rest, however large the uncertainty
+    double standing_below_m_s = 0.2;  ///< at rest, however small the uncertainty
+    double moving_above_m_s = 1.0;    ///< never at rest, however large the uncertainty
 };
 
 /// What a trajectory says of the course and of the start of one run.
@@ -48,9 +48,9 @@ struct CourseFacts {
     /// Smallest speed from the standing that the run began with (from the run's beginning where it
     /// began otherwise) up to and with the window's first row. A run's own first row is but below
     /// the speed that cuts runs.
-    CourseFigure speed_before_mps = {};
-    /// Whether that speed is of a craft at rest: below `standing_below_mps`, or not above
-    /// `moving_above_mps` and its velocity v, of covariance C, within its uncertainty of zero:
+    CourseFigure speed_before_m_s = {};
+    /// Whether that speed is of a craft at rest: below `standing_below_m_s`, or not above
+    /// `moving_above_m_s` and its velocity v, of covariance C, within its uncertainty of zero:
     /// v' C^-1 v at most the chi-squared quantile of 95 % with 2 degrees of freedom.
     bool standing_start = false;
     double run_up_m = 0.0;  ///< path from the run's beginning to the window's
@@ -62,7 +62,7 @@ struct CourseFacts {
 /// nothing unless every estimate of the run has one.
 ///
 /// Uncertainties: positions far apart in time are taken as independent, which they are not quite,
-/// each with its row's variance and that of the slow errors; velocity components as uncorrelated.
+/// each with its row's variance and that of the time-correlated errors; velocity components as uncorrelated.
 /// A speed's is the larger of its components': near zero its direction is noise. Angles' are at
 /// most 180 degrees, where nothing is known of them. At bridged steps the offset is taken off by
 /// what the velocity says, whose uncertainty is added.

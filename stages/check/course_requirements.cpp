@@ -34,10 +34,10 @@ bool start_was_seen(const CraftRun& run, const CourseFigure& slowest,
     const std::size_t from = run.stood_from_row.value_or(run.first_row);
     for (std::size_t i = 0; i < from; ++i)
         if (rows[i].arc) return true;
-    const double least_mps = slowest.value + slowest.expanded_uncertainty.value_or(0.0);
+    const double least_m_s = slowest.value + slowest.expanded_uncertainty.value_or(0.0);
     for (std::size_t i = from; i <= run.first_row; ++i)
         if (rows[i].arc && rows[i].time.seconds() - rows[from].time.seconds() > beginning_s &&
-            std::hypot(*rows[i].velocity_east_mps, *rows[i].velocity_north_mps) <= least_mps)
+            std::hypot(*rows[i].velocity_east_m_s, *rows[i].velocity_north_m_s) <= least_m_s)
             return true;
     return false;
 }
@@ -77,7 +77,7 @@ Finding computation::turning(const Clause& clause, const ClauseContext& context)
 
 Finding computation::standing_start(const Clause&, const ClauseContext& context) {
     return with_facts(context, [&](const CourseFacts& facts) -> Finding {
-        const CourseFigure& speed = facts.speed_before_mps;
+        const CourseFigure& speed = facts.speed_before_m_s;
         const std::string words = fmt::format(
             "smallest speed of the run before the window {:.3f} m/s{}", speed.value,
             speed.expanded_uncertainty ? fmt::format(" +/- {:.3f} m/s", *speed.expanded_uncertainty)

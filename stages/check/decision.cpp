@@ -29,8 +29,8 @@ void require_level(double level) {
 
 /// Student's t of the speed less a limit.
 struct Difference {
-    double location_mps = 0.0;
-    double scale_mps = 0.0;
+    double location_m_s = 0.0;
+    double scale_m_s = 0.0;
     std::optional<double> degrees_of_freedom = std::nullopt;
 };
 
@@ -38,38 +38,38 @@ struct Difference {
 enum class Bias { lowest, none, highest };
 
 Difference difference(const SpeedPosterior& posterior, const Threshold& threshold, Bias bias) {
-    require_finite(posterior.speed_mps, "speed (m/s)");
-    require_finite(threshold.speed_mps, "required speed (m/s)");
-    require_finite(posterior.bias_limit_mps, "limit of the bias (m/s)");
-    if (posterior.bias_limit_mps < 0.0)
-        fail(fmt::format("the limit of the bias {} m/s is negative", posterior.bias_limit_mps),
+    require_finite(posterior.speed_m_s, "speed (m/s)");
+    require_finite(threshold.speed_m_s, "required speed (m/s)");
+    require_finite(posterior.bias_limit_m_s, "limit of the bias (m/s)");
+    if (posterior.bias_limit_m_s < 0.0)
+        fail(fmt::format("the limit of the bias {} m/s is negative", posterior.bias_limit_m_s),
              "Give what a systematic error is at most");
     const std::array<InputQuantity, 2> inputs{
-        InputQuantity{.standard_uncertainty = posterior.standard_uncertainty_mps,
+        InputQuantity{.standard_uncertainty = posterior.standard_uncertainty_m_s,
                       .sensitivity = 1.0,
                       .degrees_of_freedom = posterior.degrees_of_freedom},
-        InputQuantity{.standard_uncertainty = threshold.standard_uncertainty_mps,
+        InputQuantity{.standard_uncertainty = threshold.standard_uncertainty_m_s,
                       .sensitivity = -1.0}};
     const CombinedUncertainty combined = combine(inputs);
-    const double by_bias = bias == Bias::lowest    ? -posterior.bias_limit_mps
-                           : bias == Bias::highest ? posterior.bias_limit_mps
+    const double by_bias = bias == Bias::lowest    ? -posterior.bias_limit_m_s
+                           : bias == Bias::highest ? posterior.bias_limit_m_s
                                                    : 0.0;
-    const double location_mps = posterior.speed_mps - threshold.speed_mps + by_bias;
-    const bool equal = std::abs(location_mps) <= kBinaryNoise * std::abs(threshold.speed_mps);
-    return {.location_mps = equal ? 0.0 : location_mps,
-            .scale_mps = combined.standard_uncertainty,
+    const double location_m_s = posterior.speed_m_s - threshold.speed_m_s + by_bias;
+    const bool equal = std::abs(location_m_s) <= kBinaryNoise * std::abs(threshold.speed_m_s);
+    return {.location_m_s = equal ? 0.0 : location_m_s,
+            .scale_m_s = combined.standard_uncertainty,
             .degrees_of_freedom = combined.effective_degrees_of_freedom};
 }
 
 double probability_not_below_zero(const Difference& d) {
-    if (d.scale_mps == 0.0) return d.location_mps >= 0.0 ? 1.0 : 0.0;
-    return student_t_cdf(d.location_mps / d.scale_mps, d.degrees_of_freedom);
+    if (d.scale_m_s == 0.0) return d.location_m_s >= 0.0 ? 1.0 : 0.0;
+    return student_t_cdf(d.location_m_s / d.scale_m_s, d.degrees_of_freedom);
 }
 
 /// Not 1 less the other, which would lose the digits of a small one.
 double probability_below_zero(const Difference& d) {
-    if (d.scale_mps == 0.0) return d.location_mps >= 0.0 ? 0.0 : 1.0;
-    return student_t_cdf(-d.location_mps / d.scale_mps, d.degrees_of_freedom);
+    if (d.scale_m_s == 0.0) return d.location_m_s >= 0.0 ? 0.0 : 1.0;
+    return student_t_cdf(-d.location_m_s / d.scale_m_s, d.degrees_of_freedom);
 }
 
 }  // namespace
@@ -78,17 +78,17 @@ double conformance_probability(const SpeedPosterior& posterior, const Threshold&
     return probability_not_below_zero(difference(posterior, threshold, Bias::lowest));
 }
 
-double conformance_probability(const SpeedPosterior& posterior, double lower_mps,
-                               double upper_mps) {
-    const Difference above_lower = difference(posterior, {.speed_mps = lower_mps}, Bias::none);
-    const Difference above_upper = difference(posterior, {.speed_mps = upper_mps}, Bias::none);
-    if (!(lower_mps <= upper_mps))
-        fail(fmt::format("the lower limit {} is above the upper limit {}", lower_mps, upper_mps),
+double conformance_probability(const SpeedPosterior& posterior, double lower_m_s,
+                               double upper_m_s) {
+    const Difference above_lower = difference(posterior, {.speed_m_s = lower_m_s}, Bias::none);
+    const Difference above_upper = difference(posterior, {.speed_m_s = upper_m_s}, Bias::none);
+    if (!(lower_m_s <= upper_m_s))
+        fail(fmt::format("the lower limit {} is above the upper limit {}", lower_m_s, upper_m_s),
              "Exchange them");
-    if (above_lower.scale_mps == 0.0)
-        return above_lower.location_mps >= 0.0 && above_upper.location_mps <= 0.0 ? 1.0 : 0.0;
+    if (above_lower.scale_m_s == 0.0)
+        return above_lower.location_m_s >= 0.0 && above_upper.location_m_s <= 0.0 ? 1.0 : 0.0;
     // Where both limits are below the speed the lower tails are the small ones.
-    if (above_upper.location_mps > 0.0)
+    if (above_upper.location_m_s > 0.0)
         return probability_below_zero(above_upper) - probability_below_zero(above_lower);
     return probability_not_below_zero(above_lower) - probability_not_below_zero(above_upper);
 }
@@ -113,10 +113,10 @@ Outcome decide(const SpeedPosterior& posterior, const Threshold& threshold, doub
 double acceptance_limit(const SpeedPosterior& posterior, const Threshold& threshold, double level) {
     require_level(level);
     const Difference d = difference(posterior, threshold, Bias::none);
-    const double unbiased_mps = threshold.speed_mps + posterior.bias_limit_mps;
-    if (d.scale_mps == 0.0) return unbiased_mps;
+    const double unbiased_m_s = threshold.speed_m_s + posterior.bias_limit_m_s;
+    if (d.scale_m_s == 0.0) return unbiased_m_s;
     // By symmetry the upper quantile, from the tail, which keeps its digits.
-    return unbiased_mps - student_t_quantile(1.0 - level, d.degrees_of_freedom) * d.scale_mps;
+    return unbiased_m_s - student_t_quantile(1.0 - level, d.degrees_of_freedom) * d.scale_m_s;
 }
 
 double decision_risk(const SpeedPosterior& posterior, const Threshold& threshold, Outcome outcome) {

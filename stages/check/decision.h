@@ -11,12 +11,12 @@ namespace runcert {
 /// The state of knowledge of the speed: Student's t with this location and scale, the normal
 /// distribution where the degrees of freedom are empty ([GUM] G.3, [JCGM106] 7).
 struct SpeedPosterior {
-    double speed_mps = 0.0;
-    double standard_uncertainty_mps = 0.0;
+    double speed_m_s = 0.0;
+    double standard_uncertainty_m_s = 0.0;
     std::optional<double> degrees_of_freedom = std::nullopt;
     /// A systematic error either way is at most this: it moves the location, and whichever place in
     /// that range is the least favourable to a decision is the one that it is taken at.
-    double bias_limit_mps = 0.0;
+    double bias_limit_m_s = 0.0;
 };
 
 /// P(speed >= threshold): Phi((y - T) / u) in the normal case ([JCGM106] 7.3), y being the lowest
@@ -35,7 +35,7 @@ double conformance_probability(const SpeedPosterior& posterior, const Threshold&
 
 /// P(lower <= speed <= upper) ([JCGM106] 7.4), both limits known exactly, without a bias. Failure
 /// as above, or where lower > upper.
-double conformance_probability(const SpeedPosterior& posterior, double lower_mps, double upper_mps);
+double conformance_probability(const SpeedPosterior& posterior, double lower_m_s, double upper_m_s);
 
 /// Guarded acceptance and guarded rejection ([JCGM106] 8.3): beaten where the probability is at
 /// least `level`, not beaten where it is at most 1 - level, else not proven. Failure (at

@@ -34,9 +34,9 @@ void set_from_times(const JudgedSpeed& judged, const SecondaryMethod::LineTimes&
         return;
     }
     const double elapsed_s = times.finish.seconds_since(times.start);
-    agreement.other_mps = course_speed_mps(course->length_m, elapsed_s, 0.0);
-    agreement.other_expanded_uncertainty_mps =
-        std::hypot(std::numbers::sqrt2 * times.expanded_uncertainty_s * agreement.other_mps,
+    agreement.other_m_s = course_speed_m_s(course->length_m, elapsed_s, 0.0);
+    agreement.other_expanded_uncertainty_m_s =
+        std::hypot(std::numbers::sqrt2 * times.expanded_uncertainty_s * agreement.other_m_s,
                    course->length_expanded_uncertainty_m) /
         elapsed_s;
 }
@@ -47,18 +47,18 @@ DeclaredAgreement compare_declared(const JudgedSpeed& judged, const SecondaryMet
                                    const std::optional<Course>& course) {
     DeclaredAgreement agreement;
     agreement.method = method.method;
-    agreement.judged_mps = judged.speed_mps;
+    agreement.judged_m_s = judged.speed_m_s;
     if (method.times) {
         set_from_times(judged, *method.times, course, agreement);
         if (!agreement.missing.empty()) return agreement;
     } else {
-        agreement.other_mps = method.speed->speed_mps;
-        agreement.other_expanded_uncertainty_mps = method.speed->expanded_uncertainty_mps;
+        agreement.other_m_s = method.speed->speed_m_s;
+        agreement.other_expanded_uncertainty_m_s = method.speed->expanded_uncertainty_m_s;
     }
-    const double difference_mps = std::abs(agreement.other_mps - agreement.judged_mps);
-    const double allowed_mps = std::hypot(usual_coverage_factor * judged.standard_uncertainty_mps,
-                                          agreement.other_expanded_uncertainty_mps);
-    agreement.normalised_error = difference_mps == 0.0 ? 0.0 : difference_mps / allowed_mps;
+    const double difference_m_s = std::abs(agreement.other_m_s - agreement.judged_m_s);
+    const double allowed_m_s = std::hypot(usual_coverage_factor * judged.standard_uncertainty_m_s,
+                                          agreement.other_expanded_uncertainty_m_s);
+    agreement.normalised_error = difference_m_s == 0.0 ? 0.0 : difference_m_s / allowed_m_s;
     return agreement;
 }
 

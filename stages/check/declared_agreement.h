@@ -12,9 +12,9 @@ namespace runcert {
 struct DeclaredAgreement {
     std::string method;
     std::string missing;  ///< why it says nothing; empty where it does
-    double judged_mps = 0.0;
-    double other_mps = 0.0;
-    double other_expanded_uncertainty_mps = 0.0;  ///< k = 2
+    double judged_m_s = 0.0;
+    double other_m_s = 0.0;
+    double other_expanded_uncertainty_m_s = 0.0;  ///< k = 2
     /// Difference over the root sum of squares of both expanded uncertainties (k = 2); at most 1
     /// means agreement (ISO/IEC 17043).
     double normalised_error = 0.0;
@@ -25,8 +25,8 @@ struct DeclaredAgreement {
 
 /// A speed that is judged: before the current is taken off, with its window.
 struct JudgedSpeed {
-    double speed_mps = 0.0;
-    double standard_uncertainty_mps = 0.0;
+    double speed_m_s = 0.0;
+    double standard_uncertainty_m_s = 0.0;
     WindowSpan span;
     bool over_course = false;  ///< from one line of the attempt's course to the other
 };

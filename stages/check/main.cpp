@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "core/parallel.h"
-#include "run/evidence.h"
+#include "run/attempt_files.h"
 #include "run/stage_main.h"
 #include "stages/check/check.h"
 
@@ -9,7 +9,7 @@ using namespace runcert;
 
 namespace {
 
-ReceiverEvidence gather(StageRun& run, const Receiver& receiver) {
+ReceiverResults gather(StageRun& run, const Receiver& receiver) {
     // Every table is gone through whole, whose values are checked thereby; what is not used of it
     // is not kept.
     auto observations = run.open(products::observations, receiver, open_observations);
@@ -17,7 +17,7 @@ ReceiverEvidence gather(StageRun& run, const Receiver& receiver) {
     auto screened = run.open(products::screened, receiver, open_screened);
     TrajectoryTable trajectory;
     Windows windows;
-    ScreenedEvidence evidence;
+    ScreenedSelection selection;
     do_together(
         [&] {
             observations.read_to_end();
@@ -27,7 +27,7 @@ ReceiverEvidence gather(StageRun& run, const Receiver& receiver) {
             trajectory = run.read(products::trajectory, receiver, read_trajectory);
             windows = run.read(products::windows, receiver, read_windows);
             for (ScreenedEpoch row; screened.next(row);)
-                evidence.add(row, windows);
+                selection.add(row, windows);
         });
     return {.receiver = receiver.id,
             .facts = observations.head().facts,
@@ -36,22 +36,22 @@ ReceiverEvidence gather(StageRun& run, const Receiver& receiver) {
             .time_origin = observations.head().time_origin,
             .solution_source = observations.head().solution_source,
             .records = observations.head().records,
-            .screening = std::move(evidence.summary),
-            .tests = screened.head().evidence,
+            .screening = std::move(selection.summary),
+            .tests = screened.head().selection,
             .estimation = trajectory.estimation,
             .windows = std::move(windows),
             .origin = trajectory.origin,
             .trajectory = std::move(trajectory.rows),
-            .bridged_epochs = std::move(evidence.bridged_epochs),
-            .window_epochs = std::move(evidence.window_epochs)};
+            .bridged_epochs = std::move(selection.bridged_epochs),
+            .window_epochs = std::move(selection.window_epochs)};
 }
 
 void say_verdict(StageRun& run, const Verdict& verdict) {
     for (const ProfileVerdict& profile : verdict.profiles) {
         const std::string speed =
-            profile.speed_mps && profile.expanded_uncertainty_mps
-                ? fmt::format(", {:.3f} km/h +/- {:.3f} km/h", *profile.speed_mps * 3.6,
-                              *profile.expanded_uncertainty_mps * 3.6)
+            profile.speed_m_s && profile.expanded_uncertainty_m_s
+                ? fmt::format(", {:.3f} km/h +/- {:.3f} km/h", *profile.speed_m_s * 3.6,
+                              *profile.expanded_uncertainty_m_s * 3.6)
                 : "";
         run.say(fmt::format("{}: {}{}: {}", profile.profile, to_text(profile.outcome), speed,
                             profile.reason));
@@ -62,7 +62,7 @@ void say_verdict(StageRun& run, const Verdict& verdict) {
 /// the verdict must not hold the folder that it is made in.
 std::optional<FlowSeries> read_series(StageRun& run, std::string_view role,
                                       const std::optional<GpsTime>& first_epoch) {
-    for (const EvidenceFile& file : flow_files(run.attempt()))
+    for (const AttemptFile& file : flow_files(run.attempt()))
         if (file.role == role)
             return read_flow(run.read_text(file.role, file.name), file.original, first_epoch);
     return std::nullopt;
@@ -73,9 +73,9 @@ void check_run(StageRun& run) {
     std::vector<Profile> profiles;
     for (const std::string& claimed : run.attempt().profiles) {
         profiles.push_back(read_claimed_profile(run.run_dir(), claimed, run.attempt()));
-        run.read_text("profile", evidence_profile_file(claimed));
+        run.read_text("profile", profile_copy_name(claimed));
     }
-    std::vector<ReceiverEvidence> receivers;
+    std::vector<ReceiverResults> receivers;
     for (const Receiver& receiver : run.attempt().receivers)
         receivers.push_back(gather(run, receiver));
     const auto& first_epoch = receivers.front().facts.first_epoch;

@@ -18,26 +18,27 @@ using Notes = std::vector<std::string>;
 /// Where the definitions of speed do not agree on whether the required speed is reached.
 void add_straddle(const ClauseContext& context, Notes& notes) {
     const auto& best = context.windows.best;
-    if (!best || !context.target || context.profile.speed_source == SpeedSource::velocity ||
+    if (!best || !context.required_speed || context.profile.speed_source == SpeedSource::velocity ||
         context.profile.dimension == Dimension::space ||
         context.profile.window_kind == WindowKind::course)
         return;
     Notes above, below;
     const std::string& unit = context.record->unit;
-    const auto sort = [&](const char* words, double speed_mps) {
-        (speed_mps >= context.target->speed_mps ? above : below)
-            .push_back(fmt::format("{} ({})", words, in_unit(speed_mps, unit, 3)));
+    const auto sort = [&](const char* words, double speed_m_s) {
+        (speed_m_s >= context.required_speed->speed_m_s ? above : below)
+            .push_back(fmt::format("{} ({})", words, in_unit(speed_m_s, unit, 3)));
     };
     const SpeedDefinitions& all = best->definitions;
-    sort("displacement over time", all.displacement_mps);
-    sort("path length over time", all.path_length_mps);
-    sort("the mean of all speeds", all.mean_n_plus_1_mps);
-    sort("the mean without the first speed", all.mean_n_mps);
+    sort("displacement over time", all.displacement_m_s);
+    sort("path length over time", all.path_length_m_s);
+    sort("the mean of all speeds", all.mean_n_plus_1_m_s);
+    sort("the mean without the first speed", all.mean_n_m_s);
     if (above.empty() || below.empty()) return;
     notes.push_back(fmt::format(
         "The definition of speed matters here: {} would reach the required {}, {} would not; the "
         "rule counts {}.",
-        fmt::join(above, ", "), in_unit(context.target->speed_mps, unit, 3), fmt::join(below, ", "),
+        fmt::join(above, ", "), in_unit(context.required_speed->speed_m_s, unit, 3),
+        fmt::join(below, ", "),
         context.profile.definition == SpeedDefinition::displacement  ? "displacement over time"
         : context.profile.definition == SpeedDefinition::path_length ? "path length over time"
         : context.profile.definition == SpeedDefinition::mean_n_plus_1
@@ -50,25 +51,25 @@ void add_windows(const ClauseContext& context, Notes& notes) {
     if (!windows.missing.empty() && !windows.best)
         notes.push_back("There is no window because " + windows.missing + ".");
     if (windows.best && !windows.further.empty() && figure_of(windows)) {
-        std::vector<std::string> speeds{fmt::format("{:.3f}", windows.best->speed_mps * 3.6)};
+        std::vector<std::string> speeds{fmt::format("{:.3f}", windows.best->speed_m_s * 3.6)};
         for (const FurtherWindow& one : windows.further)
-            speeds.push_back(fmt::format("{:.3f}", one.speed_mps * 3.6));
+            speeds.push_back(fmt::format("{:.3f}", one.speed_m_s * 3.6));
         notes.push_back(fmt::format(
             "The speed is the mean of {} windows ({} km/h); their errors are taken as equal, so "
             "averaging does not reduce the uncertainty.",
             speeds.size(), fmt::join(speeds, ", ")));
     }
-    if (windows.indicated && windows.indicated->mean_mps)
+    if (windows.indicated && windows.indicated->mean_m_s)
         notes.push_back(
             fmt::format("The recording as it is shows a mean of {:.3f} km/h over so many windows.",
-                        *windows.indicated->mean_mps * 3.6));
+                        *windows.indicated->mean_m_s * 3.6));
 }
 
 void add_flow(const ClauseContext& context, Notes& notes) {
     if (context.profile.subtract_current && context.current && context.current->missing.empty())
         notes.push_back(
             fmt::format("The current along the course, {:+.3f} kn, is subtracted from the speed.",
-                        context.current->along_mps / metres_per_second("kn")));
+                        context.current->along_m_s / metres_per_second("kn")));
     for (const auto* flow : {&context.wind, &context.current})
         if (*flow && !(*flow)->missing.empty())
             notes.push_back(fmt::format("The series of the {} says nothing: {}.",
@@ -84,9 +85,9 @@ void add_second_method(const ClauseContext& context, Notes& notes) {
         second.missing.empty()
             ? fmt::format("The second method ({}) gives {:.3f} km/h +/- {:.3f} km/h, {:+.3f} km/h "
                           "against this one (normalised error {:.2f}, at most 1).",
-                          second.method, second.other_mps * 3.6,
-                          second.other_expanded_uncertainty_mps * 3.6,
-                          (second.other_mps - second.judged_mps) * 3.6, second.normalised_error)
+                          second.method, second.other_m_s * 3.6,
+                          second.other_expanded_uncertainty_m_s * 3.6,
+                          (second.other_m_s - second.judged_m_s) * 3.6, second.normalised_error)
             : fmt::format("The second method ({}) says nothing: {}.", second.method,
                           second.missing));
 }
@@ -109,15 +110,15 @@ void add_unconfirmed(const ClauseContext& context, Notes& notes) {
 
 void add_flow_figures(const FlowInWindow& flow, const std::string& what, const char* from,
                       bool heading_known, std::vector<Figure>& figures) {
-    figures.push_back({.name = "mean " + what, .value = flow.mean_mps, .unit = "m/s"});
-    figures.push_back({.name = "strongest " + what, .value = flow.gust_mps, .unit = "m/s"});
+    figures.push_back({.name = "mean " + what, .value = flow.mean_m_s, .unit = "m/s"});
+    figures.push_back({.name = "strongest " + what, .value = flow.gust_m_s, .unit = "m/s"});
     figures.push_back(
         {.name = what + " direction, " + from, .value = flow.direction_deg, .unit = "deg"});
     if (!heading_known) return;
     figures.push_back(
-        {.name = what + " along the heading", .value = flow.along_mps, .unit = "m/s"});
+        {.name = what + " along the heading", .value = flow.along_m_s, .unit = "m/s"});
     figures.push_back({.name = what + " across the heading, to the right",
-                       .value = flow.across_mps,
+                       .value = flow.across_m_s,
                        .unit = "m/s"});
 }
 
@@ -167,7 +168,7 @@ std::vector<Figure> course_figures(const ClauseContext& context) {
         add("largest distance of the track from its chord", facts->straightness_m, "m");
         add("change of direction in the window", facts->turning_deg, "deg", 1.0,
             "to the right positive");
-        add("smallest speed of the run before the window", facts->speed_before_mps, "m/s", 1.0,
+        add("smallest speed of the run before the window", facts->speed_before_m_s, "m/s", 1.0,
             facts->standing_start ? "standing still" : "not standing still");
         figures.push_back({.name = "run-up", .value = facts->run_up_m, .unit = "m"});
         figures.push_back({.name = "time of the run-up", .value = facts->run_up_s, .unit = "s"});
@@ -182,7 +183,7 @@ std::vector<Figure> course_figures(const ClauseContext& context) {
 }
 
 std::vector<RunSummary> run_summaries(const ClauseContext& context) {
-    const ReceiverEvidence& judged = context.input.judged;
+    const ReceiverResults& judged = context.input.judged;
     std::vector<RunSummary> summaries;
     for (const CraftRun& run : runs_under(context.profile, judged)) {
         const TrajectoryEpoch& first = judged.trajectory[run.first_row];
@@ -193,8 +194,8 @@ std::vector<RunSummary> run_summaries(const ClauseContext& context) {
             .began = run.began,
             .ended = run.ended};
         for (std::size_t i = run.first_row; i <= run.last_row; ++i)
-            summary.top_speed_mps =
-                std::max(summary.top_speed_mps, judged.trajectory[i].speed_mps.value_or(0.0));
+            summary.top_speed_m_s =
+                std::max(summary.top_speed_m_s, judged.trajectory[i].speed_m_s.value_or(0.0));
         const double heading =
             std::atan2(*last.east_m - *first.east_m, *last.north_m - *first.north_m) * 180.0 /
             std::numbers::pi;
@@ -209,14 +210,15 @@ std::optional<ShownFigures> shown_figures(const ClauseContext& context) {
     ShownFigures shown;
     shown.unit = rule_unit_name(context.profile);
     const double unit = metres_per_second(shown.unit);
-    const double expanded = *context.expanded_uncertainty_mps / unit;
+    const double expanded = *context.expanded_uncertainty_m_s / unit;
     const auto& rule = context.profile.result ? context.profile.result : context.profile.rounding;
     const int decimals = decimals_of(expanded, rule ? std::optional(rule->decimals) : std::nullopt);
-    shown.speed = shown_figure(context.speed->speed_mps / unit, decimals, SafeSide::down);
+    shown.speed = shown_figure(context.speed->speed_m_s / unit, decimals, SafeSide::down);
     shown.expanded_uncertainty = shown_figure(
         expanded, std::max(decimals, decimals_of(expanded, std::nullopt)), SafeSide::up);
-    if (context.target)
-        shown.target = shown_figure(context.target->speed_mps / unit, decimals, SafeSide::up);
+    if (context.required_speed)
+        shown.required_speed =
+            shown_figure(context.required_speed->speed_m_s / unit, decimals, SafeSide::up);
     return shown;
 }
 
@@ -224,10 +226,10 @@ std::string compared_rules(const std::vector<Profile>& profiles,
                            const std::vector<ProfileVerdict>& verdicts) {
     std::vector<std::string> speeds;
     for (std::size_t i = 0; i < verdicts.size(); ++i) {
-        if (!verdicts[i].speed_mps) continue;
+        if (!verdicts[i].speed_m_s) continue;
         const Profile& profile = profiles[i];
         speeds.push_back(fmt::format(
-            "{} {:.3f} km/h ({}{}{}, {})", profile.id, *verdicts[i].speed_mps * 3.6,
+            "{} {:.3f} km/h ({}{}{}, {})", profile.id, *verdicts[i].speed_m_s * 3.6,
             profile.windows > 1 ? fmt::format("{} x ", profile.windows) : "", window_words(profile),
             profile.dimension == Dimension::horizontal
                 ? ""

@@ -12,7 +12,7 @@ namespace {
 
 /// By how much the mean interval of the stamps may be off the receiver's by chance: what the
 /// scatter of the steps makes.
-double rate_by_chance(const ReceiverEvidence& judged) {
+double rate_by_chance(const ReceiverResults& judged) {
     const auto& rows = judged.trajectory;
     if (rows.size() < 2) return 1.0;
     constexpr double coverage = 5.0;
@@ -25,7 +25,7 @@ double rate_by_chance(const ReceiverEvidence& judged) {
 
 /// What in the recording looks as if the device had changed its positions, in words.
 std::vector<std::string> signs_of_filter(const ClauseContext& context) {
-    const ReceiverEvidence& judged = context.input.judged;
+    const ReceiverResults& judged = context.input.judged;
     std::vector<std::string> signs;
     constexpr double too_smooth = 0.3;
     constexpr double as_stated = 0.1;
@@ -48,7 +48,7 @@ std::vector<std::string> signs_of_filter(const ClauseContext& context) {
 }  // namespace
 
 Finding computation::time_scale(const Clause&, const ClauseContext& context) {
-    const ReceiverEvidence& judged = context.input.judged;
+    const ReceiverResults& judged = context.input.judged;
     const std::string& source = judged.facts.time_source;
     const std::string what = judged.time_origin.empty() ? "the time stamps" : judged.time_origin;
     const double rate = judged.tests.time.rate_deviation;
@@ -75,10 +75,10 @@ Finding computation::time_scale(const Clause&, const ClauseContext& context) {
 }
 
 Finding computation::measured_positions(const Clause&, const ClauseContext& context) {
-    const ReceiverEvidence& judged = context.input.judged;
+    const ReceiverResults& judged = context.input.judged;
     constexpr double share = 0.01;
     if (judged.tests.device) {
-        const DeviceEvidence& device = *judged.tests.device;
+        const DeviceSigns& device = *judged.tests.device;
         const auto moving = static_cast<double>(device.moving);
         if (static_cast<double>(device.held) > std::max(3.0, share * moving))
             return {RequirementStatus::not_met,
@@ -118,14 +118,14 @@ Finding computation::stated_solution(const Clause&, const ClauseContext& context
     const std::string taken =
         best && best->bound && best->bound->floor_fix
             ? fmt::format(
-                  " (in the window: {}, whose slow errors are taken to be at least "
+                  " (in the window: {}, whose time-correlated errors are taken to be at least "
                   "{:g} m)",
                   to_text(*best->bound->floor_fix), best->bound->floor_m)
             : "";
     if (source == SolutionSource::attempt) {
         const auto& rows = context.input.judged.epochs_of(context.profile.id);
         const std::string kind =
-            rows.empty() ? std::string("the kind of solution") : std::string(to_text(rows[0].fix));
+            rows.empty() ? std::string("the fix type") : std::string(to_text(rows[0].fix));
         return {RequirementStatus::attest,
                 fmt::format("the recording does not say; that it is {} the attempt "
                             "states{}",

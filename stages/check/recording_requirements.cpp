@@ -14,7 +14,7 @@ Finding wind(const Clause& clause, const ClauseContext& context, bool gust) {
     if (!context.wind) return unknown("the attempt gives no series of the wind");
     if (!context.wind->missing.empty()) return {RequirementStatus::not_met, context.wind->missing};
     return against_limit({.name = gust ? "strongest wind in the window" : "mean wind in the window",
-                          .value = (gust ? context.wind->gust_mps : context.wind->mean_mps) /
+                          .value = (gust ? context.wind->gust_m_s : context.wind->mean_m_s) /
                                    metres_per_second(clause.unit),
                           .expanded_uncertainty = std::nullopt,
                           .note = fmt::format("{} {} in the window", context.wind->samples,
@@ -26,8 +26,8 @@ Finding wind(const Clause& clause, const ClauseContext& context, bool gust) {
 double velocity_accuracy(const ScreenedEpoch& row) {
     double sum = 0.0;
     for (const OptionalReal& sigma :
-         {row.sigma_recorded_velocity_east_mps, row.sigma_recorded_velocity_north_mps,
-          row.sigma_recorded_velocity_up_mps})
+         {row.sigma_recorded_velocity_east_m_s, row.sigma_recorded_velocity_north_m_s,
+          row.sigma_recorded_velocity_up_m_s})
         sum += sigma ? *sigma * *sigma : std::nan("");
     return std::sqrt(sum);
 }
@@ -56,8 +56,8 @@ Finding computation::current(const Clause& clause, const ClauseContext& context)
     const double unit = metres_per_second(clause.unit);
     return against_limit(
         {.name = "strongest current in the window",
-         .value = context.current->gust_mps / unit,
-         .expanded_uncertainty = context.input.attempt.current->expanded_uncertainty_mps / unit},
+         .value = context.current->gust_m_s / unit,
+         .expanded_uncertainty = context.input.attempt.current->expanded_uncertainty_m_s / unit},
         clause);
 }
 
@@ -119,12 +119,12 @@ Finding computation::opposite_runs(const Clause&, const ClauseContext& context) 
     return {RequirementStatus::met,
             fmt::format("two runs in opposite directions, {:.3f} km/h and {:.3f} km/h, within "
                         "{:.1f} s, at most {:g} s",
-                        context.windows.best->speed_mps * 3.6,
-                        context.windows.further.front().speed_mps * 3.6, to_s - from_s,
+                        context.windows.best->speed_m_s * 3.6,
+                        context.windows.further.front().speed_m_s * 3.6, to_s - from_s,
                         *context.profile.opposite_runs_within_s),
-            {{.name = "speed of the one", .value = context.windows.best->speed_mps, .unit = "m/s"},
+            {{.name = "speed of the one", .value = context.windows.best->speed_m_s, .unit = "m/s"},
              {.name = "speed of the other",
-              .value = context.windows.further.front().speed_mps,
+              .value = context.windows.further.front().speed_m_s,
               .unit = "m/s"},
              {.name = "time that holds both", .value = to_s - from_s, .unit = "s"}}};
 }
@@ -137,13 +137,13 @@ Finding computation::fastest_certifiable(const Clause&, const ClauseContext& con
     if (!indicated || indicated->refusals.empty())
         return {RequirementStatus::met,
                 "the fastest window that the recording shows could be certified"};
-    const double least_mps = best->speed_mps + 2.0 * best->standard_uncertainty_mps;
+    const double least_m_s = best->speed_m_s + 2.0 * best->standard_uncertainty_m_s;
     const std::string words =
         fmt::format("the recording shows {:.3f} km/h in a window that cannot be certified ({})",
-                    indicated->speed_mps * 3.6, fmt::join(indicated->refusals, ", "));
+                    indicated->speed_m_s * 3.6, fmt::join(indicated->refusals, ", "));
     std::vector<Figure> figures{
-        {.name = "fastest as recorded", .value = indicated->speed_mps, .unit = "m/s"}};
-    if (indicated->speed_mps <= least_mps)
+        {.name = "fastest as recorded", .value = indicated->speed_m_s, .unit = "m/s"}};
+    if (indicated->speed_m_s <= least_m_s)
         return {RequirementStatus::met, words + ", which is no faster than the certified one",
                 std::move(figures)};
     return {RequirementStatus::not_met, words + ": what the score would be is not known",

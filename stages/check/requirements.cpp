@@ -11,11 +11,11 @@
 namespace runcert {
 namespace {
 
-Figure speed_figure(std::string name, double speed_mps, const std::string& unit,
-                    std::optional<double> expanded_mps = std::nullopt) {
+Figure speed_figure(std::string name, double speed_m_s, const std::string& unit,
+                    std::optional<double> expanded_m_s = std::nullopt) {
     Figure figure{
-        .name = std::move(name), .value = speed_mps / metres_per_second(unit), .unit = unit};
-    if (expanded_mps) figure.expanded_uncertainty = *expanded_mps / metres_per_second(unit);
+        .name = std::move(name), .value = speed_m_s / metres_per_second(unit), .unit = unit};
+    if (expanded_m_s) figure.expanded_uncertainty = *expanded_m_s / metres_per_second(unit);
     return figure;
 }
 
@@ -49,14 +49,14 @@ double longest_stretch_s(const std::vector<TrajectoryEpoch>& rows) {
 
 /// Why there is no certifiable window.
 std::string no_window(const ClauseContext& context) {
-    const ReceiverEvidence& judged = context.input.judged;
+    const ReceiverResults& judged = context.input.judged;
     if (judged.screening.usable == 0) return nothing_usable(judged.screening);
     const std::string wanted = window_words(context.profile);
     std::string evidence =
         context.windows.missing.empty()
             ? fmt::format(
                   "no {} of the recording are without a break and without an unusable "
-                  "epoch, the longest stretch without a break having {:.3g} s",
+                  "epoch, the longest arc having {:.3g} s",
                   wanted, longest_stretch_s(judged.trajectory))
             : context.windows.missing;
     if (const auto& indicated = context.windows.indicated;
@@ -74,14 +74,14 @@ std::vector<Figure> crossing_figures(const ClauseContext& context) {
     const auto add = [&](const char* name, std::int64_t epoch, double time_s) {
         const auto& rows = context.input.judged.trajectory;
         const auto row = std::ranges::find(rows, epoch, &TrajectoryEpoch::epoch);
-        if (row == rows.end() || !row->sigma_east_m || !row->speed_mps) return;
+        if (row == rows.end() || !row->sigma_east_m || !row->speed_m_s) return;
         const double slow_m = best.bound ? best.bound->sigma_m : 0.0;
         const double position_m =
             std::hypot(std::max(*row->sigma_east_m, *row->sigma_north_m), slow_m);
         figures.push_back({.name = name,
                            .value = time_s,
                            .unit = "s",
-                           .expanded_uncertainty = 2.0 * position_m / *row->speed_mps,
+                           .expanded_uncertainty = 2.0 * position_m / *row->speed_m_s,
                            .note = "from the first epoch"});
     };
     const double start_s = best.span.start.seconds();
@@ -104,10 +104,10 @@ Finding by_receiver(const ClauseContext& context) {
                 "receiver \"{}\" gives {:.3f} km/h over the same {:.3f} s, {:+.3f} km/h "
                 "against the primary one (displacement over time); normalised error "
                 "{:.2f}, at most 1, with what the two do not share: noise, each receiver's own "
-                "slow error, antenna. They share base station, satellites, atmosphere, frame and "
+                "time-correlated error, antenna. They share base station, satellites, atmosphere, frame and "
                 "time scale",
-                receiver, agreement.other_mps * 3.6, context.windows.best->span.duration.seconds(),
-                (agreement.other_mps - agreement.judged_mps) * 3.6, agreement.normalised_error),
+                receiver, agreement.other_m_s * 3.6, context.windows.best->span.duration.seconds(),
+                (agreement.other_m_s - agreement.judged_m_s) * 3.6, agreement.normalised_error),
             {{.name = "normalised error of receiver " + receiver,
               .value = agreement.normalised_error}}};
 }
@@ -124,9 +124,9 @@ Finding by_declaration(const ClauseContext& context) {
         agreement.agrees() ? RequirementStatus::met : RequirementStatus::not_met,
         fmt::format("{} gives {:.3f} km/h +/- {:.3f} km/h, {:+.3f} km/h against the primary "
                     "method; normalised error {:.2f}, at most 1",
-                    agreement.method, agreement.other_mps * 3.6,
-                    agreement.other_expanded_uncertainty_mps * 3.6,
-                    (agreement.other_mps - agreement.judged_mps) * 3.6, agreement.normalised_error),
+                    agreement.method, agreement.other_m_s * 3.6,
+                    agreement.other_expanded_uncertainty_m_s * 3.6,
+                    (agreement.other_m_s - agreement.judged_m_s) * 3.6, agreement.normalised_error),
         {{.name = "normalised error of the second method", .value = agreement.normalised_error}}};
 }
 
@@ -168,28 +168,28 @@ Finding computation::window_complete(const Clause&, const ClauseContext& context
 }
 
 Finding computation::accuracy(const Clause&, const ClauseContext& context) {
-    if (!context.speed || !context.profile.accuracy_limit_mps)
+    if (!context.speed || !context.profile.accuracy_limit_m_s)
         return {RequirementStatus::not_met,
                 "there is no certifiable window whose accuracy could be stated"};
-    const double u = *context.expanded_uncertainty_mps;
-    const double bias_limit_mps = context.speed->bias_limit_mps;
-    const bool met = u <= *context.profile.accuracy_limit_mps;
+    const double u = *context.expanded_uncertainty_m_s;
+    const double bias_limit_m_s = context.speed->bias_limit_m_s;
+    const bool met = u <= *context.profile.accuracy_limit_m_s;
     const std::string& unit = context.profile.accuracy_unit;
     return {
         met ? RequirementStatus::met : RequirementStatus::not_met,
         fmt::format(
             "{:.3g} times the standard uncertainty{} is {}, the limit {}; {}",
             context.coverage_factor,
-            bias_limit_mps > 0.0 ? fmt::format(", and {} that choosing the window may have left,",
-                                               in_unit(bias_limit_mps, unit, 3))
+            bias_limit_m_s > 0.0 ? fmt::format(", and {} that choosing the window may have left,",
+                                               in_unit(bias_limit_m_s, unit, 3))
                                  : std::string(),
-            in_unit(u, unit, 3), in_unit(*context.profile.accuracy_limit_mps, unit, 3),
+            in_unit(u, unit, 3), in_unit(*context.profile.accuracy_limit_m_s, unit, 3),
             context.profile.speed_source == SpeedSource::velocity
                 ? "it rests on what the recording states of its velocities"
                 : "includes the bound on time-correlated errors and the worst undetected error "
                   "except drift"),
         {speed_figure("expanded uncertainty", u, unit),
-         speed_figure("limit", *context.profile.accuracy_limit_mps, unit)}};
+         speed_figure("limit", *context.profile.accuracy_limit_m_s, unit)}};
 }
 
 Finding computation::margin(const Clause&, const ClauseContext& context) {
@@ -197,8 +197,8 @@ Finding computation::margin(const Clause&, const ClauseContext& context) {
         return {RequirementStatus::attest, "the attempt names no record to beat"};
     if (!context.speed) return {RequirementStatus::not_met, "there is no certifiable window"};
     const std::string& unit = context.record->unit;
-    const double speed = context.speed->speed_mps;
-    const double u = *context.expanded_uncertainty_mps;
+    const double speed = context.speed->speed_m_s;
+    const double u = *context.expanded_uncertainty_m_s;
     const bool met = context.decision->probability >= context.decision->level;
     return {
         met ? RequirementStatus::met : RequirementStatus::not_met,
@@ -206,12 +206,12 @@ Finding computation::margin(const Clause&, const ClauseContext& context) {
             "measured speed {} +/- {}, required {}: conformance probability {} (at least {} "
             "required); acceptance limit {}",
             in_unit(speed, unit, 3), in_unit(u, unit, 3),
-            in_unit(context.target->speed_mps, unit, 3),
+            in_unit(context.required_speed->speed_m_s, unit, 3),
             probability_text(context.decision->probability), level_text(context.decision->level),
-            in_unit(context.decision->acceptance_limit_mps, unit, 3)),
+            in_unit(context.decision->acceptance_limit_m_s, unit, 3)),
         {speed_figure("speed", speed, unit, u),
-         speed_figure("required speed", context.target->speed_mps, unit,
-                      2.0 * context.target->standard_uncertainty_mps),
+         speed_figure("required speed", context.required_speed->speed_m_s, unit,
+                      2.0 * context.required_speed->standard_uncertainty_m_s),
          {.name = "probability that it is reached", .value = context.decision->probability}}};
 }
 
@@ -220,7 +220,7 @@ Finding computation::georeferenced(const Clause&, const ClauseContext& context) 
         return {RequirementStatus::met,
                 "WGS 84 positions, taken to a local frame without a grid's scale factor"};
     return {RequirementStatus::attest,
-            "the recording holds local-plane coordinates, not georeferenced: their unit "
+            "the recording holds engineering coordinates, not georeferenced: their unit "
             "must be the true metre on the ground"};
 }
 
@@ -255,8 +255,8 @@ Requirement decide_clause(const Clause& clause, const ClauseContext& context) {
             .figures = std::move(finding.figures)};
 }
 
-std::string in_unit(double speed_mps, const std::string& unit, int decimals) {
-    return fmt::format("{:.{}f} {}", speed_mps / metres_per_second(unit), decimals, unit);
+std::string in_unit(double speed_m_s, const std::string& unit, int decimals) {
+    return fmt::format("{:.{}f} {}", speed_m_s / metres_per_second(unit), decimals, unit);
 }
 
 }  // namespace runcert

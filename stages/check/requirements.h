@@ -10,7 +10,7 @@
 namespace runcert {
 
 /// The run that holds the window, and what the data say of the course; or why they say nothing.
-struct CourseEvidence {
+struct CourseFindings {
     std::optional<CourseFacts> facts;
     std::optional<CraftRun> run;
     std::string missing;
@@ -26,11 +26,11 @@ struct ClauseContext {
     double coverage_factor = 2.0;
     /// What the rule counts: of its windows, less the current where it subtracts that.
     std::optional<SpeedPosterior> speed = std::nullopt;
-    std::optional<double> expanded_uncertainty_mps = std::nullopt;
+    std::optional<double> expanded_uncertainty_m_s = std::nullopt;
     const Record* record = nullptr;
-    std::optional<Threshold> target = std::nullopt;
+    std::optional<Threshold> required_speed = std::nullopt;
     std::optional<Decision> decision = std::nullopt;
-    CourseEvidence course = {};
+    CourseFindings course = {};
     std::vector<std::string> witnesses = {};  ///< of the window, beside its positions, in words
     std::optional<FlowInWindow> wind = std::nullopt;
     std::optional<FlowInWindow> current = std::nullopt;
@@ -54,6 +54,6 @@ RUNCERT_EACH_COMPUTATION(RUNCERT_DECLARE)
 }  // namespace computation
 
 /// "232.172 km/h".
-std::string in_unit(double speed_mps, const std::string& unit, int decimals);
+std::string in_unit(double speed_m_s, const std::string& unit, int decimals);
 
 }  // namespace runcert

@@ -19,30 +19,30 @@ std::vector<std::string> at_bounds(const NoiseSummary& noise) {
         if (parameter.at_bound) names.push_back(std::move(name));
     };
     look(noise.jerk_density, "jerk density");
-    look(noise.measurement_scale, "scale of the stated accuracies");
+    look(noise.measurement_scale, "scale of the stated standard deviations");
     if (noise.acceleration_time_s)
         look(*noise.acceleration_time_s, "correlation time of the acceleration");
-    if (noise.error_diffusion) look(*noise.error_diffusion, "size of the slow error");
-    if (noise.error_tau_s) look(*noise.error_tau_s, "correlation time of the slow error");
+    if (noise.error_diffusion) look(*noise.error_diffusion, "size of the time-correlated error");
+    if (noise.error_tau_s) look(*noise.error_tau_s, "correlation time of the time-correlated error");
     return names;
 }
 
 /// Why nothing was fitted, and what stands in its place.
 std::string not_fitted(const NoiseSummary& noise, const std::string& axes) {
     const std::string instead = fmt::format(
-        "the stated accuracies times {:.2f} and a jerk density of {:.3g} m s^-2.5 were used",
+        "the stated standard deviations times {:.2f} and a jerk density of {:.3g} m s^-2.5 were used",
         noise.measurement_scale.value, noise.jerk_density.value);
     if (noise.status == NoiseBasis::too_few_epochs)
         return fmt::format(
-            "The {} noise could not be learnt from the recording, which has {} usable epochs where "
+            "The {} noise could not be estimated from the recording, which has {} usable epochs where "
             "{} are needed: {}.",
             axes, noise.epochs, noise.epochs_needed, instead);
     if (noise.status == NoiseBasis::constant_positions)
         return fmt::format(
-            "The {} noise could not be learnt from the recording, whose positions are all the "
+            "The {} noise could not be estimated from the recording, whose positions are all the "
             "same: {}.",
             axes, instead);
-    return fmt::format("The {} noise was not learnt from the recording, as the attempt asks: {}.",
+    return fmt::format("The {} noise was not estimated from the recording, as the attempt asks: {}.",
                        axes, instead);
 }
 
@@ -52,36 +52,36 @@ void add_fit(const NoiseSummary& noise, const std::string& axes, Statements& sta
         return;
     }
     statements.push_back(fmt::format(
-        "The {} noise was learnt from {} epochs: {:.2f} times the stated accuracies (root mean "
+        "The {} noise was estimated from {} epochs: {:.2f} times the stated standard deviations (root mean "
         "square {:.1f} mm), jerk density {:.3g} m s^-2.5{} as one for all of it. The trajectory "
         "takes the larger of that and what the motion shows there.",
         axes, noise.epochs, noise.measurement_scale.value, noise.stated_sigma_m * 1e3,
         noise.jerk_density.value,
         noise.acceleration_time_s
-            ? fmt::format(", acceleration that lasts {:.2g} s", noise.acceleration_time_s->value)
+            ? fmt::format(", correlation time of the acceleration {:.2g} s", noise.acceleration_time_s->value)
             : std::string()));
     if (!noise.correlated_error_detected)
         statements.push_back(fmt::format(
-            "A slowly varying error of the {} positions could not be told from their white noise "
+            "A time-correlated error of the {} positions could not be separated from their white noise "
             "and the motion: its bound decides.",
             axes));
     else if (!noise.error_tau_s->relative_uncertainty)
         statements.push_back(fmt::format(
-            "The {} positions have a slowly varying error that wanders by {:.1f} mm in the first "
+            "The {} positions have a time-correlated error that wanders by {:.1f} mm in the first "
             "second; its size and its correlation time cannot be separated with these data.",
             axes, noise.error_diffusion->value * 1e3));
     else
         statements.push_back(fmt::format(
-            "The {} positions have a slowly varying error of {:.1f} mm with a correlation time of "
+            "The {} positions have a time-correlated error of {:.1f} mm with a correlation time of "
             "{:.1f} s.",
             axes, noise.error_sigma_m->value * 1e3, noise.error_tau_s->value));
     if (const auto names = at_bounds(noise); !names.empty())
         statements.push_back(fmt::format(
-            "In learning the {} noise the search ended at a limit of its range for: {}.", axes,
+            "In estimating the {} noise the search ended at a limit of its range for: {}.", axes,
             fmt::join(names, ", ")));
     if (!noise.converged)
         statements.push_back(fmt::format(
-            "In learning the {} noise the search was stopped before it converged.", axes));
+            "In estimating the {} noise the search was stopped before it converged.", axes));
 }
 
 void add_health(const FilterHealth& health, const std::string& axes, Statements& statements) {
@@ -93,11 +93,10 @@ void add_health(const FilterHealth& health, const std::string& axes, Statements&
             health.autocorrelation > 0.0
                 ? "the positions look as if the device had filtered them, which hides how they err"
                 : "the positions look as if the device had filtered them, or their errors change "
-                  "along the recording more than their stated accuracies say"));
+                  "along the recording more than their stated standard deviations say"));
     if (!health.consistent)
         statements.push_back(fmt::format(
-            "The size of the {} innovations changes along the recording more than the stated "
-            "accuracies say: {} of {} spans are outside their limits, where chance allows {}.",
+            "The size of the {} innovations changes along the recording more than the stated standard deviations say: {} of {} spans are outside their limits, where chance allows {}.",
             axes, health.spans_outside, health.spans, health.spans_allowed));
     if (health.repaired > 0)
         statements.push_back(fmt::format(
@@ -117,7 +116,7 @@ void add_records(const RecordCount& records, Statements& statements) {
             : std::string("them")));
 }
 
-void add_accuracy(const ReceiverEvidence& judged, Statements& statements) {
+void add_accuracy(const ReceiverResults& judged, Statements& statements) {
     if (judged.accuracy_source == "none") {
         statements.push_back(
             "Neither the recording nor the attempt states an accuracy: nothing can be certified "
@@ -125,7 +124,7 @@ void add_accuracy(const ReceiverEvidence& judged, Statements& statements) {
         return;
     }
     statements.push_back(
-        fmt::format("Stated accuracies come from the {}.", judged.accuracy_source));
+        fmt::format("Stated standard deviations come from the {}.", judged.accuracy_source));
     const NoiseSummary& noise = judged.estimation.horizontal.noise;
     if (noise.stated_all_equal && noise.epochs > 1)
         statements.push_back(fmt::format(
@@ -134,7 +133,7 @@ void add_accuracy(const ReceiverEvidence& judged, Statements& statements) {
 }
 
 /// Where [GUM] and [GUM-S1] do not agree.
-void add_propagation(const ReceiverEvidence& judged, Statements& statements) {
+void add_propagation(const ReceiverResults& judged, Statements& statements) {
     for (const ProfileWindows& windows : judged.windows.profiles) {
         if (!windows.best || !windows.best->monte_carlo) continue;
         const MonteCarloCheck& check = *windows.best->monte_carlo;
@@ -147,21 +146,21 @@ void add_propagation(const ReceiverEvidence& judged, Statements& statements) {
             statements.push_back(fmt::format(
                 "Under {} the check of linearisation gives a standard uncertainty of {:.4f} m/s "
                 "where the law of propagation gives {:.4f} m/s.",
-                windows.profile, check.standard_uncertainty_mps,
-                windows.best->standard_uncertainty_mps));
+                windows.profile, check.standard_uncertainty_m_s,
+                windows.best->standard_uncertainty_m_s));
         else if (!linear.interval_agrees && !linear.interval_holds)
             statements.push_back(fmt::format(
                 "Under {} the check of linearisation gives a 95 % interval of {:.4f} m/s to {:.4f} "
                 "m/s where the law of propagation gives {:.4f} m/s to {:.4f} m/s.",
-                windows.profile, check.lower_mps, check.upper_mps, linear.lower_mps,
-                linear.upper_mps));
+                windows.profile, check.lower_m_s, check.upper_m_s, linear.lower_m_s,
+                linear.upper_m_s));
     }
 }
 
 void add_recording(const RecordingFacts& facts, Statements& statements) {
     if (!facts.georeferenced)
         statements.push_back(
-            "Not georeferenced: the coordinates are those of a local plane, whose place, "
+            "Not georeferenced: the coordinates are those of an engineering CRS, whose place, "
             "orientation and scale on the Earth are not stated.");
     if (!facts.vertical_measured)
         statements.push_back("Heights were not measured: the estimate is in the plane.");
@@ -173,21 +172,21 @@ void add_recording(const RecordingFacts& facts, Statements& statements) {
             "the date of the recording.");
 }
 
-void add_kinds(const std::vector<FixKindEvidence>& kinds, Statements& statements) {
-    for (const FixKindEvidence& kind : kinds) {
-        if (kind.judgement != AccuracyJudgement::too_good &&
-            kind.judgement != AccuracyJudgement::too_bad)
+void add_kinds(const std::vector<FixTypeErrors>& kinds, Statements& statements) {
+    for (const FixTypeErrors& kind : kinds) {
+        if (kind.judgement != AccuracyJudgement::optimistic &&
+            kind.judgement != AccuracyJudgement::pessimistic)
             continue;
         statements.push_back(fmt::format(
             "The {} accuracies stated for {} solutions are {}: the errors that the epochs show "
             "against one another are {:.2f} times as large.",
             to_text(kind.axes), to_text(kind.fix),
-            kind.judgement == AccuracyJudgement::too_good ? "too good" : "too bad",
+            kind.judgement == AccuracyJudgement::optimistic ? "optimistic" : "pessimistic",
             std::sqrt(kind.variance_factor)));
     }
 }
 
-void add_time(const TimeEvidence& time, Statements& statements) {
+void add_time(const TimeStampSummary& time, Statements& statements) {
     if (time.sessions > 1)
         statements.push_back(
             fmt::format("The recording holds {} sessions, which were not joined.", time.sessions));
@@ -205,7 +204,7 @@ void add_time(const TimeEvidence& time, Statements& statements) {
             time.rate_deviation));
 }
 
-void add_velocity(const VelocityEvidence& velocity, Statements& statements) {
+void add_velocity(const VelocityComparison& velocity, Statements& statements) {
     if (velocity.compared == 0) {
         statements.push_back("The recorded velocities could not be compared with the positions.");
         return;
@@ -217,11 +216,11 @@ void add_velocity(const VelocityEvidence& velocity, Statements& statements) {
     statements.push_back(fmt::format(
         "The recorded velocities of {} epochs agree with the motion to {:.3f} m/s per axis, {}; "
         "{} epochs contradicted them and were left out.",
-        velocity.compared, velocity.scale_mps, delay, velocity.rejected));
+        velocity.compared, velocity.scale_m_s, delay, velocity.rejected));
 }
 
 /// What the other receiver says of this one's positions.
-void add_baseline(const BaselineEvidence& baseline, Statements& statements) {
+void add_baseline(const BaselineComparison& baseline, Statements& statements) {
     if (baseline.compared == 0) {
         statements.push_back(fmt::format(
             "The positions of receiver \"{}\" could not be compared with this one's: no epochs at "
@@ -239,8 +238,8 @@ void add_baseline(const BaselineEvidence& baseline, Statements& statements) {
             : "."));
 }
 
-/// From positions alone a slow drift cannot be told from motion: what stands against it is said.
-void add_drift(const ReceiverEvidence& judged, Statements& statements) {
+/// From positions alone a drift cannot be told from motion: what stands against it is said.
+void add_drift(const ReceiverResults& judged, Statements& statements) {
     const bool velocities = judged.tests.velocity && judged.tests.velocity->compared > 0;
     for (const ProfileWindows& windows : judged.windows.profiles) {
         if (!windows.best) continue;
@@ -253,7 +252,7 @@ void add_drift(const ReceiverEvidence& judged, Statements& statements) {
                 velocities
                     ? fmt::format("the recorded velocities, which agree to {:.3f} m/s per "
                                   "axis, stand against a slower one",
-                                  judged.tests.velocity->scale_mps)
+                                  judged.tests.velocity->scale_m_s)
                     : std::string("the recording has no velocities to check a slower one: "
                                   "from the fix type, the budget assumes no drift beyond its "
                                   "time-correlated error")));
@@ -272,40 +271,40 @@ void add_undetected(const CheckInput& input, Statements& statements) {
         const CertifiableWindow& best = *windows.best;
         const auto row = std::find_if(best.budget.begin(), best.budget.end(),
                                       [](const BudgetRow& each) { return each.symbol == "d"; });
-        if (row == best.budget.end() || !(row->contribution_mps > 0.0)) continue;
-        const double error_mps = std::sqrt(3.0) * row->contribution_mps;
-        const double expanded_mps =
-            expanded_uncertainty_by_rule_mps(best, profile->coverage_factor);
-        const double other_mps =
-            std::sqrt(std::max(best.standard_uncertainty_mps * best.standard_uncertainty_mps -
-                                   row->contribution_mps * row->contribution_mps,
+        if (row == best.budget.end() || !(row->contribution_m_s > 0.0)) continue;
+        const double error_m_s = std::sqrt(3.0) * row->contribution_m_s;
+        const double expanded_m_s =
+            expanded_uncertainty_by_rule_m_s(best, profile->coverage_factor);
+        const double other_m_s =
+            std::sqrt(std::max(best.standard_uncertainty_m_s * best.standard_uncertainty_m_s -
+                                   row->contribution_m_s * row->contribution_m_s,
                                1e-18));
-        const double held = normal_cdf((expanded_mps - error_mps) / other_mps) -
-                            normal_cdf((-expanded_mps - error_mps) / other_mps);
+        const double held = normal_cdf((expanded_m_s - error_m_s) / other_m_s) -
+                            normal_cdf((-expanded_m_s - error_m_s) / other_m_s);
         statements.push_back(fmt::format(
-            "Under {}, an error that screening could have missed changes the speed by at most "
+            "Under {}, an undetected error changes the speed by at most "
             "{:.4f} m/s. The budget takes it as equally likely anywhere up to that, so that the "
             "interval is one for all runs; in a run that has the largest of them it holds the true "
             "speed with a probability of {:.0f} %.",
-            windows.profile, error_mps, std::floor(100.0 * held)));
+            windows.profile, error_m_s, std::floor(100.0 * held)));
     }
 }
 
-void add_screening(const ReceiverEvidence& judged, Statements& statements) {
-    const ScreeningEvidence& tests = judged.tests;
+void add_screening(const ReceiverResults& judged, Statements& statements) {
+    const ScreeningBasis& tests = judged.tests;
     statements.push_back(fmt::format(
         "Every epoch was tested for outliers, bursts, steps, drifts, shifts of its time stamp and, "
         "so that motion is not taken for them, sudden changes of acceleration: "
-        "{} tests, which together mark anything in a recording without a wrong epoch with a "
+        "{} tests, which together mark anything in a recording without an outlier with a "
         "probability of at most {:g}.",
         tests.tests, tests.family_false_alarm_rate));
     for (const ScreeningModel& model : tests.models)
         if (model.noise != NoiseBasis::fitted)
             statements.push_back(fmt::format(
-                "The {} tests rest on the stated accuracies times {:.2f}, not on noise learnt from "
+                "The {} tests rest on the stated standard deviations times {:.2f}, not on noise estimated from "
                 "the recording.",
                 to_text(model.axes), model.measurement_scale));
-    add_kinds(tests.fix_kinds, statements);
+    add_kinds(tests.fix_types, statements);
     add_time(tests.time, statements);
     if (tests.velocity) add_velocity(*tests.velocity, statements);
     if (tests.baseline) add_baseline(*tests.baseline, statements);
@@ -315,7 +314,7 @@ void add_screening(const ReceiverEvidence& judged, Statements& statements) {
 }  // namespace
 
 std::vector<std::string> statements_of(const CheckInput& input) {
-    const ReceiverEvidence& judged = input.judged;
+    const ReceiverResults& judged = input.judged;
     Statements statements{
         "The uncertainty is the combination of the sources in the budget, one row each. Position "
         "errors that vary slowly over the window are covered up to the size and for the "

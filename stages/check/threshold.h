@@ -12,7 +12,7 @@ enum class RoundingMode { truncate, nearest, up };
 /// takes the upper one.
 struct DecimalRounding {
     RoundingMode mode = RoundingMode::nearest;
-    double unit_mps = 1.0;  ///< metres per second in the unit
+    double unit_m_s = 1.0;  ///< metres per second in the unit
     int decimals = 0;       ///< 0 to 9
 };
 
@@ -26,15 +26,15 @@ struct MarginRule {
 };
 
 struct StandingRecord {
-    double speed_mps = 0.0;
-    double expanded_uncertainty_mps = 0.0;  ///< k = 2; 0 where none is stated
+    double speed_m_s = 0.0;
+    double expanded_uncertainty_m_s = 0.0;  ///< k = 2; 0 where none is stated
 };
 
 /// The required speed.
 struct Threshold {
-    double speed_mps = 0.0;
+    double speed_m_s = 0.0;
     /// From the record's own; 0 where it has none or its upper limit was taken.
-    double standard_uncertainty_mps = 0.0;
+    double standard_uncertainty_m_s = 0.0;
 };
 
 /// The required speed over a record r (its upper limit, where the rule says so): r + value,
@@ -54,6 +54,6 @@ Threshold threshold_of(const MarginRule& rule, const StandingRecord& record);
 /// same figure read from text and converted is equal to it. Failure (at "rounding") for numbers
 /// that are not finite, a negative speed, a unit not above 0, decimals outside 0 to 9, or a figure
 /// of more than 15 digits.
-double rounded_speed(double speed_mps, const DecimalRounding& rounding);
+double rounded_speed(double speed_m_s, const DecimalRounding& rounding);
 
 }  // namespace runcert

@@ -22,13 +22,13 @@ Vector2d unit_towards(double direction_deg) {
 
 /// Where the air or the water moves to, m/s towards east and north.
 Vector2d velocity_of(const FlowSample& sample, FlowKind kind) {
-    return (kind == FlowKind::wind ? -1.0 : 1.0) * sample.speed_mps *
+    return (kind == FlowKind::wind ? -1.0 : 1.0) * sample.speed_m_s *
            unit_towards(sample.direction_deg);
 }
 
 struct FlowAt {
     double time_s = 0.0;
-    Vector2d velocity_mps;
+    Vector2d velocity_m_s;
 };
 
 FlowAt between(const FlowSample& a, const FlowSample& b, FlowKind kind, double time_s) {
@@ -71,11 +71,11 @@ std::vector<FlowAt> flow_over(const FlowSeries& series, FlowKind kind, double st
 
 Vector2d time_mean(const std::vector<FlowAt>& flow) {
     const double duration_s = flow.back().time_s - flow.front().time_s;
-    if (duration_s == 0.0) return flow.front().velocity_mps;
+    if (duration_s == 0.0) return flow.front().velocity_m_s;
     Vector2d sum = Vector2d::Zero();
     for (std::size_t i = 1; i < flow.size(); ++i)
         sum += 0.5 * (flow[i].time_s - flow[i - 1].time_s) *
-               (flow[i - 1].velocity_mps + flow[i].velocity_mps);
+               (flow[i - 1].velocity_m_s + flow[i].velocity_m_s);
     return sum / duration_s;
 }
 
@@ -114,13 +114,13 @@ FlowInWindow flow_in_window(const FlowSeries& series, FlowKind kind, double star
 
     const std::vector<FlowAt> flow = flow_over(series, kind, start_s, end_s, from, to);
     for (const FlowAt& one : flow)
-        result.gust_mps = std::max(result.gust_mps, one.velocity_mps.norm());
+        result.gust_m_s = std::max(result.gust_m_s, one.velocity_m_s.norm());
     const Vector2d mean = time_mean(flow);
     const Vector2d ahead = unit_towards(heading_deg);
-    result.mean_mps = mean.norm();
+    result.mean_m_s = mean.norm();
     result.direction_deg = direction_of(mean, kind);
-    result.along_mps = mean.dot(ahead);
-    result.across_mps = mean.dot(Vector2d(ahead.y(), -ahead.x()));
+    result.along_m_s = mean.dot(ahead);
+    result.across_m_s = mean.dot(Vector2d(ahead.y(), -ahead.x()));
     result.samples = std::ranges::count_if(samples, [&](const FlowSample& sample) {
         return sample.time_s >= start_s && sample.time_s <= end_s;
     });

@@ -16,7 +16,7 @@ enum class FlowKind { wind, current };
 /// A measurement of wind or of current.
 struct FlowSample {
     double time_s = 0.0;  ///< from the recording's first epoch
-    double speed_mps = 0.0;
+    double speed_m_s = 0.0;
     double direction_deg = 0.0;  ///< from north over east
 };
 
@@ -41,11 +41,11 @@ FlowSeries read_flow(std::string_view text, const std::string& where,
 
 /// What a series says of a window.
 struct FlowInWindow {
-    double mean_mps = 0.0;       ///< of the vector mean
-    double gust_mps = 0.0;       ///< largest speed of a sample, or interpolated at an end
+    double mean_m_s = 0.0;       ///< of the vector mean
+    double gust_m_s = 0.0;       ///< largest speed of a sample, or interpolated at an end
     double direction_deg = 0.0;  ///< of the vector mean, as the series gives it; 0 up to 360
-    double along_mps = 0.0;      ///< component that moves with the craft, against it negative
-    double across_mps = 0.0;     ///< component that moves to the craft's right
+    double along_m_s = 0.0;      ///< component that moves with the craft, against it negative
+    double across_m_s = 0.0;     ///< component that moves to the craft's right
     std::int64_t samples = 0;    ///< in the window, ends included
     std::string missing;         ///< why it says nothing; empty where it does
 };

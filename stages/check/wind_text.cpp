@@ -12,7 +12,7 @@
 namespace runcert {
 namespace {
 
-constexpr double largest_mps = 150.0;
+constexpr double largest_m_s = 150.0;
 constexpr std::array<std::string_view, 7> known_columns = {
     "time", "time_gps", "time_s", "speed_m_s", "speed_kn", "speed_km_h", "direction_deg"};
 
@@ -147,15 +147,15 @@ double read_number(const FlowCell& cell, std::string_view meaning) {
     return *number;
 }
 
-double read_speed_mps(const FlowCell& cell, double mps_per_unit) {
-    const double speed_mps = read_number(cell, "speed") * mps_per_unit;
-    if (speed_mps < 0.0)
+double read_speed_m_s(const FlowCell& cell, double mps_per_unit) {
+    const double speed_m_s = read_number(cell, "speed") * mps_per_unit;
+    if (speed_m_s < 0.0)
         cell.fail(fmt::format("the speed {} is negative", cell.quoted()),
                   "A speed is 0 or more; the direction says which way");
-    if (speed_mps > largest_mps)
-        cell.fail(fmt::format("the speed {} is above {} m/s", cell.quoted(), largest_mps),
+    if (speed_m_s > largest_m_s)
+        cell.fail(fmt::format("the speed {} is above {} m/s", cell.quoted(), largest_m_s),
                   "Correct it, or the unit in the column's name");
-    return speed_mps;
+    return speed_m_s;
 }
 
 double read_direction_deg(const FlowCell& cell) {
@@ -189,7 +189,7 @@ FlowSeries read_flow(std::string_view text, const std::string& where,
         const FlowCell& time = cells[columns.time];
         const FlowSample sample{
             .time_s = read_time_s(time, columns.time_name, first_epoch),
-            .speed_mps = read_speed_mps(cells[columns.speed], columns.mps_per_unit),
+            .speed_m_s = read_speed_m_s(cells[columns.speed], columns.mps_per_unit),
             .direction_deg = read_direction_deg(cells[columns.direction])};
         if (!series.samples.empty() && sample.time_s <= series.samples.back().time_s)
             time.fail(

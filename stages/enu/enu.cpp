@@ -45,25 +45,25 @@ StatedAccuracy accuracy_of(const Eigen::Matrix3d& covariance, bool vertical) {
 }
 
 void rotate_velocity(const RecordedVelocity& from, const Eigen::Matrix3d& rotation, EnuEpoch& to) {
-    if (!from.recorded_velocity_east_mps || !from.recorded_velocity_north_mps) return;
+    if (!from.recorded_velocity_east_m_s || !from.recorded_velocity_north_m_s) return;
     const Eigen::Vector3d velocity =
-        rotation * Eigen::Vector3d(*from.recorded_velocity_east_mps,
-                                   *from.recorded_velocity_north_mps,
-                                   from.recorded_velocity_up_mps.value_or(0.0));
-    to.recorded_velocity_east_mps = velocity.x();
-    to.recorded_velocity_north_mps = velocity.y();
-    if (from.recorded_velocity_up_mps) to.recorded_velocity_up_mps = velocity.z();
-    if (!from.sigma_recorded_velocity_east_mps || !from.sigma_recorded_velocity_north_mps) return;
+        rotation * Eigen::Vector3d(*from.recorded_velocity_east_m_s,
+                                   *from.recorded_velocity_north_m_s,
+                                   from.recorded_velocity_up_m_s.value_or(0.0));
+    to.recorded_velocity_east_m_s = velocity.x();
+    to.recorded_velocity_north_m_s = velocity.y();
+    if (from.recorded_velocity_up_m_s) to.recorded_velocity_up_m_s = velocity.z();
+    if (!from.sigma_recorded_velocity_east_m_s || !from.sigma_recorded_velocity_north_m_s) return;
     const Eigen::Vector3d variance =
-        Eigen::Vector3d(*from.sigma_recorded_velocity_east_mps,
-                        *from.sigma_recorded_velocity_north_mps,
-                        from.sigma_recorded_velocity_up_mps.value_or(0.0))
+        Eigen::Vector3d(*from.sigma_recorded_velocity_east_m_s,
+                        *from.sigma_recorded_velocity_north_m_s,
+                        from.sigma_recorded_velocity_up_m_s.value_or(0.0))
             .cwiseAbs2();
     const Eigen::Matrix3d rotated = rotation * variance.asDiagonal() * rotation.transpose();
-    to.sigma_recorded_velocity_east_mps = std::sqrt(rotated(0, 0));
-    to.sigma_recorded_velocity_north_mps = std::sqrt(rotated(1, 1));
-    if (from.sigma_recorded_velocity_up_mps)
-        to.sigma_recorded_velocity_up_mps = std::sqrt(rotated(2, 2));
+    to.sigma_recorded_velocity_east_m_s = std::sqrt(rotated(0, 0));
+    to.sigma_recorded_velocity_north_m_s = std::sqrt(rotated(1, 1));
+    if (from.sigma_recorded_velocity_up_m_s)
+        to.sigma_recorded_velocity_up_m_s = std::sqrt(rotated(2, 2));
 }
 
 EnuEpoch carried_over(const Observation& row) {
@@ -89,7 +89,7 @@ EnuEpoch from_the_earth(const Observation& row, const LocalFrame& frame, bool ve
     if (!has_position(row)) return epoch;
     const Geodetic position = position_of(row);
     const Eigen::Vector3d enu = frame.enu_from_geodetic(position).m;
-    if (enu.norm() > max_distance_m && row.fix != FixKind::none)
+    if (enu.norm() > max_distance_m && row.fix != FixType::none)
         throw Failure(row.source_line ? fmt::format("line {} of the recording", *row.source_line)
                                       : fmt::format("epoch {}", row.epoch),
                       fmt::format("the position is {:.0f} km from the origin of the local frame",
@@ -113,8 +113,8 @@ EnuEpoch from_the_earth(const Observation& row, const LocalFrame& frame, bool ve
 
 bool FirstPosition::see(const Observation& row) {
     if (!has_position(row)) return true;
-    if (row.fix == FixKind::fixed) fixed_ = position_of(row);
-    if (!any_ && row.fix != FixKind::none) any_ = position_of(row);
+    if (row.fix == FixType::fixed) fixed_ = position_of(row);
+    if (!any_ && row.fix != FixType::none) any_ = position_of(row);
     return !fixed_;
 }
 
@@ -124,8 +124,8 @@ ToLocalFrame::ToLocalFrame(const RecordingFacts& facts, const std::optional<Geod
     if (!facts.georeferenced) {
         if (stated)
             throw Failure("origin",
-                          "an origin on the Earth is stated, but the recording's coordinates are "
-                          "those of a local plane",
+                          "a geodetic origin is stated, but the recording's coordinates are "
+                          "those of an engineering CRS",
                           "Remove `origin:`, or state the coordinates' real frame");
         return;
     }

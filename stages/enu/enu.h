@@ -23,11 +23,11 @@ class FirstPosition {
 ///
 /// WGS 84 positions become local east, north, up (m) at an origin; stated covariances and recorded
 /// velocities are rotated from the east-north-up of each position to that of the origin.
-/// Local-plane coordinates pass through unchanged and stay declared as not georeferenced.
+/// Engineering coordinates pass through unchanged and stay declared as not georeferenced.
 class ToLocalFrame {
   public:
     /// `stated` is the attempt's origin; where there is none, `first` is the recording's first
-    /// position. Failure for local-plane coordinates with a stated origin, and for others without
+    /// position. Failure for engineering coordinates with a stated origin, and for others without
     /// any.
     ToLocalFrame(const RecordingFacts& facts, const std::optional<Geodetic>& stated,
                  const std::optional<Geodetic>& first);

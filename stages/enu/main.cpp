@@ -30,7 +30,7 @@ void convert(StageRun& run, const Receiver& receiver) {
                                       head.origin->position.latitude.degrees(),
                                       head.origin->position.longitude.degrees(),
                                       head.origin->position.height_m)
-                        : std::string("local plane: not georeferenced"));
+                        : std::string("engineering CRS: not georeferenced"));
 }
 
 }  // namespace

@@ -14,12 +14,12 @@ void note_origins_of_head(const Receiver& receiver, Observations& head) {
 
 void note_origins(const Receiver& receiver, Observations& observations) {
     note_origins_of_head(receiver, observations);
-    FixKind claimed = FixKind::unknown;
+    FixType claimed = FixType::unknown;
     from_text(receiver.solution, claimed);
     bool stated = false;
     bool missing = false;
     for (Observation& row : observations.rows) {
-        if (row.fix != FixKind::unknown) {
+        if (row.fix != FixType::unknown) {
             stated = true;
             continue;
         }
@@ -27,7 +27,7 @@ void note_origins(const Receiver& receiver, Observations& observations) {
         row.fix = claimed;
     }
     if (missing)
-        observations.solution_source = claimed != FixKind::unknown ? SolutionSource::attempt
+        observations.solution_source = claimed != FixType::unknown ? SolutionSource::attempt
                                        : stated                    ? SolutionSource::partly
                                                                    : SolutionSource::unknown;
 }

@@ -92,22 +92,22 @@ void set_radial_accuracy(StatedAccuracy& row, double radial_m) {
     row.sigma_east_m = row.sigma_north_m = radial_m / std::sqrt(2.0);
 }
 
-void set_velocity(RecordedVelocity& row, double east_mps, double north_mps) {
-    row.recorded_velocity_east_mps = east_mps;
-    row.recorded_velocity_north_mps = north_mps;
+void set_velocity(RecordedVelocity& row, double east_m_s, double north_m_s) {
+    row.recorded_velocity_east_m_s = east_m_s;
+    row.recorded_velocity_north_m_s = north_m_s;
 }
 
-void set_velocity(RecordedVelocity& row, double speed_mps, Angle course) {
-    set_velocity(row, speed_mps * std::sin(course.radians()),
-                 speed_mps * std::cos(course.radians()));
+void set_velocity(RecordedVelocity& row, double speed_m_s, Angle course) {
+    set_velocity(row, speed_m_s * std::sin(course.radians()),
+                 speed_m_s * std::cos(course.radians()));
 }
 
-void set_velocity_accuracy(RecordedVelocity& row, double speed_sigma_mps, int axes) {
-    if (!(speed_sigma_mps > 0.0) || !std::isfinite(speed_sigma_mps)) return;
-    const double each_mps = speed_sigma_mps / std::sqrt(static_cast<double>(axes));
-    if (row.recorded_velocity_east_mps) row.sigma_recorded_velocity_east_mps = each_mps;
-    if (row.recorded_velocity_north_mps) row.sigma_recorded_velocity_north_mps = each_mps;
-    if (row.recorded_velocity_up_mps && axes == 3) row.sigma_recorded_velocity_up_mps = each_mps;
+void set_velocity_accuracy(RecordedVelocity& row, double speed_sigma_m_s, int axes) {
+    if (!(speed_sigma_m_s > 0.0) || !std::isfinite(speed_sigma_m_s)) return;
+    const double each_m_s = speed_sigma_m_s / std::sqrt(static_cast<double>(axes));
+    if (row.recorded_velocity_east_m_s) row.sigma_recorded_velocity_east_m_s = each_m_s;
+    if (row.recorded_velocity_north_m_s) row.sigma_recorded_velocity_north_m_s = each_m_s;
+    if (row.recorded_velocity_up_m_s && axes == 3) row.sigma_recorded_velocity_up_m_s = each_m_s;
 }
 
 StatedAccuracy accuracy_from_covariance(const Eigen::Matrix3d& covariance_m2) {

@@ -34,14 +34,14 @@ void set_position(Observation& row, const Geodetic& position);
 void set_radial_accuracy(StatedAccuracy& row, double radial_m);
 
 /// Puts a recorded velocity (m/s) into a row.
-void set_velocity(RecordedVelocity& row, double east_mps, double north_mps);
+void set_velocity(RecordedVelocity& row, double east_m_s, double north_m_s);
 /// From speed over ground (m/s) and course, clockwise from true north.
-void set_velocity(RecordedVelocity& row, double speed_mps, Angle course);
+void set_velocity(RecordedVelocity& row, double speed_m_s, Angle course);
 
 /// Puts the accuracy of a recorded velocity into a row: of its length in `axes` (2 or 3)
 /// dimensions, root sum square of the coordinates', of which each is given 1/sqrt(axes). Only
 /// velocities that are there are given one. Not positive or not finite is unknown.
-void set_velocity_accuracy(RecordedVelocity& row, double speed_sigma_mps, int axes);
+void set_velocity_accuracy(RecordedVelocity& row, double speed_sigma_m_s, int axes);
 
 /// Standard deviations and correlations of a covariance (m^2, towards east, north, up). A
 /// variance that is not positive leaves its deviation and correlations empty. A correlation

@@ -8,14 +8,14 @@
 
 namespace runcert {
 
-FixKind read_rtklib_quality(const Cell& cell) {
-    static constexpr std::array<FixKind, 8> kinds{
-        FixKind::none,   FixKind::fixed, FixKind::float_ambiguities, FixKind::sbas, FixKind::dgps,
-        FixKind::single, FixKind::ppp,   FixKind::dead_reckoning};
+FixType read_rtklib_quality(const Cell& cell) {
+    static constexpr std::array<FixType, 8> kinds{
+        FixType::none,   FixType::fixed, FixType::float_ambiguities, FixType::sbas, FixType::dgps,
+        FixType::single, FixType::ppp,   FixType::dead_reckoning};
     const std::optional<double> value = parse_double(cell.text);
     for (std::size_t i = 0; i < kinds.size(); ++i)
         if (value == static_cast<double>(i)) return kinds[i];
-    cell.fail(fmt::format("Q \"{}\" is not a kind of solution", escape_for_message(cell.text)),
+    cell.fail(fmt::format("Q \"{}\" is not a fix type", escape_for_message(cell.text)),
               "RTKLIB writes 1 fixed, 2 float, 3 SBAS, 4 DGPS, 5 single, 6 PPP, 7 dead reckoning, "
               "0 none");
 }

@@ -5,9 +5,9 @@
 
 namespace runcert {
 
-/// The kind of solution of RTKLIB's number Q, 0 to 7, which may be printed as "1.0000000".
+/// The fix type of RTKLIB's number Q, 0 to 7, which may be printed as "1.0000000".
 /// Failure at the cell for any other text.
-FixKind read_rtklib_quality(const Cell& cell);
+FixType read_rtklib_quality(const Cell& cell);
 
 /// A count of satellites, 0 to 1000. Failure at the cell for anything else.
 std::int16_t read_satellites(const Cell& cell);

@@ -5,8 +5,8 @@
 
 #include "schemas/attempt/attempt.h"
 #include "schemas/observations/observations.h"
-#include "stages/import/finish.h"
 #include "stages/import/recording.h"
+#include "stages/import/row_collector.h"
 
 namespace runcert {
 
@@ -26,7 +26,7 @@ struct Format {
     /// Null where other programs make observations of it.
     Observations (*read)(const Receiver&, const RecordingBytes&) = nullptr;
     /// For formats that a recording of very many epochs comes in.
-    RowByRow (*read_row_by_row)(const Receiver&, const RecordingBytes&) = nullptr;
+    StreamedRecording (*read_streamed)(const Receiver&, const RecordingBytes&) = nullptr;
 };
 
 /// By their places.

@@ -114,13 +114,13 @@ Observations import_recording(const Receiver& receiver, const RecordingBytes& re
     return observations;
 }
 
-std::optional<RowByRow> import_row_by_row(const Receiver& receiver,
-                                          const RecordingBytes& recording) {
+std::optional<StreamedRecording> import_streamed(const Receiver& receiver,
+                                                 const RecordingBytes& recording) {
     if (recording.bytes.size() <= held_whole_bytes) return std::nullopt;
     const Format* format = choose(receiver, recording);
-    if (!format || !format->read_row_by_row) return std::nullopt;
+    if (!format || !format->read_streamed) return std::nullopt;
     require_readable(recording);
-    return format->read_row_by_row(receiver, recording);
+    return format->read_streamed(receiver, recording);
 }
 
 Observations import_recordings(const Receiver& receiver,

@@ -6,12 +6,12 @@
 
 #include "schemas/attempt/attempt.h"
 #include "schemas/observations/observations.h"
-#include "stages/import/finish.h"
 #include "stages/import/recording.h"
+#include "stages/import/row_collector.h"
 
 namespace runcert {
 
-/// Reads a recording in any supported format into WGS 84 positions (or local-plane ones), with the
+/// Reads a recording in any supported format into WGS 84 positions (or engineering coordinates), with the
 /// accuracy they state, in GPS time; every row keeps the line and byte it comes from, and the
 /// rows keep the recording's order. `header` is left for the caller.
 ///
@@ -25,8 +25,8 @@ bool is_read_by_itself(const Receiver& receiver, const RecordingBytes& recording
 
 /// The same, row by row where that saves memory: for formats that a recording of very many epochs
 /// comes in. Nothing where it is held whole all the same.
-std::optional<RowByRow> import_row_by_row(const Receiver& receiver,
-                                          const RecordingBytes& recording);
+std::optional<StreamedRecording> import_streamed(const Receiver& receiver,
+                                                 const RecordingBytes& recording);
 
 using ReadRecording = Observations(const Receiver&, const RecordingBytes&);
 

@@ -18,11 +18,11 @@ constexpr std::int64_t shortest_window_ns = 2'999'000'000;
 constexpr std::int64_t window_ns = 3'000'000'000;
 
 bool has_velocity(const Observation& row) {
-    return row.recorded_velocity_east_mps && row.recorded_velocity_north_mps;
+    return row.recorded_velocity_east_m_s && row.recorded_velocity_north_m_s;
 }
 
 double horizontal_speed(const Observation& row) {
-    return std::hypot(*row.recorded_velocity_east_mps, *row.recorded_velocity_north_mps);
+    return std::hypot(*row.recorded_velocity_east_m_s, *row.recorded_velocity_north_m_s);
 }
 
 Geodetic place_of(const Observation& row) {
@@ -65,8 +65,8 @@ std::optional<RawBest> fastest(const std::vector<const Observation*>& rows,
         for (std::size_t end = to; end < rows.size() && span_ns(end) < longest_ns; ++end) {
             const double duration_s = static_cast<double>(span_ns(end)) * 1e-9;
             const double candidate = speed(from, end, duration_s);
-            if (best && candidate <= best->speed_mps) continue;
-            best = RawBest{.speed_mps = candidate,
+            if (best && candidate <= best->speed_m_s) continue;
+            best = RawBest{.speed_m_s = candidate,
                            .start = rows[from]->time,
                            .duration_s = duration_s,
                            .first_epoch = rows[from]->epoch,
@@ -74,7 +74,7 @@ std::optional<RawBest> fastest(const std::vector<const Observation*>& rows,
                            .all_fixed = std::all_of(
                                rows.begin() + static_cast<std::ptrdiff_t>(from),
                                rows.begin() + static_cast<std::ptrdiff_t>(end) + 1,
-                               [](const Observation* row) { return row->fix == FixKind::fixed; })};
+                               [](const Observation* row) { return row->fix == FixType::fixed; })};
         }
     }
     return best;
@@ -124,16 +124,16 @@ std::optional<RawBest> best_mean(const Observations& observations, There there, 
             if (missing[to + 1] != missing[from]) return -1.0;
             return std::abs(sum[to + 1] - sum[from]) / static_cast<double>(to + 1 - from);
         });
-    if (best && best->speed_mps < 0.0) best.reset();
+    if (best && best->speed_m_s < 0.0) best.reset();
     return best;
 }
 
 bool has_vertical_velocity(const Observation& row) {
-    return row.recorded_velocity_up_mps.has_value();
+    return row.recorded_velocity_up_m_s.has_value();
 }
 
 double vertical_speed(const Observation& row) {
-    return *row.recorded_velocity_up_mps;
+    return *row.recorded_velocity_up_m_s;
 }
 
 /// The bests of a recording, and when they begin.
@@ -178,30 +178,30 @@ MedianAndWorst median_and_worst(std::vector<double> values) {
 }
 
 void count_rows(const Observations& observations, Inspection& inspection) {
-    constexpr std::size_t kinds = static_cast<std::size_t>(FixKind::dead_reckoning) + 1;
+    constexpr std::size_t kinds = static_cast<std::size_t>(FixType::dead_reckoning) + 1;
     std::array<std::size_t, kinds> count{};
-    std::vector<double> horizontal_m, velocity_mps;
+    std::vector<double> horizontal_m, velocity_m_s;
     for (const Observation& row : observations.rows) {
         ++count[static_cast<std::size_t>(row.fix)];
         inspection.without_position += has_position(row) ? 0 : 1;
         inspection.with_velocity += has_velocity(row) ? 1 : 0;
         if (row.sigma_east_m && row.sigma_north_m)
             horizontal_m.push_back(std::hypot(*row.sigma_east_m, *row.sigma_north_m));
-        if (row.sigma_recorded_velocity_east_mps && row.sigma_recorded_velocity_north_mps)
-            velocity_mps.push_back(std::hypot(*row.sigma_recorded_velocity_east_mps,
-                                              *row.sigma_recorded_velocity_north_mps));
+        if (row.sigma_recorded_velocity_east_m_s && row.sigma_recorded_velocity_north_m_s)
+            velocity_m_s.push_back(std::hypot(*row.sigma_recorded_velocity_east_m_s,
+                                              *row.sigma_recorded_velocity_north_m_s));
     }
     for (std::size_t kind = 0; kind < kinds; ++kind)
-        if (count[kind] > 0) inspection.fixes.emplace_back(static_cast<FixKind>(kind), count[kind]);
+        if (count[kind] > 0) inspection.fixes.emplace_back(static_cast<FixType>(kind), count[kind]);
     std::stable_sort(inspection.fixes.begin(), inspection.fixes.end(),
                      [](const auto& a, const auto& b) { return a.second > b.second; });
     inspection.with_accuracy = horizontal_m.size();
     const MedianAndWorst horizontal = median_and_worst(std::move(horizontal_m));
     inspection.median_horizontal_m = horizontal.median;
     inspection.worst_horizontal_m = horizontal.worst;
-    const MedianAndWorst velocity = median_and_worst(std::move(velocity_mps));
-    inspection.median_velocity_mps = velocity.median;
-    inspection.worst_velocity_mps = velocity.worst;
+    const MedianAndWorst velocity = median_and_worst(std::move(velocity_m_s));
+    inspection.median_velocity_m_s = velocity.median;
+    inspection.worst_velocity_m_s = velocity.worst;
 }
 
 /// The nautical zone: 15 degrees of longitude an hour.

@@ -13,7 +13,7 @@ namespace runcert {
 
 /// A fastest stretch, unscreened.
 struct RawBest {
-    double speed_mps = 0.0;  ///< horizontal, or vertical
+    double speed_m_s = 0.0;  ///< horizontal, or vertical
     ElapsedTime start;       ///< since the first epoch
     std::optional<GpsTime> start_gps = std::nullopt;
     double duration_s = 0.0;
@@ -35,7 +35,7 @@ struct Inspection {
     std::size_t without_position = 0;
     double nominal_interval_s = 0.0;
     std::optional<double> position_resolution_m, time_resolution_s;  ///< as in RecordingFacts
-    std::vector<std::pair<FixKind, std::size_t>> fixes;              ///< most frequent first
+    std::vector<std::pair<FixType, std::size_t>> fixes;              ///< most frequent first
     std::size_t fix_changes = 0;
     std::size_t gaps = 0;  ///< steps longer than 1.5 nominal intervals
     double longest_gap_s = 0.0;
@@ -44,7 +44,7 @@ struct Inspection {
     std::size_t with_velocity = 0;
     std::optional<double> velocity_delay_s;  ///< behind the positions
     /// Stated, as median_horizontal_m.
-    std::optional<double> median_velocity_mps, worst_velocity_mps;
+    std::optional<double> median_velocity_m_s, worst_velocity_m_s;
     bool georeferenced = true;
     bool vertical_measured = true;
     std::string accuracy_source;

@@ -10,7 +10,7 @@
 namespace runcert {
 namespace {
 
-constexpr double kmh_per_mps = 3.6;
+constexpr double kmh_per_m_s = 3.6;
 constexpr std::size_t most_notes = 4;
 /// Of the larger: a difference of the two bests beyond this is worth a sentence.
 constexpr double notable_difference = 0.05;
@@ -24,7 +24,7 @@ std::string frame_text(const std::string& frame) {
     if (frame == "geodetic") return "latitude, longitude, height";
     if (frame == "ecef") return "Earth-centred x, y, z";
     if (frame == "utm") return "UTM grid";
-    return "local plane";
+    return "engineering CRS";
 }
 
 std::string time_scale_text(const std::string& time_scale) {
@@ -113,17 +113,17 @@ std::string velocity_text(const Inspection& it) {
                 ? fmt::format(", {} s {} the positions", fixed(std::abs(*it.velocity_delay_s), 2),
                               *it.velocity_delay_s < 0.0 ? "ahead of" : "behind")
                 : ", its delay behind the positions cannot be told";
-    if (it.median_velocity_mps)
+    if (it.median_velocity_m_s)
         text += fmt::format("\n            stated {} m/s (median), {} m/s (worst)",
-                            fixed(*it.median_velocity_mps, 3), fixed(*it.worst_velocity_mps, 3));
-    return text + (it.median_velocity_mps ? "" : "; no accuracy stated");
+                            fixed(*it.median_velocity_m_s, 3), fixed(*it.worst_velocity_m_s, 3));
+    return text + (it.median_velocity_m_s ? "" : "; no accuracy stated");
 }
 
 /// Whether the recording is of something that falls or climbs; heights alone, which err more than
 /// horizontal positions, do not show it.
 bool is_vertical(const Inspection& it) {
     return it.best_vertical_by_velocity && it.best_by_velocity &&
-           it.best_vertical_by_velocity->speed_mps > it.best_by_velocity->speed_mps;
+           it.best_vertical_by_velocity->speed_m_s > it.best_by_velocity->speed_m_s;
 }
 
 std::string best_text(const std::optional<RawBest>& best) {
@@ -131,11 +131,11 @@ std::string best_text(const std::optional<RawBest>& best) {
     std::string at = fixed(best->start.seconds(), 3) + " s after the first epoch";
     if (best->start_gps) at += fmt::format(", {} UTC", to_utc_iso(*best->start_gps));
     return fmt::format("{} km/h over {} s,\n            from {} (epochs {} to {})",
-                       fixed(best->speed_mps * kmh_per_mps, 1), fixed(best->duration_s, 3), at,
+                       fixed(best->speed_m_s * kmh_per_m_s, 1), fixed(best->duration_s, 3), at,
                        best->first_epoch, best->last_epoch);
 }
 
-std::size_t count_of(const Inspection& it, FixKind kind) {
+std::size_t count_of(const Inspection& it, FixType kind) {
     for (const auto& [candidate, count] : it.fixes)
         if (candidate == kind) return count;
     return 0;
@@ -152,8 +152,8 @@ void add_record_concerns(const Inspection& it, std::vector<std::string>& concern
 }
 
 void add_quality_concerns(const Inspection& it, std::vector<std::string>& concerns) {
-    const std::size_t unknown = count_of(it, FixKind::unknown);
-    const std::size_t lesser = it.epochs - count_of(it, FixKind::fixed) - unknown;
+    const std::size_t unknown = count_of(it, FixType::unknown);
+    const std::size_t lesser = it.epochs - count_of(it, FixType::fixed) - unknown;
     if (unknown == it.epochs)
         concerns.push_back(
             "The recording does not say which positions are fixed solutions: they count as those "
@@ -190,17 +190,17 @@ void add_time_concerns(const Inspection& it, std::vector<std::string>& concerns)
     if (!it.first)
         concerns.push_back("The time is relative: the recording does not show when it was made.");
     if (!it.georeferenced)
-        concerns.push_back("The recording does not show where on the Earth it was made.");
+        concerns.push_back("The recording does not show where it was made.");
 }
 
 void add_speed_concerns(const Inspection& it, std::vector<std::string>& concerns) {
     if (!it.best_by_position)
         concerns.push_back("There is no stretch of 3 s to measure a speed over.");
-    else if (!it.best_by_position->all_fixed && count_of(it, FixKind::unknown) != it.epochs)
+    else if (!it.best_by_position->all_fixed && count_of(it, FixType::unknown) != it.epochs)
         concerns.push_back("The fastest stretch by position is not made of fixed solutions alone.");
     if (!it.best_by_position || !it.best_by_velocity) return;
-    const double a = it.best_by_position->speed_mps;
-    const double b = it.best_by_velocity->speed_mps;
+    const double a = it.best_by_position->speed_m_s;
+    const double b = it.best_by_velocity->speed_m_s;
     if (std::abs(a - b) > notable_difference * std::max(a, b))
         concerns.push_back(
             "The best by position and by recorded velocity differ: one of the two is wrong.");

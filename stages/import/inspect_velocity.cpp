@@ -13,7 +13,7 @@ namespace {
 
 constexpr double half_span_s = 0.4;
 constexpr double longest_delay_s = 1.0;
-constexpr double least_change_mps = 0.5;
+constexpr double least_change_m_s = 0.5;
 /// So many epochs tell a delay; of longer recordings the fastest stretch is taken.
 constexpr std::size_t most_rows = 20'000;
 
@@ -45,8 +45,8 @@ std::vector<Point> points_of(const Observations& observations) {
 }
 
 double recorded_speed(const Observation& row) {
-    if (!row.recorded_velocity_east_mps || !row.recorded_velocity_north_mps) return 0.0;
-    return std::hypot(*row.recorded_velocity_east_mps, *row.recorded_velocity_north_mps);
+    if (!row.recorded_velocity_east_m_s || !row.recorded_velocity_north_m_s) return 0.0;
+    return std::hypot(*row.recorded_velocity_east_m_s, *row.recorded_velocity_north_m_s);
 }
 
 /// The points about the fastest recorded velocity, as many as are looked at.
@@ -101,7 +101,7 @@ std::optional<EpochMotion> fitted_motion(const std::vector<Point>& points, std::
 bool changes(const std::vector<velocities::Comparison>& comparisons) {
     return std::any_of(
         comparisons.begin(), comparisons.end(), [&](const velocities::Comparison& each) {
-            return (each.recorded - comparisons.front().recorded).norm() > least_change_mps;
+            return (each.recorded - comparisons.front().recorded).norm() > least_change_m_s;
         });
 }
 
@@ -130,10 +130,10 @@ std::optional<double> raw_velocity_delay_s(const Observations& observations) {
                          .acceleration = motion[i]->acceleration,
                          .covariance = motion[i]->velocity_covariance});
         const Observation& row = *points[i].row;
-        if (row.recorded_velocity_east_mps && row.recorded_velocity_north_mps)
+        if (row.recorded_velocity_east_m_s && row.recorded_velocity_north_m_s)
             comparisons.push_back(
                 {.knot = knots.size() - 1,
-                 .recorded = {*row.recorded_velocity_east_mps, *row.recorded_velocity_north_mps}});
+                 .recorded = {*row.recorded_velocity_east_m_s, *row.recorded_velocity_north_m_s}});
     }
     if (!changes(comparisons)) return std::nullopt;
     return velocities::estimate_delay(knots, motion, comparisons, longest_delay_s, interval_s)

@@ -8,7 +8,7 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "stages/import/cell.h"
-#include "stages/import/finish.h"
+#include "stages/import/row_collector.h"
 
 namespace runcert {
 namespace {

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "files/atomic_file.h"
-#include "run/evidence.h"
+#include "run/attempt_files.h"
 #include "run/stage_main.h"
 #include "stages/import/claims.h"
 #include "stages/import/gpsbabel/convert.h"
@@ -19,7 +19,7 @@ namespace {
 
 /// A receiver's files, opened.
 struct OpenFiles {
-    std::vector<EvidenceFile> files;
+    std::vector<AttemptFile> files;
     std::vector<FileView> views;
 
     std::vector<RecordingBytes> of(std::string_view role) const {
@@ -35,9 +35,9 @@ struct OpenFiles {
 };
 
 OpenFiles open_files(const Receiver& receiver, const AttemptSource& source) {
-    OpenFiles open{.files = evidence_files(receiver), .views = {}};
-    for (const EvidenceFile& file : open.files)
-        open.views.push_back(open_evidence(file, receiver, source));
+    OpenFiles open{.files = files_of_receiver(receiver), .views = {}};
+    for (const AttemptFile& file : open.files)
+        open.views.push_back(open_attempt_file(file, receiver, source));
     return open;
 }
 
@@ -68,7 +68,7 @@ Observations import_rinex(StageRun& run, const Receiver& receiver, const OpenFil
                       "Name the base station's observations and the navigation file; put several "
                       "files of the rover together before");
     const rinex::Solution solution = rinex::solve(receiver, rover[0], base[0], navigation);
-    const std::vector<EvidenceFile> names = solution_files(receiver);
+    const std::vector<AttemptFile> names = solution_files(receiver);
     const bool forward = receiver.solution_pass == "forward";
     Observations observations =
         rinex::read(receiver, solution, forward ? names[1].name : names[2].name);
@@ -82,8 +82,8 @@ Observations import_rinex(StageRun& run, const Receiver& receiver, const OpenFil
 }
 
 /// What was read whole, as if it came row by row.
-RowByRow held(Observations observations) {
-    RowByRow result{.head = {}, .rows = std::ssize(observations.rows), .give = {}};
+StreamedRecording held(Observations observations) {
+    StreamedRecording result{.head = {}, .rows = std::ssize(observations.rows), .give = {}};
     auto rows = std::make_shared<std::vector<Observation>>(std::move(observations.rows));
     result.head = std::move(observations);
     result.give = [rows](const TakeRow& take) {
@@ -94,22 +94,23 @@ RowByRow held(Observations observations) {
 }
 
 /// Reads a receiver's recording, through another program where it needs one.
-RowByRow read_receiver(StageRun& run, const Receiver& receiver, const OpenFiles& open,
-                       const std::vector<RecordingBytes>& recordings) {
+StreamedRecording read_receiver(StageRun& run, const Receiver& receiver, const OpenFiles& open,
+                                const std::vector<RecordingBytes>& recordings) {
     if (rinex::is_chosen(receiver, recordings.front()))
         return held(import_rinex(run, receiver, open));
     if (!receiver.base.empty() || !receiver.navigation.empty())
         throw Failure(receiver.place, "base and navigation are of use with RINEX alone",
                       "Take them out, or name the rover's RINEX file as the recording");
     if (recordings.size() == 1)
-        if (auto by_row = import_row_by_row(receiver, recordings.front())) {
+        if (auto by_row = import_streamed(receiver, recordings.front())) {
             note_origins_of_head(receiver, by_row->head);
             return *std::move(by_row);
         }
     return held(import_recordings(receiver, recordings, read_recording));
 }
 
-void write_rows(const StageRun& run, const std::string& file_name, const RowByRow& observations) {
+void write_rows(const StageRun& run, const std::string& file_name,
+                const StreamedRecording& observations) {
     AtomicFile file(run.run_dir() / file_name);
     TableWriter<Observation> table = begin_observations(
         observations.head, [&file](std::string_view piece) { file.write(piece); });
@@ -124,9 +125,9 @@ void import_receiver(StageRun& run, const Receiver& receiver, const AttemptSourc
     // Not the attempt as a whole: a claim that changes elsewhere leaves the positions as they are.
     one.use_parameters(receiver.stated);
     const std::vector<RecordingBytes> recordings = open.of("recording");
-    RowByRow observations = read_receiver(one, receiver, open, recordings);
+    StreamedRecording observations = read_receiver(one, receiver, open, recordings);
     for (std::size_t i = 0; i < open.files.size(); ++i) {
-        const EvidenceFile& file = open.files[i];
+        const AttemptFile& file = open.files[i];
         one.note_input(file.role, file.name, open.views[i],
                        std::filesystem::path(file.original).filename().string());
         one.write(file.name, open.views[i]);
@@ -162,21 +163,21 @@ int main(int argc, char** argv) {
     if (argc == 3 && std::string_view(argv[1]) == "--inspect")
         return guarded_main([&] { return inspect_file(argv[2]); });
     std::string folder;
-    std::string evidence;
+    std::string earlier_run;
     return stage_main(
         argc, argv, "import",
         "Any supported recording to one table of WGS 84 positions in GPS time",
         [&](StageRun& run) {
             AttemptSource source{.file = run.attempt_path()};
             if (!folder.empty()) source.folder = folder;
-            if (!evidence.empty()) source.evidence = evidence;
+            if (!earlier_run.empty()) source.earlier_run = earlier_run;
             import_attempt(run, source);
         },
         [&](CommandLine& line) {
             line.text("--folder", folder,
                       "folder that what the attempt names is relative to and must be inside "
                       "of (default: the attempt's)");
-            line.text("--evidence", evidence,
+            line.text("--earlier-run", earlier_run,
                       "take recordings and profiles from this run folder's copies instead of "
                       "where the attempt says");
         });

@@ -186,7 +186,7 @@ class Adaptation {
     void accept(const TestedStretch<Axes>& stretch, const StretchTests<Axes>& tests,
                 const Candidate& candidate) {
         if (candidate.manoeuvre) {
-            double& size = decisions_.manoeuvres_mps2[stretch.first + candidate.first];
+            double& size = decisions_.manoeuvres_m_s2[stretch.first + candidate.first];
             size = std::hypot(size, tests.manoeuvre_of(candidate));
             return;
         }
@@ -196,7 +196,7 @@ class Adaptation {
                                          .statistic = candidate.statistic,
                                          .threshold = plan_.critical(candidate.degrees_of_freedom),
                                          .estimated = tests.estimate_of(candidate),
-                                         .sigma_rate_mps = tests.sigma_rate_of(candidate)};
+                                         .sigma_rate_m_s = tests.sigma_rate_of(candidate)};
         const bool leaves_out = candidate.hypothesis == Hypothesis::outlier ||
                                 candidate.hypothesis == Hypothesis::burst ||
                                 candidate.hypothesis == Hypothesis::model;
@@ -277,8 +277,8 @@ std::vector<TestedStretch<Axes>> stretches_of(const std::vector<ArcEpoch<Axes>>&
         }
         open = true;
         ArcEpoch<Axes> epoch = arc[k];
-        if (decisions.manoeuvres_mps2[k] > 0.0)
-            allow_manoeuvre(arc[k - 1], decisions.manoeuvres_mps2[k], model, epoch);
+        if (decisions.manoeuvres_m_s2[k] > 0.0)
+            allow_manoeuvre(arc[k - 1], decisions.manoeuvres_m_s2[k], model, epoch);
         if (!used) epoch.measurement.reset();
         // A step among epochs left out shows at the next measurement.
         epoch.step_before = used && step;

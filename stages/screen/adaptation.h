@@ -17,7 +17,7 @@ struct ScreeningDecision {
     double statistic = 0.0;
     double threshold = 0.0;
     EstimatedError estimated;
-    double sigma_rate_mps = 0.0;  ///< of a ramp's rate, in the direction in which it is largest
+    double sigma_rate_m_s = 0.0;  ///< of a ramp's rate, in the direction in which it is largest
 };
 
 /// A decision, or none, as nearly all epochs have: it takes the place of a pointer there.
@@ -40,13 +40,13 @@ class OptionalDecision {
 /// What was decided of an arc, epoch by epoch.
 struct ArcDecisions {
     explicit ArcDecisions(std::size_t epochs)
-        : left_out(epochs), breaks(epochs), manoeuvres_mps2(epochs, 0.0) {}
+        : left_out(epochs), breaks(epochs), manoeuvres_m_s2(epochs, 0.0) {}
 
     std::vector<OptionalDecision> left_out;  ///< the measurement is not used
     std::vector<OptionalDecision> breaks;    ///< a step, ramp or shift begins here
     /// By how much (m/s^2) the craft's acceleration changes before the epoch, where it changes more
     /// than the model has it.
-    std::vector<double> manoeuvres_mps2;
+    std::vector<double> manoeuvres_m_s2;
     std::int64_t passes = 0;
 };
 

@@ -100,9 +100,9 @@ Series series_of(const std::vector<ReceiverPair>& pairs,
     return series;
 }
 
-/// Noise learnt from what a first adaptation, with noise as stated, leaves.
+/// Noise estimated from what a first adaptation, with noise as stated, leaves.
 template <int Axes>
-EstimationModel learn_model(const Series& series, double length_m, const TestPlan& plan,
+EstimationModel estimate_model(const Series& series, double length_m, const TestPlan& plan,
                             ScreenConfig config) {
     constexpr TestedAxes axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal;
     // How fast the craft may turn against its track, rad s^-2.5; and how fast antennas sway.
@@ -111,7 +111,7 @@ EstimationModel learn_model(const Series& series, double length_m, const TestPla
     config.jerk_density = std::max(least_jerk_density, angular_jerk_density * length_m);
     const bool fit = config.fit_noise;
     config.fit_noise = false;
-    const EstimationModel stated = learn_screening_noise<Axes>(series.table, config).model;
+    const EstimationModel stated = estimate_screening_noise<Axes>(series.table, config).model;
     if (!fit) return stated;
     ScreenedTable first_look = series.table;
     for (const Arc<Axes>& arc : arcs_of<Axes>(series.table))
@@ -119,8 +119,8 @@ EstimationModel learn_model(const Series& series, double length_m, const TestPla
                   MarkOptions{});
     finish_arcs(first_look.rows, config.burst_epochs_max, config.min_arc_epochs);
     config.fit_noise = true;
-    const ScreeningNoise fitted = learn_screening_noise<Axes>(first_look, config);
-    return fitted.evidence.noise == NoiseBasis::fitted ? fitted.model : stated;
+    const ScreeningNoise fitted = estimate_screening_noise<Axes>(first_look, config);
+    return fitted.summary.noise == NoiseBasis::fitted ? fitted.model : stated;
 }
 
 /// Estimates the errors anew, given all decisions, and each epoch's of a burst by itself.
@@ -180,7 +180,8 @@ class Marker {
     }
 
     /// Usable rows between two pairs.
-    void leave_out_between(std::size_t before, std::size_t after, const ScreeningDecision& decision) {
+    void leave_out_between(std::size_t before, std::size_t after,
+                           const ScreeningDecision& decision) {
         for (std::size_t row = row_of(before) + 1; row < row_of(after); ++row)
             leave_out_row(row, decision, {});
     }
@@ -201,7 +202,8 @@ class Marker {
         return turned_back(decision.estimated, pairs_[pair], receiver_ == 1 ? 1.0 : -1.0);
     }
 
-    static void record(ScreenedEpoch& row, const ScreeningDecision& decision, const EstimatedError& error) {
+    static void record(ScreenedEpoch& row, const ScreeningDecision& decision,
+                       const EstimatedError& error) {
         row.hypothesis = Hypothesis::baseline;
         row.tested_axes = TestedAxes::horizontal;
         row.statistic = decision.statistic;
@@ -209,7 +211,8 @@ class Marker {
         row.estimated = error;
     }
 
-    void leave_out_row(std::size_t index, const ScreeningDecision& decision, const EstimatedError& error) {
+    void leave_out_row(std::size_t index, const ScreeningDecision& decision,
+                       const EstimatedError& error) {
         ScreenedEpoch& row = rows_[index];
         if (!row.usable) return;
         any_ = true;
@@ -253,7 +256,7 @@ void test_differences(const std::vector<ReceiverPair>& pairs, double length_m,
     if (arcs.empty()) return;
     // What changes the vector between two antennas is no manoeuvre of the craft.
     const TestPlan own = plan.without_manoeuvres();
-    const EstimationModel model = learn_model<Axes>(series, length_m, own, config);
+    const EstimationModel model = estimate_model<Axes>(series, length_m, own, config);
     for (const Arc<Axes>& arc : arcs) {
         ArcDecisions decisions = adapt<Axes>(arc.epochs, model, own);
         estimate_errors(arc, model, decisions);
@@ -265,18 +268,18 @@ void test_differences(const std::vector<ReceiverPair>& pairs, double length_m,
     }
 }
 
-BaselineEvidence evidence_of(const ScreenedTable& table, const std::string& other,
-                             const std::vector<ReceiverPair>& pairs) {
-    BaselineEvidence evidence{.receiver = other, .compared = std::ssize(pairs)};
+BaselineComparison comparison_of(const ScreenedTable& table, const std::string& other,
+                                 const std::vector<ReceiverPair>& pairs) {
+    BaselineComparison comparison{.receiver = other, .compared = std::ssize(pairs)};
     if (!pairs.empty()) {
         std::vector<double> lengths = lengths_of(pairs);
-        evidence.length_m = median(lengths);
+        comparison.length_m = median(lengths);
         for (double& length : lengths)
-            length = std::abs(length - evidence.length_m);
-        evidence.sd_m = median(std::move(lengths)) / normal_quantile(0.75);
+            length = std::abs(length - comparison.length_m);
+        comparison.sd_m = median(std::move(lengths)) / normal_quantile(0.75);
     }
-    evidence.rejected = std::ranges::count(table.rows, Reason::baseline, &ScreenedEpoch::reason);
-    return evidence;
+    comparison.rejected = std::ranges::count(table.rows, Reason::baseline, &ScreenedEpoch::reason);
+    return comparison;
 }
 
 }  // namespace
@@ -292,7 +295,7 @@ bool compare_receivers(ScreenedTable& first, ScreenedTable& second, const Motion
         test_differences<1>(pairs, length_m, receivers, markers, plan, config);
     }
     for (auto [table, other] : {std::pair{&first, &second}, {&second, &first}})
-        table->evidence.baseline = evidence_of(*table, other->facts.receiver, pairs);
+        table->comparison.baseline = comparison_of(*table, other->facts.receiver, pairs);
     return markers[0].any() || markers[1].any();
 }
 

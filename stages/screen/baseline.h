@@ -10,7 +10,7 @@ namespace runcert {
 ///
 /// Compared are the epochs that both have usable at the same GPS time (to 1 us). The vector from
 /// the first antenna to the second, along and across the track of the first, and its length, hardly
-/// change: both are tested as the positions of an arc are (`adapt`), with noise learnt from
+/// change: both are tested as the positions of an arc are (`adapt`), with noise estimated from
 /// themselves, and a motion that allows for changes of drift angle and attitude. The vector is
 /// tested where the track tells how the craft stands: faster than 1 m/s and ten standard
 /// uncertainties of its velocity, and in no turn so tight that the track turns by more than 0.05
@@ -23,8 +23,8 @@ namespace runcert {
 /// or a step lies between them. A step ends the arc in both, and so does the beginning of a drift,
 /// which leaves nothing out: over a window, the check of the speeds tells it.
 ///
-/// Fills `evidence.baseline` of both: median and robust standard deviation of the length,
-/// nothing compared where a recording's time is relative, or one is in a local plane and the other
+/// Fills `comparison.baseline` of both: median and robust standard deviation of the length,
+/// nothing compared where a recording's time is relative, or one is in an engineering CRS and the other
 /// is not. Local planes are taken to be the same one. A constant difference of the two clocks is a
 /// distance along the track in proportion to the speed: it is not an error of positions, is not
 /// marked, and shows in the standard deviation of the length.

@@ -45,9 +45,9 @@ struct Excursion {
         double variance = 0.0;
         for (const ScreeningDecision* ramp : ramps) {
             const EstimatedError& by = ramp->estimated;
-            rate += Eigen::Vector3d(by.rate_east_mps.value_or(0.0), by.rate_north_mps.value_or(0.0),
-                                    by.rate_up_mps.value_or(0.0));
-            variance += ramp->sigma_rate_mps * ramp->sigma_rate_mps;
+            rate += Eigen::Vector3d(by.rate_east_m_s.value_or(0.0), by.rate_north_m_s.value_or(0.0),
+                                    by.rate_up_m_s.value_or(0.0));
+            variance += ramp->sigma_rate_m_s * ramp->sigma_rate_m_s;
         }
         constexpr double coverage = 5.0;
         return ramps.size() > 1 && rate.squaredNorm() < coverage * coverage * variance;
@@ -74,11 +74,11 @@ std::vector<Excursion> excursions_of(const std::vector<ScreenedEpoch>& rows,
 
 /// The recorded velocity along the tested axes, the others zero.
 std::optional<Eigen::Vector3d> recorded_velocity(const ScreenedEpoch& row, TestedAxes axes) {
-    if (axes == TestedAxes::vertical && row.recorded_velocity_up_mps)
-        return Eigen::Vector3d(0.0, 0.0, *row.recorded_velocity_up_mps);
-    if (axes == TestedAxes::horizontal && row.recorded_velocity_east_mps &&
-        row.recorded_velocity_north_mps)
-        return Eigen::Vector3d(*row.recorded_velocity_east_mps, *row.recorded_velocity_north_mps,
+    if (axes == TestedAxes::vertical && row.recorded_velocity_up_m_s)
+        return Eigen::Vector3d(0.0, 0.0, *row.recorded_velocity_up_m_s);
+    if (axes == TestedAxes::horizontal && row.recorded_velocity_east_m_s &&
+        row.recorded_velocity_north_m_s)
+        return Eigen::Vector3d(*row.recorded_velocity_east_m_s, *row.recorded_velocity_north_m_s,
                                0.0);
     return std::nullopt;
 }
@@ -119,7 +119,7 @@ bool is_recorded_motion(const std::vector<ScreenedEpoch>& rows,
     constexpr double reach_s = 2.0;
     constexpr double longest_lag_s = 0.5;
     const bool level = tested == TestedAxes::vertical && on_the_ground &&
-                       !rows[arc_rows[ramp.first]].recorded_velocity_up_mps;
+                       !rows[arc_rows[ramp.first]].recorded_velocity_up_m_s;
     const TestedAxes axes = level ? TestedAxes::horizontal : tested;
     const auto away_s = [&](std::size_t k) {
         return std::abs(rows[arc_rows[k]].time.seconds() -
@@ -132,8 +132,8 @@ bool is_recorded_motion(const std::vector<ScreenedEpoch>& rows,
     while (end + 1 < arc_rows.size() && away_s(end + 1) <= reach_s)
         ++end;
     const EstimatedError& by = ramp.estimated;
-    const Eigen::Vector3d rate(by.rate_east_mps.value_or(0.0), by.rate_north_mps.value_or(0.0),
-                               by.rate_up_mps.value_or(0.0));
+    const Eigen::Vector3d rate(by.rate_east_m_s.value_or(0.0), by.rate_north_m_s.value_or(0.0),
+                               by.rate_up_m_s.value_or(0.0));
     for (std::size_t lag = 0;
          ramp.first + lag < arc_rows.size() && away_s(ramp.first + lag) <= longest_lag_s; ++lag) {
         const auto before = unrecorded_velocity(rows, arc_rows, {begin, ramp.first}, lag, axes);
@@ -178,11 +178,11 @@ void mark_rows(std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> ar
             leave_out(row, *decision, reason, axes);
         }
     }
-    const auto manoeuvre = axes == TestedAxes::vertical ? &ScreenedEpoch::manoeuvre_up_mps2
-                                                        : &ScreenedEpoch::manoeuvre_mps2;
+    const auto manoeuvre = axes == TestedAxes::vertical ? &ScreenedEpoch::manoeuvre_up_m_s2
+                                                        : &ScreenedEpoch::manoeuvre_m_s2;
     for (std::size_t k = 0; k < arc_rows.size(); ++k)
-        if (decisions.manoeuvres_mps2[k] > 0.0)
-            rows[arc_rows[k]].*manoeuvre = decisions.manoeuvres_mps2[k];
+        if (decisions.manoeuvres_m_s2[k] > 0.0)
+            rows[arc_rows[k]].*manoeuvre = decisions.manoeuvres_m_s2[k];
     for (std::size_t k = 0; k < arc_rows.size(); ++k) {
         const auto& decision = decisions.breaks[k];
         if (!decision) continue;

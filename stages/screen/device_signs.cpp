@@ -11,7 +11,7 @@ namespace runcert {
 namespace {
 
 constexpr std::size_t epochs_beside = 5;
-constexpr double moving_mps = 1.0;
+constexpr double moving_m_s = 1.0;
 /// What is straight in latitude and longitude is not to the last digit in the local frame.
 constexpr double smallest_tolerance_m = 5e-5;
 
@@ -47,24 +47,24 @@ double chance_of_zero(double scatter_m, double tolerance_m) {
 
 }  // namespace
 
-DeviceEvidence find_device_signs(const std::vector<ScreenedEpoch>& rows, double nominal_interval_s,
-                                 double position_resolution_m) {
-    DeviceEvidence evidence;
-    if (nominal_interval_s <= 0.0) return evidence;
+DeviceSigns find_device_signs(const std::vector<ScreenedEpoch>& rows, double nominal_interval_s,
+                              double position_resolution_m) {
+    DeviceSigns signs;
+    if (nominal_interval_s <= 0.0) return signs;
     // Coordinates turned into the local frame are no longer whole steps: rounded at both ends.
     const double tolerance_m = std::max(smallest_tolerance_m, 0.5 * position_resolution_m);
     std::vector<double> third;
     // A row must be some steps of the coordinates further than the one before.
     const double moved_m = 2.0 * static_cast<double>(epochs_beside) *
-                           std::max(moving_mps * nominal_interval_s, 3.0 * position_resolution_m);
+                           std::max(moving_m_s * nominal_interval_s, 3.0 * position_resolution_m);
     for (const Stretch& stretch : stretches_of(rows, nominal_interval_s)) {
         for (std::size_t k = epochs_beside; k + epochs_beside < stretch.size(); ++k) {
             if ((stretch[k + epochs_beside] - stretch[k - epochs_beside]).norm() < moved_m)
                 continue;
-            ++evidence.moving;
+            ++signs.moving;
             const Position step = stretch[k] - stretch[k - 1];
             if (step.cwiseAbs().maxCoeff() <= smallest_tolerance_m) {
-                ++evidence.held;
+                ++signs.held;
                 continue;
             }
             const Position second = stretch[k + 1] - stretch[k] - step;
@@ -74,21 +74,21 @@ DeviceEvidence find_device_signs(const std::vector<ScreenedEpoch>& rows, double 
             third.push_back(std::abs(change.y()));
             if (second.cwiseAbs().maxCoeff() <= 2.0 * tolerance_m ||
                 change.cwiseAbs().maxCoeff() <= 3.0 * tolerance_m)
-                ++evidence.interpolated;
+                ++signs.interpolated;
         }
     }
-    if (third.empty()) return evidence;
+    if (third.empty()) return signs;
     // Robust against the rows that are looked for: the upper quartile of what is not zero.
     std::erase_if(third, [&](double one) { return one <= 3.0 * tolerance_m; });
-    if (third.empty()) return evidence;
+    if (third.empty()) return signs;
     constexpr double median_of_normal = 0.6745;
     const double scatter_m = median(std::move(third)) / median_of_normal;
     // Of errors that are independent from row to row third differences scatter by sqrt(20 / 6) of
     // what second differences do.
     const double chance = chance_of_zero(scatter_m, 3.0 * tolerance_m) +
                           chance_of_zero(scatter_m * std::sqrt(6.0 / 20.0), 2.0 * tolerance_m);
-    evidence.by_chance = std::min(1.0, chance) * static_cast<double>(evidence.moving);
-    return evidence;
+    signs.by_chance = std::min(1.0, chance) * static_cast<double>(signs.moving);
+    return signs;
 }
 
 }  // namespace runcert

@@ -17,7 +17,7 @@ namespace runcert {
 ///
 /// `position_resolution_m` is the smallest step of the coordinates, 0 where it is not known.
 /// Linear in the rows; marks nothing.
-DeviceEvidence find_device_signs(const std::vector<ScreenedEpoch>& rows, double nominal_interval_s,
-                                 double position_resolution_m);
+DeviceSigns find_device_signs(const std::vector<ScreenedEpoch>& rows, double nominal_interval_s,
+                              double position_resolution_m);
 
 }  // namespace runcert

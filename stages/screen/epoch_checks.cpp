@@ -15,10 +15,10 @@ struct Finding {
 };
 
 std::optional<Finding> check_fix(const ScreenedEpoch& row, const ScreenConfig& config) {
-    if (row.fix == FixKind::none) return Finding{Reason::no_fix, {}, {}};
+    if (row.fix == FixType::none) return Finding{Reason::no_fix, {}, {}};
     if (config.allowed_fixes.contains(row.fix)) return std::nullopt;
     return Finding{
-        row.fix == FixKind::float_ambiguities ? Reason::float_ambiguities : Reason::other_fix,
+        row.fix == FixType::float_ambiguities ? Reason::float_ambiguities : Reason::other_fix,
         {},
         {}};
 }
@@ -55,7 +55,7 @@ std::optional<Finding> check_witnesses(const ScreenedEpoch& row, const ScreenCon
     if (row.satellites && *row.satellites > 0 && *row.satellites < config.satellites_min)
         return Finding{Reason::few_satellites, static_cast<double>(*row.satellites),
                        static_cast<double>(config.satellites_min)};
-    if (row.fix == FixKind::fixed && row.ratio && *row.ratio > 0.0 && *row.ratio < config.ratio_min)
+    if (row.fix == FixType::fixed && row.ratio && *row.ratio > 0.0 && *row.ratio < config.ratio_min)
         return Finding{Reason::low_ratio, *row.ratio, config.ratio_min};
     if (row.age_s && std::abs(*row.age_s) > config.correction_age_max_s)
         return Finding{Reason::old_corrections, *row.age_s, config.correction_age_max_s};

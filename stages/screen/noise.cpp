@@ -43,7 +43,7 @@ std::vector<std::span<const ArcEpoch<Axes>>> stretches_of(const std::vector<Arc<
     return stretches;
 }
 
-/// The stated accuracies times the root of the median innovation statistic over its expected
+/// The stated standard deviations times the root of the median innovation statistic over its expected
 /// median, at least 1.
 template <int Axes>
 double robust_scale(const std::vector<std::span<const ArcEpoch<Axes>>>& stretches,
@@ -67,7 +67,7 @@ bool has_velocities(const ScreenedTable& table) {
     std::int64_t recorded = 0;
     for (const ScreenedEpoch& row : table.rows) {
         usable += row.usable ? 1 : 0;
-        recorded += row.usable && row.recorded_velocity_east_mps ? 1 : 0;
+        recorded += row.usable && row.recorded_velocity_east_m_s ? 1 : 0;
     }
     return 2 * recorded > usable;
 }
@@ -75,14 +75,14 @@ bool has_velocities(const ScreenedTable& table) {
 }  // namespace
 
 template <int Axes>
-ScreeningNoise learn_screening_noise(const ScreenedTable& first_look, const ScreenConfig& config) {
+ScreeningNoise estimate_screening_noise(const ScreenedTable& first_look, const ScreenConfig& config) {
     const std::vector<Arc<Axes>> arcs = arcs_of<Axes>(first_look);
     const auto stretches = stretches_of<Axes>(arcs);
     ScreeningNoise noise;
     EstimationModel& model = noise.model;
     model.motion.jerk_density = config.jerk_density;
-    noise.evidence.axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal;
-    noise.evidence.noise = NoiseBasis::stated;
+    noise.summary.axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal;
+    noise.summary.noise = NoiseBasis::stated;
     if (config.fit_noise) {
         NoiseFitOptions options;
         options.initial_jerk_density = config.jerk_density;
@@ -90,35 +90,35 @@ ScreeningNoise learn_screening_noise(const ScreenedTable& first_look, const Scre
         options.tau_max_s = config.tau_max_s;
         options.motion = NoiseFitOptions::Motion::constant_acceleration;
         const NoiseFit fit = fit_noise<Axes>(stretches, options);
-        noise.evidence.noise = basis_of(fit.status);
+        noise.summary.noise = basis_of(fit.status);
         if (fit.status == NoiseFit::Status::fitted) {
             model = fit.model;
             noise.fitted = fit.model;
-            noise.evidence.white_scale = fit.white_scale;
+            noise.summary.white_scale = fit.white_scale;
             model.motion.jerk_density = std::max(config.jerk_density, fit.jerk_density.value);
             if (has_velocities(first_look))
                 model.measurement_scale = std::max(model.measurement_scale, config.noise_scale_min);
         }
     }
-    if (noise.evidence.noise != NoiseBasis::fitted) {
+    if (noise.summary.noise != NoiseBasis::fitted) {
         model.measurement_scale = robust_scale<Axes>(stretches, model);
         noise.fitted = model;
-        noise.evidence.white_scale = model.measurement_scale;
+        noise.summary.white_scale = model.measurement_scale;
     }
     constexpr int decimals = 6;
     model.motion.jerk_density = rounded(model.motion.jerk_density, decimals);
     model.measurement_scale = rounded(model.measurement_scale, decimals);
     model.error = GaussMarkovError::steady(rounded(model.error.initial_sigma_m, decimals),
                                            rounded(model.error.tau_s, decimals));
-    noise.evidence.white_scale = rounded(noise.evidence.white_scale, decimals);
-    noise.evidence.jerk_density = model.motion.jerk_density;
-    noise.evidence.measurement_scale = model.measurement_scale;
-    noise.evidence.error_sigma_m = model.error.initial_sigma_m;
-    noise.evidence.error_tau_s = model.error.tau_s;
+    noise.summary.white_scale = rounded(noise.summary.white_scale, decimals);
+    noise.summary.jerk_density = model.motion.jerk_density;
+    noise.summary.measurement_scale = model.measurement_scale;
+    noise.summary.error_sigma_m = model.error.initial_sigma_m;
+    noise.summary.error_tau_s = model.error.tau_s;
     return noise;
 }
 
-template ScreeningNoise learn_screening_noise<1>(const ScreenedTable&, const ScreenConfig&);
-template ScreeningNoise learn_screening_noise<2>(const ScreenedTable&, const ScreenConfig&);
+template ScreeningNoise estimate_screening_noise<1>(const ScreenedTable&, const ScreenConfig&);
+template ScreeningNoise estimate_screening_noise<2>(const ScreenedTable&, const ScreenConfig&);
 
 }  // namespace runcert

@@ -9,11 +9,11 @@ namespace runcert {
 struct ScreeningNoise {
     EstimationModel model;   ///< what the tests take it to be
     EstimationModel fitted;  ///< what the recording shows
-    ScreeningModel evidence;
+    ScreeningModel summary;
 };
 
 /// Learns it from the epochs that a first look at the rows leaves: a forward innovation test with
-/// the class's motion and the stated accuracies times a robust factor, whose only use is to keep
+/// the class's motion and the stated standard deviations times a robust factor, whose only use is to keep
 /// gross errors out of the fit. The jerk density is the larger of the class's and the fitted one:
 /// what the craft can do must not be taken for an error because it did not do it for long. Nor is
 /// the white noise taken to be less than a fraction of what is stated: where a receiver has
@@ -23,6 +23,6 @@ struct ScreeningNoise {
 /// stretches over the whole recording, so that it costs the same for a long one. Figures are
 /// rounded to the decimals of the file.
 template <int Axes>
-ScreeningNoise learn_screening_noise(const ScreenedTable& first_look, const ScreenConfig& config);
+ScreeningNoise estimate_screening_noise(const ScreenedTable& first_look, const ScreenConfig& config);
 
 }  // namespace runcert

@@ -34,9 +34,9 @@ Figures figures_of(const EpochMotion& motion, const EpochMotion* before, double 
     Figures figures;
     figures.acceleration = {motion.acceleration.norm(),
                             sigma_along(motion.acceleration, motion.acceleration_covariance)};
-    if (motion.vertical_rate_mps)
-        figures.vertical_rate = {std::abs(*motion.vertical_rate_mps),
-                                 motion.sigma_vertical_rate_mps};
+    if (motion.vertical_rate_m_s)
+        figures.vertical_rate = {std::abs(*motion.vertical_rate_m_s),
+                                 motion.sigma_vertical_rate_m_s};
     if (!before || step_s <= 0.0) return figures;
     const Eigen::Vector2d change = motion.acceleration - before->acceleration;
     figures.jerk = {change.norm() / step_s, (sigma_along(change, motion.acceleration_covariance) +
@@ -62,10 +62,10 @@ std::optional<Excess> find_excess(const Figures& figures, const PhysicalLimits& 
         return Excess{hypothesis, figure->value, threshold};
     };
     if (const auto excess =
-            test(Hypothesis::acceleration, figures.acceleration, limits.acceleration_mps2))
+            test(Hypothesis::acceleration, figures.acceleration, limits.acceleration_m_s2))
         return excess;
-    if (const auto excess = test(Hypothesis::jerk, figures.jerk, limits.jerk_mps3)) return excess;
-    return test(Hypothesis::vertical_rate, figures.vertical_rate, limits.vertical_rate_mps);
+    if (const auto excess = test(Hypothesis::jerk, figures.jerk, limits.jerk_m_s3)) return excess;
+    return test(Hypothesis::vertical_rate, figures.vertical_rate, limits.vertical_rate_m_s);
 }
 
 void mark(ScreenedEpoch& row, const Excess& excess) {
@@ -80,22 +80,23 @@ void mark(ScreenedEpoch& row, const Excess& excess) {
     row.estimated = {};
 }
 
-void include(LimitEvidence& evidence, const Figures& figures) {
-    evidence.acceleration_mps2 = std::max(evidence.acceleration_mps2, figures.acceleration.value);
-    if (figures.jerk) evidence.jerk_mps3 = std::max(evidence.jerk_mps3, figures.jerk->value);
+void include(LimitComparison& comparison, const Figures& figures) {
+    comparison.acceleration_m_s2 =
+        std::max(comparison.acceleration_m_s2, figures.acceleration.value);
+    if (figures.jerk) comparison.jerk_m_s3 = std::max(comparison.jerk_m_s3, figures.jerk->value);
     if (figures.vertical_rate)
-        evidence.vertical_rate_mps =
-            std::max(evidence.vertical_rate_mps, figures.vertical_rate->value);
+        comparison.vertical_rate_m_s =
+            std::max(comparison.vertical_rate_m_s, figures.vertical_rate->value);
 }
 
 }  // namespace
 
-LimitEvidence check_limits(std::vector<ScreenedEpoch>& rows, const Motion& motion,
-                           const PhysicalLimits& limits) {
+LimitComparison check_limits(std::vector<ScreenedEpoch>& rows, const Motion& motion,
+                             const PhysicalLimits& limits) {
     assert(motion.size() == rows.size());
-    LimitEvidence evidence{.acceleration_max_mps2 = limits.acceleration_mps2,
-                           .jerk_max_mps3 = limits.jerk_mps3,
-                           .vertical_rate_max_mps = limits.vertical_rate_mps};
+    LimitComparison comparison{.acceleration_max_m_s2 = limits.acceleration_m_s2,
+                               .jerk_max_m_s3 = limits.jerk_m_s3,
+                               .vertical_rate_max_m_s = limits.vertical_rate_m_s};
     const double coverage = -normal_quantile(limits.test_size);
     std::optional<std::size_t> kept;
     for (std::size_t k = 0; k < rows.size(); ++k) {
@@ -109,13 +110,13 @@ LimitEvidence check_limits(std::vector<ScreenedEpoch>& rows, const Motion& motio
         const Figures figures = figures_of(*motion[k], follows ? &*motion[*kept] : nullptr, step_s);
         if (const std::optional<Excess> excess = find_excess(figures, limits, coverage)) {
             mark(row, *excess);
-            ++evidence.rejected;
+            ++comparison.rejected;
             continue;
         }
-        include(evidence, figures);
+        include(comparison, figures);
         kept = k;
     }
-    return evidence;
+    return comparison;
 }
 
 }  // namespace runcert

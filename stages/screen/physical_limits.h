@@ -9,9 +9,9 @@ namespace runcert {
 
 /// What a craft of a class can do. A limit of 0 is none.
 struct PhysicalLimits {
-    double acceleration_mps2 = 0.0;  ///< horizontal
-    double jerk_mps3 = 0.0;          ///< horizontal
-    double vertical_rate_mps = 0.0;  ///< up or down
+    double acceleration_m_s2 = 0.0;  ///< horizontal
+    double jerk_m_s3 = 0.0;          ///< horizontal
+    double vertical_rate_m_s = 0.0;  ///< up or down
     double test_size = 1e-9;         ///< probability of marking an epoch that is at the limit
 };
 
@@ -30,7 +30,7 @@ struct PhysicalLimits {
 ///
 /// Returns the limits, the largest figures among the epochs kept (jerk being that tested) and how
 /// many epochs were marked. `motion` has one entry for each row.
-LimitEvidence check_limits(std::vector<ScreenedEpoch>& rows, const Motion& motion,
+LimitComparison check_limits(std::vector<ScreenedEpoch>& rows, const Motion& motion,
                            const PhysicalLimits& limits);
 
 }  // namespace runcert

@@ -11,13 +11,13 @@ namespace {
 using Eigen::Matrix3d, Eigen::Vector2d, Eigen::Vector3d;
 
 bool tells_direction(const EpochMotion& motion, double length_m) {
-    constexpr double slowest_mps = 1.0;
+    constexpr double slowest_m_s = 1.0;
     constexpr double largest_turn = 0.05;
-    const double speed_mps = motion.velocity.norm();
-    const double sigma_mps = std::sqrt(motion.velocity_covariance.trace());
-    if (!(speed_mps > slowest_mps && speed_mps > 10.0 * sigma_mps)) return false;
+    const double speed_m_s = motion.velocity.norm();
+    const double sigma_m_s = std::sqrt(motion.velocity_covariance.trace());
+    if (!(speed_m_s > slowest_m_s && speed_m_s > 10.0 * sigma_m_s)) return false;
     const Vector2d &v = motion.velocity, &a = motion.acceleration;
-    const double curvature = std::abs(v.x() * a.y() - v.y() * a.x()) / std::pow(speed_mps, 3);
+    const double curvature = std::abs(v.x() * a.y() - v.y() * a.x()) / std::pow(speed_m_s, 3);
     return curvature * length_m <= largest_turn;
 }
 

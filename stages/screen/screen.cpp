@@ -11,7 +11,7 @@
 #include "stages/screen/decisions.h"
 #include "stages/screen/device_signs.h"
 #include "stages/screen/epoch_checks.h"
-#include "stages/screen/evidence.h"
+#include "stages/screen/examination.h"
 #include "stages/screen/innovation_test.h"
 #include "stages/screen/time_check.h"
 #include "stages/screen/velocity_check.h"
@@ -19,7 +19,7 @@
 namespace runcert {
 namespace {
 
-/// The rows as a first look leaves them, for the noise to be learnt from.
+/// The rows as a first look leaves them, for the noise to be estimated from.
 ScreenedTable first_look(const ScreenedTable& screened, const ScreenConfig& config) {
     ScreenedTable table = screened;
     const bool vertical = table.facts.vertical_measured;
@@ -29,38 +29,39 @@ ScreenedTable first_look(const ScreenedTable& screened, const ScreenConfig& conf
     return table;
 }
 
-/// The noise of some axes, and what it says of the kinds of solution.
-struct LearntNoise {
+/// The noise of some axes, and what it says of the fix types.
+struct EstimatedNoise {
     ScreeningNoise noise;
-    std::vector<FixKindEvidence> kinds;
+    std::vector<FixTypeErrors> kinds;
 };
 
 template <int Axes>
-LearntNoise learn_noise(const ScreenedTable& look, const ScreenConfig& config) {
-    LearntNoise learnt{learn_screening_noise<Axes>(look, config), {}};
-    learnt.kinds = compare_fix_kinds<Axes>(look, learnt.noise);
-    return learnt;
+EstimatedNoise estimate_noise(const ScreenedTable& look, const ScreenConfig& config) {
+    EstimatedNoise estimated{estimate_screening_noise<Axes>(look, config), {}};
+    estimated.kinds = compare_fix_types<Axes>(look, estimated.noise);
+    return estimated;
 }
 
-ScreeningNoises learn_noises(const ScreenedTable& look, const ScreenConfig& config,
-                             ScreeningEvidence& evidence) {
-    LearntNoise horizontal;
-    std::optional<LearntNoise> vertical;
-    do_together([&] { horizontal = learn_noise<2>(look, config); },
+ScreeningNoises estimate_noises(const ScreenedTable& look, const ScreenConfig& config,
+                             ScreeningBasis& basis) {
+    EstimatedNoise horizontal;
+    std::optional<EstimatedNoise> vertical;
+    do_together([&] { horizontal = estimate_noise<2>(look, config); },
                 [&] {
-                    if (look.facts.vertical_measured) vertical = learn_noise<1>(look, config);
+                    if (look.facts.vertical_measured) vertical = estimate_noise<1>(look, config);
                 });
     ScreeningNoises noises;
     noises.horizontal = horizontal.noise;
     if (vertical) noises.vertical = vertical->noise;
-    const LearntNoise* const second = vertical ? &*vertical : nullptr;
-    for (const LearntNoise* const one : {static_cast<const LearntNoise*>(&horizontal), second}) {
+    const EstimatedNoise* const second = vertical ? &*vertical : nullptr;
+    for (const EstimatedNoise* const one :
+         {static_cast<const EstimatedNoise*>(&horizontal), second}) {
         if (one == nullptr) continue;
-        evidence.models.push_back(one->noise.evidence);
-        evidence.fix_kinds.insert(evidence.fix_kinds.end(), one->kinds.begin(), one->kinds.end());
+        basis.models.push_back(one->noise.summary);
+        basis.fix_types.insert(basis.fix_types.end(), one->kinds.begin(), one->kinds.end());
     }
-    noises.horizontal_factors = kind_factors(evidence, TestedAxes::horizontal);
-    noises.vertical_factors = kind_factors(evidence, TestedAxes::vertical);
+    noises.horizontal_factors = kind_factors(basis, TestedAxes::horizontal);
+    noises.vertical_factors = kind_factors(basis, TestedAxes::vertical);
     return noises;
 }
 
@@ -73,17 +74,17 @@ struct AdaptedArcs {
 
 template <int Axes>
 void mark_arcs(ScreenedTable& screened, const AdaptedArcs<Axes>& adapted,
-               const MarkOptions& options, ScreeningEvidence& evidence) {
+               const MarkOptions& options, ScreeningBasis& basis) {
     constexpr TestedAxes axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal;
     for (std::size_t a = 0; a < adapted.arcs.size(); ++a) {
         const ArcDecisions& decisions = adapted.decisions[a];
-        evidence.passes = std::max(evidence.passes, decisions.passes);
+        basis.passes = std::max(basis.passes, decisions.passes);
         mark_rows(screened.rows, adapted.arcs[a].rows, decisions, axes, options);
     }
 }
 
 void test_positions(ScreenedTable& screened, const ScreeningNoises& noises, const TestPlan& plan,
-                    const ScreenConfig& config, ScreeningEvidence& evidence) {
+                    const ScreenConfig& config, ScreeningBasis& basis) {
     // Both groups of axes are tested on what the epochs' own checks left. The plan is a copy for
     // each: it keeps what it has worked out.
     AdaptedArcs<2> horizontal;
@@ -105,40 +106,39 @@ void test_positions(ScreenedTable& screened, const ScreeningNoises& noises, cons
                     adapt<1>(arc.epochs, model, plan, config.section_epochs));
         });
     // No craft on the ground goes up or down faster; those that do have scores in it.
-    constexpr double on_the_ground_mps = 20.0;
+    constexpr double on_the_ground_m_s = 20.0;
     const MarkOptions options{
         .bridge_steps = config.bridge_steps,
-        .on_the_ground = config.limits.vertical_rate_mps <= on_the_ground_mps};
-    mark_arcs(screened, horizontal, options, evidence);
-    mark_arcs(screened, vertical, options, evidence);
+        .on_the_ground = config.limits.vertical_rate_m_s <= on_the_ground_m_s};
+    mark_arcs(screened, horizontal, options, basis);
+    mark_arcs(screened, vertical, options, basis);
 }
 
 /// The witnesses beside the positions: what they mark changes the motion, so that they are asked
 /// again.
 Motion check_velocities_and_limits(ScreenedTable& screened, const ScreeningNoises& noises,
                                    const TestPlan& plan, const ScreenConfig& config,
-                                   ScreeningEvidence& evidence) {
+                                   ScreeningBasis& basis) {
     constexpr int rounds = 4;
     std::int64_t velocities = 0;
     std::int64_t limits = 0;
     for (int round = 0; round < rounds; ++round) {
         finish_arcs(screened.rows, config.burst_epochs_max, config.min_arc_epochs);
         const Motion motion = examine_arcs(screened, noises, plan, config.section_epochs);
-        evidence.velocity =
-            check_velocities(screened.rows, motion,
-                             {.delay_max_s = config.velocity_delay_max_s,
-                              .nominal_interval_s = screened.facts.nominal_interval_s,
-                              .test_size = plan.size()});
-        const std::int64_t marked = evidence.velocity ? evidence.velocity->rejected : 0;
+        basis.velocity = check_velocities(screened.rows, motion,
+                                          {.delay_max_s = config.velocity_delay_max_s,
+                                           .nominal_interval_s = screened.facts.nominal_interval_s,
+                                           .test_size = plan.size()});
+        const std::int64_t marked = basis.velocity ? basis.velocity->rejected : 0;
         velocities += marked;
-        if (evidence.velocity) evidence.velocity->rejected = velocities;
+        if (basis.velocity) basis.velocity->rejected = velocities;
         if (marked > 0) continue;
         PhysicalLimits allowed = config.limits;
         allowed.test_size = plan.size();
-        evidence.limits = check_limits(screened.rows, motion, allowed);
-        limits += evidence.limits.rejected;
-        const bool done = evidence.limits.rejected == 0;
-        evidence.limits.rejected = limits;
+        basis.limits = check_limits(screened.rows, motion, allowed);
+        limits += basis.limits.rejected;
+        const bool done = basis.limits.rejected == 0;
+        basis.limits.rejected = limits;
         if (done) return motion;
     }
     finish_arcs(screened.rows, config.burst_epochs_max, config.min_arc_epochs);
@@ -167,28 +167,28 @@ ReceiverScreening screen_alone(const EnuTable& table, const ScreenConfig& config
     TestPlan plan(config.family_false_alarm_rate,
                   std::max<std::int64_t>(1, summarise(screened.rows).usable) *
                       tests_of_an_epoch(config.burst_epochs_max),
-                  config.power, config.burst_epochs_max, config.limits.acceleration_mps2);
-    ScreeningEvidence evidence;
-    evidence.family_false_alarm_rate = config.family_false_alarm_rate;
-    evidence.tests = plan.tests();
-    evidence.test_size = plan.size();
-    evidence.power = plan.power();
-    evidence.burst_epochs_max = config.burst_epochs_max;
-    evidence.time = examine_time(screened.rows, {.nominal_interval_s = nominal_interval_s,
-                                                 .gap_factor = config.gap_factor,
-                                                 .session_gap_s = config.session_gap_s});
-    evidence.device = find_device_signs(screened.rows, nominal_interval_s,
-                                        table.facts.position_resolution_m.value_or(0.0));
+                  config.power, config.burst_epochs_max, config.limits.acceleration_m_s2);
+    ScreeningBasis basis;
+    basis.family_false_alarm_rate = config.family_false_alarm_rate;
+    basis.tests = plan.tests();
+    basis.test_size = plan.size();
+    basis.power = plan.power();
+    basis.burst_epochs_max = config.burst_epochs_max;
+    basis.time = examine_time(screened.rows, {.nominal_interval_s = nominal_interval_s,
+                                              .gap_factor = config.gap_factor,
+                                              .session_gap_s = config.session_gap_s});
+    basis.device = find_device_signs(screened.rows, nominal_interval_s,
+                                     table.facts.position_resolution_m.value_or(0.0));
     finish_arcs(screened.rows, config.burst_epochs_max, config.min_arc_epochs);
     ScreeningNoises noises;
     {
         const ScreenedTable look = first_look(screened, config);
         screened.variance_factor = look.variance_factor;
-        noises = learn_noises(look, config, evidence);
+        noises = estimate_noises(look, config, basis);
     }
-    test_positions(screened, noises, plan, config, evidence);
-    Motion motion = check_velocities_and_limits(screened, noises, plan, config, evidence);
-    screened.evidence = std::move(evidence);
+    test_positions(screened, noises, plan, config, basis);
+    Motion motion = check_velocities_and_limits(screened, noises, plan, config, basis);
+    screened.basis = std::move(basis);
     return {.table = std::move(screened),
             .noises = std::move(noises),
             .plan = std::move(plan),
@@ -201,7 +201,7 @@ ScreenConfig screen_config(const Attempt& attempt) {
     const nlohmann::ordered_json& parameters = attempt.parameters.at("screen");
     ScreenConfig config;
     for (const auto& word : parameters.at("allowed_fixes")) {
-        FixKind fix{};
+        FixType fix{};
         from_text(word.get<std::string>(), fix);
         config.allowed_fixes.insert(fix);
     }
@@ -225,9 +225,9 @@ ScreenConfig screen_config(const Attempt& attempt) {
     config.burst_epochs_max = parameters.at("burst_epochs_max");
     config.bridge_steps = parameters.at("steps") == "bridge";
     config.velocity_delay_max_s = parameters.at("velocity_delay_max_s");
-    config.limits.acceleration_mps2 = parameters.at("acceleration_max_m_s2");
-    config.limits.jerk_mps3 = parameters.at("jerk_max_m_s3");
-    config.limits.vertical_rate_mps = parameters.at("vertical_rate_max_m_s");
+    config.limits.acceleration_m_s2 = parameters.at("acceleration_max_m_s2");
+    config.limits.jerk_m_s3 = parameters.at("jerk_max_m_s3");
+    config.limits.vertical_rate_m_s = parameters.at("vertical_rate_max_m_s");
     return config;
 }
 

@@ -12,7 +12,7 @@ namespace runcert {
 
 /// The figures of screening; `schemas/attempt/v1.yaml` describes them under `parameters.screen`.
 struct ScreenConfig {
-    std::set<FixKind> allowed_fixes;
+    std::set<FixType> allowed_fixes;
     double accuracy_min_m = 0.0;
     double accuracy_max_m = 0.0;
     std::int64_t satellites_min = 0;
@@ -24,8 +24,8 @@ struct ScreenConfig {
 
     double jerk_density = 0.0;  ///< of the craft's class: what its hardest motion needs
     bool fit_noise = true;
-    double noise_scale_min = 0.0;  ///< of the stated accuracies, in the tests
-    double tau_min_s = 0.0;        ///< correlation times that a slow error may have
+    double noise_scale_min = 0.0;  ///< of the stated standard deviations, in the tests
+    double tau_min_s = 0.0;        ///< correlation times that a time-correlated error may have
     double tau_max_s = 0.0;
     double first_false_alarm_rate = 0.0;  ///< of the first look
     std::int64_t first_restart_after = 0;
@@ -43,9 +43,9 @@ ScreenConfig screen_config(const Attempt& attempt);
 
 /// Marks the epochs that may not take part in the estimate, and cuts the rest into arcs.
 ///
-/// First each epoch by itself: position, kind of solution, time, stated accuracy; then gaps. Then
+/// First each epoch by itself: position, fix type, time, stated standard deviation; then gaps. Then
 /// detection, identification and adaptation ([Baarda68], [Teunissen18]), horizontally and
-/// vertically: the noise is learnt from what a first look leaves; every epoch is tested for an
+/// vertically: the noise is estimated from what a first look leaves; every epoch is tested for an
 /// outlier, a burst, a step, a ramp and a shift of its stamps, every stretch for the model as a
 /// whole; the best supported hypothesis is adapted to, and the tests are repeated until none is
 /// left. All tests together raise a false alarm with the family-wise rate at most. Then the

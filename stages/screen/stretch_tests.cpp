@@ -26,10 +26,10 @@ EstimatedError estimated_rate(const ScoreTest<Axes>& test) {
     const auto estimate = test.estimate();
     EstimatedError error;
     if constexpr (Axes == 1) {
-        error.rate_up_mps = estimate(0);
+        error.rate_up_m_s = estimate(0);
     } else {
-        error.rate_east_mps = estimate(0);
-        error.rate_north_mps = estimate(1);
+        error.rate_east_m_s = estimate(0);
+        error.rate_north_m_s = estimate(1);
     }
     return error;
 }

@@ -20,7 +20,8 @@ struct TestedStretch {
     std::vector<ArcEpoch<Axes>> epochs;  ///< without the measurements left out
 };
 
-/// The estimate of an error, in the words of the evidence: m; m/s for a ramp; s for time stamps.
+/// The estimate of an error, in the units of the columns of an estimated error: m; m/s for a ramp;
+/// s for time stamps.
 template <int Axes>
 EstimatedError estimated_error(const ScoreTest<Axes>& test);
 template <int Axes>
@@ -100,7 +101,7 @@ class StretchTests {
                     if (const auto test = diagnosis_.time_shift(k))
                         consider(*test, largest_sigma_s, Hypothesis::time_shift, k, k, found);
             }
-            consider(diagnosis_.ramp(k), largest_sigma_mps, Hypothesis::ramp, k, k, found);
+            consider(diagnosis_.ramp(k), largest_sigma_m_s, Hypothesis::ramp, k, k, found);
             consider_manoeuvre(k, found);
         }
         diagnosis_.for_each_burst(plan_.burst_epochs_max(), [&](std::size_t k, std::size_t length,
@@ -175,9 +176,9 @@ class StretchTests {
   private:
     // An error of which the data tell less than this has no test: the vague prior would decide it.
     static constexpr double largest_sigma_m = 20.0;
-    static constexpr double largest_sigma_mps = 20.0;
+    static constexpr double largest_sigma_m_s = 20.0;
     static constexpr double largest_sigma_s = 1.0;
-    static constexpr double largest_sigma_mps2 = 5.0;
+    static constexpr double largest_sigma_m_s2 = 5.0;
 
     template <int Size>
     static bool is_told(const ScoreTest<Size>& test, double largest_sigma) {
@@ -200,12 +201,12 @@ class StretchTests {
 
     /// As large as a craft of the class can make it.
     void consider_manoeuvre(std::size_t k, std::vector<Candidate>& found) const {
-        if (plan_.manoeuvre_max_mps2() <= 0.0) return;
+        if (plan_.manoeuvre_max_m_s2() <= 0.0) return;
         const ScoreTest<Axes> test = diagnosis_.manoeuvre(k);
         const std::size_t before = found.size();
-        consider(test, largest_sigma_mps2, Hypothesis::ramp, k, k, found);
+        consider(test, largest_sigma_m_s2, Hypothesis::ramp, k, k, found);
         if (found.size() == before) return;
-        if (test.estimate().norm() <= plan_.manoeuvre_max_mps2())
+        if (test.estimate().norm() <= plan_.manoeuvre_max_m_s2())
             found.back().manoeuvre = true;
         else
             found.pop_back();
@@ -216,7 +217,7 @@ class StretchTests {
     /// a drift that is none takes the whole stretch with it.
     std::optional<Candidate> motion_instead(const Candidate& error) const {
         constexpr double share = 0.6;
-        if (plan_.manoeuvre_max_mps2() <= 0.0) return std::nullopt;
+        if (plan_.manoeuvre_max_m_s2() <= 0.0) return std::nullopt;
         const std::size_t reach = 2 * plan_.burst_epochs_max();
         const std::size_t end = std::min(stretch_.epochs.size(), error.first + reach + 1);
         std::optional<Candidate> best;
@@ -226,8 +227,8 @@ class StretchTests {
             const double statistic = test.statistic() / factors_[k];
             if (!(statistic > share * error.statistic) || (best && statistic <= best->statistic))
                 continue;
-            if (!is_told(test, largest_sigma_mps2) ||
-                test.estimate().norm() > plan_.manoeuvre_max_mps2())
+            if (!is_told(test, largest_sigma_m_s2) ||
+                test.estimate().norm() > plan_.manoeuvre_max_m_s2())
                 continue;
             best = Candidate{.log_tail = log_chi_squared_upper_tail(statistic, Axes),
                              .hypothesis = Hypothesis::ramp,

@@ -8,12 +8,12 @@
 namespace runcert {
 
 TestPlan::TestPlan(double family_false_alarm_rate, std::int64_t tests, double power,
-                   std::int64_t burst_epochs_max, double manoeuvre_max_mps2)
+                   std::int64_t burst_epochs_max, double manoeuvre_max_m_s2)
     : tests_(tests),
       size_(family_false_alarm_rate / static_cast<double>(tests)),
       power_(power),
       burst_epochs_max_(static_cast<std::size_t>(burst_epochs_max)),
-      manoeuvre_max_mps2_(manoeuvre_max_mps2),
+      manoeuvre_max_m_s2_(manoeuvre_max_m_s2),
       noncentrality_{0.0, runcert::noncentrality(size_, power, 1),
                      runcert::noncentrality(size_, power, 2)} {
     for (const int axes : {1, 2})

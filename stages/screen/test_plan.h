@@ -12,18 +12,18 @@ class TestPlan {
     /// tests, so that all together raise a false alarm with at most the family-wise rate, however
     /// they depend on one another (Bonferroni).
     ///
-    /// `manoeuvre_max_mps2`: a larger change of acceleration is no motion of the craft.
+    /// `manoeuvre_max_m_s2`: a larger change of acceleration is no motion of the craft.
     TestPlan(double family_false_alarm_rate, std::int64_t tests, double power,
-             std::int64_t burst_epochs_max, double manoeuvre_max_mps2 = 0.0);
+             std::int64_t burst_epochs_max, double manoeuvre_max_m_s2 = 0.0);
 
     std::int64_t tests() const { return tests_; }
     double size() const { return size_; }
     double power() const { return power_; }
     std::size_t burst_epochs_max() const { return burst_epochs_max_; }
-    double manoeuvre_max_mps2() const { return manoeuvre_max_mps2_; }
+    double manoeuvre_max_m_s2() const { return manoeuvre_max_m_s2_; }
     TestPlan without_manoeuvres() const {
         TestPlan plan = *this;
-        plan.manoeuvre_max_mps2_ = 0.0;
+        plan.manoeuvre_max_m_s2_ = 0.0;
         return plan;
     }
 
@@ -40,7 +40,7 @@ class TestPlan {
     double size_;
     double power_;
     std::size_t burst_epochs_max_;
-    double manoeuvre_max_mps2_;
+    double manoeuvre_max_m_s2_;
     mutable std::vector<double> critical_;
     std::vector<double> noncentrality_;
 };

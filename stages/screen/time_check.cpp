@@ -17,7 +17,7 @@ constexpr std::size_t faults_kept = 1000;
 constexpr double largest_clock_error = 2e-2;
 constexpr double time_coverage = 5.0;
 constexpr double stamp_rounding_s = 1e-3;
-constexpr double craft_acceleration_mps2 = 10.0;
+constexpr double craft_acceleration_m_s2 = 10.0;
 
 double seconds_between(const ScreenedEpoch& earlier, const ScreenedEpoch& later) {
     // As integers the difference of stamps centuries apart would overflow.
@@ -114,7 +114,7 @@ std::vector<Jump> find_jumps(const std::vector<ScreenedEpoch>& rows, double long
 }
 
 bool is_located(const ScreenedEpoch& row) {
-    return row.fix != FixKind::none && row.east_m && row.north_m && row.sigma_east_m &&
+    return row.fix != FixType::none && row.east_m && row.north_m && row.sigma_east_m &&
            row.sigma_north_m;
 }
 
@@ -124,7 +124,7 @@ struct Sides {
     Eigen::Vector2d before = Eigen::Vector2d::Zero();        ///< velocity, m/s
     Eigen::Vector2d after = Eigen::Vector2d::Zero();
     double sigma_m = 0.0;  ///< of displacement less mean velocity times interval, any direction
-    double sigma_velocity_mps = 0.0;  ///< of either velocity
+    double sigma_velocity_m_s = 0.0;  ///< of either velocity
 };
 
 std::optional<Sides> sides_of(const std::vector<ScreenedEpoch>& rows, std::size_t row,
@@ -147,33 +147,33 @@ std::optional<Sides> sides_of(const std::vector<ScreenedEpoch>& rows, std::size_
     const double inner = variance(row - 1) + variance(row);
     const double outer = variance(row - 3) + variance(row + 2);
     sides.sigma_m = std::sqrt(1.25 * 1.25 * inner + 0.25 * 0.25 * outer);
-    sides.sigma_velocity_mps = std::sqrt(std::max(variance(row - 3) + variance(row - 1),
+    sides.sigma_velocity_m_s = std::sqrt(std::max(variance(row - 3) + variance(row - 1),
                                                   variance(row) + variance(row + 2))) /
                                two_steps_s;
     return sides;
 }
 
-/// The least displacement (m) in `time_s` of a craft that has `speed_mps` at both ends and does not
+/// The least displacement (m) in `time_s` of a craft that has `speed_m_s` at both ends and does not
 /// turn round.
-double least_displacement(double speed_mps, double time_s) {
-    const double a = craft_acceleration_mps2;
-    const bool can_stop = 2.0 * speed_mps <= a * time_s;
-    return can_stop ? speed_mps * speed_mps / a : speed_mps * time_s - a * time_s * time_s / 4.0;
+double least_displacement(double speed_m_s, double time_s) {
+    const double a = craft_acceleration_m_s2;
+    const bool can_stop = 2.0 * speed_m_s <= a * time_s;
+    return can_stop ? speed_m_s * speed_m_s / a : speed_m_s * time_s - a * time_s * time_s / 4.0;
 }
 
 /// Whether the craft moved over the step as in one interval, and certainly not as in the step.
 bool goes_on(const Sides& sides, double step_s, double interval_s) {
     const double allowed_m =
-        time_coverage * sides.sigma_m + craft_acceleration_mps2 * interval_s * interval_s / 2.0;
+        time_coverage * sides.sigma_m + craft_acceleration_m_s2 * interval_s * interval_s / 2.0;
     const Eigen::Vector2d expected = (sides.before + sides.after) / 2.0 * interval_s;
-    const double sure_speed_mps = std::min(sides.before.norm(), sides.after.norm()) -
-                                  time_coverage * sides.sigma_velocity_mps;
-    if (sure_speed_mps <= 0.0) return false;
-    if (least_displacement(sure_speed_mps, std::abs(step_s)) <= expected.norm() + 2.0 * allowed_m)
+    const double sure_speed_m_s = std::min(sides.before.norm(), sides.after.norm()) -
+                                  time_coverage * sides.sigma_velocity_m_s;
+    if (sure_speed_m_s <= 0.0) return false;
+    if (least_displacement(sure_speed_m_s, std::abs(step_s)) <= expected.norm() + 2.0 * allowed_m)
         return false;
-    const double change_mps = (sides.after - sides.before).norm();
-    if (change_mps > 3.0 * craft_acceleration_mps2 * interval_s +
-                         time_coverage * std::sqrt(2.0) * sides.sigma_velocity_mps)
+    const double change_m_s = (sides.after - sides.before).norm();
+    if (change_m_s > 3.0 * craft_acceleration_m_s2 * interval_s +
+                         time_coverage * std::sqrt(2.0) * sides.sigma_velocity_m_s)
         return false;
     return (sides.displacement - expected).norm() <= allowed_m;
 }
@@ -223,25 +223,26 @@ TimeFault fault_of(const std::vector<ScreenedEpoch>& rows, const Jump& jump, con
 
 }  // namespace
 
-TimeEvidence examine_time(const std::vector<ScreenedEpoch>& rows, const TimeCheckOptions& options) {
-    TimeEvidence evidence;
+TimeStampSummary examine_time(const std::vector<ScreenedEpoch>& rows,
+                              const TimeCheckOptions& options) {
+    TimeStampSummary summary;
     const Rhythm rhythm = find_rhythm(rows, options);
-    if (rhythm.mean_s > 0.0) evidence.rate_deviation = rhythm.mean_s / set_interval(rhythm) - 1.0;
-    evidence.jitter_s = rhythm.sd_s;
+    if (rhythm.mean_s > 0.0) summary.rate_deviation = rhythm.mean_s / set_interval(rhythm) - 1.0;
+    summary.jitter_s = rhythm.sd_s;
     for (const Jump& jump : find_jumps(rows, rhythm.longest_s, options.session_gap_s)) {
         if (jump.step_s == 0.0)
-            ++evidence.duplicates;
+            ++summary.duplicates;
         else if (jump.step_s < 0.0)
-            ++evidence.backward;
+            ++summary.backward;
         else {
-            ++evidence.gaps;
-            evidence.longest_gap_s = std::max(evidence.longest_gap_s, jump.advance_s);
+            ++summary.gaps;
+            summary.longest_gap_s = std::max(summary.longest_gap_s, jump.advance_s);
         }
         TimeFault fault = fault_of(rows, jump, rhythm, options);
-        if (fault.kind == TimeFaultKind::session) ++evidence.sessions;
-        if (evidence.faults.size() < faults_kept) evidence.faults.push_back(std::move(fault));
+        if (fault.kind == TimeFaultKind::session) ++summary.sessions;
+        if (summary.faults.size() < faults_kept) summary.faults.push_back(std::move(fault));
     }
-    return evidence;
+    return summary;
 }
 
 }  // namespace runcert

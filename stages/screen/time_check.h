@@ -28,7 +28,7 @@ struct TimeCheckOptions {
 ///   whole number of seconds off one interval, to within 5 standard deviations of the intervals (1
 ///   ms at least, a quarter interval at most), and the positions go on as after one interval. 18 s
 ///   is what GPS time has been ahead of UTC by since 2017: a receiver that changed its time scale
-///   when it learnt the leap seconds.
+///   when it received the leap seconds.
 /// - "session": a gap longer than `session_gap_s`, or a clock set back by more for good, that is
 ///   until the recording or the session ends. `sessions` is one more than these. A single stamp
 ///   that is off by that much, between two rows in time, begins none.
@@ -40,7 +40,7 @@ struct TimeCheckOptions {
 /// That positions go on is decided from the three rows before and the three after, with regular
 /// steps among each three and a position and accuracy at the outer and inner ones. Let v be the
 /// mean of the two velocities, tau the mean interval, d the displacement over the step. |d - v tau|
-/// may be A = 5 u + a tau^2 / 2: u is its standard uncertainty from the stated accuracies, a = 10
+/// may be A = 5 u + a tau^2 / 2: u is its standard uncertainty from the stated standard deviations, a = 10
 /// m/s^2 bounds what a craft's acceleration does in between; the velocities may differ by 3 a tau
 /// and 5 u. It can be told only where the craft is fast: one that really moved through the step,
 /// braking and speeding up by no more than a and not turning round, is at least v^2 / a further (v
@@ -53,6 +53,7 @@ struct TimeCheckOptions {
 /// of what is between it and the next, else `options.nominal_interval_s`. `jitter_s` is the
 /// standard deviation of the regular steps, rounding of the stamps included; both are 0 where too
 /// few steps are regular.
-TimeEvidence examine_time(const std::vector<ScreenedEpoch>& rows, const TimeCheckOptions& options);
+TimeStampSummary examine_time(const std::vector<ScreenedEpoch>& rows,
+                              const TimeCheckOptions& options);
 
 }  // namespace runcert

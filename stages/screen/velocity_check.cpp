@@ -18,14 +18,14 @@ using Eigen::Matrix2d;
 using Eigen::Vector2d;
 using namespace velocities;
 
-/// Neighbours on either side that a local scale comes from, and over which a wrong position may
+/// Neighbours on either side that a local scale comes from, and over which an outlier may
 /// have bent the smoothed motion.
 constexpr std::size_t neighbours = 10;
 constexpr std::size_t least_neighbours = 8;
 
 std::optional<Vector2d> recorded_velocity(const ScreenedEpoch& row) {
-    if (!row.recorded_velocity_east_mps || !row.recorded_velocity_north_mps) return std::nullopt;
-    return Vector2d(*row.recorded_velocity_east_mps, *row.recorded_velocity_north_mps);
+    if (!row.recorded_velocity_east_m_s || !row.recorded_velocity_north_m_s) return std::nullopt;
+    return Vector2d(*row.recorded_velocity_east_m_s, *row.recorded_velocity_north_m_s);
 }
 
 /// A recorded velocity less another at one row (m/s), what is known of its variance without the
@@ -57,7 +57,7 @@ std::optional<Vector2d> recorded_at(const Knots& recorded, std::size_t near, dou
 /// The variance that an uncertain delay makes: by what the recorded velocity changes over it. A
 /// delay not told counts as its largest. Where the velocity hardly changes, as it does then, this
 /// costs little; where it does change, the comparison loses its weight by itself. The smoothed
-/// acceleration would not do: a wrong position makes it large, and would excuse itself.
+/// acceleration would not do: an outlier makes it large, and would excuse itself.
 Matrix2d delay_variance(const Knots& recorded, std::size_t k, const Delay& delay) {
     const Knot& knot = recorded[k];
     const auto before = recorded_at(recorded, k, knot.time_s - delay.sigma_s);
@@ -184,7 +184,7 @@ std::vector<std::size_t> mark_displaced(std::vector<ScreenedEpoch>& rows,
     return marked;
 }
 
-/// Both epochs of each two that contradict in one direction, if no wrong position bent the motion.
+/// Both epochs of each two that contradict in one direction, if no outlier bent the motion.
 void mark_drifting(std::vector<ScreenedEpoch>& rows, const Differences& differences,
                    const std::vector<std::size_t>& displaced, double threshold) {
     std::vector<bool> bent(differences.size(), false);
@@ -232,35 +232,35 @@ bool recorded_velocities_change(const std::vector<ScreenedEpoch>& rows) {
 
 }  // namespace
 
-std::optional<VelocityEvidence> check_velocities(std::vector<ScreenedEpoch>& rows,
-                                                 const Motion& motion,
-                                                 const VelocityCheckOptions& options) {
+std::optional<VelocityComparison> check_velocities(std::vector<ScreenedEpoch>& rows,
+                                                   const Motion& motion,
+                                                   const VelocityCheckOptions& options) {
     assert(rows.size() == motion.size());
     const auto recorded = std::count_if(rows.begin(), rows.end(), [](const ScreenedEpoch& row) {
         return recorded_velocity(row).has_value();
     });
     if (recorded < static_cast<std::ptrdiff_t>(least_comparisons)) return std::nullopt;
-    VelocityEvidence evidence;
-    if (!recorded_velocities_change(rows)) return evidence;
+    VelocityComparison comparison;
+    if (!recorded_velocities_change(rows)) return comparison;
 
     const Gathered gathered = gather(rows, motion);
     const Delay delay = estimate_delay(gathered.smoothed, motion, gathered.comparisons,
                                        options.delay_max_s, options.nominal_interval_s);
     Differences differences = smoothed_differences(gathered, delay);
-    if (differences.size() < least_comparisons) return evidence;
+    if (differences.size() < least_comparisons) return comparison;
     Differences displacements = displacement_differences(rows, gathered.recorded, delay);
-    evidence.compared = static_cast<std::int64_t>(differences.size());
-    evidence.delay_s = delay.delay_s;
-    if (delay.delay_s) evidence.sigma_delay_s = delay.sigma_s;
-    evidence.scale_mps = test_differences(differences);
+    comparison.compared = static_cast<std::int64_t>(differences.size());
+    comparison.delay_s = delay.delay_s;
+    if (delay.delay_s) comparison.sigma_delay_s = delay.sigma_s;
+    comparison.scale_m_s = test_differences(differences);
     test_differences(displacements);
 
     const double threshold = chi_squared_upper_quantile(options.test_size, 2);
     const auto displaced = mark_displaced(rows, displacements, threshold);
     mark_drifting(rows, differences, displaced, threshold);
-    evidence.rejected = std::count_if(gathered.recorded.begin(), gathered.recorded.end(),
-                                      [&](const Knot& knot) { return !rows[knot.row].usable; });
-    return evidence;
+    comparison.rejected = std::count_if(gathered.recorded.begin(), gathered.recorded.end(),
+                                        [&](const Knot& knot) { return !rows[knot.row].usable; });
+    return comparison;
 }
 
 }  // namespace runcert

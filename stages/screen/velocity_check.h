@@ -23,23 +23,22 @@ struct VelocityCheckOptions {
 ///
 /// An epoch is marked in two cases.
 /// - Its displacements from the epoch before and to the one after both contradict the recorded
-///   velocities, in opposite directions: only a wrong position does that.
+///   velocities, in opposite directions: only an outlier does that.
 /// - The smoothed velocity contradicts the recorded one there and at a neighbour of the arc, in
 ///   one direction: positions that drift do that. A recorded velocity wrong for one epoch, as real
-///   receivers give now and then, does not, and is no evidence against a position. Within ten
-///   rows of an epoch marked for its displacements nothing is marked so, because the wrong
-///   position has bent the smoothed motion: smooth again without it, and check again.
+///   receivers give now and then, does not, and does not contradict a position. Within ten
+///   rows of an epoch marked for its displacements nothing is marked so, because the outlier has bent the smoothed motion: smooth again without it, and check again.
 ///
 /// `motion` has one element for each row, smoothed from the usable rows. `delay_s` of the answer is
 /// empty where the motion does not tell it: hardly any acceleration, an estimate at the limit of
 /// the range, or a standard uncertainty over half an interval. The motion is then compared
 /// undelayed, with what the recorded velocity changes by within delay_max added to the standard
 /// deviation.
-/// `compared` counts the comparisons with the smoothed motion, `scale_mps` is of their differences.
+/// `compared` counts the comparisons with the smoothed motion, `scale_m_s` is of their differences.
 /// Nothing is answered where fewer than 30 rows have a recorded velocity; `compared` is 0, and
 /// nothing marked, where they never change (a field that the receiver does not fill) or fewer than
 /// 30 can be compared.
-std::optional<VelocityEvidence> check_velocities(std::vector<ScreenedEpoch>& rows,
+std::optional<VelocityComparison> check_velocities(std::vector<ScreenedEpoch>& rows,
                                                  const Motion& motion,
                                                  const VelocityCheckOptions& options);
 

@@ -112,7 +112,7 @@ std::vector<StateVector<Axes>> solve_stretch(std::span<const ArcEpoch<Axes>> str
     if (!end.usable)
         throw Failure(problem.where(),
                       "the batch least squares could not be solved: " + end.message,
-                      "Check the stated accuracies and the time steps of this stretch");
+                      "Check the stated standard deviations and the time steps of this stretch");
     return problem.states();
 }
 
@@ -226,7 +226,7 @@ TwoStateCovariance<Axes> batch_covariance(std::span<const ArcEpoch<Axes>> arc,
     const auto covariance = batch.covariance(s, e);
     if (!covariance)
         throw Failure(batch.where(), "the batch least squares does not determine every state",
-                      "Check the stated accuracies and the time steps of this stretch");
+                      "Check the stated standard deviations and the time steps of this stretch");
     return *covariance;
 }
 

@@ -24,8 +24,8 @@ std::vector<std::optional<double>> speed_v2(std::span<const PlanePosition> posit
 }
 
 std::vector<FilteredState> filter_dhd22(std::span<const PlanePosition> positions,
-                                        double acceleration_sigma_mps2) {
-    constexpr double start_velocity_sigma_mps = 100.0;
+                                        double acceleration_sigma_m_s2) {
+    constexpr double start_velocity_sigma_m_s = 100.0;
     std::vector<FilteredState> states;
     states.reserve(positions.size());
     for (const PlanePosition& measured : positions) {
@@ -34,8 +34,8 @@ std::vector<FilteredState> filter_dhd22(std::span<const PlanePosition> positions
         if (states.empty()) {
             state.mean.head<2>() = measured.position;
             state.covariance.diagonal() << variance, variance,
-                start_velocity_sigma_mps * start_velocity_sigma_mps,
-                start_velocity_sigma_mps * start_velocity_sigma_mps;
+                start_velocity_sigma_m_s * start_velocity_sigma_m_s,
+                start_velocity_sigma_m_s * start_velocity_sigma_m_s;
             states.push_back(state);
             continue;
         }
@@ -45,7 +45,7 @@ std::vector<FilteredState> filter_dhd22(std::span<const PlanePosition> positions
         Eigen::Matrix<double, 4, 2> noise_input = Eigen::Matrix<double, 4, 2>::Zero();
         noise_input.topRows<2>().diagonal().setConstant(dt * dt / 2.0);
         noise_input.bottomRows<2>().diagonal().setConstant(dt);
-        noise_input *= acceleration_sigma_mps2;
+        noise_input *= acceleration_sigma_m_s2;
         const Eigen::Vector4d predicted = transition * states.back().mean;
         const Eigen::Matrix4d covariance =
             transition * states.back().covariance * transition.transpose() +

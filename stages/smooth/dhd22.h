@@ -27,7 +27,7 @@ std::vector<std::optional<double>> speed_v2(std::span<const PlanePosition> posit
 struct FilteredState {
     Eigen::Vector4d mean = Eigen::Vector4d::Zero();
     Eigen::Matrix4d covariance = Eigen::Matrix4d::Identity();
-    double speed_mps() const { return mean.tail<2>().norm(); }
+    double speed_m_s() const { return mean.tail<2>().norm(); }
 };
 
 /// The filter of [DHD22] (31) to (41): constant velocity driven by acceleration noise of standard
@@ -36,6 +36,6 @@ struct FilteredState {
 /// its noise nor its start; 0.1 m/s^2 reproduces its figures. Starts at the first position, at
 /// rest, with standard deviations of sigma and 100 m/s.
 std::vector<FilteredState> filter_dhd22(std::span<const PlanePosition> positions,
-                                        double acceleration_sigma_mps2);
+                                        double acceleration_sigma_m_s2);
 
 }  // namespace runcert

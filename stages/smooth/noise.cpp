@@ -118,7 +118,7 @@ void forget_motion(std::vector<Arc<Axes>>& arcs) {
 }  // namespace
 
 template <int Axes>
-NoiseSummary learn_noise(std::vector<Arc<Axes>>& arcs, const SmoothConfig& config) {
+NoiseSummary estimate_noise(std::vector<Arc<Axes>>& arcs, const SmoothConfig& config) {
     NoiseSummary noise;
     noise.epochs_needed = config.fit.epochs_needed + measurements_of_the_prior * std::ssize(arcs);
     noise.tau_min_s = config.fit.tau_min_s;
@@ -157,7 +157,7 @@ void set_jerk_densities(std::vector<Arc<Axes>>& arcs, const NoiseSummary& noise,
 template void set_jerk_densities<1>(std::vector<Arc<1>>&, const NoiseSummary&, const SmoothConfig&);
 template void set_jerk_densities<2>(std::vector<Arc<2>>&, const NoiseSummary&, const SmoothConfig&);
 
-template NoiseSummary learn_noise<1>(std::vector<Arc<1>>&, const SmoothConfig&);
-template NoiseSummary learn_noise<2>(std::vector<Arc<2>>&, const SmoothConfig&);
+template NoiseSummary estimate_noise<1>(std::vector<Arc<1>>&, const SmoothConfig&);
+template NoiseSummary estimate_noise<2>(std::vector<Arc<2>>&, const SmoothConfig&);
 
 }  // namespace runcert

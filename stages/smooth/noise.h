@@ -15,7 +15,7 @@ namespace runcert {
 /// Sets the `jerk_factor` of every epoch to what the noise was fitted with: the jerk density most
 /// likely for the motion about it (`local_motion`), in units of the fitted one.
 template <int Axes>
-NoiseSummary learn_noise(std::vector<Arc<Axes>>& arcs, const SmoothConfig& config);
+NoiseSummary estimate_noise(std::vector<Arc<Axes>>& arcs, const SmoothConfig& config);
 
 /// The jerk densities that the trajectory is estimated with: where fitted they follow the motion,
 /// but nowhere is one less than that fitted to the whole recording, nor less than

@@ -19,7 +19,7 @@ namespace runcert {
 namespace {
 
 constexpr double agreement_position_m = 1e-6;
-constexpr double agreement_velocity_mps = 1e-5;
+constexpr double agreement_velocity_m_s = 1e-5;
 
 /// How the batch is cut at first, and what part of the agreement asked for must then be reached.
 constexpr BatchOptions short_stretches{.epochs_at_once = 12'000, .overlap = 2'000};
@@ -44,19 +44,19 @@ std::int64_t offsets_told(const Arc<2>& arc) {
 struct Agreement {
     std::int64_t stretches = 0;  ///< of the batch
     double largest_position_difference_m = 0.0;
-    double largest_velocity_difference_mps = 0.0;
+    double largest_velocity_difference_m_s = 0.0;
 
-    bool within(double position_m, double velocity_mps) const {
+    bool within(double position_m, double velocity_m_s) const {
         return largest_position_difference_m <= position_m &&
-               largest_velocity_difference_mps <= velocity_mps;
+               largest_velocity_difference_m_s <= velocity_m_s;
     }
 
     void add(const Agreement& other) {
         stretches += other.stretches;
         largest_position_difference_m =
             std::max(largest_position_difference_m, other.largest_position_difference_m);
-        largest_velocity_difference_mps =
-            std::max(largest_velocity_difference_mps, other.largest_velocity_difference_mps);
+        largest_velocity_difference_m_s =
+            std::max(largest_velocity_difference_m_s, other.largest_velocity_difference_m_s);
     }
 };
 
@@ -65,7 +65,7 @@ Agreement agreement_at(const SmoothedMeans<Axes>& smoothed, const BatchSolution<
                        std::size_t k) {
     const StateVector<Axes> difference = batch.states[k] - smoothed.states[k];
     return {.largest_position_difference_m = difference.template head<Axes>().norm(),
-            .largest_velocity_difference_mps = difference.template segment<Axes>(Axes).norm()};
+            .largest_velocity_difference_m_s = difference.template segment<Axes>(Axes).norm()};
 }
 
 /// Compares the batch solution with the smoothed one.
@@ -77,15 +77,15 @@ Agreement compare_batch(const Arc<Axes>& arc, const SmoothedMeans<Axes>& smoothe
     for (std::size_t k = 0; k < batch.states.size(); ++k) {
         const Agreement here = agreement_at(smoothed, batch, k);
         agreement.add(here);
-        if (!here.within(agreement_position_m, agreement_velocity_mps))
+        if (!here.within(agreement_position_m, agreement_velocity_m_s))
             throw Failure(
                 fmt::format("epoch {}, {:.3f} s", rows[arc.rows[k]].epoch, arc.epochs[k].time_s),
                 fmt::format("smoother and batch least squares differ by {:.2e} m and {:.2e} m/s, "
                             "more than {:.0e} m and {:.0e} m/s",
                             here.largest_position_difference_m,
-                            here.largest_velocity_difference_mps, agreement_position_m,
-                            agreement_velocity_mps),
-                "The estimate cannot be trusted here; check stated accuracies and time steps, and "
+                            here.largest_velocity_difference_m_s, agreement_position_m,
+                            agreement_velocity_m_s),
+                "The estimate cannot be trusted here; check stated standard deviations and time steps, and "
                 "report it with the run folder");
     }
     return agreement;
@@ -120,7 +120,7 @@ BatchSolution<Axes> solve_in_stretches(const Arc<Axes>& arc, const SmoothedMeans
         for (std::size_t k = 0; k < batch.states.size() && near; ++k)
             near = agreement_at(smoothed, batch, k)
                        .within(near_the_smoother * agreement_position_m,
-                               near_the_smoother * agreement_velocity_mps);
+                               near_the_smoother * agreement_velocity_m_s);
         if (near || batch.stretches == 1) return batch;
     }
     return solve_batch<Axes>(arc.epochs, model, {.epochs_at_once = arc.epochs.size()});
@@ -160,7 +160,7 @@ Agreement check_by_batch(const AxesResult<Axes>& result, const EstimationModel& 
         agreement.add(compare_batch(arc, result.smoothed[a], batch, rows));
         if constexpr (Axes == 2)
             for (std::size_t k = 0; k < batch.states.size(); ++k)
-                rows[arc.rows[k]].speed_batch_mps = batch.states[k].template segment<2>(2).norm();
+                rows[arc.rows[k]].speed_batch_m_s = batch.states[k].template segment<2>(2).norm();
     }
     return agreement;
 }
@@ -176,7 +176,7 @@ AxesResult<Axes> estimate(const ScreenedTable& screened, const SmoothConfig& con
     EstimationModel as_stated;
     as_stated.motion.jerk_density = config.fit.initial_jerk_density;
     const double autocorrelation_stated = innovation_autocorrelation<Axes>(result.arcs, as_stated);
-    result.estimation.noise = learn_noise<Axes>(result.arcs, config);
+    result.estimation.noise = estimate_noise<Axes>(result.arcs, config);
     const EstimationModel model = model_of(result.estimation.noise);
     result.estimation.health = filter_health<Axes>(result.arcs, model);
     result.estimation.health.autocorrelation_stated = autocorrelation_stated;
@@ -220,7 +220,7 @@ Agreement estimate_horizontal(const ScreenedTable& screened, const SmoothConfig&
             }
         });
     for (const Arc<2>& arc : result.arcs)
-        set_paper_methods(arc, config.dhd22_acceleration_sigma_mps2, table.rows);
+        set_paper_methods(arc, config.dhd22_acceleration_sigma_m_s2, table.rows);
     summarise_horizontal(result, table.estimation);
     return result.agreement;
 }
@@ -248,7 +248,7 @@ SmoothConfig smooth_config(const Attempt& attempt) {
                         : motion == "constant_acceleration" ? Motion::constant_acceleration
                                                             : Motion::by_likelihood;
     config.robust_scale = parameters.at("robust_scale");
-    config.dhd22_acceleration_sigma_mps2 = parameters.at("dhd22_acceleration_sigma");
+    config.dhd22_acceleration_sigma_m_s2 = parameters.at("dhd22_acceleration_sigma");
     return config;
 }
 
@@ -276,7 +276,7 @@ TrajectoryTable smooth_trajectory(const ScreenedTable& screened, const SmoothCon
     agreement.add(of_heights);
     table.estimation.batch_stretches = agreement.stretches;
     table.estimation.largest_position_difference_m = agreement.largest_position_difference_m;
-    table.estimation.largest_velocity_difference_mps = agreement.largest_velocity_difference_mps;
+    table.estimation.largest_velocity_difference_m_s = agreement.largest_velocity_difference_m_s;
     return table;
 }
 

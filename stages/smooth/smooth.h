@@ -12,13 +12,13 @@ struct SmoothConfig {
     bool fit_noise = true;  ///< else noise as stated
     NoiseFitOptions fit;
     double robust_scale = 2.0;  ///< of the Cauchy loss, in standard deviations
-    double dhd22_acceleration_sigma_mps2 = 0.1;
+    double dhd22_acceleration_sigma_m_s2 = 0.1;
 };
 
 SmoothConfig smooth_config(const Attempt& attempt);
 
 /// Position, velocity and acceleration of every epoch of every arc, with standard uncertainties:
-/// noise learnt from the recording, Kalman filter and RTS smoother, and beside them the same
+/// noise estimated from the recording, Kalman filter and RTS smoother, and beside them the same
 /// problem as batch least squares, the batch with a robust loss, and the three methods of [DHD22].
 ///
 /// Horizontal and vertical are estimated apart, each with its own noise; the stated correlations

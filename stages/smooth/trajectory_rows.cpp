@@ -48,28 +48,28 @@ void set_motion(const MotionSmoother<2>& at, TrajectoryEpoch& row) {
     const Eigen::Vector2d acceleration = sigmas<2>(at.covariance(MotionSmoother<2>::acceleration));
     row.east_m = mean(0);
     row.north_m = mean(1);
-    row.velocity_east_mps = mean(2);
-    row.velocity_north_mps = mean(3);
-    row.acceleration_east_mps2 = mean(4);
-    row.acceleration_north_mps2 = mean(5);
+    row.velocity_east_m_s = mean(2);
+    row.velocity_north_m_s = mean(3);
+    row.acceleration_east_m_s2 = mean(4);
+    row.acceleration_north_m_s2 = mean(5);
     row.sigma_east_m = position(0);
     row.sigma_north_m = position(1);
-    row.sigma_velocity_east_mps = velocity(0);
-    row.sigma_velocity_north_mps = velocity(1);
-    row.sigma_acceleration_east_mps2 = acceleration(0);
-    row.sigma_acceleration_north_mps2 = acceleration(1);
+    row.sigma_velocity_east_m_s = velocity(0);
+    row.sigma_velocity_north_m_s = velocity(1);
+    row.sigma_acceleration_east_m_s2 = acceleration(0);
+    row.sigma_acceleration_north_m_s2 = acceleration(1);
     const SpeedEstimate speed = horizontal_speed(mean.segment<2>(2), of_velocity);
-    row.speed_mps = speed.speed_mps;
-    row.sigma_speed_mps = speed.standard_uncertainty_mps;
+    row.speed_m_s = speed.speed_m_s;
+    row.sigma_speed_m_s = speed.standard_uncertainty_m_s;
 }
 
 void set_motion(const MotionSmoother<1>& at, TrajectoryEpoch& row) {
     row.up_m = at.mean()(0);
-    row.velocity_up_mps = at.mean()(1);
-    row.acceleration_up_mps2 = at.mean()(2);
+    row.velocity_up_m_s = at.mean()(1);
+    row.acceleration_up_m_s2 = at.mean()(2);
     row.sigma_up_m = sigmas<1>(at.covariance(MotionSmoother<1>::position))(0);
-    row.sigma_velocity_up_mps = sigmas<1>(at.covariance(MotionSmoother<1>::velocity))(0);
-    row.sigma_acceleration_up_mps2 = sigmas<1>(at.covariance(MotionSmoother<1>::acceleration))(0);
+    row.sigma_velocity_up_m_s = sigmas<1>(at.covariance(MotionSmoother<1>::velocity))(0);
+    row.sigma_acceleration_up_m_s2 = sigmas<1>(at.covariance(MotionSmoother<1>::acceleration))(0);
 }
 
 template <int Axes>
@@ -124,17 +124,17 @@ template SmoothedMeans<1> smooth_rows<1>(const Arc<1>&, const EstimationModel&,
 template SmoothedMeans<2> smooth_rows<2>(const Arc<2>&, const EstimationModel&,
                                          std::vector<TrajectoryEpoch>&);
 
-void set_paper_methods(const Arc<2>& arc, double acceleration_sigma_mps2,
+void set_paper_methods(const Arc<2>& arc, double acceleration_sigma_m_s2,
                        std::vector<TrajectoryEpoch>& rows) {
     for (const PositionRun& run : position_runs(arc)) {
         const auto v1 = speed_v1(run.positions);
         const auto v2 = speed_v2(run.positions);
-        const auto filtered = filter_dhd22(run.positions, acceleration_sigma_mps2);
+        const auto filtered = filter_dhd22(run.positions, acceleration_sigma_m_s2);
         for (std::size_t k = 0; k < run.rows.size(); ++k) {
             TrajectoryEpoch& row = rows[run.rows[k]];
-            row.speed_v1_mps = v1[k];
-            row.speed_v2_mps = v2[k];
-            if (k > 0 || !run.after_step) row.speed_kalman_mps = filtered[k].speed_mps();
+            row.speed_v1_m_s = v1[k];
+            row.speed_v2_m_s = v2[k];
+            if (k > 0 || !run.after_step) row.speed_kalman_m_s = filtered[k].speed_m_s();
         }
     }
 }

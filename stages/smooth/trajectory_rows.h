@@ -32,7 +32,7 @@ void set_jerk_density(const Arc<Axes>& arc, const EstimationModel& model,
 
 /// The methods of [DHD22], on either side of a bridged step by itself. The filter begins at rest:
 /// after a step the craft is not, and at the first position the filter has nothing to say yet.
-void set_paper_methods(const Arc<2>& arc, double acceleration_sigma_mps2,
+void set_paper_methods(const Arc<2>& arc, double acceleration_sigma_m_s2,
                        std::vector<TrajectoryEpoch>& rows);
 
 }  // namespace runcert

@@ -28,7 +28,7 @@ BudgetRow bounded_row(std::string symbol, std::string source, double half_width,
             .distribution = "rectangular",
             .degrees_of_freedom = std::nullopt,
             .sensitivity = sensitivity,
-            .contribution_mps = uncertainty * std::abs(sensitivity),
+            .contribution_m_s = uncertainty * std::abs(sensitivity),
             .correlation = independent_of_other_rows,
             .note = std::move(note)};
 }
@@ -57,15 +57,15 @@ void add_position_rows(const BudgetInput& input, std::vector<BudgetRow>& rows) {
         (input.vertical ? estimation.vertical.value() : estimation.horizontal).noise;
     const double scale = fit.measurement_scale.value;
     BudgetRow white = speed_row(
-        "w", "white noise of the positions", "A", input.noise.white_mps, joint,
+        "w", "white noise of the positions", "A", input.noise.white_m_s, joint,
         fmt::format("{:.3f} times the stated standard deviations, as the data show", scale));
     white.degrees_of_freedom = degrees_of(fit.measurement_scale);
     rows.push_back(std::move(white));
 
     const bool fitted = input.bound.decided_by == BoundSource::fitted;
     BudgetRow slow =
-        speed_row("b", "slowly varying error of the positions", fitted ? "A" : "B",
-                  input.noise.correlated_mps, joint,
+        speed_row("b", "time-correlated error of the positions", fitted ? "A" : "B",
+                  input.noise.correlated_m_s, joint,
                   fmt::format("standard deviation {:.4f} m ({}), any correlation time from {:g} s "
                               "to {:g} s",
                               input.bound.sigma_m, to_text(input.bound.decided_by),
@@ -74,12 +74,12 @@ void add_position_rows(const BudgetInput& input, std::vector<BudgetRow>& rows) {
     rows.push_back(std::move(slow));
 
     BudgetRow motion = speed_row(
-        "j", "motion of the craft between the measurements", "A", input.noise.motion_mps, joint,
+        "j", "motion of the craft between the measurements", "A", input.noise.motion_m_s, joint,
         fmt::format("jerk density {:.4f} m s^-2.5 at the window", largest_jerk_density(input)));
     motion.degrees_of_freedom = degrees_of(fit.jerk_density);
     rows.push_back(std::move(motion));
     rows.push_back(bounded_row(
-        "o", "choice of the model of the motion", input.noise.model_mps, "m / s", 1.0,
+        "o", "choice of the model of the motion", input.noise.model_m_s, "m / s", 1.0,
         "other jerk densities, and the measured positions at the window's ends without a model"));
 }
 
@@ -114,7 +114,7 @@ BudgetRow time_row(const BudgetInput& input) {
     const double half_width_s = regular ? 0.0 : 0.5 * resolution_s * std::numbers::sqrt2;
     BudgetRow row = bounded_row(
         "t", "time stamps of the window's ends", half_width_s, "s",
-        -input.noise.speed.speed_mps / input.duration_s,
+        -input.noise.speed.speed_m_s / input.duration_s,
         regular ? std::string("stamps are whole multiples of the interval: what rounding may have "
                               "cut off is the same at both ends")
                 : fmt::format("stamps are irregular, with a resolution of {:g} s", resolution_s));
@@ -129,7 +129,7 @@ BudgetRow clock_row(const BudgetInput& input) {
     const bool unknown = source == "unknown";
     BudgetRow row = bounded_row(
         "k", "rate of the clock that made the time stamps",
-        unknown ? input.config.clock_rate_bound : 0.0, "1", -input.noise.speed.speed_mps,
+        unknown ? input.config.clock_rate_bound : 0.0, "1", -input.noise.speed.speed_m_s,
         source == "satellites" ? std::string("the satellites' time, as the format has it")
         : source == "attempt"  ? std::string("the satellites' time, as the attempt states")
                                : fmt::format("nobody states whose clock it is; bound by parameter "
@@ -151,7 +151,7 @@ BudgetRow resolution_row(const BudgetInput& input) {
 }
 
 BudgetRow plane_row(const BudgetInput& input) {
-    const double speed_mps = input.noise.speed.speed_mps;
+    const double speed_m_s = input.noise.speed.speed_m_s;
     const bool georeferenced = input.trajectory.facts.georeferenced;
     double half_width = input.config.plane_scale_bound;
     std::string note =
@@ -169,8 +169,8 @@ BudgetRow plane_row(const BudgetInput& input) {
                         measured ? "" : ", height of the course not measured (100 m allowed for)");
     }
     BudgetRow row = bounded_row(
-        "m", georeferenced ? "local plane against the ground" : "scale of the local plane",
-        half_width, "1", speed_mps, std::move(note));
+        "m", georeferenced ? "local frame against the ground" : "scale of the engineering coordinates",
+        half_width, "1", speed_m_s, std::move(note));
     row.estimate = 1.0;
     return row;
 }
@@ -190,7 +190,7 @@ BudgetRow plumb_row(const BudgetInput& input) {
 /// What relates lengths of the local frame to lengths on the ground.
 BudgetRow frame_row(const BudgetInput& input) {
     if (input.length)
-        return bounded_row("m", "local plane against the ground", 0.0, "1", 0.0,
+        return bounded_row("m", "local frame against the ground", 0.0, "1", 0.0,
                            "the length is the surveyed one");
     return input.vertical ? plumb_row(input) : plane_row(input);
 }
@@ -205,7 +205,7 @@ BudgetRow length_row(const SurveyedLength& length, double duration_s) {
             .distribution = "normal",
             .degrees_of_freedom = std::nullopt,
             .sensitivity = 1.0 / duration_s,
-            .contribution_mps = length.standard_uncertainty_m / duration_s,
+            .contribution_m_s = length.standard_uncertainty_m / duration_s,
             .correlation = independent_of_other_rows,
             .note = "as the attempt states it"};
 }
@@ -229,7 +229,7 @@ BudgetRow antenna_row(const BudgetInput& input) {
 BudgetRow undetected_row(const BudgetInput& input) {
     const UndetectedError* worst = undetected_in_budget(input.reliability);
     return bounded_row(
-        "d", "undetected step or outlier", worst ? worst->speed_mps : 0.0, "m / s", 1.0,
+        "d", "undetected step or outlier", worst ? worst->speed_m_s : 0.0, "m / s", 1.0,
         worst ? undetected_words(*worst, input.detection_power)
               : std::string("not quantified: the screened epochs do not state the largest error "
                             "that could have been missed"));
@@ -240,16 +240,16 @@ BudgetRow selection_row(const BudgetInput& input) {
     const SelectionBias& selection = input.selection;
     const bool subtracted = selection.treatment == SelectionTreatment::subtracted;
     BudgetRow row = speed_row(
-        "f", "choice of the fastest of many windows", "A", selection.bias_uncertainty_mps,
+        "f", "choice of the fastest of many windows", "A", selection.bias_uncertainty_m_s,
         independent_of_other_rows,
         fmt::format("bias between {:.4f} m/s and {:.4f} m/s, {} could have been the fastest; {}",
-                    selection.fitted_bias_mps, selection.bounded_bias_mps,
+                    selection.fitted_bias_m_s, selection.bounded_bias_m_s,
                     selection.candidates == 1 ? std::string("no other window")
                                               : fmt::format("{} windows", selection.candidates),
                     subtracted ? "the middle is subtracted from the speed, half the difference "
                                  "added to the expanded uncertainty"
                                : "the larger is added to the expanded uncertainty"));
-    row.estimate = subtracted ? selection.bias_mps : 0.0;
+    row.estimate = subtracted ? selection.bias_m_s : 0.0;
     row.sensitivity = subtracted ? -1.0 : 1.0;
     return row;
 }
@@ -257,17 +257,17 @@ BudgetRow selection_row(const BudgetInput& input) {
 }  // namespace
 
 BudgetRow speed_row(std::string symbol, std::string source, std::string type,
-                    double contribution_mps, std::string correlation, std::string note) {
+                    double contribution_m_s, std::string correlation, std::string note) {
     return {.symbol = std::move(symbol),
             .source = std::move(source),
             .estimate = 0.0,
             .unit = "m / s",
-            .standard_uncertainty = contribution_mps,
+            .standard_uncertainty = contribution_m_s,
             .type = std::move(type),
             .distribution = "normal",
             .degrees_of_freedom = std::nullopt,
             .sensitivity = 1.0,
-            .contribution_mps = contribution_mps,
+            .contribution_m_s = contribution_m_s,
             .correlation = std::move(correlation),
             .note = std::move(note)};
 }
@@ -288,10 +288,10 @@ std::vector<BudgetRow> budget_of(const BudgetInput& input) {
 
 double own_uncertainty(const PositionNoise& noise, const std::vector<BudgetRow>& rows) {
     constexpr std::string_view own_rows = "wjotra";
-    double square = noise.own_correlated_mps * noise.own_correlated_mps;
+    double square = noise.own_correlated_m_s * noise.own_correlated_m_s;
     for (const BudgetRow& row : rows)
         if (row.symbol.size() == 1 && own_rows.find(row.symbol) != std::string_view::npos)
-            square += row.contribution_mps * row.contribution_mps;
+            square += row.contribution_m_s * row.contribution_m_s;
     return std::sqrt(square);
 }
 

@@ -17,7 +17,7 @@ const BudgetRow& row_of(const std::vector<BudgetRow>& rows, std::string_view sym
 class DrawnRow {
   public:
     explicit DrawnRow(const BudgetRow& row)
-        : none_(row.contribution_mps == 0.0),
+        : none_(row.contribution_m_s == 0.0),
           rectangular_(row.distribution == "rectangular"),
           degrees_of_freedom_(row.degrees_of_freedom),
           standard_uncertainty_(row.standard_uncertainty),
@@ -30,7 +30,7 @@ class DrawnRow {
                                          : draw_student_t(random, degrees_of_freedom_);
         return unit * standard_uncertainty_;
     }
-    double speed_mps(RandomGenerator& random) const { return deviation(random) * sensitivity_; }
+    double speed_m_s(RandomGenerator& random) const { return deviation(random) * sensitivity_; }
 
   private:
     bool none_;
@@ -43,9 +43,9 @@ class DrawnRow {
 }  // namespace
 
 MonteCarloCheck monte_carlo(const BudgetInput& input, const std::vector<BudgetRow>& rows,
-                            double speed_mps) {
+                            double speed_m_s) {
     // Across the direction of travel the positions alone disturb, by as much as along it.
-    const double across = input.vertical ? 0.0 : input.noise.speed.standard_uncertainty_mps;
+    const double across = input.vertical ? 0.0 : input.noise.speed.standard_uncertainty_m_s;
     const double duration_s = input.duration_s;
     const DrawnRow time(row_of(rows, "t"));
     const DrawnRow scale(row_of(rows, "m"));
@@ -55,21 +55,21 @@ MonteCarloCheck monte_carlo(const BudgetInput& input, const std::vector<BudgetRo
     const MonteCarloOptions options{.seed = static_cast<std::uint64_t>(input.config.seed),
                                     .trials_max = input.config.monte_carlo_trials_max};
     const MonteCarloResult result = propagate(options, [&](RandomGenerator& random) {
-        double along_mps = speed_mps;
+        double along_m_s = speed_m_s;
         for (const DrawnRow& row : of_speed)
-            along_mps += row.speed_mps(random);
-        const double across_mps = across * random.normal();
+            along_m_s += row.speed_m_s(random);
+        const double across_m_s = across * random.normal();
         const double time_s = duration_s + time.deviation(random);
         const double factor = input.vertical ? 1.0 : 1.0 + scale.deviation(random);
-        return std::hypot(along_mps, across_mps) * duration_s / time_s * factor;
+        return std::hypot(along_m_s, across_m_s) * duration_s / time_s * factor;
     });
     return {.seed = input.config.seed,
             .trials = result.trials,
-            .mean_mps = result.mean,
-            .standard_uncertainty_mps = result.standard_uncertainty,
-            .lower_mps = result.symmetric.lower,
-            .upper_mps = result.symmetric.upper,
-            .tolerance_mps = result.tolerance,
+            .mean_m_s = result.mean,
+            .standard_uncertainty_m_s = result.standard_uncertainty,
+            .lower_m_s = result.symmetric.lower,
+            .upper_m_s = result.symmetric.upper,
+            .tolerance_m_s = result.tolerance,
             .converged = result.converged};
 }
 

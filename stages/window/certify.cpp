@@ -35,18 +35,18 @@ std::optional<double> mean_over(const TrajectoryTable& trajectory, const ArcRows
 
 /// The windows that could have been the best, those close to one another together.
 template <int Axes>
-std::vector<WindowCluster<Axes>> clusters_of(const AxesEvidence<Axes>& evidence,
-                                             const WindowChoice& choice, double least_mps) {
+std::vector<WindowCluster<Axes>> clusters_of(const AxesEstimate<Axes>& estimate,
+                                             const WindowChoice& choice, double least_m_s) {
     std::vector<FoundWindow> near;
     for (const FoundWindow& window : choice.all)
-        if (window.speed_mps >= least_mps) near.push_back(window);
+        if (window.speed_m_s >= least_m_s) near.push_back(window);
     std::ranges::stable_sort(near, [](const FoundWindow& a, const FoundWindow& b) {
         return std::tie(a.series, a.first, a.last) < std::tie(b.series, b.first, b.last);
     });
     std::vector<WindowCluster<Axes>> clusters;
     std::size_t reach = 0;
     for (const FoundWindow& window : near) {
-        const Arc<Axes>* const arc = &evidence.arcs[window.series];
+        const Arc<Axes>* const arc = &estimate.arcs[window.series];
         if (clusters.empty() || clusters.back().arc != arc || window.first > reach) {
             clusters.push_back({arc, {}, std::nullopt});
             reach = window.last;
@@ -66,49 +66,49 @@ template <int Axes>
 SpeedDefinitions definitions_of(const SmoothedArc<Axes>& smoothed, EpochPair window,
                                 double duration_s) {
     const auto [first, last] = window;
-    return {.displacement_mps = displacement_speed(smoothed, first, last, duration_s).speed_mps,
-            .path_length_mps = path_speed(smoothed, first, last, duration_s).speed_mps,
-            .mean_n_plus_1_mps = mean_speed(smoothed, first, last).speed_mps,
-            .mean_n_mps = mean_speed(smoothed, first + 1, last).speed_mps};
+    return {.displacement_m_s = displacement_speed(smoothed, first, last, duration_s).speed_m_s,
+            .path_length_m_s = path_speed(smoothed, first, last, duration_s).speed_m_s,
+            .mean_n_plus_1_m_s = mean_speed(smoothed, first, last).speed_m_s,
+            .mean_n_m_s = mean_speed(smoothed, first + 1, last).speed_m_s};
 }
 
 template <int Axes>
-MethodMeans methods_of(const AxesEvidence<Axes>& evidence, const FoundWindow& found) {
+MethodMeans methods_of(const AxesEstimate<Axes>& estimate, const FoundWindow& found) {
     using Row = TrajectoryEpoch;
     if constexpr (Axes == 1) return {};
-    const ArcRows& rows = evidence.rows[found.series];
+    const ArcRows& rows = estimate.rows[found.series];
     const EpochPair window{found.first, found.last};
     const auto mean = [&](std::optional<double> Row::*method) {
-        return mean_over(evidence.trajectory, rows, window, method);
+        return mean_over(estimate.trajectory, rows, window, method);
     };
-    return {.smoothed_mps = mean(&Row::speed_mps),
-            .batch_mps = mean(&Row::speed_batch_mps),
-            .v1_mps = mean(&Row::speed_v1_mps),
-            .v2_mps = mean(&Row::speed_v2_mps),
-            .kalman_mps = mean(&Row::speed_kalman_mps)};
+    return {.smoothed_m_s = mean(&Row::speed_m_s),
+            .batch_m_s = mean(&Row::speed_batch_m_s),
+            .v1_m_s = mean(&Row::speed_v1_m_s),
+            .v2_m_s = mean(&Row::speed_v2_m_s),
+            .kalman_m_s = mean(&Row::speed_kalman_m_s)};
 }
 
 template <int Axes>
-SelectionBias selection_of(const AxesEvidence<Axes>& evidence, const WindowChoice& choice,
-                           const ErrorBound& bound, double search_uncertainty_mps,
-                           double stated_mps) {
+SelectionBias selection_of(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
+                           const ErrorBound& bound, double search_uncertainty_m_s,
+                           double stated_m_s) {
     const double duration_s = choice.found.end.seconds() - choice.found.start.seconds();
-    const double fitted_mps =
-        bound.along * evidence.model.error.process_density / std::sqrt(duration_s);
-    const double slow_mps = std::max(std::numbers::sqrt2 * bound.sigma_m / duration_s, fitted_mps);
-    const double least_mps =
-        choice.found.speed_mps - selection_width * std::hypot(search_uncertainty_mps, slow_mps);
+    const double fitted_m_s =
+        bound.along * estimate.model.error.process_density / std::sqrt(duration_s);
+    const double slow_m_s = std::max(std::numbers::sqrt2 * bound.sigma_m / duration_s, fitted_m_s);
+    const double least_m_s =
+        choice.found.speed_m_s - selection_width * std::hypot(search_uncertainty_m_s, slow_m_s);
     const bool by_path = choice.profile.definition != SpeedDefinition::displacement &&
                          choice.profile.definition != SpeedDefinition::elapsed_time;
     SelectionBias selection =
-        selection_bias<Axes>(clusters_of(evidence, choice, least_mps),
-                             SelectionModels{.estimated = evidence.model,
+        selection_bias<Axes>(clusters_of(estimate, choice, least_m_s),
+                             SelectionModels{.estimated = estimate.model,
                                              .by_path = by_path,
                                              .along = bound.along,
                                              .bound_m = bound.sigma_m,
                                              .tau_min_s = bound.tau_min_s,
                                              .tau_max_s = bound.tau_max_s},
-                             stated_mps, evidence.config.selection_samples, evidence.config.seed);
+                             stated_m_s, estimate.config.selection_samples, estimate.config.seed);
     selection.treatment = choice.profile.uncertainty.subtract_selection_bias
                               ? SelectionTreatment::subtracted
                               : SelectionTreatment::covered;
@@ -117,62 +117,62 @@ SelectionBias selection_of(const AxesEvidence<Axes>& evidence, const WindowChoic
 
 /// Adds what a vertical speed of coordinate "up" lacks against one of heights above the ellipsoid:
 /// the Earth falls away from the plane as the craft moves over it.
-void correct_for_curvature(const AxesEvidence<1>& evidence, const FoundWindow& found,
+void correct_for_curvature(const AxesEstimate<1>& estimate, const FoundWindow& found,
                            PositionNoise& noise, CertifiableWindow& window) {
     const auto row = [&](std::size_t k) -> const TrajectoryEpoch& {
-        return evidence.trajectory.rows[evidence.arcs[found.series].rows[k]];
+        return estimate.trajectory.rows[estimate.arcs[found.series].rows[k]];
     };
     const auto fall_m = [&](const TrajectoryEpoch& at) {
-        return evidence.trajectory.origin ? fall_below_plane_m(*at.east_m, *at.north_m) : 0.0;
+        return estimate.trajectory.origin ? fall_below_plane_m(*at.east_m, *at.north_m) : 0.0;
     };
     const TrajectoryEpoch& first = row(found.first);
     const TrajectoryEpoch& last = row(found.last);
     const double upwards = *last.up_m >= *first.up_m ? 1.0 : -1.0;
-    const double correction_mps =
+    const double correction_m_s =
         upwards * (fall_m(last) - fall_m(first)) / (found.end.seconds() - found.start.seconds());
     SpeedDefinitions& all = window.definitions;
-    for (double* const speed_mps :
-         {&noise.speed.speed_mps, &window.fitted->speed_mps, &all.displacement_mps,
-          &all.path_length_mps, &all.mean_n_plus_1_mps, &all.mean_n_mps,
-          &window.estimates->stiffer_mps, &window.estimates->softer_mps,
-          &window.estimates->whole_mps})
-        *speed_mps += correction_mps;
-    if (window.estimates->chord_mps) *window.estimates->chord_mps += correction_mps;
+    for (double* const speed_m_s :
+         {&noise.speed.speed_m_s, &window.fitted->speed_m_s, &all.displacement_m_s,
+          &all.path_length_m_s, &all.mean_n_plus_1_m_s, &all.mean_n_m_s,
+          &window.estimates->stiffer_m_s, &window.estimates->softer_m_s,
+          &window.estimates->whole_m_s})
+        *speed_m_s += correction_m_s;
+    if (window.estimates->chord_m_s) *window.estimates->chord_m_s += correction_m_s;
 }
 
-/// The bound on slow errors, those along the window's direction allowed for.
+/// The bound on time-correlated errors, those along the window's direction allowed for.
 template <int Axes>
-ErrorBound bound_of(const AxesEvidence<Axes>& evidence, const WindowChoice& choice,
+ErrorBound bound_of(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
                     const EstimatedWindow<Axes>& at, const WindowStretch<Axes>& stretch) {
-    const Arc<Axes>& arc = evidence.arcs[choice.found.series];
+    const Arc<Axes>& arc = estimate.arcs[choice.found.series];
     double along = 1.0;
     if constexpr (Axes == 2) {
         const Eigen::Vector2d moved = displacement(at.smoothed, at.window.first, at.window.last);
-        if (evidence.noise.correlated_error_detected && moved.norm() > 0.0)
-            along = error_along(stretch.epochs, evidence.model, moved.normalized());
+        if (estimate.noise.correlated_error_detected && moved.norm() > 0.0)
+            along = error_along(stretch.epochs, estimate.model, moved.normalized());
     }
-    return error_bound<Axes>(evidence.screened, arc.rows[choice.found.first],
-                             arc.rows[choice.found.last], evidence.noise,
+    return error_bound<Axes>(estimate.screened, arc.rows[choice.found.first],
+                             arc.rows[choice.found.last], estimate.noise,
                              choice.profile.uncertainty, along);
 }
 
 /// The speed as estimated with the bounded error, and the bound itself.
 void set_bound(const ErrorBound& bound, const PositionNoise& noise, CertifiableWindow& window) {
     window.bound = bound;
-    window.bound->standard_uncertainty_mps = noise.speed.standard_uncertainty_mps;
-    window.speed_mps = noise.speed.speed_mps;
+    window.bound->standard_uncertainty_m_s = noise.speed.standard_uncertainty_m_s;
+    window.speed_m_s = noise.speed.speed_m_s;
     window.displacement_m = noise.displacement_m;
-    window.length_m = noise.speed.speed_mps * window.span.duration.seconds();
+    window.length_m = noise.speed.speed_m_s * window.span.duration.seconds();
 }
 
 /// The budget of the window's speed, and what follows from it.
 template <int Axes>
-void set_budget(const AxesEvidence<Axes>& evidence, const WindowChoice& choice,
+void set_budget(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
                 const PositionNoise& noise, double duration_s, CertifiableWindow& window) {
-    const Arc<Axes>& arc = evidence.arcs[choice.found.series];
+    const Arc<Axes>& arc = estimate.arcs[choice.found.series];
     const BudgetInput input{
-        .trajectory = evidence.trajectory,
-        .config = evidence.config,
+        .trajectory = estimate.trajectory,
+        .config = estimate.config,
         .noise = noise,
         .bound = *window.bound,
         .selection = *window.selection,
@@ -188,19 +188,19 @@ void set_budget(const AxesEvidence<Axes>& evidence, const WindowChoice& choice,
         .detection_power = window.detection_power.value_or(0.0)};
     window.budget = budget_of(input);
     const CombinedUncertainty combined = combine(window.budget);
-    window.standard_uncertainty_mps = combined.standard_uncertainty;
+    window.standard_uncertainty_m_s = combined.standard_uncertainty;
     window.effective_degrees_of_freedom = combined.effective_degrees_of_freedom;
-    window.monte_carlo = monte_carlo(input, window.budget, window.speed_mps);
-    window.own_standard_uncertainty_mps = own_uncertainty(noise, window.budget);
+    window.monte_carlo = monte_carlo(input, window.budget, window.speed_m_s);
+    window.own_standard_uncertainty_m_s = own_uncertainty(noise, window.budget);
 }
 
 /// Position and time of the window.
 template <int Axes>
-void set_place(const AxesEvidence<Axes>& evidence, const FoundWindow& found,
+void set_place(const AxesEstimate<Axes>& estimate, const FoundWindow& found,
                CertifiableWindow& window) {
-    const Arc<Axes>& arc = evidence.arcs[found.series];
-    const auto epoch = [&](std::size_t k) { return evidence.trajectory.rows[arc.rows[k]].epoch; };
-    window.span = window_span(evidence.trajectory.facts, epoch(found.first), epoch(found.last),
+    const Arc<Axes>& arc = estimate.arcs[found.series];
+    const auto epoch = [&](std::size_t k) { return estimate.trajectory.rows[arc.rows[k]].epoch; };
+    window.span = window_span(estimate.trajectory.facts, epoch(found.first), epoch(found.last),
                               found.start, found.end);
     window.arc = arc.number;
 }
@@ -218,10 +218,10 @@ SpeedQuantity quantity_of(const Profile& profile) {
 }
 
 template <int Axes>
-AxesEvidence<Axes> evidence_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
+AxesEstimate<Axes> estimate_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                                const WindowConfig& config) {
     const NoiseSummary& noise = noise_of<Axes>(trajectory);
-    AxesEvidence<Axes> evidence{.screened = screened,
+    AxesEstimate<Axes> estimate{.screened = screened,
                                 .trajectory = trajectory,
                                 .config = config,
                                 .noise = noise,
@@ -237,82 +237,82 @@ AxesEvidence<Axes> evidence_of(const ScreenedTable& screened, const TrajectoryTa
         return true;
     };
     const bool equal =
-        std::equal(evidence.arcs.begin(), evidence.arcs.end(), evidence.rows.begin(),
-                   evidence.rows.end(), [&](const Arc<Axes>& arc, const ArcRows& own) {
+        std::equal(estimate.arcs.begin(), estimate.arcs.end(), estimate.rows.begin(),
+                   estimate.rows.end(), [&](const Arc<Axes>& arc, const ArcRows& own) {
                        return arc.number == own.number && arc.rows == own.rows && same_steps(arc);
                    });
     if (!equal)
         throw Failure("4-trajectory of receiver " + screened.facts.receiver,
                       "the trajectory does not have the arcs of the screened epochs",
                       "Run runcert-smooth again");
-    for (const Arc<Axes>& arc : evidence.arcs) {
-        std::vector<ElapsedTime>& times = evidence.times.emplace_back();
+    for (const Arc<Axes>& arc : estimate.arcs) {
+        std::vector<ElapsedTime>& times = estimate.times.emplace_back();
         for (const std::size_t row : arc.rows)
             times.push_back(screened.rows[row].time);
     }
-    return evidence;
+    return estimate;
 }
 
 template <int Axes>
-CertifiableWindow certified(const AxesEvidence<Axes>& evidence, const WindowChoice& choice) {
+CertifiableWindow certified(const AxesEstimate<Axes>& estimate, const WindowChoice& choice) {
     const FoundWindow& found = choice.found;
-    const auto [part, smoothed] = checked_estimate(evidence, found);
+    const auto [part, smoothed] = checked_estimate(estimate, found);
     const ArcWithInstants<Axes> at = with_instants(part.arc, part.times, found.start, found.end);
     const WindowStretch<Axes> stretch = cut_stretch(at.arc, at.window, stretch_margin_s);
     // Once more where the window begins or ends between epochs, with these instants among them.
     const bool between_epochs = at.arc.epochs.size() != part.arc.epochs.size();
     const SmoothedArc<Axes> between =
-        between_epochs ? smooth<Axes>(at.arc.epochs, evidence.model) : SmoothedArc<Axes>{};
+        between_epochs ? smooth<Axes>(at.arc.epochs, estimate.model) : SmoothedArc<Axes>{};
     const SmoothedArc<Axes>& smoothed_at = between_epochs ? between : smoothed;
 
     CertifiableWindow window;
-    set_place(evidence, found, window);
-    window.methods = methods_of(evidence, found);
+    set_place(estimate, found, window);
+    window.methods = methods_of(estimate, found);
     window.definitions = definitions_of(smoothed_at, at.window, stretch.duration_s);
-    window.fitted = fitted_speed(stretch, evidence.models, choice.quantity);
+    window.fitted = fitted_speed(stretch, estimate.models, choice.quantity);
     window.repaired_steps =
         std::ssize(smoothed.bridged_between(part.window.first, part.window.last));
 
     const EstimatedWindow<Axes> estimated{.epochs = at.arc.epochs,
                                           .smoothed = smoothed_at,
-                                          .model = evidence.model,
+                                          .model = estimate.model,
                                           .window = at.window,
                                           .duration_s = stretch.duration_s};
-    const ErrorBound bound = bound_of(evidence, choice, estimated, stretch);
+    const ErrorBound bound = bound_of(estimate, choice, estimated, stretch);
     const SpeedWeights<Axes> weights = speed_weights(estimated, choice.quantity);
     PositionNoise noise = position_noise(estimated, choice.quantity, weights,
-                                         bounding_error(evidence.noise, bound), bound);
+                                         bounding_error(estimate.noise, bound), bound);
     window.estimates = other_estimates(estimated, choice.quantity, weights, noise);
-    noise.model_mps = window.estimates->half_width_mps;
+    noise.model_m_s = window.estimates->half_width_m_s;
     if constexpr (Axes == 2)
-        window.robust = robust_speed(evidence.trajectory, part, smoothed, noise.model_mps);
-    if constexpr (Axes == 1) correct_for_curvature(evidence, found, noise, window);
+        window.robust = robust_speed(estimate.trajectory, part, smoothed, noise.model_m_s);
+    if constexpr (Axes == 1) correct_for_curvature(estimate, found, noise, window);
     set_bound(bound, noise, window);
     window.position_r95_m = position_r95_m(smoothed, part.window, bound);
-    window.detection_power = evidence.screened.evidence.power;
+    window.detection_power = estimate.screened.basis.power;
     window.reliability =
-        undetected_errors<Axes>(evidence.screened, at.arc, stretch,
+        undetected_errors<Axes>(estimate.screened, at.arc, stretch,
                                 std::span(weights).subspan(stretch.first, stretch.epochs.size()));
     const SpeedEstimate searched =
         displacement_speed(smoothed_at, at.window.first, at.window.last, stretch.duration_s);
-    window.selection = selection_of(evidence, choice, bound, searched.standard_uncertainty_mps,
-                                    noise.speed.speed_mps);
+    window.selection = selection_of(estimate, choice, bound, searched.standard_uncertainty_m_s,
+                                    noise.speed.speed_m_s);
     const SelectionBias& selection = *window.selection;
     if (choice.profile.uncertainty.subtract_selection_bias) {
-        window.speed_mps = less_bias(window.speed_mps, selection.bias_mps);
-        window.bias_limit_mps = selection.bias_half_range_mps;
+        window.speed_m_s = less_bias(window.speed_m_s, selection.bias_m_s);
+        window.bias_limit_m_s = selection.bias_half_range_m_s;
     } else {
-        window.bias_limit_mps = selection.bounded_bias_mps;
+        window.bias_limit_m_s = selection.bounded_bias_m_s;
     }
-    set_budget(evidence, choice, noise, stretch.duration_s, window);
+    set_budget(estimate, choice, noise, stretch.duration_s, window);
     return window;
 }
 
-template AxesEvidence<1> evidence_of<1>(const ScreenedTable&, const TrajectoryTable&,
+template AxesEstimate<1> estimate_of<1>(const ScreenedTable&, const TrajectoryTable&,
                                         const WindowConfig&);
-template AxesEvidence<2> evidence_of<2>(const ScreenedTable&, const TrajectoryTable&,
+template AxesEstimate<2> estimate_of<2>(const ScreenedTable&, const TrajectoryTable&,
                                         const WindowConfig&);
-template CertifiableWindow certified<1>(const AxesEvidence<1>&, const WindowChoice&);
-template CertifiableWindow certified<2>(const AxesEvidence<2>&, const WindowChoice&);
+template CertifiableWindow certified<1>(const AxesEstimate<1>&, const WindowChoice&);
+template CertifiableWindow certified<2>(const AxesEstimate<2>&, const WindowChoice&);
 
 }  // namespace runcert

@@ -5,7 +5,7 @@
 #include "estimation/tables/arcs.h"
 #include "estimation/tables/certifiable.h"
 #include "estimation/tables/noise_models.h"
-#include "stages/window/search.h"
+#include "stages/window/best_window.h"
 #include "stages/window/speed_by_definition.h"
 #include "stages/window/window.h"
 
@@ -13,7 +13,7 @@ namespace runcert {
 
 /// What windows are certified from, for horizontal speeds (Axes 2) or vertical ones (1).
 template <int Axes>
-struct AxesEvidence {
+struct AxesEstimate {
     const ScreenedTable& screened;
     const TrajectoryTable& trajectory;
     const WindowConfig& config;
@@ -28,7 +28,7 @@ struct AxesEvidence {
 /// Failure where the trajectory does not have the arcs of the screened epochs, or does not say what
 /// noise it was estimated with. Heights must have been measured for Axes 1.
 template <int Axes>
-AxesEvidence<Axes> evidence_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
+AxesEstimate<Axes> estimate_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                                const WindowConfig& config);
 
 /// A window that was found, among those that it was chosen from.
@@ -44,11 +44,11 @@ struct WindowChoice {
 /// and lines.
 SpeedQuantity quantity_of(const Profile& profile);
 
-/// The certified speed of a window with all sources of uncertainty; a vertical one is of heights
+/// The measured speed of a window with all sources of uncertainty; a vertical one is of heights
 /// above the ellipsoid. Failure where the trajectory
 /// is not the estimate from these screened epochs.
 template <int Axes>
-CertifiableWindow certified(const AxesEvidence<Axes>& evidence, const WindowChoice& choice);
+CertifiableWindow certified(const AxesEstimate<Axes>& estimate, const WindowChoice& choice);
 
 /// The speed in space of a window, from what both say of it by displacement: the two are at right
 /// angles, and their errors are taken as fully correlated, because nothing is known of that.

@@ -8,7 +8,7 @@
 #include "core/failure.h"
 #include "core/uncertainty.h"
 #include "stages/window/budget.h"
-#include "stages/window/search_series.h"
+#include "stages/window/sample_series.h"
 #include "stages/window/selection.h"
 
 namespace runcert {
@@ -33,22 +33,22 @@ SpeedDefinitions definitions_of(const TrajectoryTable& trajectory, const ArcRows
     };
     const auto speed = [&](std::size_t k) {
         return axes
-            .cwiseProduct(Eigen::Vector3d(*row(k).velocity_east_mps, *row(k).velocity_north_mps,
-                                          row(k).velocity_up_mps.value_or(0.0)))
+            .cwiseProduct(Eigen::Vector3d(*row(k).velocity_east_m_s, *row(k).velocity_north_m_s,
+                                          row(k).velocity_up_m_s.value_or(0.0)))
             .norm();
     };
     double path_m = 0.0;
-    double later_mps = 0.0;
+    double later_m_s = 0.0;
     for (std::size_t k = found.first + 1; k <= found.last; ++k) {
         path_m += (position(k) - position(k - 1)).norm();
-        later_mps += speed(k);
+        later_m_s += speed(k);
     }
     const double duration_s = found.end.seconds() - found.start.seconds();
     const auto steps = static_cast<double>(found.last - found.first);
-    return {.displacement_mps = (position(found.last) - position(found.first)).norm() / duration_s,
-            .path_length_mps = path_m / duration_s,
-            .mean_n_plus_1_mps = (later_mps + speed(found.first)) / (steps + 1.0),
-            .mean_n_mps = later_mps / steps};
+    return {.displacement_m_s = (position(found.last) - position(found.first)).norm() / duration_s,
+            .path_length_m_s = path_m / duration_s,
+            .mean_n_plus_1_m_s = (later_m_s + speed(found.first)) / (steps + 1.0),
+            .mean_n_m_s = later_m_s / steps};
 }
 
 /// Mean of the standard uncertainties of the speeds of a window's epochs: that of their mean, if
@@ -59,20 +59,20 @@ double mean_uncertainty(const ScreenedTable& screened, const ArcRows& arc, const
     for (std::size_t k = found.first; k <= found.last; ++k) {
         const ScreenedEpoch& row = screened.rows[arc.rows[k]];
         const auto speed = recorded_speed(row, profile.dimension);
-        if (!speed || !speed->standard_uncertainty_mps)
+        if (!speed || !speed->standard_uncertainty_m_s)
             throw Failure(fmt::format("epoch {}", row.epoch),
                           "the recording does not state how accurate its velocity is",
                           "Use a profile whose speed is from positions");
-        sum += *speed->standard_uncertainty_mps;
+        sum += *speed->standard_uncertainty_m_s;
     }
     return sum / static_cast<double>(found.last - found.first + 1);
 }
 
 /// Of the windows that could have been the fastest, as many as do not overlap.
-std::int64_t rivals_of(const std::vector<FoundWindow>& all, double least_mps) {
+std::int64_t rivals_of(const std::vector<FoundWindow>& all, double least_m_s) {
     std::vector<FoundWindow> near;
     for (const FoundWindow& window : all)
-        if (window.speed_mps >= least_mps) near.push_back(window);
+        if (window.speed_m_s >= least_m_s) near.push_back(window);
     std::ranges::sort(near, {}, [](const FoundWindow& window) { return window.end; });
     std::int64_t rivals = 0;
     ElapsedTime free_from{};
@@ -90,7 +90,7 @@ bool states_velocity_accuracy(const ScreenedTable& screened, const ArcRows& arc,
                               const Profile& profile, const FoundWindow& found) {
     for (std::size_t k = found.first; k <= found.last; ++k) {
         const auto speed = recorded_speed(screened.rows[arc.rows[k]], profile.dimension);
-        if (!speed || !speed->standard_uncertainty_mps) return false;
+        if (!speed || !speed->standard_uncertainty_m_s) return false;
     }
     return true;
 }
@@ -104,7 +104,7 @@ CertifiableWindow certified_by_velocity(const ScreenedTable& screened,
     const TrajectoryEpoch& last = trajectory.rows[arc.rows[found.last]];
     window.span = window_span(trajectory.facts, first.epoch, last.epoch, found.start, found.end);
     window.arc = arc.number;
-    window.speed_mps = found.speed_mps;
+    window.speed_m_s = found.speed_m_s;
     window.length_m = found.length_m;
     window.definitions = definitions_of(trajectory, arc, profile, found);
     window.displacement_m =
@@ -113,7 +113,7 @@ CertifiableWindow certified_by_velocity(const ScreenedTable& screened,
                                              *last.sigma_east_m, *last.sigma_north_m});
 
     const double stated = mean_uncertainty(screened, arc, profile, found);
-    const std::int64_t rivals = rivals_of(all, found.speed_mps - selection_width * stated);
+    const std::int64_t rivals = rivals_of(all, found.speed_m_s - selection_width * stated);
     const double selection = stated * std::sqrt(2.0 * std::log(static_cast<double>(rivals)));
     window.budget.push_back(speed_row(
         "u", "accuracy of the recorded velocities, as the recording states it", "B", stated,
@@ -124,8 +124,8 @@ CertifiableWindow certified_by_velocity(const ScreenedTable& screened,
     window.budget.push_back(speed_row(
         "d", "undetected error", "B", 0.0, independent_of_other_rows,
         "not quantified: screening tests positions; velocities are only compared with them"));
-    window.bias_limit_mps = 0.5 * selection;
-    window.speed_mps = less_bias(window.speed_mps, window.bias_limit_mps);
+    window.bias_limit_m_s = 0.5 * selection;
+    window.speed_m_s = less_bias(window.speed_m_s, window.bias_limit_m_s);
     BudgetRow row = speed_row(
         "f", "choice of the fastest of many windows", "B", 0.0, independent_of_other_rows,
         fmt::format("{} that do not overlap could have been the fastest: a bias of at most {:.4f} "
@@ -133,10 +133,10 @@ CertifiableWindow certified_by_velocity(const ScreenedTable& screened,
                     "expanded uncertainty",
                     rivals == 1 ? std::string("no others") : fmt::format("{} windows", rivals),
                     selection));
-    row.estimate = window.bias_limit_mps;
+    row.estimate = window.bias_limit_m_s;
     row.sensitivity = -1.0;
     window.budget.push_back(std::move(row));
-    window.standard_uncertainty_mps = combine(window.budget).standard_uncertainty;
+    window.standard_uncertainty_m_s = combine(window.budget).standard_uncertainty;
     return window;
 }
 

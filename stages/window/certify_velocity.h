@@ -1,7 +1,7 @@
 #pragma once
 
 #include "estimation/tables/certifiable.h"
-#include "stages/window/search.h"
+#include "stages/window/best_window.h"
 #include "stages/window/window.h"
 
 namespace runcert {

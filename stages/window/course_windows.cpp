@@ -15,8 +15,8 @@ Eigen::Vector2d in_frame(const CoursePoint& point, const Course& course,
                          const std::optional<FrameOrigin>& origin) {
     if (point.geodetic.has_value() != origin.has_value())
         throw Failure(course.place,
-                      origin ? "the course is in plane coordinates, the recording on the Earth"
-                             : "the course is on the Earth, the recording in a plane of its own",
+                      origin ? "the course is in engineering coordinates, the recording in geodetic coordinates"
+                             : "the course is in geodetic coordinates, the recording in engineering coordinates",
                       origin ? "Give latitude_deg and longitude_deg of the course's points"
                              : "Give east_m and north_m of the course's points");
     if (!origin) return Eigen::Vector2d(point.plane_m->data());
@@ -56,7 +56,7 @@ CourseGates course_gates(const Course& course, const std::optional<FrameOrigin>&
     return gates;
 }
 
-std::vector<FoundWindow> course_windows(const std::vector<SearchSeries>& series,
+std::vector<FoundWindow> course_windows(const std::vector<SampleSeries>& series,
                                         const CourseGates& gates) {
     std::vector<FoundWindow> windows;
     for (const Passage& passage : passages(series, gates.start, gates.finish)) {
@@ -70,14 +70,14 @@ std::vector<FoundWindow> course_windows(const std::vector<SearchSeries>& series,
                            .end = finish.time,
                            .length_m = gates.length_m};
         if (!window_allowed(series[window.series], window.first, window.last)) continue;
-        window.speed_mps = gates.length_m / (window.end.seconds() - window.start.seconds());
+        window.speed_m_s = gates.length_m / (window.end.seconds() - window.start.seconds());
         windows.push_back(window);
     }
     std::ranges::stable_sort(windows, preferred);
     return windows;
 }
 
-std::string why_no_course_window(const std::vector<SearchSeries>& series,
+std::string why_no_course_window(const std::vector<SampleSeries>& series,
                                  const CourseGates& gates) {
     for (const Passage& passage : passages(series, gates.start, gates.finish))
         if (!passage.refusal.empty()) return passage.refusal;

@@ -27,7 +27,7 @@ bool between_ends(const Gate& gate, const Eigen::Vector2d& position) {
 
 /// The crossing of the line within the step after a sample, on its way from `before` to `after`
 /// the line; at the sample itself where `before` is 0.
-Crossing crossing_in(const SearchSeries& series, std::size_t sample, double before, double after) {
+Crossing crossing_in(const SampleSeries& series, std::size_t sample, double before, double after) {
     Crossing crossing;
     crossing.after = sample;
     crossing.time = series.times[sample];
@@ -42,7 +42,7 @@ Crossing crossing_in(const SearchSeries& series, std::size_t sample, double befo
     return crossing;
 }
 
-void add_crossings(const SearchSeries& series, std::size_t index, const Gate& gate,
+void add_crossings(const SampleSeries& series, std::size_t index, const Gate& gate,
                    std::vector<Crossing>& found) {
     std::optional<std::size_t> off_line;  // the last sample on either side
     double side_before = 0.0;
@@ -64,7 +64,7 @@ void add_crossings(const SearchSeries& series, std::size_t index, const Gate& ga
 
 }  // namespace
 
-std::vector<Crossing> crossings(const std::vector<SearchSeries>& series, const Gate& gate) {
+std::vector<Crossing> crossings(const std::vector<SampleSeries>& series, const Gate& gate) {
     if (gate.left == gate.right)
         throw Failure("a gate of the course", "its left end is where its right end is",
                       "State the surveyed positions of both ends of the line.");

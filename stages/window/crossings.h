@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "stages/window/search.h"
+#include "stages/window/best_window.h"
 
 namespace runcert {
 
@@ -31,7 +31,7 @@ struct Crossing {
 /// samples before and after these lie on different sides. So one that touches and goes back does
 /// not cross, nor does one that is first seen, or last, on the line. Obstacles and bounds of the
 /// series are not asked. Failure where the ends of the gate are the same.
-std::vector<Crossing> crossings(const std::vector<SearchSeries>& series, const Gate& gate);
+std::vector<Crossing> crossings(const std::vector<SampleSeries>& series, const Gate& gate);
 
 /// From the start line to the finish line in the course's direction.
 struct Passage {
@@ -48,11 +48,11 @@ struct Passage {
 /// crossed on the way back from the finish line to before the start line does not count. Where
 /// both lines are crossed at once the finish comes first, so that one gate can be both, for laps
 /// (to and fro over such a gate is then no refusal, since it is crossed as the other line, too).
-std::vector<Passage> passages(const std::vector<SearchSeries>& series, const Gate& start,
+std::vector<Passage> passages(const std::vector<SampleSeries>& series, const Gate& start,
                               const Gate& finish);
 
 /// Why there is no passage, as one sentence without a full stop; empty where there is one.
-std::string why_no_passage(const std::vector<SearchSeries>& series, const Gate& start,
+std::string why_no_passage(const std::vector<SampleSeries>& series, const Gate& start,
                            const Gate& finish);
 
 }  // namespace runcert

@@ -3,7 +3,7 @@
 #include <map>
 
 #include "stages/window/course_windows.h"
-#include "stages/window/search_series.h"
+#include "stages/window/sample_series.h"
 #include "stages/window/window.h"
 
 namespace runcert {
@@ -68,8 +68,8 @@ std::vector<std::string> refusals_of(const ScreenedTable& screened, std::size_t 
 }
 
 /// The windows of the recording as it is, fastest first.
-std::vector<FoundWindow> windows_as_recorded(const std::vector<SearchSeries>& series,
-                                             const Profile& profile, const SearchRule& rule,
+std::vector<FoundWindow> windows_as_recorded(const std::vector<SampleSeries>& series,
+                                             const Profile& profile, const WindowCriteria& rule,
                                              const std::optional<CourseGates>& gates) {
     if (rule.kind == WindowKind::course)
         return gates ? course_windows(series, *gates) : std::vector<FoundWindow>();
@@ -82,8 +82,8 @@ std::optional<IndicatedWindow> fastest_indicated(const ScreenedTable& screened,
                                                  const Profile& profile, const WindowConfig& config,
                                                  const std::optional<CourseGates>& gates) {
     const IndicatedSeries indicated = indicated_series(screened, profile);
-    SearchRule rule =
-        search_rule(profile, config.duration_tolerance_s, screened.facts.nominal_interval_s);
+    WindowCriteria rule =
+        window_criteria(profile, config.duration_tolerance_s, screened.facts.nominal_interval_s);
     // Positions as recorded have no speeds to take the mean of.
     if (profile.speed_source == SpeedSource::position &&
         rule.definition != SpeedDefinition::path_length)
@@ -96,16 +96,16 @@ std::optional<IndicatedWindow> fastest_indicated(const ScreenedTable& screened,
     IndicatedWindow window{
         .span = window_span(screened.facts, screened.rows[first].epoch, screened.rows[last].epoch,
                             found.front().start, found.front().end),
-        .speed_mps = found.front().speed_mps,
-        .mean_mps = std::nullopt,
+        .speed_m_s = found.front().speed_m_s,
+        .mean_m_s = std::nullopt,
         .refusals =
             refusals_of(screened, first, last,
                         profile.repaired_steps ? BridgedSteps::allowed : BridgedSteps::refused)};
     if (profile.windows > 1 && std::ssize(found) == profile.windows) {
         double sum = 0.0;
         for (const FoundWindow& one : found)
-            sum += one.speed_mps;
-        window.mean_mps = sum / static_cast<double>(found.size());
+            sum += one.speed_m_s;
+        window.mean_m_s = sum / static_cast<double>(found.size());
     }
     return window;
 }

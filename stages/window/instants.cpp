@@ -32,14 +32,14 @@ double lateness_s(const SmoothedArc<2>& smoothed, std::size_t k, const Gate& gat
     const Eigen::Vector2d normal = along_course(gate);
     const Eigen::Vector2d position = smoothed.states[k].mean.head<2>();
     const Eigen::Vector2d velocity = smoothed.states[k].mean.segment<2>(2);
-    const double speed_mps = normal.dot(velocity);
-    constexpr double slowest_mps = 0.05;
-    if (speed_mps < slowest_mps)
+    const double speed_m_s = normal.dot(velocity);
+    constexpr double slowest_m_s = 0.05;
+    if (speed_m_s < slowest_m_s)
         throw Failure("course",
                       "the track runs along one of its lines where it crosses it, or "
                       "stands: the time of the crossing has no certain value",
                       "Check the surveyed lines, or measure with a line that is crossed at speed");
-    return normal.dot(gate.left - position) / speed_mps;
+    return normal.dot(gate.left - position) / speed_m_s;
 }
 
 }  // namespace

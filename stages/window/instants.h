@@ -2,8 +2,8 @@
 
 #include "estimation/tables/arcs.h"
 #include "estimation/tables/window_ends.h"
+#include "stages/window/best_window.h"
 #include "stages/window/crossings.h"
-#include "stages/window/search.h"
 
 namespace runcert {
 

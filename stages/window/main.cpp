@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include "run/evidence.h"
+#include "run/attempt_files.h"
 #include "run/stage_main.h"
 #include "stages/window/window.h"
 
@@ -28,8 +28,8 @@ int main(int argc, char** argv) {
                                 ? fmt::format("{}: best of {} windows {:.3f} km/h, standard "
                                               "uncertainty {:.3f} km/h",
                                               entry.profile, entry.candidates,
-                                              entry.best->speed_mps * 3.6,
-                                              entry.best->standard_uncertainty_mps * 3.6)
+                                              entry.best->speed_m_s * 3.6,
+                                              entry.best->standard_uncertainty_m_s * 3.6)
                                 : fmt::format("{}: no certifiable window{}{}", entry.profile,
                                               entry.missing.empty() ? "" : ": ", entry.missing));
             }

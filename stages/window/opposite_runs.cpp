@@ -49,22 +49,22 @@ std::vector<RunWindow> fastest_of_runs(const TrajectoryTable& trajectory,
 
 OppositeRuns best_opposite_runs(const TrajectoryTable& trajectory, const std::vector<ArcRows>& arcs,
                                 const std::vector<FoundWindow>& all, const Profile& profile) {
-    const auto runs = runs_in(trajectory.rows, {.start_mps = profile.runs.start_mps,
-                                                .stop_mps = profile.runs.stop_mps,
+    const auto runs = runs_in(trajectory.rows, {.start_m_s = profile.runs.start_m_s,
+                                                .stop_m_s = profile.runs.stop_m_s,
                                                 .stop_s = profile.runs.stop_s,
                                                 .turn_deg = profile.runs.turn_deg});
     const auto found = fastest_of_runs(trajectory, arcs, all, runs);
     const double opposite = -std::cos(std::numbers::pi / 4.0);
     OppositeRuns best;
-    double best_mean_mps = -1.0;
+    double best_mean_m_s = -1.0;
     for (std::size_t i = 0; i < found.size(); ++i)
         for (std::size_t j = i + 1; j < found.size(); ++j) {
             const double apart_s = found[j].window.end.seconds() - found[i].window.start.seconds();
             if (apart_s > *profile.opposite_runs_within_s) break;
             if (found[i].direction.dot(found[j].direction) > opposite) continue;
-            const double mean_mps = 0.5 * (found[i].window.speed_mps + found[j].window.speed_mps);
-            if (mean_mps <= best_mean_mps) continue;
-            best_mean_mps = mean_mps;
+            const double mean_m_s = 0.5 * (found[i].window.speed_m_s + found[j].window.speed_m_s);
+            if (mean_m_s <= best_mean_m_s) continue;
+            best_mean_m_s = mean_m_s;
             best.windows = {found[i].window, found[j].window};
         }
     if (best.windows.empty())

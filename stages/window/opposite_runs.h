@@ -6,7 +6,7 @@
 #include "estimation/tables/certifiable.h"
 #include "estimation/tables/runs.h"
 #include "schemas/profile/profile.h"
-#include "stages/window/search.h"
+#include "stages/window/best_window.h"
 
 namespace runcert {
 

@@ -17,7 +17,7 @@ struct LineCrossing {
 
 using LineCrossings = std::vector<LineCrossing>;
 
-LineCrossings both_lines(const std::vector<SearchSeries>& series, const Gate& start,
+LineCrossings both_lines(const std::vector<SampleSeries>& series, const Gate& start,
                          const Gate& finish) {
     LineCrossings all;
     for (const Crossing& crossing : crossings(series, start))
@@ -136,12 +136,12 @@ FinishesAfter finishes_after_start(const LineCrossings& all) {
 
 }  // namespace
 
-std::vector<Passage> passages(const std::vector<SearchSeries>& series, const Gate& start,
+std::vector<Passage> passages(const std::vector<SampleSeries>& series, const Gate& start,
                               const Gate& finish) {
     return passages_in(both_lines(series, start, finish));
 }
 
-std::string why_no_passage(const std::vector<SearchSeries>& series, const Gate& start,
+std::string why_no_passage(const std::vector<SampleSeries>& series, const Gate& start,
                            const Gate& finish) {
     const LineCrossings all = both_lines(series, start, finish);
     if (!passages_in(all).empty()) return {};

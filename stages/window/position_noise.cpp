@@ -114,11 +114,11 @@ PositionNoise position_noise(const EstimatedWindow<Axes>& at, const SpeedQuantit
     double motion = 0.0;
     if (quantity.of_samples) {
         noise.displacement_m = sampled_displacement(at.epochs, at.window).norm();
-        noise.speed.speed_mps = noise.displacement_m / at.duration_s;
+        noise.speed.speed_m_s = noise.displacement_m / at.duration_s;
     } else {
         noise.speed = speed_by_definition(at.smoothed, at.window, at.duration_s, quantity);
         noise.displacement_m = displacement(at.smoothed, at.window.first, at.window.last).norm();
-        motion = noise.speed.standard_uncertainty_mps * noise.speed.standard_uncertainty_mps -
+        motion = noise.speed.standard_uncertainty_m_s * noise.speed.standard_uncertainty_m_s -
                  white - weighted_variance<Axes>(at.epochs, at.model.error, weights);
     }
     constexpr int times = 8;
@@ -131,12 +131,12 @@ PositionNoise position_noise(const EstimatedWindow<Axes>& at, const SpeedQuantit
                      weighted_variance<Axes>(
                          at.epochs, GaussMarkovError::steady(bound.sigma_m, tau_s), weights));
     }
-    noise.own_correlated_mps = std::sqrt(own_correlated);
-    noise.white_mps = std::sqrt(white);
-    noise.correlated_mps = std::sqrt(correlated);
-    noise.motion_mps = std::sqrt(std::max(motion, 0.0));
-    noise.speed.standard_uncertainty_mps =
-        std::sqrt(white + correlated + noise.motion_mps * noise.motion_mps);
+    noise.own_correlated_m_s = std::sqrt(own_correlated);
+    noise.white_m_s = std::sqrt(white);
+    noise.correlated_m_s = std::sqrt(correlated);
+    noise.motion_m_s = std::sqrt(std::max(motion, 0.0));
+    noise.speed.standard_uncertainty_m_s =
+        std::sqrt(white + correlated + noise.motion_m_s * noise.motion_m_s);
     return noise;
 }
 
@@ -180,7 +180,7 @@ double speed_with(const EstimatedWindow<Axes>& at, const SpeedQuantity& quantity
     EstimationModel model = at.model;
     model.motion.jerk_density *= density_factor;
     return speed_by_definition(smooth<Axes>(epochs, model), at.window, at.duration_s, quantity)
-        .speed_mps;
+        .speed_m_s;
 }
 
 /// Whether the window begins and ends at measured epochs without a bridged step between.
@@ -201,28 +201,28 @@ OtherEstimates other_estimates(const EstimatedWindow<Axes>& at, const SpeedQuant
     std::vector<ArcEpoch<Axes>> of_whole(at.epochs.begin(), at.epochs.end());
     for (ArcEpoch<Axes>& epoch : of_whole)
         epoch.jerk_factor = 1.0;
-    OtherEstimates other{.stiffer_mps = speed_with(at, quantity, at.epochs, 1.0 / factor),
-                         .softer_mps = speed_with(at, quantity, at.epochs, factor),
-                         .whole_mps = speed_with<Axes>(at, quantity, of_whole, 1.0)};
-    const double speed_mps = noise.speed.speed_mps;
+    OtherEstimates other{.stiffer_m_s = speed_with(at, quantity, at.epochs, 1.0 / factor),
+                         .softer_m_s = speed_with(at, quantity, at.epochs, factor),
+                         .whole_m_s = speed_with<Axes>(at, quantity, of_whole, 1.0)};
+    const double speed_m_s = noise.speed.speed_m_s;
     if (quantity.of_samples) {  // no model is in the speed
-        other.stiffer_mps = other.softer_mps = speed_mps;
+        other.stiffer_m_s = other.softer_m_s = speed_m_s;
         return other;
     }
-    other.half_width_mps =
-        std::max(std::abs(other.stiffer_mps - speed_mps), std::abs(other.softer_mps - speed_mps));
+    other.half_width_m_s =
+        std::max(std::abs(other.stiffer_m_s - speed_m_s), std::abs(other.softer_m_s - speed_m_s));
     if (!has_chord(at, quantity)) return other;
     SpeedQuantity of_samples = quantity;
     of_samples.of_samples = true;
     SpeedWeights<Axes> difference = speed_weights(at, of_samples);
     for (std::size_t k = 0; k < difference.size(); ++k)
         difference[k] -= weights[k];
-    other.chord_mps = sampled_displacement(at.epochs, at.window).norm() / at.duration_s;
-    other.chord_difference_uncertainty_mps =
+    other.chord_m_s = sampled_displacement(at.epochs, at.window).norm() / at.duration_s;
+    other.chord_difference_uncertainty_m_s =
         std::sqrt(weighted_variance<Axes>(at.epochs, at.model.measurement_scale, difference));
-    other.half_width_mps =
-        std::max(other.half_width_mps, std::abs(*other.chord_mps - speed_mps) -
-                                           coverage * *other.chord_difference_uncertainty_mps);
+    other.half_width_m_s =
+        std::max(other.half_width_m_s, std::abs(*other.chord_m_s - speed_m_s) -
+                                           coverage * *other.chord_difference_uncertainty_m_s);
     return other;
 }
 
@@ -236,16 +236,16 @@ FittedSpeed fitted_speed(const WindowStretch<Axes>& stretch,
     for (std::size_t i = 0; i < models.size(); ++i) {
         const SpeedEstimate one = speed_by_definition(smooth<Axes>(stretch.epochs, models[i].model),
                                                       stretch.window, stretch.duration_s, quantity);
-        if (i == 0) first = one.speed_mps;
-        const double deviation = one.speed_mps - first;
+        if (i == 0) first = one.speed_m_s;
+        const double deviation = one.speed_m_s - first;
         weight += models[i].weight;
         mean += models[i].weight * deviation;
         square += models[i].weight * (deviation * deviation +
-                                      one.standard_uncertainty_mps * one.standard_uncertainty_mps);
+                                      one.standard_uncertainty_m_s * one.standard_uncertainty_m_s);
     }
     mean /= weight;
-    return {.speed_mps = first + mean,
-            .standard_uncertainty_mps = std::sqrt(square / weight - mean * mean),
+    return {.speed_m_s = first + mean,
+            .standard_uncertainty_m_s = std::sqrt(square / weight - mean * mean),
             .models = static_cast<std::int64_t>(models.size())};
 }
 

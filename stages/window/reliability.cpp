@@ -16,8 +16,8 @@ namespace {
 template <int Axes>
 const ScreeningModel* tested_model(const ScreenedTable& screened) {
     constexpr TestedAxes axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal;
-    const auto found = std::ranges::find(screened.evidence.models, axes, &ScreeningModel::axes);
-    return found == screened.evidence.models.end() ? nullptr : &*found;
+    const auto found = std::ranges::find(screened.basis.models, axes, &ScreeningModel::axes);
+    return found == screened.basis.models.end() ? nullptr : &*found;
 }
 
 /// The stretch's epochs with the covariances and the motion that screening tested with.
@@ -27,7 +27,7 @@ std::vector<ArcEpoch<Axes>> tested_epochs(const ScreenedTable& screened, const A
     std::vector<ArcEpoch<Axes>> epochs = stretch.epochs;
     const EstimationModel model = model_of(*tested_model<Axes>(screened));
     const auto factors =
-        kind_factors(screened.evidence, Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal);
+        kind_factors(screened.basis, Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal);
     for (std::size_t i = 0; i < epochs.size(); ++i) {
         const ScreenedEpoch& row = screened.rows[arc.rows[stretch.first + i]];
         epochs[i].jerk_factor = 1.0;
@@ -55,12 +55,12 @@ class Worst {
         constexpr double nothing = 1e-6;
         if (effect.norm() < nothing) return;
         const Eigen::Matrix<double, Size, 1> worst = test.covariance() * effect;
-        double speed_mps = std::sqrt(noncentrality * effect.dot(worst));
-        double size = speed_mps > 0.0 ? noncentrality * worst.norm() / speed_mps : 0.0;
+        double speed_m_s = std::sqrt(noncentrality * effect.dot(worst));
+        double size = speed_m_s > 0.0 ? noncentrality * worst.norm() / speed_m_s : 0.0;
         constexpr double without_limit = 1e6;
-        if (!(speed_mps <= without_limit)) speed_mps = size = without_limit;
-        if (speed_mps <= error_.speed_mps) return;
-        error_.speed_mps = speed_mps;
+        if (!(speed_m_s <= without_limit)) speed_m_s = size = without_limit;
+        if (speed_m_s <= error_.speed_m_s) return;
+        error_.speed_m_s = speed_m_s;
         error_.size = size;
         first_ = first;
         last_ = last;
@@ -92,8 +92,8 @@ std::vector<UndetectedError> undetected_errors(const ScreenedTable& screened, co
     if (tested == nullptr) return {};
     const std::vector<ArcEpoch<Axes>> epochs = tested_epochs(screened, arc, stretch);
     const ArcDiagnosis<Axes> diagnosis(epochs, model_of(*tested));
-    const double of_one = noncentrality(screened.evidence.test_size, screened.evidence.power, 1);
-    const double of_all = noncentrality(screened.evidence.test_size, screened.evidence.power, Axes);
+    const double of_one = noncentrality(screened.basis.test_size, screened.basis.power, 1);
+    const double of_all = noncentrality(screened.basis.test_size, screened.basis.power, Axes);
     const auto factor = [&](std::size_t k) {
         return screened.rows[arc.rows[stretch.first + k]].local_variance_factor.value_or(1.0);
     };
@@ -124,7 +124,7 @@ std::vector<UndetectedError> undetected_errors(const ScreenedTable& screened, co
         }
         ramp.consider(diagnosis.ramp(k), of_all * factor(k), growing, k, k);
     }
-    const auto longest = static_cast<std::size_t>(screened.evidence.burst_epochs_max);
+    const auto longest = static_cast<std::size_t>(screened.basis.burst_epochs_max);
     diagnosis.for_each_burst(longest, [&](std::size_t k, std::size_t length, const auto& test) {
         burst.consider(test, of_all * factor(k), Position(constant[k] - constant[k + length]), k,
                        k + length - 1);
@@ -136,8 +136,8 @@ std::vector<UndetectedError> undetected_errors(const ScreenedTable& screened, co
     // By the digits written: a step before the last epoch is an outlier of it, and which of the two
     // comes first must not hang on the processor's last bits.
     const auto written = [](const UndetectedError& error) {
-        constexpr double per_mps = 1e6;
-        return std::llround(error.speed_mps * per_mps);
+        constexpr double per_m_s = 1e6;
+        return std::llround(error.speed_m_s * per_m_s);
     };
     std::stable_sort(errors.begin(), errors.end(),
                      [&](const UndetectedError& a, const UndetectedError& b) {
@@ -171,7 +171,7 @@ std::string undetected_words(const UndetectedError& error, double power) {
         "an undetected {} of {} {} could have changed the speed by at most {:.4f} m/s; a larger "
         "one "
         "is found with a probability of more than {:g}",
-        what, size, where, error.speed_mps, power);
+        what, size, where, error.speed_m_s, power);
 }
 
 const UndetectedError* undetected_in_budget(const std::vector<UndetectedError>& reliability) {

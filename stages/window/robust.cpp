@@ -33,7 +33,7 @@ std::optional<Eigen::Vector2d> robust_displacement(const TrajectoryTable& trajec
 }  // namespace
 
 std::optional<RobustSpeed> robust_speed(const TrajectoryTable& trajectory, const ArcPart<2>& part,
-                                        const SmoothedArc<2>& smoothed, double model_mps) {
+                                        const SmoothedArc<2>& smoothed, double model_m_s) {
     const Arc<2>& arc = part.arc;
     const EpochPair& window = part.window;
     const double duration_s = arc.epochs[window.last].time_s - arc.epochs[window.first].time_s;
@@ -42,10 +42,10 @@ std::optional<RobustSpeed> robust_speed(const TrajectoryTable& trajectory, const
     const auto displacement = robust_displacement(trajectory, part, smoothed);
     if (!displacement) return std::nullopt;
     RobustSpeed robust;
-    robust.speed_mps = std::hypot(displacement->x(), displacement->y()) / duration_s;
-    robust.difference_mps = robust.speed_mps - screened.speed_mps;
-    robust.limit_mps = usual_coverage_factor * (screened.standard_uncertainty_mps + model_mps);
-    robust.agrees = std::abs(robust.difference_mps) <= robust.limit_mps;
+    robust.speed_m_s = std::hypot(displacement->x(), displacement->y()) / duration_s;
+    robust.difference_m_s = robust.speed_m_s - screened.speed_m_s;
+    robust.limit_m_s = usual_coverage_factor * (screened.standard_uncertainty_m_s + model_m_s);
+    robust.agrees = std::abs(robust.difference_m_s) <= robust.limit_m_s;
     for (std::size_t k = window.first; k <= window.last; ++k) {
         const auto& weight = trajectory.rows[arc.rows[k]].robust_weight;
         if (weight && *weight < 0.5) ++robust.downweighted;

@@ -18,24 +18,24 @@ struct Draw {
     // Noise moves the chosen window's error about its value without noise: the difference is known
     // to vanish in the mean, and taking it off makes the mean settle with fewer draws. Zero in all
     // clusters but one.
-    double chosen_noise_mps = 0.0;
+    double chosen_noise_m_s = 0.0;
 
-    void take(const FastestWindow& one, double chosen_error_without_noise_mps) {
-        chosen_noise_mps += one.chosen_error_mps - chosen_error_without_noise_mps;
-        if (one.searched_mps > fastest.searched_mps) fastest = one;
+    void take(const FastestWindow& one, double chosen_error_without_noise_m_s) {
+        chosen_noise_m_s += one.chosen_error_m_s - chosen_error_without_noise_m_s;
+        if (one.searched_m_s > fastest.searched_m_s) fastest = one;
     }
-    double settled_error_mps() const { return fastest.error_mps - chosen_noise_mps; }
+    double settled_error_m_s() const { return fastest.error_m_s - chosen_noise_m_s; }
 };
 
 struct Sample {
     Draw once;
     Draw again;
-    double fastest_true_mps = 0.0;
+    double fastest_true_m_s = 0.0;
 
     void take(const ClusterDraw& drawn) {
-        once.take(drawn.once, drawn.chosen_without_noise_once_mps);
-        again.take(drawn.again, drawn.chosen_without_noise_again_mps);
-        fastest_true_mps = std::max(fastest_true_mps, drawn.fastest_true_mps);
+        once.take(drawn.once, drawn.chosen_without_noise_once_m_s);
+        again.take(drawn.again, drawn.chosen_without_noise_again_m_s);
+        fastest_true_m_s = std::max(fastest_true_m_s, drawn.fastest_true_m_s);
     }
 };
 
@@ -97,11 +97,11 @@ std::vector<Samples> draw_samples(const std::vector<SelectionCluster<Axes>>& clu
 
 /// What the samples say of the bias.
 struct DrawnBias {
-    double bias_mps = 0.0;
-    double uncertainty_mps = 0.0;
-    double chosen_sd_mps = 0.0;
-    double best_mean_mps = 0.0;
-    double best_sd_mps = 0.0;
+    double bias_m_s = 0.0;
+    double uncertainty_m_s = 0.0;
+    double chosen_sd_m_s = 0.0;
+    double best_mean_m_s = 0.0;
+    double best_sd_m_s = 0.0;
 };
 
 DrawnBias bias_from(const std::vector<Samples>& drawn, std::int64_t samples) {
@@ -110,28 +110,28 @@ DrawnBias bias_from(const std::vector<Samples>& drawn, std::int64_t samples) {
     std::vector<double> best_true;
     for (std::size_t i = 0; i < static_cast<std::size_t>(samples); ++i) {
         const Sample& sample = drawn[i / selection_lanes][i % selection_lanes];
-        errors.push_back(sample.once.fastest.error_mps);
-        calibrated.push_back(2.0 * sample.once.settled_error_mps() -
-                             sample.again.settled_error_mps());
-        best_true.push_back(sample.fastest_true_mps);
+        errors.push_back(sample.once.fastest.error_m_s);
+        calibrated.push_back(2.0 * sample.once.settled_error_m_s() -
+                             sample.again.settled_error_m_s());
+        best_true.push_back(sample.fastest_true_m_s);
     }
     return {
-        .bias_mps = mean(calibrated),
-        .uncertainty_mps = standard_deviation(calibrated) / std::sqrt(static_cast<double>(samples)),
-        .chosen_sd_mps = standard_deviation(errors),
-        .best_mean_mps = mean(best_true),
-        .best_sd_mps = standard_deviation(best_true)};
+        .bias_m_s = mean(calibrated),
+        .uncertainty_m_s = standard_deviation(calibrated) / std::sqrt(static_cast<double>(samples)),
+        .chosen_sd_m_s = standard_deviation(errors),
+        .best_mean_m_s = mean(best_true),
+        .best_sd_m_s = standard_deviation(best_true)};
 }
 
 }  // namespace
 
-double less_bias(double speed_mps, double bias_mps) {
-    return std::max(0.0, speed_mps - bias_mps);
+double less_bias(double speed_m_s, double bias_m_s) {
+    return std::max(0.0, speed_m_s - bias_m_s);
 }
 
 template <int Axes>
 SelectionBias selection_bias(const std::vector<WindowCluster<Axes>>& clusters,
-                             const SelectionModels& models, double stated_mps, std::int64_t samples,
+                             const SelectionModels& models, double stated_m_s, std::int64_t samples,
                              std::int64_t seed) {
     std::vector<SelectionCluster<Axes>> parts;
     SelectionBias result;
@@ -144,15 +144,15 @@ SelectionBias selection_bias(const std::vector<WindowCluster<Axes>>& clusters,
     const DrawnBias bounded =
         bias_from(draw_samples(parts, models, DrawnErrors::bounded, samples, seed), samples);
     // No choice of the fastest makes the speed too low.
-    result.fitted_bias_mps = std::max(0.0, fitted.bias_mps);
-    result.bounded_bias_mps = std::max(result.fitted_bias_mps, bounded.bias_mps);
-    result.bias_mps = 0.5 * (result.fitted_bias_mps + result.bounded_bias_mps);
-    result.bias_half_range_mps = 0.5 * (result.bounded_bias_mps - result.fitted_bias_mps);
-    result.bias_uncertainty_mps = std::max(fitted.uncertainty_mps, bounded.uncertainty_mps);
-    result.chosen_mean_mps = stated_mps - result.bias_mps;
-    result.chosen_sd_mps = bounded.chosen_sd_mps;
-    result.best_mean_mps = bounded.best_mean_mps;
-    result.best_sd_mps = bounded.best_sd_mps;
+    result.fitted_bias_m_s = std::max(0.0, fitted.bias_m_s);
+    result.bounded_bias_m_s = std::max(result.fitted_bias_m_s, bounded.bias_m_s);
+    result.bias_m_s = 0.5 * (result.fitted_bias_m_s + result.bounded_bias_m_s);
+    result.bias_half_range_m_s = 0.5 * (result.bounded_bias_m_s - result.fitted_bias_m_s);
+    result.bias_uncertainty_m_s = std::max(fitted.uncertainty_m_s, bounded.uncertainty_m_s);
+    result.chosen_mean_m_s = stated_m_s - result.bias_m_s;
+    result.chosen_sd_m_s = bounded.chosen_sd_m_s;
+    result.best_mean_m_s = bounded.best_mean_m_s;
+    result.best_sd_m_s = bounded.best_sd_m_s;
     result.samples = samples;
     result.seed = seed;
     return result;

@@ -108,19 +108,19 @@ class SelectionCluster<Axes>::Speeds {
 
     /// The fastest window of each draw, the first of equals, and its speed.
     struct Fastest {
-        Lane speed_mps;
+        Lane speed_m_s;
         std::array<std::size_t, selection_lanes> window{};
     };
     Fastest fastest() const {
         Fastest fastest;
-        fastest.speed_mps.setConstant(-1.0);
+        fastest.speed_m_s.setConstant(-1.0);
         for (std::size_t w = 0; w < stretch_.windows.size(); ++w) {
             const Lane speed = (*this)[w];
-            if (!(speed > fastest.speed_mps).any()) continue;
+            if (!(speed > fastest.speed_m_s).any()) continue;
             for (std::size_t l = 0; l < selection_lanes; ++l) {
                 const auto lane = static_cast<Eigen::Index>(l);
-                if (!(speed[lane] > fastest.speed_mps[lane])) continue;
-                fastest.speed_mps[lane] = speed[lane];
+                if (!(speed[lane] > fastest.speed_m_s[lane])) continue;
+                fastest.speed_m_s[lane] = speed[lane];
                 fastest.window[l] = w;
             }
         }
@@ -140,7 +140,7 @@ class SelectionCluster<Axes>::Speeds {
     std::vector<Lane> path_m_;
 };
 
-/// The slow error of several draws, epoch by epoch: steady Gauss-Markov processes, or the fitted
+/// The time-correlated error of several draws, epoch by epoch: steady Gauss-Markov processes, or the fitted
 /// one.
 template <int Axes>
 class SelectionCluster<Axes>::SlowError {
@@ -188,7 +188,7 @@ class SelectionCluster<Axes>::SlowError {
 
 namespace {
 
-/// The noise that is drawn: its slow error as large as it is along the windows.
+/// The noise that is drawn: its time-correlated error as large as it is along the windows.
 EstimationModel drawn_model(const SelectionModels& models) {
     EstimationModel model = models.estimated;
     model.error.process_density *= models.along;
@@ -224,7 +224,7 @@ SelectionCluster<Axes>::smoothed(const Positions& motion) const {
     return {motion, estimator_(motion)};
 }
 
-/// The slow error and, onto it, the white.
+/// The time-correlated error and, onto it, the white.
 template <int Axes>
 typename SelectionCluster<Axes>::Lanes SelectionCluster<Axes>::errors(
     std::array<const double*, selection_lanes> numbers,
@@ -263,9 +263,9 @@ std::array<FastestWindow, selection_lanes> SelectionCluster<Axes>::search(
     for (std::size_t l = 0; l < selection_lanes; ++l) {
         const std::size_t window = fastest.window[l];
         const auto lane = static_cast<Eigen::Index>(l);
-        result[l] = {.searched_mps = fastest.speed_mps[lane],
-                     .error_mps = stated[window][lane] - truth[window][lane],
-                     .chosen_error_mps = chosen[lane]};
+        result[l] = {.searched_m_s = fastest.speed_m_s[lane],
+                     .error_m_s = stated[window][lane] - truth[window][lane],
+                     .chosen_error_m_s = chosen[lane]};
     }
     return result;
 }
@@ -303,15 +303,15 @@ std::array<ClusterDraw, selection_lanes> SelectionCluster<Axes>::draw(
     const auto found_again = search(again);
     const Lane chosen_once = chosen_errors(still);
     const Lane chosen_again = chosen_errors(moved);
-    const Lane fastest_true = Speeds(*this, moved.motion).fastest().speed_mps;
+    const Lane fastest_true = Speeds(*this, moved.motion).fastest().speed_m_s;
     std::array<ClusterDraw, selection_lanes> draws;
     for (std::size_t l = 0; l < selection_lanes; ++l) {
         const auto lane = static_cast<Eigen::Index>(l);
         draws[l] = {.once = found_once[l],
                     .again = found_again[l],
-                    .chosen_without_noise_once_mps = chosen_once[lane],
-                    .chosen_without_noise_again_mps = chosen_again[lane],
-                    .fastest_true_mps = std::max(0.0, fastest_true[lane])};
+                    .chosen_without_noise_once_m_s = chosen_once[lane],
+                    .chosen_without_noise_again_m_s = chosen_again[lane],
+                    .fastest_true_m_s = std::max(0.0, fastest_true[lane])};
     }
     return draws;
 }

@@ -16,9 +16,9 @@ inline constexpr std::size_t selection_lanes = 4;
 /// The fastest window of a drawn recording, its speed in the search, and the error of the speed
 /// stated for it.
 struct FastestWindow {
-    double searched_mps = -1.0;
-    double error_mps = 0.0;
-    double chosen_error_mps = 0.0;  ///< of the window chosen in the recording, if it is here
+    double searched_m_s = -1.0;
+    double error_m_s = 0.0;
+    double chosen_error_m_s = 0.0;  ///< of the window chosen in the recording, if it is here
 };
 
 /// What one draw says of a cluster.
@@ -26,9 +26,9 @@ struct ClusterDraw {
     FastestWindow once;   ///< errors drawn onto the estimated motion
     FastestWindow again;  ///< the same errors on a motion estimated from a drawn recording
     /// The errors of the speed stated for the chosen window when positions have none.
-    double chosen_without_noise_once_mps = 0.0;
-    double chosen_without_noise_again_mps = 0.0;
-    double fastest_true_mps = 0.0;  ///< of the motion estimated from a drawn recording
+    double chosen_without_noise_once_m_s = 0.0;
+    double chosen_without_noise_again_m_s = 0.0;
+    double fastest_true_m_s = 0.0;  ///< of the motion estimated from a drawn recording
 };
 
 /// The measured epochs of a cluster. A bridged step before one without a measurement stands before
@@ -55,7 +55,7 @@ class SelectionCluster {
     std::size_t normals() const { return 4 * axes * stretch_.epochs.size(); }
 
     /// What so many draws at a time say; `numbers[l]` are the `normals()` of draw l, and `tau_s[l]`
-    /// is the correlation time of its slow error, where that is not the fitted one.
+    /// is the correlation time of its time-correlated error, where that is not the fitted one.
     std::array<ClusterDraw, selection_lanes> draw(
         const std::array<const double*, selection_lanes>& numbers,
         const std::optional<std::array<double, selection_lanes>>& tau_s) const;

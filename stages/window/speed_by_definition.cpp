@@ -40,11 +40,11 @@ double speed_at(const SmoothedArc<Axes>& smoothed, std::size_t k) {
 /// that length is reached so much later or earlier, at the speed of the end.
 template <int Axes>
 double factor_of_given_length(const SmoothedArc<Axes>& smoothed, EpochPair window,
-                              double path_mps) {
-    constexpr double standing_mps = 0.1;
+                              double path_m_s) {
+    constexpr double standing_m_s = 0.1;
     const double slower =
         std::min(speed_at(smoothed, window.first), speed_at(smoothed, window.last));
-    return std::max(1.0, path_mps / std::max(slower, standing_mps));
+    return std::max(1.0, path_m_s / std::max(slower, standing_m_s));
 }
 
 [[noreturn]] void refuse_vertical_course() {
@@ -80,8 +80,8 @@ SpeedEstimate speed_by_definition(const SmoothedArc<Axes>& smoothed, EpochPair w
         case SpeedDefinition::path_length: {
             SpeedEstimate speed = path_speed(smoothed, first, last, duration_s);
             if (quantity.length_is_given)
-                speed.standard_uncertainty_mps *=
-                    factor_of_given_length(smoothed, window, speed.speed_mps);
+                speed.standard_uncertainty_m_s *=
+                    factor_of_given_length(smoothed, window, speed.speed_m_s);
             return speed;
         }
         case SpeedDefinition::mean_n_plus_1:
@@ -109,7 +109,7 @@ SpeedGradients<Axes> speed_gradients(const SmoothedArc<Axes>& smoothed, EpochPai
         case SpeedDefinition::path_length: {
             Gradients<Axes> gradients = path_speed_gradients(smoothed, first, last, duration_s);
             if (quantity.length_is_given) {
-                const double speed = path_speed(smoothed, first, last, duration_s).speed_mps;
+                const double speed = path_speed(smoothed, first, last, duration_s).speed_m_s;
                 for (StateVector<Axes>& gradient : gradients)
                     gradient *= factor_of_given_length(smoothed, window, speed);
             }

@@ -41,17 +41,17 @@ std::optional<TrajectoryDifference> difference_from(const TrajectoryTable& traje
 }  // namespace
 
 template <int Axes>
-CheckedPart<Axes> checked_estimate(const AxesEvidence<Axes>& evidence, const FoundWindow& found) {
-    const Arc<Axes>& arc = evidence.arcs[found.series];
+CheckedPart<Axes> checked_estimate(const AxesEstimate<Axes>& estimate, const FoundWindow& found) {
+    const Arc<Axes>& arc = estimate.arcs[found.series];
     const EpochPair window{found.first, found.last};
-    const double memory = std::max(stretch_margin_s, memory_s(arc, window, evidence.model));
+    const double memory = std::max(stretch_margin_s, memory_s(arc, window, estimate.model));
     for (const double margin_s : {memory, std::numeric_limits<double>::infinity()}) {
         CheckedPart<Axes> checked{
-            .part = part_around(arc, evidence.times[found.series], window, margin_s),
+            .part = part_around(arc, estimate.times[found.series], window, margin_s),
             .smoothed = {}};
         // Again, as the trajectory does not hold what the errors of two epochs have in common.
-        checked.smoothed = smooth<Axes>(checked.part.arc.epochs, evidence.model);
-        const auto different = difference_from(evidence.trajectory, checked.part, checked.smoothed);
+        checked.smoothed = smooth<Axes>(checked.part.arc.epochs, estimate.model);
+        const auto different = difference_from(estimate.trajectory, checked.part, checked.smoothed);
         if (!different) return checked;
         if (checked.part.whole)
             throw Failure(fmt::format("epoch {}", different->epoch),
@@ -63,7 +63,7 @@ CheckedPart<Axes> checked_estimate(const AxesEvidence<Axes>& evidence, const Fou
     return {};
 }
 
-template CheckedPart<1> checked_estimate<1>(const AxesEvidence<1>&, const FoundWindow&);
-template CheckedPart<2> checked_estimate<2>(const AxesEvidence<2>&, const FoundWindow&);
+template CheckedPart<1> checked_estimate<1>(const AxesEstimate<1>&, const FoundWindow&);
+template CheckedPart<2> checked_estimate<2>(const AxesEstimate<2>&, const FoundWindow&);
 
 }  // namespace runcert

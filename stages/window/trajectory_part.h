@@ -18,6 +18,6 @@ struct CheckedPart {
 /// As much of the arc as decides on the window, found to be the trajectory at the window's epochs.
 /// Failure where it is not, even with the whole arc taken.
 template <int Axes>
-CheckedPart<Axes> checked_estimate(const AxesEvidence<Axes>& evidence, const FoundWindow& found);
+CheckedPart<Axes> checked_estimate(const AxesEstimate<Axes>& estimate, const FoundWindow& found);
 
 }  // namespace runcert

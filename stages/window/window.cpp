@@ -16,7 +16,7 @@
 #include "stages/window/course_windows.h"
 #include "stages/window/instants.h"
 #include "stages/window/opposite_runs.h"
-#include "stages/window/search_series.h"
+#include "stages/window/sample_series.h"
 
 namespace runcert {
 namespace {
@@ -28,12 +28,12 @@ class Certifier {
               const std::vector<Profile>& profiles, const WindowConfig& config)
         : screened_(screened),
           trajectory_(trajectory),
-          horizontal_(evidence_of<2>(screened, trajectory, config)) {
+          horizontal_(estimate_of<2>(screened, trajectory, config)) {
         const auto of_heights = [](const Profile& profile) {
             return profile.dimension != Dimension::horizontal;
         };
         if (has_heights() && std::ranges::any_of(profiles, of_heights))
-            vertical_.emplace(evidence_of<1>(screened, trajectory, config));
+            vertical_.emplace(estimate_of<1>(screened, trajectory, config));
     }
 
     const std::vector<ArcRows>& rows() const { return horizontal_.rows; }
@@ -79,7 +79,7 @@ class Certifier {
             1;
         found.last =
             static_cast<std::size_t>(std::ranges::lower_bound(times, found.end) - times.begin());
-        found.speed_mps = gates.length_m / (found.end.seconds() - found.start.seconds());
+        found.speed_m_s = gates.length_m / (found.end.seconds() - found.start.seconds());
         if (listed != all.end()) *listed = found;
         SpeedQuantity quantity = quantity_of(profile);
         quantity.length_m = gates.length_m;
@@ -95,8 +95,8 @@ class Certifier {
 
     const ScreenedTable& screened_;
     const TrajectoryTable& trajectory_;
-    AxesEvidence<2> horizontal_;
-    std::optional<AxesEvidence<1>> vertical_;
+    AxesEstimate<2> horizontal_;
+    std::optional<AxesEstimate<1>> vertical_;
 };
 
 WindowRule rule_of(const Profile& profile) {
@@ -127,8 +127,8 @@ Choice choose(const ScreenedTable& screened, const TrajectoryTable& trajectory,
               const std::vector<ArcRows>& rows, const Profile& profile, const WindowConfig& config,
               const std::optional<CourseGates>& gates) {
     const auto series = certifiable_series(screened, trajectory, rows, profile);
-    const SearchRule rule =
-        search_rule(profile, config.duration_tolerance_s, trajectory.facts.nominal_interval_s);
+    const WindowCriteria rule =
+        window_criteria(profile, config.duration_tolerance_s, trajectory.facts.nominal_interval_s);
     const auto wanted = static_cast<std::size_t>(profile.windows);
     Choice choice;
     if (rule.kind == WindowKind::course) {
@@ -163,9 +163,9 @@ void add_window(const CertifiableWindow& window, ProfileWindows& entry) {
     else
         entry.further.push_back({.span = window.span,
                                  .arc = window.arc,
-                                 .speed_mps = window.speed_mps,
-                                 .standard_uncertainty_mps = window.standard_uncertainty_mps,
-                                 .bias_limit_mps = window.bias_limit_mps,
+                                 .speed_m_s = window.speed_m_s,
+                                 .standard_uncertainty_m_s = window.standard_uncertainty_m_s,
+                                 .bias_limit_m_s = window.bias_limit_m_s,
                                  .robust = window.robust});
 }
 

@@ -27,7 +27,7 @@ struct WindowConfig {
 
 WindowConfig window_config(const Attempt& attempt, const Receiver& receiver);
 
-/// For each profile the best certifiable windows of the smoothed trajectory, their certified speeds
+/// For each profile the best certifiable windows of the smoothed trajectory, their measured speeds
 /// with all sources of uncertainty, and the fastest that the recording indicates.
 ///
 /// A certifiable window lies in one arc, holds no unusable epoch, spans no bridged step unless the

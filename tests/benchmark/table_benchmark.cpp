@@ -41,7 +41,7 @@ EnuTable enu_table() {
         row.correlation_east_north = 0.1 * std::sin(turn);
         row.correlation_east_up = 0.2 * std::cos(turn);
         row.correlation_north_up = -0.1 * std::cos(turn);
-        row.fix = FixKind::fixed;
+        row.fix = FixType::fixed;
         row.satellites = std::int16_t{18};
         row.age_s = 0.5;
         row.ratio = 25.1;
@@ -63,17 +63,17 @@ TrajectoryTable trajectory_table() {
         row.east_m = row.robust_east_m = from.east_m;
         row.north_m = row.robust_north_m = from.north_m;
         row.up_m = from.up_m;
-        row.velocity_east_mps = 60.0 * std::sin(turn);
-        row.velocity_north_mps = 60.0 * std::cos(turn);
-        row.velocity_up_mps = 0.1 * std::sin(turn);
-        row.acceleration_east_mps2 = 0.1 * std::cos(turn);
-        row.acceleration_north_mps2 = -0.1 * std::sin(turn);
-        row.acceleration_up_mps2 = 0.01 * std::sin(turn);
-        row.speed_mps = row.speed_batch_mps = row.speed_v1_mps = row.speed_kalman_mps =
+        row.velocity_east_m_s = 60.0 * std::sin(turn);
+        row.velocity_north_m_s = 60.0 * std::cos(turn);
+        row.velocity_up_m_s = 0.1 * std::sin(turn);
+        row.acceleration_east_m_s2 = 0.1 * std::cos(turn);
+        row.acceleration_north_m_s2 = -0.1 * std::sin(turn);
+        row.acceleration_up_m_s2 = 0.01 * std::sin(turn);
+        row.speed_m_s = row.speed_batch_m_s = row.speed_v1_m_s = row.speed_kalman_m_s =
             60.0 + std::sin(turn);
         row.sigma_east_m = row.sigma_north_m = 0.003 + 0.001 * std::sin(turn);
         row.sigma_up_m = 0.007;
-        row.sigma_velocity_east_mps = row.sigma_velocity_north_mps = row.sigma_speed_mps =
+        row.sigma_velocity_east_m_s = row.sigma_velocity_north_m_s = row.sigma_speed_m_s =
             0.01 + 0.001 * std::cos(turn);
         row.robust_weight = 0.9;
         row.arc = 1;
@@ -124,11 +124,11 @@ void read_pos(benchmark::State& state) {
             [&] { return import_recording(receiver(), {.name = "f", .bytes = text}).rows.size(); });
 }
 
-void read_pos_row_by_row(benchmark::State& state) {  // of which a part is reading it twice
+void read_pos_streamed(benchmark::State& state) {  // of which a part is reading it twice
     const std::string text = pos_text();
     measure(state, text.size(), [&] {
         std::int64_t rows = 0;
-        rtklib_pos::read_row_by_row(receiver(), {.name = "f", .bytes = text})
+        rtklib_pos::read_streamed(receiver(), {.name = "f", .bytes = text})
             .give([&rows](const Observation&) { ++rows; });
         return rows;
     });
@@ -139,7 +139,7 @@ void read_ecsv(benchmark::State& state) {
     measure(state, text.size(), [&] { return read_enu(text, "f").rows.size(); });
 }
 
-void read_ecsv_row_by_row(benchmark::State& state) {
+void read_ecsv_streamed(benchmark::State& state) {
     const std::string text = write_enu(enu_table());
     measure(state, text.size(), [&] {
         auto table = open_enu(text, "f");
@@ -155,7 +155,7 @@ void write_ecsv(benchmark::State& state) {
     measure(state, write_enu(table).size(), [&] { return write_enu(table).size(); });
 }
 
-void write_ecsv_row_by_row(benchmark::State& state) {
+void write_ecsv_streamed(benchmark::State& state) {
     const EnuTable table = enu_table();
     measure(state, write_enu(table).size(), [&] {
         std::size_t bytes = 0;
@@ -230,13 +230,13 @@ void by_printf(benchmark::State& state) {
 }
 
 BENCHMARK(read_pos)->Unit(benchmark::kMillisecond);
-BENCHMARK(read_pos_row_by_row)->Unit(benchmark::kMillisecond);
+BENCHMARK(read_pos_streamed)->Unit(benchmark::kMillisecond);
 BENCHMARK(read_ecsv)->Unit(benchmark::kMillisecond);
-BENCHMARK(read_ecsv_row_by_row)->Unit(benchmark::kMillisecond);
+BENCHMARK(read_ecsv_streamed)->Unit(benchmark::kMillisecond);
 BENCHMARK(read_wide_ecsv)->Unit(benchmark::kMillisecond);
 BENCHMARK(by_strtod)->Unit(benchmark::kMillisecond);
 BENCHMARK(write_ecsv)->Unit(benchmark::kMillisecond);
-BENCHMARK(write_ecsv_row_by_row)->Unit(benchmark::kMillisecond);
+BENCHMARK(write_ecsv_streamed)->Unit(benchmark::kMillisecond);
 BENCHMARK(write_wide_ecsv)->Unit(benchmark::kMillisecond);
 BENCHMARK(by_printf)->Unit(benchmark::kMillisecond);
 BENCHMARK(hash)->Unit(benchmark::kMillisecond);

@@ -6,12 +6,12 @@
 #include "chain_support.h"
 #include "core/random.h"
 
-// Recordings that noise cannot be learnt from, or not as it should be: the verdict says so.
+// Recordings that noise cannot be estimated from, or not as it should be: the verdict says so.
 
 namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
-/// One epoch of a local plane at 5 Hz.
+/// One epoch of an engineering CRS at 5 Hz.
 struct Epoch {
     double east_m = 0.0;
     double north_m = 0.0;
@@ -79,8 +79,8 @@ TEST(BadNoise, AGoodRecordingIsLearntFrom) {
     const Outcome good = certified(on_a_curve(200));
     EXPECT_EQ(good.exit_status, 0) << good.errors;
     EXPECT_EQ(good.profile()["outcome"].text(), "beaten");
-    EXPECT_TRUE(good.says("The horizontal noise was learnt from 200 epochs")) << good.statements;
-    for (const char* amiss : {"could not be learnt", "equal at all epochs", "stay correlated"})
+    EXPECT_TRUE(good.says("The horizontal noise was estimated from 200 epochs")) << good.statements;
+    for (const char* amiss : {"could not be estimated", "equal at all epochs", "stay correlated"})
         EXPECT_FALSE(good.says(amiss)) << good.statements;
 }
 

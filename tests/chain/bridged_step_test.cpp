@@ -55,7 +55,7 @@ EnuTable recording() {
         row.east_m = position.x() + (k + 1 >= step_epoch ? step_m : 0.0) + 0.010 * random.normal();
         row.north_m = position.y() + 0.010 * random.normal();
         row.sigma_east_m = row.sigma_north_m = 0.010;
-        row.fix = FixKind::fixed;
+        row.fix = FixType::fixed;
     }
     return table;
 }
@@ -87,7 +87,7 @@ bool holds_step(const WindowSpan& span) {
     return span.first_epoch < step_epoch && span.last_epoch >= step_epoch;
 }
 
-double true_speed_mps(const WindowSpan& span) {
+double true_speed_m_s(const WindowSpan& span) {
     const double start_s = span.start.seconds();
     const double duration_s = span.duration.seconds();
     return (distance_m(start_s + duration_s) - distance_m(start_s)) / duration_s;
@@ -105,11 +105,11 @@ TEST(BridgedStep, CertifiesNoWindowAcrossItByDefault) {
     const CertifiableWindow& best = run.windows.best.value();
     EXPECT_FALSE(holds_step(best.span));
     EXPECT_EQ(best.repaired_steps, 0);
-    EXPECT_NEAR(best.speed_mps, true_speed_mps(best.span), 2.0 * best.standard_uncertainty_mps);
+    EXPECT_NEAR(best.speed_m_s, true_speed_m_s(best.span), 2.0 * best.standard_uncertainty_m_s);
     // The fastest that the raw positions indicate does hold it, and is refused for it alone.
     const IndicatedWindow& indicated = run.windows.indicated.value();
     EXPECT_TRUE(holds_step(indicated.span));
-    EXPECT_GT(indicated.speed_mps, true_speed_mps(indicated.span) + 0.05);
+    EXPECT_GT(indicated.speed_m_s, true_speed_m_s(indicated.span) + 0.05);
     ASSERT_EQ(indicated.refusals.size(), 1U);
     EXPECT_NE(indicated.refusals[0].find("1 repaired step"), std::string::npos);
 }
@@ -119,18 +119,18 @@ TEST(BridgedStep, UnderAProfileThatAllowsItTheFastestWindowIsCertified) {
     const CertifiableWindow& best = run.windows.best.value();
     EXPECT_TRUE(holds_step(best.span));
     EXPECT_EQ(best.repaired_steps, 1);
-    EXPECT_NEAR(best.speed_mps, true_speed_mps(best.span), 2.0 * best.standard_uncertainty_mps);
-    EXPECT_NEAR(best.definitions.displacement_mps, true_speed_mps(best.span), 0.02);
-    EXPECT_NEAR(best.definitions.path_length_mps, true_speed_mps(best.span), 0.02);
-    EXPECT_NEAR(best.definitions.mean_n_plus_1_mps, true_speed_mps(best.span), 0.05);
+    EXPECT_NEAR(best.speed_m_s, true_speed_m_s(best.span), 2.0 * best.standard_uncertainty_m_s);
+    EXPECT_NEAR(best.definitions.displacement_m_s, true_speed_m_s(best.span), 0.02);
+    EXPECT_NEAR(best.definitions.path_length_m_s, true_speed_m_s(best.span), 0.02);
+    EXPECT_NEAR(best.definitions.mean_n_plus_1_m_s, true_speed_m_s(best.span), 0.05);
     EXPECT_TRUE(best.robust.value().agrees);
     EXPECT_NEAR(best.position_r95_m, step_m, 0.1);
-    EXPECT_FALSE(best.methods.v1_mps || best.methods.v2_mps || best.methods.kalman_mps);
+    EXPECT_FALSE(best.methods.v1_m_s || best.methods.v2_m_s || best.methods.kalman_m_s);
     EXPECT_TRUE(run.windows.indicated->refusals.empty());
     fmt::print("{:+.4f} m/s from the truth, standard uncertainty {:.4f} m/s\n",
-               best.speed_mps - true_speed_mps(best.span), best.standard_uncertainty_mps);
+               best.speed_m_s - true_speed_m_s(best.span), best.standard_uncertainty_m_s);
     const CertifiableWindow refused = certified("bridge", false).windows.best.value();
-    EXPECT_GT(best.speed_mps, refused.speed_mps + 0.1);
+    EXPECT_GT(best.speed_m_s, refused.speed_m_s + 0.1);
 }
 
 TEST(BridgedStep, EndsTheArcWhereTheAttemptSaysSo) {
@@ -142,7 +142,7 @@ TEST(BridgedStep, EndsTheArcWhereTheAttemptSaysSo) {
     const CertifiableWindow& best = run.windows.best.value();
     EXPECT_FALSE(holds_step(best.span));
     EXPECT_EQ(best.repaired_steps, 0);
-    EXPECT_NEAR(best.speed_mps, true_speed_mps(best.span), 2.0 * best.standard_uncertainty_mps);
+    EXPECT_NEAR(best.speed_m_s, true_speed_m_s(best.span), 2.0 * best.standard_uncertainty_m_s);
 }
 
 }  // namespace

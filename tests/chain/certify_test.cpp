@@ -67,7 +67,7 @@ TEST(Certify, AStepInsideTheBestWindowIsNotCertified) {
         read_yaml(folder.path() / "run" / "6-verdict.yaml")["profiles"].list().at(0);
     EXPECT_NE(profile["outcome"].text(), "beaten");
     // The raw positions look like a record, and that window is refused because of the step.
-    EXPECT_GT(profile["indicated"]["speed_km_h"].real(), profile["target_km_h"].real());
+    EXPECT_GT(profile["indicated"]["speed_km_h"].real(), profile["required_speed_km_h"].real());
     EXPECT_NE(profile["indicated"]["refusals"].list().at(0).text().find("step"), std::string::npos);
 }
 

@@ -24,15 +24,15 @@ inline SimulationSpec random_run(std::uint64_t seed, int epochs) {
     };
     SimulationSpec spec;
     spec.duration_ms = (epochs - 1) * spec.interval_ms;
-    const double top_mps = between(45.0, 65.0);
+    const double top_m_s = between(45.0, 65.0);
     // However long the recording, the run is one of its last half minute, so that the tangent plane
     // that it is made in stays level.
     const double duration_s = static_cast<double>(spec.duration_ms) / 1000.0;
     const double half_time_s = std::max(0.4 * duration_s, duration_s - 25.0);
     // The logistic's largest acceleration is A r / 4.
-    const double rate_per_s = 4.0 * between(3.0, 6.0) / top_mps;
-    spec.run = {.top_speed_mps = top_mps,
-                .start_speed_mps = top_mps / (1.0 + std::exp(rate_per_s * half_time_s)),
+    const double rate_per_s = 4.0 * between(3.0, 6.0) / top_m_s;
+    spec.run = {.top_speed_m_s = top_m_s,
+                .start_speed_m_s = top_m_s / (1.0 + std::exp(rate_per_s * half_time_s)),
                 .half_speed_time_s = half_time_s};
     spec.bearing = Angle::from_degrees(between(0.0, 360.0));
     spec.place = Geodetic{.latitude = Angle::from_degrees(-31.6),

@@ -16,12 +16,12 @@ constexpr double interval_s = 0.1;
 constexpr double white_m = 0.010;
 
 /// Standing, up to 57 m/s, a plateau, and back.
-MotionScript run_of(double acceleration_mps2, double rounding_s, double plateau_s = 6.0) {
+MotionScript run_of(double acceleration_m_s2, double rounding_s, double plateau_s = 6.0) {
     MotionScript script;
     script.add(20.0)
-        .change_speed(57.0, acceleration_mps2, rounding_s)
+        .change_speed(57.0, acceleration_m_s2, rounding_s)
         .add(plateau_s)
-        .change_speed(-57.0, acceleration_mps2, rounding_s)
+        .change_speed(-57.0, acceleration_m_s2, rounding_s)
         .add(10.0);
     return script;
 }
@@ -34,7 +34,7 @@ struct Stamped {
 /// What is recorded at each epoch, before noise.
 struct DeviceRecording {
     std::vector<Stamped> rows;
-    double best_mps = 0.0;  ///< fastest true speed over 3 s
+    double best_m_s = 0.0;  ///< fastest true speed over 3 s
 
     template <typename Position, typename Stamp>
     DeviceRecording(const MotionScript& motion, Position position, Stamp stamp) {
@@ -43,8 +43,8 @@ struct DeviceRecording {
             const double time_s = interval_s * k;
             rows.push_back({stamp(time_s), position(time_s)});
             if (time_s >= 3.0)
-                best_mps = std::max(
-                    best_mps,
+                best_m_s = std::max(
+                    best_m_s,
                     (motion.at(time_s).distance_m - motion.at(time_s - 3.0).distance_m) / 3.0);
         }
     }
@@ -73,7 +73,7 @@ double as_it_is(double time_s) {
 }
 
 /// Certifies against a record that the truth misses by 0.2 km/h: "beaten" is false.
-ProfileVerdict judge(const std::string& table, double best_mps, const std::string& solution) {
+ProfileVerdict judge(const std::string& table, double best_m_s, const std::string& solution) {
     const Rules rules;
     rules.put("recording.csv", table);
     const double margin_kmh = 1.609344;
@@ -84,7 +84,7 @@ ProfileVerdict judge(const std::string& table, double best_mps, const std::strin
             "record: {{speed: {:.4f}, unit: km/h, source: test}}\n"
             "parameters: {{window: {{plane_scale_bound: 0}}}}\n",
             csv_receiver("primary", "recording.csv", white_m, {}, solution),
-            best_mps * 3.6 + 0.2 - margin_kmh))
+            best_m_s * 3.6 + 0.2 - margin_kmh))
         .profiles.front();
 }
 
@@ -115,7 +115,7 @@ TEST(DeviceFaults, AClockThatRunsWrong) {
         const DeviceRecording recording(motion, position,
                                         [&](double t) { return t * (1.0 - short_by); });
         const ProfileVerdict verdict =
-            judge(recording.text(white_noise(1)), recording.best_mps, "fixed");
+            judge(recording.text(white_noise(1)), recording.best_m_s, "fixed");
         expect_no_silent_record(fmt::format("stamps {:g} % short", 100.0 * short_by), verdict,
                                 "time-scale");
         EXPECT_EQ(verdict.outcome, Outcome::not_certifiable);
@@ -125,7 +125,7 @@ TEST(DeviceFaults, AClockThatRunsWrong) {
     const DeviceRecording counted(
         motion, [&](double t) { return motion.at(1.0004 * t).distance_m; }, as_it_is);
     expect_no_silent_record("epochs 0.04 % further apart than stamped",
-                            judge(counted.text(white_noise(1)), counted.best_mps, "fixed"),
+                            judge(counted.text(white_noise(1)), counted.best_m_s, "fixed"),
                             "time-scale");
 }
 
@@ -156,18 +156,18 @@ class SecondOrderFilter {
 };
 
 TEST(DeviceFaults, AFilterThatSwings) {
-    for (const double acceleration_mps2 : {2.0, 4.0}) {
-        const MotionScript motion = run_of(acceleration_mps2, 0.5, 15.0);
+    for (const double acceleration_m_s2 : {2.0, 4.0}) {
+        const MotionScript motion = run_of(acceleration_m_s2, 0.5, 15.0);
         SecondOrderFilter filter(0.3, 0.3);
         const DeviceRecording recording(
             motion, [&](double t) { return filter.next(motion.at(t).distance_m); }, as_it_is);
         for (const double noise_m : {white_m, 0.1 * white_m}) {
             const ProfileVerdict verdict =
-                judge(recording.text(white_noise(1, noise_m)), recording.best_mps, "fixed");
+                judge(recording.text(white_noise(1, noise_m)), recording.best_m_s, "fixed");
             expect_no_silent_record(fmt::format("filter of 0.3 Hz, damping 0.3; {:g} mm, {:g} m/s2",
-                                                1e3 * noise_m, acceleration_mps2),
+                                                1e3 * noise_m, acceleration_m_s2),
                                     verdict, "positions-as-measured");
-            if (noise_m == white_m && acceleration_mps2 < 4.0) continue;
+            if (noise_m == white_m && acceleration_m_s2 < 4.0) continue;
             const std::string& said = requirement(verdict, "positions-as-measured").evidence;
             EXPECT_NE(said.find("the motion swings with a period of 3."), std::string::npos)
                 << said;
@@ -182,11 +182,11 @@ TEST(DeviceFaults, PositionsExtrapolated) {
         motion,
         [&](double t) {
             const LineState before = motion.at(std::max(0.0, t - ahead_s));
-            return before.distance_m + ahead_s * before.speed_mps;
+            return before.distance_m + ahead_s * before.speed_m_s;
         },
         as_it_is);
     expect_no_silent_record("extrapolated by 0.4 s",
-                            judge(recording.text(white_noise(1)), recording.best_mps, "fixed"),
+                            judge(recording.text(white_noise(1)), recording.best_m_s, "fixed"),
                             "positions-as-measured");
 }
 
@@ -212,7 +212,7 @@ TEST(DeviceFaults, PositionsUpsampledOrHeld) {
         const ProfileVerdict verdict = judge(recording.text([] {
             return std::pair{0.0, 0.0};
         }),
-                                             recording.best_mps, "fixed");
+                                             recording.best_m_s, "fixed");
         expect_no_silent_record(held ? "2 Hz held to 10 Hz" : "2 Hz interpolated to 10 Hz", verdict,
                                 "positions-as-measured");
         EXPECT_EQ(verdict.outcome, Outcome::not_certifiable);
@@ -250,15 +250,15 @@ TEST(DeviceFaults, AFixThatNobodyStates) {
     const DeviceRecording recording(motion, position, as_it_is);
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
         const std::string table = recording.text(slow_errors(seed));
-        const ProfileVerdict unstated = judge(table, recording.best_mps, "");
+        const ProfileVerdict unstated = judge(table, recording.best_m_s, "");
         fmt::print("{:<44} {:<16} {}\n", "0.5 m and 20 s, kind not stated",
                    to_text(unstated.outcome), unstated.reason);
         EXPECT_NE(unstated.outcome, Outcome::beaten);
-        ASSERT_TRUE(unstated.speed_mps);
-        EXPECT_LE(std::abs(*unstated.speed_mps - recording.best_mps),
-                  *unstated.expanded_uncertainty_mps);
+        ASSERT_TRUE(unstated.speed_m_s);
+        EXPECT_LE(std::abs(*unstated.speed_m_s - recording.best_m_s),
+                  *unstated.expanded_uncertainty_m_s);
         expect_no_silent_record("the same, stated as fixed",
-                                judge(table, recording.best_mps, "fixed"), "kind-of-solution");
+                                judge(table, recording.best_m_s, "fixed"), "kind-of-solution");
     }
 }
 
@@ -272,7 +272,7 @@ TEST(DeviceFaults, ARampInTheWindow) {
         },
         as_it_is);
     expect_no_silent_record("positions that drift 0.3 m in 3 s",
-                            judge(recording.text(white_noise(1)), recording.best_mps, "fixed"),
+                            judge(recording.text(white_noise(1)), recording.best_m_s, "fixed"),
                             "positions-as-measured");
 }
 

@@ -34,16 +34,16 @@ ProfileVerdict judge(const PlaneRecording& recording) {
 
 /// The speed of the stated window is within its interval; returns it.
 double expect_held(const PlaneRecording& recording, const ProfileVerdict& verdict) {
-    EXPECT_TRUE(verdict.window && verdict.speed_mps) << verdict.reason;
-    if (!verdict.window || !verdict.speed_mps) return 0.0;
+    EXPECT_TRUE(verdict.window && verdict.speed_m_s) << verdict.reason;
+    if (!verdict.window || !verdict.speed_m_s) return 0.0;
     const double begin_s = recording.first_s + verdict.window->start.seconds();
     const double length_s = verdict.window->duration.seconds();
-    const double true_mps = (recording.position_at(begin_s + length_s).north_m -
+    const double true_m_s = (recording.position_at(begin_s + length_s).north_m -
                              recording.position_at(begin_s).north_m) /
                             length_s;
-    EXPECT_LE(std::abs(*verdict.speed_mps - true_mps), *verdict.expanded_uncertainty_mps);
-    EXPECT_LE(*verdict.expanded_uncertainty_mps, 0.4);
-    return *verdict.speed_mps;
+    EXPECT_LE(std::abs(*verdict.speed_m_s - true_m_s), *verdict.expanded_uncertainty_m_s);
+    EXPECT_LE(*verdict.expanded_uncertainty_m_s, 0.4);
+    return *verdict.speed_m_s;
 }
 
 MotionScript up_to_speed() {
@@ -86,9 +86,9 @@ TEST(EdgeWindows, QuietThroughout) {
     const PlaneRecording recording = recording_of(standing, 0.0, 300.0);
     const ProfileVerdict verdict = judge(recording);
     EXPECT_EQ(verdict.outcome, Outcome::not_beaten);
-    ASSERT_TRUE(verdict.speed_mps);
-    EXPECT_GE(*verdict.speed_mps + *verdict.expanded_uncertainty_mps, 0.0);
-    EXPECT_LE(*verdict.speed_mps - *verdict.expanded_uncertainty_mps, 0.0);
+    ASSERT_TRUE(verdict.speed_m_s);
+    EXPECT_GE(*verdict.speed_m_s + *verdict.expanded_uncertainty_m_s, 0.0);
+    EXPECT_LE(*verdict.speed_m_s - *verdict.expanded_uncertainty_m_s, 0.0);
 }
 
 }  // namespace

@@ -279,7 +279,7 @@ TEST_F(Export, TheSameBytesInEveryLocaleAndZone) {
 TEST_F(Export, WhatCannotBeExportedIsRefused) {
     for (const char* format : {"kml", "geojson", "gpx"})
         expect_refused(run_export("land_yacht", format, {"--out", "-"}),
-                       {"local-plane coordinates", "--format csv"});
+                       {"engineering coordinates", "--format csv"});
     expect_refused(run_export("salt_lake", "shp"), {"shp"});
     expect_refused(run_export("salt_lake", "csv", {"--table", "windows"}), {"windows"});
     expect_refused(run_export("salt_lake", "kml", {"--table", "enu"}), {"--table"});

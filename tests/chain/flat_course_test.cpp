@@ -7,17 +7,17 @@ namespace {
 
 /// Still for 8 s (or rolling), then 2 m/s^2 up to 25 m/s, which it keeps.
 struct Approach {
-    double rolling_mps = 0.0;
+    double rolling_m_s = 0.0;
 
-    double speed_mps(double time_s) const {
-        return std::clamp(2.0 * (time_s - 8.0), rolling_mps, 25.0);
+    double speed_m_s(double time_s) const {
+        return std::clamp(2.0 * (time_s - 8.0), rolling_m_s, 25.0);
     }
     double path_m(double time_s) const {
-        const double gains_from_s = 8.0 + 0.5 * rolling_mps;
-        const double slow_m = rolling_mps * std::min(time_s, gains_from_s);
+        const double gains_from_s = 8.0 + 0.5 * rolling_m_s;
+        const double slow_m = rolling_m_s * std::min(time_s, gains_from_s);
         if (time_s <= gains_from_s) return slow_m;
         const double until_s = std::min(time_s, 20.5);
-        return slow_m + 0.5 * (speed_mps(until_s) + rolling_mps) * (until_s - gains_from_s) +
+        return slow_m + 0.5 * (speed_m_s(until_s) + rolling_m_s) * (until_s - gains_from_s) +
                25.0 * std::max(0.0, time_s - 20.5);
     }
 };
@@ -99,7 +99,7 @@ TEST(StandingStart, FromRestIsMet) {
 }
 
 TEST(StandingStart, RollingIsNotMet) {
-    const ProfileVerdict verdict = judged(over_a_hill(0.5, Approach{.rolling_mps = 0.6}));
+    const ProfileVerdict verdict = judged(over_a_hill(0.5, Approach{.rolling_m_s = 0.6}));
     const Requirement start = requirement_of(verdict, "own-start");
     EXPECT_EQ(start.status, RequirementStatus::not_met) << start.evidence;
     EXPECT_NEAR(start.figures.at(0).value, 0.6, 0.1);
@@ -108,7 +108,7 @@ TEST(StandingStart, RollingIsNotMet) {
 }
 
 TEST(StandingStart, ThatWasNotRecordedIsForAPerson) {
-    const ProfileVerdict verdict = judged(over_a_hill(0.5, Approach{.rolling_mps = 5.0}));
+    const ProfileVerdict verdict = judged(over_a_hill(0.5, Approach{.rolling_m_s = 5.0}));
     const Requirement start = requirement_of(verdict, "own-start");
     EXPECT_EQ(start.status, RequirementStatus::attest) << start.evidence;
     EXPECT_TRUE(contains(start.evidence, "the recording begins with the craft moving"));

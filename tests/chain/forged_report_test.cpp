@@ -81,7 +81,7 @@ TEST_F(ForgedReport, ThatSaysOtherThanItsVerdictIsFound) {
     expect_found("nalsa, speed_mph is absent", [](Json& rule) { rule.erase("speed_mph"); });
     expect_found("expanded_uncertainty_m_s",
                  [](Json& rule) { rule["expanded_uncertainty_m_s"] = 0.01; });
-    expect_found("target_km_h", [](Json& rule) { rule["target_km_h"] = 100.0; });
+    expect_found("required_speed_km_h", [](Json& rule) { rule["required_speed_km_h"] = 100.0; });
     expect_found("coverage_factor", [](Json& rule) { rule["coverage_factor"] = 1.0; });
     expect_found("headline_speed is \\\"255.5\\\"",
                  [](Json& rule) { rule["headline"]["headline_speed"] = "255.5"; });

@@ -84,7 +84,7 @@ INSTANTIATE_TEST_SUITE_P(
                           4.8,
                           0.5,
                           {"the limit 0.800 km/h"}},
-                    // A VBO states no kind of solution that a car's rule allows; allowed, it states
+                    // A VBO states no fix type that a car's rule allows; allowed, it states
                     // no accuracy.
                     Given{"VboOfACar",
                           {"race_car_vbo/run_a.vbo"},
@@ -95,7 +95,7 @@ INSTANTIATE_TEST_SUITE_P(
                           "not_certifiable",
                           0.0,
                           0.0,
-                          {"kind of solution not allowed"}},
+                          {"fix type not allowed"}},
                     Given{"VboWithoutAccuracy",
                           {"race_car_vbo/run_a.vbo"},
                           "board",
@@ -115,7 +115,7 @@ INSTANTIATE_TEST_SUITE_P(
                           "not_certifiable",
                           187.4,
                           7.0,
-                          {"absurd stated accuracy"}},
+                          {"absurd stated standard deviation"}},
                     Given{"Rinex",
                           {"rinex_pair/yamatogawa_rover.obs", "rinex_pair/yamatogawa_master.obs",
                            "rinex_pair/yamatogawa_rover.nav"},

@@ -8,7 +8,7 @@
 #include "stages/window/position_noise.h"
 #include "stages/window/speed_by_definition.h"
 
-// What the noise learnt from real recordings is worth.
+// What the noise estimated from real recordings is worth.
 
 namespace runcert::chain::RUNCERT_FILE {
 namespace {
@@ -40,7 +40,7 @@ TEST_P(CarrierPhase, InnovationsAreWhitenedByTheFittedModel) {
                noise.jerk_density.value);
     if (noise.correlated_error_detected) {
         EXPECT_GT(noise.error_diffusion.value().value, 0.0);
-        fmt::print(", slow error {:.1f} mm over {:.1f} s", noise.error_sigma_m.value().value * 1e3,
+        fmt::print(", time-correlated error {:.1f} mm over {:.1f} s", noise.error_sigma_m.value().value * 1e3,
                    noise.error_tau_s.value().value);
     }
     fmt::print("\n");
@@ -48,7 +48,7 @@ TEST_P(CarrierPhase, InnovationsAreWhitenedByTheFittedModel) {
     for (const YamlValue& statement : tables.verdict["statements"].list())
         statements += statement.text() + "\n";
     EXPECT_NE(
-        statements.find(fmt::format("horizontal noise was learnt from {} epochs", noise.epochs)),
+        statements.find(fmt::format("horizontal noise was estimated from {} epochs", noise.epochs)),
         std::string::npos)
         << statements;
 }
@@ -91,8 +91,8 @@ TEST(RealRecordings, TheReferenceIsInsideTheStatedIntervalsOfTheUrbanCar) {
             const SpeedEstimate speed = position_noise(at, quantity, speed_weights(at, quantity),
                                                        bounding_error(noise, bound), bound)
                                             .speed;
-            const double expanded = 2.0 * speed.standard_uncertainty_mps;
-            const double error = speed.speed_mps - (reference_at(screened.rows[last].time) -
+            const double expanded = 2.0 * speed.standard_uncertainty_m_s;
+            const double error = speed.speed_m_s - (reference_at(screened.rows[last].time) -
                                                     reference_at(screened.rows[first].time))
                                                            .norm() /
                                                        stretch.duration_s;

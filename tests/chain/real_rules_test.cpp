@@ -39,13 +39,13 @@ DeviceResults device_results(const fs::path& file) {
 }
 
 struct LoggerSpeed {
-    double speed_mps = 0.0, standard_uncertainty_mps = 0.0;
+    double speed_m_s = 0.0, standard_uncertainty_m_s = 0.0;
 };
 
 const std::vector<std::string> logger_profiles{"gps-speed-sailing-2s", "gps-speed-sailing-10s",
                                                "gps-speed-sailing-5x10s"};
 
-/// Judges a logger's recording against its own results, and gives the certified speeds.
+/// Judges a logger's recording against its own results, and gives the measured speeds.
 std::vector<LoggerSpeed> judged_logger(const fs::path& data, const std::string& logger,
                                        std::size_t epochs, std::int64_t usable) {
     SCOPED_TRACE(logger);
@@ -63,17 +63,17 @@ std::vector<LoggerSpeed> judged_logger(const fs::path& data, const std::string& 
                 0.002 * static_cast<double>(epochs));
     const DeviceResults own = device_results(data / (logger + "_device_results.txt"));
     const std::vector<ProfileWindows> windows = rules.windows().profiles;
-    EXPECT_NEAR(windows.at(0).indicated->speed_mps * 3.6, own.two_s, 0.005);
-    EXPECT_NEAR(windows.at(1).indicated->speed_mps * 3.6, own.ten_s, 0.005);
-    EXPECT_NEAR(*windows.at(2).indicated->mean_mps * 3.6, own.five_of_ten_s, 0.005);
+    EXPECT_NEAR(windows.at(0).indicated->speed_m_s * 3.6, own.two_s, 0.005);
+    EXPECT_NEAR(windows.at(1).indicated->speed_m_s * 3.6, own.ten_s, 0.005);
+    EXPECT_NEAR(*windows.at(2).indicated->mean_m_s * 3.6, own.five_of_ten_s, 0.005);
     const double of_device[] = {own.two_s, own.ten_s, own.five_of_ten_s};
     std::vector<LoggerSpeed> speeds;
     for (std::size_t i = 0; i < 3; ++i) {
         const ProfileVerdict& profile = verdict.profiles.at(i);
         EXPECT_EQ(profile.outcome, Outcome::not_proven) << profile.reason;  // no record is named
-        EXPECT_NEAR(*profile.speed_mps, of_device[i] * kmh, *profile.expanded_uncertainty_mps);
-        EXPECT_LT(*profile.expanded_uncertainty_mps, 0.5);
-        speeds.push_back({*profile.speed_mps, 0.5 * *profile.expanded_uncertainty_mps});
+        EXPECT_NEAR(*profile.speed_m_s, of_device[i] * kmh, *profile.expanded_uncertainty_m_s);
+        EXPECT_LT(*profile.expanded_uncertainty_m_s, 0.5);
+        speeds.push_back({*profile.speed_m_s, 0.5 * *profile.expanded_uncertainty_m_s});
     }
     return speeds;
 }
@@ -89,9 +89,9 @@ TEST(WindsurfLoggers, AgreeWithTheirOwnResultsAndWithOneAnother) {
     for (std::size_t rule = 0; rule < logger_profiles.size(); ++rule)
         for (std::size_t i = 0; i < all.size(); ++i)
             for (std::size_t j = 0; j < i; ++j)
-                EXPECT_LE(std::abs(all[i][rule].speed_mps - all[j][rule].speed_mps),
-                          2.0 * std::hypot(all[i][rule].standard_uncertainty_mps,
-                                           all[j][rule].standard_uncertainty_mps))
+                EXPECT_LE(std::abs(all[i][rule].speed_m_s - all[j][rule].speed_m_s),
+                          2.0 * std::hypot(all[i][rule].standard_uncertainty_m_s,
+                                           all[j][rule].standard_uncertainty_m_s))
                     << logger_profiles[rule] << ' ' << i << ' ' << j;
 }
 
@@ -112,18 +112,17 @@ TEST(SpeedSkydive, OfAGoodRecordingScores) {
     const Rules rules;
     const ProfileVerdict verdict =
         judged_skydive(rules, *data / "speed_skydive" / "flysight1_good.csv");
-    EXPECT_NEAR(rules.windows().profiles.at(0).indicated->speed_mps * 3.6, 444.61, 0.05);
-    // 443.47 km/h is the mean of the recorded velocities. The uncertainty is that of the stated
-    // accuracy of the heights, of which positions alone do not show how much is a slow error.
-    EXPECT_NEAR(*verdict.speed_mps * 3.6, 443.47, 0.5);
-    EXPECT_LE(*verdict.expanded_uncertainty_mps * 3.6, 15.0);
+    EXPECT_NEAR(rules.windows().profiles.at(0).indicated->speed_m_s * 3.6, 444.61, 0.05);
+    // 443.47 km/h is the mean of the recorded velocities. The uncertainty is that of the stated standard deviation of the heights, of which positions alone do not show how much is a time-correlated error.
+    EXPECT_NEAR(*verdict.speed_m_s * 3.6, 443.47, 0.5);
+    EXPECT_LE(*verdict.expanded_uncertainty_m_s * 3.6, 15.0);
     EXPECT_EQ(verdict.window->duration.seconds(), 3.0);
     for (const char* clause : {"average-over-3-s", "sampling-rate", "sample-accuracy", "margin",
                                "positions-on-the-earth", "fastest-certifiable"})
         EXPECT_EQ(requirement_of(verdict, clause).status, RequirementStatus::met)
             << requirement_of(verdict, clause).evidence;
     // 404 km/h and 2 %.
-    EXPECT_NEAR(*verdict.target_mps * 3.6, 412.08, 1e-5);
+    EXPECT_NEAR(*verdict.required_speed_m_s * 3.6, 412.08, 1e-5);
     EXPECT_EQ(verdict.outcome, Outcome::beaten) << verdict.reason;
 }
 
@@ -137,7 +136,7 @@ TEST(SpeedSkydive, WithBadAccuracyAndGapsIsRefused) {
     EXPECT_EQ(requirement_of(verdict, "fastest-certifiable").status, RequirementStatus::not_met);
     for (const char* part :
          {"the recording shows 458.270 km/h in a window that cannot be certified",
-          "absurd stated accuracy", "what the score would be is not known"})
+          "absurd stated standard deviation", "what the score would be is not known"})
         EXPECT_TRUE(contains(verdict.reason, part)) << verdict.reason;
 }
 
@@ -145,20 +144,20 @@ TEST(SpeedSkydive, WithBadAccuracyAndGapsIsRefused) {
 
 /// Mean velocity of the recording over a window, its delay behind the positions taken off (m/s).
 double recorded_speed_over(const ScreenedTable& screened, const WindowSpan& span) {
-    const double delay_s = screened.evidence.velocity->delay_s.value();
+    const double delay_s = screened.basis.velocity->delay_s.value();
     const double from_s = span.start.seconds() + delay_s;
     const double to_s = from_s + span.duration.seconds();
     Eigen::Vector2d moved = Eigen::Vector2d::Zero();
     const ScreenedEpoch* before = nullptr;
     for (const ScreenedEpoch& row : screened.rows) {
-        if (!row.recorded_velocity_east_mps) continue;
+        if (!row.recorded_velocity_east_m_s) continue;
         if (before != nullptr && row.time > before->time) {
             const double a = before->time.seconds(), b = row.time.seconds();
             const double part = std::max(0.0, std::min(b, to_s) - std::max(a, from_s));
             moved += 0.5 * part *
                      Eigen::Vector2d(
-                         *row.recorded_velocity_east_mps + *before->recorded_velocity_east_mps,
-                         *row.recorded_velocity_north_mps + *before->recorded_velocity_north_mps);
+                         *row.recorded_velocity_east_m_s + *before->recorded_velocity_east_m_s,
+                         *row.recorded_velocity_north_m_s + *before->recorded_velocity_north_m_s);
         }
         before = &row;
     }
@@ -196,16 +195,16 @@ TEST_P(RaceCar, IsSlowerOverLongerTimesAndAsFastAsItsRecordedVelocities) {
         "0.5}}}}]\nprofiles: [{}]\nparameters: {{screen: {{allowed_fixes: [single]}}}}\n",
         given.name, profiles));
     const ScreenedTable screened = screened_of(rules);
-    double before_mps = 1000.0;
+    double before_m_s = 1000.0;
     for (const ProfileVerdict& profile : verdict.profiles) {
         SCOPED_TRACE(profile.profile);
-        EXPECT_LT(*profile.speed_mps, before_mps);
-        before_mps = *profile.speed_mps;
-        EXPECT_NEAR(recorded_speed_over(screened, *profile.window), *profile.speed_mps,
-                    *profile.expanded_uncertainty_mps);
+        EXPECT_LT(*profile.speed_m_s, before_m_s);
+        before_m_s = *profile.speed_m_s;
+        EXPECT_NEAR(recorded_speed_over(screened, *profile.window), *profile.speed_m_s,
+                    *profile.expanded_uncertainty_m_s);
     }
-    EXPECT_NEAR(*verdict.profiles.front().speed_mps * 3.6, given.one_s_km_h, 0.2);
-    EXPECT_NEAR(*verdict.profiles.back().speed_mps * 3.6, given.ten_s_km_h, 0.2);
+    EXPECT_NEAR(*verdict.profiles.front().speed_m_s * 3.6, given.one_s_km_h, 0.2);
+    EXPECT_NEAR(*verdict.profiles.back().speed_m_s * 3.6, given.ten_s_km_h, 0.2);
     EXPECT_TRUE(any_contains(verdict.statements, "The rules do not measure the same: rule1 "));
 }
 
@@ -228,8 +227,8 @@ TEST(UrbanCar, IsRefusedForItsHillsUnlessTheLimitIsReplacedAndThatIsPrinted) {
         "origin: {latitude_deg: 35.134709483, longitude_deg: 136.977574275, height_m: 104.728}\n";
     const ProfileVerdict refused = rules.judge_one(attempt);
     EXPECT_EQ(refused.outcome, Outcome::not_certifiable);
-    EXPECT_NEAR(*refused.speed_mps * 3.6, 44.482, 0.05);
-    EXPECT_NEAR(*refused.expanded_uncertainty_mps * 3.6, 0.41, 0.05);
+    EXPECT_NEAR(*refused.speed_m_s * 3.6, 44.482, 0.05);
+    EXPECT_NEAR(*refused.expanded_uncertainty_m_s * 3.6, 0.41, 0.05);
     for (const char* part : {"Not met: flat-course", "4.187 m +/- ", "at most 1 m"})
         EXPECT_TRUE(contains(refused.reason, part)) << refused.reason;
 
@@ -238,7 +237,7 @@ TEST(UrbanCar, IsRefusedForItsHillsUnlessTheLimitIsReplacedAndThatIsPrinted) {
         "rules: [{profile: nalsa, figure: clauses.flat-course.limit, value: 10, reason: a street "
         "is no lake bed}]\n");
     EXPECT_EQ(decided.outcome, Outcome::beaten) << decided.reason;
-    EXPECT_EQ(*decided.speed_mps, *refused.speed_mps);
+    EXPECT_EQ(*decided.speed_m_s, *refused.speed_m_s);
     ASSERT_EQ(decided.overrides.size(), 1U);
     EXPECT_EQ(decided.overrides[0].figure, "clauses.flat-course.limit");
     EXPECT_EQ(decided.overrides[0].rule, 1.0);

@@ -44,7 +44,7 @@ TEST_F(UrbanCar, FixedEpochsThatAreWrongAreMarkedOrHarmless) {
     std::int64_t used = 0;
     std::set<std::int64_t> arcs;
     for (const ScreenedEpoch& row : tables().screened.rows) {
-        if (row.fix != FixKind::fixed || !row.east_m) continue;
+        if (row.fix != FixType::fixed || !row.east_m) continue;
         const auto truth = reference_at(row);
         if (!truth || (Eigen::Vector2d(*row.east_m, *row.north_m) - *truth).norm() <= 0.3) continue;
         ++wrong;
@@ -91,15 +91,15 @@ TEST(RealScreening, EpochsOfTokyoThatContradictTheRecordedVelocityAreMarked) {
     for (std::size_t k = 1; k < rows.size(); ++k) {
         const ScreenedEpoch& before = rows[k - 1];
         const ScreenedEpoch& row = rows[k];
-        if (!before.recorded_velocity_east_mps || !row.recorded_velocity_east_mps) continue;
-        const double position_mps =
+        if (!before.recorded_velocity_east_m_s || !row.recorded_velocity_east_m_s) continue;
+        const double position_m_s =
             std::hypot(*row.east_m - *before.east_m, *row.north_m - *before.north_m) /
             (row.time.seconds() - before.time.seconds());
-        const double recorded_mps =
+        const double recorded_m_s =
             0.5 *
-            (std::hypot(*before.recorded_velocity_east_mps, *before.recorded_velocity_north_mps) +
-             std::hypot(*row.recorded_velocity_east_mps, *row.recorded_velocity_north_mps));
-        if (std::abs(position_mps - recorded_mps) <= 3.0) continue;
+            (std::hypot(*before.recorded_velocity_east_m_s, *before.recorded_velocity_north_m_s) +
+             std::hypot(*row.recorded_velocity_east_m_s, *row.recorded_velocity_north_m_s));
+        if (std::abs(position_m_s - recorded_m_s) <= 3.0) continue;
         ++contradicting;
         EXPECT_FALSE(row.usable) << "epoch " << row.epoch;
     }
@@ -110,8 +110,8 @@ TEST(RealScreening, TheDelayOfTheRecordedVelocityIsFound) {
     const auto data = recordings();
     if (!data) GTEST_SKIP() << "RUNCERT_DATA is not set";
     const Tables tables = certified(*data / "rtk_imu_drive" / "rover.pos");
-    ASSERT_TRUE(tables.screened.evidence.velocity);
-    const VelocityEvidence& velocity = *tables.screened.evidence.velocity;
+    ASSERT_TRUE(tables.screened.basis.velocity);
+    const VelocityComparison& velocity = *tables.screened.basis.velocity;
     fmt::print("delay {:.4f} s, {} velocities compared\n", velocity.delay_s.value_or(-1.0),
                velocity.compared);
     EXPECT_NEAR(velocity.delay_s.value_or(0.0), 0.12, 0.01);

@@ -38,7 +38,7 @@ ScreenedTable screened_run() {
         row.east_m = along_m + 0.010 * random.normal();
         row.north_m = along_m + 0.010 * random.normal();
         row.sigma_east_m = row.sigma_north_m = 0.010;
-        row.fix = FixKind::fixed;
+        row.fix = FixType::fixed;
         row.usable = true;
         row.arc = 1;
     }
@@ -55,18 +55,18 @@ Result judged(const ScreenedTable& screened) {
     const Attempt attempt = read_attempt(attempt_text, "attempt");
     const std::vector<Profile> profiles{read_profile(builtin_profile("nalsa"), "nalsa")};
     const TrajectoryTable trajectory = smooth_trajectory(screened, smooth_config(attempt));
-    ReceiverEvidence evidence;
-    evidence.receiver = "primary";
-    evidence.facts = screened.facts;
-    evidence.accuracy_source = "recording";
-    evidence.screening = summarise(screened.rows);
-    evidence.estimation = trajectory.estimation;
-    evidence.windows = find_windows(screened, trajectory, profiles,
-                                    window_config(attempt, attempt.receivers.front()));
+    ReceiverResults results;
+    results.receiver = "primary";
+    results.facts = screened.facts;
+    results.accuracy_source = "recording";
+    results.screening = summarise(screened.rows);
+    results.estimation = trajectory.estimation;
+    results.windows = find_windows(screened, trajectory, profiles,
+                                   window_config(attempt, attempt.receivers.front()));
     Result result;
-    result.window = evidence.windows.profiles.at(0).best.value();
+    result.window = results.windows.profiles.at(0).best.value();
     result.verdict =
-        check({.attempt = attempt, .profiles = profiles, .judged = evidence}).profiles.at(0);
+        check({.attempt = attempt, .profiles = profiles, .judged = results}).profiles.at(0);
     for (const TrajectoryEpoch& row : trajectory.rows)
         result.weights.push_back(row.robust_weight.value());
     return result;
@@ -76,7 +76,7 @@ TEST(Robust, AgreesWhereScreeningMissedNothing) {
     const Result result = judged(screened_run());
     ASSERT_TRUE(result.window.robust.has_value());
     EXPECT_TRUE(result.window.robust->agrees);
-    EXPECT_LT(std::abs(result.window.robust->difference_mps), 0.01);
+    EXPECT_LT(std::abs(result.window.robust->difference_m_s), 0.01);
     EXPECT_EQ(result.verdict.outcome, Outcome::beaten) << result.verdict.reason;
 }
 
@@ -93,8 +93,8 @@ TEST(Robust, AnErrorThatScreeningKeptAtAWindowsEndIsNotCertifiable) {
     ASSERT_TRUE(result.window.robust.has_value());
     const RobustSpeed& robust = *result.window.robust;
     fmt::print("robust {:+.4f} m/s, limit {:.4f} m/s, {} epochs downweighted\n",
-               robust.difference_mps, robust.limit_mps, robust.downweighted);
-    EXPECT_LT(robust.difference_mps, 0.0);
+               robust.difference_m_s, robust.limit_m_s, robust.downweighted);
+    EXPECT_LT(robust.difference_m_s, 0.0);
     EXPECT_FALSE(robust.agrees);
     EXPECT_GE(robust.downweighted, 1);
     EXPECT_LT(result.weights[380], 0.5);

@@ -9,8 +9,8 @@ namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 /// With a millimetre of noise, as no measured position is without any.
-PlaneRecording measured_northwards(double speed_mps) {
-    PlaneRecording recording = northwards(speed_mps);
+PlaneRecording measured_northwards(double speed_m_s) {
+    PlaneRecording recording = northwards(speed_m_s);
     recording.noise_m = 0.001;
     return recording;
 }
@@ -161,7 +161,7 @@ ProfileVerdict over_course(const PlaneRecording& recording, const std::string& c
 
 void expect_no_window(const ProfileVerdict& verdict, const std::string& why) {
     EXPECT_EQ(verdict.outcome, Outcome::not_certifiable);
-    EXPECT_FALSE(verdict.speed_mps || verdict.window);
+    EXPECT_FALSE(verdict.speed_m_s || verdict.window);
     EXPECT_EQ(requirement_of(verdict, "complete").status, RequirementStatus::not_met);
     EXPECT_TRUE(contains(verdict.reason, why)) << verdict.reason;
     EXPECT_TRUE(any_contains(verdict.notes, "There is no window because " + why))
@@ -202,14 +202,14 @@ TEST(Gates, ThatAreCrossedTwice) {
         .duration_s = 95.0};
     const ProfileVerdict verdict = over_course(recording, lines(190.0, 690.0, 500.0));
     EXPECT_EQ(verdict.outcome, Outcome::not_certifiable);
-    EXPECT_FALSE(verdict.speed_mps.has_value());
+    EXPECT_FALSE(verdict.speed_m_s.has_value());
     for (const char* part : {"The start line was crossed 3 times before the finish line, at ",
                              "nobody can tell which crossing began the run"})
         EXPECT_TRUE(contains(verdict.reason, part)) << verdict.reason;
     // Lines that are crossed once.
     const ProfileVerdict once = over_course(recording, lines(300.0, 800.0, 500.0));
-    ASSERT_TRUE(once.speed_mps.has_value()) << once.reason;
-    EXPECT_NEAR(*once.speed_mps,
+    ASSERT_TRUE(once.speed_m_s.has_value()) << once.reason;
+    EXPECT_NEAR(*once.speed_m_s,
                 500.0 / (time_at_s(800.0, 80.0, 92.0) - time_at_s(300.0, 30.0, 50.0)), 1e-4);
 }
 
@@ -301,7 +301,7 @@ TEST(Current, ThatTheRuleSubtractsMustBeGiven) {
     const std::string attempt = plane_attempt("wssrc-500m", lines(50.5, 550.5, 500.0));
     const ProfileVerdict without = rules.judge_one(attempt);
     EXPECT_EQ(without.outcome, Outcome::not_certifiable);
-    EXPECT_FALSE(without.speed_mps.has_value());
+    EXPECT_FALSE(without.speed_m_s.has_value());
     EXPECT_TRUE(contains(without.reason,
                          "The rule subtracts the current, which is not known for the window: give "
                          "current: in the attempt, with a series that covers it."))
@@ -309,8 +309,8 @@ TEST(Current, ThatTheRuleSubtractsMustBeGiven) {
     rules.put("current.csv", "time_s,speed_kn,direction_deg\n0,0.5,0\n60,0.5,0\n");
     const ProfileVerdict with = rules.judge_one(
         attempt + "current: {file: current.csv, source: m, expanded_uncertainty_m_s: 0.05}\n");
-    EXPECT_NEAR(with.speed_mps.value(), 20.0 - 0.5 * 1852.0 / 3600.0, 2e-3);
-    EXPECT_GT(with.expanded_uncertainty_mps.value(), 0.05);
+    EXPECT_NEAR(with.speed_m_s.value(), 20.0 - 0.5 * 1852.0 / 3600.0, 2e-3);
+    EXPECT_GT(with.expanded_uncertainty_m_s.value(), 0.05);
 }
 
 }  // namespace

@@ -12,7 +12,7 @@
 #include "schemas/verdict/verdict.h"
 #include "schemas/windows/windows.h"
 
-// Recordings in a local plane made for a rule, and what the programs say of them.
+// Recordings in an engineering CRS made for a rule, and what the programs say of them.
 
 namespace runcert::chain {
 
@@ -46,13 +46,13 @@ struct PlaneRecording {
 };
 
 /// Towards north at constant speed, from the origin on.
-inline PlaneRecording northwards(double speed_mps, double duration_s = 40.0) {
+inline PlaneRecording northwards(double speed_m_s, double duration_s = 40.0) {
     return {.position_at =
-                [speed_mps](double time_s) { return PlanePosition{.north_m = speed_mps * time_s}; },
+                [speed_m_s](double time_s) { return PlanePosition{.north_m = speed_m_s * time_s}; },
             .duration_s = duration_s};
 }
 
-/// A kind of solution that is empty nobody states.
+/// A fix type that is empty nobody states.
 inline std::string csv_receiver(const std::string& id, const std::string& file,
                                 double accuracy_m = 0.01, const std::string& more = {},
                                 const std::string& solution = "fixed") {

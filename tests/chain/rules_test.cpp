@@ -101,18 +101,18 @@ TEST(OneRecording, UnderAllRulesThatFitItShowsHowTheyDiffer) {
     for (std::size_t i = 0; i < verdict.profiles.size(); ++i) {
         const ProfileVerdict& profile = verdict.profiles[i];
         SCOPED_TRACE(profile.profile);
-        EXPECT_NEAR(*profile.speed_mps, expected[i], *profile.expanded_uncertainty_mps);
+        EXPECT_NEAR(*profile.speed_m_s, expected[i], *profile.expanded_uncertainty_m_s);
         EXPECT_TRUE(contains(beside, fmt::format("{} {:.3f} km/h {}", profile.profile,
-                                                 *profile.speed_mps * 3.6, measured[i])))
+                                                 *profile.speed_m_s * 3.6, measured[i])))
             << beside;
     }
     const ProfileVerdict& wssrc = verdict.profiles[2];
     EXPECT_EQ(wssrc.record->unit, "kn");
-    EXPECT_NEAR(*wssrc.current_subtracted_mps, 0.2, 1e-4);
+    EXPECT_NEAR(*wssrc.current_subtracted_m_s, 0.2, 1e-4);
     EXPECT_EQ(requirement_of(wssrc, "current").status, RequirementStatus::met);
     EXPECT_EQ(wssrc.shown->unit, "kn");
     // A window that may begin at any instant is no slower than one between epochs.
-    EXPECT_GE(*verdict.profiles[5].speed_mps, *verdict.profiles[0].speed_mps - 1e-9);
+    EXPECT_GE(*verdict.profiles[5].speed_m_s, *verdict.profiles[0].speed_m_s - 1e-9);
 }
 
 TEST(OneRecording, OfACurveIsSlowerByDisplacementThanByPath) {
@@ -132,10 +132,10 @@ TEST(OneRecording, OfACurveIsSlowerByDisplacementThanByPath) {
     const Verdict verdict = rules.judge(plane_attempt(
         "chord.yaml, path.yaml", "record: {speed: 107.5, unit: km/h, source: none}\n", 0.005));
     const ProfileVerdict &chord = verdict.profiles.at(0), &path = verdict.profiles.at(1);
-    EXPECT_NEAR(*chord.speed_mps, 2.0 * 200.0 * std::sin(0.225) / 3.0,
-                *chord.expanded_uncertainty_mps);
-    EXPECT_NEAR(*path.speed_mps, 30.0, *path.expanded_uncertainty_mps);
-    EXPECT_GT(*path.speed_mps, *chord.speed_mps + 0.2);
+    EXPECT_NEAR(*chord.speed_m_s, 2.0 * 200.0 * std::sin(0.225) / 3.0,
+                *chord.expanded_uncertainty_m_s);
+    EXPECT_NEAR(*path.speed_m_s, 30.0, *path.expanded_uncertainty_m_s);
+    EXPECT_GT(*path.speed_m_s, *chord.speed_m_s + 0.2);
     EXPECT_EQ(chord.outcome, Outcome::not_beaten) << chord.reason;
     EXPECT_EQ(path.outcome, Outcome::beaten) << path.reason;
     for (const ProfileVerdict& profile : verdict.profiles)
@@ -146,13 +146,13 @@ TEST(OneRecording, OfACurveIsSlowerByDisplacementThanByPath) {
 
 /// Out at 22 m/s and back at 18 m/s, between rests of 8 s.
 PlanePosition out_and_back(double time_s) {
-    const auto run_m = [](double since_s, double top_mps) {
+    const auto run_m = [](double since_s, double top_m_s) {
         // 2 m/s^2 up, 10 s at the top speed, 2 m/s^2 down.
-        const double gains_s = 0.5 * top_mps;
+        const double gains_s = 0.5 * top_m_s;
         const double up_s = std::clamp(since_s, 0.0, gains_s);
         const double level_s = std::clamp(since_s - gains_s, 0.0, 10.0);
         const double down_s = std::clamp(since_s - gains_s - 10.0, 0.0, gains_s);
-        return up_s * up_s + top_mps * (level_s + down_s) - down_s * down_s;
+        return up_s * up_s + top_m_s * (level_s + down_s) - down_s * down_s;
     };
     return {.east_m = 0.0, .north_m = run_m(time_s - 8.0, 22.0) - run_m(time_s - 48.0, 18.0)};
 }
@@ -167,7 +167,7 @@ TEST(OppositeRuns, HaveTheMeanOfBoth) {
                          clause_of("opposite_runs"), "opposite_runs: {within_s: 3600}\n"));
     const std::string attempt = plane_attempt("pair.yaml", "", 0.005);
     const ProfileVerdict verdict = rules.judge_one(attempt);
-    EXPECT_NEAR(*verdict.speed_mps, 20.0, *verdict.expanded_uncertainty_mps);
+    EXPECT_NEAR(*verdict.speed_m_s, 20.0, *verdict.expanded_uncertainty_m_s);
     const Requirement pair = requirement_of(verdict, "opposite_runs");
     EXPECT_EQ(pair.status, RequirementStatus::met) << pair.evidence;
     EXPECT_NEAR(pair.figures.at(0).value, 22.0, 0.1);
@@ -190,17 +190,17 @@ TEST(OppositeRuns, HaveTheMeanOfBoth) {
 // A course whose lines are crossed at known times.
 
 struct CourseRun {
-    double speed_mps, heading_deg, start_m, finish_turned_deg;
+    double speed_m_s, heading_deg, start_m, finish_turned_deg;
 };
 
 PlaneRecording along(const CourseRun& run, double noise_m, std::uint64_t seed) {
     return {.position_at =
                 [run](double time_s) {
                     const double heading = run.heading_deg * std::numbers::pi / 180.0;
-                    return PlanePosition{.east_m = run.speed_mps * time_s * std::sin(heading),
-                                         .north_m = run.speed_mps * time_s * std::cos(heading)};
+                    return PlanePosition{.east_m = run.speed_m_s * time_s * std::sin(heading),
+                                         .north_m = run.speed_m_s * time_s * std::cos(heading)};
                 },
-            .duration_s = std::ceil((run.start_m + 600.0) / run.speed_mps),
+            .duration_s = std::ceil((run.start_m + 600.0) / run.speed_m_s),
             .noise_m = noise_m,
             .seed = seed};
 }
@@ -222,10 +222,10 @@ TEST(Course, WithoutNoiseTheSpeedIsTheLengthOverTheTime) {
         rules.put("course.yaml", profile_of("course", course_window));
         const ProfileVerdict verdict =
             rules.judge_one(plane_attempt("course.yaml", course_for(run), 0.001));
-        ASSERT_TRUE(verdict.speed_mps.has_value()) << verdict.reason;
-        EXPECT_NEAR(*verdict.speed_mps / run.speed_mps, 1.0, 1e-6) << run.speed_mps;
-        EXPECT_NEAR(verdict.window->start.seconds(), run.start_m / run.speed_mps, 1e-5);
-        EXPECT_NEAR(verdict.window->duration.seconds(), 500.0 / run.speed_mps, 2e-5);
+        ASSERT_TRUE(verdict.speed_m_s.has_value()) << verdict.reason;
+        EXPECT_NEAR(*verdict.speed_m_s / run.speed_m_s, 1.0, 1e-6) << run.speed_m_s;
+        EXPECT_NEAR(verdict.window->start.seconds(), run.start_m / run.speed_m_s, 1e-5);
+        EXPECT_NEAR(verdict.window->duration.seconds(), 500.0 / run.speed_m_s, 2e-5);
     }
 }
 
@@ -271,7 +271,7 @@ struct Covered {
 };
 
 /// Of the speed between two smoothed positions far apart in time, by their own uncertainties.
-double two_positions_mps(const Rules& rules, const WindowSpan& span) {
+double two_positions_m_s(const Rules& rules, const WindowSpan& span) {
     const TrajectoryTable table =
         read_trajectory(read_file(rules.run() / "4-trajectory.ecsv"), "4-trajectory");
     const auto sigma_m = [&](std::int64_t epoch) {
@@ -281,9 +281,8 @@ double two_positions_mps(const Rules& rules, const WindowSpan& span) {
            span.duration.seconds();
 }
 
-/// How often the true speed of a course is within the certified uncertainty; within that which is
-/// learnt of the recording; and within that of the smoothed positions at its lines, which is all
-/// that there is here: the others hold slow errors as well, which the data cannot exclude.
+/// How often the true speed of a course is within the certified uncertainty; within that which is estimated of the recording; and within that of the smoothed positions at its lines, which is all
+/// that there is here: the others hold time-correlated errors as well, which the data cannot exclude.
 Covered covered_courses(int seeds) {
     constexpr double duration_s = 24.0, start_m = 101.3, finish_m = 601.3;
     Covered covered;
@@ -292,7 +291,7 @@ Covered covered_courses(int seeds) {
         const RandomMotion motion(duration_s, seed);
         const PlaneRecording recording{
             .position_at = motion, .duration_s = duration_s, .noise_m = 0.01, .seed = seed};
-        const double true_mps = 500.0 / (motion.time_s(finish_m) - motion.time_s(start_m));
+        const double true_m_s = 500.0 / (motion.time_s(finish_m) - motion.time_s(start_m));
         const Rules rules;
         rules.put("recording.csv", recording.text());
         rules.put("course.yaml", profile_of("course", course_window));
@@ -302,13 +301,13 @@ Covered covered_courses(int seeds) {
                       {.along_m = finish_m, .half_width_m = 500.0}, 500.0) +
                 "parameters: {window: {monte_carlo_trials_max: 100000, selection_samples: "
                 "100}}\n"));
-        if (!verdict.speed_mps) throw std::runtime_error(verdict.reason);
+        if (!verdict.speed_m_s) throw std::runtime_error(verdict.reason);
         const CertifiableWindow best = rules.windows().profiles.at(0).best.value();
-        const double error = *verdict.speed_mps - true_mps;
-        const double white = two_positions_mps(rules, best.span);
-        if (std::abs(error) <= *verdict.expanded_uncertainty_mps) ++covered.certified;
-        if (std::abs(best.fitted->speed_mps - true_mps) <=
-            2.0 * best.fitted->standard_uncertainty_mps)
+        const double error = *verdict.speed_m_s - true_m_s;
+        const double white = two_positions_m_s(rules, best.span);
+        if (std::abs(error) <= *verdict.expanded_uncertainty_m_s) ++covered.certified;
+        if (std::abs(best.fitted->speed_m_s - true_m_s) <=
+            2.0 * best.fitted->standard_uncertainty_m_s)
             ++covered.fitted;
         if (std::abs(error) <= 2.0 * white) ++covered.white;
         covered.mean_square += error * error / (white * white) / seeds;

@@ -13,12 +13,12 @@ void read_input(std::string_view bytes) {
     require(!series.samples.empty(), "a series has samples");
     for (std::size_t i = 0; i < series.samples.size(); ++i) {
         const FlowSample& sample = series.samples[i];
-        require(std::isfinite(sample.time_s) && sample.speed_mps >= 0.0, "a sample has its values");
+        require(std::isfinite(sample.time_s) && sample.speed_m_s >= 0.0, "a sample has its values");
         require(i == 0 || series.samples[i - 1].time_s < sample.time_s, "times increase");
     }
     const double start_s = series.samples.front().time_s;
     const FlowInWindow flow = flow_in_window(series, FlowKind::wind, start_s, start_s + 3.0, 90.0);
-    require(!flow.missing.empty() || flow.mean_mps <= flow.gust_mps * (1.0 + 1e-9) + 1e-9,
+    require(!flow.missing.empty() || flow.mean_m_s <= flow.gust_m_s * (1.0 + 1e-9) + 1e-9,
             "the mean is not above the strongest");
 }
 

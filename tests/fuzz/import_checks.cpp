@@ -26,12 +26,12 @@ void check_row(const Observation& row, std::size_t size) {
     require(!(row.latitude_deg && row.plane_east_m), "one position in a row");
     for (const OptionalReal& value :
          {row.height_m, row.plane_east_m, row.plane_north_m, row.plane_up_m,
-          row.recorded_velocity_east_mps, row.recorded_velocity_north_mps,
-          row.recorded_velocity_up_mps, row.age_s, row.ratio})
+          row.recorded_velocity_east_m_s, row.recorded_velocity_north_m_s,
+          row.recorded_velocity_up_m_s, row.age_s, row.ratio})
         require(in_range(value, 1e300), "finite figures");
     for (const OptionalReal& sigma :
-         {row.sigma_east_m, row.sigma_north_m, row.sigma_up_m, row.sigma_recorded_velocity_east_mps,
-          row.sigma_recorded_velocity_north_mps, row.sigma_recorded_velocity_up_mps})
+         {row.sigma_east_m, row.sigma_north_m, row.sigma_up_m, row.sigma_recorded_velocity_east_m_s,
+          row.sigma_recorded_velocity_north_m_s, row.sigma_recorded_velocity_up_m_s})
         require(is_deviation(sigma), "standard deviations not negative");
     // What cannot be, as a correlation above 1, is for screening to mark.
     for (const OptionalReal& correlation :

@@ -37,7 +37,7 @@ const Names without_unit{
     // of screening, and of what it cannot find, where the unit stands beside
     "screening.family_false_alarm_rate", "screening.test_size", "screening.power",
     "screening.models[].measurement_scale", "screening.models[].white_scale",
-    "screening.fix_kinds[].variance_factor", "screening.device.by_chance",
+    "screening.fix_types[].variance_factor", "screening.device.by_chance",
     "screening.time.rate_deviation", "correlation_estimated", "local_variance_factor",
     "best.detection_power", "reliability[].size",
     // of rules, where the unit stands beside, and probabilities

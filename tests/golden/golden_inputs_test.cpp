@@ -88,7 +88,7 @@ TEST(GoldenAttempt, OnTheEarth) {
     EXPECT_EQ(attempt.parameters.at("screen").at("noise_scale_min"), 0.25);
     EXPECT_EQ(attempt.wind->file, "weather/wind.csv");
     EXPECT_EQ(attempt.wind->source, "mast at the start");
-    EXPECT_EQ(attempt.current->expanded_uncertainty_mps, 0.0625);
+    EXPECT_EQ(attempt.current->expanded_uncertainty_m_s, 0.0625);
     EXPECT_EQ(attempt.secondary_method->method, "light gates");
     EXPECT_EQ(to_iso(attempt.secondary_method->times->start), "2022-03-18T08:51:36.250");
     EXPECT_EQ(to_iso(attempt.secondary_method->times->finish), "2022-03-18T08:51:45.125");
@@ -105,8 +105,8 @@ TEST(GoldenAttempt, InAPlane) {
     EXPECT_EQ(*attempt.course->start.right.plane_m, (std::array<double, 2>{10.5, -0.25}));
     EXPECT_EQ(*attempt.course->finish.left.plane_m, (std::array<double, 2>{-12.5, 500.125}));
     EXPECT_EQ(*attempt.course->finish.right.plane_m, (std::array<double, 2>{12.5, 499.875}));
-    EXPECT_DOUBLE_EQ(attempt.secondary_method->speed->speed_mps, 50.5 * 1852.0 / 3600.0);
-    EXPECT_DOUBLE_EQ(attempt.secondary_method->speed->expanded_uncertainty_mps,
+    EXPECT_DOUBLE_EQ(attempt.secondary_method->speed->speed_m_s, 50.5 * 1852.0 / 3600.0);
+    EXPECT_DOUBLE_EQ(attempt.secondary_method->speed->expanded_uncertainty_m_s,
                      0.25 * 1852.0 / 3600.0);
     EXPECT_FALSE(attempt.secondary_method->times);
 }
@@ -167,8 +167,8 @@ TEST(GoldenProfile, OfAStretch) {
     EXPECT_EQ(profile.windows, 1);
     EXPECT_EQ(profile.proximity_m, 25.0);
     EXPECT_EQ(profile.turn_deg, 120.0);
-    EXPECT_EQ(profile.runs.start_mps, 4.0);
-    EXPECT_EQ(profile.runs.stop_mps, 0.5);
+    EXPECT_EQ(profile.runs.start_m_s, 4.0);
+    EXPECT_EQ(profile.runs.stop_m_s, 0.5);
     EXPECT_EQ(profile.runs.stop_s, 2.5);
     EXPECT_EQ(profile.runs.turn_deg, 60.0);
     EXPECT_EQ(profile.opposite_runs_within_s, 1800.0);
@@ -221,7 +221,7 @@ TEST(GoldenProfile, Signatures) {
 
 TEST(GoldenSimulation, Spec) {
     const SimulationDocument simulation = read_simulation(text_of("v1.0/simulation.yaml"), "f");
-    EXPECT_EQ(simulation.spec.run.top_speed_mps, 60.0);
+    EXPECT_EQ(simulation.spec.run.top_speed_m_s, 60.0);
     EXPECT_EQ(simulation.spec.duration_ms, 45'000);
     EXPECT_EQ(simulation.spec.interval_ms, 100);
     EXPECT_EQ(simulation.attempt["id"], "simulated");

@@ -16,9 +16,9 @@ TEST(GoldenWindows, Best) {
     EXPECT_EQ(nalsa.best->span.start.nanoseconds, 10'000'000'000);
     EXPECT_EQ(nalsa.best->span.duration.nanoseconds, 3'000'000'000);
     EXPECT_EQ(to_iso(*nalsa.best->span.start_gps), "2022-03-18T08:51:32.300");
-    EXPECT_EQ(nalsa.best->speed_mps, 56.375);
+    EXPECT_EQ(nalsa.best->speed_m_s, 56.375);
     EXPECT_EQ(speed_by(nalsa.best->definitions, SpeedDefinition::mean_n), 56.385);
-    EXPECT_EQ(nalsa.best->methods.kalman_mps, 56.4);
+    EXPECT_EQ(nalsa.best->methods.kalman_m_s, 56.4);
     EXPECT_EQ(nalsa.indicated->refusals.at(1), "A gap of 0.3 s lies inside.");
     EXPECT_FALSE(windows.profiles[1].best || windows.profiles[1].indicated);
 }
@@ -29,11 +29,11 @@ TEST(GoldenWindows, Uncertainty) {
     EXPECT_EQ(best.effective_degrees_of_freedom, 47.25);
     EXPECT_EQ(best.fitted->models, 7);
     EXPECT_EQ(best.bound->tau_max_s, 10.0);
-    EXPECT_EQ(best.bound->floor_fix, FixKind::fixed);
+    EXPECT_EQ(best.bound->floor_fix, FixType::fixed);
     EXPECT_EQ(best.bound->decided_by, BoundSource::floor);
-    EXPECT_EQ(best.robust->difference_mps, -0.002);
+    EXPECT_EQ(best.robust->difference_m_s, -0.002);
     EXPECT_TRUE(best.robust->agrees);
-    EXPECT_EQ(best.selection->best_sd_mps, 0.00925);
+    EXPECT_EQ(best.selection->best_sd_m_s, 0.00925);
     EXPECT_EQ(best.selection->treatment, SelectionTreatment::covered);
     ASSERT_EQ(best.budget.size(), 2U);
     EXPECT_EQ(best.budget[0].unit, "m");
@@ -41,8 +41,8 @@ TEST(GoldenWindows, Uncertainty) {
     EXPECT_EQ(best.budget[1].unit, "");
     EXPECT_FALSE(best.budget[1].degrees_of_freedom);
     EXPECT_EQ(best.budget[1].standard_uncertainty, 0.00057735);
-    EXPECT_EQ(best.monte_carlo->tolerance_mps, 6.25e-5);
-    EXPECT_EQ(best.definitions.mean_n_mps, 56.385);
+    EXPECT_EQ(best.monte_carlo->tolerance_m_s, 6.25e-5);
+    EXPECT_EQ(best.definitions.mean_n_m_s, 56.385);
 }
 
 TEST(GoldenWindows, Reliability) {
@@ -52,7 +52,7 @@ TEST(GoldenWindows, Reliability) {
     EXPECT_EQ(best.detection_power, 0.8);
     ASSERT_EQ(best.reliability.size(), 3U);
     EXPECT_EQ(best.reliability[0].hypothesis, Hypothesis::step);
-    EXPECT_EQ(best.reliability[0].speed_mps, 0.020125);
+    EXPECT_EQ(best.reliability[0].speed_m_s, 0.020125);
     EXPECT_EQ(best.reliability[1].epoch, 110);
     EXPECT_EQ(best.reliability[1].last_epoch, 131);
     EXPECT_EQ(best.reliability[1].size, 0.001250125);
@@ -63,32 +63,32 @@ TEST(GoldenWindows, Reliability) {
 TEST(GoldenWindows, WhatOtherEstimatesSay) {
     const Windows windows = read_windows(text_of("v1.0/5-windows.yaml"), "f");
     const CertifiableWindow& best = windows.profiles.at(0).best.value();
-    EXPECT_EQ(best.own_standard_uncertainty_mps, 0.01125);
+    EXPECT_EQ(best.own_standard_uncertainty_m_s, 0.01125);
     ASSERT_TRUE(best.estimates);
-    EXPECT_EQ(best.estimates->chord_mps, 56.3775);
-    EXPECT_EQ(best.estimates->chord_difference_uncertainty_mps, 0.00125);
-    EXPECT_EQ(best.estimates->stiffer_mps, 56.374);
-    EXPECT_EQ(best.estimates->softer_mps, 56.3765);
-    EXPECT_EQ(best.estimates->whole_mps, 56.3755);
-    EXPECT_EQ(best.estimates->half_width_mps, 0.0015);
+    EXPECT_EQ(best.estimates->chord_m_s, 56.3775);
+    EXPECT_EQ(best.estimates->chord_difference_uncertainty_m_s, 0.00125);
+    EXPECT_EQ(best.estimates->stiffer_m_s, 56.374);
+    EXPECT_EQ(best.estimates->softer_m_s, 56.3765);
+    EXPECT_EQ(best.estimates->whole_m_s, 56.3755);
+    EXPECT_EQ(best.estimates->half_width_m_s, 0.0015);
     EXPECT_EQ(best.bound->along, 1.125);
     const ProfileWindows& course = windows.profiles.at(3);
-    EXPECT_FALSE(course.best->estimates || course.best->own_standard_uncertainty_mps);
+    EXPECT_FALSE(course.best->estimates || course.best->own_standard_uncertainty_m_s);
 }
 
 TEST(GoldenWindows, WhatMayRemainOfTheBiasOfChoosing) {
     const Windows windows = read_windows(text_of("v1.0/5-windows.yaml"), "f");
     const CertifiableWindow& best = windows.profiles.at(0).best.value();
-    EXPECT_EQ(best.selection->fitted_bias_mps, 0.001);
-    EXPECT_EQ(best.selection->bounded_bias_mps, 0.0015);
-    EXPECT_EQ(best.selection->bias_mps, 0.00125);
-    EXPECT_EQ(best.selection->bias_half_range_mps, 0.00025);
-    EXPECT_EQ(best.bias_limit_mps, 0.0015);
-    EXPECT_EQ(figure_of(windows.profiles[0])->bias_limit_mps, 0.0015);
+    EXPECT_EQ(best.selection->fitted_bias_m_s, 0.001);
+    EXPECT_EQ(best.selection->bounded_bias_m_s, 0.0015);
+    EXPECT_EQ(best.selection->bias_m_s, 0.00125);
+    EXPECT_EQ(best.selection->bias_half_range_m_s, 0.00025);
+    EXPECT_EQ(best.bias_limit_m_s, 0.0015);
+    EXPECT_EQ(figure_of(windows.profiles[0])->bias_limit_m_s, 0.0015);
     const ProfileWindows& mean = windows.profiles.at(2);
-    EXPECT_EQ(mean.best->bias_limit_mps, 0.0025);
-    EXPECT_EQ(mean.further.at(0).bias_limit_mps, 0.005);
-    EXPECT_EQ(figure_of(mean)->bias_limit_mps, 0.00375);
+    EXPECT_EQ(mean.best->bias_limit_m_s, 0.0025);
+    EXPECT_EQ(mean.further.at(0).bias_limit_m_s, 0.005);
+    EXPECT_EQ(figure_of(mean)->bias_limit_m_s, 0.00375);
 }
 
 TEST(GoldenWindows, OfEveryKind) {
@@ -108,13 +108,13 @@ TEST(GoldenWindows, OfEveryKind) {
     EXPECT_EQ(mean.further[0].span.first_epoch, 81);
     EXPECT_EQ(mean.further[0].span.start.nanoseconds, 8'000'000'000);
     EXPECT_EQ(to_iso(*mean.further[0].span.start_gps), "2022-03-18T08:51:30.300");
-    EXPECT_EQ(mean.further[0].speed_mps, 56.75);
-    EXPECT_EQ(mean.further[0].standard_uncertainty_mps, 0.046875);
-    EXPECT_EQ(mean.further[0].robust->difference_mps, -0.25);
+    EXPECT_EQ(mean.further[0].speed_m_s, 56.75);
+    EXPECT_EQ(mean.further[0].standard_uncertainty_m_s, 0.046875);
+    EXPECT_EQ(mean.further[0].robust->difference_m_s, -0.25);
     EXPECT_FALSE(mean.further[0].robust->agrees);
-    EXPECT_EQ(figure_of(mean)->speed_mps, 57.0);
-    EXPECT_EQ(figure_of(mean)->standard_uncertainty_mps, 0.0390625);
-    EXPECT_EQ(mean.indicated->mean_mps, 57.875);
+    EXPECT_EQ(figure_of(mean)->speed_m_s, 57.0);
+    EXPECT_EQ(figure_of(mean)->standard_uncertainty_m_s, 0.0390625);
+    EXPECT_EQ(mean.indicated->mean_m_s, 57.875);
     const ProfileWindows& course = windows.profiles[3];
     EXPECT_EQ(course.rule, (WindowRule{.kind = WindowKind::course,
                                        .distance_m = 500.0,
@@ -132,15 +132,15 @@ TEST(GoldenVerdict, Outcomes) {
     const Verdict verdict = read_verdict(text_of("v1.0/6-verdict.yaml"), "f");
     EXPECT_EQ(verdict.attempt, "urban-car");
     EXPECT_EQ(verdict.record->speed, 202.9);
-    EXPECT_DOUBLE_EQ(verdict.record->speed_mps, 202.9 / 3.6);
+    EXPECT_DOUBLE_EQ(verdict.record->speed_m_s, 202.9 / 3.6);
     const ProfileVerdict& nalsa = verdict.profiles.at(0);
     EXPECT_EQ(nalsa.outcome, Outcome::not_beaten);
-    EXPECT_EQ(nalsa.speed_mps, 56.375);
-    EXPECT_EQ(nalsa.target_mps, 56.808151);
+    EXPECT_EQ(nalsa.speed_m_s, 56.375);
+    EXPECT_EQ(nalsa.required_speed_m_s, 56.808151);
     EXPECT_EQ(nalsa.window->last_epoch, 131);
     EXPECT_EQ(nalsa.requirements.at(2).status, RequirementStatus::attest);
-    EXPECT_EQ(nalsa.indicated->speed_mps, 57.5);
-    EXPECT_FALSE(verdict.profiles.at(1).speed_mps);
+    EXPECT_EQ(nalsa.indicated->speed_m_s, 57.5);
+    EXPECT_FALSE(verdict.profiles.at(1).speed_m_s);
 }
 
 TEST(GoldenVerdict, RequirementsAndOutcome) {
@@ -158,16 +158,16 @@ TEST(GoldenVerdict, RequirementsAndOutcome) {
     EXPECT_EQ(nalsa.requirements[3].figures.at(0).unit, "m");
     EXPECT_EQ(nalsa.record->speed, 126.1);
     EXPECT_EQ(nalsa.record->expanded_uncertainty, 0.05);
-    EXPECT_DOUBLE_EQ(nalsa.record->speed_mps, 202.9383 / 3.6);
+    EXPECT_DOUBLE_EQ(nalsa.record->speed_m_s, 202.9383 / 3.6);
     EXPECT_EQ(nalsa.decision->probability, 1.25e-7);
     EXPECT_EQ(nalsa.decision->level, 0.9875);
-    EXPECT_EQ(nalsa.decision->target_standard_uncertainty_mps, 0.017361);
-    EXPECT_EQ(nalsa.decision->acceptance_limit_mps, 56.850076);
+    EXPECT_EQ(nalsa.decision->required_speed_standard_uncertainty_m_s, 0.017361);
+    EXPECT_EQ(nalsa.decision->acceptance_limit_m_s, 56.850076);
     EXPECT_EQ(nalsa.shown->unit, "mph");
     EXPECT_EQ(nalsa.shown->speed, "126.10");
     EXPECT_EQ(nalsa.shown->expanded_uncertainty, "0.06");
     EXPECT_EQ(nalsa.shown->target, "127.08");
-    EXPECT_EQ(nalsa.current_subtracted_mps, -0.03125);
+    EXPECT_EQ(nalsa.current_subtracted_m_s, -0.03125);
 }
 
 TEST(GoldenVerdict, WhatMustBeReadWithTheVerdict) {
@@ -186,13 +186,13 @@ TEST(GoldenVerdict, WhatMustBeReadWithTheVerdict) {
     ASSERT_EQ(nalsa.runs.size(), 2U);
     EXPECT_EQ(nalsa.runs[0].span.last_epoch, 240);
     EXPECT_EQ(nalsa.runs[0].length_m, 812.625);
-    EXPECT_EQ(nalsa.runs[0].top_speed_mps, 56.5);
+    EXPECT_EQ(nalsa.runs[0].top_speed_m_s, 56.5);
     EXPECT_EQ(nalsa.runs[0].ended, RunEdge::turn);
     EXPECT_EQ(nalsa.runs[1].heading_deg, 224.5);
     EXPECT_EQ(nalsa.runs[1].began, RunEdge::gap);
     EXPECT_EQ(to_iso(*nalsa.runs[1].span.start_gps), "2022-03-18T08:51:46.300");
     const ProfileVerdict& fisly = verdict.profiles.at(1);
-    EXPECT_FALSE(fisly.record || fisly.decision || fisly.shown || fisly.current_subtracted_mps);
+    EXPECT_FALSE(fisly.record || fisly.decision || fisly.shown || fisly.current_subtracted_m_s);
     EXPECT_TRUE(fisly.notes.empty() && fisly.overrides.empty() && fisly.runs.empty());
 }
 
@@ -202,16 +202,16 @@ TEST(GoldenVerdict, DecisionAndWitnesses) {
     const ProfileVerdict& nalsa = verdict.profiles[0];
     EXPECT_EQ(nalsa.decision->attempts_made, 2);
     EXPECT_EQ(nalsa.decision->level, 0.9875);
-    EXPECT_EQ(nalsa.decision->bias_limit_mps, 0.0015);
+    EXPECT_EQ(nalsa.decision->bias_limit_m_s, 0.0015);
     EXPECT_FALSE(nalsa.decision->drift_survived_m);
-    EXPECT_EQ(nalsa.decision->drift_found_mps, 0.75);
+    EXPECT_EQ(nalsa.decision->drift_found_m_s, 0.75);
     EXPECT_EQ(nalsa.witnesses,
               (std::vector<std::string>{"the recorded velocities agree within 0.25 km/h",
                                         "the second receiver gives 202.875 km/h"}));
     const ProfileVerdict& beaten = verdict.profiles[2];
     EXPECT_EQ(beaten.decision->attempts_made, 1);
     EXPECT_EQ(beaten.decision->drift_survived_m, 1.270278);
-    EXPECT_EQ(beaten.decision->drift_found_mps, 0.5);
+    EXPECT_EQ(beaten.decision->drift_found_m_s, 0.5);
     EXPECT_TRUE(beaten.witnesses.empty());
 }
 

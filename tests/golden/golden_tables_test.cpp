@@ -30,14 +30,14 @@ TEST(GoldenTables, Observations) {
     EXPECT_EQ(row.longitude_deg, 136.97757227512);
     EXPECT_EQ(row.height_m, 104.7291);
     EXPECT_EQ(row.correlation_north_up, 0.0625);
-    EXPECT_EQ(row.sigma_recorded_velocity_up_mps, 0.1);
-    EXPECT_EQ(row.fix, FixKind::fixed);
+    EXPECT_EQ(row.sigma_recorded_velocity_up_m_s, 0.1);
+    EXPECT_EQ(row.fix, FixType::fixed);
     EXPECT_EQ(row.satellites, 16);
     EXPECT_EQ(row.ratio, 999.9);
     EXPECT_EQ(row.source_byte, 1163);
     EXPECT_FALSE(row.plane_east_m);
-    EXPECT_EQ(table.rows[2].fix, FixKind::float_ambiguities);
-    EXPECT_EQ(table.rows[4].fix, FixKind::none);
+    EXPECT_EQ(table.rows[2].fix, FixType::float_ambiguities);
+    EXPECT_EQ(table.rows[4].fix, FixType::none);
     EXPECT_FALSE(table.rows[4].latitude_deg);
 }
 
@@ -158,13 +158,13 @@ TEST(GoldenScreened, EstimatedErrors) {
     EXPECT_EQ(outlier.sigma_east_m, 0.0175);
     EXPECT_EQ(outlier.sigma_north_m, 0.02);
     EXPECT_EQ(outlier.correlation_east_north, -0.375);
-    EXPECT_FALSE(outlier.up_m || outlier.sigma_up_m || outlier.rate_east_mps || outlier.time_s);
+    EXPECT_FALSE(outlier.up_m || outlier.sigma_up_m || outlier.rate_east_m_s || outlier.time_s);
     EXPECT_EQ(rows.at(5).estimated.up_m, -0.5);
     EXPECT_EQ(rows.at(5).estimated.sigma_up_m, 0.03125);
     EXPECT_FALSE(rows.at(5).estimated.east_m);
-    EXPECT_EQ(rows.at(9).estimated.rate_east_mps, 0.375);
-    EXPECT_EQ(rows.at(9).estimated.rate_north_mps, -0.1875);
-    EXPECT_EQ(rows.at(10).estimated.rate_up_mps, -0.9375);
+    EXPECT_EQ(rows.at(9).estimated.rate_east_m_s, 0.375);
+    EXPECT_EQ(rows.at(9).estimated.rate_north_m_s, -0.1875);
+    EXPECT_EQ(rows.at(10).estimated.rate_up_m_s, -0.9375);
     EXPECT_EQ(rows.at(11).estimated.time_s, 0.012500125);
 }
 
@@ -173,7 +173,7 @@ TEST(GoldenScreened, DetectableErrors) {
     const MinimalDetectableBias& detectable = rows.at(0).detectable;
     EXPECT_EQ(detectable.outlier_m, 0.045);
     EXPECT_EQ(detectable.step_m, 0.0625);
-    EXPECT_EQ(detectable.ramp_mps, 0.75);
+    EXPECT_EQ(detectable.ramp_m_s, 0.75);
     EXPECT_EQ(detectable.time_s, 0.00125);
     EXPECT_EQ(detectable.outlier_up_m, 0.125);
     EXPECT_EQ(detectable.step_up_m, 0.1875);
@@ -185,70 +185,70 @@ TEST(GoldenScreened, DetectableErrors) {
 
 TEST(GoldenScreened, WhatTheTestsRestedOn) {
     const ScreenedTable table = read_screened(text_of("v1.0/3-screened.ecsv"), "f");
-    const ScreeningEvidence& evidence = table.evidence;
-    EXPECT_EQ(evidence.family_false_alarm_rate, 0.001);
-    EXPECT_EQ(evidence.tests, 4'000'000);
-    EXPECT_EQ(evidence.test_size, 2.5e-10);
-    EXPECT_EQ(evidence.power, 0.8);
-    EXPECT_EQ(evidence.burst_epochs_max, 12);
-    EXPECT_EQ(evidence.passes, 3);
-    ASSERT_EQ(evidence.models.size(), 2U);
-    EXPECT_EQ(evidence.models[0].axes, TestedAxes::horizontal);
-    EXPECT_EQ(evidence.models[0].error_sigma_m, 0.0125);
-    EXPECT_EQ(evidence.models[0].error_tau_s, 2.5);
-    EXPECT_EQ(evidence.models[1].axes, TestedAxes::vertical);
-    EXPECT_EQ(evidence.models[1].noise, NoiseBasis::too_few_epochs);
-    EXPECT_EQ(evidence.models[1].jerk_density, 0.6);
-    EXPECT_EQ(evidence.models[1].measurement_scale, 1.5);
-    EXPECT_EQ(evidence.models[1].white_scale, 1.75);
-    ASSERT_EQ(evidence.fix_kinds.size(), 2U);
-    EXPECT_EQ(evidence.fix_kinds[1].fix, FixKind::float_ambiguities);
-    EXPECT_EQ(evidence.fix_kinds[1].axes, TestedAxes::vertical);
-    EXPECT_EQ(evidence.fix_kinds[1].epochs, 1);
-    EXPECT_EQ(evidence.fix_kinds[1].variance_factor, 4.5);
-    EXPECT_EQ(evidence.fix_kinds[1].judgement, AccuracyJudgement::too_good);
+    const ScreeningBasis& basis = table.basis;
+    EXPECT_EQ(basis.family_false_alarm_rate, 0.001);
+    EXPECT_EQ(basis.tests, 4'000'000);
+    EXPECT_EQ(basis.test_size, 2.5e-10);
+    EXPECT_EQ(basis.power, 0.8);
+    EXPECT_EQ(basis.burst_epochs_max, 12);
+    EXPECT_EQ(basis.passes, 3);
+    ASSERT_EQ(basis.models.size(), 2U);
+    EXPECT_EQ(basis.models[0].axes, TestedAxes::horizontal);
+    EXPECT_EQ(basis.models[0].error_sigma_m, 0.0125);
+    EXPECT_EQ(basis.models[0].error_tau_s, 2.5);
+    EXPECT_EQ(basis.models[1].axes, TestedAxes::vertical);
+    EXPECT_EQ(basis.models[1].noise, NoiseBasis::too_few_epochs);
+    EXPECT_EQ(basis.models[1].jerk_density, 0.6);
+    EXPECT_EQ(basis.models[1].measurement_scale, 1.5);
+    EXPECT_EQ(basis.models[1].white_scale, 1.75);
+    ASSERT_EQ(basis.fix_types.size(), 2U);
+    EXPECT_EQ(basis.fix_types[1].fix, FixType::float_ambiguities);
+    EXPECT_EQ(basis.fix_types[1].axes, TestedAxes::vertical);
+    EXPECT_EQ(basis.fix_types[1].epochs, 1);
+    EXPECT_EQ(basis.fix_types[1].variance_factor, 4.5);
+    EXPECT_EQ(basis.fix_types[1].judgement, AccuracyJudgement::optimistic);
 }
 
 TEST(GoldenScreened, WhatOtherChecksFound) {
     const ScreenedTable table = read_screened(text_of("v1.0/3-screened.ecsv"), "f");
-    const ScreeningEvidence& evidence = table.evidence;
-    EXPECT_EQ(evidence.velocity->compared, 12);
-    EXPECT_EQ(evidence.velocity->delay_s, 0.2125);
-    EXPECT_EQ(evidence.velocity->sigma_delay_s, 0.00375);
-    EXPECT_EQ(evidence.velocity->scale_mps, 0.0475);
-    EXPECT_EQ(evidence.velocity->rejected, 1);
-    EXPECT_EQ(evidence.time.sessions, 2);
-    EXPECT_EQ(evidence.time.longest_gap_s, 75.100000001);
-    EXPECT_EQ(evidence.time.rate_deviation, -2.5e-8);
-    EXPECT_EQ(evidence.time.jitter_s, 0.000015625);
-    ASSERT_EQ(evidence.time.faults.size(), 2U);
-    EXPECT_EQ(evidence.time.faults[1].epoch, 2);
-    EXPECT_EQ(evidence.time.faults[1].kind, TimeFaultKind::whole_second_shift);
-    EXPECT_EQ(evidence.time.faults[1].size_s, -1.0);
-    EXPECT_EQ(evidence.limits.jerk_max_mps3, 200.0);
-    EXPECT_EQ(evidence.limits.acceleration_mps2, 8.75);
-    EXPECT_EQ(evidence.limits.vertical_rate_mps, 0.375);
-    EXPECT_EQ(evidence.limits.rejected, 3);
-    EXPECT_EQ(evidence.baseline->receiver, "secondary");
-    EXPECT_EQ(evidence.baseline->length_m, 1.25);
-    EXPECT_EQ(evidence.baseline->sd_m, 0.0125);
+    const ScreeningBasis& basis = table.basis;
+    EXPECT_EQ(basis.velocity->compared, 12);
+    EXPECT_EQ(basis.velocity->delay_s, 0.2125);
+    EXPECT_EQ(basis.velocity->sigma_delay_s, 0.00375);
+    EXPECT_EQ(basis.velocity->scale_m_s, 0.0475);
+    EXPECT_EQ(basis.velocity->rejected, 1);
+    EXPECT_EQ(basis.time.sessions, 2);
+    EXPECT_EQ(basis.time.longest_gap_s, 75.100000001);
+    EXPECT_EQ(basis.time.rate_deviation, -2.5e-8);
+    EXPECT_EQ(basis.time.jitter_s, 0.000015625);
+    ASSERT_EQ(basis.time.faults.size(), 2U);
+    EXPECT_EQ(basis.time.faults[1].epoch, 2);
+    EXPECT_EQ(basis.time.faults[1].kind, TimeFaultKind::whole_second_shift);
+    EXPECT_EQ(basis.time.faults[1].size_s, -1.0);
+    EXPECT_EQ(basis.limits.jerk_max_m_s3, 200.0);
+    EXPECT_EQ(basis.limits.acceleration_m_s2, 8.75);
+    EXPECT_EQ(basis.limits.vertical_rate_m_s, 0.375);
+    EXPECT_EQ(basis.limits.rejected, 3);
+    EXPECT_EQ(basis.baseline->receiver, "secondary");
+    EXPECT_EQ(basis.baseline->length_m, 1.25);
+    EXPECT_EQ(basis.baseline->sd_m, 0.0125);
 }
 
 TEST(GoldenScreened, SignsOfTheDeviceAndManoeuvres) {
     const ScreenedTable table = read_screened(text_of("v1.0/3-screened.ecsv"), "f");
-    ASSERT_TRUE(table.evidence.device);
-    EXPECT_EQ(table.evidence.device->moving, 15);
-    EXPECT_EQ(table.evidence.device->held, 2);
-    EXPECT_EQ(table.evidence.device->interpolated, 3);
-    EXPECT_EQ(table.evidence.device->by_chance, 0.25);
+    ASSERT_TRUE(table.basis.device);
+    EXPECT_EQ(table.basis.device->moving, 15);
+    EXPECT_EQ(table.basis.device->held, 2);
+    EXPECT_EQ(table.basis.device->interpolated, 3);
+    EXPECT_EQ(table.basis.device->by_chance, 0.25);
     ASSERT_EQ(table.rows.size(), 17U);
-    EXPECT_FALSE(table.rows[0].manoeuvre_mps2 || table.rows[0].manoeuvre_up_mps2);
-    EXPECT_EQ(table.rows[1].manoeuvre_mps2, 6.125);
-    EXPECT_FALSE(table.rows[1].manoeuvre_up_mps2);
-    EXPECT_FALSE(table.rows[5].manoeuvre_mps2);
-    EXPECT_EQ(table.rows[5].manoeuvre_up_mps2, 0.875);
-    EXPECT_EQ(table.rows[11].manoeuvre_mps2, 2.25);
-    EXPECT_EQ(table.rows[11].manoeuvre_up_mps2, 0.375);
+    EXPECT_FALSE(table.rows[0].manoeuvre_m_s2 || table.rows[0].manoeuvre_up_m_s2);
+    EXPECT_EQ(table.rows[1].manoeuvre_m_s2, 6.125);
+    EXPECT_FALSE(table.rows[1].manoeuvre_up_m_s2);
+    EXPECT_FALSE(table.rows[5].manoeuvre_m_s2);
+    EXPECT_EQ(table.rows[5].manoeuvre_up_m_s2, 0.875);
+    EXPECT_EQ(table.rows[11].manoeuvre_m_s2, 2.25);
+    EXPECT_EQ(table.rows[11].manoeuvre_up_m_s2, 0.375);
 }
 
 TEST(GoldenTrajectory, Epochs) {
@@ -256,11 +256,11 @@ TEST(GoldenTrajectory, Epochs) {
     EXPECT_EQ(table.estimation.degrees_of_freedom, 15);
     EXPECT_EQ(table.estimation.variance_factor, 0.9876);
     EXPECT_EQ(table.estimation.largest_position_difference_m, 2.5e-11);
-    EXPECT_EQ(table.rows.at(2).speed_mps, 21.158421);
-    EXPECT_EQ(table.rows.at(2).speed_v2_mps, 21.17);
-    EXPECT_FALSE(table.rows.at(3).speed_v1_mps);
+    EXPECT_EQ(table.rows.at(2).speed_m_s, 21.158421);
+    EXPECT_EQ(table.rows.at(2).speed_v2_m_s, 21.17);
+    EXPECT_FALSE(table.rows.at(3).speed_v1_m_s);
     EXPECT_TRUE(table.rows.at(3).usable);
-    EXPECT_FALSE(table.rows.at(4).speed_mps);
+    EXPECT_FALSE(table.rows.at(4).speed_m_s);
     EXPECT_EQ(table.rows.at(2).arc, 1);
 }
 

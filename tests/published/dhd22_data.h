@@ -36,7 +36,7 @@ inline std::vector<PlanePosition> appendix_a() {
 }
 
 /// True speed of the simulated run, [DHD22]: logistic with A = 60 m/s, v0 = 0.01 m/s, t0 = 15 s.
-inline double true_speed_mps(double time_s) {
+inline double true_speed_m_s(double time_s) {
     const double rate = std::log(60.0 / 0.01 - 1.0) / 15.0;
     return 60.0 / (1.0 + std::exp(-rate * (time_s - 15.0)));
 }

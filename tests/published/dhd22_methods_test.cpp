@@ -19,8 +19,8 @@ void expect_table(const std::string& name, const std::vector<std::optional<doubl
         SCOPED_TRACE(row[0]);
         ASSERT_TRUE(speeds[epoch - 1].has_value());
         EXPECT_EQ(format_fixed(*speeds[epoch - 1], 3), format_fixed(row[2], 3));
-        EXPECT_NEAR(true_speed_mps(row[1]), row[3], 0.51e-6);
-        EXPECT_NEAR(rounded_to_mm(*speeds[epoch - 1]) - true_speed_mps(row[1]), row[4], 1.01e-6);
+        EXPECT_NEAR(true_speed_m_s(row[1]), row[3], 0.51e-6);
+        EXPECT_NEAR(rounded_to_mm(*speeds[epoch - 1]) - true_speed_m_s(row[1]), row[4], 1.01e-6);
     }
 }
 
@@ -30,7 +30,7 @@ std::vector<double> errors(const std::vector<std::optional<double>>& speeds, boo
     for (std::size_t epoch = 261; epoch <= 301; ++epoch) {
         const double speed = speeds[epoch - 1].value();
         differences.push_back((round_first ? rounded_to_mm(speed) : speed) -
-                              true_speed_mps(0.1 * static_cast<double>(epoch - 1)));
+                              true_speed_m_s(0.1 * static_cast<double>(epoch - 1)));
     }
     return differences;
 }

@@ -22,7 +22,7 @@ struct Chain {
     TrajectoryTable trajectory;
 };
 
-/// Appendix A through screening and smoothing, with noise learnt from it.
+/// Appendix A through screening and smoothing, with noise estimated from it.
 const Chain& appendix_a_smoothed() {
     static const Chain chain = [] {
         Chain made;
@@ -39,7 +39,7 @@ const Chain& appendix_a_smoothed() {
             epoch.east_m = position.position.x();
             epoch.north_m = position.position.y();
             epoch.sigma_east_m = epoch.sigma_north_m = position.sigma_m;
-            epoch.fix = FixKind::fixed;
+            epoch.fix = FixType::fixed;
         }
         made.screened = screen(table, screen_config(made.attempt));
         made.trajectory = smooth_trajectory(made.screened, smooth_config(made.attempt));
@@ -51,7 +51,7 @@ const Chain& appendix_a_smoothed() {
 double root_mean_square_error(std::optional<double> TrajectoryEpoch::*speed) {
     std::vector<double> errors;
     for (const TrajectoryEpoch& row : appendix_a_smoothed().trajectory.rows)
-        if (row.*speed) errors.push_back(*(row.*speed) - true_speed_mps(row.time.seconds()));
+        if (row.*speed) errors.push_back(*(row.*speed) - true_speed_m_s(row.time.seconds()));
     return statistics_of(errors).root_mean_square;
 }
 
@@ -63,11 +63,11 @@ TEST(Dhd22Smoother, NothingOfTheSimulatedRunIsRejected) {
 
 TEST(Dhd22Smoother, RootMeanSquareSpeedErrorOverAllEpochs) {
     for (const TrajectoryEpoch& row : appendix_a_smoothed().trajectory.rows)
-        ASSERT_TRUE(row.speed_mps.has_value());
-    const double smoothed_mps = root_mean_square_error(&TrajectoryEpoch::speed_mps);
-    fmt::print("RMS of speed less truth over 451 epochs: {:.4f} m/s\n", smoothed_mps);
-    EXPECT_LE(smoothed_mps, 0.016);
-    EXPECT_LE(root_mean_square_error(&TrajectoryEpoch::speed_batch_mps), 0.016);
+        ASSERT_TRUE(row.speed_m_s.has_value());
+    const double smoothed_m_s = root_mean_square_error(&TrajectoryEpoch::speed_m_s);
+    fmt::print("RMS of speed less truth over 451 epochs: {:.4f} m/s\n", smoothed_m_s);
+    EXPECT_LE(smoothed_m_s, 0.016);
+    EXPECT_LE(root_mean_square_error(&TrajectoryEpoch::speed_batch_m_s), 0.016);
 }
 
 TEST(Dhd22Smoother, TheFittedWhiteNoiseIsTenMillimetres) {
@@ -95,15 +95,15 @@ TEST(Dhd22Smoother, InnovationsAreWhiteAndConsistent) {
 }
 
 TEST(Dhd22Smoother, RootMeanSquareSpeedErrorsOfThePapersMethods) {
-    EXPECT_EQ(format_fixed(root_mean_square_error(&TrajectoryEpoch::speed_v1_mps), 3), "0.066");
-    EXPECT_EQ(format_fixed(root_mean_square_error(&TrajectoryEpoch::speed_v2_mps), 3), "0.056");
-    EXPECT_EQ(format_fixed(root_mean_square_error(&TrajectoryEpoch::speed_kalman_mps), 2), "1.11");
+    EXPECT_EQ(format_fixed(root_mean_square_error(&TrajectoryEpoch::speed_v1_m_s), 3), "0.066");
+    EXPECT_EQ(format_fixed(root_mean_square_error(&TrajectoryEpoch::speed_v2_m_s), 3), "0.056");
+    EXPECT_EQ(format_fixed(root_mean_square_error(&TrajectoryEpoch::speed_kalman_m_s), 2), "1.11");
 }
 
 TEST(Dhd22Smoother, BatchLeastSquaresAgrees) {
     const EstimationSummary& summary = appendix_a_smoothed().trajectory.estimation;
     EXPECT_LE(summary.largest_position_difference_m, 1e-6);
-    EXPECT_LE(summary.largest_velocity_difference_mps, 1e-5);
+    EXPECT_LE(summary.largest_velocity_difference_m_s, 1e-5);
     EXPECT_EQ(summary.degrees_of_freedom, 2 * 451 - 6);
 }
 
@@ -119,18 +119,18 @@ TEST(Dhd22Smoother, BestThreeSecondsAreAboveTheTruthByNoMoreThanWasMeasured) {
     EXPECT_EQ(best.span.duration.nanoseconds, 3'000'000'000);
     EXPECT_EQ(best.span.last_epoch - best.span.first_epoch, 30);
     // [DHD22]'s data: the best 3 s of a smoother were seen at 60.002 to 60.003 m/s.
-    EXPECT_NEAR(best.definitions.mean_n_plus_1_mps, 60.0025, 0.0015);
-    EXPECT_NEAR(best.definitions.displacement_mps, best.definitions.mean_n_plus_1_mps, 0.002);
-    EXPECT_GE(best.definitions.path_length_mps, best.definitions.displacement_mps);
-    EXPECT_NEAR(best.methods.v1_mps.value(), 60.0068, 0.01);
+    EXPECT_NEAR(best.definitions.mean_n_plus_1_m_s, 60.0025, 0.0015);
+    EXPECT_NEAR(best.definitions.displacement_m_s, best.definitions.mean_n_plus_1_m_s, 0.002);
+    EXPECT_GE(best.definitions.path_length_m_s, best.definitions.displacement_m_s);
+    EXPECT_NEAR(best.methods.v1_m_s.value(), 60.0068, 0.01);
     // The truth, 59.99 to 60 m/s over any 3 s of the top, is within what is certified.
-    EXPECT_NEAR(best.speed_mps, 60.0, 2.0 * best.standard_uncertainty_mps);
-    EXPECT_NEAR(best.fitted->speed_mps, 60.0, 2.0 * best.fitted->standard_uncertainty_mps);
+    EXPECT_NEAR(best.speed_m_s, 60.0, 2.0 * best.standard_uncertainty_m_s);
+    EXPECT_NEAR(best.fitted->speed_m_s, 60.0, 2.0 * best.fitted->standard_uncertainty_m_s);
     EXPECT_TRUE(best.robust->agrees);
     fmt::print(
         "certified {:.4f} +- {:.4f} m/s, fitted {:.4f} +- {:.4f} m/s, selection {:+.4f} m/s\n",
-        best.speed_mps, 2.0 * best.standard_uncertainty_mps, best.fitted->speed_mps,
-        2.0 * best.fitted->standard_uncertainty_mps, best.selection->bias_mps);
+        best.speed_m_s, 2.0 * best.standard_uncertainty_m_s, best.fitted->speed_m_s,
+        2.0 * best.fitted->standard_uncertainty_m_s, best.selection->bias_m_s);
 }
 
 }  // namespace

@@ -18,9 +18,9 @@ const double kKnot = metres_per_second("kn");
 const double kKmh = metres_per_second("km/h");
 
 /// The speed in its unit with two decimals, after the body's rounding.
-std::string printed(double speed_mps, RoundingMode mode, double unit_mps) {
-    const double rounded_mps = rounded_speed(speed_mps, {mode, unit_mps, 2});
-    return shown_figure(rounded_mps / unit_mps, 2, SafeSide::down);
+std::string printed(double speed_m_s, RoundingMode mode, double unit_m_s) {
+    const double rounded_m_s = rounded_speed(speed_m_s, {mode, unit_m_s, 2});
+    return shown_figure(rounded_m_s / unit_m_s, 2, SafeSide::down);
 }
 
 TEST(Rules, WssrcSpeedsInKnots) {
@@ -44,47 +44,47 @@ TEST(Rules, WssrcSpeedsInKnots) {
     int truncation_reproduces = 0;
     for (const auto& c : cases) {
         SCOPED_TRACE(c.printed);
-        const double speed_mps = course_speed_mps(c.distance_m, c.elapsed_s, c.current_kn * kKnot);
-        EXPECT_EQ(printed(speed_mps, RoundingMode::truncate, kKnot), c.truncated);
-        EXPECT_EQ(printed(speed_mps, RoundingMode::nearest, kKnot), c.nearest);
+        const double speed_m_s = course_speed_m_s(c.distance_m, c.elapsed_s, c.current_kn * kKnot);
+        EXPECT_EQ(printed(speed_m_s, RoundingMode::truncate, kKnot), c.truncated);
+        EXPECT_EQ(printed(speed_m_s, RoundingMode::nearest, kKnot), c.nearest);
         nearest_reproduces += std::string(c.printed) == c.nearest;
         truncation_reproduces += std::string(c.printed) == c.truncated;
     }
     EXPECT_EQ(nearest_reproduces, 4);
     EXPECT_EQ(truncation_reproduces, 1);
-    EXPECT_NEAR(course_speed_mps(500.0, 17.97, 0.0) / kKnot, 54.0858, 5e-5);
+    EXPECT_NEAR(course_speed_m_s(500.0, 17.97, 0.0) / kKnot, 54.0858, 5e-5);
 }
 
 TEST(Rules, WssrcMarginOfAHundredthOfASecondOver500Metres) {
     // A record of 17.97 s is beaten by 17.96 s: 500 m / 17.96 s = 54.1159 kn.
     const MarginRule rule{.kind = MarginKind::elapsed_time, .value = 0.01, .distance_m = 500.0};
-    const Threshold threshold = threshold_of(rule, {course_speed_mps(500.0, 17.97, 0.0)});
-    EXPECT_NEAR(threshold.speed_mps / kKnot, 54.1159, 5e-5);
-    EXPECT_EQ(conformance_probability({course_speed_mps(500.0, 17.96, 0.0), 0.0}, threshold), 1.0);
-    EXPECT_EQ(conformance_probability({course_speed_mps(500.0, 17.961, 0.0), 0.0}, threshold), 0.0);
+    const Threshold threshold = threshold_of(rule, {course_speed_m_s(500.0, 17.97, 0.0)});
+    EXPECT_NEAR(threshold.speed_m_s / kKnot, 54.1159, 5e-5);
+    EXPECT_EQ(conformance_probability({course_speed_m_s(500.0, 17.96, 0.0), 0.0}, threshold), 1.0);
+    EXPECT_EQ(conformance_probability({course_speed_m_s(500.0, 17.961, 0.0), 0.0}, threshold), 0.0);
 }
 
-std::string next_fisly_target(double record_kmh, RoundingMode mode) {
+std::string next_fisly_required_speed(double record_kmh, RoundingMode mode) {
     const MarginRule rule{
         .kind = MarginKind::relative, .value = 0.002, .rounding = DecimalRounding{mode, kKmh, 2}};
     const Threshold threshold = threshold_of(rule, {record_kmh * kKmh});
-    return shown_figure(threshold.speed_mps / kKmh, 2, SafeSide::up);
+    return shown_figure(threshold.speed_m_s / kKmh, 2, SafeSide::up);
 }
 
 TEST(Rules, FislyNextTargetAfter222Point43) {
     // 222.43 x 1.002 = 222.87486. The published 222.87 is the truncated figure and also the
     // nearest, so that it does not tell the two apart; 222.60 x 1.002 = 223.0452 would.
-    EXPECT_EQ(next_fisly_target(222.43, RoundingMode::truncate), "222.87");
-    EXPECT_EQ(next_fisly_target(222.43, RoundingMode::nearest), "222.87");
-    EXPECT_EQ(next_fisly_target(222.43, RoundingMode::up), "222.88");
-    EXPECT_EQ(next_fisly_target(222.60, RoundingMode::truncate), "223.04");
-    EXPECT_EQ(next_fisly_target(222.60, RoundingMode::nearest), "223.05");
+    EXPECT_EQ(next_fisly_required_speed(222.43, RoundingMode::truncate), "222.87");
+    EXPECT_EQ(next_fisly_required_speed(222.43, RoundingMode::nearest), "222.87");
+    EXPECT_EQ(next_fisly_required_speed(222.43, RoundingMode::up), "222.88");
+    EXPECT_EQ(next_fisly_required_speed(222.60, RoundingMode::truncate), "223.04");
+    EXPECT_EQ(next_fisly_required_speed(222.60, RoundingMode::nearest), "223.05");
 }
 
 TEST(Rules, NalsaOneMileAnHourAboveGreenbird) {
     const double mph = metres_per_second("mph");
     const MarginRule rule{.kind = MarginKind::absolute, .value = 1.0 * mph};
-    EXPECT_NEAR(threshold_of(rule, {126.2 * mph}).speed_mps / mph, 127.2, 1e-13 * 127.2);
+    EXPECT_NEAR(threshold_of(rule, {126.2 * mph}).speed_m_s / mph, 127.2, 1e-13 * 127.2);
 }
 
 TEST(Rules, ConformanceProbabilityOfJcgm106) {
@@ -102,7 +102,7 @@ TEST(Rules, FaiRangesTwoPerCentApart) {
     const Threshold threshold =
         threshold_of(rule, {static_cast<double>(old_speed) / 100.0 * kKmh,
                             static_cast<double>(old_expanded) / 100.0 * kKmh});
-    EXPECT_NEAR(threshold.speed_mps / kKmh, 510.408, 1e-10);
+    EXPECT_NEAR(threshold.speed_m_s / kKmh, 510.408, 1e-10);
     int beaten = 0;
     for (const long expanded : {10L, 26L, 40L, 100L})
         for (long speed = 51000; speed <= 51200; ++speed) {
@@ -118,7 +118,7 @@ TEST(Rules, FaiRangesTwoPerCentApart) {
     // Rounded down: 510.40 km/h is to be reached.
     MarginRule rounded = rule;
     rounded.rounding = DecimalRounding{RoundingMode::truncate, kKmh, 2};
-    EXPECT_EQ(shown_figure(threshold_of(rounded, {500.0 * kKmh, 0.4 * kKmh}).speed_mps / kKmh, 2,
+    EXPECT_EQ(shown_figure(threshold_of(rounded, {500.0 * kKmh, 0.4 * kKmh}).speed_m_s / kKmh, 2,
                            SafeSide::up),
               "510.40");
 }

@@ -15,49 +15,49 @@ namespace {
 constexpr double window_start_s = 40.0;
 constexpr double window_length_s = 3.0;
 
-void count(Coverage& coverage, double error_mps, double standard_uncertainty_mps) {
+void count(Coverage& coverage, double error_m_s, double standard_uncertainty_m_s) {
     static const double factor = normal_quantile(0.975);
-    const double half_width = factor * standard_uncertainty_mps;
+    const double half_width = factor * standard_uncertainty_m_s;
     ++coverage.runs;
-    if (std::abs(error_mps) <= half_width) ++coverage.held;
-    coverage.half_width_mps +=
-        (half_width - coverage.half_width_mps) / static_cast<double>(coverage.runs);
-    coverage.largest_half_width_mps = std::max(coverage.largest_half_width_mps, half_width);
+    if (std::abs(error_m_s) <= half_width) ++coverage.held;
+    coverage.half_width_m_s +=
+        (half_width - coverage.half_width_m_s) / static_cast<double>(coverage.runs);
+    coverage.largest_half_width_m_s = std::max(coverage.largest_half_width_m_s, half_width);
 }
 
 void count_model(Coverage& coverage, const WindowStretch<2>& stretch, const EstimationModel& model,
-                 double true_mps) {
+                 double true_m_s) {
     const SpeedEstimate speed =
         speed_by_definition(smooth<2>(stretch.epochs, model), stretch.window, stretch.duration_s,
                             {SpeedDefinition::displacement});
-    count(coverage, speed.speed_mps - true_mps, speed.standard_uncertainty_mps);
+    count(coverage, speed.speed_m_s - true_m_s, speed.standard_uncertainty_m_s);
 }
 
 /// One recording of a cell.
-void study_one(CoverageCell& cell, const CoverageOptions& options, std::uint64_t seed, bool learn) {
+void study_one(CoverageCell& cell, const CoverageOptions& options, std::uint64_t seed, bool estimate) {
     const SimulatedRecording recording = simulate_recording(cell.run, seed);
     const auto first = static_cast<std::size_t>(std::lround(window_start_s * cell.run.rate_hz));
     const auto last =
         first + static_cast<std::size_t>(std::lround(window_length_s * cell.run.rate_hz));
-    const double true_mps =
+    const double true_m_s =
         (recording.truth[last] - recording.truth[first]).norm() / window_length_s;
     std::vector<Arc<2>> arcs = arcs_of<2>(recording.screened);
     WindowStretch<2> stretch = cut_stretch(arcs.front(), {first, last}, 60.0);
 
     EstimationModel model;
     model.motion.jerk_density = cell.run.jerk_density;
-    count_model(cell.white, stretch, model, true_mps);
+    count_model(cell.white, stretch, model, true_m_s);
     model.error =
         GaussMarkovError::steady(cell.run.noise.error_sigma_m, cell.run.noise.error_tau_s);
-    count_model(cell.known, stretch, model, true_mps);
-    if (!learn) return;
+    count_model(cell.known, stretch, model, true_m_s);
+    if (!estimate) return;
 
-    const NoiseSummary noise = learn_noise<2>(arcs, SmoothConfig{});
+    const NoiseSummary noise = estimate_noise<2>(arcs, SmoothConfig{});
     set_jerk_densities<2>(arcs, noise, SmoothConfig{});
     stretch = cut_stretch(arcs.front(), {first, last}, 60.0);
     const FittedSpeed fitted =
         fitted_speed(stretch, posterior_of(noise), {SpeedDefinition::displacement});
-    count(cell.fitted, fitted.speed_mps - true_mps, fitted.standard_uncertainty_mps);
+    count(cell.fitted, fitted.speed_m_s - true_m_s, fitted.standard_uncertainty_m_s);
     Profile::Uncertainty rule;
     rule.error_floor_m = {{"fixed", options.floor_m}};
     const ErrorBound bound = error_bound<2>(recording.screened, first, last, noise, rule);
@@ -72,7 +72,7 @@ void study_one(CoverageCell& cell, const CoverageOptions& options, std::uint64_t
     const SpeedEstimate speed = position_noise(at, quantity, speed_weights(at, quantity),
                                                bounding_error(noise, bound), bound)
                                     .speed;
-    count(cell.bound, speed.speed_mps - true_mps, speed.standard_uncertainty_mps);
+    count(cell.bound, speed.speed_m_s - true_m_s, speed.standard_uncertainty_m_s);
 }
 
 }  // namespace
@@ -103,7 +103,7 @@ CoverageCell study_coverage(CoverageCell cell, const CoverageOptions& options) {
 std::string coverage_table(const std::vector<CoverageCell>& cells) {
     std::string text =
         "Coverage of 95 % intervals of the 3 s speed; half widths in mm/s (mean, largest)\n"
-        " rate  jerk  white  slow error     stated white    true            fitted          "
+        " rate  jerk  white  time-correlated error     stated white    true            fitted          "
         "certificate\n"
         "   Hz density     mm    mm   tau s    held   half      held   half     held   half     "
         "held   "
@@ -111,7 +111,7 @@ std::string coverage_table(const std::vector<CoverageCell>& cells) {
         "largest\n";
     const auto column = [](const Coverage& coverage) {
         return fmt::format("  {:5.1f} % {:6.1f}", coverage.fraction() * 100.0,
-                           coverage.half_width_mps * 1e3);
+                           coverage.half_width_m_s * 1e3);
     };
     for (const CoverageCell& cell : cells) {
         const StudyNoise& noise = cell.run.noise;
@@ -120,7 +120,7 @@ std::string coverage_table(const std::vector<CoverageCell>& cells) {
                             cell.run.jerk_density, noise.white_m * 1e3, noise.error_sigma_m * 1e3,
                             slow ? fmt::format("{:g}", noise.error_tau_s) : "-", column(cell.white),
                             column(cell.known), column(cell.fitted), column(cell.bound),
-                            cell.bound.largest_half_width_mps * 1e3);
+                            cell.bound.largest_half_width_m_s * 1e3);
     }
     return text;
 }

@@ -11,8 +11,8 @@ namespace runcert {
 struct Coverage {
     std::int64_t runs = 0;
     std::int64_t held = 0;
-    double half_width_mps = 0.0;  ///< mean
-    double largest_half_width_mps = 0.0;
+    double half_width_m_s = 0.0;  ///< mean
+    double largest_half_width_m_s = 0.0;
 
     double fraction() const { return static_cast<double>(held) / static_cast<double>(runs); }
 };
@@ -22,14 +22,14 @@ struct CoverageCell {
     StudyRun run;
     Coverage white;   ///< white noise of the stated size, as a smoother without more has it
     Coverage known;   ///< the true parameters
-    Coverage fitted;  ///< learnt from each recording
+    Coverage fitted;  ///< estimated from each recording
     Coverage bound;   ///< the certificate's
 };
 
 struct CoverageOptions {
     std::int64_t runs = 200;         ///< with fitted parameters, and the certificate
     std::int64_t runs_known = 2000;  ///< with those known
-    double floor_m = 0.008;          ///< of the slow error, in the certificate
+    double floor_m = 0.008;          ///< of the time-correlated error, in the certificate
     std::uint64_t seed = 1;
 };
 

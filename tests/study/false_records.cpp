@@ -15,7 +15,7 @@
 namespace runcert {
 namespace {
 
-constexpr double far_mps = 0.8 / 3.6;
+constexpr double far_m_s = 0.8 / 3.6;
 constexpr double first_error_s = 10.0;
 
 double log_uniform(double least, double most, RandomGenerator& random) {
@@ -86,27 +86,27 @@ double true_speed(const SimulatedRecording& recording, const std::vector<Suppose
 
 /// Velocities, wrong in nothing but their stamps.
 void record_velocities(const SimulatedRecording& recording,
-                       const std::vector<SupposedError>& errors, double noise_mps,
+                       const std::vector<SupposedError>& errors, double noise_m_s,
                        RandomGenerator& random, EnuTable& measured) {
     for (std::size_t k = 0; k < measured.rows.size(); ++k) {
         const Eigen::Vector2d velocity =
             recording.velocity[k] - late_at(errors, k) * recording.acceleration[k];
-        measured.rows[k].recorded_velocity_east_mps = velocity.x() + noise_mps * random.normal();
-        measured.rows[k].recorded_velocity_north_mps = velocity.y() + noise_mps * random.normal();
+        measured.rows[k].recorded_velocity_east_m_s = velocity.x() + noise_m_s * random.normal();
+        measured.rows[k].recorded_velocity_north_m_s = velocity.y() + noise_m_s * random.normal();
     }
 }
 
 void judge_window(const CertifiableWindow& best, const EstimationSummary& estimation,
-                  const Profile& profile, double true_mps, CertifiedRun& run) {
-    run.error_mps = best.speed_mps - true_mps;
-    run.expanded_mps = expanded_uncertainty_by_rule_mps(best, profile.coverage_factor);
+                  const Profile& profile, double true_m_s, CertifiedRun& run) {
+    run.error_m_s = best.speed_m_s - true_m_s;
+    run.expanded_m_s = expanded_uncertainty_by_rule_m_s(best, profile.coverage_factor);
     for (const UndetectedError& error : best.reliability)
-        run.undetected_mps = std::max(run.undetected_mps, error.speed_mps);
+        run.undetected_m_s = std::max(run.undetected_m_s, error.speed_m_s);
     run.first_epoch = best.span.first_epoch;
     using Outcome = CertifiedRun::Outcome;
     const bool robust_agrees = best.robust ? best.robust->agrees : estimation.robust_unsolved == 0;
     run.outcome = !robust_agrees ? Outcome::robust_refused
-                  : run.expanded_mps > profile.accuracy_limit_mps.value()
+                  : run.expanded_m_s > profile.accuracy_limit_m_s.value()
                       ? Outcome::accuracy_refused
                       : Outcome::certified;
 }
@@ -129,7 +129,7 @@ std::string kind_of(const CertifiedRun& run) {
 struct KindCount {
     std::int64_t runs = 0, no_window = 0, robust = 0, accuracy = 0, failed = 0;
     std::int64_t certified = 0, missed = 0, far = 0, unstated = 0;
-    double largest_mps = 0.0;
+    double largest_m_s = 0.0;
 
     void add(const CertifiedRun& run) {
         using Outcome = CertifiedRun::Outcome;
@@ -143,12 +143,12 @@ struct KindCount {
         if (run.missed()) ++missed;
         if (run.far_off()) ++far;
         if (run.unstated()) ++unstated;
-        largest_mps = std::max(largest_mps, std::abs(run.error_mps));
+        largest_m_s = std::max(largest_m_s, std::abs(run.error_m_s));
     }
     std::string line(const std::string& name) const {
         return fmt::format("{:<11} {:6} {:10} {:7} {:9} {:7} {:10} {:8} {:11} {:9} {:9.3f}\n", name,
                            runs, no_window, robust, accuracy, failed, certified, missed, far,
-                           unstated, largest_mps * 3.6);
+                           unstated, largest_m_s * 3.6);
     }
 };
 
@@ -164,8 +164,8 @@ std::string run_line(const CertifiedRun& run) {
         "  seed {}: {}, {:g} s, jerk {:g}; {:+.3f} km/h, stated +-{:.3f}, undetected {:.3f}; "
         "window "
         "from epoch {}\n",
-        run.seed, run.cell, run.length_s, run.jerk_density, run.error_mps * 3.6,
-        run.expanded_mps * 3.6, run.undetected_mps * 3.6, run.first_epoch);
+        run.seed, run.cell, run.length_s, run.jerk_density, run.error_m_s * 3.6,
+        run.expanded_m_s * 3.6, run.undetected_m_s * 3.6, run.first_epoch);
     for (const SupposedError& error : run.errors)
         text += fmt::format("    {} of {} from epoch {}, {} epochs\n", to_text(error.kind),
                             size_of(error), error.first + 1, error.epochs);
@@ -175,18 +175,18 @@ std::string run_line(const CertifiedRun& run) {
 }  // namespace
 
 bool CertifiedRun::missed() const {
-    return outcome == Outcome::certified && std::abs(error_mps) > expanded_mps;
+    return outcome == Outcome::certified && std::abs(error_m_s) > expanded_m_s;
 }
 
 bool CertifiedRun::far_off() const {
-    return missed() && std::abs(error_mps) > far_mps;
+    return missed() && std::abs(error_m_s) > far_m_s;
 }
 
 bool CertifiedRun::unstated() const {
-    return missed() && std::abs(error_mps) > expanded_mps + undetected_mps;
+    return missed() && std::abs(error_m_s) > expanded_m_s + undetected_m_s;
 }
 
-CertifiedRun certify_run(std::uint64_t seed, std::optional<double> velocity_noise_mps) {
+CertifiedRun certify_run(std::uint64_t seed, std::optional<double> velocity_noise_m_s) {
     static const Profile profile = read_profile(builtin_profile("nalsa"), "nalsa");
     RandomGenerator random(seed);
     const std::vector<StudyRun> cells = screening_cells();
@@ -202,8 +202,8 @@ CertifiedRun certify_run(std::uint64_t seed, std::optional<double> velocity_nois
     if (random.uniform() > 1.0 / 6.0) run.errors = random_errors(cell, random);
 
     EnuTable measured = to_be_screened(with_errors(recording, run.errors));
-    if (velocity_noise_mps)
-        record_velocities(recording, run.errors, *velocity_noise_mps, random, measured);
+    if (velocity_noise_m_s)
+        record_velocities(recording, run.errors, *velocity_noise_m_s, random, measured);
     const ScreenedTable screened = screen(measured, study_screen_config());
     if (summarise(screened.rows).usable == 0) return run;
     try {
@@ -218,7 +218,7 @@ CertifiedRun certify_run(std::uint64_t seed, std::optional<double> velocity_nois
 std::vector<CertifiedRun> study_false_records(const FalseRecordOptions& options) {
     return results_of(options.runs, options.threads, [&](std::int64_t i) {
         return certify_run(options.seed * 4'000'037 + static_cast<std::uint64_t>(i),
-                           options.velocity_noise_mps);
+                           options.velocity_noise_m_s);
     });
 }
 
@@ -245,7 +245,7 @@ std::string false_records_table(const std::vector<CertifiedRun>& runs) {
         text += count.line(kind);
     text += all.line("all");
     std::stable_sort(worst.begin(), worst.end(), [](const auto* a, const auto* b) {
-        return std::abs(a->error_mps) - a->expanded_mps > std::abs(b->error_mps) - b->expanded_mps;
+        return std::abs(a->error_m_s) - a->expanded_m_s > std::abs(b->error_m_s) - b->expanded_m_s;
     });
     if (!failures.empty()) text += "Failed:\n" + failures;
     if (!worst.empty()) text += "Furthest off:\n";

@@ -19,9 +19,9 @@ struct CertifiedRun {
     enum class Outcome { certified, no_window, accuracy_refused, robust_refused, failed };
     Outcome outcome = Outcome::no_window;
     std::string failure;          ///< what a stage said that could not do it
-    double error_mps = 0.0;       ///< certified speed less the true one of the same window
-    double expanded_mps = 0.0;    ///< expanded uncertainty, coverage factor 2
-    double undetected_mps = 0.0;  ///< stated: what an error too small to be found does to the speed
+    double error_m_s = 0.0;       ///< measured speed less the true one of the same window
+    double expanded_m_s = 0.0;    ///< expanded uncertainty, coverage factor 2
+    double undetected_m_s = 0.0;  ///< stated: what an error too small to be found does to the speed
     std::int64_t first_epoch = 0;
 
     bool missed() const;
@@ -35,13 +35,13 @@ struct CertifiedRun {
 /// to 100, of steps to 300; ramps from 0.05 to 5 m/s; stamps late or early by 20 ms or one sample.
 ///
 /// With a velocity noise (m/s) the receiver records velocities too, true but for white noise.
-CertifiedRun certify_run(std::uint64_t seed, std::optional<double> velocity_noise_mps);
+CertifiedRun certify_run(std::uint64_t seed, std::optional<double> velocity_noise_m_s);
 
 struct FalseRecordOptions {
     std::int64_t runs = 10'000;
     std::uint64_t seed = 1;
     unsigned threads = 0;
-    std::optional<double> velocity_noise_mps = std::nullopt;  ///< empty: no velocities are recorded
+    std::optional<double> velocity_noise_m_s = std::nullopt;  ///< empty: no velocities are recorded
 };
 
 std::vector<CertifiedRun> study_false_records(const FalseRecordOptions& options);

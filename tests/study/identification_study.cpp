@@ -86,8 +86,8 @@ std::vector<ErrorScenario> error_scenarios(double rate_hz) {
     for (const std::int64_t steps : {1, 2, 5})
         for (const double size : {3.0, 10.0, 30.0, 100.0, 300.0})
             scenarios.push_back({.kind = Hypothesis::step, .size = size, .errors = steps});
-    for (const double size_mps : {0.1, 0.2, 0.5, 1.0, 2.0, 5.0})
-        scenarios.push_back({.kind = Hypothesis::ramp, .size = size_mps});
+    for (const double size_m_s : {0.1, 0.2, 0.5, 1.0, 2.0, 5.0})
+        scenarios.push_back({.kind = Hypothesis::ramp, .size = size_m_s});
     for (const double late_s : {0.02, 1.0 / rate_hz})
         scenarios.push_back({.kind = Hypothesis::time_shift, .size = late_s});
     return scenarios;

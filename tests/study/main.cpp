@@ -49,9 +49,9 @@ void print_motion(const MotionStudyOptions& options, const std::string& only, bo
             std::map<std::string, double> rows;
             double bias = 0.0;
             for (const MotionResult& one : results) {
-                bias += one.bias_mps;
+                bias += one.bias_m_s;
                 for (const BudgetRow& row : one.budget)
-                    rows[row.symbol] += row.contribution_mps;
+                    rows[row.symbol] += row.contribution_m_s;
             }
             const auto n = static_cast<double>(results.size());
             fmt::print("    bias {:.4f} km/h;", 3.6 * bias / n);
@@ -119,7 +119,7 @@ int main(int argc, char** argv) {
     CLI::App* false_records =
         app.add_subcommand("false-records", "Certified windows that miss the true speed");
     false_records->add_option("--runs", records.runs)->capture_default_str();
-    false_records->add_option("--velocity-noise", records.velocity_noise_mps,
+    false_records->add_option("--velocity-noise", records.velocity_noise_m_s,
                               "m/s; the receiver records velocities too, with this noise");
     false_records->add_option("--seed", records.seed)->capture_default_str();
     false_records->add_option("--threads", records.threads, "0: as many as there are")
@@ -128,7 +128,7 @@ int main(int argc, char** argv) {
     MotionStudyOptions motion_options;
     std::string only;
     bool budget = false;
-    CLI::App* motion = app.add_subcommand("motion", "Certified speeds of honest motions");
+    CLI::App* motion = app.add_subcommand("motion", "Measured speeds of honest motions");
     motion->add_option("--runs", motion_options.runs, "recordings a cell")->capture_default_str();
     motion->add_option("--seed", motion_options.seed)->capture_default_str();
     motion->add_option("--threads", motion_options.threads, "0: as many as there are")

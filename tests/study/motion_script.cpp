@@ -9,29 +9,29 @@ namespace runcert {
 LineState MotionScript::after(const Part& part, double time_s) {
     const double t = time_s - part.begin_s;
     const auto& [distance, speed, acceleration] = part.state;
-    const double jerk = part.jerk_mps3;
+    const double jerk = part.jerk_m_s3;
     return {.distance_m = distance + t * (speed + t * (acceleration / 2.0 + t * jerk / 6.0)),
-            .speed_mps = speed + t * (acceleration + t * jerk / 2.0),
-            .acceleration_mps2 = acceleration + t * jerk};
+            .speed_m_s = speed + t * (acceleration + t * jerk / 2.0),
+            .acceleration_m_s2 = acceleration + t * jerk};
 }
 
-MotionScript& MotionScript::add(double duration_s, double jerk_mps3) {
+MotionScript& MotionScript::add(double duration_s, double jerk_m_s3) {
     if (duration_s <= 0.0) return *this;
-    parts_.push_back({end_s_, end_, jerk_mps3});
+    parts_.push_back({end_s_, end_, jerk_m_s3});
     end_s_ += duration_s;
     end_ = after(parts_.back(), end_s_);
     return *this;
 }
 
-MotionScript& MotionScript::kick(double acceleration_mps2) {
-    end_.acceleration_mps2 += acceleration_mps2;
+MotionScript& MotionScript::kick(double acceleration_m_s2) {
+    end_.acceleration_m_s2 += acceleration_m_s2;
     return *this;
 }
 
-MotionScript& MotionScript::change_speed(double by_mps, double acceleration_mps2,
+MotionScript& MotionScript::change_speed(double by_m_s, double acceleration_m_s2,
                                          double rounding_s) {
-    const double acceleration = std::copysign(acceleration_mps2, by_mps);
-    const double lasts_s = by_mps / acceleration;
+    const double acceleration = std::copysign(acceleration_m_s2, by_m_s);
+    const double lasts_s = by_m_s / acceleration;
     if (rounding_s <= 0.0) return kick(acceleration).add(lasts_s).kick(-acceleration);
     // Where there is no time for all of it, less acceleration in the same time.
     const double rounding = std::min(rounding_s, lasts_s);
@@ -39,8 +39,8 @@ MotionScript& MotionScript::change_speed(double by_mps, double acceleration_mps2
     return add(rounding, jerk).add(lasts_s - rounding).add(rounding, -jerk);
 }
 
-MotionScript& MotionScript::gust(double amplitude_mps, double period_s) {
-    gusts_.push_back({end_s_, amplitude_mps, period_s});
+MotionScript& MotionScript::gust(double amplitude_m_s, double period_s) {
+    gusts_.push_back({end_s_, amplitude_m_s, period_s});
     return *this;
 }
 
@@ -53,9 +53,9 @@ LineState MotionScript::at(double time_s) const {
         if (time_s <= gust.begin_s) continue;
         const double rate = 2.0 * std::numbers::pi / gust.period_s;
         const double phase = rate * (time_s - gust.begin_s);
-        state.distance_m += gust.amplitude_mps / rate * (1.0 - std::cos(phase));
-        state.speed_mps += gust.amplitude_mps * std::sin(phase);
-        state.acceleration_mps2 += gust.amplitude_mps * rate * std::cos(phase);
+        state.distance_m += gust.amplitude_m_s / rate * (1.0 - std::cos(phase));
+        state.speed_m_s += gust.amplitude_m_s * std::sin(phase);
+        state.acceleration_m_s2 += gust.amplitude_m_s * rate * std::cos(phase);
     }
     return state;
 }

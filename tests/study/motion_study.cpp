@@ -15,17 +15,17 @@
 namespace runcert {
 namespace {
 
-constexpr double top_speed_mps = 57.0;
+constexpr double top_speed_m_s = 57.0;
 constexpr double window_s = 3.0;
 
 /// Standing, then up to speed, at it for a while, and back to a halt.
-MotionScript plateau(double quiet_s, double acceleration_mps2, double rounding_s, double plateau_s,
-                     double braking_mps2) {
+MotionScript plateau(double quiet_s, double acceleration_m_s2, double rounding_s, double plateau_s,
+                     double braking_m_s2) {
     MotionScript script;
     script.add(quiet_s + 5.0)
-        .change_speed(top_speed_mps, acceleration_mps2, rounding_s)
+        .change_speed(top_speed_m_s, acceleration_m_s2, rounding_s)
         .add(plateau_s)
-        .change_speed(-top_speed_mps, braking_mps2, rounding_s)
+        .change_speed(-top_speed_m_s, braking_m_s2, rounding_s)
         .add(10.0);
     return script;
 }
@@ -64,9 +64,9 @@ std::vector<MotionCell> motions_at(double rate_hz) {
         MotionScript two;
         two.add(60.0 * quiet_min + 5.0);
         for (int i = 0; i < 2; ++i)
-            two.change_speed(top_speed_mps, 2.0, 0.5)
+            two.change_speed(top_speed_m_s, 2.0, 0.5)
                 .add(3.5)
-                .change_speed(-top_speed_mps, 3.0, 0.5)
+                .change_speed(-top_speed_m_s, 3.0, 0.5)
                 .add(10.0);
         add(fmt::format("quiet {:g} min, two equal runs", quiet_min), two);
     }
@@ -86,7 +86,7 @@ const std::vector<Errors>& kinds_of_errors() {
         {"10 mm white, 80 mm 1.5 s along",
          {.white_m = 0.010, .error_sigma_m = 0.080, .error_tau_s = 1.5, .error_along_only = true}},
         {"0.3 m white, 0.5 m 20 s, single",
-         {.white_m = 0.300, .error_sigma_m = 0.500, .error_tau_s = 20.0, .fix = FixKind::single}},
+         {.white_m = 0.300, .error_sigma_m = 0.500, .error_tau_s = 20.0, .fix = FixType::single}},
     };
     return kinds;
 }
@@ -112,22 +112,23 @@ void judge(const CertifiableWindow& window, const EstimationSummary& estimation,
         speed_between(recording, static_cast<std::size_t>(window.span.first_epoch) - 1,
                       static_cast<std::size_t>(window.span.last_epoch) - 1);
     result.certified = window.robust ? window.robust->agrees : estimation.robust_unsolved == 0;
-    result.stated_mps = window.speed_mps;
+    result.stated_m_s = window.speed_m_s;
     result.budget = window.budget;
-    if (window.selection) result.bias_mps = window.selection->bias_mps;
-    result.error_mps = window.speed_mps - truth;
-    result.missed_mps = best - truth;
-    const SpeedPosterior posterior{.speed_mps = window.speed_mps,
-                                   .standard_uncertainty_mps = window.standard_uncertainty_mps,
+    if (window.selection) result.bias_m_s = window.selection->bias_m_s;
+    result.error_m_s = window.speed_m_s - truth;
+    result.missed_m_s = best - truth;
+    const SpeedPosterior posterior{.speed_m_s = window.speed_m_s,
+                                   .standard_uncertainty_m_s = window.standard_uncertainty_m_s,
                                    .degrees_of_freedom = window.effective_degrees_of_freedom,
-                                   .bias_limit_mps = window.bias_limit_mps};
-    result.expanded_mps = expanded_uncertainty_by_rule_mps(window, profile.coverage_factor);
-    const auto outcome = [&](double target_mps) {
-        return decide(posterior, Threshold{.speed_mps = target_mps}, profile.decision_probability);
+                                   .bias_limit_m_s = window.bias_limit_m_s};
+    result.expanded_m_s = expanded_uncertainty_by_rule_m_s(window, profile.coverage_factor);
+    const auto outcome = [&](double required_speed_m_s) {
+        return decide(posterior, Threshold{.speed_m_s = required_speed_m_s},
+                      profile.decision_probability);
     };
     result.falsely_beaten = result.certified && outcome(best) == Outcome::beaten;
     result.falsely_not_beaten = result.certified && outcome(0.99 * best) == Outcome::not_beaten &&
-                                !(result.indicated_mps >= 0.99 * best);
+                                !(result.indicated_m_s >= 0.99 * best);
 }
 
 MotionResult study_one(const MotionCell& cell, std::uint64_t seed) {
@@ -146,7 +147,7 @@ MotionResult study_one(const MotionCell& cell, std::uint64_t seed) {
         const Windows windows = find_windows(screened, trajectory, {profile}, config);
         const ProfileWindows& found = windows.profiles.front();
         if (found.indicated && !found.indicated->refusals.empty())
-            result.indicated_mps = found.indicated->speed_mps;
+            result.indicated_m_s = found.indicated->speed_m_s;
         if (found.best)
             judge(*found.best, trajectory.estimation, profile, recording, cell.run.rate_hz, result);
     } catch (const Failure& failure) {
@@ -183,20 +184,20 @@ MotionSummary summarise(const std::vector<MotionResult>& results) {
         if (one.falsely_not_beaten) ++sum.not_beaten;
         if (!one.certified) continue;
         ++sum.certified;
-        if (std::abs(one.error_mps) <= one.expanded_mps) ++sum.held;
-        if (one.missed_mps > one.expanded_mps) ++sum.missed;
+        if (std::abs(one.error_m_s) <= one.expanded_m_s) ++sum.held;
+        if (one.missed_m_s > one.expanded_m_s) ++sum.missed;
         if (one.falsely_beaten) ++sum.beaten;
-        sum.mean_error_mps += one.error_mps;
-        squares += one.error_mps * one.error_mps;
-        sum.mean_expanded_mps += one.expanded_mps;
+        sum.mean_error_m_s += one.error_m_s;
+        squares += one.error_m_s * one.error_m_s;
+        sum.mean_expanded_m_s += one.expanded_m_s;
         sum.largest_error_in_expanded =
-            std::max(sum.largest_error_in_expanded, std::abs(one.error_mps) / one.expanded_mps);
+            std::max(sum.largest_error_in_expanded, std::abs(one.error_m_s) / one.expanded_m_s);
     }
     const auto n = static_cast<double>(std::max<std::int64_t>(1, sum.certified));
-    sum.mean_error_mps /= n;
-    sum.mean_expanded_mps /= n;
-    sum.sd_error_mps =
-        std::sqrt(std::max(0.0, squares / n - sum.mean_error_mps * sum.mean_error_mps));
+    sum.mean_error_m_s /= n;
+    sum.mean_expanded_m_s /= n;
+    sum.sd_error_m_s =
+        std::sqrt(std::max(0.0, squares / n - sum.mean_error_m_s * sum.mean_error_m_s));
     sum.mean_left_out /= static_cast<double>(std::max<std::int64_t>(1, sum.runs));
     return sum;
 }
@@ -213,7 +214,7 @@ std::string motion_line(const MotionCell& cell, const MotionSummary& s) {
         "{:<52} {:<32} {:5} {:5} {:6.1f} {:+7.3f} {:6.3f} {:6.3f} {:6.2f} {:6} {:5} {:6} {:7.1f}\n",
         cell.motion, cell.errors, s.runs, s.certified,
         s.certified ? 100.0 * static_cast<double>(s.held) / static_cast<double>(s.certified) : 0.0,
-        s.mean_error_mps * 3.6, s.sd_error_mps * 3.6, s.mean_expanded_mps * 3.6,
+        s.mean_error_m_s * 3.6, s.sd_error_m_s * 3.6, s.mean_expanded_m_s * 3.6,
         s.largest_error_in_expanded, s.missed, s.beaten, s.not_beaten, s.mean_left_out);
 }
 

@@ -18,17 +18,18 @@ struct MotionCell {
 /// One recording of a cell, screened, smoothed and certified under nalsa.
 struct MotionResult {
     bool certified = false;     ///< there is a window, and the robust estimate agrees
-    double error_mps = 0.0;     ///< speed stated less the true one of the same window
-    double expanded_mps = 0.0;  ///< the stated uncertainty, as wide below as above
-    double missed_mps = 0.0;    ///< true speed of the truly best window less that of the stated
-    double stated_mps = 0.0;
-    double indicated_mps = 0.0;
-    std::int64_t left_out = 0;        ///< epochs that screening does not use
-    bool falsely_beaten = false;      ///< against a target that the truly best window just reaches
-    bool falsely_not_beaten = false;  ///< against a target that it passes by 1 %
+    double error_m_s = 0.0;     ///< speed stated less the true one of the same window
+    double expanded_m_s = 0.0;  ///< the stated uncertainty, as wide below as above
+    double missed_m_s = 0.0;    ///< true speed of the truly best window less that of the stated
+    double stated_m_s = 0.0;
+    double indicated_m_s = 0.0;
+    std::int64_t left_out = 0;  ///< epochs that screening does not use
+    bool falsely_beaten =
+        false;  ///< against a required speed that the truly best window just reaches
+    bool falsely_not_beaten = false;  ///< against a required speed that it passes by 1 %
     std::string failure;
     std::vector<BudgetRow> budget;
-    double bias_mps = 0.0;  ///< of choosing the fastest, as estimated
+    double bias_m_s = 0.0;  ///< of choosing the fastest, as estimated
 };
 
 struct MotionStudyOptions {
@@ -45,9 +46,9 @@ std::vector<MotionResult> study_motion(const MotionCell& cell, const MotionStudy
 /// What the runs of a cell say together.
 struct MotionSummary {
     std::int64_t runs = 0, certified = 0, held = 0, missed = 0, beaten = 0, not_beaten = 0;
-    double mean_error_mps = 0.0, mean_expanded_mps = 0.0, largest_error_in_expanded = 0.0;
+    double mean_error_m_s = 0.0, mean_expanded_m_s = 0.0, largest_error_in_expanded = 0.0;
     double mean_left_out = 0.0;
-    double sd_error_mps = 0.0;
+    double sd_error_m_s = 0.0;
 };
 MotionSummary summarise(const std::vector<MotionResult>& results);
 

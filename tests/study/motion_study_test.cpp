@@ -33,8 +33,8 @@ void expect_honest(const MotionCell& cell, std::int64_t runs) {
     EXPECT_EQ(sum.beaten, 0);
     EXPECT_EQ(sum.not_beaten, 0);
     const auto n = static_cast<double>(sum.certified);
-    EXPECT_LE(std::abs(sum.mean_error_mps),
-              sum.mean_expanded_mps / 5.0 + 2.0 * sum.sd_error_mps / std::sqrt(n));
+    EXPECT_LE(std::abs(sum.mean_error_m_s),
+              sum.mean_expanded_m_s / 5.0 + 2.0 * sum.sd_error_m_s / std::sqrt(n));
 }
 
 TEST(Motion, TwentyQuietMinutesDoNotSmoothTheRunAway) {

@@ -32,8 +32,8 @@ class StudiedRecording {
           rate_hz_(run.rate_hz),
           config_(study_screen_config()),
           screened_(screen(to_be_screened(recording_.screened), config_)),
-          model_(model_of(screened_.evidence.models.front())),
-          plan_(config_.family_false_alarm_rate, screened_.evidence.tests, config_.power,
+          model_(model_of(screened_.basis.models.front())),
+          plan_(config_.family_false_alarm_rate, screened_.basis.tests, config_.power,
                 config_.burst_epochs_max),
           arcs_(arcs_of<2>(recording_.screened)),
           diagnosis_(arcs_.front().epochs, model_) {}
@@ -78,7 +78,7 @@ class StudiedRecording {
             case Hypothesis::step:
                 return row.detectable.step_m;
             case Hypothesis::ramp:
-                return row.detectable.ramp_mps;
+                return row.detectable.ramp_m_s;
             case Hypothesis::time_shift:
                 return row.detectable.time_s;
             default: {  // noise is the same on both axes: so is the variance

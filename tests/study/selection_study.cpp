@@ -22,13 +22,13 @@ StudyRun selection_run(double noise_m, double rate_hz, double jerk_density) {
 namespace {
 
 MeanError mean_error(const std::vector<double>& errors) {
-    return {.mean_mps = mean(errors),
-            .standard_error_mps =
+    return {.mean_m_s = mean(errors),
+            .standard_error_m_s =
                 standard_deviation(errors) / std::sqrt(static_cast<double>(errors.size()))};
 }
 
 std::string in_millimetres(const MeanError& error) {
-    return fmt::format("{:+.3f} +- {:.3f}", error.mean_mps * 1e3, error.standard_error_mps * 1e3);
+    return fmt::format("{:+.3f} +- {:.3f}", error.mean_m_s * 1e3, error.standard_error_m_s * 1e3);
 }
 
 }  // namespace
@@ -51,26 +51,26 @@ SelectionStudy study_selection(const StudyRun& run, std::int64_t runs, std::uint
         const CertifiableWindow& best = windows.profiles.front().best.value();
         const auto first = static_cast<std::size_t>(best.span.first_epoch) - 1;
         const auto last = static_cast<std::size_t>(best.span.last_epoch) - 1;
-        const double true_mps =
+        const double true_m_s =
             (recording.truth[last] - recording.truth[first]).norm() / best.span.duration.seconds();
-        const double taken_off_mps = best.selection->treatment == SelectionTreatment::subtracted
-                                         ? best.selection->bias_mps
+        const double taken_off_m_s = best.selection->treatment == SelectionTreatment::subtracted
+                                         ? best.selection->bias_m_s
                                          : 0.0;
-        const double error_mps = best.speed_mps + taken_off_mps - true_mps;
-        uncorrected.push_back(error_mps);
-        less_fitted.push_back(error_mps - best.selection->fitted_bias_mps);
-        less_reported.push_back(error_mps - best.selection->bias_mps);
-        half_ranges.push_back(best.selection->bias_half_range_mps);
-        const double expanded_mps =
-            expanded_uncertainty_by_rule_mps(best, profiles.front().coverage_factor);
-        held += std::abs(best.speed_mps - true_mps) <= expanded_mps ? 1 : 0;
+        const double error_m_s = best.speed_m_s + taken_off_m_s - true_m_s;
+        uncorrected.push_back(error_m_s);
+        less_fitted.push_back(error_m_s - best.selection->fitted_bias_m_s);
+        less_reported.push_back(error_m_s - best.selection->bias_m_s);
+        half_ranges.push_back(best.selection->bias_half_range_m_s);
+        const double expanded_m_s =
+            expanded_uncertainty_by_rule_m_s(best, profiles.front().coverage_factor);
+        held += std::abs(best.speed_m_s - true_m_s) <= expanded_m_s ? 1 : 0;
     }
     return {.run = run,
             .runs = runs,
             .uncorrected = mean_error(uncorrected),
             .fitted = mean_error(less_fitted),
             .reported = mean_error(less_reported),
-            .half_range_mps = mean(half_ranges),
+            .half_range_m_s = mean(half_ranges),
             .held = held};
 }
 
@@ -81,7 +81,7 @@ std::string selection_line(const SelectionStudy& study) {
         "allowed +- {:.3f} mm/s (means and their standard errors); within U {:.1f} %\n",
         study.run.rate_hz, study.run.jerk_density, study.run.noise.white_m * 1e3, study.runs,
         in_millimetres(study.uncorrected), in_millimetres(study.fitted),
-        in_millimetres(study.reported), study.half_range_mps * 1e3,
+        in_millimetres(study.reported), study.half_range_m_s * 1e3,
         100.0 * static_cast<double>(study.held) / static_cast<double>(study.runs));
 }
 

@@ -10,20 +10,20 @@ namespace runcert {
 /// Mean of the chosen window's stated speed less its true speed, over many runs, with its standard
 /// error (m/s).
 struct MeanError {
-    double mean_mps = 0.0;
-    double standard_error_mps = 0.0;
+    double mean_m_s = 0.0;
+    double standard_error_m_s = 0.0;
 };
 
 /// What choosing the fastest window leaves in its speed: without correction, with the bias by the
 /// errors as fitted taken off, and with the reported one, as it is certified; and how often the
-/// certified speed is within its expanded uncertainty.
+/// measured speed is within its expanded uncertainty.
 struct SelectionStudy {
     StudyRun run;
     std::int64_t runs = 0;
     MeanError uncorrected;
     MeanError fitted;
     MeanError reported;
-    double half_range_mps = 0.0;  ///< mean of what the certificate allows about the reported bias
+    double half_range_m_s = 0.0;  ///< mean of what the certificate allows about the reported bias
     std::int64_t held = 0;
 };
 

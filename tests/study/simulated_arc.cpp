@@ -53,12 +53,12 @@ class RandomMotion {
 Eigen::Vector3d run_at(const StudyRun& run, double time_s) {
     if (run.script) {
         const LineState state = run.script->at(time_s);
-        return {state.distance_m, state.speed_mps, state.acceleration_mps2};
+        return {state.distance_m, state.speed_m_s, state.acceleration_m_s2};
     }
     constexpr double leg_s = 45.0;
     const auto forth = [](double at_s) -> Eigen::Vector3d {
         const RunState state = logistic_run({}, at_s);
-        return {state.distance_m, state.speed_mps, state.acceleration_mps2};
+        return {state.distance_m, state.speed_m_s, state.acceleration_m_s2};
     };
     if (!run.shuttle) return forth(time_s);
     // Backwards in time is braking. At the turns the speed of 0.01 m/s changes its sign: a

@@ -17,7 +17,7 @@ struct StudyNoise {
     double error_sigma_m = 0.0;  ///< of a steady Gauss-Markov error beside it
     double error_tau_s = 1.0;
     bool error_along_only = false;  ///< that error has no part across the direction of travel
-    FixKind fix = FixKind::fixed;
+    FixType fix = FixType::fixed;
 };
 
 /// What a study records: the run of [DHD22] towards north-east, and on it random motion of a known

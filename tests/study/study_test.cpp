@@ -27,7 +27,7 @@ void expect_coverage(double rate_hz) {
             EXPECT_GE(cell.bound.fraction(), 0.95);
         }
         if (slow) {
-            EXPECT_LE(cell.bound.half_width_mps, 0.025);
+            EXPECT_LE(cell.bound.half_width_m_s, 0.025);
         }
     }
 }
@@ -41,15 +41,15 @@ TEST(Coverage, At20Hz) {
 
 /// Biased high as it stands. The bias by the fitted errors, which are white as the true ones,
 /// explains nine tenths of that or more; what is certified, the middle between it and the bias with
-/// slow errors at their bound, is within what is allowed for it.
+/// time-correlated errors at their bound, is within what is allowed for it.
 void expect_unbiased(double noise_m) {
     const SelectionStudy study = study_selection(selection_run(noise_m), 500, 1);
     fmt::print("{}", selection_line(study));
-    EXPECT_GT(study.uncorrected.mean_mps, 5.0 * study.uncorrected.standard_error_mps);
-    EXPECT_LE(std::abs(study.fitted.mean_mps),
-              0.1 * study.uncorrected.mean_mps + 2.0 * study.fitted.standard_error_mps);
-    EXPECT_LE(std::abs(study.reported.mean_mps),
-              study.half_range_mps + 2.0 * study.reported.standard_error_mps);
+    EXPECT_GT(study.uncorrected.mean_m_s, 5.0 * study.uncorrected.standard_error_m_s);
+    EXPECT_LE(std::abs(study.fitted.mean_m_s),
+              0.1 * study.uncorrected.mean_m_s + 2.0 * study.fitted.standard_error_m_s);
+    EXPECT_LE(std::abs(study.reported.mean_m_s),
+              study.half_range_m_s + 2.0 * study.reported.standard_error_m_s);
     EXPECT_GE(static_cast<double>(study.held), 0.93 * static_cast<double>(study.runs));
 }
 

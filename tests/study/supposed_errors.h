@@ -10,7 +10,7 @@ namespace runcert {
 /// An error that is put into a recording: outlier, burst, step, ramp or time_shift.
 struct SupposedError {
     Hypothesis kind = Hypothesis::outlier;
-    std::size_t first = 0;                           ///< index of the first wrong epoch
+    std::size_t first = 0;                           ///< index of the first outlier
     std::size_t epochs = 1;                          ///< of a burst
     Eigen::Vector2d size = Eigen::Vector2d::Zero();  ///< m; m/s for a ramp
     double late_s = 0.0;                             ///< of a time_shift: by what stamps are late

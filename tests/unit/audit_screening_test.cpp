@@ -21,7 +21,7 @@ std::vector<ScreenedEpoch> rows_of(std::size_t count) {
         rows[k].source_line = static_cast<std::int32_t>(k) + 18;
         rows[k].usable = true;
         rows[k].arc = 1;
-        rows[k].fix = FixKind::fixed;
+        rows[k].fix = FixType::fixed;
     }
     if (count > 0) rows[0].break_before = ArcBreak::start;
     return rows;
@@ -35,18 +35,18 @@ ScreenedTable table_of(std::vector<ScreenedEpoch> rows) {
     table.facts.receiver = "primary";
     table.facts.nominal_interval_s = 0.1;
     table.rows = std::move(rows);
-    ScreeningEvidence& evidence = table.evidence;
-    evidence.family_false_alarm_rate = 0.001;
-    evidence.tests = 588'235;
-    evidence.test_size = 1.7e-9;
-    evidence.power = 0.8;
-    evidence.passes = 3;
-    evidence.limits = {.acceleration_max_mps2 = 20.0,
-                       .jerk_max_mps3 = 200.0,
-                       .vertical_rate_max_mps = 5.0,
-                       .acceleration_mps2 = 8.25,
-                       .jerk_mps3 = 40.5,
-                       .vertical_rate_mps = 0.5};
+    ScreeningBasis& basis = table.basis;
+    basis.family_false_alarm_rate = 0.001;
+    basis.tests = 588'235;
+    basis.test_size = 1.7e-9;
+    basis.power = 0.8;
+    basis.passes = 3;
+    basis.limits = {.acceleration_max_m_s2 = 20.0,
+                    .jerk_max_m_s3 = 200.0,
+                    .vertical_rate_max_m_s = 5.0,
+                    .acceleration_m_s2 = 8.25,
+                    .jerk_m_s3 = 40.5,
+                    .vertical_rate_m_s = 0.5};
     return table;
 }
 
@@ -132,15 +132,15 @@ TEST(Audit, KindsOfSolutionThatAreNotAllowedAreToldApart) {
     auto rows = rows_of(10);
     for (std::size_t k = 3; k < 7; ++k) {
         leave_out(rows[k], Reason::other_fix);
-        rows[k].fix = k < 5 ? FixKind::single : FixKind::dgps;
+        rows[k].fix = k < 5 ? FixType::single : FixType::dgps;
     }
     const auto entries = entries_of(std::move(rows));
     ASSERT_EQ(entries.size(), 3U);
     EXPECT_EQ(entries[1],
-              "epochs 4 to 5 (lines 21 to 22), 0.300 s to 0.400 s: left out: kind of solution not "
+              "epochs 4 to 5 (lines 21 to 22), 0.300 s to 0.400 s: left out: fix type not "
               "allowed: single");
     EXPECT_EQ(entries[2],
-              "epochs 6 to 7 (lines 23 to 24), 0.500 s to 0.600 s: left out: kind of solution not "
+              "epochs 6 to 7 (lines 23 to 24), 0.500 s to 0.600 s: left out: fix type not "
               "allowed: differential (DGPS)");
 }
 
@@ -153,16 +153,16 @@ TEST(Audit, ReasonsWithAFigure) {
               "0.200 s to 0.300 s");
     EXPECT_EQ(
         only_entry([](auto& rows) { leave_out(rows[4], Reason::accuracy_absurd, {}, 12.5, 10.0); }),
-        "epoch 5 (line 22), 0.400 s: left out: the stated accuracy of 12.5000 m is not "
+        "epoch 5 (line 22), 0.400 s: left out: the stated standard deviation of 12.5000 m is not "
         "believable: larger than 10.0000 m");
     EXPECT_EQ(only_entry(
                   [](auto& rows) { leave_out(rows[4], Reason::accuracy_absurd, {}, 0.0, 0.0001); }),
-              "epoch 5 (line 22), 0.400 s: left out: the stated accuracy of 0.0000 m is not "
+              "epoch 5 (line 22), 0.400 s: left out: the stated standard deviation of 0.0000 m is not "
               "believable: smaller than 0.0001 m");
     // The determinant of the correlations is written with six decimals, as its threshold is.
     EXPECT_EQ(
         only_entry([](auto& rows) { leave_out(rows[4], Reason::accuracy_absurd, {}, 0.0, 0.0); }),
-        "epoch 5 (line 22), 0.400 s: left out: the stated accuracies and correlations are not "
+        "epoch 5 (line 22), 0.400 s: left out: the stated standard deviations and correlations are not "
         "those of any error");
     EXPECT_EQ(only_entry([](auto& rows) { leave_out(rows[4], Reason::short_arc, {}, 3.0, 6.0); }),
               "epoch 5 (line 22), 0.400 s: left out: in a stretch of only 3 usable "
@@ -197,9 +197,9 @@ TEST(Audit, AnOutlierSaysWhereItShouldHaveBeen) {
                                        .sigma_north_m = 0.0204,
                                        .sigma_up_m = {},
                                        .correlation_east_north = 0.0,
-                                       .rate_east_mps = {},
-                                       .rate_north_mps = {},
-                                       .rate_up_mps = {},
+                                       .rate_east_m_s = {},
+                                       .rate_north_m_s = {},
+                                       .rate_up_m_s = {},
                                        .time_s = {}};
               }),
               "epoch 5 (line 22), 0.400 s: left out: its position is 0.183 m from where the epochs "
@@ -225,7 +225,7 @@ TEST(Audit, ABurstIsOneEntryAndOutliersSideBySideAreTwo) {
                       rows[k].estimated.north_m = 0.4;
                   }
               }),
-              "epochs 5 to 7 (lines 22 to 24), 0.400 s to 0.600 s: left out: several wrong epochs "
+              "epochs 5 to 7 (lines 22 to 24), 0.400 s to 0.600 s: left out: several outliers "
               "in a row: their positions are 0.500 m to 0.640 m from where the epochs before and "
               "after them put them; statistic 133.2 where 37.0 " +
                   chance);
@@ -250,8 +250,8 @@ TEST(Audit, AStretchThatDoesNotFitAndADriftingOne) {
                   chance);
     EXPECT_EQ(only_entry([](auto& rows) {
                   leave_out(rows[4], Reason::model, Hypothesis::ramp, 61.0, 41.5);
-                  rows[4].estimated.rate_east_mps = 0.3;
-                  rows[4].estimated.rate_north_mps = -0.4;
+                  rows[4].estimated.rate_east_m_s = 0.3;
+                  rows[4].estimated.rate_north_m_s = -0.4;
               }),
               "epoch 5 (line 22), 0.400 s: left out: the positions drift, by 0.500 m/s (0.300 m/s "
               "east, 0.400 m/s south) where that begins; where nobody can tell which ones drift, "
@@ -333,7 +333,7 @@ TEST(Audit, BreaksOfTheTests) {
     height.up_m = -0.5;
     height.sigma_up_m = 0.03125;
     EstimatedError ramp;
-    ramp.rate_up_mps = -0.9375;
+    ramp.rate_up_m_s = -0.9375;
     EstimatedError shift;
     shift.time_s = 0.1;
     const struct {
@@ -502,7 +502,7 @@ TEST(Audit, AnEpochUsedSaysWhatItSupportsBestAndWhatWouldHaveBeenFound) {
     rows[1].threshold = 30.66485;
     rows[1].detectable = {.outlier_m = 0.03125,
                           .step_m = 0.05,
-                          .ramp_mps = 0.625,
+                          .ramp_m_s = 0.625,
                           .time_s = 0.0011,
                           .outlier_up_m = 0.1,
                           .step_up_m = {}};
@@ -525,47 +525,46 @@ TEST(Audit, WhatTheTestsRestedOn) {
     ScreenedTable table = table_of(rows_of(1587));
     leave_out(table.rows[7], Reason::outlier);
     table.rows[9].local_variance_factor = 3.25;
-    ScreeningEvidence& evidence = table.evidence;
-    evidence.models = {{.axes = TestedAxes::horizontal,
-                        .noise = NoiseBasis::fitted,
-                        .jerk_density = 0.625,
-                        .measurement_scale = 1.5,
-                        .error_sigma_m = 0.0125,
-                        .error_tau_s = 2.5},
-                       {.axes = TestedAxes::vertical,
-                        .noise = NoiseBasis::too_few_epochs,
-                        .jerk_density = 0.6,
-                        .measurement_scale = 1.25,
-                        .error_sigma_m = 0.0,
-                        .error_tau_s = 1.0}};
-    const auto kind = [](FixKind fix, std::int64_t epochs, double factor,
+    ScreeningBasis& basis = table.basis;
+    basis.models = {{.axes = TestedAxes::horizontal,
+                     .noise = NoiseBasis::fitted,
+                     .jerk_density = 0.625,
+                     .measurement_scale = 1.5,
+                     .error_sigma_m = 0.0125,
+                     .error_tau_s = 2.5},
+                    {.axes = TestedAxes::vertical,
+                     .noise = NoiseBasis::too_few_epochs,
+                     .jerk_density = 0.6,
+                     .measurement_scale = 1.25,
+                     .error_sigma_m = 0.0,
+                     .error_tau_s = 1.0}};
+    const auto kind = [](FixType fix, std::int64_t epochs, double factor,
                          AccuracyJudgement judgement) {
-        return FixKindEvidence{.fix = fix,
-                               .axes = TestedAxes::horizontal,
-                               .epochs = epochs,
-                               .variance_factor = factor,
-                               .judgement = judgement};
+        return FixTypeErrors{.fix = fix,
+                             .axes = TestedAxes::horizontal,
+                             .epochs = epochs,
+                             .variance_factor = factor,
+                             .judgement = judgement};
     };
-    evidence.fix_kinds = {kind(FixKind::fixed, 1500, 2.25, AccuracyJudgement::too_good),
-                          kind(FixKind::dgps, 120, 0.25, AccuracyJudgement::too_bad),
-                          kind(FixKind::sbas, 110, 1.0, AccuracyJudgement::as_stated),
-                          kind(FixKind::single, 12, 1.0, AccuracyJudgement::too_few_epochs)};
+    basis.fix_types = {kind(FixType::fixed, 1500, 2.25, AccuracyJudgement::optimistic),
+                       kind(FixType::dgps, 120, 0.25, AccuracyJudgement::pessimistic),
+                       kind(FixType::sbas, 110, 1.0, AccuracyJudgement::as_stated),
+                       kind(FixType::single, 12, 1.0, AccuracyJudgement::too_few_epochs)};
     expect_in(unwrapped(audit_text(table, subject, false)),
-              {"rover.pos: 1,587 epochs, 1,586 used, in 1 arc (stretches without a break). Left "
-               "out: 1 (wrong position).",
-               "rested horizontally on noise learnt from the recording: 1.50 times the stated "
-               "accuracies and a jerk density of 0.625 m s^-2.5, a slow error of 0.0125 m that "
+              {"rover.pos: 1,587 epochs, 1,586 used, in 1 arc (arcs). Left "
+               "out: 1 (outlier).",
+               "rested horizontally on noise estimated from the recording: 1.50 times the stated standard deviations and a jerk density of 0.625 m s^-2.5, a time-correlated error of 0.0125 m that "
                "lasts 2.5 s.",
-               "rested vertically on 1.25 times the stated accuracies and a jerk density of 0.6 m "
-               "s^-2.5: noise was not learnt from the recording (too few epochs to learn from).",
+               "rested vertically on 1.25 times the stated standard deviations and a jerk density of 0.6 m "
+               "s^-2.5: noise was not estimated from the recording (too few epochs to estimate it).",
                "at most 3.25 (epoch 10)", "588,235 tests planned", "gone through 3 times",
-               "in a recording without a wrong epoch, and with that noise, the tests together mark "
+               "in a recording without an outlier, and with that noise, the tests together mark "
                "anything in at most 1 of 1,000 recordings",
                "with a probability of 80.0 %",
                "fixed, horizontally (1,500 epochs): errors 1.50 times as large as stated (variance "
-               "factor 2.250): the stated accuracy is too good, the errors are larger.",
+               "factor 2.250): the stated standard deviation is too good, the errors are larger.",
                "(DGPS), horizontally (120 epochs): errors 0.50 times as large as stated (variance "
-               "factor 0.250): the stated accuracy is too bad, the errors are smaller.",
+               "factor 0.250): the stated standard deviation is too bad, the errors are smaller.",
                "(SBAS), horizontally (110 epochs): errors 1.00 times as large as stated (variance "
                "factor 1.000): as stated.",
                "Single, horizontally (12 epochs): too few epochs to tell how large its errors are.",
@@ -578,26 +577,26 @@ TEST(Audit, WhatTheTestsRestedOn) {
 
 TEST(Audit, TimeVelocitiesAndTheOtherReceiver) {
     ScreenedTable table = table_of(rows_of(40));
-    ScreeningEvidence& evidence = table.evidence;
-    evidence.velocity = VelocityEvidence{.compared = 1200,
-                                         .delay_s = 0.125,
-                                         .sigma_delay_s = 0.004,
-                                         .scale_mps = 0.05,
-                                         .rejected = 2};
-    evidence.baseline = BaselineEvidence{
+    ScreeningBasis& basis = table.basis;
+    basis.velocity = VelocityComparison{.compared = 1200,
+                                        .delay_s = 0.125,
+                                        .sigma_delay_s = 0.004,
+                                        .scale_m_s = 0.05,
+                                        .rejected = 2};
+    basis.baseline = BaselineComparison{
         .receiver = "secondary", .compared = 1100, .length_m = 1.5, .sd_m = 0.0125, .rejected = 1};
-    evidence.time = {.sessions = 2,
-                     .gaps = 3,
-                     .longest_gap_s = 75.5,
-                     .duplicates = 1,
-                     .backward = 1,
-                     .rate_deviation = -12e-6,
-                     .jitter_s = 0.00025,
-                     .faults = {{4, TimeFaultKind::gap, 2.5},
-                                {7, TimeFaultKind::duplicate, 0.0},
-                                {9, TimeFaultKind::backward, -0.5},
-                                {12, TimeFaultKind::session, 75.4},
-                                {99, TimeFaultKind::whole_second_shift, -18.0}}};
+    basis.time = {.sessions = 2,
+                  .gaps = 3,
+                  .longest_gap_s = 75.5,
+                  .duplicates = 1,
+                  .backward = 1,
+                  .rate_deviation = -12e-6,
+                  .jitter_s = 0.00025,
+                  .faults = {{4, TimeFaultKind::gap, 2.5},
+                             {7, TimeFaultKind::duplicate, 0.0},
+                             {9, TimeFaultKind::backward, -0.5},
+                             {12, TimeFaultKind::session, 75.4},
+                             {99, TimeFaultKind::whole_second_shift, -18.0}}};
     const std::string text = unwrapped(audit_text(table, subject, false));
     expect_in(text,
               {"1,200 epochs; they differ by 0.050 m/s",
@@ -613,9 +612,9 @@ TEST(Audit, TimeVelocitiesAndTheOtherReceiver) {
                "at epoch 12 (line 29): another session begins, 75.400 s later",
                "at epoch 99: the clock jumps by 18.000 s while the positions go on"});
     EXPECT_EQ(text.find("The table holds the first"), std::string::npos);
-    evidence.velocity = VelocityEvidence{
-        .compared = 50, .delay_s = {}, .sigma_delay_s = {}, .scale_mps = 0.05, .rejected = 0};
-    evidence.time.duplicates = 1200;
+    basis.velocity = VelocityComparison{
+        .compared = 50, .delay_s = {}, .sigma_delay_s = {}, .scale_m_s = 0.05, .rejected = 0};
+    basis.time.duplicates = 1200;
     expect_in(unwrapped(audit_text(table, subject, false)),
               {"The motion does not tell whether they are late.",
                "The table holds the first 5 of 1,204 faults."});

@@ -36,24 +36,24 @@ struct Scene {
         "record: {speed: 202.9, unit: km/h, source: published}\n",
         "attempt");
     std::vector<Profile> profiles{builtin("nalsa")};
-    ReceiverEvidence judged;
-    ReceiverEvidence secondary;
+    ReceiverResults judged;
+    ReceiverResults secondary;
 
-    Scene(double speed_mps, double standard_uncertainty_mps) {
+    Scene(double speed_m_s, double standard_uncertainty_m_s) {
         judged.receiver = "primary";
         judged.accuracy_source = "recording";
-        set_window(judged, speed_mps, standard_uncertainty_mps);
+        set_window(judged, speed_m_s, standard_uncertainty_m_s);
         secondary.receiver = "secondary";
     }
-    void set_window(ReceiverEvidence& receiver, double speed_mps, double uncertainty) const {
+    void set_window(ReceiverResults& receiver, double speed_m_s, double uncertainty) const {
         ProfileWindows entry{
             .profile = "nalsa",
             .rule = {.duration_s = 3.0, .definition = SpeedDefinition::displacement},
             .candidates = 5,
             .best = CertifiableWindow{},
             .indicated = std::nullopt};
-        entry.best->speed_mps = speed_mps;
-        entry.best->standard_uncertainty_mps = uncertainty;
+        entry.best->speed_m_s = speed_m_s;
+        entry.best->standard_uncertainty_m_s = uncertainty;
         entry.best->span.duration.nanoseconds = 3'000'000'000;
         receiver.windows.profiles = {entry};
     }
@@ -81,7 +81,7 @@ TEST(Check, ARecordBeaten) {
     EXPECT_EQ(status_of(verdict, "positions-on-the-earth"), RequirementStatus::met);
     EXPECT_EQ(status_of(verdict, "secondary-method"), RequirementStatus::attest);
     EXPECT_EQ(status_of(verdict, "own-start"), RequirementStatus::attest);
-    EXPECT_NEAR(*verdict.expanded_uncertainty_mps, 0.010, 1e-12);
+    EXPECT_NEAR(*verdict.expanded_uncertainty_m_s, 0.010, 1e-12);
 }
 
 TEST(Check, FewDegreesOfFreedomWidenTheExpandedUncertainty) {
@@ -89,9 +89,9 @@ TEST(Check, FewDegreesOfFreedomWidenTheExpandedUncertainty) {
     scene.judged.windows.profiles[0].best->effective_degrees_of_freedom = 4.0;
     const ProfileVerdict verdict = scene.verdict();
     EXPECT_NEAR(verdict.coverage_factor, 2.87, 0.005);  // [GUM] table G.2
-    EXPECT_NEAR(*verdict.expanded_uncertainty_mps, verdict.coverage_factor * 0.005, 1e-15);
+    EXPECT_NEAR(*verdict.expanded_uncertainty_m_s, verdict.coverage_factor * 0.005, 1e-15);
     // 0.2222 m/s over 2.87 is 0.0774: within the limit for many degrees of freedom, not for four.
-    scene.judged.windows.profiles[0].best->standard_uncertainty_mps = 0.08;
+    scene.judged.windows.profiles[0].best->standard_uncertainty_m_s = 0.08;
     EXPECT_EQ(status_of(scene.verdict(), "accuracy"), RequirementStatus::not_met);
     scene.judged.windows.profiles[0].best->effective_degrees_of_freedom.reset();
     EXPECT_EQ(status_of(scene.verdict(), "accuracy"), RequirementStatus::met);
@@ -106,7 +106,7 @@ TEST(Check, TheAccuracySaysWhatOfItTheChoiceOfTheWindowMayHaveLeft) {
     };
     EXPECT_TRUE(accuracy().evidence.starts_with("2 times the standard uncertainty is 0.576 km/h,"))
         << accuracy().evidence;
-    scene.judged.windows.profiles[0].best->bias_limit_mps = 0.1;
+    scene.judged.windows.profiles[0].best->bias_limit_m_s = 0.1;
     EXPECT_EQ(accuracy().status, RequirementStatus::not_met);
     EXPECT_TRUE(accuracy().evidence.starts_with(
         "2 times the standard uncertainty, and 0.360 km/h that choosing the window may have left, "
@@ -116,9 +116,9 @@ TEST(Check, TheAccuracySaysWhatOfItTheChoiceOfTheWindowMayHaveLeft) {
 
 TEST(Check, ARobustEstimateThatDisagreesIsNotCertifiable) {
     Scene scene(60.0, 0.005);
-    RobustSpeed robust{.speed_mps = 60.1,
-                       .difference_mps = 0.1,
-                       .limit_mps = 0.012,
+    RobustSpeed robust{.speed_m_s = 60.1,
+                       .difference_m_s = 0.1,
+                       .limit_m_s = 0.012,
                        .agrees = false,
                        .downweighted = 3};
     scene.judged.windows.profiles[0].best->robust = robust;
@@ -146,8 +146,8 @@ TEST(Check, EveryWindowOfAMeanIsRefusedForWhatTheBestIs) {
         windows.best->span.last_epoch = 131;
         windows.further = {{.span = windows.best->span,
                             .arc = 1,
-                            .speed_mps = 59.0,
-                            .standard_uncertainty_mps = 0.005}};
+                            .speed_m_s = 59.0,
+                            .standard_uncertainty_m_s = 0.005}};
         windows.further[0].span.first_epoch = 201;
         windows.further[0].span.last_epoch = 231;
         scene.judged.records = {.total = 1000, .bad = 1, .bad_records = {}};
@@ -157,14 +157,14 @@ TEST(Check, EveryWindowOfAMeanIsRefusedForWhatTheBestIs) {
     Scene scene = mean_of_two();
     scene.judged.records.bad_records[0].epoch = 150;
     EXPECT_EQ(scene.verdict().outcome, Outcome::beaten) << scene.verdict().reason;
-    EXPECT_NEAR(*scene.verdict().speed_mps, 59.5, 1e-12);
+    EXPECT_NEAR(*scene.verdict().speed_m_s, 59.5, 1e-12);
     scene.judged.records.bad_records[0].epoch = 210;
     EXPECT_EQ(scene.verdict().outcome, Outcome::not_certifiable);
     EXPECT_NE(scene.verdict().reason.find("could not be read"), std::string::npos);
     scene = mean_of_two();
-    scene.judged.windows.profiles[0].further[0].robust = RobustSpeed{.speed_mps = 59.1,
-                                                                     .difference_mps = 0.1,
-                                                                     .limit_mps = 0.012,
+    scene.judged.windows.profiles[0].further[0].robust = RobustSpeed{.speed_m_s = 59.1,
+                                                                     .difference_m_s = 0.1,
+                                                                     .limit_m_s = 0.012,
                                                                      .agrees = false,
                                                                      .downweighted = 3};
     EXPECT_EQ(scene.verdict().outcome, Outcome::not_certifiable);
@@ -187,17 +187,17 @@ TEST(Check, AnAccuracyBeyondTheLimitIsNotCertifiable) {
 }
 
 TEST(Check, NotBeatenAndNotProven) {
-    const double target = 202.9 * kmh + 1609.344 / 3600.0;
+    const double required_speed = 202.9 * kmh + 1609.344 / 3600.0;
     // Phi(-2) = 0.0228 is at most 0.025, Phi(-1.9) = 0.0287 is not; Phi(1.9), Phi(2) likewise.
-    EXPECT_EQ(Scene(target - 0.010, 0.005).verdict().outcome, Outcome::not_beaten);
-    EXPECT_EQ(Scene(target - 0.0095, 0.005).verdict().outcome, Outcome::not_proven);
-    EXPECT_EQ(Scene(target - 0.001, 0.005).verdict().outcome, Outcome::not_proven);
-    EXPECT_EQ(Scene(target + 0.005, 0.005).verdict().outcome, Outcome::not_proven);
-    EXPECT_EQ(Scene(target + 0.0095, 0.005).verdict().outcome, Outcome::not_proven);
-    EXPECT_EQ(Scene(target + 0.010, 0.005).verdict().outcome, Outcome::beaten);
-    EXPECT_EQ(status_of(Scene(target + 0.005, 0.005).verdict(), "margin"),
+    EXPECT_EQ(Scene(required_speed - 0.010, 0.005).verdict().outcome, Outcome::not_beaten);
+    EXPECT_EQ(Scene(required_speed - 0.0095, 0.005).verdict().outcome, Outcome::not_proven);
+    EXPECT_EQ(Scene(required_speed - 0.001, 0.005).verdict().outcome, Outcome::not_proven);
+    EXPECT_EQ(Scene(required_speed + 0.005, 0.005).verdict().outcome, Outcome::not_proven);
+    EXPECT_EQ(Scene(required_speed + 0.0095, 0.005).verdict().outcome, Outcome::not_proven);
+    EXPECT_EQ(Scene(required_speed + 0.010, 0.005).verdict().outcome, Outcome::beaten);
+    EXPECT_EQ(status_of(Scene(required_speed + 0.005, 0.005).verdict(), "margin"),
               RequirementStatus::not_met);
-    EXPECT_EQ(Scene(target + 0.011, 0.005).verdict().outcome, Outcome::beaten);
+    EXPECT_EQ(Scene(required_speed + 0.011, 0.005).verdict().outcome, Outcome::beaten);
 }
 
 TEST(Check, WithoutARecordNothingIsBeaten) {
@@ -211,7 +211,7 @@ TEST(Check, WithoutAWindowNothingIsCertifiable) {
     scene.judged.windows.profiles[0].best.reset();
     const ProfileVerdict verdict = scene.verdict();
     EXPECT_EQ(verdict.outcome, Outcome::not_certifiable);
-    EXPECT_FALSE(verdict.speed_mps.has_value());
+    EXPECT_FALSE(verdict.speed_m_s.has_value());
     EXPECT_EQ(status_of(verdict, "average-over-3-s"), RequirementStatus::not_met);
 }
 
@@ -226,26 +226,26 @@ TEST(Check, LocalPlaneCoordinatesAreForAPersonToAnswerFor) {
 
 /// Where a craft on a circle is, and where an antenna on it.
 struct Circle {
-    double speed_mps = 60.0;
+    double speed_m_s = 60.0;
     double radius_m = 1e6;
     double ahead_m = 0.0;
     double right_m = 0.0;
 
     TrajectoryEpoch at(double t) const {
-        const double rate = speed_mps / radius_m;
+        const double rate = speed_m_s / radius_m;
         const double s = std::sin(rate * t), c = std::cos(rate * t);
         // The antenna goes on a circle of its own, as fast as the craft turns.
         const double across = radius_m - right_m;
         TrajectoryEpoch row;
         row.east_m = radius_m - across * c + ahead_m * s;
         row.north_m = across * s + ahead_m * c;
-        row.velocity_east_mps = rate * (across * s + ahead_m * c);
-        row.velocity_north_mps = rate * (across * c - ahead_m * s);
-        row.acceleration_east_mps2 = rate * rate * (across * c - ahead_m * s);
-        row.acceleration_north_mps2 = rate * rate * (-across * s - ahead_m * c);
-        row.speed_mps = std::hypot(*row.velocity_east_mps, *row.velocity_north_mps);
+        row.velocity_east_m_s = rate * (across * s + ahead_m * c);
+        row.velocity_north_m_s = rate * (across * c - ahead_m * s);
+        row.acceleration_east_m_s2 = rate * rate * (across * c - ahead_m * s);
+        row.acceleration_north_m_s2 = rate * rate * (-across * s - ahead_m * c);
+        row.speed_m_s = std::hypot(*row.velocity_east_m_s, *row.velocity_north_m_s);
         row.sigma_east_m = row.sigma_north_m = 0.005;
-        row.sigma_acceleration_east_mps2 = row.sigma_acceleration_north_mps2 = 0.1;
+        row.sigma_acceleration_east_m_s2 = row.sigma_acceleration_north_m_s2 = 0.1;
         row.usable = true;
         row.arc = 1;
         return row;
@@ -270,15 +270,15 @@ struct TwoReceivers : Scene {
         best.span.first_epoch = from.epoch;
         best.span.last_epoch = to.epoch;
         best.span.start = from.time;
-        best.definitions.displacement_mps =
+        best.definitions.displacement_m_s =
             std::hypot(*to.east_m - *from.east_m, *to.north_m - *from.north_m) / 3.0;
-        best.speed_mps = best.definitions.displacement_mps;
+        best.speed_m_s = best.definitions.displacement_m_s;
     }
     ProfileVerdict both() const { return verdict(true); }
 
   private:
-    static void fill(ReceiverEvidence& receiver, const Circle& course, GpsTime start,
-                     double later_s, std::int64_t interval_ms) {
+    static void fill(ReceiverResults& receiver, const Circle& course, GpsTime start, double later_s,
+                     std::int64_t interval_ms) {
         receiver.facts.first_epoch =
             start.plus_nanoseconds(static_cast<std::int64_t>(later_s * 1e9));
         receiver.trajectory.clear();
@@ -299,13 +299,13 @@ std::string evidence_of(const ProfileVerdict& verdict, const std::string& clause
 
 TEST(Agreement, OfTheSpeedsOverThePrimarysWindow) {
     TwoReceivers scene;
-    scene.second.speed_mps = 60.013;  // E_n = 0.013 / 0.01414 = 0.92
+    scene.second.speed_m_s = 60.013;  // E_n = 0.013 / 0.01414 = 0.92
     scene.record();
     EXPECT_EQ(status_of(scene.both(), "secondary-method"), RequirementStatus::met);
     EXPECT_NE(evidence_of(scene.both(), "secondary-method").find("error 0.92"), std::string::npos)
         << evidence_of(scene.both(), "secondary-method");
     EXPECT_EQ(scene.both().outcome, Outcome::beaten);
-    scene.second.speed_mps = 60.015;  // 1.06
+    scene.second.speed_m_s = 60.015;  // 1.06
     scene.record();
     EXPECT_EQ(status_of(scene.both(), "secondary-method"), RequirementStatus::not_met);
     EXPECT_EQ(scene.both().outcome, Outcome::not_certifiable);
@@ -313,7 +313,7 @@ TEST(Agreement, OfTheSpeedsOverThePrimarysWindow) {
 
 TEST(Agreement, ContradictionIsNotCertifiableUnderARuleThatDoesNotAskForAnotherMethod) {
     TwoReceivers scene;
-    scene.second.speed_mps = 60.03;
+    scene.second.speed_m_s = 60.03;
     scene.record();
     std::erase_if(scene.profiles[0].clauses, [](const Clause& clause) {
         return clause.decided_by == Computation::secondary_method;
@@ -327,7 +327,7 @@ TEST(Agreement, ContradictionIsNotCertifiableUnderARuleThatDoesNotAskForAnotherM
 TEST(Agreement, TimesAreMatchedWhateverTheRecordingsBeginWith) {
     for (const double later_s : {-1.7, 0.0, 1.9, 4.93}) {
         TwoReceivers scene;
-        scene.second.speed_mps = 60.010;
+        scene.second.speed_m_s = 60.010;
         scene.second.radius_m = scene.first.radius_m = 500.0;
         scene.record(later_s);
         EXPECT_EQ(status_of(scene.both(), "secondary-method"), RequirementStatus::met) << later_s;
@@ -406,7 +406,7 @@ TEST(Agreement, WithoutUsableDataOverThatTimeIsNotMet) {
 
 TEST(Agreement, TheOthersUncertaintyIsTheLargerOfItsBudgetsAndItsEnds) {
     TwoReceivers scene;
-    scene.second.speed_mps = 60.03;
+    scene.second.speed_m_s = 60.03;
     scene.record();
     EXPECT_EQ(status_of(scene.both(), "secondary-method"), RequirementStatus::not_met);
     // sqrt(2) 0.05 m / 3 s = 0.0236 m/s
@@ -425,9 +425,9 @@ TwoReceivers that_share_most(double second_above_kmh) {
     TwoReceivers scene;
     scene.set_window(scene.judged, 60.0, 0.5 * 0.167 * kmh);
     scene.set_window(scene.secondary, 75.0, 0.5 * 0.167 * kmh);
-    for (ReceiverEvidence* one : {&scene.judged, &scene.secondary})
-        one->windows.profiles[0].best->own_standard_uncertainty_mps = 0.5 * 0.070 * kmh;
-    scene.second.speed_mps += second_above_kmh * kmh;
+    for (ReceiverResults* one : {&scene.judged, &scene.secondary})
+        one->windows.profiles[0].best->own_standard_uncertainty_m_s = 0.5 * 0.070 * kmh;
+    scene.second.speed_m_s += second_above_kmh * kmh;
     scene.record();
     return scene;
 }
@@ -441,8 +441,8 @@ TEST(Agreement, IsTestedWithWhatTheTwoDoNotShare) {
         << evidence_of(scene.both(), "secondary-method");
     EXPECT_EQ(scene.both().outcome, Outcome::not_certifiable);
     // Where windows do not say what they share.
-    for (ReceiverEvidence* one : {&scene.judged, &scene.secondary})
-        one->windows.profiles[0].best->own_standard_uncertainty_mps.reset();
+    for (ReceiverResults* one : {&scene.judged, &scene.secondary})
+        one->windows.profiles[0].best->own_standard_uncertainty_m_s.reset();
     EXPECT_EQ(status_of(scene.both(), "secondary-method"), RequirementStatus::met);
     EXPECT_NE(evidence_of(scene.both(), "secondary-method").find("normalised error 0.97"),
               std::string::npos);
@@ -455,7 +455,7 @@ TEST(Agreement, IsTestedWithWhatTheTwoDoNotShare) {
 
 TEST(Agreement, OfAnErrorThatBothShareSaysNothingAndWhatIsSharedIsListed) {
     TwoReceivers scene = that_share_most(0.0);
-    scene.first.speed_mps = scene.second.speed_mps = 66.0;  // both by a tenth too fast
+    scene.first.speed_m_s = scene.second.speed_m_s = 66.0;  // both by a tenth too fast
     scene.record();
     EXPECT_EQ(status_of(scene.both(), "secondary-method"), RequirementStatus::met);
     const std::string evidence = evidence_of(scene.both(), "secondary-method");

@@ -14,11 +14,11 @@ namespace runcert::RUNCERT_FILE {
 namespace {
 
 constexpr double degree = std::numbers::pi / 180.0;
-constexpr double sigma_m = 0.01, sigma_up_m = 0.02, sigma_mps = 0.05;
+constexpr double sigma_m = 0.01, sigma_up_m = 0.02, sigma_m_s = 0.05;
 
 struct Motion {
     double east_m = 0.0, north_m = 0.0, up_m = 0.0;
-    double velocity_east_mps = 0.0, velocity_north_mps = 0.0, velocity_up_mps = 0.0;
+    double velocity_east_m_s = 0.0, velocity_north_m_s = 0.0, velocity_up_m_s = 0.0;
 };
 
 /// Rows at 10 Hz of one arc, the motion a function of time (s), with the sigmas above.
@@ -33,13 +33,13 @@ std::vector<TrajectoryEpoch> rows_of(double duration_s,
         row.east_m = motion.east_m;
         row.north_m = motion.north_m;
         row.up_m = motion.up_m;
-        row.velocity_east_mps = motion.velocity_east_mps;
-        row.velocity_north_mps = motion.velocity_north_mps;
-        row.velocity_up_mps = motion.velocity_up_mps;
+        row.velocity_east_m_s = motion.velocity_east_m_s;
+        row.velocity_north_m_s = motion.velocity_north_m_s;
+        row.velocity_up_m_s = motion.velocity_up_m_s;
         row.sigma_east_m = row.sigma_north_m = sigma_m;
         row.sigma_up_m = sigma_up_m;
-        row.sigma_velocity_east_mps = row.sigma_velocity_north_mps = sigma_mps;
-        row.sigma_velocity_up_mps = sigma_mps;
+        row.sigma_velocity_east_m_s = row.sigma_velocity_north_m_s = sigma_m_s;
+        row.sigma_velocity_up_m_s = sigma_m_s;
         row.arc = 1;
         row.usable = true;
     }
@@ -49,14 +49,14 @@ std::vector<TrajectoryEpoch> rows_of(double duration_s,
 /// Straight along a heading from a place, at constant acceleration from a speed.
 struct Straight {
     double heading_deg = 60.0;
-    double speed_mps = 20.0;
-    double acceleration_mps2 = 0.0;
+    double speed_m_s = 20.0;
+    double acceleration_m_s2 = 0.0;
     double east_m = 0.0, north_m = 0.0;
     double slope = 0.0;
 
     Motion operator()(double time_s) const {
-        const double speed = speed_mps + acceleration_mps2 * time_s;
-        const double path = speed_mps * time_s + 0.5 * acceleration_mps2 * time_s * time_s;
+        const double speed = speed_m_s + acceleration_m_s2 * time_s;
+        const double path = speed_m_s * time_s + 0.5 * acceleration_m_s2 * time_s * time_s;
         const double e = std::sin(heading_deg * degree), n = std::cos(heading_deg * degree);
         return {east_m + e * path, north_m + n * path, slope * path,
                 e * speed,         n * speed,          slope * speed};
@@ -185,7 +185,7 @@ TEST(Course, OfATurnTheChordTheArrowAndTheAngle) {
         EXPECT_NEAR(facts.straightness_m.value, 400.0 * (1.0 - std::cos(0.075)), 1e-9);
         EXPECT_NEAR(facts.turning_deg.value, side * 0.15 / degree, 1e-9);
         EXPECT_NEAR(*facts.turning_deg.expanded_uncertainty,
-                    2.0 * std::sqrt(2.0) * sigma_mps / 20.0 / degree, 1e-9);
+                    2.0 * std::sqrt(2.0) * sigma_m_s / 20.0 / degree, 1e-9);
         // Halfway, the line has half the variance of an end.
         EXPECT_NEAR(*facts.straightness_m.expanded_uncertainty, 2.0 * std::sqrt(1.5) * sigma_m,
                     1e-9);
@@ -200,23 +200,23 @@ TEST(Course, UncertaintyOfTheHeadingIsThatAcrossIt) {
                 2.0 * std::sqrt(2.0) * sigma_m / 60.0 / degree, 1e-9);
     rows[30].sigma_north_m.reset();
     EXPECT_FALSE(facts_of(rows, 0, 30).heading_deg.expanded_uncertainty.has_value());
-    const auto parked = rows_of(20.0, Straight{.speed_mps = 0.0});
+    const auto parked = rows_of(20.0, Straight{.speed_m_s = 0.0});
     EXPECT_EQ(facts_of(parked, 0, 30).heading_deg.expanded_uncertainty, 180.0);
 }
 
 TEST(Course, RunUpFromRest) {
-    const auto rows = rows_of(30.0, Straight{.speed_mps = 0.0, .acceleration_mps2 = 2.0});
+    const auto rows = rows_of(30.0, Straight{.speed_m_s = 0.0, .acceleration_m_s2 = 2.0});
     const CourseFacts facts = facts_of(rows, 200, 230);
     EXPECT_NEAR(facts.run_up_m, 400.0, 1e-9);
     EXPECT_NEAR(facts.run_up_s, 20.0, 1e-12);
-    EXPECT_EQ(facts.speed_before_mps.value, 0.0);
-    EXPECT_NEAR(*facts.speed_before_mps.expanded_uncertainty, 2.0 * sigma_mps, 1e-12);
+    EXPECT_EQ(facts.speed_before_m_s.value, 0.0);
+    EXPECT_NEAR(*facts.speed_before_m_s.expanded_uncertainty, 2.0 * sigma_m_s, 1e-12);
     EXPECT_TRUE(facts.standing_start);
 }
 
 TEST(Course, StandingStartAroundItsLimits) {
     struct Case {
-        double speed_mps, sigma_mps;
+        double speed_m_s, sigma_m_s;
         bool standing;
     };
     // sqrt(5.9915) = 2.4477 standard uncertainties: tables of chi-squared, 95 %, 2 degrees.
@@ -226,10 +226,10 @@ TEST(Course, StandingStartAroundItsLimits) {
                             {0.21, 0.001, false},
                             {0.99, 10.0, true},
                             {1.01, 10.0, false}}) {
-        auto rows = rows_of(30.0, Straight{.speed_mps = one.speed_mps, .acceleration_mps2 = 2.0});
+        auto rows = rows_of(30.0, Straight{.speed_m_s = one.speed_m_s, .acceleration_m_s2 = 2.0});
         for (TrajectoryEpoch& row : rows)
-            row.sigma_velocity_east_mps = row.sigma_velocity_north_mps = one.sigma_mps;
-        EXPECT_EQ(facts_of(rows, 200, 230).standing_start, one.standing) << one.speed_mps;
+            row.sigma_velocity_east_m_s = row.sigma_velocity_north_m_s = one.sigma_m_s;
+        EXPECT_EQ(facts_of(rows, 200, 230).standing_start, one.standing) << one.speed_m_s;
     }
 }
 
@@ -237,7 +237,7 @@ TEST(Course, StandingBeforeTheRunsFirstRowIsAStandingStart) {
     // A precise recording of a start from rest: the run's first row is at 0.99 m/s, and not at
     // rest.
     const auto rows = rows_of(60.0, [](double t) {
-        const Straight start{.speed_mps = 0.0, .acceleration_mps2 = 0.33};
+        const Straight start{.speed_m_s = 0.0, .acceleration_m_s2 = 0.33};
         return start(std::max(0.0, t - 20.0));
     });
     const auto runs = runs_in(rows);
@@ -245,27 +245,27 @@ TEST(Course, StandingBeforeTheRunsFirstRowIsAStandingStart) {
     EXPECT_EQ(runs[0].first_row, 230u);
     EXPECT_EQ(runs[0].stood_from_row, 0u);
     CourseFacts facts = course_facts(rows, runs[0], 500, 530, {});
-    EXPECT_EQ(facts.speed_before_mps.value, 0.0);
+    EXPECT_EQ(facts.speed_before_m_s.value, 0.0);
     EXPECT_TRUE(facts.standing_start);
     EXPECT_NEAR(facts.run_up_s, 27.0, 1e-9);
 
     CraftRun moving = runs[0];
     moving.stood_from_row.reset();
     facts = course_facts(rows, moving, 500, 530, {});
-    EXPECT_NEAR(facts.speed_before_mps.value, 0.99, 1e-9);
+    EXPECT_NEAR(facts.speed_before_m_s.value, 0.99, 1e-9);
     EXPECT_FALSE(facts.standing_start);
     moving.stood_from_row = 231;
     EXPECT_THROW(course_facts(rows, moving, 500, 530, {}), Failure);
 }
 
 TEST(Course, OnlyRowsBeforeTheWindowAreOfTheStart) {
-    const auto rows = rows_of(20.0, Straight{.speed_mps = 20.0, .acceleration_mps2 = -1.0});
+    const auto rows = rows_of(20.0, Straight{.speed_m_s = 20.0, .acceleration_m_s2 = -1.0});
     const CourseFacts facts = facts_of(rows, 50, 80);
-    EXPECT_NEAR(facts.speed_before_mps.value, 15.0, 1e-9);
+    EXPECT_NEAR(facts.speed_before_m_s.value, 15.0, 1e-9);
     EXPECT_FALSE(facts.standing_start);
     const CourseFacts at_once = facts_of(rows, 0, 30);
     EXPECT_EQ(at_once.run_up_m, 0.0);
-    EXPECT_NEAR(at_once.speed_before_mps.value, 20.0, 1e-9);
+    EXPECT_NEAR(at_once.speed_before_m_s.value, 20.0, 1e-9);
 }
 
 TEST(Course, AnOffsetOfABridgedStepIsTakenOff) {
@@ -287,7 +287,7 @@ TEST(Course, AnOffsetOfABridgedStepIsTakenOff) {
     EXPECT_NEAR(facts.straightness_m.value, 0.0, 1e-9);
     EXPECT_NEAR(facts.run_up_m, 200.0, 1e-9);
     // Two places more, and 0.1 s of the velocity's.
-    const double step = 2.0 * sigma_up_m * sigma_up_m + std::pow(0.1 * sigma_mps, 2);
+    const double step = 2.0 * sigma_up_m * sigma_up_m + std::pow(0.1 * sigma_m_s, 2);
     EXPECT_NEAR(*facts.height_difference_m->expanded_uncertainty,
                 2.0 * std::sqrt(2.0 * sigma_up_m * sigma_up_m + step), 1e-12);
 }

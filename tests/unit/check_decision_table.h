@@ -28,7 +28,7 @@ struct Row {
 };
 
 struct Task {
-    double unit_mps;
+    double unit_m_s;
     double record;
     double record_expanded_uncertainty;
     MarginRule rule;
@@ -43,8 +43,8 @@ struct Group {
 
 using Rounding = std::optional<DecimalRounding>;
 
-inline MarginRule absolute(double margin_mps, Rounding rounding = {}) {
-    return {.kind = MarginKind::absolute, .value = margin_mps, .rounding = rounding};
+inline MarginRule absolute(double margin_m_s, Rounding rounding = {}) {
+    return {.kind = MarginKind::absolute, .value = margin_m_s, .rounding = rounding};
 }
 
 inline MarginRule relative(double fraction, Rounding rounding = {}) {

@@ -15,14 +15,14 @@ using decision_table::Row;
 Threshold threshold_of_group(const Group& group) {
     return threshold_of(
         group.task.rule,
-        {.speed_mps = group.task.record * group.task.unit_mps,
-         .expanded_uncertainty_mps = group.task.record_expanded_uncertainty * group.task.unit_mps});
+        {.speed_m_s = group.task.record * group.task.unit_m_s,
+         .expanded_uncertainty_m_s = group.task.record_expanded_uncertainty * group.task.unit_m_s});
 }
 
 SpeedPosterior posterior_of(const Group& group, const Row& row) {
     SpeedPosterior posterior{
-        .speed_mps = row.speed * group.task.unit_mps,
-        .standard_uncertainty_mps = row.standard_uncertainty * group.task.unit_mps};
+        .speed_m_s = row.speed * group.task.unit_m_s,
+        .standard_uncertainty_m_s = row.standard_uncertainty * group.task.unit_m_s};
     if (row.degrees_of_freedom != decision_table::kInfinite)
         posterior.degrees_of_freedom = row.degrees_of_freedom;
     return posterior;
@@ -38,8 +38,8 @@ TEST(DecisionTable, HoldsAHundredRows) {
 TEST(DecisionTable, SpeedsToReachAreThoseWorkedOutInDecimals) {
     for (const Group& group : decision_table::groups()) {
         const Threshold threshold = threshold_of_group(group);
-        EXPECT_NEAR(threshold.speed_mps / group.task.unit_mps, group.task.speed_to_reach, 1e-10);
-        EXPECT_NEAR(threshold.standard_uncertainty_mps / group.task.unit_mps,
+        EXPECT_NEAR(threshold.speed_m_s / group.task.unit_m_s, group.task.speed_to_reach, 1e-10);
+        EXPECT_NEAR(threshold.standard_uncertainty_m_s / group.task.unit_m_s,
                     group.task.its_standard_uncertainty, 1e-12);
     }
 }
@@ -63,10 +63,10 @@ TEST(DecisionTable, AcceptanceLimitTellsTheAcceptedSpeedsFromTheOthers) {
         const Threshold threshold = threshold_of_group(group);
         for (const Row& row : group.rows) {
             const SpeedPosterior posterior = posterior_of(group, row);
-            const double limit_mps = acceptance_limit(posterior, threshold, row.level);
+            const double limit_m_s = acceptance_limit(posterior, threshold, row.level);
             SCOPED_TRACE(testing::Message()
-                         << "speed " << row.speed << ", limit " << limit_mps / group.task.unit_mps);
-            EXPECT_EQ(posterior.speed_mps >= limit_mps * (1.0 - 1e-14),
+                         << "speed " << row.speed << ", limit " << limit_m_s / group.task.unit_m_s);
+            EXPECT_EQ(posterior.speed_m_s >= limit_m_s * (1.0 - 1e-14),
                       row.outcome == Outcome::beaten);
         }
     }

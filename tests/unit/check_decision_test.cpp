@@ -53,8 +53,8 @@ double convolved(const SpeedPosterior& posterior, const Threshold& threshold) {
         const double z = -reach + i * step;
         const double weight = i == 0 || i == intervals ? 1.0 : i % 2 == 1 ? 4.0 : 2.0;
         const double t =
-            (posterior.speed_mps - threshold.speed_mps - threshold.standard_uncertainty_mps * z) /
-            posterior.standard_uncertainty_mps;
+            (posterior.speed_m_s - threshold.speed_m_s - threshold.standard_uncertainty_m_s * z) /
+            posterior.standard_uncertainty_m_s;
         sum += weight * std::exp(-0.5 * z * z) * student_t_cdf(t, posterior.degrees_of_freedom);
     }
     return sum * step / 3.0 / std::sqrt(2.0 * std::numbers::pi);
@@ -73,7 +73,7 @@ TEST(ConformanceProbability, OfAnUncertainRecordIsThatOfTheSumOfBothDistribution
             for (const double level : {0.95, 0.975, 0.99}) {
                 const Threshold threshold{60.0, record_u};
                 SpeedPosterior posterior{60.0, 0.1, c.degrees};
-                posterior.speed_mps = acceptance_limit(posterior, threshold, level);
+                posterior.speed_m_s = acceptance_limit(posterior, threshold, level);
                 const double exact = convolved(posterior, threshold);
                 EXPECT_LE(exact, level + 1e-12);
                 EXPECT_GE(exact, level - c.most_overstated);
@@ -84,9 +84,9 @@ TEST(ConformanceProbability, TakesBinaryFractionsOfTheSameFigureAsEqual) {
     // 126.2 mph + 1 mph and 127.2 mph differ in the last binary places.
     const Threshold threshold{127.2 * 0.44704};
     EXPECT_EQ(conformance_probability({126.2 * 0.44704 + 0.44704, 0.0}, threshold), 1.0);
-    EXPECT_EQ(conformance_probability({std::nextafter(threshold.speed_mps, 0.0), 0.0}, threshold),
+    EXPECT_EQ(conformance_probability({std::nextafter(threshold.speed_m_s, 0.0), 0.0}, threshold),
               1.0);
-    EXPECT_EQ(conformance_probability({threshold.speed_mps * (1.0 - 1e-14), 0.0}, threshold), 0.0);
+    EXPECT_EQ(conformance_probability({threshold.speed_m_s * (1.0 - 1e-14), 0.0}, threshold), 0.0);
 }
 
 TEST(ConformanceProbability, GrowsWithTheSpeedAndNearsAHalfWithTheUncertainty) {
@@ -97,12 +97,12 @@ TEST(ConformanceProbability, GrowsWithTheSpeedAndNearsAHalfWithTheUncertainty) {
         SpeedPosterior posterior{60.0 + 5.0 * u * (2.0 * random.uniform() - 1.0), u};
         if (i % 2 == 0) posterior.degrees_of_freedom = 1.0 + 20.0 * random.uniform();
         const double p = conformance_probability(posterior, threshold);
-        EXPECT_EQ(p >= 0.5, posterior.speed_mps >= threshold.speed_mps);
+        EXPECT_EQ(p >= 0.5, posterior.speed_m_s >= threshold.speed_m_s);
         SpeedPosterior faster = posterior;
-        faster.speed_mps += 0.001;
+        faster.speed_m_s += 0.001;
         EXPECT_GT(conformance_probability(faster, threshold), p);
         SpeedPosterior wider = posterior;
-        wider.standard_uncertainty_mps *= 1.1;
+        wider.standard_uncertainty_m_s *= 1.1;
         EXPECT_LT(std::abs(conformance_probability(wider, threshold) - 0.5), std::abs(p - 0.5));
     }
 }
@@ -127,7 +127,7 @@ TEST(AcceptanceLimit, IsWhereTheProbabilityIsTheLevel) {
         SpeedPosterior posterior{50.0, 0.001 + random.uniform()};
         if (i % 2 == 0) posterior.degrees_of_freedom = 1.0 + 20.0 * random.uniform();
         for (const double level : {0.51, 0.95, 0.975, 0.99, 0.999}) {
-            posterior.speed_mps = acceptance_limit(posterior, threshold, level);
+            posterior.speed_m_s = acceptance_limit(posterior, threshold, level);
             EXPECT_NEAR(conformance_probability(posterior, threshold), level, 1e-10);
         }
     }
@@ -179,11 +179,11 @@ TEST(BiasLimit, IsAddedLinearlyOnBothSidesOfTheTarget) {
         SpeedPosterior posterior{0.0, 0.01 + 0.2 * random.uniform()};
         if (i % 2 == 0) posterior.degrees_of_freedom = 1.0 + 20.0 * random.uniform();
         const double unbiased = acceptance_limit(posterior, threshold, 0.975);
-        posterior.bias_limit_mps = 0.3 * random.uniform();
+        posterior.bias_limit_m_s = 0.3 * random.uniform();
         const double limit = acceptance_limit(posterior, threshold, 0.975);
-        EXPECT_NEAR(limit, unbiased + posterior.bias_limit_mps, 1e-12);
-        const auto at = [&](double speed_mps) {
-            posterior.speed_mps = speed_mps;
+        EXPECT_NEAR(limit, unbiased + posterior.bias_limit_m_s, 1e-12);
+        const auto at = [&](double speed_m_s) {
+            posterior.speed_m_s = speed_m_s;
             return decide(posterior, threshold, 0.975);
         };
         EXPECT_EQ(at(limit + 1e-9), Outcome::beaten);
@@ -207,14 +207,14 @@ TEST(BiasLimit, OfZeroDecidesAsTheProbabilityAlone) {
     }
 }
 
-/// How often a speed that is truly at the target, its bias at one end of its range, is decided as
-/// `wrong`.
-double share_of(Outcome wrong, double bias_mps) {
+/// How often a speed that is truly at the required speed, its bias at one end of its range, is
+/// decided as `wrong`.
+double share_of(Outcome wrong, double bias_m_s) {
     RandomGenerator random(112);
     constexpr int runs = 40000;
     int found = 0;
     for (int i = 0; i < runs; ++i) {
-        const SpeedPosterior measured{60.0 + bias_mps + 0.1 * random.normal(), 0.1, std::nullopt,
+        const SpeedPosterior measured{60.0 + bias_m_s + 0.1 * random.normal(), 0.1, std::nullopt,
                                       0.15};
         found += decide(measured, {60.0}, 0.975) == wrong ? 1 : 0;
     }

@@ -19,12 +19,12 @@ std::string profile_of(const char* window, const std::string& more = {}) {
 }
 
 /// 60 m/s +- 0.01 m/s over 3 s, and a method that states a speed.
-RuleScene with_speed(double speed_mps, double expanded_uncertainty_mps) {
+RuleScene with_speed(double speed_m_s, double expanded_uncertainty_m_s) {
     RuleScene scene(profile_of("{duration_s: 3, definition: displacement}"));
     scene.attempt.secondary_method =
         SecondaryMethod{.method = "radar",
                         .source = "protocol",
-                        .speed = SecondaryMethod::Speed{speed_mps, expanded_uncertainty_mps},
+                        .speed = SecondaryMethod::Speed{speed_m_s, expanded_uncertainty_m_s},
                         .times = std::nullopt};
     return scene;
 }
@@ -51,17 +51,17 @@ TEST(DeclaredSpeed, OfAMethodWithoutUncertaintyIsHeldAgainstTheJudgedOnesAlone) 
     EXPECT_EQ(with_speed(60.0101, 0.0).clause("secondary_method").status,
               RequirementStatus::not_met);
     RuleScene neither = with_speed(60.0, 0.0);
-    neither.best().standard_uncertainty_mps = 0.0;
+    neither.best().standard_uncertainty_m_s = 0.0;
     EXPECT_EQ(neither.clause("secondary_method").figures.at(0).value, 0.0);
 }
 
 TEST(DeclaredSpeed, IsHeldAgainstWhatTheTwoDoNotShare) {
     // Of 0.01 m/s (k = 2) 0.004 m/s are the window's own: sqrt(0.004^2 + 0.003^2) = 0.005 m/s.
-    for (const auto& [speed_mps, status] :
+    for (const auto& [speed_m_s, status] :
          {std::pair{60.0049, RequirementStatus::met}, {60.0051, RequirementStatus::not_met}}) {
-        RuleScene scene = with_speed(speed_mps, 0.003);
+        RuleScene scene = with_speed(speed_m_s, 0.003);
         EXPECT_EQ(scene.clause("secondary_method").status, RequirementStatus::met);
-        scene.best().own_standard_uncertainty_mps = 0.002;
+        scene.best().own_standard_uncertainty_m_s = 0.002;
         EXPECT_EQ(scene.clause("secondary_method").status, status);
     }
 }
@@ -74,7 +74,7 @@ TEST(DeclaredSpeed, ThatContradictsIsNotCertifiableUnderARuleThatDoesNotAskForIt
     for (const char* part : {"The second method (radar) gives +0.360 km/h against the first",
                              "normalised error 2.43", "one of the two is wrong"})
         EXPECT_TRUE(contains(verdict.reason, part)) << verdict.reason;
-    scene.attempt.secondary_method->speed->speed_mps = 60.01;
+    scene.attempt.secondary_method->speed->speed_m_s = 60.01;
     EXPECT_EQ(scene.verdict().outcome, Outcome::beaten);
 }
 
@@ -82,7 +82,7 @@ TEST(DeclaredSpeed, IsComparedBeforeTheCurrentIsTakenOff) {
     RuleScene scene = with_speed(60.0, 0.02);
     scene.use(profile_of("{duration_s: 3, definition: displacement}", "current: subtracted\n"));
     set_current(scene, 0.5, 0.0, 0.02);
-    EXPECT_NEAR(*scene.verdict().speed_mps, 59.5, 1e-12);
+    EXPECT_NEAR(*scene.verdict().speed_m_s, 59.5, 1e-12);
     EXPECT_EQ(scene.clause("secondary_method").status, RequirementStatus::met);
 }
 
@@ -90,7 +90,7 @@ TEST(DeclaredSpeed, IsComparedBeforeTheCurrentIsTakenOff) {
 RuleScene with_times(double start_off_s, double finish_off_s, double length_uncertainty_m = 0.0) {
     RuleScene scene(profile_of(course_window));
     scene.best().span.duration.nanoseconds = 8'333'000'000;
-    scene.best().speed_mps = 500.0 / 8.333;
+    scene.best().speed_m_s = 500.0 / 8.333;
     const auto at = [&](double time_s) {
         return scene.judged.facts.first_epoch->plus_nanoseconds(std::llround(time_s * 1e9));
     };
@@ -181,7 +181,7 @@ TEST(DeclaredMethod, WithoutAWindowThereIsNothingToCompare) {
 
 TEST(DeclaredMethod, AndASecondReceiverMustBothAgree) {
     const RuleScene scene = with_speed(60.0, 0.04);
-    ReceiverEvidence second = scene.judged;
+    ReceiverResults second = scene.judged;
     second.receiver = "second";
     const auto status = [&] {
         return check({.attempt = scene.attempt,

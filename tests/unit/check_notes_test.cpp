@@ -29,13 +29,13 @@ std::string margin_profile(
 
 void set_definitions(RuleScene& scene, const SpeedDefinitions& definitions) {
     scene.best().definitions = definitions;
-    scene.best().speed_mps = speed_by(definitions, scene.profiles[0].definition);
+    scene.best().speed_m_s = speed_by(definitions, scene.profiles[0].definition);
 }
 
-const SpeedDefinitions straddling{.displacement_mps = 203.89 * kmh,
-                                  .path_length_mps = 203.95 * kmh,
-                                  .mean_n_plus_1_mps = 203.88 * kmh,
-                                  .mean_n_mps = 203.91 * kmh};
+const SpeedDefinitions straddling{.displacement_m_s = 203.89 * kmh,
+                                  .path_length_m_s = 203.95 * kmh,
+                                  .mean_n_plus_1_m_s = 203.88 * kmh,
+                                  .mean_n_m_s = 203.91 * kmh};
 
 TEST(Straddle, IsSaidWithEveryDefinitionOnItsSide) {
     RuleScene scene(margin_profile());  // 203.9 km/h to reach
@@ -56,7 +56,7 @@ TEST(Straddle, IsNotSaidWhereAllAreOnOneSideOrNoneIsTheRules) {
     RuleScene scene(margin_profile());
     EXPECT_EQ(note_with(scene.verdict(), "definition of speed"), "");
     SpeedDefinitions above = straddling;
-    above.displacement_mps = above.mean_n_plus_1_mps = 203.9000001 * kmh;
+    above.displacement_m_s = above.mean_n_plus_1_m_s = 203.9000001 * kmh;
     set_definitions(scene, above);
     EXPECT_EQ(note_with(scene.verdict(), "definition of speed"), "");
     set_definitions(scene, straddling);
@@ -101,7 +101,7 @@ TEST(Overrides, ArePrintedWithTheRulesOwnFigureAndTheReason) {
     scene.row(33.0).up_m = 0.7;  // within the rule's own limit, not within the other
     const ProfileVerdict verdict = scene.verdict();
     EXPECT_EQ(verdict.outcome, Outcome::not_certifiable);
-    EXPECT_NEAR(*verdict.target_mps, (202.9 + 2.5) * kmh, 1e-12);
+    EXPECT_NEAR(*verdict.required_speed_m_s, (202.9 + 2.5) * kmh, 1e-12);
     EXPECT_EQ(verdict.decision->level, 0.99);
     EXPECT_EQ(note_with(verdict, "flatness"),
               "The attempt replaces a figure of the rule: clauses.flatness.limit is 0.5 m, not 1 m "
@@ -136,23 +136,23 @@ RuleScene three_windows() {
     for (const auto& [speed, u] : {std::pair{58.0, 0.020}, {56.0, 0.011}})
         scene.windows().further.push_back({.span = scene.best().span,
                                            .arc = 1,
-                                           .speed_mps = speed,
-                                           .standard_uncertainty_mps = u});
+                                           .speed_m_s = speed,
+                                           .standard_uncertainty_m_s = u});
     return scene;
 }
 
 TEST(SeveralWindows, HaveTheirMeanAndAreNoSurerThanOne) {
     RuleScene scene = three_windows();
     scene.windows().indicated =
-        IndicatedWindow{.span = {}, .speed_mps = 60.0, .mean_mps = 58.5, .refusals = {}};
+        IndicatedWindow{.span = {}, .speed_m_s = 60.0, .mean_m_s = 58.5, .refusals = {}};
     const std::optional<RuleFigure> figure = figure_of(scene.windows());
     ASSERT_TRUE(figure.has_value());
-    EXPECT_NEAR(figure->speed_mps, 58.0, 1e-12);
+    EXPECT_NEAR(figure->speed_m_s, 58.0, 1e-12);
     // Fully correlated: the mean of 5, 20 and 11 mm/s.
-    EXPECT_NEAR(figure->standard_uncertainty_mps, 0.012, 1e-12);
+    EXPECT_NEAR(figure->standard_uncertainty_m_s, 0.012, 1e-12);
     const ProfileVerdict verdict = scene.verdict();
-    EXPECT_NEAR(*verdict.speed_mps, 58.0, 1e-12);
-    EXPECT_NEAR(*verdict.expanded_uncertainty_mps, 0.024, 1e-12);
+    EXPECT_NEAR(*verdict.speed_m_s, 58.0, 1e-12);
+    EXPECT_NEAR(*verdict.expanded_uncertainty_m_s, 0.024, 1e-12);
     EXPECT_EQ(note_with(verdict, "mean of 3"),
               "The speed is the mean of 3 windows (216.000, 208.800, 201.600 km/h); their errors "
               "are taken as equal, so averaging does not reduce the uncertainty.");
@@ -166,7 +166,7 @@ TEST(SeveralWindows, OfWhichTooFewAreCertifiableAreNone) {
     EXPECT_FALSE(figure_of(scene.windows()).has_value());
     const ProfileVerdict verdict = scene.verdict();
     EXPECT_EQ(verdict.outcome, Outcome::not_certifiable);
-    EXPECT_FALSE(verdict.speed_mps || verdict.shown);
+    EXPECT_FALSE(verdict.speed_m_s || verdict.shown);
     EXPECT_TRUE(contains(scene.clause("window_complete").evidence,
                          "of 3 windows of 3 s that the rule takes the mean of, 2 are certifiable"))
         << scene.clause("window_complete").evidence;
@@ -175,21 +175,21 @@ TEST(SeveralWindows, OfWhichTooFewAreCertifiableAreNone) {
 TEST(Shown, FiguresAreRoundedToTheSafeSideInTheRulesUnit) {
     const char* const to_hundredths = "result: {mode: nearest, unit: km/h, decimals: 2}\n";
     RuleScene scene(margin_profile(to_hundredths));
-    scene.best().speed_mps = 222.8799 * kmh;
-    scene.best().standard_uncertainty_mps = 0.0051 * kmh;
+    scene.best().speed_m_s = 222.8799 * kmh;
+    scene.best().standard_uncertainty_m_s = 0.0051 * kmh;
     scene.attempt.record->speed = 221.8701;
     const ShownFigures shown = *scene.verdict().shown;
     EXPECT_EQ(shown.unit, "km/h");
     EXPECT_EQ(shown.speed, "222.87");
     EXPECT_EQ(shown.expanded_uncertainty, "0.011");
-    EXPECT_EQ(shown.target, "222.88");
+    EXPECT_EQ(shown.required_speed, "222.88");
     // An uncertainty of 0.34 km/h justifies two decimals, one of 3.4 km/h one.
-    scene.best().standard_uncertainty_mps = 1.7 * kmh;
+    scene.best().standard_uncertainty_m_s = 1.7 * kmh;
     EXPECT_EQ(scene.verdict().shown->speed, "222.8");
     EXPECT_EQ(scene.verdict().shown->expanded_uncertainty, "3.4");
-    EXPECT_EQ(scene.verdict().shown->target, "222.9");
+    EXPECT_EQ(scene.verdict().shown->required_speed, "222.9");
     scene.attempt.record.reset();
-    EXPECT_EQ(scene.verdict().shown->target, "");
+    EXPECT_EQ(scene.verdict().shown->required_speed, "");
 }
 
 TEST(Shown, UnitIsThatOfTheResultElseOfTheRoundingElseOfTheAccuracyLimit) {
@@ -223,9 +223,9 @@ TEST(ComparedRules, SetTheSpeedsBesideOneAnother) {
     third.dimension = Dimension::vertical;
     third.definition = SpeedDefinition::path_length;
     scene.profiles = {scene.profiles[0], other, third};
-    const auto verdict = [](double speed_mps) {
+    const auto verdict = [](double speed_m_s) {
         ProfileVerdict result;
-        result.speed_mps = speed_mps;
+        result.speed_m_s = speed_m_s;
         return result;
     };
     const std::vector<ProfileVerdict> verdicts{verdict(60.0), verdict(61.0), verdict(20.0)};
@@ -236,9 +236,9 @@ TEST(ComparedRules, SetTheSpeedsBesideOneAnother) {
         "path length over time).");
     // A profile without a speed is not among them; of one alone there is nothing to say.
     std::vector<ProfileVerdict> one = verdicts;
-    one[1].speed_mps.reset();
+    one[1].speed_m_s.reset();
     EXPECT_FALSE(contains(compared_rules(scene.profiles, one), "other"));
-    one[2].speed_mps.reset();
+    one[2].speed_m_s.reset();
     EXPECT_EQ(compared_rules(scene.profiles, one), "");
 }
 
@@ -262,7 +262,7 @@ TEST(CourseFigures, OfCourseAndWindAreInTheVerdict) {
     EXPECT_EQ(verdict.runs[0].began, RunEdge::standing);
     EXPECT_EQ(verdict.runs[0].ended, RunEdge::recording);
     EXPECT_NEAR(verdict.runs[0].length_m, 450.0 - 0.08 + 1200.0, 1e-9);
-    EXPECT_NEAR(verdict.runs[0].top_speed_mps, 60.0, 1e-12);
+    EXPECT_NEAR(verdict.runs[0].top_speed_m_s, 60.0, 1e-12);
 }
 
 }  // namespace

@@ -6,8 +6,7 @@
 
 #include "check_rules_support.h"
 
-// The program's own requirements, under every rule: whose clock, whose positions, whose kind of
-// solution.
+// The program's own requirements, under every rule: whose clock, whose positions, whose fix type.
 
 namespace runcert::RUNCERT_FILE {
 namespace {
@@ -20,7 +19,7 @@ RuleScene scene() {
     scene.judged.format = "csv";
     scene.judged.time_origin = "the table's time column";
     scene.judged.solution_source = SolutionSource::recording;
-    scene.judged.tests.device = DeviceEvidence{.moving = 350};
+    scene.judged.tests.device = DeviceSigns{.moving = 350};
     return scene;
 }
 
@@ -116,13 +115,13 @@ TEST(TimeScale, IsNotBlamedForWhatTheScatterOfTheStepsMakesByChance) {
 }
 
 /// The recorded velocities of the window's epochs: this speed towards north.
-void set_velocities(RuleScene& scene, double speed_mps) {
+void set_velocities(RuleScene& scene, double speed_m_s) {
     for (ScreenedEpoch& row : scene.rows()) {
-        row.recorded_velocity_east_mps = 0.0;
-        row.recorded_velocity_north_mps = speed_mps;
+        row.recorded_velocity_east_m_s = 0.0;
+        row.recorded_velocity_north_m_s = speed_m_s;
     }
-    scene.judged.tests.velocity = VelocityEvidence{
-        .compared = 400, .delay_s = 0.1, .sigma_delay_s = 0.01, .scale_mps = 0.02, .rejected = 0};
+    scene.judged.tests.velocity = VelocityComparison{
+        .compared = 400, .delay_s = 0.1, .sigma_delay_s = 0.01, .scale_m_s = 0.02, .rejected = 0};
 }
 
 TEST(MeasuredPositions, WithoutAWitnessAreToAttestAndTheReasonSaysPositionsAlone) {
@@ -155,7 +154,7 @@ TEST(MeasuredPositions, HaveNoWitnessInVelocitiesThatDifferOrDoNotCoverTheWindow
     }
     RuleScene with = scene();
     set_velocities(with, 60.0);
-    with.rows()[7].recorded_velocity_north_mps = {};
+    with.rows()[7].recorded_velocity_north_m_s = {};
     EXPECT_TRUE(with.verdict().witnesses.empty());
     EXPECT_EQ(with.clause("positions-as-measured").status, RequirementStatus::attest);
 }
@@ -165,7 +164,7 @@ TEST(MeasuredPositions, HaveAWitnessInVelocitiesThatLagBehindOnceTheDelayIsTaken
     RuleScene lagging = scene();
     set_velocities(lagging, 60.0);
     for (ScreenedEpoch& row : lagging.rows())
-        row.recorded_velocity_north_mps = 60.0 + 2.0 * (row.time.seconds() - 26.5 - 0.1);
+        row.recorded_velocity_north_m_s = 60.0 + 2.0 * (row.time.seconds() - 26.5 - 0.1);
     EXPECT_EQ(lagging.verdict().witnesses.size(), 1U);
     EXPECT_TRUE(contains(lagging.verdict().witnesses.at(0), "216.000 km/h"));
     lagging.judged.tests.velocity->delay_s.reset();
@@ -192,7 +191,7 @@ TEST(MeasuredPositions, SolvedHereFromRawObservationsAreMet) {
 TEST(MeasuredPositions, ThatAreHeldAreNotMetWhoeverSpeaksForThem) {
     RuleScene held = scene();
     set_velocities(held, 60.0);
-    held.judged.tests.device = DeviceEvidence{.moving = 350, .held = 3};
+    held.judged.tests.device = DeviceSigns{.moving = 350, .held = 3};
     EXPECT_EQ(held.clause("positions-as-measured").status, RequirementStatus::met);
     held.judged.tests.device->held = 4;  // of 350 one in a hundred is 3.5
     const Requirement requirement = held.clause("positions-as-measured");
@@ -205,7 +204,7 @@ TEST(MeasuredPositions, ThatAreHeldAreNotMetWhoeverSpeaksForThem) {
 TEST(MeasuredPositions, ThatAreInterpolatedAreNotMetUnlessChanceMakesThem) {
     RuleScene resampled = scene();
     set_velocities(resampled, 60.0);
-    DeviceEvidence& device = *resampled.judged.tests.device;
+    DeviceSigns& device = *resampled.judged.tests.device;
     device.interpolated = 175;  // every other one
     const Requirement requirement = resampled.clause("positions-as-measured");
     EXPECT_EQ(requirement.status, RequirementStatus::not_met);
@@ -240,7 +239,7 @@ TEST(MeasuredPositions, ThatLookFilteredAreToAttestWhateverTheWitnesses) {
                          "+0.43)"));
     // Without a witness the signs are told too.
     for (ScreenedEpoch& row : filtered.rows())
-        row.recorded_velocity_north_mps = {};
+        row.recorded_velocity_north_m_s = {};
     EXPECT_TRUE(contains(filtered.clause("positions-as-measured").evidence,
                          "nothing but the positions themselves speaks of it, and: innovations"));
 }
@@ -256,10 +255,10 @@ TEST(MeasuredPositions, ThatSwingAfterEveryChangeOfAccelerationAreToAttest) {
                          (std::cos(rest * rate * t) + 0.3 / rest * std::sin(rest * rate * t));
     };
     for (TrajectoryEpoch& row : filtered.judged.trajectory) {
-        row.speed_mps = row.velocity_north_mps = 60.0;
-        row.acceleration_north_mps2 =
+        row.speed_m_s = row.velocity_north_m_s = 60.0;
+        row.acceleration_north_m_s2 =
             4.0 * (response(row.time.seconds() - 5.0) - response(row.time.seconds() - 20.0));
-        row.sigma_acceleration_east_mps2 = row.sigma_acceleration_north_mps2 = 0.03;
+        row.sigma_acceleration_east_m_s2 = row.sigma_acceleration_north_m_s2 = 0.03;
     }
     const Requirement requirement = filtered.clause("positions-as-measured");
     EXPECT_EQ(requirement.status, RequirementStatus::attest);
@@ -273,13 +272,13 @@ TEST(KindOfSolution, ThatTheAttemptClaimsIsToAttest) {
     RuleScene claimed = scene();
     claimed.judged.solution_source = SolutionSource::attempt;
     for (ScreenedEpoch& row : claimed.rows())
-        row.fix = FixKind::fixed;
+        row.fix = FixType::fixed;
     claimed.best().bound.emplace().floor_m = 0.01;
-    claimed.best().bound->floor_fix = FixKind::fixed;
+    claimed.best().bound->floor_fix = FixType::fixed;
     const Requirement requirement = claimed.clause("kind-of-solution");
     EXPECT_EQ(requirement.status, RequirementStatus::attest);
     for (const char* part : {"the recording does not say", "it is fixed the attempt states",
-                             "in the window: fixed, whose slow errors are taken to be at least "
+                             "in the window: fixed, whose time-correlated errors are taken to be at least "
                              "0.01 m"})
         EXPECT_TRUE(contains(requirement.evidence, part)) << requirement.evidence;
 }

@@ -13,7 +13,7 @@ namespace {
 using test::clause_text, test::contains, test::profile_text, test::RuleScene;
 
 constexpr double kmh = 1.0 / 3.6;
-constexpr double target_mps = 203.9 * kmh;
+constexpr double required_speed_m_s = 203.9 * kmh;
 
 /// The normal tail, not by the code under test.
 double phi(double z) {
@@ -21,15 +21,15 @@ double phi(double z) {
 }
 
 /// Certified by so much above the required speed, with 0.005 m/s.
-RuleScene above_target(double above_mps) {
+RuleScene above_target(double above_m_s) {
     RuleScene scene(profile_text(clause_text("margin")));
-    scene.best().speed_mps = target_mps + above_mps;
+    scene.best().speed_m_s = required_speed_m_s + above_m_s;
     return scene;
 }
 
-IndicatedWindow refused(double speed_mps) {
+IndicatedWindow refused(double speed_m_s) {
     IndicatedWindow window{
-        .span = {}, .speed_mps = speed_mps, .refusals = {"a gap", "an epoch without a position"}};
+        .span = {}, .speed_m_s = speed_m_s, .refusals = {"a gap", "an epoch without a position"}};
     window.span.start.nanoseconds = 31'500'000'000;
     return window;
 }
@@ -37,7 +37,7 @@ IndicatedWindow refused(double speed_mps) {
 TEST(RefusedWindow, ThatReachesTheTargetMakesNotBeatenNotCertifiableAndIsNamed) {
     for (const double above : {0.0, 1e-6, 5.0}) {
         RuleScene scene = above_target(-5.0);
-        scene.windows().indicated = refused(target_mps + above);
+        scene.windows().indicated = refused(required_speed_m_s + above);
         const ProfileVerdict verdict = scene.verdict();
         EXPECT_EQ(verdict.outcome, Outcome::not_certifiable) << above;
         EXPECT_FALSE(verdict.decision->risk);
@@ -55,7 +55,7 @@ TEST(RefusedWindow, ThatReachesTheTargetMakesNotBeatenNotCertifiableAndIsNamed) 
 TEST(RefusedWindow, BelowTheTargetOrOfWhatIsCertifiedChangesNothing) {
     RuleScene scene = above_target(-5.0);
     EXPECT_EQ(scene.verdict().outcome, Outcome::not_beaten);
-    scene.windows().indicated = refused(target_mps - 1e-6);
+    scene.windows().indicated = refused(required_speed_m_s - 1e-6);
     EXPECT_EQ(scene.verdict().outcome, Outcome::not_beaten);
     scene.windows().indicated = refused(57.5);
     scene.windows().indicated->refusals.clear();  // the fastest is the certified one
@@ -66,17 +66,17 @@ TEST(RefusedWindow, ChangesNothingOfOtherOutcomes) {
     for (const auto& [above, outcome] :
          {std::pair{0.0, Outcome::not_proven}, {0.1, Outcome::beaten}}) {
         RuleScene scene = above_target(above);
-        scene.windows().indicated = refused(target_mps + 5.0);
+        scene.windows().indicated = refused(required_speed_m_s + 5.0);
         EXPECT_EQ(scene.verdict().outcome, outcome);
     }
 }
 
 TEST(RefusedWindow, OfAMeanIsJudgedByTheMean) {
     RuleScene scene = above_target(-5.0);
-    scene.windows().indicated = refused(target_mps + 3.0);
-    scene.windows().indicated->mean_mps = target_mps - 1.0;
+    scene.windows().indicated = refused(required_speed_m_s + 3.0);
+    scene.windows().indicated->mean_m_s = required_speed_m_s - 1.0;
     EXPECT_EQ(scene.verdict().outcome, Outcome::not_beaten);
-    scene.windows().indicated->mean_mps = target_mps + 1.0;
+    scene.windows().indicated->mean_m_s = required_speed_m_s + 1.0;
     EXPECT_EQ(scene.verdict().outcome, Outcome::not_certifiable);
 }
 
@@ -89,7 +89,7 @@ TEST(AttemptsMade, ShareTheRiskOfOne) {
         EXPECT_EQ(decision.attempts_made, attempts);
         EXPECT_NEAR(decision.level, level, 1e-15);
         // Where the normal tail leaves the risk.
-        EXPECT_NEAR(phi((decision.acceptance_limit_mps - target_mps) / 0.005), level, 1e-9);
+        EXPECT_NEAR(phi((decision.acceptance_limit_m_s - required_speed_m_s) / 0.005), level, 1e-9);
     }
     EXPECT_EQ(above_target(0.1).verdict().decision->attempts_made, 1);
 }
@@ -103,10 +103,10 @@ TEST(AttemptsMade, OfManyTheBestNeedsMore) {
     EXPECT_TRUE(contains(scene.verdict().reason, "at least 99.9375 % required"))
         << scene.verdict().reason;
     EXPECT_EQ(scene.clause("margin").status, RequirementStatus::not_met);
-    scene.best().speed_mps = target_mps + 0.0165;  // 3.3 u, 0.99952
+    scene.best().speed_m_s = required_speed_m_s + 0.0165;  // 3.3 u, 0.99952
     EXPECT_EQ(scene.verdict().outcome, Outcome::beaten);
     EXPECT_EQ(scene.clause("margin").status, RequirementStatus::met);
-    scene.best().speed_mps = target_mps - 0.015;
+    scene.best().speed_m_s = required_speed_m_s - 0.015;
     EXPECT_EQ(scene.verdict().outcome, Outcome::not_proven);
     scene.attempt.attempts_made = 1;
     EXPECT_EQ(scene.verdict().outcome, Outcome::not_beaten);
@@ -114,19 +114,20 @@ TEST(AttemptsMade, OfManyTheBestNeedsMore) {
 
 TEST(BiasLimit, IsAddedToTheExpandedUncertaintyAndToTheGuardBand) {
     RuleScene scene = above_target(0.0298);  // 1.96 x 0.005 + 0.02 = 0.0298
-    scene.best().bias_limit_mps = 0.02;
+    scene.best().bias_limit_m_s = 0.02;
     const ProfileVerdict verdict = scene.verdict();
-    EXPECT_NEAR(*verdict.expanded_uncertainty_mps, 0.03, 1e-12);
-    EXPECT_EQ(verdict.decision->bias_limit_mps, 0.02);
-    EXPECT_NEAR(verdict.decision->acceptance_limit_mps - target_mps, 1.959964 * 0.005 + 0.02, 1e-8);
+    EXPECT_NEAR(*verdict.expanded_uncertainty_m_s, 0.03, 1e-12);
+    EXPECT_EQ(verdict.decision->bias_limit_m_s, 0.02);
+    EXPECT_NEAR(verdict.decision->acceptance_limit_m_s - required_speed_m_s,
+                1.959964 * 0.005 + 0.02, 1e-8);
     EXPECT_NEAR(verdict.decision->probability, phi(1.96), 1e-9);
     EXPECT_NEAR(*verdict.decision->risk, phi(-1.96), 1e-9);
     EXPECT_EQ(verdict.outcome, Outcome::beaten);
-    scene.best().speed_mps = target_mps + 0.0297;
+    scene.best().speed_m_s = required_speed_m_s + 0.0297;
     EXPECT_EQ(scene.verdict().outcome, Outcome::not_proven);
-    scene.best().speed_mps = target_mps - 0.0297;
+    scene.best().speed_m_s = required_speed_m_s - 0.0297;
     EXPECT_EQ(scene.verdict().outcome, Outcome::not_proven);
-    scene.best().speed_mps = target_mps - 0.0299;
+    scene.best().speed_m_s = required_speed_m_s - 0.0299;
     EXPECT_EQ(scene.verdict().outcome, Outcome::not_beaten);
     EXPECT_NEAR(*scene.verdict().decision->risk, phi(-1.98), 1e-9);
 }
@@ -135,41 +136,41 @@ TEST(BiasLimit, OfAMeanOfWindowsIsTheMeanOfTheirs) {
     RuleScene scene(profile_text(clause_text("margin"), "",
                                  "{kind: absolute, value: 1, unit: km/h}",
                                  "{duration_s: 3, definition: displacement, count: 2}"));
-    scene.best().bias_limit_mps = 0.02;
+    scene.best().bias_limit_m_s = 0.02;
     FurtherWindow other{
-        .span = scene.best().span, .arc = 1, .speed_mps = 59.0, .standard_uncertainty_mps = 0.015};
-    other.bias_limit_mps = 0.04;
+        .span = scene.best().span, .arc = 1, .speed_m_s = 59.0, .standard_uncertainty_m_s = 0.015};
+    other.bias_limit_m_s = 0.04;
     scene.windows().further = {other};
-    EXPECT_EQ(scene.verdict().decision->bias_limit_mps, 0.03);
-    EXPECT_NEAR(*scene.verdict().expanded_uncertainty_mps, 2.0 * 0.01 + 0.03, 1e-12);
+    EXPECT_EQ(scene.verdict().decision->bias_limit_m_s, 0.03);
+    EXPECT_NEAR(*scene.verdict().expanded_uncertainty_m_s, 2.0 * 0.01 + 0.03, 1e-12);
 }
 
 TEST(Drift, ThatADecisionSurvivesIsSaid) {
     RuleScene scene = above_target(0.14);
     for (ScreenedEpoch& row : scene.rows())
-        row.detectable.ramp_mps = 0.05;
-    scene.rows()[12].detectable.ramp_mps = 0.07;  // where it is hardest to find
+        row.detectable.ramp_m_s = 0.05;
+    scene.rows()[12].detectable.ramp_m_s = 0.07;  // where it is hardest to find
     const ProfileVerdict verdict = scene.verdict();
     EXPECT_NEAR(*verdict.decision->drift_survived_m, 0.42, 1e-9);  // 0.14 m/s x 3 s
-    EXPECT_EQ(*verdict.decision->drift_found_mps, 0.07);
+    EXPECT_EQ(*verdict.decision->drift_found_m_s, 0.07);
     EXPECT_TRUE(contains(verdict.reason,
                          "It survives a drift of the positions by 0.42 m in 3 s, 2 times the "
                          "smallest that screening is sure to find there."))
         << verdict.reason;
-    scene.best().bias_limit_mps = 0.04;
+    scene.best().bias_limit_m_s = 0.04;
     EXPECT_NEAR(*scene.verdict().decision->drift_survived_m, 0.3, 1e-9);
 }
 
 TEST(Drift, IsLeftOutWhereScreeningDoesNotSayWhatItFinds) {
     const ProfileVerdict verdict = above_target(0.14).verdict();
-    EXPECT_FALSE(verdict.decision->drift_found_mps);
+    EXPECT_FALSE(verdict.decision->drift_found_m_s);
     EXPECT_TRUE(contains(verdict.reason, "by 0.42 m in 3 s.")) << verdict.reason;
 }
 
 TEST(Drift, IsNotSurvivedByWhatIsNotAboveTheTarget) {
     for (const double above : {-0.1, 0.0, 0.0199}) {
         RuleScene scene = above_target(above);
-        scene.best().bias_limit_mps = 0.02;
+        scene.best().bias_limit_m_s = 0.02;
         EXPECT_FALSE(scene.verdict().decision->drift_survived_m) << above;
         EXPECT_FALSE(contains(scene.verdict().reason, "drift")) << above;
     }

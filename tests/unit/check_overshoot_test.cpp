@@ -19,7 +19,7 @@ constexpr double pi = std::numbers::pi;
 using Acceleration = std::function<double(double time_s)>;
 
 /// A trajectory towards north-east with this acceleration along it, from this speed.
-std::vector<TrajectoryEpoch> moving(double length_s, double speed_mps, const Acceleration& along) {
+std::vector<TrajectoryEpoch> moving(double length_s, double speed_m_s, const Acceleration& along) {
     std::vector<TrajectoryEpoch> rows;
     const auto count = static_cast<std::int64_t>(std::llround(length_s / interval_s));
     for (std::int64_t k = 0; k <= count; ++k) {
@@ -29,18 +29,18 @@ std::vector<TrajectoryEpoch> moving(double length_s, double speed_mps, const Acc
         row.time = {k * 100'000'000};
         row.arc = 1;
         row.usable = true;
-        row.speed_mps = speed_mps;
-        row.velocity_east_mps = row.velocity_north_mps = speed_mps * std::sqrt(0.5);
-        row.acceleration_east_mps2 = row.acceleration_north_mps2 = along(time_s) * std::sqrt(0.5);
-        row.sigma_acceleration_east_mps2 = row.sigma_acceleration_north_mps2 = 0.03;
-        speed_mps += interval_s * along(time_s + 0.5 * interval_s);
+        row.speed_m_s = speed_m_s;
+        row.velocity_east_m_s = row.velocity_north_m_s = speed_m_s * std::sqrt(0.5);
+        row.acceleration_east_m_s2 = row.acceleration_north_m_s2 = along(time_s) * std::sqrt(0.5);
+        row.sigma_acceleration_east_m_s2 = row.sigma_acceleration_north_m_s2 = 0.03;
+        speed_m_s += interval_s * along(time_s + 0.5 * interval_s);
     }
     return rows;
 }
 
 struct Step {
     double time_s;
-    double to_mps2;
+    double to_m_s2;
 };
 
 /// Two starts and braking, with plateaus of 10 to 15 s.
@@ -51,7 +51,7 @@ Acceleration in_steps(const std::vector<Step>& steps) {
     return [steps](double time_s) {
         double value = 0.0;
         for (const Step& step : steps)
-            if (time_s >= step.time_s) value = step.to_mps2;
+            if (time_s >= step.time_s) value = step.to_m_s2;
         return value;
     };
 }
@@ -66,11 +66,11 @@ Acceleration filtered(const std::vector<Step>& steps, double frequency_hz, doubl
         for (const Step& step : steps) {
             const double t = time_s - step.time_s;
             if (t > 0.0)
-                value += (step.to_mps2 - before) *
+                value += (step.to_m_s2 - before) *
                          (1.0 - std::exp(-damping * rate * t) *
                                     (std::cos(rest * rate * t) +
                                      damping / rest * std::sin(rest * rate * t)));
-            before = step.to_mps2;
+            before = step.to_m_s2;
         }
         return value;
     };
@@ -104,7 +104,7 @@ TEST(Overshoot, IsNotFoundInGusts) {
     std::int64_t changes = 0;
     for (int seed = 0; seed < 300; ++seed) {
         struct Gust {
-            double amplitude_mps2, period_s, phase;
+            double amplitude_m_s2, period_s, phase;
         };
         std::vector<Gust> gusts;
         for (int i = 0; i < 6; ++i)
@@ -114,7 +114,7 @@ TEST(Overshoot, IsNotFoundInGusts) {
             double value = in_steps(run)(time_s);
             for (const Gust& gust : gusts)
                 value +=
-                    gust.amplitude_mps2 * std::sin(2.0 * pi * time_s / gust.period_s + gust.phase);
+                    gust.amplitude_m_s2 * std::sin(2.0 * pi * time_s / gust.period_s + gust.phase);
             return value;
         }));
         changes += overshoot.changes;
@@ -134,7 +134,7 @@ TEST(Overshoot, AfterOneChangeAloneMayBeTheCrafts) {
 TEST(Overshoot, IsLookedForWhereTheCraftHasADirectionOnly) {
     std::vector<TrajectoryEpoch> rows = moving(90.0, 5.0, filtered(run, 0.3, 0.3));
     for (TrajectoryEpoch& row : rows)
-        row.speed_mps = 1.9;
+        row.speed_m_s = 1.9;
     EXPECT_EQ(find_overshoot(rows).changes, 0);
     rows = moving(90.0, 5.0, filtered(run, 0.3, 0.3));
     for (TrajectoryEpoch& row : rows)
@@ -146,7 +146,7 @@ TEST(Overshoot, IsLookedForWhereTheCraftHasADirectionOnly) {
 TEST(Overshoot, BelowTheUncertaintyOfTheAccelerationIsNotSeen) {
     std::vector<TrajectoryEpoch> rows = moving(90.0, 5.0, filtered(run, 0.3, 0.3));
     for (TrajectoryEpoch& row : rows)
-        row.sigma_acceleration_east_mps2 = row.sigma_acceleration_north_mps2 = 2.0;
+        row.sigma_acceleration_east_m_s2 = row.sigma_acceleration_north_m_s2 = 2.0;
     EXPECT_EQ(find_overshoot(rows).swings, 0);
 }
 

@@ -22,26 +22,26 @@ void set_record(RuleScene& scene, double speed, const char* unit, double expande
 
 TEST(Margin, IsTakenOverTheRecordOfTheProfile) {
     RuleScene scene(with_margin("{kind: absolute, value: 1, unit: km/h}"));
-    EXPECT_NEAR(*scene.verdict().target_mps, 203.9 / 3.6, 1e-12);
+    EXPECT_NEAR(*scene.verdict().required_speed_m_s, 203.9 / 3.6, 1e-12);
     scene.attempt.records["rule"] = {
         .speed = 130.0, .unit = "mph", .source = "own", .expanded_uncertainty = 0.0};
     const ProfileVerdict own = scene.verdict();
-    EXPECT_NEAR(*own.target_mps, 130.0 * 0.44704 + 1.0 / 3.6, 1e-12);
+    EXPECT_NEAR(*own.required_speed_m_s, 130.0 * 0.44704 + 1.0 / 3.6, 1e-12);
     EXPECT_EQ(own.record->unit, "mph");
     EXPECT_TRUE(contains(own.reason, " mph, required ")) << own.reason;
     EXPECT_EQ(scene.all().record->unit, "km/h");
     scene.attempt.records.clear();
     scene.attempt.records["another"] = {.speed = 10.0, .unit = "mph", .source = "o"};
-    EXPECT_NEAR(*scene.verdict().target_mps, 203.9 / 3.6, 1e-12);
+    EXPECT_NEAR(*scene.verdict().required_speed_m_s, 203.9 / 3.6, 1e-12);
 }
 
 TEST(Margin, OfARecordWithItsOwnUncertainty) {
     RuleScene scene(with_margin("{kind: relative, value: 0.02}"));
     set_record(scene, 200.0, "km/h", 1.8);
     const ProfileVerdict verdict = scene.verdict();
-    EXPECT_NEAR(*verdict.target_mps, 204.0 / 3.6, 1e-12);
+    EXPECT_NEAR(*verdict.required_speed_m_s, 204.0 / 3.6, 1e-12);
     // Half of 1.8 km/h, times 1.02.
-    EXPECT_NEAR(verdict.decision->target_standard_uncertainty_mps, 1.02 * 0.25, 1e-12);
+    EXPECT_NEAR(verdict.decision->required_speed_standard_uncertainty_m_s, 1.02 * 0.25, 1e-12);
     // 60 m/s is 216 km/h: (216 - 204) / 3.6 / sqrt(0.255^2 + 0.005^2) = 13 standard deviations.
     EXPECT_EQ(verdict.outcome, Outcome::beaten);
     set_record(scene, 211.5, "km/h", 1.8);  // 215.73: 0.075 / 0.255 = 0.29 of them
@@ -55,8 +55,8 @@ TEST(Margin, AboveTheUpperLimitHasTheRecordsUncertaintyInIt) {
                                 "rounding: {mode: truncate, unit: km/h, decimals: 2}\n"));
     set_record(scene, 200.0, "km/h", 1.8);
     const ProfileVerdict verdict = scene.verdict();
-    EXPECT_NEAR(*verdict.target_mps, 205.83 / 3.6, 1e-9);  // 201.8 x 1.02 = 205.836
-    EXPECT_EQ(verdict.decision->target_standard_uncertainty_mps, 0.0);
+    EXPECT_NEAR(*verdict.required_speed_m_s, 205.83 / 3.6, 1e-9);  // 201.8 x 1.02 = 205.836
+    EXPECT_EQ(verdict.decision->required_speed_standard_uncertainty_m_s, 0.0);
     EXPECT_EQ(verdict.outcome, Outcome::beaten);
 }
 
@@ -66,7 +66,7 @@ TEST(Margin, OfElapsedTimeOverACourse) {
     RuleScene scene(profile_text(clause_text("margin"), {},
                                  "{kind: elapsed_time, value: 0.01, unit: s}", course_window));
     set_record(scene, 50.0, "m/s", 0.0);  // 10 s over 500 m
-    EXPECT_NEAR(*scene.verdict().target_mps, 500.0 / 9.99, 1e-12);
+    EXPECT_NEAR(*scene.verdict().required_speed_m_s, 500.0 / 9.99, 1e-12);
     EXPECT_EQ(scene.verdict().outcome, Outcome::beaten);
 }
 
@@ -98,14 +98,14 @@ TEST(SubtractedCurrent, IsTakenOffWithItsUncertainty) {
     RuleScene scene(with_margin("{kind: absolute, value: 0, unit: kn}", "current: subtracted\n"));
     set_current(scene, 0.5, 60.0, 0.06);  // towards 60 degrees; the window goes north
     const ProfileVerdict verdict = scene.verdict();
-    EXPECT_NEAR(*verdict.current_subtracted_mps, 0.25, 1e-12);
-    EXPECT_NEAR(*verdict.speed_mps, 59.75, 1e-12);
-    EXPECT_NEAR(*verdict.expanded_uncertainty_mps, 2.0 * std::hypot(0.005, 0.03), 1e-12);
+    EXPECT_NEAR(*verdict.current_subtracted_m_s, 0.25, 1e-12);
+    EXPECT_NEAR(*verdict.speed_m_s, 59.75, 1e-12);
+    EXPECT_NEAR(*verdict.expanded_uncertainty_m_s, 2.0 * std::hypot(0.005, 0.03), 1e-12);
     EXPECT_TRUE(std::ranges::any_of(verdict.notes, [](const std::string& note) {
         return contains(note, "The current along the course, +0.486 kn, is subtracted");
     }));
     set_current(scene, 0.5, 180.0, 0.06);  // against it
-    EXPECT_NEAR(*scene.verdict().speed_mps, 60.5, 1e-12);
+    EXPECT_NEAR(*scene.verdict().speed_m_s, 60.5, 1e-12);
 }
 
 TEST(SubtractedCurrent, ThatIsNotKnownIsNotCertifiable) {
@@ -113,7 +113,7 @@ TEST(SubtractedCurrent, ThatIsNotKnownIsNotCertifiable) {
     const auto refused = [&] {
         const ProfileVerdict verdict = scene.verdict();
         EXPECT_EQ(verdict.outcome, Outcome::not_certifiable);
-        EXPECT_FALSE(verdict.speed_mps || verdict.decision || verdict.shown);
+        EXPECT_FALSE(verdict.speed_m_s || verdict.decision || verdict.shown);
         EXPECT_TRUE(contains(verdict.reason,
                              "The rule subtracts the current, which is not known "
                              "for the window: give current: in the attempt"))
@@ -129,7 +129,7 @@ TEST(SubtractedCurrent, ThatIsNotKnownIsNotCertifiable) {
     scene.current.reset();
     scene.use(with_margin("{kind: absolute, value: 0, unit: kn}"));
     EXPECT_EQ(scene.verdict().outcome, Outcome::beaten);
-    EXPECT_FALSE(scene.verdict().current_subtracted_mps.has_value());
+    EXPECT_FALSE(scene.verdict().current_subtracted_m_s.has_value());
 }
 
 }  // namespace

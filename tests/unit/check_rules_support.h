@@ -39,7 +39,7 @@ inline std::string profile_text(
 /// last row below 1 m/s.
 struct RuleScene {
     static constexpr std::size_t window_first = 250, window_last = 280;
-    static constexpr double sigma_m = 0.01, sigma_up_m = 0.02, sigma_velocity_mps = 0.05;
+    static constexpr double sigma_m = 0.01, sigma_up_m = 0.02, sigma_velocity_m_s = 0.05;
 
     Attempt attempt = read_attempt(
         "schema: attempt/1.0\nid: t\ncraft: {name: t, class: land-yacht}\n"
@@ -47,7 +47,7 @@ struct RuleScene {
         "record: {speed: 202.9, unit: km/h, source: published}\n",
         "attempt");
     std::vector<Profile> profiles;
-    ReceiverEvidence judged;
+    ReceiverResults judged;
     std::optional<FlowSeries> wind, current;
 
     explicit RuleScene(const std::string& profile) {
@@ -80,12 +80,12 @@ struct RuleScene {
                              .best = CertifiableWindow{},
                              .indicated = std::nullopt};
         CertifiableWindow& window = *entry.best;
-        window.speed_mps = 60.0;
-        window.standard_uncertainty_mps = 0.005;
-        window.definitions = {.displacement_mps = 60.0,
-                              .path_length_mps = 60.0,
-                              .mean_n_plus_1_mps = 60.0,
-                              .mean_n_mps = 60.0};
+        window.speed_m_s = 60.0;
+        window.standard_uncertainty_m_s = 0.005;
+        window.definitions = {.displacement_m_s = 60.0,
+                              .path_length_m_s = 60.0,
+                              .mean_n_plus_1_m_s = 60.0,
+                              .mean_n_m_s = 60.0};
         window.span =
             window_span(judged.facts, judged.trajectory[window_first].epoch,
                         judged.trajectory[window_last].epoch, judged.trajectory[window_first].time,
@@ -122,16 +122,16 @@ struct RuleScene {
         TrajectoryEpoch row;
         row.epoch = k + 1;
         row.time = {k * 100'000'000};
-        row.east_m = row.up_m = row.velocity_east_mps = row.velocity_up_mps = 0.0;
-        row.velocity_north_mps = row.speed_mps = 4.0 * gaining_s;
-        row.acceleration_east_mps2 = 0.0;
-        row.acceleration_north_mps2 = time_s > 5.0 && time_s < 20.0 ? 4.0 : 0.0;
+        row.east_m = row.up_m = row.velocity_east_m_s = row.velocity_up_m_s = 0.0;
+        row.velocity_north_m_s = row.speed_m_s = 4.0 * gaining_s;
+        row.acceleration_east_m_s2 = 0.0;
+        row.acceleration_north_m_s2 = time_s > 5.0 && time_s < 20.0 ? 4.0 : 0.0;
         row.north_m = 2.0 * gaining_s * gaining_s + 60.0 * std::max(0.0, time_s - 20.0);
         row.sigma_east_m = row.sigma_north_m = sigma_m;
         row.sigma_up_m = sigma_up_m;
-        row.sigma_velocity_east_mps = row.sigma_velocity_north_mps = sigma_velocity_mps;
-        row.sigma_velocity_up_mps = sigma_velocity_mps;
-        row.sigma_acceleration_east_mps2 = row.sigma_acceleration_north_mps2 = 0.1;
+        row.sigma_velocity_east_m_s = row.sigma_velocity_north_m_s = sigma_velocity_m_s;
+        row.sigma_velocity_up_m_s = sigma_velocity_m_s;
+        row.sigma_acceleration_east_m_s2 = row.sigma_acceleration_north_m_s2 = 0.1;
         row.arc = 1;
         row.usable = true;
         return row;
@@ -152,19 +152,19 @@ struct RuleScene {
 };
 
 /// The same flow from `from_s` to `to_s`, a sample every 10 s.
-inline FlowSeries steady(double speed_mps, double direction_deg, double from_s, double to_s) {
+inline FlowSeries steady(double speed_m_s, double direction_deg, double from_s, double to_s) {
     FlowSeries series{.where = "series.csv", .samples = {}};
     for (double time_s = from_s; time_s <= to_s; time_s += 10.0)
-        series.samples.push_back({time_s, speed_mps, direction_deg});
+        series.samples.push_back({time_s, speed_m_s, direction_deg});
     return series;
 }
 
-inline void set_current(RuleScene& scene, double speed_mps, double direction_deg,
-                        double expanded_uncertainty_mps) {
-    scene.current = steady(speed_mps, direction_deg, 0.0, 50.0);
+inline void set_current(RuleScene& scene, double speed_m_s, double direction_deg,
+                        double expanded_uncertainty_m_s) {
+    scene.current = steady(speed_m_s, direction_deg, 0.0, 50.0);
     scene.attempt.current = FlowFile{.file = "current.csv",
                                      .source = "meter",
-                                     .expanded_uncertainty_mps = expanded_uncertainty_mps,
+                                     .expanded_uncertainty_m_s = expanded_uncertainty_m_s,
                                      .place = "attempt:1:1"};
 }
 

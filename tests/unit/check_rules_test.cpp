@@ -97,10 +97,10 @@ INSTANTIATE_TEST_SUITE_P(
         Limited{"straightness", "m", true, 0.5, 2.0 * std::sqrt(1.5) * RuleScene::sigma_m,
                 [](RuleScene& s) { s.row(26.5).east_m = -0.5; }},
         Limited{"turning", "deg", true, 6.0,
-                2.0 * std::numbers::sqrt2* RuleScene::sigma_velocity_mps / 60.0 * degrees,
+                2.0 * std::numbers::sqrt2* RuleScene::sigma_velocity_m_s / 60.0 * degrees,
                 [](RuleScene& s) {
-                    s.row(28.0).velocity_east_mps = -60.0 * std::sin(6.0 / degrees);
-                    s.row(28.0).velocity_north_mps = 60.0 * std::cos(6.0 / degrees);
+                    s.row(28.0).velocity_east_m_s = -60.0 * std::sin(6.0 / degrees);
+                    s.row(28.0).velocity_north_m_s = 60.0 * std::cos(6.0 / degrees);
                 }},
         // From 5.2 s, where it has 0.8 m/s: 450 m - 0.08 m up to 20 s, 300 m up to 25 s.
         Limited{"run_up", "m", false, 749.92, 0.0, [](RuleScene&) {}},
@@ -155,7 +155,7 @@ TEST(Heights, HaveTheSlowErrorThatTheirNoiseOrItsBoundTells) {
 TEST(Course, OfAWindowOutsideOfEveryRunIsForAPerson) {
     RuleScene scene(with_limit("straightness", 1.0, "m"));
     for (TrajectoryEpoch& row : scene.judged.trajectory)
-        row.velocity_north_mps = 0.5;
+        row.velocity_north_m_s = 0.5;
     EXPECT_EQ(scene.clause("straightness").status, RequirementStatus::attest);
     EXPECT_TRUE(contains(scene.clause("straightness").evidence, "not within one run"));
     scene.judged.trajectory.resize(270);
@@ -170,13 +170,13 @@ TEST(StandingStart, IsMetNotMetOrNotSeen) {
     EXPECT_TRUE(contains(scene.clause("standing_start").evidence, "0.000 m/s"));
     // Never slower than 0.6 m/s, which 0.05 m/s tells from zero: rolling.
     for (TrajectoryEpoch& row : scene.judged.trajectory)
-        row.velocity_north_mps = std::max(0.6, *row.velocity_north_mps);
+        row.velocity_north_m_s = std::max(0.6, *row.velocity_north_m_s);
     EXPECT_EQ(scene.clause("standing_start").status, RequirementStatus::not_met);
     EXPECT_TRUE(contains(scene.clause("standing_start").evidence, "moving when the run began"));
     EXPECT_EQ(scene.verdict().outcome, Outcome::not_certifiable);
     // The same with 0.4 m/s of uncertainty (0.6 / 0.4 = 1.5, squared 2.25, at most 5.99).
     for (TrajectoryEpoch& row : scene.judged.trajectory)
-        row.sigma_velocity_east_mps = row.sigma_velocity_north_mps = 0.4;
+        row.sigma_velocity_east_m_s = row.sigma_velocity_north_m_s = 0.4;
     EXPECT_EQ(scene.clause("standing_start").status, RequirementStatus::met);
 }
 
@@ -257,26 +257,26 @@ TEST(SampleAccuracy, IsThatOfTheWorstSampleByPositionsOrByVelocities) {
     scene.rows()[7].sigma_east_m = 100.0;
     EXPECT_EQ(scene.clause("sample_accuracy").status, RequirementStatus::met);
     for (ScreenedEpoch& row : scene.rows())
-        row.sigma_recorded_velocity_east_mps = row.sigma_recorded_velocity_north_mps =
-            row.sigma_recorded_velocity_up_mps = 0.1;
+        row.sigma_recorded_velocity_east_m_s = row.sigma_recorded_velocity_north_m_s =
+            row.sigma_recorded_velocity_up_m_s = 0.1;
     EXPECT_TRUE(contains(scene.clause("sample_accuracy").evidence, "velocity 0.173 m/s"))
         << scene.clause("sample_accuracy").evidence;
     // sqrt(2^2 + 2^2 + 1^2) = 3; a little more is too much.
-    scene.rows()[3].sigma_recorded_velocity_east_mps = 2.0;
-    scene.rows()[3].sigma_recorded_velocity_north_mps = 2.0;
-    scene.rows()[3].sigma_recorded_velocity_up_mps = 1.0;
+    scene.rows()[3].sigma_recorded_velocity_east_m_s = 2.0;
+    scene.rows()[3].sigma_recorded_velocity_north_m_s = 2.0;
+    scene.rows()[3].sigma_recorded_velocity_up_m_s = 1.0;
     EXPECT_EQ(scene.clause("sample_accuracy").status, RequirementStatus::met);
-    scene.rows()[3].sigma_recorded_velocity_up_mps = 1.01;
+    scene.rows()[3].sigma_recorded_velocity_up_m_s = 1.01;
     EXPECT_EQ(scene.clause("sample_accuracy").status, RequirementStatus::not_met);
 }
 
 TEST(SampleAccuracy, ThatIsNotStatedThroughout) {
     RuleScene scene(accuracy_profile(3.0, "vertical"));
     for (ScreenedEpoch& row : scene.rows())
-        row.sigma_recorded_velocity_east_mps = row.sigma_recorded_velocity_north_mps =
-            row.sigma_recorded_velocity_up_mps = 50.0;
+        row.sigma_recorded_velocity_east_m_s = row.sigma_recorded_velocity_north_m_s =
+            row.sigma_recorded_velocity_up_m_s = 50.0;
     EXPECT_EQ(scene.clause("sample_accuracy").status, RequirementStatus::not_met);
-    scene.rows()[4].sigma_recorded_velocity_up_mps = OptionalReal{};
+    scene.rows()[4].sigma_recorded_velocity_up_m_s = OptionalReal{};
     EXPECT_EQ(scene.clause("sample_accuracy").status, RequirementStatus::met);
     EXPECT_TRUE(contains(scene.clause("sample_accuracy").evidence, "not stated throughout"));
     scene.rows()[4].sigma_up_m = {};
@@ -289,9 +289,9 @@ TEST(FastestCertifiable, IsNotMetWhereAFasterWindowCannotBeCertified) {
     EXPECT_EQ(scene.clause("fastest_certifiable").status, RequirementStatus::met);
     // 60 m/s and twice 0.005 m/s: up to 60.01 m/s it is no faster.
     scene.windows().indicated = IndicatedWindow{
-        .span = {}, .speed_mps = 60.0099, .refusals = {"an epoch without a position"}};
+        .span = {}, .speed_m_s = 60.0099, .refusals = {"an epoch without a position"}};
     EXPECT_EQ(scene.clause("fastest_certifiable").status, RequirementStatus::met);
-    scene.windows().indicated->speed_mps = 60.0101;
+    scene.windows().indicated->speed_m_s = 60.0101;
     EXPECT_EQ(scene.clause("fastest_certifiable").status, RequirementStatus::not_met);
     EXPECT_TRUE(contains(scene.clause("fastest_certifiable").evidence, "216.036 km/h"));
     EXPECT_EQ(scene.verdict().outcome, Outcome::not_certifiable);
@@ -310,7 +310,7 @@ TEST(OppositeRuns, HoldBothWindows) {
     scene.windows().missing = "no two runs in opposite directions lie within 3600 s";
     EXPECT_TRUE(contains(scene.clause("opposite_runs").evidence, "lie within 3600 s"));
     FurtherWindow other{
-        .span = scene.best().span, .arc = 1, .speed_mps = 58.0, .standard_uncertainty_mps = 0.007};
+        .span = scene.best().span, .arc = 1, .speed_m_s = 58.0, .standard_uncertainty_m_s = 0.007};
     other.span.start.nanoseconds += 100'000'000'000;
     scene.windows().further = {other};
     scene.windows().missing.clear();
@@ -318,7 +318,7 @@ TEST(OppositeRuns, HoldBothWindows) {
     EXPECT_EQ(met.status, RequirementStatus::met);
     // From the one's beginning to the other's end.
     EXPECT_NEAR(met.figures.at(2).value, 103.0, 1e-9);
-    EXPECT_NEAR(*scene.verdict().speed_mps, 59.0, 1e-12);
+    EXPECT_NEAR(*scene.verdict().speed_m_s, 59.0, 1e-12);
 }
 
 }  // namespace

@@ -51,13 +51,13 @@ TEST(ShownFigure, IsRoundedToTheSafeSideOnly) {
 }
 
 TEST(ShownFigure, OfADecimalFigureIsThatFigureAfterConversions) {
-    for (const double unit_mps : {kKmh, 1.0, 1852.0 / 3600.0, 1609.344 / 3600.0})
+    for (const double unit_m_s : {kKmh, 1.0, 1852.0 / 3600.0, 1609.344 / 3600.0})
         for (int hundredths = 1; hundredths <= 60000; hundredths += 7) {
             const double figure = hundredths / 100.0;
             const std::string text = std::to_string(hundredths / 100) + "." +
                                      std::to_string(hundredths % 100 / 10) +
                                      std::to_string(hundredths % 10);
-            const double back = figure * unit_mps / unit_mps;
+            const double back = figure * unit_m_s / unit_m_s;
             ASSERT_EQ(shown_figure(back, 2, SafeSide::down), text);
             ASSERT_EQ(shown_figure(back, 2, SafeSide::up), text);
             ASSERT_EQ(shown_figure(figure * 1.002 / 1.002, 2, SafeSide::up), text);
@@ -69,7 +69,7 @@ TEST(ShownFigure, OfTheSpeedToReachIsThePublishedOne) {
                           .value = 0.002,
                           .rounding = DecimalRounding{RoundingMode::truncate, kKmh, 2}};
     const Threshold threshold = threshold_of(rule, {222.43 * kKmh});
-    EXPECT_EQ(shown_figure(threshold.speed_mps / kKmh, 2, SafeSide::up), "222.87");
+    EXPECT_EQ(shown_figure(threshold.speed_m_s / kKmh, 2, SafeSide::up), "222.87");
 }
 
 TEST(ShownFigure, IsOnItsSideAndWithinOneUnitOfTheLastPlace) {

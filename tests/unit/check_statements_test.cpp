@@ -17,7 +17,7 @@ struct Scene {
         "receivers: [{id: primary, recording: r}]\nprofiles: [nalsa]\n",
         "attempt");
     std::vector<Profile> profiles{read_profile(builtin_profile("nalsa"), "nalsa")};
-    ReceiverEvidence judged;
+    ReceiverResults judged;
 
     Scene() {
         judged.receiver = "primary";
@@ -59,16 +59,16 @@ struct Scene {
 
 TEST(Statements, OfAGoodFitSayWhatWasLearntAndNothingIsAmiss) {
     const Scene scene;
-    EXPECT_EQ(scene.count({"horizontal noise was learnt from 451 epochs", "1.04 times",
+    EXPECT_EQ(scene.count({"horizontal noise was estimated from 451 epochs", "1.04 times",
                            "root mean square 10.0 mm",
                            "jerk density 0.612 m s^-2.5 as one for "
                            "all of it",
                            "takes the larger of that and what the motion shows there"}),
               1);
-    EXPECT_EQ(scene.count({"slowly varying error of the horizontal positions could not be told",
+    EXPECT_EQ(scene.count({"time-correlated error of the horizontal positions could not be told",
                            "its bound decides"}),
               1);
-    EXPECT_EQ(scene.count({"Stated accuracies come from the recording."}), 1);
+    EXPECT_EQ(scene.count({"Stated standard deviations come from the recording."}), 1);
     for (const char* amiss : {"limit of its range", "before it converged", "stay correlated",
                               "changes along the recording", "were repaired", "Not georeferenced",
                               "Heights", "equal at all epochs", "vertical"})
@@ -84,20 +84,20 @@ TEST(Statements, WhyNothingWasFittedAndWhatStandsInItsPlace) {
     scene.noise().status = NoiseBasis::too_few_epochs;
     scene.noise().epochs = 20;
     scene.noise().jerk_density.value = 0.6;
-    EXPECT_EQ(scene.count({"could not be learnt", "20 usable epochs where 30 are needed",
-                           "stated accuracies times 1.04", "0.6 m s^-2.5"}),
+    EXPECT_EQ(scene.count({"could not be estimated", "20 usable epochs where 30 are needed",
+                           "stated standard deviations times 1.04", "0.6 m s^-2.5"}),
               1);
     scene.noise().status = NoiseBasis::constant_positions;
-    EXPECT_EQ(scene.count({"could not be learnt", "positions are all the same"}), 1);
+    EXPECT_EQ(scene.count({"could not be estimated", "positions are all the same"}), 1);
     scene.noise().status = NoiseBasis::stated;
-    EXPECT_EQ(scene.count({"was not learnt from the recording, as the attempt asks"}), 1);
+    EXPECT_EQ(scene.count({"was not estimated from the recording, as the attempt asks"}), 1);
     EXPECT_EQ(scene.count({"could not be told"}), 0);
 }
 
 TEST(Statements, WhatIsKnownOfASlowError) {
     Scene scene;
     scene.tell_error(0.3);
-    EXPECT_EQ(scene.count({"slowly varying error of 8.1 mm", "correlation time of 2.0 s"}), 1);
+    EXPECT_EQ(scene.count({"time-correlated error of 8.1 mm", "correlation time of 2.0 s"}), 1);
     EXPECT_EQ(scene.count({"its bound decides"}), 0);
     scene.tell_error(std::nullopt);
     EXPECT_EQ(scene.count({"wanders by 8.0 mm in the first second", "cannot be separated"}), 1);
@@ -112,8 +112,7 @@ TEST(Statements, EveryParameterThatAFitLeftAtALimitIsNamed) {
     scene.noise().error_diffusion->at_bound = true;
     scene.noise().acceleration_time_s = NoiseParameter{1000.0, std::nullopt, true};
     EXPECT_EQ(scene.count({"limit of its range for: jerk density, correlation time of the "
-                           "acceleration, size of the slow error, correlation time of the slow "
-                           "error."}),
+                           "acceleration, size of the time-correlated error, correlation time of the time-correlated error."}),
               1);
     EXPECT_EQ(scene.count({"acceleration that lasts 1e+03 s"}), 1);
 }
@@ -148,8 +147,8 @@ TEST(Statements, OfBothAxesEachForItself) {
     scene.judged.estimation.vertical = scene.judged.estimation.horizontal;
     scene.judged.estimation.vertical->noise.status = NoiseBasis::constant_positions;
     scene.judged.estimation.vertical->health.white = false;
-    EXPECT_EQ(scene.count({"horizontal noise was learnt"}), 1);
-    EXPECT_EQ(scene.count({"vertical noise could not be learnt", "all the same"}), 1);
+    EXPECT_EQ(scene.count({"horizontal noise was estimated"}), 1);
+    EXPECT_EQ(scene.count({"vertical noise could not be estimated", "all the same"}), 1);
     EXPECT_EQ(scene.count({"vertical innovations stay correlated"}), 1);
     EXPECT_EQ(scene.count({"horizontal innovations"}), 0);
 }
@@ -185,19 +184,19 @@ TEST(Statements, WhereMonteCarloDoesNotAgreeOrConverge) {
     ProfileWindows windows;
     windows.profile = "nalsa";
     windows.best = CertifiableWindow{};
-    windows.best->standard_uncertainty_mps = 0.010;
+    windows.best->standard_uncertainty_m_s = 0.010;
     windows.best->monte_carlo = MonteCarloCheck{
-        .standard_uncertainty_mps = 0.0104, .tolerance_mps = 0.0005, .converged = true};
+        .standard_uncertainty_m_s = 0.0104, .tolerance_m_s = 0.0005, .converged = true};
     scene.judged.windows.profiles = {windows};
     EXPECT_EQ(scene.count({"Monte Carlo"}), 0);
-    windows.best->monte_carlo->standard_uncertainty_mps = 0.0106;
+    windows.best->monte_carlo->standard_uncertainty_m_s = 0.0106;
     scene.judged.windows.profiles = {windows};
     EXPECT_EQ(
         scene.count({"Under nalsa the check of linearisation gives", "0.0106 m/s", "0.0100 m/s"}),
         1);
     // An interval that the budget's does not hold; the budget's is +- 1.96 x 0.010 m/s.
-    windows.best->monte_carlo->standard_uncertainty_mps = 0.010;
-    windows.best->monte_carlo->lower_mps = -0.0250;
+    windows.best->monte_carlo->standard_uncertainty_m_s = 0.010;
+    windows.best->monte_carlo->lower_m_s = -0.0250;
     scene.judged.windows.profiles = {windows};
     EXPECT_EQ(scene.count({"Under nalsa the check of linearisation gives a 95 % interval",
                            "-0.0250 m/s to 0.0000 m/s", "-0.0196 m/s to 0.0196 m/s"}),
@@ -211,7 +210,7 @@ TEST(Statements, WhereMonteCarloDoesNotAgreeOrConverge) {
 /// A scene whose tests were made.
 Scene tested_scene() {
     Scene scene;
-    ScreeningEvidence& tests = scene.judged.tests;
+    ScreeningBasis& tests = scene.judged.tests;
     tests.tests = 30'000;
     tests.family_false_alarm_rate = 0.001;
     tests.models = {{.axes = TestedAxes::horizontal, .noise = NoiseBasis::fitted}};
@@ -223,32 +222,32 @@ TEST(Statements, OnTheTestsSayHowManyAndHowOftenTheyErr) {
     EXPECT_EQ(scene.count({"30000 tests", "probability of at most 0.001",
                            "so that motion is not taken for them, sudden changes of acceleration"}),
               1);
-    EXPECT_EQ(scene.count({"not on noise learnt"}), 0);
+    EXPECT_EQ(scene.count({"not on noise estimated"}), 0);
     EXPECT_EQ(scene.count({"sessions"}), 0);
 }
 
 TEST(Statements, OnTheWitnessesSayWhatIsAmiss) {
     Scene scene = tested_scene();
-    ScreeningEvidence& tests = scene.judged.tests;
+    ScreeningBasis& tests = scene.judged.tests;
     tests.models[0].noise = NoiseBasis::too_few_epochs;
     tests.models[0].measurement_scale = 1.7;
-    tests.fix_kinds = {
-        {.fix = FixKind::fixed, .variance_factor = 4.0, .judgement = AccuracyJudgement::too_good},
-        {.fix = FixKind::single,
+    tests.fix_types = {
+        {.fix = FixType::fixed, .variance_factor = 4.0, .judgement = AccuracyJudgement::optimistic},
+        {.fix = FixType::single,
          .variance_factor = 1.0,
          .judgement = AccuracyJudgement::as_stated}};
     tests.time.sessions = 3;
     tests.time.rate_deviation = 5e-4;
     tests.time.faults = {{.epoch = 77, .kind = TimeFaultKind::whole_second_shift, .size_s = 18.0},
                          {.epoch = 90, .kind = TimeFaultKind::gap, .size_s = 3.0}};
-    tests.velocity = VelocityEvidence{.compared = 500,
-                                      .delay_s = 0.123,
-                                      .sigma_delay_s = 0.002,
-                                      .scale_mps = 0.031,
-                                      .rejected = 4};
-    tests.baseline = BaselineEvidence{
+    tests.velocity = VelocityComparison{.compared = 500,
+                                        .delay_s = 0.123,
+                                        .sigma_delay_s = 0.002,
+                                        .scale_m_s = 0.031,
+                                        .rejected = 4};
+    tests.baseline = BaselineComparison{
         .receiver = "mast", .compared = 400, .length_m = 2.0, .sd_m = 1.95, .rejected = 0};
-    EXPECT_EQ(scene.count({"rest on the stated accuracies times 1.70"}), 1);
+    EXPECT_EQ(scene.count({"rest on the stated standard deviations times 1.70"}), 1);
     EXPECT_EQ(scene.count({"for fixed solutions are too good", "2.00 times as large"}), 1);
     EXPECT_EQ(scene.count({"single"}), 0);
     EXPECT_EQ(scene.count({"3 sessions"}), 1);
@@ -262,15 +261,15 @@ TEST(Statements, OnTheWitnessesSayWhatIsAmiss) {
 }
 
 /// A window whose undetected error is up to so much, beside 0.01 m/s of everything else.
-Scene undetected_scene(double error_mps) {
+Scene undetected_scene(double error_m_s) {
     Scene scene = tested_scene();
     ProfileWindows windows;
     windows.profile = "nalsa";
     CertifiableWindow& best = windows.best.emplace();
-    best.standard_uncertainty_mps = std::hypot(0.01, error_mps / std::sqrt(3.0));
+    best.standard_uncertainty_m_s = std::hypot(0.01, error_m_s / std::sqrt(3.0));
     BudgetRow& row = best.budget.emplace_back();
     row.symbol = "d";
-    row.contribution_mps = error_mps / std::sqrt(3.0);
+    row.contribution_m_s = error_m_s / std::sqrt(3.0);
     scene.judged.windows.profiles = {windows};
     return scene;
 }
@@ -284,13 +283,13 @@ TEST(Statements, OnWhatScreeningCouldHaveMissedSayWhatTheIntervalHoldsThen) {
                      "by at most 0.0200 m/s", "one for all runs", "with a probability of 85 %"}),
         1);
     // With 0.01 m/s of a bias beside it Phi(2.05505) = 0.98006.
-    best.bias_limit_mps = 0.01;
+    best.bias_limit_m_s = 0.01;
     EXPECT_EQ(scene.count({"with a probability of 98 %"}), 1);
     // For two degrees of freedom k is 4.53 ([GUM] table G.2), Phi(4.92) = 0.9999996: no certainty.
-    best.bias_limit_mps = 0.0;
+    best.bias_limit_m_s = 0.0;
     best.effective_degrees_of_freedom = 2.0;
     EXPECT_EQ(scene.count({"with a probability of 99 %"}), 1);
-    best.budget[0].contribution_mps = 0.0;
+    best.budget[0].contribution_m_s = 0.0;
     EXPECT_EQ(scene.count({"could have missed changes the speed"}), 0);
     best.budget.clear();
     EXPECT_EQ(scene.count({"could have missed changes the speed"}), 0);
@@ -298,19 +297,19 @@ TEST(Statements, OnWhatScreeningCouldHaveMissedSayWhatTheIntervalHoldsThen) {
 
 TEST(Statements, OnWhatScreeningCouldHaveMissedAgreeWithDraws) {
     constexpr int runs = 20000;  // tell a share to 0.4 %
-    for (const double error_mps : {0.005, 0.01, 0.02, 0.05}) {
-        const Scene scene = undetected_scene(error_mps);
-        const double expanded_mps =
-            2.0 * scene.judged.windows.profiles[0].best->standard_uncertainty_mps;
+    for (const double error_m_s : {0.005, 0.01, 0.02, 0.05}) {
+        const Scene scene = undetected_scene(error_m_s);
+        const double expanded_m_s =
+            2.0 * scene.judged.windows.profiles[0].best->standard_uncertainty_m_s;
         RandomGenerator random(114);
         int held = 0;
         for (int i = 0; i < runs; ++i)
-            held += std::abs(error_mps + 0.01 * random.normal()) <= expanded_mps ? 1 : 0;
+            held += std::abs(error_m_s + 0.01 * random.normal()) <= expanded_m_s ? 1 : 0;
         int said = 0;
         for (int percent = 0; percent <= 100; ++percent)
             if (scene.count({fmt::format("with a probability of {} %", percent)}) == 1)
                 said = percent;
-        EXPECT_NEAR(100.0 * held / runs, said + 0.5, 1.3) << error_mps;
+        EXPECT_NEAR(100.0 * held / runs, said + 0.5, 1.3) << error_m_s;
     }
 }
 
@@ -320,14 +319,14 @@ TEST(Statements, OnDriftsSayWhatStandsAgainstASlowOne) {
     windows.profile = "nalsa";
     windows.best.emplace();
     windows.best->reliability = {
-        {.hypothesis = Hypothesis::ramp, .size = 0.853, .unit = "m / s", .speed_mps = 0.8}};
+        {.hypothesis = Hypothesis::ramp, .size = 0.853, .unit = "m / s", .speed_m_s = 0.8}};
     scene.judged.windows.profiles = {windows};
     EXPECT_EQ(scene.count({"only from 0.85 m/s on", "no velocities to check a slower one"}), 1);
-    scene.judged.tests.velocity = VelocityEvidence{.compared = 500,
-                                                   .delay_s = std::nullopt,
-                                                   .sigma_delay_s = std::nullopt,
-                                                   .scale_mps = 0.031,
-                                                   .rejected = 0};
+    scene.judged.tests.velocity = VelocityComparison{.compared = 500,
+                                                     .delay_s = std::nullopt,
+                                                     .sigma_delay_s = std::nullopt,
+                                                     .scale_m_s = 0.031,
+                                                     .rejected = 0};
     EXPECT_EQ(scene.count({"only from 0.85 m/s on", "velocities, which agree to 0.031 m/s"}), 1);
 }
 

@@ -50,11 +50,11 @@ struct Comparison {
 /// Every record from 50.00 to 300.00 of the unit, with every margin and mode, to hundredths.
 Comparison compare_with_integers(const Unit& of_record, const Unit& of_rule) {
     Comparison result;
-    const double record_unit_mps = metres_per_second(of_record.name);
-    const double rule_unit_mps = metres_per_second(of_rule.name);
+    const double record_unit_m_s = metres_per_second(of_record.name);
+    const double rule_unit_m_s = metres_per_second(of_rule.name);
     const std::int64_t margins_per_mille[] = {1, 2, 5, 10, 20};
     for (std::int64_t hundredths = 5000; hundredths <= 30000; ++hundredths) {
-        const double record_mps = static_cast<double>(hundredths) / 100.0 * record_unit_mps;
+        const double record_m_s = static_cast<double>(hundredths) / 100.0 * record_unit_m_s;
         for (const std::int64_t margin : margins_per_mille) {
             const std::int64_t numerator = hundredths * (1000 + margin) * of_record.mm_per_h;
             const std::int64_t denominator = 1000 * of_rule.mm_per_h;
@@ -65,10 +65,10 @@ Comparison compare_with_integers(const Unit& of_record, const Unit& of_rule) {
             for (const RoundingMode mode : kModes) {
                 const MarginRule rule{.kind = MarginKind::relative,
                                       .value = static_cast<double>(margin) / 1000.0,
-                                      .rounding = DecimalRounding{mode, rule_unit_mps, 2}};
+                                      .rounding = DecimalRounding{mode, rule_unit_m_s, 2}};
                 const auto exact = static_cast<double>(rounded_ratio(numerator, denominator, mode));
-                const double expected_mps = exact / 100.0 * rule_unit_mps;
-                if (threshold_of(rule, {record_mps}).speed_mps != expected_mps) ++result.wrong;
+                const double expected_m_s = exact / 100.0 * rule_unit_m_s;
+                if (threshold_of(rule, {record_m_s}).speed_m_s != expected_m_s) ++result.wrong;
                 ++result.compared;
             }
         }
@@ -97,9 +97,9 @@ TEST(Threshold, IsNotMovedByNoiseButByAMillionthOfTheLastPlace) {
     for (const double figure : {50.76, 100.2, 222.87, 300.0, 510.4})
         for (const RoundingMode mode : kModes) {
             const DecimalRounding rounding{mode, kKmh, 2};
-            const double speed_mps = figure * kKmh;
+            const double speed_m_s = figure * kKmh;
             for (const double noise : {-1e-12, -1e-15, 0.0, 1e-15, 1e-12})
-                EXPECT_EQ(rounded_speed(speed_mps * (1.0 + noise), rounding), speed_mps);
+                EXPECT_EQ(rounded_speed(speed_m_s * (1.0 + noise), rounding), speed_m_s);
             const double below = rounded_speed((figure - 1e-8) * kKmh, rounding) / kKmh;
             const double above = rounded_speed((figure + 1e-8) * kKmh, rounding) / kKmh;
             EXPECT_NEAR(below, mode == RoundingMode::truncate ? figure - 0.01 : figure, 1e-12);
@@ -117,17 +117,17 @@ TEST(Threshold, TakesAHalfUpAndWhatIsAMillionthBelowItDown) {
 
 TEST(Threshold, ModesKeepTheirOrder) {
     for (int i = 0; i < 1000; ++i) {
-        const double speed_mps = 13.0 + 0.0731 * i;
+        const double speed_m_s = 13.0 + 0.0731 * i;
         for (const int decimals : {0, 1, 2, 5, 9}) {
-            const double down = rounded_speed(speed_mps, {RoundingMode::truncate, kKnot, decimals});
+            const double down = rounded_speed(speed_m_s, {RoundingMode::truncate, kKnot, decimals});
             const double nearest =
-                rounded_speed(speed_mps, {RoundingMode::nearest, kKnot, decimals});
-            const double up = rounded_speed(speed_mps, {RoundingMode::up, kKnot, decimals});
+                rounded_speed(speed_m_s, {RoundingMode::nearest, kKnot, decimals});
+            const double up = rounded_speed(speed_m_s, {RoundingMode::up, kKnot, decimals});
             const double step = kKnot * std::pow(10.0, -decimals);
-            EXPECT_LE(down, speed_mps * (1.0 + 3e-12));
-            EXPECT_GE(up, speed_mps * (1.0 - 3e-12));
+            EXPECT_LE(down, speed_m_s * (1.0 + 3e-12));
+            EXPECT_GE(up, speed_m_s * (1.0 - 3e-12));
             EXPECT_TRUE(nearest == down || nearest == up);
-            EXPECT_LE(std::abs(nearest - speed_mps), 0.5 * step + 1e-12);
+            EXPECT_LE(std::abs(nearest - speed_m_s), 0.5 * step + 1e-12);
             EXPECT_LE(up - down, step * (1.0 + 1e-4));
         }
     }
@@ -141,18 +141,18 @@ TEST(Threshold, CarriesTheRecordsUncertaintyByTheDerivative) {
         {.kind = MarginKind::elapsed_time, .value = 4.0, .distance_m = 500.0},
     };
     for (MarginRule rule : rules)
-        for (const double record_mps : {14.0, 27.8, 61.8}) {
+        for (const double record_m_s : {14.0, 27.8, 61.8}) {
             const double h = 1e-4;
-            const double numeric = (threshold_of(rule, {record_mps + h}).speed_mps -
-                                    threshold_of(rule, {record_mps - h}).speed_mps) /
+            const double numeric = (threshold_of(rule, {record_m_s + h}).speed_m_s -
+                                    threshold_of(rule, {record_m_s - h}).speed_m_s) /
                                    (2.0 * h);
             // k = 2: the expanded uncertainty 0.3 is a standard uncertainty of 0.15.
-            const Threshold plain = threshold_of(rule, {record_mps, 0.3});
-            EXPECT_NEAR(plain.standard_uncertainty_mps, 0.15 * numeric, 1e-8);
-            EXPECT_EQ(threshold_of(rule, {record_mps}).standard_uncertainty_mps, 0.0);
+            const Threshold plain = threshold_of(rule, {record_m_s, 0.3});
+            EXPECT_NEAR(plain.standard_uncertainty_m_s, 0.15 * numeric, 1e-8);
+            EXPECT_EQ(threshold_of(rule, {record_m_s}).standard_uncertainty_m_s, 0.0);
             rule.rounding = DecimalRounding{RoundingMode::up, kKmh, 0};
-            EXPECT_EQ(threshold_of(rule, {record_mps, 0.3}).standard_uncertainty_mps,
-                      plain.standard_uncertainty_mps);
+            EXPECT_EQ(threshold_of(rule, {record_m_s, 0.3}).standard_uncertainty_m_s,
+                      plain.standard_uncertainty_m_s);
             rule.rounding.reset();
         }
 }
@@ -164,8 +164,8 @@ TEST(Threshold, AboveTheUpperLimitIsThatOfARecordRaisedToIt) {
         const Threshold raised = threshold_of(rule, {50.5});
         rule.above_upper_limit = true;
         const Threshold threshold = threshold_of(rule, {50.0, 0.5});
-        EXPECT_EQ(threshold.speed_mps, raised.speed_mps);
-        EXPECT_EQ(threshold.standard_uncertainty_mps, 0.0);
+        EXPECT_EQ(threshold.speed_m_s, raised.speed_m_s);
+        EXPECT_EQ(threshold.standard_uncertainty_m_s, 0.0);
     }
 }
 
@@ -174,7 +174,7 @@ TEST(Threshold, OfAnElapsedTimeIsTheCourseInTheShorterTime) {
     const auto to_reach = [](double gain_s) {
         const MarginRule rule{
             .kind = MarginKind::elapsed_time, .value = gain_s, .distance_m = 500.0};
-        return threshold_of(rule, {25.0}).speed_mps;
+        return threshold_of(rule, {25.0}).speed_m_s;
     };
     EXPECT_DOUBLE_EQ(to_reach(0.01), 500.0 / 19.99);
     EXPECT_DOUBLE_EQ(to_reach(10.0), 50.0);

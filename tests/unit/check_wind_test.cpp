@@ -32,9 +32,9 @@ TEST(Flow, UtcGpsTimeAndSecondsAreTheSameInstants) {
         ASSERT_EQ(series.samples.size(), 2u);
         EXPECT_EQ(series.samples[0].time_s, 0.0);
         EXPECT_EQ(series.samples[1].time_s, 56.5);
-        EXPECT_EQ(series.samples[0].speed_mps, 7.5);
+        EXPECT_EQ(series.samples[0].speed_m_s, 7.5);
         EXPECT_EQ(series.samples[0].direction_deg, 270.0);
-        EXPECT_EQ(series.samples[1].speed_mps, 8.0);
+        EXPECT_EQ(series.samples[1].speed_m_s, 8.0);
     }
 }
 
@@ -49,9 +49,9 @@ TEST(Flow, ALeapSecondIsAnInstant) {
 }
 
 TEST(Flow, KnotsAndKilometresAnHour) {
-    EXPECT_NEAR(read("time_s,speed_kn,direction_deg\n-5.5,10,0\n").samples[0].speed_mps,
+    EXPECT_NEAR(read("time_s,speed_kn,direction_deg\n-5.5,10,0\n").samples[0].speed_m_s,
                 18520.0 / 3600.0, 1e-12);
-    EXPECT_NEAR(read("time_s,speed_km_h,direction_deg\n0,36,360\n").samples[0].speed_mps, 10.0,
+    EXPECT_NEAR(read("time_s,speed_km_h,direction_deg\n0,36,360\n").samples[0].speed_m_s, 10.0,
                 1e-12);
     EXPECT_EQ(read("\xEF\xBB\xBFtime_s,speed_kn,direction_deg\n-5.5,10,0\n").samples[0].time_s,
               -5.5);
@@ -132,7 +132,7 @@ TEST(FlowInWindow, SteadyWindAgainstEachHeading) {
     // 10 m/s from the west (270): it blows towards 90.
     const FlowSeries series = samples({{0.0, 10.0, 270.0}, {30.0, 10.0, 270.0}});
     struct Case {
-        double heading_deg, along_mps, across_mps;
+        double heading_deg, along_m_s, across_m_s;
     };
     for (const Case& one : {Case{90.0, 10.0, 0.0},
                             {270.0, -10.0, 0.0},
@@ -142,17 +142,17 @@ TEST(FlowInWindow, SteadyWindAgainstEachHeading) {
         const FlowInWindow wind =
             flow_in_window(series, FlowKind::wind, 10.0, 13.0, one.heading_deg);
         EXPECT_EQ(wind.missing, "");
-        EXPECT_NEAR(wind.along_mps, one.along_mps, 1e-12);
-        EXPECT_NEAR(wind.across_mps, one.across_mps, 1e-12);
-        EXPECT_NEAR(wind.mean_mps, 10.0, 1e-12);
-        EXPECT_NEAR(wind.gust_mps, 10.0, 1e-12);
+        EXPECT_NEAR(wind.along_m_s, one.along_m_s, 1e-12);
+        EXPECT_NEAR(wind.across_m_s, one.across_m_s, 1e-12);
+        EXPECT_NEAR(wind.mean_m_s, 10.0, 1e-12);
+        EXPECT_NEAR(wind.gust_m_s, 10.0, 1e-12);
         EXPECT_NEAR(wind.direction_deg, 270.0, 1e-12);
         EXPECT_EQ(wind.samples, 0);
         // A current that sets to 270 moves the other way.
         const FlowInWindow current =
             flow_in_window(series, FlowKind::current, 10.0, 13.0, one.heading_deg);
-        EXPECT_NEAR(current.along_mps, -one.along_mps, 1e-12);
-        EXPECT_NEAR(current.across_mps, -one.across_mps, 1e-12);
+        EXPECT_NEAR(current.along_m_s, -one.along_m_s, 1e-12);
+        EXPECT_NEAR(current.across_m_s, -one.across_m_s, 1e-12);
         EXPECT_NEAR(current.direction_deg, 270.0, 1e-12);
     }
 }
@@ -162,19 +162,19 @@ TEST(FlowInWindow, MeanIsOfTheInterpolatedVectorOverTime) {
     // (2 * 3 + 1 * 3.5) / 3.
     const FlowSeries series = samples({{0.0, 0.0, 0.0}, {4.0, 4.0, 0.0}, {6.0, 2.0, 0.0}});
     const FlowInWindow flow = flow_in_window(series, FlowKind::current, 2.0, 5.0, 0.0);
-    EXPECT_NEAR(flow.mean_mps, 9.5 / 3.0, 1e-12);
-    EXPECT_NEAR(flow.along_mps, 9.5 / 3.0, 1e-12);
-    EXPECT_NEAR(flow.gust_mps, 4.0, 1e-12);
+    EXPECT_NEAR(flow.mean_m_s, 9.5 / 3.0, 1e-12);
+    EXPECT_NEAR(flow.along_m_s, 9.5 / 3.0, 1e-12);
+    EXPECT_NEAR(flow.gust_m_s, 4.0, 1e-12);
     EXPECT_EQ(flow.samples, 1);
     // The largest at an end, between samples.
-    EXPECT_NEAR(flow_in_window(series, FlowKind::current, 1.0, 3.0, 0.0).gust_mps, 3.0, 1e-12);
+    EXPECT_NEAR(flow_in_window(series, FlowKind::current, 1.0, 3.0, 0.0).gust_m_s, 3.0, 1e-12);
     // Ends on samples.
     const FlowInWindow whole = flow_in_window(series, FlowKind::current, 0.0, 6.0, 0.0);
-    EXPECT_NEAR(whole.mean_mps, (8.0 + 6.0) / 6.0, 1e-12);
+    EXPECT_NEAR(whole.mean_m_s, (8.0 + 6.0) / 6.0, 1e-12);
     EXPECT_EQ(whole.samples, 3);
     // One instant.
-    EXPECT_NEAR(flow_in_window(series, FlowKind::current, 4.0, 4.0, 0.0).mean_mps, 4.0, 1e-12);
-    EXPECT_NEAR(flow_in_window(series, FlowKind::current, 5.0, 5.0, 0.0).mean_mps, 3.0, 1e-12);
+    EXPECT_NEAR(flow_in_window(series, FlowKind::current, 4.0, 4.0, 0.0).mean_m_s, 4.0, 1e-12);
+    EXPECT_NEAR(flow_in_window(series, FlowKind::current, 5.0, 5.0, 0.0).mean_m_s, 3.0, 1e-12);
 }
 
 TEST(FlowInWindow, DirectionsAreNotAveragedAsNumbers) {
@@ -184,9 +184,9 @@ TEST(FlowInWindow, DirectionsAreNotAveragedAsNumbers) {
     EXPECT_NEAR(std::remainder(wind.direction_deg, 360.0), 0.0, 1e-9);
     EXPECT_GE(wind.direction_deg, 0.0);
     EXPECT_LT(wind.direction_deg, 360.0);
-    EXPECT_NEAR(wind.mean_mps, 9.8480775, 1e-7);
-    EXPECT_NEAR(wind.along_mps, 9.8480775, 1e-7);
-    EXPECT_NEAR(wind.gust_mps, 10.0, 1e-12);
+    EXPECT_NEAR(wind.mean_m_s, 9.8480775, 1e-7);
+    EXPECT_NEAR(wind.along_m_s, 9.8480775, 1e-7);
+    EXPECT_NEAR(wind.gust_m_s, 10.0, 1e-12);
     // 5 m/s from 0 and from 90 degrees: from 45.
     const FlowSeries quarter = samples({{0.0, 5.0, 0.0}, {10.0, 5.0, 90.0}});
     EXPECT_NEAR(flow_in_window(quarter, FlowKind::wind, 0.0, 10.0, 0.0).direction_deg, 45.0, 1e-9);

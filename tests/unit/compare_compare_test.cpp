@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t epochs = 120;
 
 /// A run along east whose speed has its maximum of 20 m/s at 6 s, and its time integral.
-double true_speed_mps(double t) {
+double true_speed_m_s(double t) {
     return 20.0 - 0.25 * (t - 6.0) * (t - 6.0);
 }
 double true_east_m(double t) {
@@ -51,14 +51,14 @@ Sample sample() {
         measured.sigma_east_m = measured.sigma_north_m = 0.01;
         row.east_m = true_east_m(t);
         row.north_m = 0.0;
-        row.speed_mps = true_speed_mps(t);
-        row.speed_batch_mps = true_speed_mps(t) + 0.5;
-        if (k > 0 && k + 1 < epochs) row.speed_v1_mps = true_speed_mps(t) - 0.25;
-        row.speed_kalman_mps = true_speed_mps(t - 1.0);
+        row.speed_m_s = true_speed_m_s(t);
+        row.speed_batch_m_s = true_speed_m_s(t) + 0.5;
+        if (k > 0 && k + 1 < epochs) row.speed_v1_m_s = true_speed_m_s(t) - 0.25;
+        row.speed_kalman_m_s = true_speed_m_s(t - 1.0);
         row.robust_east_m = 2.0 * true_east_m(t);
         row.robust_north_m = 0.0;
         one.truth.push_back(TruthEpoch{
-            .time = row.time, .position = {true_east_m(t), 0.0}, .speed_mps = true_speed_mps(t)});
+            .time = row.time, .position = {true_east_m(t), 0.0}, .speed_m_s = true_speed_m_s(t)});
     }
     AxesEstimation estimation;
     estimation.noise.status = NoiseBasis::fitted;
@@ -71,7 +71,7 @@ Sample sample() {
                  .start = {4'500'000'000},
                  .duration = {3'000'000'000},
                  .start_gps = std::nullopt};
-    best.speed_mps = 19.7;
+    best.speed_m_s = 19.7;
     one.windows.profiles.push_back(
         {.profile = "test",
          .rule = {.duration_s = 3.0, .definition = SpeedDefinition::displacement},
@@ -95,45 +95,45 @@ const MethodResult& method(const Comparison& comparison, const std::string& name
 }
 
 // Mean speed of the run from 4.5 s to 7.5 s: 20 less the mean of (t - 6)^2 / 4.
-const double true_mean_mps = 20.0 - 0.25 * 1.5 * 1.5 / 3.0;
+const double true_mean_m_s = 20.0 - 0.25 * 1.5 * 1.5 / 3.0;
 
 TEST(Compare, EachMethodsFiguresAreItsOwn) {
     const Comparison comparison = compared(sample());
     const ProfileComparison& profile = comparison.profiles.at(0);
     EXPECT_EQ(profile.candidates, 90);
-    EXPECT_NEAR(*profile.true_mps, true_mean_mps, 1e-12);
+    EXPECT_NEAR(*profile.true_m_s, true_mean_m_s, 1e-12);
 
     const MethodResult& smoother = method(comparison, "smoother of the trajectory");
     EXPECT_EQ(smoother.best_start->nanoseconds, 4'500'000'000);
-    EXPECT_NEAR(*smoother.best_mps, true_mean_mps, 1e-12);
-    EXPECT_NEAR(*smoother.rms_error_mps, 0.0, 1e-12);
-    EXPECT_NEAR(*smoother.certified_error_mps, 0.0, 1e-12);
+    EXPECT_NEAR(*smoother.best_m_s, true_mean_m_s, 1e-12);
+    EXPECT_NEAR(*smoother.rms_error_m_s, 0.0, 1e-12);
+    EXPECT_NEAR(*smoother.certified_error_m_s, 0.0, 1e-12);
 
     // Mean of the 31 speeds, (t - 6)^2 = 0.01 k^2 for k from -15 to 15.
     const double sum_of_squares = 2.0 * 15.0 * 16.0 * 31.0 / 6.0;
     const double mean_of_31 = 20.0 - 0.25 * 0.01 * sum_of_squares / 31.0;
     const MethodResult& batch = method(comparison, "batch");
-    EXPECT_NEAR(*batch.best_mps, mean_of_31 + 0.5, 1e-12);
-    EXPECT_NEAR(*batch.rms_error_mps, 0.5, 1e-12);
-    EXPECT_NEAR(*batch.certified_error_mps, mean_of_31 + 0.5 - true_mean_mps, 1e-12);
+    EXPECT_NEAR(*batch.best_m_s, mean_of_31 + 0.5, 1e-12);
+    EXPECT_NEAR(*batch.rms_error_m_s, 0.5, 1e-12);
+    EXPECT_NEAR(*batch.certified_error_m_s, mean_of_31 + 0.5 - true_mean_m_s, 1e-12);
     EXPECT_EQ(batch.window_speed, SpeedDefinition::mean_n_plus_1);
-    EXPECT_NEAR(*method(comparison, "v1").rms_error_mps, 0.25, 1e-12);
+    EXPECT_NEAR(*method(comparison, "v1").rms_error_m_s, 0.25, 1e-12);
 
     // A filter that is 1 s late finds its best window 1 s late.
     const MethodResult& late = method(comparison, "Kalman filter");
     EXPECT_EQ(late.best_start->nanoseconds, 5'500'000'000);
-    EXPECT_NEAR(*late.best_mps, mean_of_31, 1e-12);
-    EXPECT_NEAR(*late.best_error_mps, mean_of_31 - (true_east_m(8.5) - true_east_m(5.5)) / 3.0,
+    EXPECT_NEAR(*late.best_m_s, mean_of_31, 1e-12);
+    EXPECT_NEAR(*late.best_error_m_s, mean_of_31 - (true_east_m(8.5) - true_east_m(5.5)) / 3.0,
                 1e-12);
 
     // Positions alone have no speed of an epoch.
     const MethodResult& robust = method(comparison, "robust batch");
-    EXPECT_NEAR(*robust.certified_mps, 2.0 * true_mean_mps, 1e-12);
-    EXPECT_FALSE(robust.rms_error_mps.has_value());
+    EXPECT_NEAR(*robust.certified_m_s, 2.0 * true_mean_m_s, 1e-12);
+    EXPECT_FALSE(robust.rms_error_m_s.has_value());
 
-    EXPECT_FALSE(method(comparison, "v2").best_mps.has_value());  // it has no value anywhere
+    EXPECT_FALSE(method(comparison, "v2").best_m_s.has_value());  // it has no value anywhere
     const MethodResult& certified = method(comparison, "certified");
-    EXPECT_NEAR(*certified.certified_error_mps, 19.7 - true_mean_mps, 1e-12);
+    EXPECT_NEAR(*certified.certified_error_m_s, 19.7 - true_mean_m_s, 1e-12);
 }
 
 TEST(Compare, AFullFixedLagIsTheSmootherAndALongLagIsNearIt) {
@@ -146,14 +146,14 @@ TEST(Compare, AFullFixedLagIsTheSmootherAndALongLagIsNearIt) {
         arc.push_back({row.time.seconds(), PositionMeasurement<2>{measured_position<2>(row),
                                                                   stated_covariance<2>(row)}});
     const SmoothedArc<2> smoothed = smooth<2>(arc, model);
-    const double expected_mps =
+    const double expected_m_s =
         (smoothed.states[75].mean.head<2>() - smoothed.states[45].mean.head<2>()).norm() / 3.0;
     const Comparison comparison = compared(one);
-    EXPECT_NEAR(*method(comparison, "fixed lag, full").certified_mps, expected_mps, 1e-9);
-    EXPECT_NEAR(*method(comparison, "fixed lag 2 s (20 epochs)").certified_mps, expected_mps, 1e-3);
+    EXPECT_NEAR(*method(comparison, "fixed lag, full").certified_m_s, expected_m_s, 1e-9);
+    EXPECT_NEAR(*method(comparison, "fixed lag 2 s (20 epochs)").certified_m_s, expected_m_s, 1e-3);
     // The sooner it must answer, the worse it knows.
-    EXPECT_GT(*method(comparison, "fixed lag 0.5 s").rms_error_mps,
-              *method(comparison, "fixed lag, full").rms_error_mps);
+    EXPECT_GT(*method(comparison, "fixed lag 0.5 s").rms_error_m_s,
+              *method(comparison, "fixed lag, full").rms_error_m_s);
 }
 
 TEST(Compare, AWindowThatNobodyCertifiesIsNoCandidate) {
@@ -163,8 +163,8 @@ TEST(Compare, AWindowThatNobodyCertifiesIsNoCandidate) {
     EXPECT_EQ(comparison.profiles[0].candidates, 90 - 31);
     // Of those left, the one that begins at 6.0 s is nearest to the maximum.
     EXPECT_EQ(method(comparison, "smoother of").best_start->nanoseconds, 6'000'000'000);
-    EXPECT_FALSE(method(comparison, "smoother of").rms_error_mps.has_value());
-    EXPECT_FALSE(method(comparison, "smoother of").certified_error_mps.has_value());
+    EXPECT_FALSE(method(comparison, "smoother of").rms_error_m_s.has_value());
+    EXPECT_FALSE(method(comparison, "smoother of").certified_error_m_s.has_value());
 }
 
 TEST(Compare, AcrossABridgedStepOnlyMeansOfSpeedsAreCompared) {
@@ -182,11 +182,11 @@ TEST(Compare, AcrossABridgedStepOnlyMeansOfSpeedsAreCompared) {
               "Steps of the positions were bridged: windows across them are not compared");
     for (const char* name : {"raw positions", "smoother of the trajectory", "fixed lag, full"}) {
         const MethodResult& result = method(comparison, name);
-        EXPECT_LT(*result.best_mps, 20.0) << name;  // with the step inside it would be 21.5
-        EXPECT_FALSE(result.certified_mps || result.certified_error_mps) << name;
+        EXPECT_LT(*result.best_m_s, 20.0) << name;  // with the step inside it would be 21.5
+        EXPECT_FALSE(result.certified_m_s || result.certified_error_m_s) << name;
     }
-    EXPECT_TRUE(method(comparison, "batch").certified_mps);
-    EXPECT_NEAR(*comparison.profiles.at(0).true_mps, true_mean_mps, 1e-12);
+    EXPECT_TRUE(method(comparison, "batch").certified_m_s);
+    EXPECT_NEAR(*comparison.profiles.at(0).true_m_s, true_mean_m_s, 1e-12);
 }
 
 TEST(Compare, TruthOfAnotherTimeIsRefused) {
@@ -204,22 +204,22 @@ TEST(Compare, TruthOfAnotherTimeIsRefused) {
 
 TEST(Compare, RecordedVelocitiesAndTheEnhancedFilterWhereThereAreSome) {
     Sample one = sample();
-    EXPECT_FALSE(method(compared(one), "recorded velocity").best_mps.has_value());
+    EXPECT_FALSE(method(compared(one), "recorded velocity").best_m_s.has_value());
     for (std::size_t k = 0; k < epochs; ++k) {
-        one.screened.rows[k].recorded_velocity_east_mps =
-            true_speed_mps(0.1 * static_cast<double>(k));
-        one.screened.rows[k].recorded_velocity_north_mps = 0.0;
+        one.screened.rows[k].recorded_velocity_east_m_s =
+            true_speed_m_s(0.1 * static_cast<double>(k));
+        one.screened.rows[k].recorded_velocity_north_m_s = 0.0;
     }
-    EXPECT_NEAR(*method(compared(one), "recorded velocity").rms_error_mps, 0.0, 1e-12);
-    EXPECT_FALSE(method(compared(one), "enhanced").best_mps.has_value());  // in a local plane
+    EXPECT_NEAR(*method(compared(one), "recorded velocity").rms_error_m_s, 0.0, 1e-12);
+    EXPECT_FALSE(method(compared(one), "enhanced").best_m_s.has_value());  // in an engineering CRS
     one.screened.origin = FrameOrigin{.position = {.latitude = Angle::from_degrees(35.0),
                                                    .longitude = Angle::from_degrees(137.0),
                                                    .height_m = 50.0},
                                       .source = "attempt"};
     const Comparison comparison = compared(one);
     // The mean of the 30 backward differences is the displacement: 10 mm at its ends, filtered.
-    EXPECT_NEAR(*method(comparison, "enhanced").certified_error_mps, 0.0, 0.015);
-    EXPECT_LT(*method(comparison, "enhanced").rms_error_mps, 0.2);
+    EXPECT_NEAR(*method(comparison, "enhanced").certified_error_m_s, 0.0, 0.015);
+    EXPECT_LT(*method(comparison, "enhanced").rms_error_m_s, 0.2);
     bool said = false;
     for (const std::string& note : comparison.notes)
         said = said || note.find("0.1 m/s for the accuracy of 120 of 120") != std::string::npos;

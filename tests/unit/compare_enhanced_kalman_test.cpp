@@ -15,7 +15,7 @@ constexpr double equatorial_radius_m = 6'378'137.0;
 struct StraightRun {
     LocalFrame frame;
     std::vector<EnhancedKalmanEpoch> epochs;
-    std::vector<Eigen::Vector3d> true_enu_mps;  ///< in the axes of the place
+    std::vector<Eigen::Vector3d> true_enu_m_s;  ///< in the axes of the place
 };
 
 Geodetic place_at(double latitude_deg) {
@@ -27,7 +27,7 @@ Geodetic place_at(double latitude_deg) {
 /// Distance (m) and speed (m/s) by time; recorded velocities are those of `lag_s` before.
 template <class Distance, class Speed>
 StraightRun simulated(double latitude_deg, double position_sigma_m, double lag_s,
-                      Distance distance_m, Speed speed_mps) {
+                      Distance distance_m, Speed speed_m_s) {
     StraightRun run{LocalFrame(place_at(latitude_deg)), {}, {}};
     RandomGenerator random(7);
     const Eigen::Vector3d along(std::numbers::sqrt2 / 2.0, std::numbers::sqrt2 / 2.0, 0.0);
@@ -41,9 +41,9 @@ StraightRun simulated(double latitude_deg, double position_sigma_m, double lag_s
             {.time_s = time_s,
              .position = MeasuredGeodetic{.position = moved_by(truth, position_sigma_m * noise),
                                           .covariance_enu_m2 = 1e-4 * Eigen::Matrix3d::Identity()},
-             .velocity = MeasuredVelocity{.enu_mps = to_place * along * speed_mps(time_s - lag_s),
+             .velocity = MeasuredVelocity{.enu_m_s = to_place * along * speed_m_s(time_s - lag_s),
                                           .covariance_m2_s2 = 0.01 * Eigen::Matrix3d::Identity()}});
-        run.true_enu_mps.emplace_back(to_place * along * speed_mps(time_s));
+        run.true_enu_m_s.emplace_back(to_place * along * speed_m_s(time_s));
     }
     return run;
 }
@@ -55,7 +55,7 @@ StraightRun straight(double latitude_deg, double position_sigma_m = 0.0) {
 }
 
 /// From 0 to 60 m/s at 2 m/s^2, and on at 60.
-double accelerated_speed_mps(double t) {
+double accelerated_speed_m_s(double t) {
     return std::clamp(2.0 * t, 0.0, 60.0);
 }
 double accelerated_distance_m(double t) {
@@ -96,10 +96,10 @@ TEST(EnhancedKalman, AStraightRunWithExactVelocitiesIsExact) {
     for (const double latitude_deg : {35.0, 60.0}) {
         const StraightRun run = straight(latitude_deg);
         const auto states = filter_enhanced_kalman(run.epochs);
-        ASSERT_FALSE(states[0]->velocity_enu_mps.has_value());
+        ASSERT_FALSE(states[0]->velocity_enu_m_s.has_value());
         for (std::size_t k = 1; k < states.size(); ++k) {
-            const Eigen::Vector3d velocity = states[k]->velocity_enu_mps.value();
-            EXPECT_LT((velocity - run.true_enu_mps[k]).head<2>().norm(), 1e-3) << k;
+            const Eigen::Vector3d velocity = states[k]->velocity_enu_m_s.value();
+            EXPECT_LT((velocity - run.true_enu_m_s[k]).head<2>().norm(), 1e-3) << k;
             EXPECT_NEAR(velocity.head<2>().norm(), 60.0, 1e-3) << k;
         }
     }
@@ -123,35 +123,35 @@ TEST(EnhancedKalman, TheSlipsAsPrintedWouldBeOff) {
         Geodetic from = place_at(one.latitude_deg);
         from.longitude = Angle::from_degrees(137.0);
         const LocalFrame frame(from);
-        const Eigen::Vector3d velocity_mps(60.0, 60.0, 0.0);
+        const Eigen::Vector3d velocity_m_s(60.0, 60.0, 0.0);
         const auto speed_of = [&](const Geodetic& to) -> Eigen::Vector3d {
             return frame.enu_from_geodetic(to).m / 0.1;
         };
-        const Eigen::Vector3d printed_mps = speed_of(moved_as_printed(from, velocity_mps * 0.1));
-        EXPECT_NEAR(printed_mps.y() / 60.0, one.north_factor, 1e-5);
-        EXPECT_NEAR(printed_mps.x() / 60.0, one.east_factor, 1e-5);
+        const Eigen::Vector3d printed_m_s = speed_of(moved_as_printed(from, velocity_m_s * 0.1));
+        EXPECT_NEAR(printed_m_s.y() / 60.0, one.north_factor, 1e-5);
+        EXPECT_NEAR(printed_m_s.x() / 60.0, one.east_factor, 1e-5);
         // At 60 m/s that is far more than the millimetre per second that the filter keeps to.
-        EXPECT_GT(std::abs(printed_mps.y() - 60.0), 0.04);
-        EXPECT_GT(std::abs(printed_mps.x() - 60.0), 10.0);
-        const Eigen::Vector3d right_mps = speed_of(moved_by(from, velocity_mps * 0.1));
-        EXPECT_LT((right_mps - velocity_mps).head<2>().norm(), 1e-3);
+        EXPECT_GT(std::abs(printed_m_s.y() - 60.0), 0.04);
+        EXPECT_GT(std::abs(printed_m_s.x() - 60.0), 10.0);
+        const Eigen::Vector3d right_m_s = speed_of(moved_by(from, velocity_m_s * 0.1));
+        EXPECT_LT((right_m_s - velocity_m_s).head<2>().norm(), 1e-3);
     }
 }
 
 TEST(EnhancedKalman, VelocityIsTheDifferenceOfPositions) {
     const StraightRun run = straight(35.0, 0.010);
     const auto states = filter_enhanced_kalman(run.epochs);
-    double largest_innovation_mps = 0.0;
+    double largest_innovation_m_s = 0.0;
     for (std::size_t k = 1; k < states.size(); ++k) {
         const double dt_s = run.epochs[k].time_s - run.epochs[k - 1].time_s;
-        const Eigen::Vector3d velocity = states[k]->velocity_enu_mps.value();
+        const Eigen::Vector3d velocity = states[k]->velocity_enu_m_s.value();
         const Geodetic reached = moved_by(states[k - 1]->position, velocity * dt_s);
         EXPECT_LT(step_between(reached, states[k]->position).norm(), 5e-9) << k;
-        largest_innovation_mps =
-            std::max(largest_innovation_mps, (velocity - run.true_enu_mps[k]).norm());
+        largest_innovation_m_s =
+            std::max(largest_innovation_m_s, (velocity - run.true_enu_m_s[k]).norm());
     }
     // With noise the positions move by their corrections, and the velocity says so.
-    EXPECT_GT(largest_innovation_mps, 0.01);
+    EXPECT_GT(largest_innovation_m_s, 0.01);
 }
 
 TEST(EnhancedKalman, SteadyGainIsThatOfTheRiccatiEquation) {
@@ -165,14 +165,14 @@ TEST(EnhancedKalman, SteadyGainIsThatOfTheRiccatiEquation) {
 
 TEST(EnhancedKalman, LaggedVelocitiesBreakNothing) {
     const StraightRun run =
-        simulated(35.0, 0.010, 0.22, accelerated_distance_m, accelerated_speed_mps);
+        simulated(35.0, 0.010, 0.22, accelerated_distance_m, accelerated_speed_m_s);
     const auto states = filter_enhanced_kalman(run.epochs);
     for (std::size_t k = 1; k < states.size(); ++k) {
-        const Eigen::Vector3d velocity = states[k]->velocity_enu_mps.value();
+        const Eigen::Vector3d velocity = states[k]->velocity_enu_m_s.value();
         ASSERT_TRUE(velocity.allFinite());
         // The positions hold the filter to the run: less than lag times acceleration, 0.44 m/s,
         // and what noise of 10 mm adds to a difference over 0.1 s.
-        EXPECT_NEAR(velocity.head<2>().norm(), accelerated_speed_mps(run.epochs[k].time_s - 0.05),
+        EXPECT_NEAR(velocity.head<2>().norm(), accelerated_speed_m_s(run.epochs[k].time_s - 0.05),
                     0.6)
             << k;
     }
@@ -185,12 +185,12 @@ TEST(EnhancedKalman, CarriesOnWithoutPositionsAndBeginsAnewWithoutVelocities) {
     for (std::size_t k = 300; k < 310; ++k)
         run.epochs[k].velocity.reset();
     const auto states = filter_enhanced_kalman(run.epochs);
-    EXPECT_NEAR(states[199]->velocity_enu_mps->head<2>().norm(), 60.0, 1e-3);
+    EXPECT_NEAR(states[199]->velocity_enu_m_s->head<2>().norm(), 60.0, 1e-3);
     EXPECT_GT(states[199]->covariance_enu_m2(0, 0), 0.009);  // 100 steps of (10 mm)^2
-    EXPECT_TRUE(states[300]->velocity_enu_mps.has_value());  // by the velocity before
-    EXPECT_FALSE(states[301]->velocity_enu_mps.has_value());
-    EXPECT_FALSE(states[309]->velocity_enu_mps.has_value());
-    EXPECT_NEAR(states[310]->velocity_enu_mps->head<2>().norm(), 60.0, 1e-3);
+    EXPECT_TRUE(states[300]->velocity_enu_m_s.has_value());  // by the velocity before
+    EXPECT_FALSE(states[301]->velocity_enu_m_s.has_value());
+    EXPECT_FALSE(states[309]->velocity_enu_m_s.has_value());
+    EXPECT_NEAR(states[310]->velocity_enu_m_s->head<2>().norm(), 60.0, 1e-3);
     run.epochs[0].position.reset();
     EXPECT_FALSE(filter_enhanced_kalman(run.epochs)[0].has_value());
 }

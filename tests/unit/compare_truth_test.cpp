@@ -24,7 +24,7 @@ TEST(Truth, IsReadByColumnName) {
     ASSERT_EQ(truth.size(), 2U);
     EXPECT_EQ(truth[1].time.nanoseconds, 100'000'000);
     EXPECT_EQ(truth[1].position, Eigen::Vector2d(2.5, -3.5));
-    EXPECT_EQ(truth[1].speed_mps, 4.0);
+    EXPECT_EQ(truth[1].speed_m_s, 4.0);
     const auto moved = read_truth("speed_m_s, north_m, east_m, time_s\r\n4, 2, 1, 7.5\r\n", "t");
     EXPECT_EQ(moved[0].position, Eigen::Vector2d(1.0, 2.0));
     EXPECT_EQ(moved[0].time.nanoseconds, 7'500'000'000);
@@ -49,8 +49,8 @@ TEST(Truth, IsMatchedToRowsByTime) {
     for (const std::int64_t nanoseconds : {0, 100'400'000, 200'000'000, 299'400'000, 400'000'000})
         trajectory.rows.emplace_back().time.nanoseconds = nanoseconds;
     const auto rows = truth_at_rows(truth, trajectory);
-    EXPECT_EQ(rows[0]->speed_mps, 1.0);
-    EXPECT_EQ(rows[1]->speed_mps, 2.0);  // within half a millisecond
+    EXPECT_EQ(rows[0]->speed_m_s, 1.0);
+    EXPECT_EQ(rows[1]->speed_m_s, 2.0);  // within half a millisecond
     EXPECT_FALSE(rows[2].has_value());
     EXPECT_FALSE(rows[3].has_value());  // 0.6 ms off
     EXPECT_FALSE(rows[4].has_value());

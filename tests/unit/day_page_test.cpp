@@ -246,7 +246,7 @@ TEST(DayCsv, HoldsEveryFigureInTheColumnOfItsName) {
         day_csv(results),
         "attempt,source,state,craft,class,profile,rank,tied_up_to_rank,"
         "tied_down_to_rank,outcome,speed_m_s,expanded_uncertainty_m_s,coverage_factor,"
-        "target_m_s,shown_unit,shown_speed,shown_expanded_uncertainty,shown_target,"
+        "required_speed_m_s,shown_unit,shown_speed,shown_expanded_uncertainty,shown_required_speed,"
         "window_start_utc,window_start_time_s,window_duration_s,reason,replaced_figures,"
         "failed_step,problem,where,remedy,notes,report_id,report\n"
         "a,day.yaml:1,done,craft of a,land-yacht,nalsa,1,,,beaten,52.250000,0.125000,2.000000,"

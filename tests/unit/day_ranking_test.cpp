@@ -162,15 +162,15 @@ TEST(BestOfDay, IsNoneWhereNoneBeatTheRecordByItself) {
 // of one day in forty that the best of them beat the record. Each by itself: of two days in three.
 TEST(BestOfDay, OfManyAtTheTargetIsFalselyBeatenNoMoreOftenThanOneAttempt) {
     constexpr int days = 3000, tries = 40;
-    constexpr double u_mps = 0.05;
+    constexpr double u_m_s = 0.05;
     RandomGenerator random(41);
     int alone = 0, as_the_best = 0;
     for (int day = 0; day < days; ++day) {
         std::vector<AttemptResult> attempts;
         for (int i = 0; i < tries; ++i) {
-            const double error_mps = u_mps * random.normal();
-            const double probability = 0.5 * std::erfc(-error_mps / u_mps / std::sqrt(2.0));
-            AttemptResult one = beaten_with(std::to_string(i), 50.0 + error_mps, probability);
+            const double error_m_s = u_m_s * random.normal();
+            const double probability = 0.5 * std::erfc(-error_m_s / u_m_s / std::sqrt(2.0));
+            AttemptResult one = beaten_with(std::to_string(i), 50.0 + error_m_s, probability);
             if (probability < 0.975)
                 one.results.front().outcome =
                     probability <= 0.025 ? Outcome::not_beaten : Outcome::not_proven;

@@ -10,14 +10,14 @@
 namespace runcert::day {
 
 /// An attempt that is done, with one result by the rule "nalsa".
-inline AttemptResult attempt(const std::string& id, Outcome outcome, double speed_mps,
-                             double expanded_mps) {
+inline AttemptResult attempt(const std::string& id, Outcome outcome, double speed_m_s,
+                             double expanded_m_s) {
     DayResult result{.profile = "nalsa",
                      .outcome = outcome,
                      .reason = "because of " + id,
-                     .speed_mps = speed_mps,
-                     .expanded_uncertainty_mps = expanded_mps,
-                     .target_mps = 50.0};
+                     .speed_m_s = speed_m_s,
+                     .expanded_uncertainty_m_s = expanded_m_s,
+                     .required_speed_m_s = 50.0};
     return {.id = id,
             .source = "day.yaml:1",
             .state = "done",
@@ -29,15 +29,15 @@ inline AttemptResult attempt(const std::string& id, Outcome outcome, double spee
 
 inline AttemptResult without_speed(const std::string& id, Outcome outcome) {
     AttemptResult made = attempt(id, outcome, 0.0, 0.0);
-    made.results.front().speed_mps.reset();
-    made.results.front().expanded_uncertainty_mps.reset();
+    made.results.front().speed_m_s.reset();
+    made.results.front().expanded_uncertainty_m_s.reset();
     return made;
 }
 
 /// An attempt that beat the record by itself, with this probability that it did.
-inline AttemptResult beaten_with(const std::string& id, double speed_mps, double probability,
+inline AttemptResult beaten_with(const std::string& id, double speed_m_s, double probability,
                                  std::int64_t attempts_made = 1) {
-    AttemptResult made = attempt(id, Outcome::beaten, speed_mps, 0.1);
+    AttemptResult made = attempt(id, Outcome::beaten, speed_m_s, 0.1);
     made.results.front().probability = probability;
     made.results.front().level = 1.0 - 0.025 / static_cast<double>(attempts_made);
     made.results.front().attempts_made = attempts_made;

@@ -12,13 +12,12 @@ namespace runcert::RUNCERT_FILE {
 namespace {
 
 /// A result whose standard uncertainty is a tenth of 1 m/s.
-DayResult result(double speed_mps, Outcome outcome = Outcome::beaten,
-                 double expanded = 0.2) {
+DayResult result(double speed_m_s, Outcome outcome = Outcome::beaten, double expanded = 0.2) {
     return {.profile = "nalsa",
             .outcome = outcome,
             .reason = "why",
-            .speed_mps = speed_mps,
-            .expanded_uncertainty_mps = expanded,
+            .speed_m_s = speed_m_s,
+            .expanded_uncertainty_m_s = expanded,
             .coverage_factor = 2.0};
 }
 
@@ -48,8 +47,9 @@ TEST(CompareDays, AMoveUpToATenthOfTheSmallerStandardUncertaintyIsNone) {
     EXPECT_NEAR(*moved.results[0].moved_by, 0.1171875, 1e-9);
     // The smaller of two uncertainties counts, whichever it is.
     for (const bool swap : {false, true}) {
-        DayResult sure = result(64.0, Outcome::beaten, 0.2), unsure = result(64.015, Outcome::beaten, 0.4);
-        if (swap) std::swap(sure.speed_mps, unsure.speed_mps);
+        DayResult sure = result(64.0, Outcome::beaten, 0.2),
+                  unsure = result(64.015, Outcome::beaten, 0.4);
+        if (swap) std::swap(sure.speed_m_s, unsure.speed_m_s);
         if (swap) std::swap(sure, unsure);
         const DayComparison found = compared({done("a", {sure})}, {done("a", {unsure})});
         ASSERT_EQ(found.results.size(), 1U);
@@ -68,16 +68,17 @@ TEST(CompareDays, AnUncertaintyThatGrewIsSaidThoughTheSpeedStands) {
 
 TEST(CompareDays, OutcomesStatesAndAttemptsThatCameOrWent) {
     DayResult none = result(0.0, Outcome::not_certifiable);
-    none.speed_mps.reset();
-    none.expanded_uncertainty_mps.reset();
+    none.speed_m_s.reset();
+    none.expanded_uncertainty_m_s.reset();
     DayResult fisly = result(63.0);
     fisly.profile = "fisly";
     const DayComparison found = compared(
         {done("same", {result(64.0)}), done("lost", {result(64.0)}), done("worse", {result(64.0)}),
          done("refused", {result(64.0)}), failed("cured", "x"), failed("sick", "x"),
          failed("other", "x"), done("gone", {})},
-        {done("new", {}), done("refused", {none}), done("worse", {result(64.0, Outcome::not_beaten)}),
-         failed("lost", "cut off"), done("cured", {}), failed("sick", "x"), failed("other", "y"),
+        {done("new", {}), done("refused", {none}),
+         done("worse", {result(64.0, Outcome::not_beaten)}), failed("lost", "cut off"),
+         done("cured", {}), failed("sick", "x"), failed("other", "y"),
          done("same", {result(64.0), fisly})});
     EXPECT_EQ(found.only_old, std::vector<std::string>{"gone"});
     EXPECT_EQ(found.only_new, std::vector<std::string>{"new"});

@@ -17,7 +17,7 @@ Observations at(double latitude_deg, double longitude_deg, double height_m) {
     observations.facts.receiver = "primary";
     Observation& row = observations.rows.emplace_back();
     row.epoch = 1;
-    row.fix = FixKind::fixed;
+    row.fix = FixType::fixed;
     row.latitude_deg = latitude_deg;
     row.longitude_deg = longitude_deg;
     row.height_m = height_m;
@@ -27,9 +27,9 @@ Observations at(double latitude_deg, double longitude_deg, double height_m) {
     row.correlation_east_north = 0.5;
     row.correlation_east_up = 0.0;
     row.correlation_north_up = -0.2;
-    row.recorded_velocity_east_mps = 10.0;
-    row.recorded_velocity_north_mps = 20.0;
-    row.recorded_velocity_up_mps = 0.0;
+    row.recorded_velocity_east_m_s = 10.0;
+    row.recorded_velocity_north_m_s = 20.0;
+    row.recorded_velocity_up_m_s = 0.0;
     return observations;
 }
 
@@ -42,7 +42,7 @@ Geodetic origin_at(double latitude_deg, double longitude_deg, double height_m) {
 TEST(ToEnu, TheFirstFixedPositionIsTheOrigin) {
     Observations observations = at(35.0, 137.0, 100.0);
     Observation other = observations.rows[0];
-    other.fix = FixKind::single;
+    other.fix = FixType::single;
     other.latitude_deg = 35.001;
     observations.rows.insert(observations.rows.begin(), other);
     const EnuTable table = to_enu(observations, std::nullopt);
@@ -58,7 +58,7 @@ TEST(ToEnu, AtTheOriginCovarianceAndVelocityStayAsTheyAre) {
     EXPECT_NEAR(*table.rows[0].sigma_east_m, 0.01, 1e-12);
     EXPECT_NEAR(*table.rows[0].correlation_east_north, 0.5, 1e-9);
     EXPECT_NEAR(*table.rows[0].correlation_north_up, -0.2, 1e-9);
-    EXPECT_NEAR(*table.rows[0].recorded_velocity_north_mps, 20.0, 1e-12);
+    EXPECT_NEAR(*table.rows[0].recorded_velocity_north_m_s, 20.0, 1e-12);
 }
 
 TEST(ToEnu, AwayFromTheOriginTheyTurnWithTheMeridian) {
@@ -68,7 +68,7 @@ TEST(ToEnu, AwayFromTheOriginTheyTurnWithTheMeridian) {
     const double turn =
         dlon_deg * std::numbers::pi / 180.0 * std::sin(60.0 * std::numbers::pi / 180);
     const double expected_east = 10.0 * std::cos(turn) - 20.0 * std::sin(turn);
-    EXPECT_NEAR(*table.rows[0].recorded_velocity_east_mps, expected_east, 2e-4);
+    EXPECT_NEAR(*table.rows[0].recorded_velocity_east_m_s, expected_east, 2e-4);
     // The determinant and the trace of a covariance do not turn.
     const Eigen::Matrix3d before = stated_covariance<3>(at(60.0, 10.0, 0.0).rows[0]);
     const Eigen::Matrix3d after = stated_covariance<3>(table.rows[0]);

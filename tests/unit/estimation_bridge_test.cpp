@@ -242,8 +242,8 @@ TEST(Bridge, SpeedsAreThoseOfLeastSquaresWithOffsetsAsUnknowns) {
         return Eigen::Vector2d(x.segment<2>(static_cast<Eigen::Index>(k) * 8 + from));
     };
     const auto expect = [&](const SpeedEstimate& speed, const auto& function) {
-        EXPECT_NEAR(speed.speed_mps / function(dense.mean), 1.0, 1e-9);
-        EXPECT_NEAR(speed.standard_uncertainty_mps / dense_uncertainty(dense, function), 1.0, 1e-6);
+        EXPECT_NEAR(speed.speed_m_s / function(dense.mean), 1.0, 1e-9);
+        EXPECT_NEAR(speed.standard_uncertainty_m_s / dense_uncertainty(dense, function), 1.0, 1e-6);
     };
     expect(displacement_speed(smoothed, s, e, duration_s), [&](const Eigen::VectorXd& x) {
         return (part(x, e, 0) - part(x, s, 0)).norm() / duration_s;
@@ -255,10 +255,10 @@ TEST(Bridge, SpeedsAreThoseOfLeastSquaresWithOffsetsAsUnknowns) {
         return length_m / duration_s;
     });
     expect(mean_speed(smoothed, s, e), [&](const Eigen::VectorXd& x) {
-        double sum_mps = 0.0;
+        double sum_m_s = 0.0;
         for (std::size_t k = s; k <= e; ++k)
-            sum_mps += part(x, k, 2).norm();
-        return sum_mps / static_cast<double>(e - s + 1);
+            sum_m_s += part(x, k, 2).norm();
+        return sum_m_s / static_cast<double>(e - s + 1);
     });
 }
 
@@ -273,9 +273,9 @@ TEST(Bridge, PathAndDisplacementAgreeOnAStraightRun) {
     const SmoothedArc<2> smoothed = smooth<2>(with_step<2>(arc, 30, 0.5), singer_with_error);
     const SpeedEstimate displaced = displacement_speed(smoothed, 15, 45, 3.0);
     const SpeedEstimate path = path_speed(smoothed, 15, 45, 3.0);
-    EXPECT_NEAR(displaced.speed_mps, 30.0, 1e-5);  // the vague prior of the offset: 1e-8 of it
-    EXPECT_NEAR(path.speed_mps, displaced.speed_mps, 1e-8);
-    EXPECT_NEAR(path.standard_uncertainty_mps / displaced.standard_uncertainty_mps, 1.0, 1e-6);
+    EXPECT_NEAR(displaced.speed_m_s, 30.0, 1e-5);  // the vague prior of the offset: 1e-8 of it
+    EXPECT_NEAR(path.speed_m_s, displaced.speed_m_s, 1e-8);
+    EXPECT_NEAR(path.standard_uncertainty_m_s / displaced.standard_uncertainty_m_s, 1.0, 1e-6);
 }
 
 TEST(Bridge, SpeedAcrossAStepIsRightWithinItsLargerUncertainty) {
@@ -286,12 +286,12 @@ TEST(Bridge, SpeedAcrossAStepIsRightWithinItsLargerUncertainty) {
     auto stepped = with_step<2>(arc, 50, 0.5);
     const SmoothedArc<2> smoothed = smooth<2>(stepped, singer_with_error);
     const SpeedEstimate bridged = displacement_speed(smoothed, 35, 65, 3.0);
-    EXPECT_LT(std::abs(bridged.speed_mps - expected), 3.0 * bridged.standard_uncertainty_mps);
-    EXPECT_GT(bridged.standard_uncertainty_mps, 1.05 * whole.standard_uncertainty_mps);
-    EXPECT_LT(bridged.standard_uncertainty_mps, 0.02);
+    EXPECT_LT(std::abs(bridged.speed_m_s - expected), 3.0 * bridged.standard_uncertainty_m_s);
+    EXPECT_GT(bridged.standard_uncertainty_m_s, 1.05 * whole.standard_uncertainty_m_s);
+    EXPECT_LT(bridged.standard_uncertainty_m_s, 0.02);
     // Of any size it is the same speed.
     const SmoothedArc<2> larger = smooth<2>(with_step<2>(stepped, 50, 5.0), singer_with_error);
-    EXPECT_NEAR(displacement_speed(larger, 35, 65, 3.0).speed_mps, bridged.speed_mps, 1e-6);
+    EXPECT_NEAR(displacement_speed(larger, 35, 65, 3.0).speed_m_s, bridged.speed_m_s, 1e-6);
     // Windows that do not span the step are not touched by it: at either side, up to its epochs.
     for (const auto& [s, e] : {std::pair(20U, 49U), std::pair(50U, 80U)}) {
         EXPECT_TRUE(smoothed.bridged_between(s, e).empty());
@@ -303,7 +303,7 @@ TEST(Bridge, SpeedAcrossAStepIsRightWithinItsLargerUncertainty) {
     stepped[50].step_before = false;
     const SpeedEstimate blind =
         displacement_speed(smooth<2>(stepped, singer_with_error), 35, 65, 3.0);
-    EXPECT_GT(std::abs(blind.speed_mps - expected), 0.1);
+    EXPECT_GT(std::abs(blind.speed_m_s - expected), 0.1);
 }
 
 /// Mean square of error over stated uncertainty of displacement and path over the 30 steps around
@@ -323,11 +323,11 @@ Eigen::Array2d mean_square_of_normalised_errors(const EstimationModel& model, do
             length_m += (truth[k + 1] - truth[k]).head<2>().norm();
         const SpeedEstimate displaced = displacement_speed(smoothed, s, e, duration_s);
         const SpeedEstimate path = path_speed(smoothed, s, e, duration_s);
-        const double displaced_mps = (truth[e] - truth[s]).head<2>().norm() / duration_s;
+        const double displaced_m_s = (truth[e] - truth[s]).head<2>().norm() / duration_s;
         sum(0) +=
-            std::pow((displaced.speed_mps - displaced_mps) / displaced.standard_uncertainty_mps, 2);
+            std::pow((displaced.speed_m_s - displaced_m_s) / displaced.standard_uncertainty_m_s, 2);
         sum(1) +=
-            std::pow((path.speed_mps - length_m / duration_s) / path.standard_uncertainty_mps, 2);
+            std::pow((path.speed_m_s - length_m / duration_s) / path.standard_uncertainty_m_s, 2);
     }
     return sum / runs;
 }

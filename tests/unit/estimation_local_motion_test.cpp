@@ -10,10 +10,10 @@
 namespace runcert::RUNCERT_FILE {
 namespace {
 
-/// A part of a motion along a line whose speed swings by `swing_mps` every four seconds.
+/// A part of a motion along a line whose speed swings by `swing_m_s` every four seconds.
 struct Part {
     double duration_s = 0.0;
-    double swing_mps = 0.0;
+    double swing_m_s = 0.0;
 };
 
 /// At 10 Hz, 10 mm white and stated, the second axis at rest.
@@ -31,7 +31,7 @@ std::vector<ArcEpoch<Axes>> arc_of(const std::vector<Part>& parts, std::uint64_t
             for (int axis = 0; axis < Axes; ++axis)
                 measurement.position(axis) = sigma_m * random.normal();
             measurement.position(0) +=
-                5.0 * (begin_s + t) + part.swing_mps / rate * (1.0 - std::cos(rate * t));
+                5.0 * (begin_s + t) + part.swing_m_s / rate * (1.0 - std::cos(rate * t));
             arc.push_back({.time_s = begin_s + t, .measurement = measurement});
         }
         begin_s += part.duration_s;

@@ -153,7 +153,7 @@ TEST(Smoother, ErrorKnownToBeSmallChangesNothing) {
     }
 }
 
-/// An arc of one axis whose stated accuracies, from 10 nm to 1 m, and steps, from 0.1 s to 10 s,
+/// An arc of one axis whose stated standard deviations, from 10 nm to 1 m, and steps, from 0.1 s to 10 s,
 /// no covariance of doubles can hold together.
 std::vector<ArcEpoch<1>> extreme_arc(std::uint64_t seed) {
     RandomGenerator random(seed);
@@ -210,7 +210,7 @@ TEST(Smoother, AccuraciesThatCannotBeAreAFailureThatNamesATime) {
             EXPECT_EQ(std::sscanf(failure.where().c_str(), "time %lf s", &time_s), 1);
             EXPECT_GE(time_s, arc[10].time_s - 1e-3);
             EXPECT_LE(time_s, arc[19].time_s + 1e-3);
-            EXPECT_NE(failure.remedy().find("stated accuracies"), std::string::npos);
+            EXPECT_NE(failure.remedy().find("stated standard deviations"), std::string::npos);
         }
     }
 }

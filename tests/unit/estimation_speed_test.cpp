@@ -42,8 +42,8 @@ void expect_uncertainties_of_dense() {
         return Eigen::Vector2d(x.segment<2>(static_cast<Eigen::Index>(k) * n));
     };
     const auto expect = [&](const SpeedEstimate& speed, const auto& function) {
-        EXPECT_NEAR(speed.speed_mps / function(dense.states), 1.0, 1e-9);
-        EXPECT_NEAR(speed.standard_uncertainty_mps / dense_uncertainty(dense, function), 1.0, 1e-6);
+        EXPECT_NEAR(speed.speed_m_s / function(dense.states), 1.0, 1e-9);
+        EXPECT_NEAR(speed.standard_uncertainty_m_s / dense_uncertainty(dense, function), 1.0, 1e-6);
     };
     expect(displacement_speed(smoothed, s, e, duration_s), [&](const Eigen::VectorXd& x) {
         return (position(x, e) - position(x, s)).norm() / duration_s;
@@ -55,10 +55,10 @@ void expect_uncertainties_of_dense() {
         return length_m / duration_s;
     });
     expect(mean_speed(smoothed, s, e), [&](const Eigen::VectorXd& x) {
-        double sum_mps = 0.0;
+        double sum_m_s = 0.0;
         for (std::size_t k = s; k <= e; ++k)
-            sum_mps += x.segment<2>(static_cast<Eigen::Index>(k) * n + Axes).norm();
-        return sum_mps / static_cast<double>(e - s + 1);
+            sum_m_s += x.segment<2>(static_cast<Eigen::Index>(k) * n + Axes).norm();
+        return sum_m_s / static_cast<double>(e - s + 1);
     });
 }
 
@@ -77,7 +77,7 @@ TEST(Speed, DisplacementCovarianceNeedsTheCovarianceBetweenTheEnds) {
         (smoothed.states[20].covariance + smoothed.states[50].covariance).topLeftCorner<2, 2>() *
         direction));
     EXPECT_GT(
-        std::abs(apart / (arc[50].time_s - arc[20].time_s) / speed.standard_uncertainty_mps - 1.0),
+        std::abs(apart / (arc[50].time_s - arc[20].time_s) / speed.standard_uncertainty_m_s - 1.0),
         1e-3);
 }
 
@@ -93,15 +93,15 @@ TEST(Speed, ThreeFiguresAgreeOnAStraightRun) {
     const SmoothedArc<2> smoothed = smooth<2>(arc, singer_with_error);
     const SpeedEstimate path = path_speed(smoothed, 5, 35, 3.0);
     const SpeedEstimate displacement = displacement_speed(smoothed, 5, 35, 3.0);
-    EXPECT_NEAR(path.speed_mps, 50.0, 1e-6);
-    EXPECT_NEAR(path.speed_mps, displacement.speed_mps, 1e-9);
-    EXPECT_NEAR(path.standard_uncertainty_mps / displacement.standard_uncertainty_mps, 1.0, 1e-6);
-    EXPECT_NEAR(mean_speed(smoothed, 5, 35).speed_mps, 50.0, 1e-6);
+    EXPECT_NEAR(path.speed_m_s, 50.0, 1e-6);
+    EXPECT_NEAR(path.speed_m_s, displacement.speed_m_s, 1e-9);
+    EXPECT_NEAR(path.standard_uncertainty_m_s / displacement.standard_uncertainty_m_s, 1.0, 1e-6);
+    EXPECT_NEAR(mean_speed(smoothed, 5, 35).speed_m_s, 50.0, 1e-6);
     const SpeedEstimate one = mean_speed(smoothed, 20, 20);
     const SpeedEstimate same = horizontal_speed(smoothed.states[20].mean.segment<2>(2),
                                                 smoothed.states[20].covariance.block<2, 2>(2, 2));
-    EXPECT_NEAR(one.speed_mps, same.speed_mps, 1e-12);
-    EXPECT_NEAR(one.standard_uncertainty_mps, same.standard_uncertainty_mps, 1e-12);
+    EXPECT_NEAR(one.speed_m_s, same.speed_m_s, 1e-12);
+    EXPECT_NEAR(one.standard_uncertainty_m_s, same.standard_uncertainty_m_s, 1e-12);
 }
 
 /// Mean square of error over stated uncertainty of the three figures, over runs of 5 s at 10 Hz
@@ -115,18 +115,18 @@ Eigen::Array3d mean_square_of_normalised_errors(const EstimationModel& model, in
         const auto [truth, arc] = test::simulate_arc<2>(model, 51, 0.1, 0.003, random);
         const SmoothedArc<2> smoothed = smooth<2>(arc, model);
         double length_m = 0.0;
-        double speeds_mps = 0.0;
+        double speeds_m_s = 0.0;
         for (std::size_t k = s; k <= e; ++k) {
             if (k < e) length_m += (truth[k + 1] - truth[k]).head<2>().norm();
-            speeds_mps += truth[k].segment<2>(2).norm();
+            speeds_m_s += truth[k].segment<2>(2).norm();
         }
         const Eigen::Array3d expected((truth[e] - truth[s]).head<2>().norm() / 3.0, length_m / 3.0,
-                                      speeds_mps / 31.0);
+                                      speeds_m_s / 31.0);
         const SpeedEstimate found[] = {displacement_speed(smoothed, s, e, 3.0),
                                        path_speed(smoothed, s, e, 3.0), mean_speed(smoothed, s, e)};
         for (int i = 0; i < 3; ++i)
             sum(i) +=
-                std::pow((found[i].speed_mps - expected(i)) / found[i].standard_uncertainty_mps, 2);
+                std::pow((found[i].speed_m_s - expected(i)) / found[i].standard_uncertainty_m_s, 2);
     }
     return sum / runs;
 }
@@ -155,8 +155,8 @@ TEST(Speed, IgnoringTheCorrelatedErrorWouldShow) {
     for (int run = 0; run < runs; ++run) {
         const auto [truth, arc] = test::simulate_arc<2>(singer_with_error, 51, 0.1, 0.003, random);
         const SpeedEstimate speed = displacement_speed(smooth<2>(arc, blind), 10, 40, 3.0);
-        sum += std::pow((speed.speed_mps - (truth[40] - truth[10]).head<2>().norm() / 3.0) /
-                            speed.standard_uncertainty_mps,
+        sum += std::pow((speed.speed_m_s - (truth[40] - truth[10]).head<2>().norm() / 3.0) /
+                            speed.standard_uncertainty_m_s,
                         2);
     }
     EXPECT_GT(std::sqrt(sum / runs), 2.0);
@@ -167,17 +167,17 @@ TEST(HorizontalSpeed, UncertaintyByNumericDerivatives) {
     Eigen::Matrix2d covariance;
     covariance << 0.04, 0.01, 0.01, 0.09;
     const SpeedEstimate speed = horizontal_speed(velocity, covariance);
-    EXPECT_DOUBLE_EQ(speed.speed_mps, 5.0);
+    EXPECT_DOUBLE_EQ(speed.speed_m_s, 5.0);
     Eigen::Vector2d gradient;
     for (int i = 0; i < 2; ++i) {
         Eigen::Vector2d step = Eigen::Vector2d::Zero();
         step(i) = 1e-6;
         gradient(i) = ((velocity + step).norm() - (velocity - step).norm()) / 2e-6;
     }
-    EXPECT_NEAR(speed.standard_uncertainty_mps, std::sqrt(gradient.dot(covariance * gradient)),
+    EXPECT_NEAR(speed.standard_uncertainty_m_s, std::sqrt(gradient.dot(covariance * gradient)),
                 1e-9);
     EXPECT_NEAR(horizontal_speed(Eigen::Vector2d::Zero(), Eigen::Vector2d(0.04, 0.09).asDiagonal())
-                    .standard_uncertainty_mps,
+                    .standard_uncertainty_m_s,
                 0.3, 1e-12);
 }
 

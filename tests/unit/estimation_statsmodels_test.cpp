@@ -156,8 +156,8 @@ void expect_same_displacement(const SmoothedArc<2>& ours, const Json& theirs, do
     const Eigen::Vector2d u = displacement.normalized();
     const double variance = u.dot(covariance.topLeftCorner<2, 2>() * u) / (duration_s * duration_s);
     const SpeedEstimate speed = displacement_speed(ours, start, end, duration_s);
-    EXPECT_NEAR(speed.speed_mps / (displacement.norm() / duration_s), 1.0, 1e-9);
-    EXPECT_NEAR(std::pow(speed.standard_uncertainty_mps, 2) / variance, 1.0, 1e-9);
+    EXPECT_NEAR(speed.speed_m_s / (displacement.norm() / duration_s), 1.0, 1e-9);
+    EXPECT_NEAR(std::pow(speed.standard_uncertainty_m_s, 2) / variance, 1.0, 1e-9);
     Gradients<2> gradients(end - start + 1, StateVector<2>::Zero());
     gradients.front().head<2>() = -u / duration_s;
     gradients.back().head<2>() = u / duration_s;

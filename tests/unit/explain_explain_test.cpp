@@ -37,7 +37,7 @@ Profile profile() {
     profile.title = "top speed";
     profile.duration_s = 3.0;
     profile.definition = SpeedDefinition::displacement;
-    profile.accuracy_limit_mps = 0.8 / 3.6;
+    profile.accuracy_limit_m_s = 0.8 / 3.6;
     profile.accuracy_unit = "km/h";
     profile.margin_kind = MarginKind::absolute;
     profile.margin = 1.0 * mph;
@@ -77,9 +77,9 @@ Verdict verdict(Outcome outcome, RequirementStatus status = RequirementStatus::m
     entry.outcome = outcome;
     entry.reason = "A sentence that says why";
     entry.definition = SpeedDefinition::displacement;
-    entry.speed_mps = 60.002417;
-    entry.expanded_uncertainty_mps = 0.005102;
-    entry.target_mps = 127.2 * mph;
+    entry.speed_m_s = 60.002417;
+    entry.expanded_uncertainty_m_s = 0.005102;
+    entry.required_speed_m_s = 127.2 * mph;
     entry.window = WindowSpan{.first_epoch = 403,
                               .last_epoch = 433,
                               .start = {40'200'000'000},
@@ -88,14 +88,16 @@ Verdict verdict(Outcome outcome, RequirementStatus status = RequirementStatus::m
     entry.record = RecordToBeat{.speed = 126.2,
                                 .unit = "mph",
                                 .source = "published figure of 2009",
-                                .speed_mps = 126.2 * mph,
+                                .speed_m_s = 126.2 * mph,
                                 .expanded_uncertainty = 0.1};
     entry.decision = Decision{.probability = 0.97499,
                               .level = 0.975,
-                              .target_standard_uncertainty_mps = 0.05 * mph,
-                              .acceptance_limit_mps = 56.9};
-    entry.shown = ShownFigures{
-        .unit = "mph", .speed = "134.22", .expanded_uncertainty = "0.02", .target = "127.20"};
+                              .required_speed_standard_uncertainty_m_s = 0.05 * mph,
+                              .acceptance_limit_m_s = 56.9};
+    entry.shown = ShownFigures{.unit = "mph",
+                               .speed = "134.22",
+                               .expanded_uncertainty = "0.02",
+                               .required_speed = "127.20"};
     for (const Clause& rule : profile().clauses)
         entry.requirements.push_back({.clause = rule.id,
                                       .status = status,
@@ -185,7 +187,7 @@ TEST(Explain, EveryOutcomeIsTakenApart) {
     of = verdict(Outcome::not_certifiable);
     // The speed may be far above the one to reach: that says nothing, and no probability is given.
     texts.add("not certifiable, in short", explain_text(of, {profile()}));
-    of.profiles[0].speed_mps = of.profiles[0].expanded_uncertainty_mps = std::nullopt;
+    of.profiles[0].speed_m_s = of.profiles[0].expanded_uncertainty_m_s = std::nullopt;
     of.profiles[0].window.reset();
     of.profiles[0].decision.reset();
     of.profiles[0].shown.reset();
@@ -193,7 +195,7 @@ TEST(Explain, EveryOutcomeIsTakenApart) {
     of = verdict(Outcome::not_proven);
     of.profiles[0].decision.reset();
     of.profiles[0].record.reset();
-    of.profiles[0].target_mps.reset();
+    of.profiles[0].required_speed_m_s.reset();
     texts.add("without a record", explained(of, "outcome"));
 }
 

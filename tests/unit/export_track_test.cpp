@@ -171,7 +171,7 @@ TEST(TrackOfAnotherRun, IsRefused) {
     verdict.receiver = "primary";
     ProfileVerdict profile;
     profile.profile = "nalsa";
-    profile.speed_mps = 60.0;
+    profile.speed_m_s = 60.0;
     profile.window.emplace();
     profile.window->first_epoch = 2;
     profile.window->last_epoch = 4;

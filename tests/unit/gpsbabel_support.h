@@ -44,7 +44,7 @@ struct ReferencePoint {
     double latitude_deg = 0.0;
     double longitude_deg = 0.0;
     std::optional<double> altitude_m;  ///< as recorded, above sea level or the ellipsoid
-    std::optional<double> speed_mps;
+    std::optional<double> speed_m_s;
     std::optional<double> course_deg;
     std::string utc;  ///< "2019-04-12T00:39:57", with decimals where there are some
 };
@@ -77,7 +77,7 @@ inline std::vector<ReferencePoint> gpsbabel_points(const std::string& from,
         points.push_back({.latitude_deg = parse_double(named["Latitude"]).value_or(999.0),
                           .longitude_deg = parse_double(named["Longitude"]).value_or(999.0),
                           .altitude_m = parse_double(named["Altitude"]),
-                          .speed_mps = parse_double(named["Speed"]),
+                          .speed_m_s = parse_double(named["Speed"]),
                           .course_deg = parse_double(named["Course"]),
                           .utc = date + "T" + named["Time"]});
     }

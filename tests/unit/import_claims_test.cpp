@@ -4,24 +4,24 @@
 #include "import_test_support.h"
 #include "stages/import/claims.h"
 
-// Who says what the time stamps and the kinds of solution are: the recording, or the attempt.
+// Who says what the time stamps and the fix types are: the recording, or the attempt.
 
 namespace runcert::RUNCERT_FILE {
 namespace {
 
 using namespace import_test;
 
-/// A table of which the recording says these kinds of solution.
-Observations with_fixes(const std::vector<FixKind>& fixes) {
+/// A table of which the recording says these fix types.
+Observations with_fixes(const std::vector<FixType>& fixes) {
     Observations observations;
     observations.format = "csv";
-    for (const FixKind fix : fixes)
+    for (const FixType fix : fixes)
         observations.rows.emplace_back().fix = fix;
     return observations;
 }
 
-std::vector<FixKind> fixes_of(const Observations& observations) {
-    std::vector<FixKind> fixes;
+std::vector<FixType> fixes_of(const Observations& observations) {
+    std::vector<FixType> fixes;
     for (const Observation& row : observations.rows)
         fixes.push_back(row.fix);
     return fixes;
@@ -34,8 +34,8 @@ Receiver claiming(const std::string& solution, const std::string& time_source = 
     return receiver;
 }
 
-using enum FixKind;
-using Fixes = std::vector<FixKind>;
+using enum FixType;
+using Fixes = std::vector<FixType>;
 
 TEST(TimeOrigin, IsKnownOfEveryFormat) {
     for (const std::string& format : attempt_schema().find("receivers[].format")->values) {
@@ -90,7 +90,7 @@ TEST(KindOfSolution, ThatNobodySaysStaysUnknown) {
 
 TEST(KindOfSolution, ThatTheAttemptClaimsIsItsClaimAlsoWhereItIsOfSomeRowsOnly) {
     for (const std::string& word : attempt_schema().find("receivers[].solution")->values) {
-        FixKind kind = unknown;
+        FixType kind = unknown;
         ASSERT_TRUE(from_text(word, kind)) << word;
         Observations silent = with_fixes({unknown, unknown});
         note_origins(claiming(word), silent);

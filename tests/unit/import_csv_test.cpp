@@ -163,8 +163,8 @@ TEST(Csv, UtmComesBackToTheEllipsoid) {
     const double covariance = *read.correlation_east_north * *read.sigma_east_m *
                               *read.sigma_north_m * geometry.scale * geometry.scale;
     EXPECT_NEAR(covariance, s * c * (n - e), 1e-12);
-    EXPECT_EQ(read.recorded_velocity_east_mps, 3.0);
-    EXPECT_EQ(read.recorded_velocity_north_mps, 4.0);
+    EXPECT_EQ(read.recorded_velocity_east_m_s, 3.0);
+    EXPECT_EQ(read.recorded_velocity_north_m_s, 4.0);
 }
 
 /// Grid north is clockwise of true north east of the central meridian in the north: a step along
@@ -207,7 +207,7 @@ TEST(Csv, LocalPlane) {
     EXPECT_EQ(read.accuracy_source, "attempt");
     // An empty coordinate: the epoch is kept, without position.
     EXPECT_FALSE(read.rows[1].plane_east_m || read.rows[1].sigma_east_m);
-    EXPECT_EQ(read.rows[1].fix, FixKind::none);
+    EXPECT_EQ(read.rows[1].fix, FixType::none);
 }
 
 TEST(Csv, TwoDimensionalQualityIsSharedByTheCoordinates) {
@@ -232,14 +232,14 @@ TEST(Csv, FixSatellitesAndVelocity) {
     const Observations read = import_text(receiver,
                                           "time,lat,lon,h,fix,ns,ve,vn\n0,1,2,3,fixed,12,1,2\n"
                                           "1,1,2,3,2,7.0,,\n2,1,2,3,,,,\n3,1,,3,fixed,5,1,2\n");
-    EXPECT_EQ(read.rows[0].fix, FixKind::fixed);
+    EXPECT_EQ(read.rows[0].fix, FixType::fixed);
     EXPECT_EQ(read.rows[0].satellites, 12);
-    EXPECT_EQ(read.rows[0].recorded_velocity_north_mps, 2.0);
-    EXPECT_EQ(read.rows[1].fix, FixKind::float_ambiguities);
+    EXPECT_EQ(read.rows[0].recorded_velocity_north_m_s, 2.0);
+    EXPECT_EQ(read.rows[1].fix, FixType::float_ambiguities);
     EXPECT_EQ(read.rows[1].satellites, 7);
-    EXPECT_FALSE(read.rows[1].recorded_velocity_east_mps);
-    EXPECT_EQ(read.rows[2].fix, FixKind::unknown);
-    EXPECT_EQ(read.rows[3].fix, FixKind::none);
+    EXPECT_FALSE(read.rows[1].recorded_velocity_east_m_s);
+    EXPECT_EQ(read.rows[2].fix, FixType::unknown);
+    EXPECT_EQ(read.rows[3].fix, FixType::none);
     EXPECT_FALSE(read.rows[3].latitude_deg || read.rows[3].height_m);
 }
 

@@ -34,10 +34,10 @@ VerticalBest vertical_best(const std::vector<Observation>& rows) {
         if (last == rows.size()) break;
         if (rows[last].time.nanoseconds != rows[first].time.nanoseconds + three_seconds_ns)
             continue;
-        double sum_mps = 0.0;
+        double sum_m_s = 0.0;
         for (std::size_t i = first; i <= last; ++i)
-            sum_mps -= *rows[i].recorded_velocity_up_mps;
-        const double velocities_kmh = 3.6 * sum_mps / static_cast<double>(last - first + 1);
+            sum_m_s -= *rows[i].recorded_velocity_up_m_s;
+        const double velocities_kmh = 3.6 * sum_m_s / static_cast<double>(last - first + 1);
         const double heights_kmh = 3.6 * (*rows[first].height_m - *rows[last].height_m) / 3.0;
         best.by_velocities_kmh = std::max(best.by_velocities_kmh, velocities_kmh);
         if (heights_kmh <= best.by_heights_kmh) continue;
@@ -67,7 +67,7 @@ TEST(FlysightRecorded, VerticalBestThreeSeconds) {
     EXPECT_NEAR(*read.rows[0].sigma_east_m, 149.252 / std::sqrt(2.0), 1e-9);
 }
 
-/// Stated accuracies reach 319.54 m in the fall itself, and 435.55 m in the climb before it.
+/// Stated standard deviations reach 319.54 m in the fall itself, and 435.55 m in the climb before it.
 TEST(FlysightRecorded, BadAccuracyAndGaps) {
     const auto text = skydive("flysight1_bad_accuracy_gaps");
     if (!text) GTEST_SKIP() << "RUNCERT_DATA is not set";

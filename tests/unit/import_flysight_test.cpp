@@ -45,14 +45,14 @@ TEST(Flysight, BothVersionsSayTheSame) {
         EXPECT_DOUBLE_EQ(*row.latitude_deg, 37.5000125);
         EXPECT_DOUBLE_EQ(*row.longitude_deg, -121.2500375);
         EXPECT_DOUBLE_EQ(*row.height_m, 7.309);
-        EXPECT_DOUBLE_EQ(*row.recorded_velocity_east_mps, -4.0);
-        EXPECT_DOUBLE_EQ(*row.recorded_velocity_north_mps, 3.0);
-        EXPECT_DOUBLE_EQ(*row.recorded_velocity_up_mps, -12.5);
+        EXPECT_DOUBLE_EQ(*row.recorded_velocity_east_m_s, -4.0);
+        EXPECT_DOUBLE_EQ(*row.recorded_velocity_north_m_s, 3.0);
+        EXPECT_DOUBLE_EQ(*row.recorded_velocity_up_m_s, -12.5);
         EXPECT_DOUBLE_EQ(*row.sigma_east_m, 2.0 / std::sqrt(2.0));
         EXPECT_DOUBLE_EQ(*row.sigma_up_m, 3.5);
-        EXPECT_DOUBLE_EQ(*row.sigma_recorded_velocity_north_mps, 0.3 / std::sqrt(3.0));
-        EXPECT_DOUBLE_EQ(*row.sigma_recorded_velocity_up_mps, 0.3 / std::sqrt(3.0));
-        EXPECT_EQ(row.fix, first ? FixKind::single : FixKind::unknown);
+        EXPECT_DOUBLE_EQ(*row.sigma_recorded_velocity_north_m_s, 0.3 / std::sqrt(3.0));
+        EXPECT_DOUBLE_EQ(*row.sigma_recorded_velocity_up_m_s, 0.3 / std::sqrt(3.0));
+        EXPECT_EQ(row.fix, first ? FixType::single : FixType::unknown);
         EXPECT_EQ(row.satellites, 10);
         EXPECT_EQ(row.source_line, first ? 3 : 7);
     }
@@ -74,14 +74,14 @@ TEST(Flysight, WithoutAFixThereIsNoPosition) {
                                   "37.5000125,-121.2500375,7.309,3.00,-4.00,12.50,2.000,", zeros),
           second_header + replaced(second_row, ",10\r", ",0\r")}) {
         const Observations read = import_text(pos_receiver(), text);
-        EXPECT_EQ(read.rows[0].fix, FixKind::none);
+        EXPECT_EQ(read.rows[0].fix, FixType::none);
         EXPECT_FALSE(read.rows[0].latitude_deg || read.rows[0].sigma_east_m ||
-                     read.rows[0].recorded_velocity_up_mps);
+                     read.rows[0].recorded_velocity_up_m_s);
     }
     EXPECT_EQ(import_text(pos_receiver(), first_header + replaced(first_row, ",3,10", ",1,10"))
                   .rows[0]
                   .fix,
-              FixKind::dead_reckoning);
+              FixType::dead_reckoning);
 }
 
 TEST(Flysight, ZeroAndSaturatedAccuraciesAreUnknown) {
@@ -90,8 +90,8 @@ TEST(Flysight, ZeroAndSaturatedAccuraciesAreUnknown) {
         const Observations read = import_text(
             pos_receiver(), first_header + replaced(first_row, "2.000,3.500,0.30", accuracies));
         EXPECT_EQ(read.accuracy_source, "none");
-        EXPECT_FALSE(read.rows[0].sigma_up_m || read.rows[0].sigma_recorded_velocity_up_mps);
-        EXPECT_TRUE(read.rows[0].recorded_velocity_up_mps);
+        EXPECT_FALSE(read.rows[0].sigma_up_m || read.rows[0].sigma_recorded_velocity_up_m_s);
+        EXPECT_TRUE(read.rows[0].recorded_velocity_up_m_s);
     }
 }
 

@@ -49,7 +49,7 @@ TEST(Gpsbabel, WhatItMakesIsReadAndMarked) {
     EXPECT_EQ(read.accuracy_source, "none");
     ASSERT_EQ(read.rows.size(), 1u);
     EXPECT_FALSE(read.rows[0].source_line || read.rows[0].source_byte);
-    EXPECT_NEAR(*read.rows[0].recorded_velocity_east_mps, 3.5, 1e-12);
+    EXPECT_NEAR(*read.rows[0].recorded_velocity_east_m_s, 3.5, 1e-12);
     EXPECT_EQ(read.records.bad, 1);
     ASSERT_FALSE(read.notes.empty());
     EXPECT_TRUE(read.notes.front().starts_with(

@@ -58,21 +58,21 @@ TEST(Gpx, ReadsEveryField) {
     EXPECT_EQ(*read.facts.time_resolution_s, 0.01);
     EXPECT_NEAR(*read.facts.position_resolution_m, 0.0111, 1e-4);
     ASSERT_EQ(read.rows.size(), 2u);
-    EXPECT_EQ(read.rows[0].fix, FixKind::unknown);
-    EXPECT_FALSE(read.rows[0].recorded_velocity_east_mps || read.rows[0].satellites);
+    EXPECT_EQ(read.rows[0].fix, FixType::unknown);
+    EXPECT_FALSE(read.rows[0].recorded_velocity_east_m_s || read.rows[0].satellites);
     EXPECT_NEAR(*read.rows[0].height_m, 14.2, 1e-12);
     const Observation& row = read.rows[1];
     EXPECT_EQ(row.time.nanoseconds, 250'000'000);
     EXPECT_EQ(row.source_line, 5);
     EXPECT_EQ(row.source_byte, static_cast<std::int64_t>(begin.size() + first.size()));
-    EXPECT_EQ(row.fix, FixKind::dgps);
+    EXPECT_EQ(row.fix, FixType::dgps);
     EXPECT_EQ(row.satellites, 11);
     EXPECT_EQ(*row.latitude_deg, -45.8775671);
     EXPECT_EQ(*row.longitude_deg, 170.5001113);
     EXPECT_NEAR(*row.height_m, 16.0, 1e-12);  // above the ellipsoid: the geoid is 1.8 m above it
-    EXPECT_NEAR(*row.recorded_velocity_east_mps, -12.5, 1e-12);
-    EXPECT_NEAR(*row.recorded_velocity_north_mps, 0.0, 1e-12);
-    EXPECT_FALSE(row.sigma_east_m || row.sigma_recorded_velocity_east_mps);
+    EXPECT_NEAR(*row.recorded_velocity_east_m_s, -12.5, 1e-12);
+    EXPECT_NEAR(*row.recorded_velocity_north_m_s, 0.0, 1e-12);
+    EXPECT_FALSE(row.sigma_east_m || row.sigma_recorded_velocity_east_m_s);
 }
 
 struct Zone {
@@ -115,9 +115,9 @@ TEST(Gpx, SpeedOfVersion10AndOfUnknownCourse) {
         import_points(point("2019-04-12T00:39:56Z", "<course>90.0</course><speed>3.5</speed>") +
                       point("2019-04-12T00:39:57Z", "<speed>3.5</speed>") +
                       point("2019-04-12T00:39:58Z", "<course>-1</course><speed>-1</speed>"));
-    EXPECT_NEAR(*read.rows[0].recorded_velocity_east_mps, 3.5, 1e-12);
-    EXPECT_FALSE(read.rows[1].recorded_velocity_east_mps);
-    EXPECT_FALSE(read.rows[2].recorded_velocity_east_mps);
+    EXPECT_NEAR(*read.rows[0].recorded_velocity_east_m_s, 3.5, 1e-12);
+    EXPECT_FALSE(read.rows[1].recorded_velocity_east_m_s);
+    EXPECT_FALSE(read.rows[2].recorded_velocity_east_m_s);
     EXPECT_NE(noted(read).find("1 speeds are recorded without a course"), std::string::npos);
 }
 
@@ -126,7 +126,7 @@ TEST(Gpx, WithoutFixOrHeight) {
         import_points(point("2019-04-12T00:39:56Z", "<fix>none</fix>", "lat=\"0\" lon=\"0\"") +
                       "<trkpt lat='1' lon='2'><time>2019-04-12T00:39:57Z</time></trkpt>" + second);
     ASSERT_EQ(read.rows.size(), 3u);
-    EXPECT_EQ(read.rows[0].fix, FixKind::none);
+    EXPECT_EQ(read.rows[0].fix, FixType::none);
     EXPECT_FALSE(read.rows[0].latitude_deg);
     EXPECT_TRUE(read.rows[1].latitude_deg);
     EXPECT_FALSE(read.rows[1].height_m);
@@ -243,8 +243,8 @@ TEST(GpxRoundTrip, GpsbabelReadsTheSame) {
         EXPECT_NEAR(*row.latitude_deg, theirs[i].latitude_deg, 0.51e-9);
         EXPECT_NEAR(*row.longitude_deg, theirs[i].longitude_deg, 0.51e-9);
         EXPECT_NEAR(*row.height_m, theirs[i].altitude_m.value(), 0.051);
-        EXPECT_NEAR(std::hypot(*row.recorded_velocity_east_mps, *row.recorded_velocity_north_mps),
-                    theirs[i].speed_mps.value(), 0.0051);
+        EXPECT_NEAR(std::hypot(*row.recorded_velocity_east_m_s, *row.recorded_velocity_north_m_s),
+                    theirs[i].speed_m_s.value(), 0.0051);
         EXPECT_EQ(to_utc_iso(ours.facts.first_epoch->plus_nanoseconds(row.time.nanoseconds),
                              i % 5 == 0 ? 0 : 3),
                   theirs[i].utc + "Z");

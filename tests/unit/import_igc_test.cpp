@@ -47,7 +47,7 @@ TEST(Igc, ReadsEveryField) {
     ASSERT_EQ(read.rows.size(), 2u);
     const Observation& row = read.rows[0];
     EXPECT_EQ(row.source_line, 11);
-    EXPECT_EQ(row.fix, FixKind::single);
+    EXPECT_EQ(row.fix, FixType::single);
     EXPECT_EQ(row.satellites, 9);
     EXPECT_NEAR(*row.latitude_deg, 54.0 + 7.121 / 60.0, 1e-12);
     EXPECT_NEAR(*row.longitude_deg, -(2.0 + 49.342 / 60.0), 1e-12);
@@ -88,13 +88,13 @@ TEST(Igc, FurtherExtensions) {
     const Observation& row = read.rows[0];
     EXPECT_NEAR(*row.latitude_deg, 54.0 + 7.1215 / 60.0, 1e-12);
     EXPECT_NEAR(*row.longitude_deg, -(2.0 + 49.34225 / 60.0), 1e-12);
-    EXPECT_NEAR(*row.recorded_velocity_east_mps, 123.5 / 3.6, 1e-12);
-    EXPECT_NEAR(*row.recorded_velocity_north_mps, 0.0, 1e-12);
+    EXPECT_NEAR(*row.recorded_velocity_east_m_s, 123.5 / 3.6, 1e-12);
+    EXPECT_NEAR(*row.recorded_velocity_north_m_s, 0.0, 1e-12);
     EXPECT_NEAR(*row.sigma_up_m, 4.0, 1e-12);
     EXPECT_FALSE(row.sigma_east_m);  // 999: the field is full
     EXPECT_EQ(*read.facts.first_epoch, gps_from_utc({2001, 7, 16, 16, 2, 40, 250'000'000}));
     EXPECT_EQ(read.rows[1].time.nanoseconds, 250'000'000);
-    EXPECT_FALSE(read.rows[1].recorded_velocity_east_mps || read.rows[1].sigma_up_m);
+    EXPECT_FALSE(read.rows[1].recorded_velocity_east_m_s || read.rows[1].sigma_up_m);
     EXPECT_EQ(*read.facts.time_resolution_s, 0.001);
     EXPECT_NEAR(*read.facts.position_resolution_m, 0.185, 0.001);  // of the latitude, 0.0001 min
     EXPECT_EQ(read.records.bad, 0);
@@ -104,11 +104,11 @@ TEST(Igc, FixesInThePlaneAndNone) {
     const Observations read = import_lines(
         extensions + fix + "00509\r\n" + replaced(fix, "WA", "WV") + "00509\r\n" +
         replaced(fix, "WA", "WV") + "00502\r\nB1602410000000N00000000EV002800000000000\r\n");
-    EXPECT_EQ(read.rows[1].fix, FixKind::unknown);
+    EXPECT_EQ(read.rows[1].fix, FixType::unknown);
     EXPECT_TRUE(read.rows[1].latitude_deg);
     EXPECT_FALSE(read.rows[1].height_m);
     for (const std::size_t i : {2u, 3u}) {
-        EXPECT_EQ(read.rows[i].fix, FixKind::none);
+        EXPECT_EQ(read.rows[i].fix, FixType::none);
         EXPECT_FALSE(read.rows[i].latitude_deg);
     }
     EXPECT_NE(noted(read).find("1 records are marked V"), std::string::npos);

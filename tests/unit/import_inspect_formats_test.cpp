@@ -27,8 +27,8 @@ Observations swinging(double delay_s) {
         row.time.nanoseconds = 100'000'000LL * i;
         row.plane_east_m = 20.0 * std::sin(0.5 * t_s) + 10.0 * t_s;
         row.plane_north_m = 3.0 * std::cos(0.3 * t_s);
-        row.recorded_velocity_east_mps = 10.0 * std::cos(0.5 * (t_s - delay_s)) + 10.0;
-        row.recorded_velocity_north_mps = -0.9 * std::sin(0.3 * (t_s - delay_s));
+        row.recorded_velocity_east_m_s = 10.0 * std::cos(0.5 * (t_s - delay_s)) + 10.0;
+        row.recorded_velocity_north_m_s = -0.9 * std::sin(0.3 * (t_s - delay_s));
         observations.rows.push_back(row);
     }
     return observations;
@@ -45,10 +45,10 @@ TEST(VelocityDelay, IsFoundToAHundredth) {
 TEST(VelocityDelay, IsNotToldByVelocitiesThatNeverChange) {
     Observations observations = swinging(0.0);
     for (Observation& row : observations.rows)
-        row.recorded_velocity_east_mps = row.recorded_velocity_north_mps = 0.0;
+        row.recorded_velocity_east_m_s = row.recorded_velocity_north_m_s = 0.0;
     EXPECT_FALSE(raw_velocity_delay_s(observations));
     for (Observation& row : observations.rows)
-        row.recorded_velocity_east_mps.reset();
+        row.recorded_velocity_east_m_s.reset();
     EXPECT_FALSE(raw_velocity_delay_s(observations));
 }
 
@@ -78,9 +78,9 @@ TEST_P(RealFormats, Figures) {
     EXPECT_EQ(it.repeated_times, expected.repeated);
     EXPECT_EQ(it.records.bad, 0);
     ASSERT_TRUE(it.best_by_position && it.best_by_velocity);
-    EXPECT_NEAR(it.best_by_position->speed_mps * 3.6, expected.best_position_kmh, 0.06);
+    EXPECT_NEAR(it.best_by_position->speed_m_s * 3.6, expected.best_position_kmh, 0.06);
     // The README takes 75 samples for 3 s at 25 Hz, inspection both ends.
-    EXPECT_NEAR(it.best_by_velocity->speed_mps * 3.6, expected.best_velocity_kmh, 0.15);
+    EXPECT_NEAR(it.best_by_velocity->speed_m_s * 3.6, expected.best_velocity_kmh, 0.15);
     ASSERT_TRUE(it.velocity_delay_s);
     EXPECT_NEAR(*it.velocity_delay_s, expected.delay_s, expected.delay_tolerance_s);
     const std::string text = inspection_text(it, expected.file);
@@ -109,8 +109,8 @@ TEST(RealVertical, ASpeedSkydive) {
     if (!bytes) GTEST_SKIP() << "RUNCERT_DATA is not set";
     const Inspection it = inspect(import_text(pos_receiver(), *bytes, "f"));
     ASSERT_TRUE(it.best_vertical_by_position && it.best_vertical_by_velocity);
-    EXPECT_NEAR(it.best_vertical_by_position->speed_mps * 3.6, 444.61, 0.02);
-    EXPECT_NEAR(it.best_vertical_by_velocity->speed_mps * 3.6, 443.46, 0.02);
+    EXPECT_NEAR(it.best_vertical_by_position->speed_m_s * 3.6, 444.61, 0.02);
+    EXPECT_NEAR(it.best_vertical_by_velocity->speed_m_s * 3.6, 443.46, 0.02);
     const std::string text = inspection_text(it, "f");
     EXPECT_NE(text.find("Vertical  by height 444.6 km/h"), std::string::npos) << text;
 }

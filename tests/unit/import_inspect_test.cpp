@@ -17,7 +17,7 @@ struct Real {
     bool velocity, velocity_sigma;
 };
 
-std::size_t count(const Inspection& it, FixKind kind) {
+std::size_t count(const Inspection& it, FixType kind) {
     for (const auto& [candidate, number] : it.fixes)
         if (candidate == kind) return number;
     return 0;
@@ -34,8 +34,8 @@ TEST_P(RealPos, Figures) {
     const Inspection it = inspect(read);
     EXPECT_EQ(to_iso(*it.first), expected.first_gps);
     EXPECT_EQ(it.epochs, expected.epochs);
-    EXPECT_EQ(count(it, FixKind::fixed), expected.fixed);
-    EXPECT_EQ(count(it, FixKind::float_ambiguities), expected.float_);
+    EXPECT_EQ(count(it, FixType::fixed), expected.fixed);
+    EXPECT_EQ(count(it, FixType::float_ambiguities), expected.float_);
     EXPECT_EQ(it.fix_changes, expected.changes);
     EXPECT_EQ(it.gaps, expected.gaps);
     EXPECT_NEAR(it.longest_gap_s, expected.longest_gap_s, 1e-9);
@@ -43,10 +43,10 @@ TEST_P(RealPos, Figures) {
     EXPECT_EQ(it.repeated_times + it.backward_times + it.without_position, 0u);
     EXPECT_EQ(it.with_velocity, expected.velocity ? expected.epochs : 0);
     ASSERT_TRUE(it.best_by_position);
-    EXPECT_NEAR(it.best_by_position->speed_mps * 3.6, expected.best_kmh, 0.05);
+    EXPECT_NEAR(it.best_by_position->speed_m_s * 3.6, expected.best_kmh, 0.05);
     EXPECT_EQ(read.accuracy_source, "recording");
     for (const Observation& row : read.rows)
-        ASSERT_EQ(row.sigma_recorded_velocity_east_mps.has_value(), expected.velocity_sigma);
+        ASSERT_EQ(row.sigma_recorded_velocity_east_m_s.has_value(), expected.velocity_sigma);
     const std::string text = inspection_text(it, expected.file);
     EXPECT_LE(std::count(text.begin(), text.end(), '\n'), 22) << text;
 }
@@ -85,8 +85,8 @@ TEST(RealCsv, TheReferenceOfTheUrbanCar) {
     EXPECT_EQ(it.epochs, 6151u);
     EXPECT_EQ(it.with_velocity, 6151u);
     EXPECT_EQ(to_iso(*it.first), "2023-07-11T06:04:30.000");
-    EXPECT_NEAR(it.best_by_position->speed_mps * 3.6, 50.88, 0.02);
-    EXPECT_NEAR(it.best_by_velocity->speed_mps * 3.6, 50.8, 0.1);
+    EXPECT_NEAR(it.best_by_position->speed_m_s * 3.6, 50.88, 0.02);
+    EXPECT_NEAR(it.best_by_velocity->speed_m_s * 3.6, 50.8, 0.1);
 }
 
 TEST(RealCsv, TheSimulatedRunOfDeakin2022) {
@@ -123,7 +123,7 @@ TEST(Inspect, AKnownRun) {
     const Inspection it = inspect(import_text(plane_receiver(), straight_run()));
     EXPECT_EQ(it.gaps, 0u);
     ASSERT_TRUE(it.best_by_position);
-    EXPECT_NEAR(it.best_by_position->speed_mps, 20.0, 1e-12);
+    EXPECT_NEAR(it.best_by_position->speed_m_s, 20.0, 1e-12);
     EXPECT_NEAR(it.best_by_position->duration_s, 3.0, 1e-12);
     EXPECT_FALSE(it.best_by_velocity);
     EXPECT_NEAR(it.span_s, 10.0, 1e-12);
@@ -133,12 +133,12 @@ TEST(Inspect, ASpikeRepeatedTimesAndAGapAreSeen) {
     std::string text = replaced(straight_run(), "4.0,80,5\n", "4.0,80,305\n4.0,80,5\n");
     text = replaced(text, "6.0,120,5\n6.1,122,5\n6.2,124,5\n", "");
     const Inspection it = inspect(import_text(plane_receiver(), text));
-    EXPECT_GT(it.best_by_position->speed_mps, 100.0);
+    EXPECT_GT(it.best_by_position->speed_m_s, 100.0);
     EXPECT_EQ(it.repeated_times, 1u);
     EXPECT_EQ(it.gaps, 1u);
     EXPECT_NEAR(it.longest_gap_s, 0.4, 1e-9);
     const std::string words = inspection_text(it, "run.csv");
-    for (const char* piece : {"run.csv: csv, local plane, relative time", "10.00 Hz",
+    for (const char* piece : {"run.csv: csv, engineering CRS, relative time", "10.00 Hz",
                               "1, the longest 0.4 s; 1 repeated", "Times repeat",
                               "time is relative", "No accuracy is stated"})
         EXPECT_NE(words.find(piece), std::string::npos) << piece << "\n" << words;

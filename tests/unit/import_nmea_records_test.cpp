@@ -17,7 +17,7 @@ Observation row_with_velocities(const std::string& vtg, const std::string& rmc_s
 
 TEST(NmeaVelocity, IsOfTheMostFinelyWritten) {
     const auto east = [](const std::string& vtg, const std::string& rmc_speed_course) {
-        return row_with_velocities(vtg, rmc_speed_course).recorded_velocity_east_mps.value();
+        return row_with_velocities(vtg, rmc_speed_course).recorded_velocity_east_m_s.value();
     };
     EXPECT_NEAR(east("090.0,T,,M,19.4,N,36.0,K,A", "19.4,090.0"), 10.0, 1e-9);
     EXPECT_NEAR(east("090.0,T,,M,19.438,N,36.0,K,A", "19.4,090.0"), 19.438 * 1852 / 3600, 1e-9);
@@ -29,14 +29,14 @@ TEST(NmeaVelocity, IsOfTheMostFinelyWritten) {
 TEST(NmeaVelocity, OfAnotherMomentIsNotUsed) {
     // VTG has no time: one written before its epoch's first sentence is taken for the epoch before.
     const Observation row = row_with_velocities("090.0,T,,M,38.9,N,72.0,K,A", "19.4,090.0");
-    EXPECT_NEAR(*row.recorded_velocity_east_mps, 19.4 * 1852 / 3600, 1e-9);
+    EXPECT_NEAR(*row.recorded_velocity_east_m_s, 19.4 * 1852 / 3600, 1e-9);
 }
 
 TEST(NmeaVelocity, StandingNeedsNoCourseAndMovingDoes) {
-    EXPECT_EQ(*row_with_velocities("", "0.00,").recorded_velocity_north_mps, 0.0);
-    EXPECT_FALSE(row_with_velocities("", "0.01,").recorded_velocity_north_mps);
-    EXPECT_FALSE(row_with_velocities("", ",090.0").recorded_velocity_north_mps);
-    EXPECT_FALSE(row_with_velocities("090.0,T,,M,1,N,2,K,N", ",").recorded_velocity_north_mps);
+    EXPECT_EQ(*row_with_velocities("", "0.00,").recorded_velocity_north_m_s, 0.0);
+    EXPECT_FALSE(row_with_velocities("", "0.01,").recorded_velocity_north_m_s);
+    EXPECT_FALSE(row_with_velocities("", ",090.0").recorded_velocity_north_m_s);
+    EXPECT_FALSE(row_with_velocities("090.0,T,,M,1,N,2,K,N", ",").recorded_velocity_north_m_s);
 }
 
 // ----------------------------------------------------------------------------------------- time
@@ -156,7 +156,7 @@ TEST(NmeaRecords, RepeatedSentenceDoesNotReplace) {
     const Observations read =
         read_nmea(gga("101112.00", "4") + rmc("101112.00", "050321") + gga("101112.00", "1"));
     ASSERT_EQ(read.rows.size(), 1u);
-    EXPECT_EQ(read.rows[0].fix, FixKind::fixed);
+    EXPECT_EQ(read.rows[0].fix, FixType::fixed);
     EXPECT_TRUE(has_note(read, "repeat one of the same type and time"));
 }
 

@@ -45,11 +45,11 @@ TEST(Nmea, RealLogOfStandingReceiverByHand) {
     EXPECT_EQ(*row.sigma_east_m, 3.5);
     EXPECT_EQ(*row.sigma_up_m, 4.0);
     EXPECT_FALSE(row.correlation_east_north);
-    EXPECT_EQ(row.fix, FixKind::single);
+    EXPECT_EQ(row.fix, FixType::single);
     EXPECT_EQ(row.satellites, 12);
     EXPECT_EQ(row.source_line, 3);
     // It moves at 0.045 km/h by VTG, and nobody says where to.
-    EXPECT_FALSE(row.recorded_velocity_east_mps);
+    EXPECT_FALSE(row.recorded_velocity_east_m_s);
 }
 
 TEST(Nmea, RealLogWithContradictoryErrorEllipses) {
@@ -69,8 +69,8 @@ TEST(Nmea, RealLogWithContradictoryErrorEllipses) {
     EXPECT_FALSE(row.correlation_east_north);
     EXPECT_TRUE(has_note(read, "GST error ellipses that do not agree"));
     EXPECT_NEAR(*row.height_m, 1102.537 - 20.3, 1e-9);
-    EXPECT_EQ(row.fix, FixKind::dgps);
-    EXPECT_EQ(*row.recorded_velocity_east_mps, 0.0);
+    EXPECT_EQ(row.fix, FixType::dgps);
+    EXPECT_EQ(*row.recorded_velocity_east_m_s, 0.0);
 }
 
 /// What stands between `begin` and `end` in the first `text` that has it.
@@ -91,7 +91,8 @@ TEST_P(NmeaByGpsbabel, SaysTheSame) {
     const std::string name = std::string("nmea_gst/") + GetParam();
     const auto text = recorded(name);
     if (!text) GTEST_SKIP() << "RUNCERT_DATA is not set";
-    if (std::system("command -v gpsbabel > /dev/null") != 0) GTEST_SKIP() << "gpsbabel is not installed";
+    if (std::system("command -v gpsbabel > /dev/null") != 0)
+        GTEST_SKIP() << "gpsbabel is not installed";
     const std::string command =
         fmt::format("grep -av RMC, '{}/{}' | gpsbabel -t -i nmea -f - -o gpx -F -",
                     std::getenv("RUNCERT_DATA"), name);
@@ -144,12 +145,12 @@ TEST(Nmea, SentencesOfOneTimeMakeOneEpoch) {
     EXPECT_EQ(*row.latitude_deg, 45.5);
     EXPECT_EQ(*row.longitude_deg, 9.25);
     EXPECT_EQ(*row.height_m, 167.75);
-    EXPECT_EQ(row.fix, FixKind::fixed);
+    EXPECT_EQ(row.fix, FixType::fixed);
     EXPECT_EQ(row.satellites, 10);
     EXPECT_EQ(*row.age_s, 1.5);
-    EXPECT_NEAR(*row.recorded_velocity_east_mps, 5.0, 1e-12);
-    EXPECT_NEAR(*row.recorded_velocity_north_mps, 10.0 * std::sqrt(0.75), 1e-12);
-    EXPECT_FALSE(row.recorded_velocity_up_mps);
+    EXPECT_NEAR(*row.recorded_velocity_east_m_s, 5.0, 1e-12);
+    EXPECT_NEAR(*row.recorded_velocity_north_m_s, 10.0 * std::sqrt(0.75), 1e-12);
+    EXPECT_FALSE(row.recorded_velocity_up_m_s);
     EXPECT_EQ(*row.sigma_north_m, 0.0180);
     EXPECT_EQ(*row.sigma_up_m, 0.035);
     // The ellipse's long axis of 20 mm points to 30 degrees: covariance by its own two axes.
@@ -157,16 +158,16 @@ TEST(Nmea, SentencesOfOneTimeMakeOneEpoch) {
     const double a2 = 4e-4, b2 = 1e-4;
     const double ee = a2 * e[0] * e[0] + b2 * e[1] * e[1], nn = a2 * e[1] * e[1] + b2 * e[0] * e[0];
     EXPECT_NEAR(*row.correlation_east_north, (a2 - b2) * e[0] * e[1] / std::sqrt(ee * nn), 1e-12);
-    EXPECT_EQ(read.rows[1].fix, FixKind::float_ambiguities);
+    EXPECT_EQ(read.rows[1].fix, FixType::float_ambiguities);
     EXPECT_FALSE(read.rows[1].sigma_east_m);
-    EXPECT_FALSE(read.rows[1].recorded_velocity_east_mps);
+    EXPECT_FALSE(read.rows[1].recorded_velocity_east_m_s);
     // 1e-7 minutes of latitude are 0.185 mm.
     EXPECT_NEAR(*read.facts.position_resolution_m, 1.852e-4, 2e-6);
 }
 
 struct Kind {
     const char* quality;
-    FixKind fix;
+    FixType fix;
 };
 class NmeaQuality : public testing::TestWithParam<Kind> {};
 
@@ -175,16 +176,16 @@ TEST_P(NmeaQuality, IsTheKindOfSolution) {
         read_nmea(gga("101112.00", GetParam().quality) + rmc("101112.00", "050321"));
     ASSERT_EQ(read.rows.size(), 1u);
     EXPECT_EQ(read.rows[0].fix, GetParam().fix);
-    EXPECT_EQ(read.rows[0].latitude_deg.has_value(), GetParam().fix != FixKind::none);
+    EXPECT_EQ(read.rows[0].latitude_deg.has_value(), GetParam().fix != FixType::none);
     EXPECT_EQ(has_note(read, "quality of 7 or more"), GetParam().quality[0] > '6');
 }
 
 INSTANTIATE_TEST_SUITE_P(
     All, NmeaQuality,
-    testing::Values(Kind{"0", FixKind::none}, Kind{"1", FixKind::single}, Kind{"2", FixKind::dgps},
-                    Kind{"3", FixKind::single}, Kind{"4", FixKind::fixed},
-                    Kind{"5", FixKind::float_ambiguities}, Kind{"6", FixKind::dead_reckoning},
-                    Kind{"7", FixKind::unknown}, Kind{"8", FixKind::unknown}),
+    testing::Values(Kind{"0", FixType::none}, Kind{"1", FixType::single}, Kind{"2", FixType::dgps},
+                    Kind{"3", FixType::single}, Kind{"4", FixType::fixed},
+                    Kind{"5", FixType::float_ambiguities}, Kind{"6", FixType::dead_reckoning},
+                    Kind{"7", FixType::unknown}, Kind{"8", FixType::unknown}),
     [](const auto& instance) { return std::string("q") + instance.param.quality; });
 
 TEST(Nmea, EverySentenceMustSayThatThereIsAFix) {
@@ -192,13 +193,13 @@ TEST(Nmea, EverySentenceMustSayThatThereIsAFix) {
     const auto fix = [&](const std::string& more) {
         return read_nmea(position + more + rmc("101113.00", "050321")).rows.at(0).fix;
     };
-    EXPECT_EQ(fix(""), FixKind::single);
-    EXPECT_EQ(fix(sentence("GPRMC,101112.00,V,,,,,,,050321,,,N")), FixKind::none);
-    EXPECT_EQ(fix(sentence("GPRMC,101112.00,A,4530.0,N,00915.0,E,1,2,050321,,,N")), FixKind::none);
-    EXPECT_EQ(fix(sentence("GPGSA,A,1,,,,,,,,,,,,,,,")), FixKind::none);
+    EXPECT_EQ(fix(""), FixType::single);
+    EXPECT_EQ(fix(sentence("GPRMC,101112.00,V,,,,,,,050321,,,N")), FixType::none);
+    EXPECT_EQ(fix(sentence("GPRMC,101112.00,A,4530.0,N,00915.0,E,1,2,050321,,,N")), FixType::none);
+    EXPECT_EQ(fix(sentence("GPGSA,A,1,,,,,,,,,,,,,,,")), FixType::none);
     // A system without satellites is no reason while another has some.
     EXPECT_EQ(fix(sentence("GPGSA,A,3,,,,,,,,,,,,,,,") + sentence("GLGSA,A,1,,,,,,,,,,,,,,,")),
-              FixKind::single);
+              FixType::single);
 }
 
 TEST(Nmea, RmcAloneHasNoHeight) {
@@ -208,8 +209,8 @@ TEST(Nmea, RmcAloneHasNoHeight) {
     EXPECT_FALSE(without.facts.vertical_measured);
     EXPECT_FALSE(without.rows[0].height_m);
     EXPECT_EQ(*without.rows[0].latitude_deg, 45.5);
-    EXPECT_EQ(without.rows[0].fix, FixKind::single);
-    EXPECT_NEAR(*without.rows[0].recorded_velocity_east_mps, 18520.0 / 3600.0, 1e-12);
+    EXPECT_EQ(without.rows[0].fix, FixType::single);
+    EXPECT_NEAR(*without.rows[0].recorded_velocity_east_m_s, 18520.0 / 3600.0, 1e-12);
     receiver.height_m = 12.0;
     EXPECT_EQ(*import_text(receiver, text).rows[1].height_m, 12.0);
 }
@@ -220,7 +221,7 @@ TEST(Nmea, GnsGivesPositionWhereGgaDoesNot) {
                   sentence("GNGNS,101112.00,4530.0000000,N,00915.0000000,E,RFNN,15,0.6,120.5,47.25,"
                            "2.0,0001,V"));
     ASSERT_EQ(read.rows.size(), 1u);
-    EXPECT_EQ(read.rows[0].fix, FixKind::fixed);
+    EXPECT_EQ(read.rows[0].fix, FixType::fixed);
     EXPECT_EQ(*read.rows[0].height_m, 167.75);
     EXPECT_EQ(read.rows[0].satellites, 15);
     EXPECT_EQ(*read.rows[0].age_s, 2.0);

@@ -60,12 +60,12 @@ std::vector<Best> best_of_runs(const std::vector<Observation>& rows, std::size_t
     std::vector<std::size_t> unbroken;
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const Observation& row = rows[i];
-        const bool fixed = row.recorded_velocity_east_mps.has_value();
+        const bool fixed = row.recorded_velocity_east_m_s.has_value();
         const bool follows =
             i > 0 && row.time.nanoseconds - rows[i - 1].time.nanoseconds < 150'000'000;
         const double kmh = !fixed ? 0.0
-                                  : 3.6 * std::hypot(*row.recorded_velocity_east_mps,
-                                                     *row.recorded_velocity_north_mps);
+                                  : 3.6 * std::hypot(*row.recorded_velocity_east_m_s,
+                                                     *row.recorded_velocity_north_m_s);
         sums.push_back(sums.back() + kmh);
         unbroken.push_back(!fixed ? 0 : 1 + (follows ? unbroken.back() : 0));
     }
@@ -96,8 +96,8 @@ double best_way_kmh(const std::vector<Observation>& rows, std::size_t steps) {
         double sum_kmh = 0.0;
         for (std::size_t i = first; i <= first + steps; ++i)
             sum_kmh += (i == first || i == first + steps ? 0.5 : 1.0) * 3.6 *
-                       std::hypot(rows[i].recorded_velocity_east_mps.value_or(0.0),
-                                  rows[i].recorded_velocity_north_mps.value_or(0.0));
+                       std::hypot(rows[i].recorded_velocity_east_m_s.value_or(0.0),
+                                  rows[i].recorded_velocity_north_m_s.value_or(0.0));
         best_kmh = std::max(best_kmh, sum_kmh / static_cast<double>(steps));
     }
     return best_kmh;
@@ -126,7 +126,7 @@ TEST_P(OaoRecorded, EpochsFixesAndTimes) {
     const Inspection inspection = inspect(read);
     EXPECT_EQ(inspection.without_position, GetParam().without_fix);
     ASSERT_TRUE(inspection.best_by_velocity);
-    EXPECT_NEAR(inspection.best_by_velocity->speed_mps * 3.6,
+    EXPECT_NEAR(inspection.best_by_velocity->speed_m_s * 3.6,
                 GetParam().inspected_three_seconds_kmh, 0.001);
     EXPECT_NEAR(best_way_kmh(read.rows, 30), GetParam().best_three_seconds_kmh, 0.001);
     EXPECT_EQ(to_utc_iso(*inspection.best_by_velocity->start_gps).substr(0, 19),
@@ -192,11 +192,11 @@ TEST(OaoRecordedJump, FortyEightMetresInATenthOfASecond) {
     }
     EXPECT_NEAR(longest_m, 48.1, 0.1);
     EXPECT_EQ(read.rows[jump].time.nanoseconds - read.rows[jump - 1].time.nanoseconds, 100'000'000);
-    EXPECT_EQ(read.rows[jump - 1].fix, FixKind::none);
+    EXPECT_EQ(read.rows[jump - 1].fix, FixType::none);
     EXPECT_FALSE(read.rows[jump - 1].latitude_deg);
     EXPECT_NEAR(longest_with_fix_m, 21.4, 0.1);
     // "from raw positions boom_left says 93.2"
-    EXPECT_NEAR(inspect(read).best_by_position->speed_mps * 3.6, 93.2, 0.05);
+    EXPECT_NEAR(inspect(read).best_by_position->speed_m_s * 3.6, 93.2, 0.05);
 }
 
 }  // namespace

@@ -98,15 +98,15 @@ TEST(Oao, EveryField) {
     EXPECT_DOUBLE_EQ(*row.latitude_deg, -33.7654321);
     EXPECT_DOUBLE_EQ(*row.longitude_deg, 151.2345678);
     EXPECT_DOUBLE_EQ(*row.height_m, -1.234);
-    EXPECT_NEAR(*row.recorded_velocity_east_mps, 17.75 * 0.5, 1e-12);
-    EXPECT_NEAR(*row.recorded_velocity_north_mps, -17.75 * std::sqrt(0.75), 1e-12);
-    EXPECT_FALSE(row.recorded_velocity_up_mps);
+    EXPECT_NEAR(*row.recorded_velocity_east_m_s, 17.75 * 0.5, 1e-12);
+    EXPECT_NEAR(*row.recorded_velocity_north_m_s, -17.75 * std::sqrt(0.75), 1e-12);
+    EXPECT_FALSE(row.recorded_velocity_up_m_s);
     EXPECT_DOUBLE_EQ(*row.sigma_east_m, 0.3 / std::sqrt(2.0));
     EXPECT_DOUBLE_EQ(*row.sigma_north_m, 0.3 / std::sqrt(2.0));
     EXPECT_DOUBLE_EQ(*row.sigma_up_m, 0.4);
-    EXPECT_DOUBLE_EQ(*row.sigma_recorded_velocity_east_mps, 0.085 / std::sqrt(2.0));
-    EXPECT_DOUBLE_EQ(*row.sigma_recorded_velocity_north_mps, 0.085 / std::sqrt(2.0));
-    EXPECT_EQ(row.fix, FixKind::single);
+    EXPECT_DOUBLE_EQ(*row.sigma_recorded_velocity_east_m_s, 0.085 / std::sqrt(2.0));
+    EXPECT_DOUBLE_EQ(*row.sigma_recorded_velocity_north_m_s, 0.085 / std::sqrt(2.0));
+    EXPECT_EQ(row.fix, FixType::single);
     EXPECT_EQ(row.satellites, 11);
     EXPECT_EQ(row.source_byte, 512);
     EXPECT_FALSE(row.source_line);
@@ -115,14 +115,14 @@ TEST(Oao, EveryField) {
 TEST(Oao, WithoutAFixThereIsNoPosition) {
     const Observations read =
         import_text(pos_receiver(), header() + epoch({.fix = 0, .satellites = 0}));
-    EXPECT_EQ(read.rows[0].fix, FixKind::none);
+    EXPECT_EQ(read.rows[0].fix, FixType::none);
     EXPECT_FALSE(read.rows[0].latitude_deg || read.rows[0].height_m || read.rows[0].sigma_east_m ||
-                 read.rows[0].sigma_up_m || read.rows[0].recorded_velocity_east_mps);
+                 read.rows[0].sigma_up_m || read.rows[0].recorded_velocity_east_m_s);
 }
 
 TEST(Oao, KindsOfFix) {
-    const FixKind kinds[] = {FixKind::none,   FixKind::dead_reckoning, FixKind::single,
-                             FixKind::single, FixKind::dead_reckoning, FixKind::none};
+    const FixType kinds[] = {FixType::none,   FixType::dead_reckoning, FixType::single,
+                             FixType::single, FixType::dead_reckoning, FixType::none};
     for (int fix = 0; fix < 6; ++fix)
         EXPECT_EQ(import_text(pos_receiver(), epoch({.fix = fix})).rows[0].fix, kinds[fix]);
 }
@@ -134,8 +134,8 @@ TEST(Oao, ZeroAndSaturatedAccuraciesAreUnknown) {
                                                                      .vertical_sigma = unknown}));
         EXPECT_EQ(read.accuracy_source, "none");
         EXPECT_FALSE(read.rows[0].sigma_east_m || read.rows[0].sigma_up_m ||
-                     read.rows[0].sigma_recorded_velocity_east_mps);
-        EXPECT_TRUE(read.rows[0].recorded_velocity_east_mps);
+                     read.rows[0].sigma_recorded_velocity_east_m_s);
+        EXPECT_TRUE(read.rows[0].recorded_velocity_east_m_s);
     }
 }
 

@@ -15,7 +15,7 @@ using namespace import_test;
 
 /// Read without holding its rows, and put together for comparison.
 Observations gathered(const Receiver& receiver, const RecordingBytes& recording) {
-    const RowByRow by_row = rtklib_pos::read_row_by_row(receiver, recording);
+    const StreamedRecording by_row = rtklib_pos::read_streamed(receiver, recording);
     Observations all = by_row.head;
     EXPECT_TRUE(all.rows.empty());
     by_row.give([&all](const Observation& row) { all.rows.push_back(row); });
@@ -83,12 +83,12 @@ TEST(PosRowByRow, FailsAsTheWhole) {
     };
     const std::string whole = said([&] { (void)rtklib_pos::read(pos_receiver(), recording); });
     EXPECT_NE(whole, "nothing");
-    EXPECT_EQ(said([&] { (void)rtklib_pos::read_row_by_row(pos_receiver(), recording); }), whole);
+    EXPECT_EQ(said([&] { (void)rtklib_pos::read_streamed(pos_receiver(), recording); }), whole);
 }
 
 TEST(PosRowByRow, ShortRecordingsAreHeld) {
     const std::string text = fixture("degrees.pos");
-    EXPECT_FALSE(import_row_by_row(pos_receiver(), {.name = "f", .bytes = text}).has_value());
+    EXPECT_FALSE(import_streamed(pos_receiver(), {.name = "f", .bytes = text}).has_value());
 }
 
 TEST(LineReader, SaysHowFarItHasGone) {

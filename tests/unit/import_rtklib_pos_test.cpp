@@ -52,18 +52,18 @@ TEST_P(PosVariant, SaysTheSame) {
         EXPECT_NEAR(*row.correlation_east_north, 0.0028 * 0.0028 / (0.0046 * 0.0049), 1e-4);
         EXPECT_NEAR(*row.correlation_east_up, 0.0018 * 0.0018 / (0.0046 * 0.0102), 1e-4);
         EXPECT_NEAR(*row.correlation_north_up, -0.0033 * 0.0033 / (0.0049 * 0.0102), 1e-4);
-        EXPECT_EQ(row.fix, FixKind::fixed);
+        EXPECT_EQ(row.fix, FixType::fixed);
         EXPECT_EQ(row.satellites, 16);
         EXPECT_DOUBLE_EQ(*row.age_s, 0.03);
         EXPECT_DOUBLE_EQ(*row.ratio, 6.4);
-        EXPECT_EQ(row.recorded_velocity_east_mps.has_value(), variant.velocity);
+        EXPECT_EQ(row.recorded_velocity_east_m_s.has_value(), variant.velocity);
         if (!variant.velocity) continue;
-        EXPECT_NEAR(*row.recorded_velocity_east_mps, 1.25, 1e-7);
-        EXPECT_NEAR(*row.recorded_velocity_north_mps, -2.5, 1e-7);
-        EXPECT_NEAR(*row.recorded_velocity_up_mps, 0.125, 1e-7);
-        EXPECT_NEAR(*row.sigma_recorded_velocity_east_mps, 0.03, 1e-7);
-        EXPECT_NEAR(*row.sigma_recorded_velocity_north_mps, 0.04, 1e-7);
-        EXPECT_NEAR(*row.sigma_recorded_velocity_up_mps, 0.05, 1e-7);
+        EXPECT_NEAR(*row.recorded_velocity_east_m_s, 1.25, 1e-7);
+        EXPECT_NEAR(*row.recorded_velocity_north_m_s, -2.5, 1e-7);
+        EXPECT_NEAR(*row.recorded_velocity_up_m_s, 0.125, 1e-7);
+        EXPECT_NEAR(*row.sigma_recorded_velocity_east_m_s, 0.03, 1e-7);
+        EXPECT_NEAR(*row.sigma_recorded_velocity_north_m_s, 0.04, 1e-7);
+        EXPECT_NEAR(*row.sigma_recorded_velocity_up_m_s, 0.05, 1e-7);
     }
 }
 
@@ -177,15 +177,15 @@ TEST(Pos, KeepsOrderLinesAndBytes) {
 }
 
 TEST(Pos, EveryKindOfSolution) {
-    const FixKind kinds[] = {FixKind::none, FixKind::fixed,         FixKind::float_ambiguities,
-                             FixKind::sbas, FixKind::dgps,          FixKind::single,
-                             FixKind::ppp,  FixKind::dead_reckoning};
+    const FixType kinds[] = {FixType::none, FixType::fixed,         FixType::float_ambiguities,
+                             FixType::sbas, FixType::dgps,          FixType::single,
+                             FixType::ppp,  FixType::dead_reckoning};
     for (int q = 0; q < 8; ++q)
-        EXPECT_EQ(import_text(pos_receiver(),
-                              header + replaced(row, " 1 16", fmt::format(" {} 16", q)))
-                      .rows[0]
-                      .fix,
-                  kinds[q]);
+        EXPECT_EQ(
+            import_text(pos_receiver(), header + replaced(row, " 1 16", fmt::format(" {} 16", q)))
+                .rows[0]
+                .fix,
+            kinds[q]);
 }
 
 TEST(Pos, AnEpochWithoutSolutionHasNoPosition) {
@@ -193,7 +193,7 @@ TEST(Pos, AnEpochWithoutSolutionHasNoPosition) {
         pos_receiver(),
         header + replaced(row, "35.165360868 136.881409540 41.4082 1", "0.0 0.0 0.0 0"));
     EXPECT_FALSE(read.rows[0].latitude_deg);
-    EXPECT_EQ(read.rows[0].fix, FixKind::none);
+    EXPECT_EQ(read.rows[0].fix, FixType::none);
 }
 
 TEST(Pos, ALeapSecondOfUtc) {
@@ -232,7 +232,7 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"41.4082", "-inf", "2:44", "\"-inf\", which is no number"},
         Bad{"41.4082", "41,4082", "2:44", "decimal comma"},
         Bad{"41.4082", "abc", "2:44", "height \"abc\" is not a number"},
-        Bad{" 1 16", " 8 16", "2:52", "Q \"8\" is not a kind of solution"},
+        Bad{" 1 16", " 8 16", "2:52", "Q \"8\" is not a fix type"},
         Bad{" 1 16", " 1.5 16", "2:52", "Q \"1.5\""},
         Bad{" 1 16", " 1 16.5", "2:54", "count of satellites"},
         Bad{"0.0049", "-0.0049", "2:57", "cannot be one"},

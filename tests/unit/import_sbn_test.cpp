@@ -110,19 +110,19 @@ TEST(Sbn, ReadsEveryField) {
     ASSERT_EQ(read.rows.size(), 3u);
     const Observation& row = read.rows[0];
     EXPECT_EQ(row.source_byte, static_cast<std::int64_t>(identity.size()));
-    EXPECT_EQ(row.fix, FixKind::single);
+    EXPECT_EQ(row.fix, FixType::single);
     EXPECT_EQ(row.satellites, 9);
     EXPECT_NEAR(*row.latitude_deg, 54.321, 1e-12);
     EXPECT_NEAR(*row.longitude_deg, -1.3579, 1e-12);
     EXPECT_NEAR(*row.height_m, 60.12, 1e-12);  // above the ellipsoid, not the 12.34 above the sea
-    EXPECT_NEAR(*row.recorded_velocity_east_mps, -15.0, 1e-12);
-    EXPECT_NEAR(*row.recorded_velocity_up_mps, 0.12, 1e-12);
+    EXPECT_NEAR(*row.recorded_velocity_east_m_s, -15.0, 1e-12);
+    EXPECT_NEAR(*row.recorded_velocity_up_m_s, 0.12, 1e-12);
     EXPECT_NEAR(*row.sigma_east_m, 2.80 / std::sqrt(2.0), 1e-12);
     EXPECT_NEAR(*row.sigma_north_m, 2.80 / std::sqrt(2.0), 1e-12);
     EXPECT_NEAR(*row.sigma_up_m, 4.50, 1e-12);
-    EXPECT_NEAR(*row.sigma_recorded_velocity_north_mps, 0.40, 1e-12);
-    EXPECT_NEAR(*row.sigma_recorded_velocity_up_mps, 0.70, 1e-12);
-    EXPECT_EQ(read.rows[2].fix, FixKind::dgps);
+    EXPECT_NEAR(*row.sigma_recorded_velocity_north_m_s, 0.40, 1e-12);
+    EXPECT_NEAR(*row.sigma_recorded_velocity_up_m_s, 0.70, 1e-12);
+    EXPECT_EQ(read.rows[2].fix, FixType::dgps);
     EXPECT_EQ(read.rows[2].time.nanoseconds, 2'500'000'000);
 }
 
@@ -134,22 +134,22 @@ TEST(Sbn, ZeroAndFullErrorsAreUnknown) {
                                                        .sdop = 255,
                                                        .vsdop = 0})))
                 .rows[0];
-        EXPECT_FALSE(row.sigma_east_m || row.sigma_up_m || row.sigma_recorded_velocity_east_mps ||
-                     row.sigma_recorded_velocity_up_mps);
+        EXPECT_FALSE(row.sigma_east_m || row.sigma_up_m || row.sigma_recorded_velocity_east_m_s ||
+                     row.sigma_recorded_velocity_up_m_s);
     }
     // EHVE is of both axes together, and goes before SDOP.
     const Observation row =
         import_text(sbn_receiver(), frame(message({.velocity_error_cmps = 20}))).rows[0];
-    EXPECT_NEAR(*row.sigma_recorded_velocity_east_mps, 0.20 / std::sqrt(2.0), 1e-12);
+    EXPECT_NEAR(*row.sigma_recorded_velocity_east_m_s, 0.20 / std::sqrt(2.0), 1e-12);
     const Observation standard =
         import_text(sbn_receiver(), frame(message({.locosys = false}))).rows[0];
-    EXPECT_FALSE(standard.sigma_recorded_velocity_east_mps);
+    EXPECT_FALSE(standard.sigma_recorded_velocity_east_m_s);
 }
 
 TEST(Sbn, KindsOfFix) {
-    const FixKind kinds[] = {FixKind::none,   FixKind::dead_reckoning, FixKind::dead_reckoning,
-                             FixKind::single, FixKind::single,         FixKind::single,
-                             FixKind::single, FixKind::dead_reckoning};
+    const FixType kinds[] = {FixType::none,   FixType::dead_reckoning, FixType::dead_reckoning,
+                             FixType::single, FixType::single,         FixType::single,
+                             FixType::single, FixType::dead_reckoning};
     for (int type = 0; type < 8; ++type) {
         const Observation row =
             import_text(sbn_receiver(), frame(message({.nav_type = type}))).rows[0];
@@ -226,10 +226,10 @@ TEST(SbnRoundTrip, GpsbabelReadsTheSame) {
         EXPECT_NEAR(*row.longitude_deg, theirs[i].longitude_deg, 0.51e-9);
         // gpsbabel takes the height above the sea, 47.78 m lower.
         EXPECT_NEAR(*row.height_m, theirs[i].altitude_m.value() + 47.78, 0.051);
-        EXPECT_NEAR(std::hypot(*row.recorded_velocity_east_mps, *row.recorded_velocity_north_mps),
-                    theirs[i].speed_mps.value(), 0.0051);
-        EXPECT_NEAR(std::remainder(std::atan2(*row.recorded_velocity_east_mps,
-                                              *row.recorded_velocity_north_mps) *
+        EXPECT_NEAR(std::hypot(*row.recorded_velocity_east_m_s, *row.recorded_velocity_north_m_s),
+                    theirs[i].speed_m_s.value(), 0.0051);
+        EXPECT_NEAR(std::remainder(std::atan2(*row.recorded_velocity_east_m_s,
+                                              *row.recorded_velocity_north_m_s) *
                                            180.0 / M_PI -
                                        theirs[i].course_deg.value(),
                                    360.0),

@@ -108,16 +108,16 @@ TEST(Sbp, ReadsEveryField) {
     EXPECT_EQ(row.source_byte, 64 + 32);
     EXPECT_FALSE(row.source_line);
     EXPECT_EQ(row.satellites, 9);
-    EXPECT_EQ(row.fix, FixKind::unknown);
+    EXPECT_EQ(row.fix, FixType::unknown);
     EXPECT_NEAR(*row.latitude_deg, -45.8775671, 1e-12);
     EXPECT_NEAR(*row.height_m, 14.20, 1e-12);
-    EXPECT_NEAR(*row.recorded_velocity_east_mps, 20.0, 1e-12);
-    EXPECT_NEAR(*row.recorded_velocity_north_mps, 0.0, 1e-12);
-    EXPECT_NEAR(*row.recorded_velocity_up_mps, -0.07, 1e-12);
+    EXPECT_NEAR(*row.recorded_velocity_east_m_s, 20.0, 1e-12);
+    EXPECT_NEAR(*row.recorded_velocity_north_m_s, 0.0, 1e-12);
+    EXPECT_NEAR(*row.recorded_velocity_up_m_s, -0.07, 1e-12);
     // SDOP is of the speed alone: each axis has all of it.
-    EXPECT_NEAR(*row.sigma_recorded_velocity_east_mps, 0.31, 1e-12);
-    EXPECT_NEAR(*row.sigma_recorded_velocity_north_mps, 0.31, 1e-12);
-    EXPECT_NEAR(*row.sigma_recorded_velocity_up_mps, 0.55, 1e-12);
+    EXPECT_NEAR(*row.sigma_recorded_velocity_east_m_s, 0.31, 1e-12);
+    EXPECT_NEAR(*row.sigma_recorded_velocity_north_m_s, 0.31, 1e-12);
+    EXPECT_NEAR(*row.sigma_recorded_velocity_up_m_s, 0.55, 1e-12);
 }
 
 TEST(Sbp, SaturatedAndZeroSdopAreUnknown) {
@@ -127,12 +127,12 @@ TEST(Sbp, SaturatedAndZeroSdopAreUnknown) {
     const Observations read = import_text(sbp_receiver(), bytes);
     for (const int i : {0, 1}) {
         const Observation& row = read.rows[static_cast<std::size_t>(i)];
-        EXPECT_TRUE(row.recorded_velocity_east_mps);
-        EXPECT_FALSE(row.sigma_recorded_velocity_east_mps ||
-                     row.sigma_recorded_velocity_north_mps || row.sigma_recorded_velocity_up_mps);
+        EXPECT_TRUE(row.recorded_velocity_east_m_s);
+        EXPECT_FALSE(row.sigma_recorded_velocity_east_m_s ||
+                     row.sigma_recorded_velocity_north_m_s || row.sigma_recorded_velocity_up_m_s);
     }
-    EXPECT_NEAR(*read.rows[2].sigma_recorded_velocity_east_mps, 2.54, 1e-12);
-    EXPECT_NEAR(*read.rows[2].sigma_recorded_velocity_up_mps, 0.01, 1e-12);
+    EXPECT_NEAR(*read.rows[2].sigma_recorded_velocity_east_m_s, 2.54, 1e-12);
+    EXPECT_NEAR(*read.rows[2].sigma_recorded_velocity_up_m_s, 0.01, 1e-12);
 }
 
 TEST(Sbp, FlagsOfLoggersWithoutSdopAreNoAccuracy) {
@@ -141,7 +141,7 @@ TEST(Sbp, FlagsOfLoggersWithoutSdopAreNoAccuracy) {
     const Observations read = import_text(sbp_receiver(), bytes);
     EXPECT_EQ(read.variant, "SBP without SDOP");
     for (const Observation& row : read.rows)
-        EXPECT_FALSE(row.sigma_recorded_velocity_east_mps || row.sigma_recorded_velocity_up_mps);
+        EXPECT_FALSE(row.sigma_recorded_velocity_east_m_s || row.sigma_recorded_velocity_up_m_s);
     EXPECT_NE(noted(read).find("no accuracy of speed"), std::string::npos);
 }
 
@@ -150,8 +150,8 @@ TEST(Sbp, WithoutSatellitesThereIsNoPosition) {
         header() + record({.satellites = 0}) + record({.utc = {2019, 4, 12, 0, 39, 57}});
     const Observations read = import_text(sbp_receiver(), bytes);
     ASSERT_EQ(read.rows.size(), 2u);
-    EXPECT_EQ(read.rows[0].fix, FixKind::none);
-    EXPECT_FALSE(read.rows[0].latitude_deg || read.rows[0].recorded_velocity_east_mps);
+    EXPECT_EQ(read.rows[0].fix, FixType::none);
+    EXPECT_FALSE(read.rows[0].latitude_deg || read.rows[0].recorded_velocity_east_m_s);
     EXPECT_TRUE(read.rows[1].latitude_deg);
     // A logger that never fills in the count says nothing by a zero.
     const Observations uncounted = import_text(sbp_receiver(), log_of(2, 1000, {.satellites = 0}));
@@ -252,8 +252,8 @@ TEST(SbpRoundTrip, GpsbabelReadsTheSame) {
         EXPECT_NEAR(*row.latitude_deg, theirs[i].latitude_deg, 0.51e-9);
         EXPECT_NEAR(*row.longitude_deg, theirs[i].longitude_deg, 0.51e-9);
         EXPECT_NEAR(*row.height_m, theirs[i].altitude_m.value(), 0.051);
-        EXPECT_NEAR(std::hypot(*row.recorded_velocity_east_mps, *row.recorded_velocity_north_mps),
-                    theirs[i].speed_mps.value(), 0.0051);
+        EXPECT_NEAR(std::hypot(*row.recorded_velocity_east_m_s, *row.recorded_velocity_north_m_s),
+                    theirs[i].speed_m_s.value(), 0.0051);
         const std::string utc = to_utc_iso(
             ours.facts.first_epoch->plus_nanoseconds(row.time.nanoseconds), i % 5 == 0 ? 0 : 3);
         EXPECT_EQ(utc, theirs[i].utc + "Z");

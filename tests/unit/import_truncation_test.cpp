@@ -23,7 +23,7 @@ bool is_epoch_of_whole(const Observation& cut, const Observation& whole, bool la
     return last ||
            (same(cut.latitude_deg, whole.latitude_deg) &&
             same(cut.longitude_deg, whole.longitude_deg) && same(cut.height_m, whole.height_m) &&
-            same(cut.recorded_velocity_east_mps, whole.recorded_velocity_east_mps) &&
+            same(cut.recorded_velocity_east_m_s, whole.recorded_velocity_east_m_s) &&
             same(cut.sigma_east_m, whole.sigma_east_m) && cut.fix == whole.fix);
 }
 

@@ -36,9 +36,9 @@ TEST(Ubx, RealWalkIsItsPosToTheMillisecond) {
         // ellipsoid.
         EXPECT_NEAR(*b.height_m - *a.height_m, 21.387, 0.01) << i;
         EXPECT_EQ(a.fix, b.fix) << i;
-        EXPECT_NEAR(*a.recorded_velocity_east_mps, *b.recorded_velocity_east_mps, 1e-9) << i;
-        EXPECT_NEAR(*a.recorded_velocity_north_mps, *b.recorded_velocity_north_mps, 1e-9) << i;
-        EXPECT_NEAR(*a.recorded_velocity_up_mps, *b.recorded_velocity_up_mps, 1e-9) << i;
+        EXPECT_NEAR(*a.recorded_velocity_east_m_s, *b.recorded_velocity_east_m_s, 1e-9) << i;
+        EXPECT_NEAR(*a.recorded_velocity_north_m_s, *b.recorded_velocity_north_m_s, 1e-9) << i;
+        EXPECT_NEAR(*a.recorded_velocity_up_m_s, *b.recorded_velocity_up_m_s, 1e-9) << i;
         EXPECT_NEAR(*a.sigma_east_m, *b.sigma_east_m, 1e-6) << i;
     }
 }
@@ -53,19 +53,19 @@ TEST(Ubx, PvtByHand) {
     EXPECT_DOUBLE_EQ(*row.longitude_deg, 9.25);
     EXPECT_DOUBLE_EQ(*row.height_m, 167.75);
     EXPECT_EQ(row.satellites, 14);
-    EXPECT_EQ(row.fix, FixKind::single);
+    EXPECT_EQ(row.fix, FixType::single);
     EXPECT_DOUBLE_EQ(*row.sigma_east_m, 1.5 / std::sqrt(2.0));
     EXPECT_DOUBLE_EQ(*row.sigma_up_m, 2.0);
-    EXPECT_DOUBLE_EQ(*row.recorded_velocity_north_mps, 3.0);
-    EXPECT_DOUBLE_EQ(*row.recorded_velocity_east_mps, -4.0);
-    EXPECT_DOUBLE_EQ(*row.recorded_velocity_up_mps, -0.5);
-    EXPECT_DOUBLE_EQ(*row.sigma_recorded_velocity_up_mps, 0.3 / std::sqrt(3.0));
+    EXPECT_DOUBLE_EQ(*row.recorded_velocity_north_m_s, 3.0);
+    EXPECT_DOUBLE_EQ(*row.recorded_velocity_east_m_s, -4.0);
+    EXPECT_DOUBLE_EQ(*row.recorded_velocity_up_m_s, -0.5);
+    EXPECT_DOUBLE_EQ(*row.sigma_recorded_velocity_up_m_s, 0.3 / std::sqrt(3.0));
     EXPECT_EQ(row.source_byte, 0);
     EXPECT_EQ(read.rows[1].source_byte, 100);
     EXPECT_NEAR(*read.facts.position_resolution_m, 0.0111, 1e-4);
     EXPECT_DOUBLE_EQ(*read.facts.time_resolution_s, 1e-9);
     // Protocol versions up to 14 have 84 bytes, and nothing to say about flags3.
-    EXPECT_EQ(read_ubx(frame(1, 7, pvt(0, 84).put(78, 1, 1).bytes())).rows[0].fix, FixKind::single);
+    EXPECT_EQ(read_ubx(frame(1, 7, pvt(0, 84).put(78, 1, 1).bytes())).rows[0].fix, FixType::single);
 }
 
 TEST(Ubx, HighPrecisionPositionAndCovariancesOfTheEpoch) {
@@ -87,13 +87,13 @@ TEST(Ubx, HighPrecisionPositionAndCovariancesOfTheEpoch) {
     EXPECT_DOUBLE_EQ(*row.correlation_east_north, 1.0 / 6.0);
     EXPECT_DOUBLE_EQ(*row.correlation_east_up, -2.0 / 12.0);
     EXPECT_DOUBLE_EQ(*row.correlation_north_up, 0.5 / 8.0);
-    EXPECT_NEAR(*row.sigma_recorded_velocity_east_mps, 0.3, 1e-8);
-    EXPECT_NEAR(*row.sigma_recorded_velocity_north_mps, 0.2, 1e-8);
+    EXPECT_NEAR(*row.sigma_recorded_velocity_east_m_s, 0.3, 1e-8);
+    EXPECT_NEAR(*row.sigma_recorded_velocity_north_m_s, 0.2, 1e-8);
     // Where they are marked invalid, PVT's own count.
     EXPECT_DOUBLE_EQ(*read.rows[1].longitude_deg, 9.25);
     EXPECT_DOUBLE_EQ(*read.rows[1].sigma_east_m, 1.5 / std::sqrt(2.0));
     EXPECT_FALSE(read.rows[1].correlation_east_north);
-    EXPECT_DOUBLE_EQ(*read.rows[1].sigma_recorded_velocity_east_mps, 0.3 / std::sqrt(3.0));
+    EXPECT_DOUBLE_EQ(*read.rows[1].sigma_recorded_velocity_east_m_s, 0.3 / std::sqrt(3.0));
 }
 
 TEST(Ubx, AccuracyOfHighPrecisionPosition) {
@@ -106,7 +106,7 @@ TEST(Ubx, AccuracyOfHighPrecisionPosition) {
 struct Flags {
     const char* name;
     int type, flags, flags3;
-    FixKind fix;
+    FixType fix;
 };
 class UbxFix : public testing::TestWithParam<Flags> {};
 
@@ -120,34 +120,34 @@ TEST_P(UbxFix, IsTheKindOfSolution) {
                                                .bytes()))
                                 .rows.at(0);
     EXPECT_EQ(row.fix, flags.fix);
-    EXPECT_EQ(row.latitude_deg.has_value(), flags.fix != FixKind::none);
-    EXPECT_EQ(row.recorded_velocity_east_mps.has_value(), flags.fix != FixKind::none);
+    EXPECT_EQ(row.latitude_deg.has_value(), flags.fix != FixType::none);
+    EXPECT_EQ(row.recorded_velocity_east_m_s.has_value(), flags.fix != FixType::none);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, UbxFix,
-                         testing::Values(Flags{"none", 0, 0x01, 0, FixKind::none},
+                         testing::Values(Flags{"none", 0, 0x01, 0, FixType::none},
                                          Flags{"dead_reckoning", 1, 0x01, 0,
-                                               FixKind::dead_reckoning},
-                                         Flags{"plane", 2, 0x01, 0, FixKind::single},
-                                         Flags{"space", 3, 0x01, 0, FixKind::single},
-                                         Flags{"corrected", 3, 0x03, 0, FixKind::dgps},
-                                         Flags{"floating", 3, 0x43, 0, FixKind::float_ambiguities},
-                                         Flags{"fixed", 3, 0x83, 0, FixKind::fixed},
-                                         Flags{"combined", 4, 0x83, 0, FixKind::dead_reckoning},
-                                         Flags{"time", 5, 0x01, 0, FixKind::none},
-                                         Flags{"masked", 3, 0x82, 0, FixKind::none},
-                                         Flags{"invalid", 3, 0x01, 1, FixKind::none}),
+                                               FixType::dead_reckoning},
+                                         Flags{"plane", 2, 0x01, 0, FixType::single},
+                                         Flags{"space", 3, 0x01, 0, FixType::single},
+                                         Flags{"corrected", 3, 0x03, 0, FixType::dgps},
+                                         Flags{"floating", 3, 0x43, 0, FixType::float_ambiguities},
+                                         Flags{"fixed", 3, 0x83, 0, FixType::fixed},
+                                         Flags{"combined", 4, 0x83, 0, FixType::dead_reckoning},
+                                         Flags{"time", 5, 0x01, 0, FixType::none},
+                                         Flags{"masked", 3, 0x82, 0, FixType::none},
+                                         Flags{"invalid", 3, 0x01, 1, FixType::none}),
                          [](const auto& instance) { return instance.param.name; });
 
 TEST(Ubx, UnknownAccuracyIsEmpty) {
     const Observation row =
         read_ubx(frame(1, 7, pvt().put(40, 0, 4).put(44, -1, 4).put(68, -1, 4).bytes())).rows[0];
-    EXPECT_FALSE(row.sigma_east_m || row.sigma_up_m || row.sigma_recorded_velocity_east_mps);
+    EXPECT_FALSE(row.sigma_east_m || row.sigma_up_m || row.sigma_recorded_velocity_east_m_s);
     const Observation infinite =
         read_ubx(pvt_frame() + frame(1, 0x36, cov().real(16, INFINITY).real(40, NAN).bytes()))
             .rows[0];
     EXPECT_DOUBLE_EQ(*infinite.sigma_east_m, 1.5 / std::sqrt(2.0));
-    EXPECT_DOUBLE_EQ(*infinite.sigma_recorded_velocity_east_mps, 0.3 / std::sqrt(3.0));
+    EXPECT_DOUBLE_EQ(*infinite.sigma_recorded_velocity_east_m_s, 0.3 / std::sqrt(3.0));
 }
 
 TEST(Ubx, OldReceiversWithoutPvt) {
@@ -179,13 +179,13 @@ TEST(Ubx, OldReceiversWithoutPvt) {
     EXPECT_DOUBLE_EQ(*row.latitude_deg, 45.5);
     EXPECT_DOUBLE_EQ(*row.height_m, 167.75);
     EXPECT_DOUBLE_EQ(*row.sigma_up_m, 5.0);
-    EXPECT_DOUBLE_EQ(*row.recorded_velocity_east_mps, -4.0);
-    EXPECT_DOUBLE_EQ(*row.recorded_velocity_up_mps, -0.5);
-    EXPECT_DOUBLE_EQ(*row.sigma_recorded_velocity_up_mps, 0.3 / std::sqrt(3.0));
-    EXPECT_EQ(row.fix, FixKind::dgps);
+    EXPECT_DOUBLE_EQ(*row.recorded_velocity_east_m_s, -4.0);
+    EXPECT_DOUBLE_EQ(*row.recorded_velocity_up_m_s, -0.5);
+    EXPECT_DOUBLE_EQ(*row.sigma_recorded_velocity_up_m_s, 0.3 / std::sqrt(3.0));
+    EXPECT_EQ(row.fix, FixType::dgps);
     EXPECT_EQ(row.satellites, 9);
     EXPECT_TRUE(has_note(read, "no NAV-PVT"));
-    EXPECT_EQ(read_ubx(position + rest).rows[0].fix, FixKind::unknown);
+    EXPECT_EQ(read_ubx(position + rest).rows[0].fix, FixType::unknown);
 }
 
 TEST(Ubx, RawMeasurementsAloneAreRefusedInWords) {

@@ -168,7 +168,7 @@ TEST(VboLongitude, WithoutEvidenceTheRuleOfTheFormatHolds) {
 double best_three_seconds_kmh(const std::vector<Observation>& rows) {
     constexpr std::size_t samples = 75;
     constexpr std::int64_t three_seconds_ns = 3'000'000'000;
-    double best_mps = 0.0;
+    double best_m_s = 0.0;
     std::vector<const Observation*> once;  // without the repeated time stamp
     for (const Observation& row : rows)
         if (once.empty() || row.time > once.back()->time) once.push_back(&row);
@@ -176,13 +176,13 @@ double best_three_seconds_kmh(const std::vector<Observation>& rows) {
         if (once[first + samples]->time.nanoseconds - once[first]->time.nanoseconds !=
             three_seconds_ns)
             continue;
-        double sum_mps = 0.0;
+        double sum_m_s = 0.0;
         for (std::size_t i = first; i < first + samples; ++i)
-            sum_mps += std::hypot(*once[i]->recorded_velocity_east_mps,
-                                  *once[i]->recorded_velocity_north_mps);
-        best_mps = std::max(best_mps, sum_mps / samples);
+            sum_m_s += std::hypot(*once[i]->recorded_velocity_east_m_s,
+                                  *once[i]->recorded_velocity_north_m_s);
+        best_m_s = std::max(best_m_s, sum_m_s / samples);
     }
-    return best_mps * 3.6;
+    return best_m_s * 3.6;
 }
 
 struct Track {
@@ -214,8 +214,8 @@ TEST_P(VboRecorded, AsTheDataSay) {
     EXPECT_NEAR(inspection.nominal_interval_s, 0.04, 1e-9);
     EXPECT_EQ(inspection.gaps, run.gaps);
     EXPECT_EQ(inspection.repeated_times, run.repeated);
-    EXPECT_NEAR(inspection.best_by_position->speed_mps * 3.6, run.by_position_kmh, 0.05);
-    EXPECT_NEAR(inspection.best_by_velocity->speed_mps * 3.6, run.by_velocity_kmh, 0.15);
+    EXPECT_NEAR(inspection.best_by_position->speed_m_s * 3.6, run.by_position_kmh, 0.05);
+    EXPECT_NEAR(inspection.best_by_velocity->speed_m_s * 3.6, run.by_velocity_kmh, 0.15);
     EXPECT_NEAR(best_three_seconds_kmh(read.rows), run.by_velocity_kmh, 0.05);
 }
 

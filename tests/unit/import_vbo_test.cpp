@@ -28,11 +28,11 @@ TEST(Vbo, EveryField) {
     EXPECT_DOUBLE_EQ(*first.latitude_deg, 3119.09973 / 60.0);
     EXPECT_DOUBLE_EQ(*first.longitude_deg, -58.49277 / 60.0);
     EXPECT_DOUBLE_EQ(*first.height_m, 152.58);
-    EXPECT_NEAR(*first.recorded_velocity_east_mps, 20.0 * 0.5, 1e-12);
-    EXPECT_NEAR(*first.recorded_velocity_north_mps, -20.0 * std::sqrt(0.75), 1e-12);
-    EXPECT_DOUBLE_EQ(*first.recorded_velocity_up_mps, -1.25);
-    EXPECT_FALSE(first.sigma_east_m || first.sigma_recorded_velocity_east_mps);
-    EXPECT_EQ(first.fix, FixKind::dgps);
+    EXPECT_NEAR(*first.recorded_velocity_east_m_s, 20.0 * 0.5, 1e-12);
+    EXPECT_NEAR(*first.recorded_velocity_north_m_s, -20.0 * std::sqrt(0.75), 1e-12);
+    EXPECT_DOUBLE_EQ(*first.recorded_velocity_up_m_s, -1.25);
+    EXPECT_FALSE(first.sigma_east_m || first.sigma_recorded_velocity_east_m_s);
+    EXPECT_EQ(first.fix, FixType::dgps);
     EXPECT_EQ(first.satellites, 9);
     EXPECT_EQ(first.source_line, 26);
     EXPECT_TRUE(has_note(read, "above mean sea level"));
@@ -41,7 +41,7 @@ TEST(Vbo, EveryField) {
 TEST(Vbo, UnitsOfSpeed) {
     const struct {
         std::string from, to;
-        double speed_mps;
+        double speed_m_s;
     } cases[] = {
         {"velocity kmh", "velocity knots", 72.0 * 1852.0 / 3600.0},
         {"velocity kmh", "Velocity mph", 72.0 * 0.44704},
@@ -56,18 +56,18 @@ TEST(Vbo, UnitsOfSpeed) {
     };
     for (const auto& unit : cases) {
         const Observations read = import_vbo(replaced(header, unit.from, unit.to) + row);
-        EXPECT_NEAR(std::hypot(*read.rows[0].recorded_velocity_east_mps,
-                               *read.rows[0].recorded_velocity_north_mps),
-                    unit.speed_mps, 1e-9)
+        EXPECT_NEAR(std::hypot(*read.rows[0].recorded_velocity_east_m_s,
+                               *read.rows[0].recorded_velocity_north_m_s),
+                    unit.speed_m_s, 1e-9)
             << unit.to;
-        EXPECT_TRUE(read.rows[0].recorded_velocity_up_mps);
+        EXPECT_TRUE(read.rows[0].recorded_velocity_up_m_s);
     }
     const Observations kmh =
         import_vbo(replaced(header, "vertical velocity m/s", "vertical vel kmh") + row);
-    EXPECT_NEAR(*kmh.rows[0].recorded_velocity_up_mps, -1.25 / 3.6, 1e-12);
+    EXPECT_NEAR(*kmh.rows[0].recorded_velocity_up_m_s, -1.25 / 3.6, 1e-12);
     const Observations unknown =
         import_vbo(replaced(header, "vertical velocity m/s", "vertical velocity") + row);
-    EXPECT_FALSE(unknown.rows[0].recorded_velocity_up_mps);
+    EXPECT_FALSE(unknown.rows[0].recorded_velocity_up_m_s);
     EXPECT_TRUE(has_note(unknown, "in a unit that the header does not name"));
 }
 
@@ -78,18 +78,18 @@ TEST(Vbo, AnySetOfChannels) {
         "quality\nlong acc g\nSolution Type\n[column names]\ntime lat long vel_quality longacc "
         "solution_type\n[data]\n162235.40 3119.09973 58.49277 3 +1.5E-01 4\n";
     const Observations read = import_vbo(text);
-    EXPECT_EQ(read.rows[0].fix, FixKind::fixed);
-    EXPECT_FALSE(read.rows[0].recorded_velocity_east_mps || read.rows[0].height_m ||
+    EXPECT_EQ(read.rows[0].fix, FixType::fixed);
+    EXPECT_FALSE(read.rows[0].recorded_velocity_east_m_s || read.rows[0].height_m ||
                  read.rows[0].satellites);
     EXPECT_DOUBLE_EQ(*read.rows[0].longitude_deg, -58.49277 / 60.0);
     EXPECT_TRUE(has_note(read, "height_m"));
     // [column names] of names with blanks has more words than columns; [header] has as many.
     const std::string blanks = replaced(text, "vel_quality longacc solution_type",
                                         "velocity quality long acc g solution type");
-    EXPECT_EQ(import_vbo(blanks).rows[0].fix, FixKind::fixed);
+    EXPECT_EQ(import_vbo(blanks).rows[0].fix, FixType::fixed);
     const Observations unheaded =
         import_vbo(replaced(replaced(header, "heading\r\n", "x\r\n"), " heading ", " x ") + row);
-    EXPECT_FALSE(unheaded.rows[0].recorded_velocity_east_mps);
+    EXPECT_FALSE(unheaded.rows[0].recorded_velocity_east_m_s);
     EXPECT_TRUE(has_note(unheaded, "without headings"));
     const Observations degrees = import_vbo(
         replaced(replaced(header, "latitude", "latitude deg"), "longitude", "longitude deg") +
@@ -102,30 +102,30 @@ TEST(Vbo, SatellitesWithTheirMarks) {
     const struct {
         const char* written;
         int satellites;
-        FixKind fix;
-    } cases[] = {{"009", 9, FixKind::unknown},
-                 {"73", 9, FixKind::unknown},  // brake trigger
-                 {"201", 9, FixKind::dgps},    // both
-                 {"000", 0, FixKind::none},
-                 {"128", 0, FixKind::none}};
+        FixType fix;
+    } cases[] = {{"009", 9, FixType::unknown},
+                 {"73", 9, FixType::unknown},  // brake trigger
+                 {"201", 9, FixType::dgps},    // both
+                 {"000", 0, FixType::none},
+                 {"128", 0, FixType::none}};
     for (const auto& sats : cases) {
         const Observation first = import_vbo(header + replaced(row, "137", sats.written)).rows[0];
         EXPECT_EQ(first.satellites, sats.satellites);
         EXPECT_EQ(first.fix, sats.fix);
-        EXPECT_EQ(first.latitude_deg.has_value(), sats.fix != FixKind::none);
+        EXPECT_EQ(first.latitude_deg.has_value(), sats.fix != FixType::none);
     }
     const Observation origin =
         import_vbo(header + replaced(replaced(row, "+03119.09973", "0.0"), "+00058.49277", "0.0"))
             .rows[0];
-    EXPECT_EQ(origin.fix, FixKind::none);
-    EXPECT_FALSE(origin.latitude_deg || origin.recorded_velocity_east_mps);
+    EXPECT_EQ(origin.fix, FixType::none);
+    EXPECT_FALSE(origin.latitude_deg || origin.recorded_velocity_east_m_s);
 }
 
 TEST(Vbo, SolutionTypes) {
     const std::string typed = replaced(header, "height vert-vel", "height solution_type");
-    const FixKind kinds[] = {
-        FixKind::none,  FixKind::single,  FixKind::dgps,           FixKind::float_ambiguities,
-        FixKind::fixed, FixKind::unknown, FixKind::dead_reckoning, FixKind::unknown};
+    const FixType kinds[] = {
+        FixType::none,  FixType::single,  FixType::dgps,           FixType::float_ambiguities,
+        FixType::fixed, FixType::unknown, FixType::dead_reckoning, FixType::unknown};
     for (int type = 0; type < 8; ++type)
         EXPECT_EQ(
             import_vbo(typed + replaced(row, "-001.250", fmt::format("{:02}", type))).rows[0].fix,

@@ -13,7 +13,7 @@
 
 // What revision 1.5 of the report holds of windows, verdict, screening and recording: the limit of
 // the selection bias, other models of the motion, attempts made, drift, witnesses, whose clock and
-// whose kind of solution.
+// whose fix type.
 
 namespace runcert::RUNCERT_FILE {
 namespace {
@@ -58,21 +58,21 @@ void expect_in(const std::string& text, const std::string& part) {
 sample::Run made(const sample::Options& options = {}) {
     sample::Run run = sample::make_run(options);
     CertifiableWindow& best = best_of(run);
-    best.own_standard_uncertainty_mps = 0.001234;
-    best.bias_limit_mps = 0.0004;
+    best.own_standard_uncertainty_m_s = 0.001234;
+    best.bias_limit_m_s = 0.0004;
     best.bound->along = 1.25;
-    best.estimates = OtherEstimates{.chord_mps = 60.004321,
-                                    .chord_difference_uncertainty_mps = 0.004714,
-                                    .stiffer_mps = 60.001111,
-                                    .softer_mps = 60.003333,
-                                    .whole_mps = 59.998877,
-                                    .half_width_mps = 0.0013};
+    best.estimates = OtherEstimates{.chord_m_s = 60.004321,
+                                    .chord_difference_uncertainty_m_s = 0.004714,
+                                    .stiffer_m_s = 60.001111,
+                                    .softer_m_s = 60.003333,
+                                    .whole_m_s = 59.998877,
+                                    .half_width_m_s = 0.0013};
     SelectionBias& selection = *best.selection;
     selection.treatment = SelectionTreatment::subtracted;
-    selection.fitted_bias_mps = 0.0005;
-    selection.bounded_bias_mps = 0.0013;
-    selection.bias_mps = 0.0009;
-    selection.bias_half_range_mps = 0.0004;
+    selection.fitted_bias_m_s = 0.0005;
+    selection.bounded_bias_m_s = 0.0013;
+    selection.bias_m_s = 0.0009;
+    selection.bias_half_range_m_s = 0.0004;
     return run;
 }
 
@@ -103,7 +103,7 @@ TEST(Allowances, OfTheWindowAreInTheReportAsInTheWindowsFile) {
         "alone 216.0156 km/h; the choice of the model is taken to change at most 0.0047 km/h");
     // 0.0009, 0.0004, 0.0005 and 0.0013 m/s.
     expect_in(selection["selection_words"],
-              "higher by 0.0018 km/h with the errors as fitted, by 0.0047 km/h with slow errors as "
+              "higher by 0.0018 km/h with the errors as fitted, by 0.0047 km/h with time-correlated errors as "
               "large as allowed for; the middle, +0.0032 km/h, is subtracted from the speed, and "
               "half the difference, 0.0014 km/h, added to the expanded uncertainty.");
     expect_in(uncertainty["bound"]["bound_words"],
@@ -124,7 +124,7 @@ TEST(Allowances, OfTheBiasAreInEveryExpandedUncertainty) {
     const Json by_receiver = profile_of(run)["by_receiver"];
     ASSERT_FALSE(by_receiver.empty());
     EXPECT_EQ(by_receiver[0]["expanded_uncertainty_m_s"], 0.005502);
-    best_of(run).bias_limit_mps = 0.0;
+    best_of(run).bias_limit_m_s = 0.0;
     EXPECT_FALSE(uncertainty_of(run)["budget_total"].contains("limit_text"));
     EXPECT_EQ(uncertainty_of(run)["budget_total"]["expanded_text"], "0.01837");
     EXPECT_EQ(page_of(run).find("the limit of the bias of choosing"), std::string::npos);
@@ -136,8 +136,8 @@ TEST(Allowances, ThatTheWindowsFileLacksAreNotMadeUp) {
         EXPECT_FALSE(uncertainty.contains(absent)) << absent;
     EXPECT_EQ(uncertainty["bias_limit_m_s"], 0.0);
     sample::Run run = made();
-    best_of(run).estimates->chord_mps.reset();
-    best_of(run).estimates->chord_difference_uncertainty_mps.reset();
+    best_of(run).estimates->chord_m_s.reset();
+    best_of(run).estimates->chord_difference_uncertainty_m_s.reset();
     best_of(run).bound->along = 1.0;
     const Json without = uncertainty_of(run);
     EXPECT_FALSE(without["estimates"].contains("chord_m_s"));
@@ -152,9 +152,9 @@ TEST(DecisionMembers, AreThoseOfTheVerdict) {
     Decision& decision = *verdict_of(run).decision;
     decision.attempts_made = 7;
     decision.level = 1.0 - 0.025 / 7.0;
-    decision.bias_limit_mps = 0.0004;
+    decision.bias_limit_m_s = 0.0004;
     decision.drift_survived_m = 0.420001;
-    decision.drift_found_mps = 0.0712;
+    decision.drift_found_m_s = 0.0712;
     const Json json = profile_of(run)["decision"];
     EXPECT_EQ(json["attempts_made"], 7);
     EXPECT_NEAR(json["level"].get<double>(), 1.0 - 0.025 / 7.0, 1e-9);
@@ -162,7 +162,7 @@ TEST(DecisionMembers, AreThoseOfTheVerdict) {
     EXPECT_EQ(json["drift_survived_m"], 0.420001);
     EXPECT_EQ(json["drift_found_m_s"], 0.0712);
     expect_in(json["decision_words"], "As the best of 7 attempts it needs 99.6429 %.");
-    decision = {.probability = 0.2, .level = 0.975, .acceptance_limit_mps = 61.0};
+    decision = {.probability = 0.2, .level = 0.975, .acceptance_limit_m_s = 61.0};
     const Json alone = profile_of(run)["decision"];
     EXPECT_EQ(alone["attempts_made"], 1);
     EXPECT_FALSE(alone.contains("drift_survived_m"));
@@ -205,7 +205,7 @@ TEST(Origins, OfEverySolutionHaveWordsOfTheirOwn) {
     for (const SolutionSource source : {SolutionSource::recording, SolutionSource::attempt,
                                         SolutionSource::partly, SolutionSource::unknown}) {
         run.inputs.receivers[0].observations.solution_source = source;
-        words.insert(fact_of(receiver_of(run)["recording_facts"], "Kind of solution"));
+        words.insert(fact_of(receiver_of(run)["recording_facts"], "Fix type"));
     }
     EXPECT_EQ(words.size(), 4U);
     EXPECT_TRUE(words.contains("stated by nobody; taken as that of one receiver alone"));
@@ -213,16 +213,15 @@ TEST(Origins, OfEverySolutionHaveWordsOfTheirOwn) {
 
 TEST(DeviceSigns, AreInFiguresAndWords) {
     sample::Run run = made();
-    ScreeningEvidence& evidence = run.inputs.receivers[0].screened.evidence;
+    ScreeningBasis& basis = run.inputs.receivers[0].screened.basis;
     const auto words = [&] {
         return fact_of(receiver_of(run)["screening_facts"],
                        "Signs of positions that were not measured");
     };
-    EXPECT_FALSE(receiver_of(run)["screening"]["evidence"].contains("device"));
+    EXPECT_FALSE(receiver_of(run)["screening"]["basis"].contains("device"));
     EXPECT_EQ(words(), "no such line");
-    evidence.device =
-        DeviceEvidence{.moving = 1350, .held = 12, .interpolated = 675, .by_chance = 3.46};
-    const Json device = receiver_of(run)["screening"]["evidence"]["device"];
+    basis.device = DeviceSigns{.moving = 1350, .held = 12, .interpolated = 675, .by_chance = 3.46};
+    const Json device = receiver_of(run)["screening"]["basis"]["device"];
     EXPECT_EQ(device["moving"], 1350);
     EXPECT_EQ(device["held"], 12);
     EXPECT_EQ(device["interpolated"], 675);
@@ -230,9 +229,9 @@ TEST(DeviceSigns, AreInFiguresAndWords) {
     EXPECT_EQ(words(),
               "12 of 1,350 moving rows repeat the position before, 675 lie in line with "
               "their neighbours to the last digit; chance makes 3.5 of them");
-    evidence.device = DeviceEvidence{.moving = 1350};
+    basis.device = DeviceSigns{.moving = 1350};
     EXPECT_EQ(words(), "none in 1,350 moving rows");
-    evidence.device = DeviceEvidence{};
+    basis.device = DeviceSigns{};
     EXPECT_EQ(words(), "none looked for: the craft hardly moved");
 }
 

@@ -51,7 +51,7 @@ TEST(ReportJson, HoldsTheFullFiguresBesideTheShownOnes) {
     EXPECT_EQ(nalsa["expanded_uncertainty_m_s"], 0.005102);
     EXPECT_EQ(nalsa["standard_uncertainty_m_s"], 0.002551);
     EXPECT_EQ(nalsa["lower_limit_m_s"], 59.997315);
-    EXPECT_EQ(nalsa["target_km_h"], 204.5093);
+    EXPECT_EQ(nalsa["required_speed_km_h"], 204.5093);
     EXPECT_EQ(nalsa["headline"]["headline_speed"], "216.00");
     EXPECT_EQ(nalsa["headline"]["headline_uncertainty"], "0.019");
     EXPECT_EQ(nalsa["window"]["definitions"].size(), 4U);

@@ -90,7 +90,7 @@ TEST_F(Rendering, WindowsOfOtherKindsAndFurtherOnesAreDrawn) {
         ProfileWindows& windows = run.inputs.receivers[0].windows.profiles[0];
         WindowSpan other = windows.best->span;
         other.start.nanoseconds -= 9'012'345'678;
-        windows.further = {{.span = other, .arc = 1, .speed_mps = 58.0}};
+        windows.further = {{.span = other, .arc = 1, .speed_m_s = 58.0}};
         const auto drawn = draw_figures(report_json(run.inputs)["predicate"]);
         ASSERT_EQ(drawn.size(), before.size());
         EXPECT_NE(drawn[2], before[2]) << to_text(kind);  // the further window is shaded

@@ -104,7 +104,7 @@ TEST(Decision, IsInTheReportInFiguresAndWords) {
         "uncertainty of the record itself, 0.025 km/h of the required speed.");
     EXPECT_EQ(nalsa["record"]["record_words"],
               "202.9 km/h ± 0.05 km/h (k = 2): published figure of 2009");
-    EXPECT_EQ(nalsa["headline"]["headline_target"], "204.51");
+    EXPECT_EQ(nalsa["headline"]["headline_required_speed"], "204.51");
     const auto labels = labels_of(nalsa["speed_table"]);
     EXPECT_NE(std::ranges::find(labels, "Least speed that would be accepted"), labels.end());
     const std::string page = page_of(run);
@@ -134,7 +134,7 @@ TEST(Decision, AProbabilityIsRoundedToTheSideOfDoubt) {
 TEST(Decision, WithoutARecordTheRuleIsSaidAllTheSame) {
     sample::Run run = sample::make_run();
     verdict_of(run).decision.reset();
-    verdict_of(run).target_mps.reset();
+    verdict_of(run).required_speed_m_s.reset();
     verdict_of(run).record.reset();
     const Json nalsa = profile_of(run);
     expect_in(nalsa["decision_rule"], "at least 97.5 %, as not beaten if it is at most 2.5 %");
@@ -256,8 +256,8 @@ TEST(Windows, ThoseThatMakeTheFigureTogetherAreListedWithTheirMean) {
     WindowSpan other = windows.best->span;
     other.start.nanoseconds -= 5'000'000'000;
     windows.further = {
-        {.span = other, .arc = 1, .speed_mps = 59.0, .standard_uncertainty_mps = 0.004}};
-    verdict_of(run).speed_mps = 59.5012085;
+        {.span = other, .arc = 1, .speed_m_s = 59.0, .standard_uncertainty_m_s = 0.004}};
+    verdict_of(run).speed_m_s = 59.5012085;
     const Json nalsa = profile_of(run);
     EXPECT_EQ(nalsa["rule_windows"], 2);
     EXPECT_EQ(nalsa["window"]["further"][0]["start_time_s"], 35.2);

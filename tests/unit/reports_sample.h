@@ -11,8 +11,8 @@
 #include "files/program.h"
 #include "files/sha256.h"
 #include "reports/certificate/report_data.h"
-#include "reports_sample_evidence.h"
 #include "reports_sample_rules.h"
+#include "reports_sample_screening.h"
 #include "reports_sample_verdict.h"
 #include "schemas/common/revision.h"
 
@@ -106,7 +106,7 @@ inline std::vector<BudgetRow> budget() {
     const std::string alone = "independent of the other rows";
     return {{"w", "white noise of the positions", 0.0, "m / s", 0.0013, "A", "normal", 739.64, 1.0,
              0.0013, joint, "the data show 0.952 times the stated size"},
-            {"b", "slowly varying error of the positions", 0.0, "m / s", 0.0017, "B", "normal",
+            {"b", "time-correlated error of the positions", 0.0, "m / s", 0.0017, "B", "normal",
              std::nullopt, 1.0, 0.0017, joint, "standard deviation 0.0100 m (stated)"},
             {"j", "motion between the measurements", 0.0, "m / s", 0.000917, "A", "normal", 149.15,
              1.0, 0.000917, joint, "jerk density 0.4300 m s^-2.5"},
@@ -114,7 +114,7 @@ inline std::vector<BudgetRow> budget() {
              std::nullopt, -20.000806, 0.0004, alone, "stamps are irregular"},
             {"r", "resolution of the recorded coordinates", 0.0, "m", 0.0, "B", "rectangular",
              std::nullopt, 0.333333, 0.0, alone, "not known of this recording"},
-            {"m", "local plane against the ground", 1.0, "1", 0.0, "B", "rectangular", std::nullopt,
+            {"m", "engineering CRS against the ground", 1.0, "1", 0.0, "B", "rectangular", std::nullopt,
              60.002417, 0.0, alone, "0.0 km from the origin at most"},
             {"a", "antenna against the craft's reference point", 0.0, "m", 0.0, "B", "rectangular",
              std::nullopt, 0.333333, 0.0, alone, "no lever arm stated: the speed is the antenna's"},
@@ -135,28 +135,28 @@ inline void fill_uncertainty(CertifiableWindow& best) {
                             .fitted_m = 0.0,
                             .stated_m = 0.009517,
                             .floor_m = 0.01,
-                            .floor_fix = FixKind::fixed,
+                            .floor_fix = FixType::fixed,
                             .decided_by = BoundSource::floor,
-                            .standard_uncertainty_mps = 0.002361};
+                            .standard_uncertainty_m_s = 0.002361};
     best.robust = RobustSpeed{60.002551, -0.00004, 0.003745, true, 6};
     best.selection = SelectionBias{.candidates = 118,
-                                   .chosen_mean_mps = 60.001541,
-                                   .chosen_sd_mps = 0.000935,
-                                   .best_mean_mps = 60.001991,
-                                   .best_sd_mps = 0.000414,
-                                   .bias_mps = 0.000876,
-                                   .bias_uncertainty_mps = 0.000079,
+                                   .chosen_mean_m_s = 60.001541,
+                                   .chosen_sd_m_s = 0.000935,
+                                   .best_mean_m_s = 60.001991,
+                                   .best_sd_m_s = 0.000414,
+                                   .bias_m_s = 0.000876,
+                                   .bias_uncertainty_m_s = 0.000079,
                                    .treatment = SelectionTreatment::covered,
                                    .samples = 500,
                                    .seed = 1};
     best.budget = budget();
     best.monte_carlo = MonteCarloCheck{.seed = 1,
                                        .trials = 110000,
-                                       .mean_mps = 60.002419,
-                                       .standard_uncertainty_mps = 0.002549,
-                                       .lower_mps = 59.997421,
-                                       .upper_mps = 60.007415,
-                                       .tolerance_mps = 0.00005,
+                                       .mean_m_s = 60.002419,
+                                       .standard_uncertainty_m_s = 0.002549,
+                                       .lower_m_s = 59.997421,
+                                       .upper_m_s = 60.007415,
+                                       .tolerance_m_s = 0.00005,
                                        .converged = true};
 }
 
@@ -241,13 +241,13 @@ inline void fill_tables(const Options& options, ScreenedTable& screened,
             row.east_m = 1000.0 + truth_distance(t) * std::sqrt(0.5);
             row.north_m = row.east_m;
             if (options.vertical) row.up_m = 0.0;
-            row.speed_mps = v + 0.004 * std::sin(2.1 * t);
-            row.sigma_speed_mps = 0.012;
-            row.velocity_east_mps = row.velocity_north_mps = *row.speed_mps * std::sqrt(0.5);
-            row.speed_batch_mps = row.speed_mps;
-            if (i % 50 > 1) row.speed_v1_mps = v + 0.0627 * random.normal();
-            if (i % 50 > 2) row.speed_v2_mps = v + 0.0303 * random.normal();
-            row.speed_kalman_mps = truth_speed(t - 0.4) + 0.02 * random.normal();
+            row.speed_m_s = v + 0.004 * std::sin(2.1 * t);
+            row.sigma_speed_m_s = 0.012;
+            row.velocity_east_m_s = row.velocity_north_m_s = *row.speed_m_s * std::sqrt(0.5);
+            row.speed_batch_m_s = row.speed_m_s;
+            if (i % 50 > 1) row.speed_v1_m_s = v + 0.0627 * random.normal();
+            if (i % 50 > 2) row.speed_v2_m_s = v + 0.0303 * random.normal();
+            row.speed_kalman_m_s = truth_speed(t - 0.4) + 0.02 * random.normal();
             row.arc = arc;
             row.usable = !bad;
         }
@@ -258,9 +258,9 @@ inline void fill_tables(const Options& options, ScreenedTable& screened,
                              .variance_factor = 0.9713,
                              .variance_factor_applied = 1.0,
                              .largest_position_difference_m = 4.1e-9,
-                             .largest_velocity_difference_mps = 2.2e-8};
+                             .largest_velocity_difference_m_s = 2.2e-8};
     screened.variance_factor = 1.04;
-    screened.evidence = evidence(options.vertical);
+    screened.basis = basis(options.vertical);
     trajectory.estimation.batch_stretches = arc;
     trajectory.estimation.robust_downweighted = 12;
     trajectory.estimation.horizontal = axes(false);
@@ -308,15 +308,15 @@ inline ReceiverResults receiver(const Options& options, const std::string& id) {
             windows.best = CertifiableWindow{
                 .span = span(options, 40.2, duration),
                 .arc = 1,
-                .speed_mps = 60.002417,
-                .standard_uncertainty_mps = 0.002551,
+                .speed_m_s = 60.002417,
+                .standard_uncertainty_m_s = 0.002551,
                 .displacement_m = 60.002417 * duration,
                 .position_r95_m = 0.0144,
                 .definitions = {60.002417, 60.002424, 60.002402, 60.002405},
                 .methods = {60.002402, 60.002402, 60.0068, std::nullopt, 59.9954}};
         if (options.certified) fill_uncertainty(*windows.best);
         windows.indicated = IndicatedWindow{.span = span(options, 35.1, duration),
-                                            .speed_mps = 60.0871,
+                                            .speed_m_s = 60.0871,
                                             .refusals = {"The jump at epoch 353 is inside it."}};
         results.windows.profiles.push_back(windows);
     }
@@ -367,15 +367,15 @@ inline Verdict verdict(const Options& options, const std::vector<Profile>& profi
                                           "every epoch is usable.",
             .definition = profile.definition,
             .coverage_factor = 2.0,
-            .speed_mps = std::nullopt,
-            .expanded_uncertainty_mps = std::nullopt,
-            .target_mps = 204.509344 / 3.6,
+            .speed_m_s = std::nullopt,
+            .expanded_uncertainty_m_s = std::nullopt,
+            .required_speed_m_s = 204.509344 / 3.6,
             .window = std::nullopt,
             .requirements = requirements(profile, options.certified),
             .indicated = std::nullopt};
         if (options.certified) {
-            entry.speed_mps = 60.002417;
-            entry.expanded_uncertainty_mps = 0.005102;
+            entry.speed_m_s = 60.002417;
+            entry.expanded_uncertainty_m_s = 0.005102;
             entry.window = span(options, 40.2, profile.duration_s);
         }
         entry.indicated = RefusedWindow{span(options, 35.1, profile.duration_s),

@@ -32,7 +32,7 @@ clauses:
     certainty: secondary
     decided_by: margin
   - id: positions-on-the-earth
-    text: "The positions are on the Earth, so that their unit is the true metre; where they are local-plane coordinates, somebody must answer for the plane's scale."
+    text: "The positions are on the Earth, so that their unit is the true metre; where they are engineering coordinates, somebody must answer for the plane's scale."
     source: this program's own requirement
     certainty: quoted
     decided_by: georeferenced
@@ -88,7 +88,7 @@ clauses:
     certainty: secondary
     decided_by: margin
   - id: positions-on-the-earth
-    text: "The positions are on the Earth, so that their unit is the true metre; where they are local-plane coordinates, somebody must answer for the plane's scale."
+    text: "The positions are on the Earth, so that their unit is the true metre; where they are engineering coordinates, somebody must answer for the plane's scale."
     source: this program's own requirement
     certainty: quoted
     decided_by: georeferenced

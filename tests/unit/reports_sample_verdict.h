@@ -31,13 +31,13 @@ inline std::vector<RunSummary> runs(const WindowSpan& whole, const WindowSpan& w
     second.duration.nanoseconds -= first.duration.nanoseconds;
     return {{.span = first,
              .length_m = 312.4567,
-             .top_speed_mps = 41.234567,
+             .top_speed_m_s = 41.234567,
              .heading_deg = 225.125,
              .began = RunEdge::recording,
              .ended = RunEdge::turn},
             {.span = second,
              .length_m = 1501.25,
-             .top_speed_mps = 60.012345,
+             .top_speed_m_s = 60.012345,
              .heading_deg = 44.9871,
              .began = RunEdge::turn,
              .ended = RunEdge::standing}};
@@ -60,10 +60,12 @@ inline void fill_verdict(ProfileVerdict& verdict, const RecordToBeat& record,
     if (!verdict.window) return;
     verdict.decision = Decision{.probability = 0.9999876,
                                 .level = 0.95,
-                                .target_standard_uncertainty_mps = 0.006944,
-                                .acceptance_limit_mps = 56.8201};
-    verdict.shown = ShownFigures{
-        .unit = "km/h", .speed = "216.00", .expanded_uncertainty = "0.019", .target = "204.51"};
+                                .required_speed_standard_uncertainty_m_s = 0.006944,
+                                .acceptance_limit_m_s = 56.8201};
+    verdict.shown = ShownFigures{.unit = "km/h",
+                                 .speed = "216.00",
+                                 .expanded_uncertainty = "0.019",
+                                 .required_speed = "204.51"};
     verdict.course = {{.name = "height difference of the run",
                        .value = 0.421234,
                        .unit = "m",

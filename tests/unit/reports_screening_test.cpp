@@ -19,8 +19,8 @@ ScreenedTable& screened_of(sample::Run& run) {
     return run.inputs.receivers[0].screened;
 }
 
-ScreeningEvidence& evidence_of(sample::Run& run) {
-    return screened_of(run).evidence;
+ScreeningBasis& basis_of(sample::Run& run) {
+    return screened_of(run).basis;
 }
 
 CertifiableWindow& best_of(sample::Run& run) {
@@ -63,27 +63,27 @@ std::string drift(const sample::Run& run) {
 
 TEST(Screening, TheReportHoldsWhatTheTestsRestedOn) {
     sample::Run run = sample::make_run();
-    const Json evidence = receiver_of(run)["screening"]["evidence"];
-    EXPECT_EQ(evidence["family_false_alarm_rate"], 0.001);
-    EXPECT_EQ(evidence["tests"], 30668);
-    EXPECT_NEAR(evidence["test_size"].get<double>(), 0.001 / 30668.0, 1e-18);
-    EXPECT_EQ(evidence["power"], 0.8);
-    EXPECT_EQ(evidence["models"].size(), 2U);
-    EXPECT_EQ(evidence["models"][1]["error_sigma_m"], 0.0271);
-    ASSERT_EQ(evidence["fix_kinds"].size(), 3U);
-    EXPECT_EQ(evidence["fix_kinds"][0]["variance_factor"], 1.69);
-    EXPECT_EQ(evidence["fix_kinds"][0]["judgement"], "too_good");
-    EXPECT_EQ(evidence["fix_kinds"][1]["fix"], "float");
-    EXPECT_EQ(evidence["velocity"]["delay_s"], 0.1024);
-    EXPECT_EQ(evidence["velocity"]["sigma_delay_s"], 0.0021);
-    EXPECT_EQ(evidence["time"]["jitter_s"], 2.1e-5);
-    EXPECT_EQ(evidence["limits"]["acceleration_max_m_s2"], 15.0);
-    EXPECT_EQ(evidence["limits"]["acceleration_m_s2"], 8.71);
-    EXPECT_FALSE(evidence.contains("baseline"));
+    const Json basis = receiver_of(run)["screening"]["basis"];
+    EXPECT_EQ(basis["family_false_alarm_rate"], 0.001);
+    EXPECT_EQ(basis["tests"], 30668);
+    EXPECT_NEAR(basis["test_size"].get<double>(), 0.001 / 30668.0, 1e-18);
+    EXPECT_EQ(basis["power"], 0.8);
+    EXPECT_EQ(basis["models"].size(), 2U);
+    EXPECT_EQ(basis["models"][1]["error_sigma_m"], 0.0271);
+    ASSERT_EQ(basis["fix_types"].size(), 3U);
+    EXPECT_EQ(basis["fix_types"][0]["variance_factor"], 1.69);
+    EXPECT_EQ(basis["fix_types"][0]["judgement"], "optimistic");
+    EXPECT_EQ(basis["fix_types"][1]["fix"], "float");
+    EXPECT_EQ(basis["velocity"]["delay_s"], 0.1024);
+    EXPECT_EQ(basis["velocity"]["sigma_delay_s"], 0.0021);
+    EXPECT_EQ(basis["time"]["jitter_s"], 2.1e-5);
+    EXPECT_EQ(basis["limits"]["acceleration_max_m_s2"], 15.0);
+    EXPECT_EQ(basis["limits"]["acceleration_m_s2"], 8.71);
+    EXPECT_FALSE(basis.contains("baseline"));
 
-    evidence_of(run).velocity.reset();
-    evidence_of(run).baseline = BaselineEvidence{"secondary", 400, 1.512, 0.021, 3};
-    const Json other = receiver_of(run)["screening"]["evidence"];
+    basis_of(run).velocity.reset();
+    basis_of(run).baseline = BaselineComparison{"secondary", 400, 1.512, 0.021, 3};
+    const Json other = receiver_of(run)["screening"]["basis"];
     EXPECT_FALSE(other.contains("velocity"));
     EXPECT_EQ(other["baseline"]["length_m"], 1.512);
     EXPECT_EQ(other["baseline"]["rejected"], 3);
@@ -108,7 +108,7 @@ TEST(Screening, DecisionsAreCountedByHypothesis) {
     EXPECT_EQ(counts, (std::map<std::string, std::int64_t>{
                           {"outlier", 1}, {"burst", bursts}, {"step", 2}}));
     EXPECT_EQ(line(run, "Decided by the tests"),
-              fmt::format("1 single wrong position; {} positions in runs of wrong ones; 2 steps of "
+              fmt::format("1 single outlier; {} positions in runs of wrong ones; 2 steps of "
                           "the positions",
                           bursts));
     for (ScreenedEpoch& row : screened_of(run).rows)
@@ -119,7 +119,7 @@ TEST(Screening, DecisionsAreCountedByHypothesis) {
 TEST(Screening, IsSaidInPlainWords) {
     sample::Run run = sample::make_run();
     EXPECT_EQ(line(run, "False alarms"),
-              "of 1000 recordings without a wrong position at most one would have anything marked, "
+              "of 1000 recordings without an outlier at most one would have anything marked, "
               "by all 30668 tests together");
     // 1.3 and 1.02 are the roots of 1.69 and 1.0404.
     EXPECT_EQ(
@@ -132,21 +132,21 @@ TEST(Screening, IsSaidInPlainWords) {
     EXPECT_EQ(line(run, "Recorded velocities"),
               "0.1024 ± 0.0021 s behind the positions, which is allowed for; compared at 437 "
               "epochs, of which they contradict 0");
-    EXPECT_EQ(line(run, "Noise that the tests rest on"), "learnt from the recording");
+    EXPECT_EQ(line(run, "Noise that the tests rest on"), "estimated from the recording");
     EXPECT_EQ(line(run, "Order and spacing of the time stamps"), "no fault");
     EXPECT_EQ(line(run, "Other receiver"), "no such line");
 
-    evidence_of(run).velocity->delay_s = -0.2;
+    basis_of(run).velocity->delay_s = -0.2;
     EXPECT_NE(line(run, "Recorded velocities").find("0.2000 ± 0.0021 s ahead of the positions"),
               std::string::npos);
-    evidence_of(run).velocity->delay_s.reset();
+    basis_of(run).velocity->delay_s.reset();
     EXPECT_NE(line(run, "Recorded velocities").find("cannot be told"), std::string::npos);
-    evidence_of(run).velocity->compared = 0;
+    basis_of(run).velocity->compared = 0;
     EXPECT_EQ(line(run, "Recorded velocities"), "could not be compared with the motion");
-    evidence_of(run).models[0].noise = NoiseBasis::too_few_epochs;
+    basis_of(run).models[0].noise = NoiseBasis::too_few_epochs;
     EXPECT_EQ(line(run, "Noise that the tests rest on"),
-              "horizontal: 0.95 times the stated one (too few epochs to learn from); vertical: "
-              "learnt from the recording");
+              "horizontal: 0.95 times the stated one (too few epochs to estimate it); vertical: "
+              "estimated from the recording");
     const std::string shown = section(page_of(run), "Recording and screening");
     EXPECT_NE(shown.find("<code>runcert audit RUN_FOLDER</code>"), std::string::npos);
     EXPECT_NE(shown.find("of 1000 recordings"), std::string::npos);
@@ -154,12 +154,12 @@ TEST(Screening, IsSaidInPlainWords) {
 
 TEST(Screening, TheFirstFaultsOfTheTimeStampsAreListed) {
     sample::Run run = sample::make_run();
-    TimeEvidence& time = evidence_of(run).time;
+    TimeStampSummary& time = basis_of(run).time;
     time.gaps = 30;
     for (std::int64_t i = 0; i < 30; ++i)
         time.faults.push_back({.epoch = 10 + i, .kind = TimeFaultKind::gap, .size_s = 0.4});
     time.faults[1] = {.epoch = 11, .kind = TimeFaultKind::whole_second_shift, .size_s = -18.0};
-    const Json written = receiver_of(run)["screening"]["evidence"]["time"];
+    const Json written = receiver_of(run)["screening"]["basis"]["time"];
     EXPECT_EQ(written["faults"].size(), 20U);
     EXPECT_EQ(written["faults_found"], 30);
     EXPECT_EQ(written["faults"][1]["size_s"], -18.0);
@@ -178,7 +178,7 @@ TEST(Screening, TheMethodIsThatOfTheFiles) {
     for (const Json& paragraph : report["predicate"]["method"]["description"])
         text += paragraph.get<std::string>() + "\n";
     for (const char* said : {"Baarda 1968", "Teunissen 2018", "de Jong & Penzer 1998",
-                             "up to 20 wrong positions in a row"})
+                             "up to 20 outliers in a row"})
         EXPECT_NE(text.find(said), std::string::npos) << said;
 }
 
@@ -194,7 +194,7 @@ TEST(Reliability, TheWorstUndetectedErrorIsSaidInOneSentence) {
     EXPECT_NE(page.find(sentence), std::string::npos);
     // 0.004321 m/s are 0.0156 km/h.
     EXPECT_EQ(drift(run),
-              "A drift of the positions is covered as a slow error, as far as the bound of row b "
+              "A drift of the positions is covered as a time-correlated error, as far as the bound of row b "
               "goes, and not added again. Beyond it the tests would find one, with that "
               "probability, from a rate of 0.012 m/s (from epoch 375 on), which changes the speed "
               "by 0.0156 km/h: one between the two is not in the uncertainty.");
@@ -216,7 +216,7 @@ TEST(Reliability, EveryHypothesisStandsInReportAndPage) {
         EXPECT_EQ(entry["last_epoch"], errors[i].last_epoch);
         EXPECT_EQ(entry["size"], errors[i].size);
         EXPECT_EQ(entry["unit"], errors[i].unit);
-        EXPECT_EQ(entry["speed_m_s"], errors[i].speed_mps);
+        EXPECT_EQ(entry["speed_m_s"], errors[i].speed_m_s);
         EXPECT_NE(
             page.find(fmt::format(
                 "<td>{}</td><td>{}</td><td>{}</td><td>{}</td>",

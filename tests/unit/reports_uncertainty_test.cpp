@@ -58,7 +58,7 @@ TEST(Uncertainty, EveryRowOfTheBudgetStandsInReportAndPage) {
         EXPECT_EQ(rows[i]["estimate"], budget[i].estimate);
         EXPECT_EQ(rows[i]["standard_uncertainty"], budget[i].standard_uncertainty);
         EXPECT_EQ(rows[i]["sensitivity"], budget[i].sensitivity);
-        EXPECT_EQ(rows[i]["contribution_m_s"], budget[i].contribution_mps);
+        EXPECT_EQ(rows[i]["contribution_m_s"], budget[i].contribution_m_s);
         EXPECT_EQ(rows[i].contains("degrees_of_freedom"), budget[i].degrees_of_freedom.has_value());
         EXPECT_EQ(rows[i]["note"], budget[i].note);
         EXPECT_EQ(rows[i]["correlation"], budget[i].correlation);
@@ -112,14 +112,14 @@ TEST(Uncertainty, RowsThatContributeNothingStayWithTheirReason) {
     const std::string page = section(page_of(run), "Uncertainty: rule “nalsa”");
     int zeros = 0;
     for (const BudgetRow& row : best_of(run).budget) {
-        if (row.contribution_mps != 0.0) continue;
+        if (row.contribution_m_s != 0.0) continue;
         ++zeros;
         EXPECT_NE(page.find(row.note.substr(0, row.note.find('\''))), std::string::npos)
             << row.note;
     }
     EXPECT_EQ(zeros, 3);
     for (BudgetRow& row : best_of(run).budget)
-        row.contribution_mps = row.standard_uncertainty = 0.0;
+        row.contribution_m_s = row.standard_uncertainty = 0.0;
     const Json uncertainty = uncertainty_of(run);
     for (const Json& row : uncertainty["budget"])
         EXPECT_EQ(row["share_percent"], 0.0);
@@ -148,14 +148,14 @@ TEST(Uncertainty, TheMonteCarloCheckIsComparedWithTheBudget) {
     EXPECT_TRUE(check["uncertainty_agrees"].get<bool>());
     EXPECT_TRUE(check["interval_agrees"].get<bool>());
 
-    best_of(run).monte_carlo->lower_mps = 59.9979;  // rectangular parts make it shorter
-    best_of(run).monte_carlo->upper_mps = 60.0069;
+    best_of(run).monte_carlo->lower_m_s = 59.9979;  // rectangular parts make it shorter
+    best_of(run).monte_carlo->upper_m_s = 60.0069;
     check = uncertainty_of(run)["monte_carlo"];
     EXPECT_FALSE(check["interval_agrees"].get<bool>());
     EXPECT_NE(check["monte_carlo_words"].get<std::string>().find("safe side"), std::string::npos);
 
-    best_of(run).monte_carlo->upper_mps = 60.0085;
-    best_of(run).monte_carlo->standard_uncertainty_mps = 0.0027;
+    best_of(run).monte_carlo->upper_m_s = 60.0085;
+    best_of(run).monte_carlo->standard_uncertainty_m_s = 0.0027;
     best_of(run).monte_carlo->converged = false;
     check = uncertainty_of(run)["monte_carlo"];
     EXPECT_FALSE(check["uncertainty_agrees"].get<bool>());
@@ -200,7 +200,7 @@ TEST(Uncertainty, EachPartMayBeMissing) {
 TEST(Uncertainty, NoiseIsGivenWithItsUncertaintyOrSaidNotToBeTold) {
     sample::Run run = sample::make_run();
     EXPECT_EQ(noise_cell(run, "Jerk density of the motion", 0), "0.430 ± 0.025 m s^-2.5");
-    const char* size = "Slow position error, standard deviation";
+    const char* size = "Time-correlated position error, standard deviation";
     EXPECT_EQ(noise_cell(run, size, 0), "not told");
     EXPECT_EQ(noise_cell(run, size, 1), "0.0271 m, × or ÷ 3.32");  // exp(1.2)
     EXPECT_EQ(noise_cell(run, "its correlation time", 1),
@@ -210,7 +210,7 @@ TEST(Uncertainty, NoiseIsGivenWithItsUncertaintyOrSaidNotToBeTold) {
 
     noise_of(run).status = NoiseBasis::too_few_epochs;
     noise_of(run).epochs = 12;
-    EXPECT_EQ(noise_cell(run, "Noise", 0), "not learnt: 12 usable epochs where 30 are needed");
+    EXPECT_EQ(noise_cell(run, "Noise", 0), "not estimated: 12 usable epochs where 30 are needed");
     EXPECT_EQ(noise_cell(run, "Jerk density of the motion", 0), "0.430 m s^-2.5");
     EXPECT_EQ(noise_cell(run, size, 0), "not looked for");
 }

@@ -58,7 +58,7 @@ TEST(Rinex, APairIsSolvedForwardsAndBackwardsApart) {
     EXPECT_EQ(forward.rows.size(), 203U);
     EXPECT_GT(
         std::count_if(forward.rows.begin(), forward.rows.end(),
-                      [](const Observation& row) { return row.fix == FixKind::float_ambiguities; }),
+                      [](const Observation& row) { return row.fix == FixType::float_ambiguities; }),
         190);
     EXPECT_EQ(forward.records.bad, 0);
     EXPECT_TRUE(forward.rows.front().sigma_east_m);

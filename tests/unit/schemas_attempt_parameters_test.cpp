@@ -92,7 +92,7 @@ TEST(AttemptScreening, HasItsDefaults) {
 TEST(AttemptScreening, ItsLimitsAreThoseOfTheCraftsClass) {
     const struct {
         std::string name;
-        double acceleration_mps2, jerk_mps3, vertical_rate_mps;
+        double acceleration_m_s2, jerk_m_s3, vertical_rate_m_s;
     } classes[] = {{"land-yacht", 20, 200, 5}, {"ice-yacht", 20, 200, 5},
                    {"sail-boat", 15, 150, 5},  {"board", 20, 300, 8},
                    {"car", 25, 300, 10},       {"skydiver", 40, 400, 200},
@@ -101,9 +101,9 @@ TEST(AttemptScreening, ItsLimitsAreThoseOfTheCraftsClass) {
         const auto screen =
             read_attempt(replaced(least, "class: board", "class: " + each.name), "f")
                 .parameters.at("screen");
-        EXPECT_EQ(screen.at("acceleration_max_m_s2"), each.acceleration_mps2) << each.name;
-        EXPECT_EQ(screen.at("jerk_max_m_s3"), each.jerk_mps3) << each.name;
-        EXPECT_EQ(screen.at("vertical_rate_max_m_s"), each.vertical_rate_mps) << each.name;
+        EXPECT_EQ(screen.at("acceleration_max_m_s2"), each.acceleration_m_s2) << each.name;
+        EXPECT_EQ(screen.at("jerk_max_m_s3"), each.jerk_m_s3) << each.name;
+        EXPECT_EQ(screen.at("vertical_rate_max_m_s"), each.vertical_rate_m_s) << each.name;
     }
 }
 

@@ -71,7 +71,7 @@ TEST(BuiltinProfiles, EveryClauseSaysWhereItIsKnownFrom) {
         EXPECT_TRUE(computations.contains(Computation::window_complete));
         EXPECT_TRUE(computations.contains(Computation::margin));
         EXPECT_EQ(computations.contains(Computation::accuracy),
-                  profile.accuracy_limit_mps.has_value());
+                  profile.accuracy_limit_m_s.has_value());
     }
 }
 
@@ -99,7 +99,7 @@ TEST(BuiltinProfiles, Nalsa) {
     EXPECT_EQ(profile.window_kind, WindowKind::time);
     EXPECT_EQ(profile.duration_s, 3.0);
     EXPECT_EQ(profile.definition, SpeedDefinition::displacement);
-    EXPECT_DOUBLE_EQ(profile.accuracy_limit_mps.value(), 0.8 / 3.6);
+    EXPECT_DOUBLE_EQ(profile.accuracy_limit_m_s.value(), 0.8 / 3.6);
     EXPECT_EQ(profile.accuracy_unit, "km/h");
     EXPECT_EQ(profile.coverage_factor, 2.0);
     EXPECT_EQ(profile.margin_kind, MarginKind::absolute);
@@ -122,7 +122,7 @@ TEST(BuiltinProfiles, Nalsa) {
 TEST(BuiltinProfiles, Fisly) {
     const Profile profile = builtin("fisly");
     EXPECT_EQ(profile.duration_s, 2.0);
-    EXPECT_FALSE(profile.accuracy_limit_mps);
+    EXPECT_FALSE(profile.accuracy_limit_m_s);
     EXPECT_EQ(profile.margin_kind, MarginKind::relative);
     EXPECT_EQ(profile.margin, 0.002);
     ASSERT_TRUE(profile.rounding && profile.result);
@@ -149,7 +149,7 @@ TEST(BuiltinProfiles, Wssrc) {
         EXPECT_EQ(profile.margin, 0.01);
         EXPECT_EQ(profile.margin_unit, "s");
         EXPECT_TRUE(profile.subtract_current);
-        EXPECT_FALSE(profile.accuracy_limit_mps || profile.rounding);
+        EXPECT_FALSE(profile.accuracy_limit_m_s || profile.rounding);
         EXPECT_EQ(profile.result->mode, "nearest");
         EXPECT_EQ(rule_unit_name(profile), "kn");
         EXPECT_EQ(clause_of(profile, "current").decided_by, Computation::current);
@@ -210,7 +210,7 @@ TEST(BuiltinProfiles, GpsSpeedSailing) {
         EXPECT_EQ(profile.margin, 0.0);
         EXPECT_EQ(clause_of(profile, "margin").certainty, Certainty::unconfirmed);
         EXPECT_EQ(rule_unit_name(profile), "km/h");
-        EXPECT_FALSE(profile.accuracy_limit_mps || profile.rounding);
+        EXPECT_FALSE(profile.accuracy_limit_m_s || profile.rounding);
     }
 }
 

@@ -71,7 +71,7 @@ current: {file: day 1/current.csv, source: float, expanded_uncertainty_m_s: 0.05
     EXPECT_EQ(attempt.wind->place, "f:7:14");
     EXPECT_EQ(attempt.current->file, "day 1/current.csv");
     EXPECT_EQ(attempt.current->source, "float");
-    EXPECT_EQ(attempt.current->expanded_uncertainty_mps, 0.05);
+    EXPECT_EQ(attempt.current->expanded_uncertainty_m_s, 0.05);
     expect_refused({
         {"wind: {file: wind.csv}\n", "f:7:7", "\"source\" is missing"},
         {"wind: {source: mast}\n", "f:7:7", "\"file\" is missing"},
@@ -91,8 +91,8 @@ TEST(CourseInput, ASecondMethodSaysASpeed) {
     const SecondaryMethod& second = attempt.secondary_method.value();
     EXPECT_EQ(second.method, "radar");
     EXPECT_EQ(second.source, "sheet 3");
-    EXPECT_DOUBLE_EQ(second.speed->speed_mps, 185200.0 / 3600.0);
-    EXPECT_DOUBLE_EQ(second.speed->expanded_uncertainty_mps, 926.0 / 3600.0);
+    EXPECT_DOUBLE_EQ(second.speed->speed_m_s, 185200.0 / 3600.0);
+    EXPECT_DOUBLE_EQ(second.speed->expanded_uncertainty_m_s, 926.0 / 3600.0);
     EXPECT_FALSE(second.times);
 }
 

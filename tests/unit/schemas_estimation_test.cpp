@@ -183,12 +183,12 @@ TEST(TrajectoryEstimation, JerkDensitiesAreWrittenToTheirDecimals) {
 CertifiableWindow window() {
     CertifiableWindow window;
     window.span.duration.nanoseconds = 3'000'000'000;
-    window.speed_mps = 60.0025;
-    window.standard_uncertainty_mps = 0.0125;
+    window.speed_m_s = 60.0025;
+    window.standard_uncertainty_m_s = 0.0125;
     window.effective_degrees_of_freedom = 12.75;
     window.fitted = FittedSpeed{60.0035, 0.0025, 9};
-    window.own_standard_uncertainty_mps = 0.0105;
-    window.bias_limit_mps = 0.0015;
+    window.own_standard_uncertainty_m_s = 0.0105;
+    window.bias_limit_m_s = 0.0015;
     window.estimates = OtherEstimates{60.0045, 0.0035, 60.0015, 60.0055, 60.0005, 0.0035};
     window.bound = ErrorBound{0.25,
                               20.0,
@@ -197,7 +197,7 @@ CertifiableWindow window() {
                               1.25,
                               0.005,
                               0.0125,
-                              FixKind::float_ambiguities,
+                              FixType::float_ambiguities,
                               BoundSource::fitted,
                               0.0095};
     window.robust = RobustSpeed{60.001, -0.0025, 0.0245, true, 2};
@@ -247,8 +247,8 @@ CertifiableWindow written_and_read(const CertifiableWindow& best) {
 TEST(WindowUncertainty, SpeedsRoundTrip) {
     const CertifiableWindow back = written_and_read(window());
     EXPECT_EQ(back.effective_degrees_of_freedom, 12.75);
-    EXPECT_EQ(back.fitted->speed_mps, 60.0035);
-    EXPECT_EQ(back.fitted->standard_uncertainty_mps, 0.0025);
+    EXPECT_EQ(back.fitted->speed_m_s, 60.0035);
+    EXPECT_EQ(back.fitted->standard_uncertainty_m_s, 0.0025);
     EXPECT_EQ(back.fitted->models, 9);
     EXPECT_EQ(back.bound->tau_min_s, 0.25);
     EXPECT_EQ(back.bound->tau_max_s, 20.0);
@@ -257,46 +257,46 @@ TEST(WindowUncertainty, SpeedsRoundTrip) {
     EXPECT_EQ(back.bound->along, 1.25);
     EXPECT_EQ(back.bound->stated_m, 0.005);
     EXPECT_EQ(back.bound->floor_m, 0.0125);
-    EXPECT_EQ(back.bound->floor_fix, FixKind::float_ambiguities);
+    EXPECT_EQ(back.bound->floor_fix, FixType::float_ambiguities);
     EXPECT_EQ(back.bound->decided_by, BoundSource::fitted);
-    EXPECT_EQ(back.bound->standard_uncertainty_mps, 0.0095);
-    EXPECT_EQ(back.robust->speed_mps, 60.001);
-    EXPECT_EQ(back.robust->difference_mps, -0.0025);
-    EXPECT_EQ(back.robust->limit_mps, 0.0245);
+    EXPECT_EQ(back.bound->standard_uncertainty_m_s, 0.0095);
+    EXPECT_EQ(back.robust->speed_m_s, 60.001);
+    EXPECT_EQ(back.robust->difference_m_s, -0.0025);
+    EXPECT_EQ(back.robust->limit_m_s, 0.0245);
     EXPECT_TRUE(back.robust->agrees);
     EXPECT_EQ(back.robust->downweighted, 2);
-    EXPECT_EQ(back.own_standard_uncertainty_mps, 0.0105);
-    EXPECT_EQ(back.bias_limit_mps, 0.0015);
-    EXPECT_EQ(back.estimates->chord_mps, 60.0045);
-    EXPECT_EQ(back.estimates->chord_difference_uncertainty_mps, 0.0035);
-    EXPECT_EQ(back.estimates->stiffer_mps, 60.0015);
-    EXPECT_EQ(back.estimates->softer_mps, 60.0055);
-    EXPECT_EQ(back.estimates->whole_mps, 60.0005);
-    EXPECT_EQ(back.estimates->half_width_mps, 0.0035);
+    EXPECT_EQ(back.own_standard_uncertainty_m_s, 0.0105);
+    EXPECT_EQ(back.bias_limit_m_s, 0.0015);
+    EXPECT_EQ(back.estimates->chord_m_s, 60.0045);
+    EXPECT_EQ(back.estimates->chord_difference_uncertainty_m_s, 0.0035);
+    EXPECT_EQ(back.estimates->stiffer_m_s, 60.0015);
+    EXPECT_EQ(back.estimates->softer_m_s, 60.0055);
+    EXPECT_EQ(back.estimates->whole_m_s, 60.0005);
+    EXPECT_EQ(back.estimates->half_width_m_s, 0.0035);
 }
 
 TEST(WindowUncertainty, SelectionAndMonteCarloRoundTrip) {
     const CertifiableWindow back = written_and_read(window());
     EXPECT_EQ(back.selection->candidates, 17);
-    EXPECT_EQ(back.selection->chosen_mean_mps, 60.0);
-    EXPECT_EQ(back.selection->chosen_sd_mps, 0.0115);
-    EXPECT_EQ(back.selection->best_mean_mps, 60.0005);
-    EXPECT_EQ(back.selection->best_sd_mps, 0.011);
-    EXPECT_EQ(back.selection->fitted_bias_mps, 0.001);
-    EXPECT_EQ(back.selection->bounded_bias_mps, 0.004);
-    EXPECT_EQ(back.selection->bias_mps, 0.0025);
-    EXPECT_EQ(back.selection->bias_half_range_mps, 0.0015);
-    EXPECT_EQ(back.selection->bias_uncertainty_mps, 0.0005);
+    EXPECT_EQ(back.selection->chosen_mean_m_s, 60.0);
+    EXPECT_EQ(back.selection->chosen_sd_m_s, 0.0115);
+    EXPECT_EQ(back.selection->best_mean_m_s, 60.0005);
+    EXPECT_EQ(back.selection->best_sd_m_s, 0.011);
+    EXPECT_EQ(back.selection->fitted_bias_m_s, 0.001);
+    EXPECT_EQ(back.selection->bounded_bias_m_s, 0.004);
+    EXPECT_EQ(back.selection->bias_m_s, 0.0025);
+    EXPECT_EQ(back.selection->bias_half_range_m_s, 0.0015);
+    EXPECT_EQ(back.selection->bias_uncertainty_m_s, 0.0005);
     EXPECT_EQ(back.selection->treatment, SelectionTreatment::subtracted);
     EXPECT_EQ(back.selection->samples, 5000);
     EXPECT_EQ(back.selection->seed, 42);
     EXPECT_EQ(back.monte_carlo->seed, 7);
     EXPECT_EQ(back.monte_carlo->trials, 200'000);
-    EXPECT_EQ(back.monte_carlo->mean_mps, 60.0024);
-    EXPECT_EQ(back.monte_carlo->standard_uncertainty_mps, 0.0126);
-    EXPECT_EQ(back.monte_carlo->lower_mps, 59.9775);
-    EXPECT_EQ(back.monte_carlo->upper_mps, 60.0275);
-    EXPECT_EQ(back.monte_carlo->tolerance_mps, 0.00005);
+    EXPECT_EQ(back.monte_carlo->mean_m_s, 60.0024);
+    EXPECT_EQ(back.monte_carlo->standard_uncertainty_m_s, 0.0126);
+    EXPECT_EQ(back.monte_carlo->lower_m_s, 59.9775);
+    EXPECT_EQ(back.monte_carlo->upper_m_s, 60.0275);
+    EXPECT_EQ(back.monte_carlo->tolerance_m_s, 0.00005);
     EXPECT_TRUE(back.monte_carlo->converged);
 }
 
@@ -316,7 +316,7 @@ TEST(WindowUncertainty, TheBudgetRoundTrips) {
         EXPECT_EQ(a.distribution, b.distribution);
         EXPECT_EQ(a.degrees_of_freedom, b.degrees_of_freedom);
         EXPECT_EQ(a.sensitivity, b.sensitivity);
-        EXPECT_EQ(a.contribution_mps, b.contribution_mps);
+        EXPECT_EQ(a.contribution_m_s, b.contribution_m_s);
         EXPECT_EQ(a.correlation, b.correlation);
         EXPECT_EQ(a.note, b.note);
     }
@@ -336,7 +336,7 @@ TEST(WindowReliability, RoundTrips) {
         EXPECT_EQ(a.last_epoch, b.last_epoch);
         EXPECT_EQ(a.size, b.size);
         EXPECT_EQ(a.unit, b.unit);
-        EXPECT_EQ(a.speed_mps, b.speed_mps);
+        EXPECT_EQ(a.speed_m_s, b.speed_m_s);
     }
 }
 
@@ -354,23 +354,23 @@ TEST(WindowUncertainty, WhatRevision4AddedIsNowhereNegative) {
         return failure_of([&] { write_windows(windows(wrong)); }).contains("-0.5 is below 0");
     };
     using Window = CertifiableWindow;
-    EXPECT_TRUE(refused([](Window& it) { it.own_standard_uncertainty_mps = -0.5; }));
-    EXPECT_TRUE(refused([](Window& it) { it.bias_limit_mps = -0.5; }));
-    EXPECT_TRUE(refused([](Window& it) { it.estimates->chord_difference_uncertainty_mps = -0.5; }));
-    EXPECT_TRUE(refused([](Window& it) { it.estimates->half_width_mps = -0.5; }));
+    EXPECT_TRUE(refused([](Window& it) { it.own_standard_uncertainty_m_s = -0.5; }));
+    EXPECT_TRUE(refused([](Window& it) { it.bias_limit_m_s = -0.5; }));
+    EXPECT_TRUE(refused([](Window& it) { it.estimates->chord_difference_uncertainty_m_s = -0.5; }));
+    EXPECT_TRUE(refused([](Window& it) { it.estimates->half_width_m_s = -0.5; }));
     EXPECT_TRUE(refused([](Window& it) { it.bound->along = -0.5; }));
-    EXPECT_TRUE(refused([](Window& it) { it.selection->fitted_bias_mps = -0.5; }));
-    EXPECT_TRUE(refused([](Window& it) { it.selection->bounded_bias_mps = -0.5; }));
-    EXPECT_TRUE(refused([](Window& it) { it.selection->bias_half_range_mps = -0.5; }));
+    EXPECT_TRUE(refused([](Window& it) { it.selection->fitted_bias_m_s = -0.5; }));
+    EXPECT_TRUE(refused([](Window& it) { it.selection->bounded_bias_m_s = -0.5; }));
+    EXPECT_TRUE(refused([](Window& it) { it.selection->bias_half_range_m_s = -0.5; }));
 }
 
 TEST(WindowUncertainty, OfOtherEstimatesOnlyTheChordMayBeAbsent) {
     CertifiableWindow without = window();
-    without.estimates->chord_mps = without.estimates->chord_difference_uncertainty_mps =
+    without.estimates->chord_m_s = without.estimates->chord_difference_uncertainty_m_s =
         std::nullopt;
     const CertifiableWindow back = written_and_read(without);
-    EXPECT_FALSE(back.estimates->chord_mps || back.estimates->chord_difference_uncertainty_mps);
-    EXPECT_EQ(back.estimates->softer_mps, 60.0055);
+    EXPECT_FALSE(back.estimates->chord_m_s || back.estimates->chord_difference_uncertainty_m_s);
+    EXPECT_EQ(back.estimates->softer_m_s, 60.0055);
     const std::string text = write_windows(windows(without));
     for (const auto& [key, line] : {std::pair{"stiffer_m_s", "        stiffer_m_s: 60.0015\n"},
                                     {"softer_m_s", "        softer_m_s: 60.0055\n"},
@@ -389,8 +389,8 @@ TEST(WindowUncertainty, WhatWasNotComputedIsAbsentButTheBudgetIsListed) {
     const CertifiableWindow back = read_windows(text, "f").profiles.at(0).best.value();
     EXPECT_FALSE(back.effective_degrees_of_freedom || back.fitted || back.bound || back.robust ||
                  back.selection || back.monte_carlo || back.detection_power ||
-                 back.own_standard_uncertainty_mps || back.estimates);
-    EXPECT_EQ(back.bias_limit_mps, 0.0);
+                 back.own_standard_uncertainty_m_s || back.estimates);
+    EXPECT_EQ(back.bias_limit_m_s, 0.0);
     EXPECT_TRUE(back.reliability.empty());
     const std::string without = test::replaced(text, "      budget: []\n", "");
     EXPECT_TRUE(

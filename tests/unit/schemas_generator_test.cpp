@@ -107,7 +107,7 @@ fields:
   inner: {type: Inner, required: true, description: "it"}
 )"));
     for (const char* member :
-         {"struct Inner {", "    double rate_mps = 2.5;",
+         {"struct Inner {", "    double rate_m_s = 2.5;",
           "    std::optional<double> late_s = std::nullopt;", "    Kind kind = Kind::floating;",
           "    std::vector<Parameter> list = {};",
           "    bool operator==(const Inner&) const = default;"})
@@ -120,15 +120,15 @@ TEST_F(Generator, TheSourceWritesAndReadsWhatTheHeaderDeclares) {
 fields:
   rate_m_s: {type: real, required: true, description: "a rate"}
   length_m: {type: real, omit: 0, description: "a length"}
-  speed_km_h: {type: real, member: speed_mps, scale: 3.6, required: true, description: "a speed"}
+  speed_km_h: {type: real, member: speed_m_s, scale: 3.6, required: true, description: "a speed"}
   bare: {type: boolean, computed: length_m == 0, description: "whether there is none"}
   some: {type: list, of: Parameter, description: "some"}
 )"));
     for (const char* line :
-         {"member::write(map, \"rate_m_s\", value.rate_mps);",
-          "member::take(map, \"rate_m_s\", value.rate_mps);",
+         {"member::write(map, \"rate_m_s\", value.rate_m_s);",
+          "member::take(map, \"rate_m_s\", value.rate_m_s);",
           "if (value.length_m != 0) member::write(map, \"length_m\", value.length_m);",
-          "member::write(map, \"speed_km_h\", value.speed_mps * 3.6);",
+          "member::write(map, \"speed_km_h\", value.speed_m_s * 3.6);",
           "map[\"bare\"] = value.length_m == 0;",
           "if (!value.some.empty()) member::write(map, \"some\", value.some);",
           "std::string write_thing(const Thing& value) {"})
@@ -147,7 +147,7 @@ fields: {}
 )");
     const std::string header = header_text(declaration);
     for (const char* member : {"    std::int64_t epoch = 0;", "    ElapsedTime time = {};",
-                               "    std::optional<double> speed_mps = {};", "    Accuracy stated;"})
+                               "    std::optional<double> speed_m_s = {};", "    Accuracy stated;"})
         EXPECT_NE(header.find(member), std::string::npos) << member << "\n" << header;
     EXPECT_NE(
         source_text(declaration).find("column<Row, &Row::stated, &Accuracy::sigma_m>(\"sigma\")"),

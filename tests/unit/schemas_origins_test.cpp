@@ -8,7 +8,7 @@
 #include "schemas/screened/screened.h"
 #include "schemas/trajectory/trajectory.h"
 
-// Whose clock made the time stamps, and who says the kind of solution.
+// Whose clock made the time stamps, and who says the fix type.
 
 namespace runcert::RUNCERT_FILE {
 namespace {

@@ -64,7 +64,7 @@ TEST(OverrideFigure, EachIsReplacedAndNotedInTheProfilesUnit) {
         {replaced(timed, "kind: absolute, value: 1, unit: mph", "kind: relative, value: 0.002"),
          "margin.value", "", 0.002, 0.001, [](const Profile& p) { return p.margin; }, 0.001},
         {timed, "accuracy.limit", "kn", 0.5, 1.0,
-         [](const Profile& p) { return *p.accuracy_limit_mps; }, knot},
+         [](const Profile& p) { return *p.accuracy_limit_m_s; }, knot},
         {timed, "accuracy.coverage_factor", "", 3.0, 2.0,
          [](const Profile& p) { return p.coverage_factor; }, 2.0},
         {timed, "decision.probability", "", 0.95, 0.99,

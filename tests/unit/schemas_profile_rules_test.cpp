@@ -40,8 +40,8 @@ TEST(ProfileWindow, EveryMemberIsRead) {
     EXPECT_TRUE(stretch.exact_duration);
     EXPECT_EQ(stretch.windows, 5);
     EXPECT_EQ(stretch.ends, WindowEnds::epochs);
-    EXPECT_EQ(stretch.runs.start_mps, 4.0);
-    EXPECT_EQ(stretch.runs.stop_mps, 3.0);
+    EXPECT_EQ(stretch.runs.start_m_s, 4.0);
+    EXPECT_EQ(stretch.runs.stop_m_s, 3.0);
     EXPECT_EQ(stretch.runs.stop_s, 2.0);
     EXPECT_EQ(stretch.runs.turn_deg, 45.0);
     EXPECT_EQ(stretch.decision_probability, 0.9);
@@ -77,8 +77,8 @@ TEST(ProfileWindow, WhatIsLeftOutHasItsDefault) {
         EXPECT_EQ(profile.ends, WindowEnds::epochs);
         EXPECT_FALSE(profile.exact_duration);
         EXPECT_EQ(profile.windows, 1);
-        EXPECT_EQ(profile.runs.start_mps, 2.0);
-        EXPECT_EQ(profile.runs.stop_mps, 1.0);
+        EXPECT_EQ(profile.runs.start_m_s, 2.0);
+        EXPECT_EQ(profile.runs.stop_m_s, 1.0);
         EXPECT_EQ(profile.runs.stop_s, 5.0);
         EXPECT_EQ(profile.runs.turn_deg, 90.0);
         EXPECT_FALSE(profile.opposite_runs_within_s || profile.result);

@@ -29,7 +29,7 @@ TEST(Profile, EveryMemberIsRead) {
     EXPECT_EQ(profile.body, "Some Body");
     EXPECT_EQ(profile.title, "top speed");
     EXPECT_EQ(profile.definition, SpeedDefinition::mean_n_plus_1);
-    EXPECT_DOUBLE_EQ(profile.accuracy_limit_mps.value(), 0.5 * 1852.0 / 3600.0);
+    EXPECT_DOUBLE_EQ(profile.accuracy_limit_m_s.value(), 0.5 * 1852.0 / 3600.0);
     EXPECT_EQ(profile.coverage_factor, 3.0);
     EXPECT_EQ(profile.clauses.at(1).id, "c2");
     EXPECT_EQ(profile.clauses.at(1).text, "t");

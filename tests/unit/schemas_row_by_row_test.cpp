@@ -31,7 +31,7 @@ Table gathered(const std::string& text, Open open) {
     return table;
 }
 
-TEST(RowByRow, ReadsWhatReadingTheWholeReads) {
+TEST(StreamedRecording, ReadsWhatReadingTheWholeReads) {
     const std::string observations = golden("v1.0/1-observations.ecsv");
     EXPECT_EQ(write_observations(gathered<Observations>(observations, open_observations)),
               write_observations(read_observations(observations, "f")));
@@ -45,7 +45,7 @@ TEST(RowByRow, ReadsWhatReadingTheWholeReads) {
               write_trajectory(read_trajectory(trajectory, "f")));
 }
 
-TEST(RowByRow, WritesWhatWritingTheWholeWrites) {
+TEST(StreamedRecording, WritesWhatWritingTheWholeWrites) {
     const EnuTable enu = read_enu(golden("v1.0/2-enu.ecsv"), "f");
     ASSERT_FALSE(enu.rows.empty());
     std::string text;
@@ -67,7 +67,7 @@ TEST(RowByRow, WritesWhatWritingTheWholeWrites) {
     EXPECT_EQ(text, write_observations(observations));
 }
 
-TEST(RowByRow, ABadCellFailsAsInTheWhole) {
+TEST(StreamedRecording, ABadCellFailsAsInTheWhole) {
     std::string text = golden("v1.0/2-enu.ecsv");
     text[text.rfind('.')] = 'x';  // in the last row
     const auto whole = failure_of([&] { read_enu(text, "f"); });

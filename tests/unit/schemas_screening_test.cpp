@@ -32,19 +32,19 @@ ScreenedEpoch decided(Reason reason, std::optional<Hypothesis> hypothesis,
     return row;
 }
 
-ScreeningEvidence evidence() {
-    ScreeningEvidence evidence;
-    evidence.family_false_alarm_rate = 0.001;
-    evidence.tests = 10'000'000;
-    evidence.test_size = 1e-10;
-    evidence.power = 0.8;
-    evidence.burst_epochs_max = 20;
-    evidence.passes = 2;
-    evidence.models = {
+ScreeningBasis basis() {
+    ScreeningBasis basis;
+    basis.family_false_alarm_rate = 0.001;
+    basis.tests = 10'000'000;
+    basis.test_size = 1e-10;
+    basis.power = 0.8;
+    basis.burst_epochs_max = 20;
+    basis.passes = 2;
+    basis.models = {
         {.axes = TestedAxes::vertical, .noise = NoiseBasis::fitted, .jerk_density = 0.5}};
-    evidence.fix_kinds = {
-        {.fix = FixKind::single, .epochs = 7, .judgement = AccuracyJudgement::too_bad}};
-    return evidence;
+    basis.fix_types = {
+        {.fix = FixType::single, .epochs = 7, .judgement = AccuracyJudgement::pessimistic}};
+    return basis;
 }
 
 TEST(ScreenedWords, EveryValueHasOneOfItsOwn) {
@@ -97,34 +97,34 @@ TEST(Summarise, CountsDecisionsByHypothesis) {
     EXPECT_EQ(summary.reasons.at(Reason::burst), 2);
 }
 
-TEST(ScreeningEvidence, RoundTripsWithoutWhatWasNotThere) {
+TEST(ScreeningBasis, RoundTripsWithoutWhatWasNotThere) {
     ScreenedTable table = table_of({decided(Reason::outlier, Hypothesis::outlier)});
-    table.evidence = evidence();
+    table.basis = basis();
     const std::string text = write_screened(table);
     EXPECT_NE(text.find("#     test_size: 1.0e-10\n"), std::string::npos) << text;
     EXPECT_NE(text.find("#     decisions:\n#       outlier: 1\n"), std::string::npos) << text;
-    const ScreeningEvidence back = read_screened(text, "f").evidence;
+    const ScreeningBasis back = read_screened(text, "f").basis;
     EXPECT_EQ(back.test_size, 1e-10);
     EXPECT_EQ(back.tests, 10'000'000);
     EXPECT_EQ(back.models.at(0).axes, TestedAxes::vertical);
-    EXPECT_EQ(back.fix_kinds.at(0).fix, FixKind::single);
+    EXPECT_EQ(back.fix_types.at(0).fix, FixType::single);
     EXPECT_FALSE(back.velocity || back.baseline);
     EXPECT_TRUE(back.time.faults.empty());
-    table.evidence.velocity = VelocityEvidence{};
-    const VelocityEvidence velocity = *read_screened(write_screened(table), "f").evidence.velocity;
+    table.basis.velocity = VelocityComparison{};
+    const VelocityComparison velocity = *read_screened(write_screened(table), "f").basis.velocity;
     EXPECT_FALSE(velocity.delay_s || velocity.sigma_delay_s);
 }
 
-TEST(ScreeningEvidence, UnknownWordsAreRefused) {
+TEST(ScreeningBasis, UnknownWordsAreRefused) {
     ScreenedTable table = table_of({});
-    table.evidence = evidence();
+    table.basis = basis();
     const std::string text = write_screened(table);
     const struct {
         std::string from, to, said;
     } cases[] = {
         {"axes: vertical", "axes: both", "\"both\" is not one of horizontal, vertical"},
         {"fix: single", "fix: double", "\"double\" is not one of unknown, none, single"},
-        {"judgement: too_bad", "judgement: odd", "\"odd\" is not one of as_stated"},
+        {"judgement: pessimistic", "judgement: odd", "\"odd\" is not one of as_stated"},
         {"noise: fitted", "noise: guessed", "\"guessed\" is not one of fitted"},
         {"power: 0.8", "power: 1.8", "1.8 is above 1"},
         {"#     limits:\n", "#     limit:\n", "unknown key \"limit\""},
@@ -135,14 +135,14 @@ TEST(ScreeningEvidence, UnknownWordsAreRefused) {
     }
 }
 
-TEST(ScreeningEvidence, OfTheDeviceRoundTrips) {
+TEST(ScreeningBasis, OfTheDeviceRoundTrips) {
     ScreenedTable table = table_of({});
-    table.evidence = evidence();
-    EXPECT_FALSE(read_screened(write_screened(table), "f").evidence.device);
-    table.evidence.device =
-        DeviceEvidence{.moving = 1200, .held = 11, .interpolated = 7, .by_chance = 0.126};
+    table.basis = basis();
+    EXPECT_FALSE(read_screened(write_screened(table), "f").basis.device);
+    table.basis.device =
+        DeviceSigns{.moving = 1200, .held = 11, .interpolated = 7, .by_chance = 0.126};
     const std::string text = write_screened(table);
-    const DeviceEvidence back = read_screened(text, "f").evidence.device.value();
+    const DeviceSigns back = read_screened(text, "f").basis.device.value();
     EXPECT_EQ(back.moving, 1200);
     EXPECT_EQ(back.held, 11);
     EXPECT_EQ(back.interpolated, 7);
@@ -165,13 +165,13 @@ TEST(ScreeningEvidence, OfTheDeviceRoundTrips) {
 
 TEST(ScreenedColumns, OfManoeuvresRoundTripEachByItself) {
     ScreenedEpoch level = decided(Reason::none, std::nullopt);
-    level.manoeuvre_mps2 = 2.0 / 3.0;
+    level.manoeuvre_m_s2 = 2.0 / 3.0;
     ScreenedEpoch upwards = decided(Reason::none, std::nullopt);
-    upwards.manoeuvre_up_mps2 = 1.25;
+    upwards.manoeuvre_up_m_s2 = 1.25;
     const auto rows = read_screened(write_screened(table_of({level, upwards})), "f").rows;
-    EXPECT_EQ(rows.at(0).manoeuvre_mps2, 0.666667);
-    EXPECT_FALSE(rows.at(0).manoeuvre_up_mps2 || rows.at(1).manoeuvre_mps2);
-    EXPECT_EQ(rows.at(1).manoeuvre_up_mps2, 1.25);
+    EXPECT_EQ(rows.at(0).manoeuvre_m_s2, 0.666667);
+    EXPECT_FALSE(rows.at(0).manoeuvre_up_m_s2 || rows.at(1).manoeuvre_m_s2);
+    EXPECT_EQ(rows.at(1).manoeuvre_up_m_s2, 1.25);
 }
 
 TEST(ScreenedColumns, OfTheTestsAreWrittenToTheirDecimals) {

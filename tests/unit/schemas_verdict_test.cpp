@@ -37,13 +37,13 @@ Verdict verdict_of(const Decision& decision, const std::vector<std::string>& wit
 Decision decision() {
     return {.probability = 0.9995,
             .level = 0.995,
-            .target_standard_uncertainty_mps = 0.0125,
-            .acceptance_limit_mps = 56.5,
+            .required_speed_standard_uncertainty_m_s = 0.0125,
+            .acceptance_limit_m_s = 56.5,
             .risk = 0.0005,
             .attempts_made = 5,
-            .bias_limit_mps = 0.0025,
+            .bias_limit_m_s = 0.0025,
             .drift_survived_m = 1.25,
-            .drift_found_mps = 0.375};
+            .drift_found_m_s = 0.375};
 }
 
 ProfileVerdict written_and_read(const Verdict& verdict) {
@@ -54,35 +54,35 @@ TEST(VerdictDecision, RoundTrips) {
     const Decision back = written_and_read(verdict_of(decision())).decision.value();
     EXPECT_EQ(back.probability, 0.9995);
     EXPECT_EQ(back.level, 0.995);
-    EXPECT_EQ(back.target_standard_uncertainty_mps, 0.0125);
-    EXPECT_EQ(back.acceptance_limit_mps, 56.5);
+    EXPECT_EQ(back.required_speed_standard_uncertainty_m_s, 0.0125);
+    EXPECT_EQ(back.acceptance_limit_m_s, 56.5);
     EXPECT_EQ(back.risk, 0.0005);
     EXPECT_EQ(back.attempts_made, 5);
-    EXPECT_EQ(back.bias_limit_mps, 0.0025);
+    EXPECT_EQ(back.bias_limit_m_s, 0.0025);
     EXPECT_EQ(back.drift_survived_m, 1.25);
-    EXPECT_EQ(back.drift_found_mps, 0.375);
+    EXPECT_EQ(back.drift_found_m_s, 0.375);
 }
 
 TEST(VerdictDecision, SaysNothingOfDriftWhereThereIsNothingToSay) {
     Decision without = decision();
-    without.drift_survived_m = without.drift_found_mps = std::nullopt;
+    without.drift_survived_m = without.drift_found_m_s = std::nullopt;
     const std::string text = write_verdict(verdict_of(without));
     EXPECT_EQ(text.find("drift"), std::string::npos);
     const Decision back = read_verdict(text, "f").profiles.at(0).decision.value();
-    EXPECT_FALSE(back.drift_survived_m || back.drift_found_mps);
+    EXPECT_FALSE(back.drift_survived_m || back.drift_found_m_s);
 }
 
 /// The level of the best of many is told from that of the best of one more.
 TEST(VerdictDecision, IsRoundedToTheFieldTable) {
     Decision exact = decision();
     exact.level = 1.0 - 0.025 / 3.0;
-    exact.bias_limit_mps = exact.drift_survived_m.emplace(1.0 / 3.0);
-    exact.drift_found_mps = 2.0 / 3.0;
+    exact.bias_limit_m_s = exact.drift_survived_m.emplace(1.0 / 3.0);
+    exact.drift_found_m_s = 2.0 / 3.0;
     const Decision back = written_and_read(verdict_of(exact)).decision.value();
     EXPECT_EQ(back.level, 0.991666667);
-    EXPECT_EQ(back.bias_limit_mps, 0.333333);
+    EXPECT_EQ(back.bias_limit_m_s, 0.333333);
     EXPECT_EQ(back.drift_survived_m, 0.333333);
-    EXPECT_EQ(back.drift_found_mps, 0.666667);
+    EXPECT_EQ(back.drift_found_m_s, 0.666667);
 }
 
 TEST(VerdictDecision, ImpossibleFiguresAreRefused) {

@@ -14,16 +14,16 @@ namespace {
 using test::failure_of;
 using test::replaced;
 
-CertifiableWindow window(double speed_mps, double standard_uncertainty_mps) {
+CertifiableWindow window(double speed_m_s, double standard_uncertainty_m_s) {
     CertifiableWindow window;
     window.span.duration.nanoseconds = 10'000'000'000;
-    window.speed_mps = speed_mps;
-    window.standard_uncertainty_mps = standard_uncertainty_mps;
-    window.length_m = 10.0 * speed_mps;
+    window.speed_m_s = speed_m_s;
+    window.standard_uncertainty_m_s = standard_uncertainty_m_s;
+    window.length_m = 10.0 * speed_m_s;
     return window;
 }
 
-FurtherWindow further(double speed_mps, double standard_uncertainty_mps) {
+FurtherWindow further(double speed_m_s, double standard_uncertainty_m_s) {
     FurtherWindow window;
     window.span = {.first_epoch = 201,
                    .last_epoch = 301,
@@ -31,8 +31,8 @@ FurtherWindow further(double speed_mps, double standard_uncertainty_mps) {
                    .duration = {10'000'000'000},
                    .start_gps = std::nullopt};
     window.arc = 2;
-    window.speed_mps = speed_mps;
-    window.standard_uncertainty_mps = standard_uncertainty_mps;
+    window.speed_m_s = speed_m_s;
+    window.standard_uncertainty_m_s = standard_uncertainty_m_s;
     return window;
 }
 
@@ -88,8 +88,8 @@ TEST(WindowRuleText, FurtherWindowsAndWhatIsMissingRoundTrip) {
         .best = window(20.0, 0.25),
         .further = {further(19.5, 0.5)},
         .indicated =
-            IndicatedWindow{.span = {}, .speed_mps = 21.0, .mean_mps = 20.25, .refusals = {}}};
-    before.further[0].bias_limit_mps = 0.75;
+            IndicatedWindow{.span = {}, .speed_m_s = 21.0, .mean_m_s = 20.25, .refusals = {}}};
+    before.further[0].bias_limit_m_s = 0.75;
     const ProfileWindows back = read_windows(write_windows(windows(before)), "f").profiles.at(0);
     EXPECT_EQ(back.missing, before.missing);
     EXPECT_EQ(back.best->length_m, 200.0);
@@ -97,10 +97,10 @@ TEST(WindowRuleText, FurtherWindowsAndWhatIsMissingRoundTrip) {
     EXPECT_EQ(back.further[0].span.first_epoch, 201);
     EXPECT_EQ(back.further[0].span.start.nanoseconds, 20'000'000'000);
     EXPECT_EQ(back.further[0].arc, 2);
-    EXPECT_EQ(back.further[0].speed_mps, 19.5);
-    EXPECT_EQ(back.further[0].standard_uncertainty_mps, 0.5);
-    EXPECT_EQ(back.further[0].bias_limit_mps, 0.75);
-    EXPECT_EQ(back.indicated->mean_mps, 20.25);
+    EXPECT_EQ(back.further[0].speed_m_s, 19.5);
+    EXPECT_EQ(back.further[0].standard_uncertainty_m_s, 0.5);
+    EXPECT_EQ(back.further[0].bias_limit_m_s, 0.75);
+    EXPECT_EQ(back.indicated->mean_m_s, 20.25);
 }
 
 TEST(WindowRuleText, KeepsToTheWordsOfTheFieldTable) {
@@ -119,7 +119,7 @@ TEST(WindowRuleText, TheBiasOfAFurtherWindowIsNoNegativeOne) {
         .best = {},
         .further = {further(19.5, 0.5)},
         .indicated = {}};
-    profile.further[0].bias_limit_mps = -0.25;
+    profile.further[0].bias_limit_m_s = -0.25;
     EXPECT_TRUE(failure_of([&] { write_windows(windows(profile)); }).contains("below 0 m / s"));
 }
 
@@ -129,12 +129,12 @@ TEST(RuleFigure, OfOneWindowIsItsSpeed) {
                            .best = window(20.0, 0.25),
                            .indicated = {}};
     profile.best->effective_degrees_of_freedom = 12.5;
-    profile.best->bias_limit_mps = 0.125;
+    profile.best->bias_limit_m_s = 0.125;
     const RuleFigure figure = figure_of(profile).value();
-    EXPECT_EQ(figure.speed_mps, 20.0);
-    EXPECT_EQ(figure.standard_uncertainty_mps, 0.25);
+    EXPECT_EQ(figure.speed_m_s, 20.0);
+    EXPECT_EQ(figure.standard_uncertainty_m_s, 0.25);
     EXPECT_EQ(figure.effective_degrees_of_freedom, 12.5);
-    EXPECT_EQ(figure.bias_limit_mps, 0.125);
+    EXPECT_EQ(figure.bias_limit_m_s, 0.125);
     profile.best.reset();
     EXPECT_FALSE(figure_of(profile));
 }
@@ -148,11 +148,11 @@ TEST(RuleFigure, OfSeveralIsTheMeanAndItsUncertaintyThatOfACommonError) {
         .best = window(20.0, 0.25),
         .further = {further(19.0, 0.5), further(18.0, 0.75)},
         .indicated = {}};
-    profile.best->bias_limit_mps = 0.125;
-    profile.further[1].bias_limit_mps = 0.25;
-    EXPECT_DOUBLE_EQ(figure_of(profile)->speed_mps, 19.0);
-    EXPECT_DOUBLE_EQ(figure_of(profile)->standard_uncertainty_mps, 0.5);
-    EXPECT_DOUBLE_EQ(figure_of(profile)->bias_limit_mps, 0.125);
+    profile.best->bias_limit_m_s = 0.125;
+    profile.further[1].bias_limit_m_s = 0.25;
+    EXPECT_DOUBLE_EQ(figure_of(profile)->speed_m_s, 19.0);
+    EXPECT_DOUBLE_EQ(figure_of(profile)->standard_uncertainty_m_s, 0.5);
+    EXPECT_DOUBLE_EQ(figure_of(profile)->bias_limit_m_s, 0.125);
     profile.further.pop_back();
     EXPECT_FALSE(figure_of(profile));  // two of three
 }
@@ -166,8 +166,8 @@ TEST(RuleFigure, OfTwoRunsNeedsBoth) {
                            .indicated = {}};
     EXPECT_FALSE(figure_of(profile));
     profile.further = {further(18.0, 0.75)};
-    EXPECT_DOUBLE_EQ(figure_of(profile)->speed_mps, 19.0);
-    EXPECT_DOUBLE_EQ(figure_of(profile)->standard_uncertainty_mps, 0.5);
+    EXPECT_DOUBLE_EQ(figure_of(profile)->speed_m_s, 19.0);
+    EXPECT_DOUBLE_EQ(figure_of(profile)->standard_uncertainty_m_s, 0.5);
 }
 
 }  // namespace

@@ -26,12 +26,12 @@ TestPlan plan_for(std::int64_t epochs) {
 
 /// Speeds up from a start speed along a circle of 400 m radius.
 struct Craft {
-    double start_mps = 10.0;
-    double acceleration_mps2 = 0.5;
+    double start_m_s = 10.0;
+    double acceleration_m_s2 = 0.5;
     double radius_m = 400.0;
 
-    double speed(double t) const { return start_mps + acceleration_mps2 * t; }
-    double distance(double t) const { return start_mps * t + 0.5 * acceleration_mps2 * t * t; }
+    double speed(double t) const { return start_m_s + acceleration_m_s2 * t; }
+    double distance(double t) const { return start_m_s * t + 0.5 * acceleration_m_s2 * t * t; }
     Vector2d along(double t) const {
         const double angle = distance(t) / radius_m;
         return {std::sin(angle), std::cos(angle)};
@@ -73,7 +73,7 @@ ScreenedTable recorded(const Craft& craft, const Recorder& one, RandomGenerator&
         row.east_m = position.x() + one.noise_m * random.normal();
         row.north_m = position.y() + one.noise_m * random.normal();
         row.sigma_east_m = row.sigma_north_m = one.noise_m;
-        row.fix = FixKind::fixed;
+        row.fix = FixType::fixed;
         row.usable = true;
         row.arc = 1;
     }
@@ -87,7 +87,7 @@ Motion motion_of(const Craft& craft, const Recorder& one, const ScreenedTable& t
         const double t = 1e-3 * static_cast<double>(one.first_ms) + row.time.seconds();
         EpochMotion& at = motion.emplace_back().emplace();
         at.velocity = craft.speed(t) * craft.along(t);
-        at.acceleration = craft.acceleration_mps2 * craft.along(t) +
+        at.acceleration = craft.acceleration_m_s2 * craft.along(t) +
                           craft.speed(t) * craft.speed(t) / craft.radius_m * craft.right(t);
         at.velocity_covariance = 4e-4 * Matrix2d::Identity();
         at.acceleration_covariance = 0.01 * Matrix2d::Identity();
@@ -112,7 +112,7 @@ struct TwoReceivers {
         marked = compare_receivers(a, b, motion_of(craft, first, a), plan_for(std::ssize(a.rows)),
                                    config());
     }
-    const BaselineEvidence& evidence() const { return a.evidence.baseline.value(); }
+    const BaselineComparison& found() const { return a.basis.baseline.value(); }
 };
 
 std::vector<std::int64_t> rejected(const ScreenedTable& table) {
@@ -139,10 +139,10 @@ TEST(Baseline, NothingIsMarkedInCleanRecordings) {
         pair.record(seed);
         pair.compare();
         alarms += pair.marked ? 1 : 0;
-        ASSERT_EQ(pair.evidence().compared, 401);
+        ASSERT_EQ(pair.basis().compared, 401);
         // The median of n lengths has a standard deviation of 1.25 sigma / sqrt(n).
-        EXPECT_NEAR(pair.evidence().length_m, std::hypot(2.0, 0.5), 5.0 * 1.25 * 0.0141 / 20.0);
-        EXPECT_NEAR(pair.evidence().sd_m, 0.0141, 0.004);
+        EXPECT_NEAR(pair.basis().length_m, std::hypot(2.0, 0.5), 5.0 * 1.25 * 0.0141 / 20.0);
+        EXPECT_NEAR(pair.basis().sd_m, 0.0141, 0.004);
     }
     EXPECT_EQ(alarms, 0);
 }
@@ -157,9 +157,9 @@ TEST(Baseline, AnOutlierIsMarkedInBoth) {
         EXPECT_TRUE(pair.marked);
         EXPECT_EQ(rejected(pair.a), Epochs{156}) << seed;
         EXPECT_EQ(rejected(pair.b), Epochs{156}) << seed;
-        EXPECT_EQ(pair.evidence().rejected, 1);
-        EXPECT_EQ(pair.evidence().receiver, "secondary");
-        EXPECT_EQ(pair.b.evidence.baseline->receiver, "primary");
+        EXPECT_EQ(pair.basis().rejected, 1);
+        EXPECT_EQ(pair.basis().receiver, "secondary");
+        EXPECT_EQ(pair.b.basis.baseline->receiver, "primary");
         for (const ScreenedEpoch* row : {&pair.a.rows[155], &pair.b.rows[155]}) {
             EXPECT_FALSE(row->usable);
             EXPECT_EQ(row->hypothesis, Hypothesis::baseline);
@@ -225,7 +225,7 @@ TEST(Baseline, WhatOneReceiverMarkedItselfIsNotCompared) {
     pair.b.rows[250].break_before = ArcBreak::step;
     pair.compare();
     EXPECT_FALSE(pair.marked);
-    EXPECT_EQ(pair.evidence().compared, 400);
+    EXPECT_EQ(pair.basis().compared, 400);
     EXPECT_TRUE(pair.a.rows[150].usable);
 }
 
@@ -235,7 +235,7 @@ TEST(Baseline, ReceiversOfDifferentRatesAreComparedAtCommonEpochs) {
     pair.record(5);
     pair.compare();
     EXPECT_FALSE(pair.marked);
-    EXPECT_EQ(pair.evidence().compared, 81);
+    EXPECT_EQ(pair.basis().compared, 81);
 
     // A step of the slow one, between its epochs 40 (19.5 s) and 41 (20.0 s).
     pair.record(5);
@@ -255,8 +255,8 @@ TEST(Baseline, RatesWithoutACommonEpochAreNotCompared) {
     pair.record(6);
     pair.compare();
     EXPECT_FALSE(pair.marked);
-    EXPECT_EQ(pair.evidence().compared, 0);
-    EXPECT_EQ(pair.evidence().rejected, 0);
+    EXPECT_EQ(pair.basis().compared, 0);
+    EXPECT_EQ(pair.basis().rejected, 0);
 }
 
 TEST(Baseline, EpochsAreMatchedByGpsTime) {
@@ -270,8 +270,8 @@ TEST(Baseline, EpochsAreMatchedByGpsTime) {
         pair.compare();
         EXPECT_EQ(rejected(pair.a), Epochs{at_ms / 100 + 1});
         EXPECT_EQ(rejected(pair.b), Epochs{(at_ms - first_ms) / 100 + 1});
-        EXPECT_EQ(pair.evidence().compared, first_ms < 0 ? 401 : 327);
-        EXPECT_NEAR(pair.evidence().length_m, std::hypot(2.0, 0.5), 0.01);
+        EXPECT_EQ(pair.basis().compared, first_ms < 0 ? 401 : 327);
+        EXPECT_NEAR(pair.basis().length_m, std::hypot(2.0, 0.5), 0.01);
     }
 }
 
@@ -282,7 +282,7 @@ TEST(Baseline, RelativeTimesAreNotCompared) {
     *pair.b.rows[150].east_m += 0.3;
     pair.compare();
     EXPECT_FALSE(pair.marked);
-    EXPECT_EQ(pair.evidence().compared, 0);
+    EXPECT_EQ(pair.basis().compared, 0);
 }
 
 TEST(Baseline, AConstantDifferenceOfTheClocksShowsInTheLengthAlone) {
@@ -293,8 +293,8 @@ TEST(Baseline, AConstantDifferenceOfTheClocksShowsInTheLengthAlone) {
     pair.compare();
     EXPECT_FALSE(pair.marked);
     // Speed goes up linearly: median 20 m/s, of deviations 5 m/s; antennas mostly ahead.
-    EXPECT_NEAR(pair.evidence().length_m, std::hypot(2.0 + 20.0 * 0.020, 0.5), 0.02);
-    EXPECT_NEAR(pair.evidence().sd_m, 5.0 * 0.020 / 0.6745, 0.02);
+    EXPECT_NEAR(pair.basis().length_m, std::hypot(2.0 + 20.0 * 0.020, 0.5), 0.02);
+    EXPECT_NEAR(pair.basis().sd_m, 5.0 * 0.020 / 0.6745, 0.02);
 }
 
 TEST(Baseline, AClockThatJumpsAtSpeedIsAStep) {
@@ -312,7 +312,7 @@ TEST(Baseline, AClockThatJumpsAtSpeedIsAStep) {
 
 TEST(Baseline, StandingEpochsAreComparedByTheLength) {
     TwoReceivers pair;
-    pair.craft = {.start_mps = 0.0, .acceleration_mps2 = 0.0, .radius_m = 400.0};
+    pair.craft = {.start_m_s = 0.0, .acceleration_m_s2 = 0.0, .radius_m = 400.0};
     pair.record(11);
     *pair.b.rows[150].north_m += 0.3;  // along the antennas, who stand north of one another
     pair.compare();
@@ -346,21 +346,21 @@ TEST(Baseline, PositionsFromDifferentOriginsAreBroughtTogether) {
     }
     pair.compare();
     EXPECT_FALSE(pair.marked);
-    EXPECT_EQ(pair.evidence().compared, 401);
-    EXPECT_NEAR(pair.evidence().length_m, std::hypot(2.0, 0.5), 0.01);
+    EXPECT_EQ(pair.basis().compared, 401);
+    EXPECT_NEAR(pair.basis().length_m, std::hypot(2.0, 0.5), 0.01);
     pair.b.origin.reset();
     pair.compare();
-    EXPECT_EQ(pair.evidence().compared, 0);
+    EXPECT_EQ(pair.basis().compared, 0);
 }
 
 TEST(Baseline, ACraftThatTurnsHardOnTheSpotRaisesNoAlarm) {
     // A circle of 10 m at 3 m/s, begun and ended at once: the track turns by 0.2 rad over 2 m.
     TwoReceivers pair;
-    pair.craft = {.start_mps = 3.0, .acceleration_mps2 = 0.0, .radius_m = 10.0};
+    pair.craft = {.start_m_s = 3.0, .acceleration_m_s2 = 0.0, .radius_m = 10.0};
     pair.record(13);
     pair.compare();
     EXPECT_FALSE(pair.marked);
-    EXPECT_EQ(pair.evidence().compared, 401);
+    EXPECT_EQ(pair.basis().compared, 401);
 }
 
 /// The same recordings before screening.
@@ -379,7 +379,7 @@ TEST(ScreenReceivers, OneReceiverIsScreenedByItself) {
     const std::vector<ScreenedTable> screened = screen_receivers(tables, config());
     ASSERT_EQ(screened.size(), 1U);
     EXPECT_EQ(write_screened(screened[0]), write_screened(screen(tables[0], config())));
-    EXPECT_FALSE(screened[0].evidence.baseline.has_value());
+    EXPECT_FALSE(screened[0].found.baseline.has_value());
 }
 
 TEST(ScreenReceivers, TwoAreComparedAfterEachWasScreened) {
@@ -390,8 +390,8 @@ TEST(ScreenReceivers, TwoAreComparedAfterEachWasScreened) {
         const std::vector<EnuTable> tables{unscreened(pair.a), unscreened(pair.b)};
         const std::vector<ScreenedTable> screened = screen_receivers(tables, config());
         ASSERT_EQ(screened.size(), 2U);
-        EXPECT_EQ(screened[0].evidence.baseline->compared, 401);
-        EXPECT_EQ(screened[1].evidence.baseline->receiver, "primary");
+        EXPECT_EQ(screened[0].found.baseline->compared, 401);
+        EXPECT_EQ(screened[1].found.baseline->receiver, "primary");
         alarms += summarise(screened[0].rows).usable + summarise(screened[1].rows).usable != 802;
     }
     EXPECT_EQ(alarms, 0);
@@ -402,7 +402,7 @@ TEST(ScreenReceivers, TheArcsAreFinishedAfterTheComparison) {
     TwoReceivers pair;
     pair.first.interval_ms = pair.second.interval_ms = 1000;
     pair.first.last_ms = pair.second.last_ms = 120'000;
-    pair.craft = {.start_mps = 10.0, .acceleration_mps2 = 0.0, .radius_m = 400.0};
+    pair.craft = {.start_m_s = 10.0, .acceleration_m_s2 = 0.0, .radius_m = 400.0};
     pair.record(15);
     for (std::size_t k = 60; k < pair.b.rows.size(); ++k)
         *pair.b.rows[k].east_m += 0.4;

@@ -13,7 +13,7 @@ using Rows = std::vector<ScreenedEpoch>;
 /// A craft on a circle of 200 m radius, as a receiver measures it at 10 Hz.
 struct Recording {
     std::size_t epochs = 600;
-    double speed_mps = 15.0;
+    double speed_m_s = 15.0;
     double noise_m = 0.010;
     double resolution_m = 0.0;  ///< positions are written in whole steps of this
     std::uint64_t seed = 1;
@@ -27,14 +27,14 @@ Rows record(const Recording& recording) {
     RandomGenerator random(recording.seed);
     Rows rows;
     for (std::size_t k = 0; k < recording.epochs; ++k) {
-        const double angle = recording.speed_mps * 0.1 * static_cast<double>(k) / 200.0;
+        const double angle = recording.speed_m_s * 0.1 * static_cast<double>(k) / 200.0;
         ScreenedEpoch& row = rows.emplace_back();
         row.time.nanoseconds = static_cast<std::int64_t>(k) * 100'000'000;
         row.east_m = written(200.0 * std::sin(angle) + recording.noise_m * random.normal(),
                              recording.resolution_m);
         row.north_m = written(200.0 * std::cos(angle) + recording.noise_m * random.normal(),
                               recording.resolution_m);
-        row.fix = FixKind::fixed;
+        row.fix = FixType::fixed;
     }
     return rows;
 }
@@ -53,14 +53,14 @@ Rows with(Rows rows, const Made& made) {
     return rows;
 }
 
-DeviceEvidence signs_of(const Rows& rows, double resolution_m = 0.0) {
+DeviceSigns signs_of(const Rows& rows, double resolution_m = 0.0) {
     return find_device_signs(rows, 0.1, resolution_m);
 }
 
 TEST(DeviceSigns, AnHonestRecordingHasNone) {
     for (const double noise_m : {0.002, 0.010, 0.5})
         for (const std::uint64_t seed : {1U, 2U, 3U}) {
-            const DeviceEvidence signs = signs_of(record({.noise_m = noise_m, .seed = seed}));
+            const DeviceSigns signs = signs_of(record({.noise_m = noise_m, .seed = seed}));
             // All but the five rows at each end.
             EXPECT_EQ(signs.moving, 590);
             EXPECT_EQ(signs.held, 0);
@@ -72,21 +72,21 @@ TEST(DeviceSigns, AnHonestRecordingHasNone) {
 TEST(DeviceSigns, OfHonestCoarseCoordinatesAreAboutAsManyAsChanceMakes) {
     // What is equal by rounding is expected: as much of it as a rule that allows three times that,
     // or a few, must never refuse; nor so much that nothing could be found.
-    for (const double speed_mps : {3.0, 15.0, 40.0})
+    for (const double speed_m_s : {3.0, 15.0, 40.0})
         for (const double noise_m : {0.0005, 0.002, 0.010})
             for (const double resolution_m : {0.001, 0.002, 0.005, 0.011, 0.020}) {
-                const DeviceEvidence signs = signs_of(record({.epochs = 3000,
-                                                              .speed_mps = speed_mps,
-                                                              .noise_m = noise_m,
-                                                              .resolution_m = resolution_m}),
-                                                      resolution_m);
+                const DeviceSigns signs = signs_of(record({.epochs = 3000,
+                                                           .speed_m_s = speed_m_s,
+                                                           .noise_m = noise_m,
+                                                           .resolution_m = resolution_m}),
+                                                   resolution_m);
                 const auto found = static_cast<double>(signs.interpolated);
                 EXPECT_EQ(signs.moving, 2990);
                 EXPECT_EQ(signs.held, 0);
                 EXPECT_LE(found, 3.0 * signs.by_chance + 10.0)
-                    << speed_mps << " " << noise_m << " " << resolution_m;
+                    << speed_m_s << " " << noise_m << " " << resolution_m;
                 EXPECT_LE(signs.by_chance, 3.0 * found + 60.0)
-                    << speed_mps << " " << noise_m << " " << resolution_m;
+                    << speed_m_s << " " << noise_m << " " << resolution_m;
             }
 }
 
@@ -94,13 +94,13 @@ TEST(DeviceSigns, PositionsHeldAreCounted) {
     // 5 Hz written at 10.
     const Rows every_second = with(
         record({}), [](std::size_t k, const auto& at) { return k % 2 == 1 ? at(k - 1) : at(k); });
-    const DeviceEvidence half = signs_of(every_second);
+    const DeviceSigns half = signs_of(every_second);
     EXPECT_NEAR(static_cast<double>(half.held), 295.0, 1.0);
     // Three in a row, once.
     const Rows stuck = with(record({}), [](std::size_t k, const auto& at) {
         return k >= 300 && k < 303 ? at(k - 1) : at(k);
     });
-    const DeviceEvidence once = signs_of(stuck);
+    const DeviceSigns once = signs_of(stuck);
     EXPECT_EQ(once.held, 3);
     EXPECT_LE(once.interpolated, 1);
 }
@@ -110,7 +110,7 @@ TEST(DeviceSigns, PositionsBetweenTwoMeasuredOnesAreCounted) {
         if (k % 2 == 0) return at(k);
         return 0.5 * (at(k - 1) + at(k + 1));
     };
-    const DeviceEvidence signs = signs_of(with(record({}), between));
+    const DeviceSigns signs = signs_of(with(record({}), between));
     EXPECT_NEAR(static_cast<double>(signs.interpolated), 295.0, 2.0);
     EXPECT_GT(static_cast<double>(signs.interpolated), 20.0 * (signs.by_chance + 1.0));
     EXPECT_EQ(signs.held, 0);
@@ -126,7 +126,7 @@ TEST(DeviceSigns, FourOfFiveBetweenMeasuredOnesInWholeMillimetresAreCounted) {
         rows[k].east_m = written((1.0 - share) * *from.east_m + share * *to.east_m, 0.001);
         rows[k].north_m = written((1.0 - share) * *from.north_m + share * *to.north_m, 0.001);
     }
-    const DeviceEvidence signs = signs_of(rows, 0.001);
+    const DeviceSigns signs = signs_of(rows, 0.001);
     // Rounding hides some of the 2392.
     EXPECT_GT(signs.interpolated, 1200);
     EXPECT_GT(static_cast<double>(signs.interpolated), 10.0 * signs.by_chance);
@@ -138,26 +138,26 @@ TEST(DeviceSigns, PositionsCarriedOnFromMeasuredOnesAreCounted) {
         if (k < 300 || k >= 305) return at(k);
         return 3.0 * at(k - 1) - 3.0 * at(k - 2) + at(k - 3);
     });
-    const DeviceEvidence signs = signs_of(predicted);
+    const DeviceSigns signs = signs_of(predicted);
     EXPECT_GE(signs.interpolated, 4);
     EXPECT_LE(signs.interpolated, 6);
     EXPECT_LT(signs.by_chance, 1.0);
 }
 
 TEST(DeviceSigns, ACraftAtRestIsNotLookedAt) {
-    Rows rows = record({.speed_mps = 0.0});
+    Rows rows = record({.speed_m_s = 0.0});
     for (ScreenedEpoch& row : rows) {
         row.east_m = 3.0;
         row.north_m = 4.0;
     }
-    const DeviceEvidence signs = signs_of(rows);
+    const DeviceSigns signs = signs_of(rows);
     EXPECT_EQ(signs.moving, 0);
     EXPECT_EQ(signs.held, 0);
     EXPECT_EQ(signs.interpolated, 0);
     EXPECT_EQ(signs.by_chance, 0.0);
     // Nor one whose steps the coordinates do not tell.
-    EXPECT_EQ(signs_of(record({.speed_mps = 1.5, .resolution_m = 0.1}), 0.1).moving, 0);
-    EXPECT_EQ(signs_of(record({.speed_mps = 1.5})).moving, 590);
+    EXPECT_EQ(signs_of(record({.speed_m_s = 1.5, .resolution_m = 0.1}), 0.1).moving, 0);
+    EXPECT_EQ(signs_of(record({.speed_m_s = 1.5})).moving, 590);
 }
 
 TEST(DeviceSigns, RowsLostOrWithoutAFixAreNoSign) {
@@ -170,7 +170,7 @@ TEST(DeviceSigns, RowsLostOrWithoutAFixAreNoSign) {
         rows[k].reason = Reason::no_fix;
         rows[k].east_m = rows[k].north_m = 0.0;
     }
-    const DeviceEvidence signs = signs_of(rows);
+    const DeviceSigns signs = signs_of(rows);
     EXPECT_EQ(signs.held, 0);
     EXPECT_EQ(signs.moving, 590 - 20);
     for (std::size_t k = 300; k < 310; ++k)
@@ -192,7 +192,7 @@ TEST(DeviceSigns, OfARecordingThatIsAllMadeAreNotTakenForChance) {
         rows[k].east_m = 1.5 * static_cast<double>(k);
         rows[k].north_m = 0.25 * static_cast<double>(k);
     }
-    const DeviceEvidence signs = signs_of(rows);
+    const DeviceSigns signs = signs_of(rows);
     EXPECT_EQ(signs.interpolated, signs.moving);
     EXPECT_EQ(signs.by_chance, 0.0);
 }

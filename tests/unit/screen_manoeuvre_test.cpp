@@ -22,13 +22,13 @@ ScreenConfig config() {
 
 ScreenConfig without_manoeuvres() {
     ScreenConfig config = RUNCERT_FILE::config();
-    config.limits.acceleration_mps2 = 0.0;
+    config.limits.acceleration_m_s2 = 0.0;
     return config;
 }
 
 /// North at 25 m/s, and from 60 s on an acceleration that comes and goes within so long.
 struct Push {
-    double acceleration_mps2 = 0.0;
+    double acceleration_m_s2 = 0.0;
     double rounding_s = 0.5;
     double lasts_s = 3.0;  ///< with both roundings
     std::uint64_t seed = 1;
@@ -37,7 +37,7 @@ struct Push {
         const double since_s = time_s - 60.0;
         const double share =
             std::clamp(std::min(since_s, lasts_s - since_s) / rounding_s, 0.0, 1.0);
-        return acceleration_mps2 * share;
+        return acceleration_m_s2 * share;
     }
 };
 
@@ -51,7 +51,7 @@ EnuTable recorded(const Push& push) {
     table.facts.vertical_measured = true;
     table.facts.nominal_interval_s = 0.1;
     double north_m = 0.0;
-    double speed_mps = 25.0;
+    double speed_m_s = 25.0;
     for (std::size_t k = 0; k < epochs; ++k) {
         EnuEpoch& row = table.rows.emplace_back();
         row.epoch = static_cast<std::int64_t>(k) + 1;
@@ -61,11 +61,11 @@ EnuTable recorded(const Push& push) {
         row.up_m = 0.02 * random.normal();
         row.sigma_east_m = row.sigma_north_m = 0.01;
         row.sigma_up_m = 0.02;
-        row.fix = FixKind::fixed;
+        row.fix = FixType::fixed;
         for (int i = 0; i < 100; ++i) {
             const double a = push.acceleration(0.1 * static_cast<double>(k) + 0.001 * (i + 0.5));
-            north_m += 0.001 * (speed_mps + 0.0005 * a);
-            speed_mps += 0.001 * a;
+            north_m += 0.001 * (speed_m_s + 0.0005 * a);
+            speed_m_s += 0.001 * a;
         }
     }
     return table;
@@ -74,8 +74,8 @@ EnuTable recorded(const Push& push) {
 struct Found {
     std::int64_t usable = 0;
     std::int64_t arcs = 0;
-    double largest_mps2 = 0.0;
-    double far_mps2 = 0.0;  ///< the largest manoeuvre where there is none
+    double largest_m_s2 = 0.0;
+    double far_m_s2 = 0.0;  ///< the largest manoeuvre where there is none
 };
 
 Found found_in(const EnuTable& table, const ScreenConfig& config = RUNCERT_FILE::config()) {
@@ -83,10 +83,10 @@ Found found_in(const EnuTable& table, const ScreenConfig& config = RUNCERT_FILE:
     const ScreeningSummary summary = summarise(screened.rows);
     Found found{.usable = summary.usable, .arcs = summary.arcs};
     for (const ScreenedEpoch& row : screened.rows) {
-        const double size_mps2 = row.manoeuvre_mps2.value_or(0.0);
-        found.largest_mps2 = std::max(found.largest_mps2, size_mps2);
+        const double size_m_s2 = row.manoeuvre_m_s2.value_or(0.0);
+        found.largest_m_s2 = std::max(found.largest_m_s2, size_m_s2);
         const double time_s = row.time.seconds();
-        if (time_s < 59.5 || time_s > 63.5) found.far_mps2 = std::max(found.far_mps2, size_mps2);
+        if (time_s < 59.5 || time_s > 63.5) found.far_m_s2 = std::max(found.far_m_s2, size_m_s2);
     }
     return found;
 }
@@ -96,35 +96,35 @@ TEST(Manoeuvre, IsMotionAndLeavesTheArcWhole) {
         for (const double rounding_s : {0.1, 0.5})
             for (const std::uint64_t seed : {1U, 2U}) {
                 const Found found = found_in(recorded(
-                    {.acceleration_mps2 = acceleration, .rounding_s = rounding_s, .seed = seed}));
+                    {.acceleration_m_s2 = acceleration, .rounding_s = rounding_s, .seed = seed}));
                 EXPECT_EQ(found.usable, std::int64_t{epochs}) << acceleration << " " << rounding_s;
                 EXPECT_EQ(found.arcs, 1) << acceleration << " " << rounding_s;
-                EXPECT_GT(found.largest_mps2, 0.3 * std::abs(acceleration));
-                EXPECT_LT(found.largest_mps2, 1.5 * std::abs(acceleration));
-                EXPECT_EQ(found.far_mps2, 0.0);
+                EXPECT_GT(found.largest_m_s2, 0.3 * std::abs(acceleration));
+                EXPECT_LT(found.largest_m_s2, 1.5 * std::abs(acceleration));
+                EXPECT_EQ(found.far_m_s2, 0.0);
             }
 }
 
 TEST(Manoeuvre, WithoutTheHypothesisItIsTakenForAnError) {
-    const EnuTable table = recorded({.acceleration_mps2 = 8.0});
+    const EnuTable table = recorded({.acceleration_m_s2 = 8.0});
     EXPECT_LT(found_in(table, without_manoeuvres()).usable, std::int64_t{epochs});
 }
 
 TEST(Manoeuvre, OfWhatTheModelHasAnywayIsNotNamed) {
-    EXPECT_EQ(found_in(recorded({})).largest_mps2, 0.0);
-    EXPECT_EQ(found_in(recorded({.acceleration_mps2 = 0.5, .rounding_s = 1.0})).largest_mps2, 0.0);
+    EXPECT_EQ(found_in(recorded({})).largest_m_s2, 0.0);
+    EXPECT_EQ(found_in(recorded({.acceleration_m_s2 = 0.5, .rounding_s = 1.0})).largest_m_s2, 0.0);
 }
 
 TEST(Manoeuvre, HarderThanTheClassCanIsAnError) {
     // 20 m/s^2 is what a land yacht can make.
-    const Found found = found_in(recorded({.acceleration_mps2 = 60.0, .rounding_s = 0.1}));
+    const Found found = found_in(recorded({.acceleration_m_s2 = 60.0, .rounding_s = 0.1}));
     EXPECT_LT(found.usable, std::int64_t{epochs});
-    EXPECT_LE(found.largest_mps2, 20.0 * 1.5);
+    EXPECT_LE(found.largest_m_s2, 20.0 * 1.5);
 }
 
 TEST(Manoeuvre, ASlipBesideItIsFoundAllTheSame) {
     for (const std::size_t slip : {300U, 580U, 660U}) {
-        EnuTable table = recorded({.acceleration_mps2 = 6.0});
+        EnuTable table = recorded({.acceleration_m_s2 = 6.0});
         for (std::size_t k = slip; k < epochs; ++k)
             *table.rows[k].east_m += 0.5;
         const ScreenedTable screened = screen(table, config());
@@ -135,7 +135,7 @@ TEST(Manoeuvre, ASlipBesideItIsFoundAllTheSame) {
 }
 
 TEST(Manoeuvre, ADriftFarFromItIsRefused) {
-    EnuTable table = recorded({.acceleration_mps2 = 6.0});
+    EnuTable table = recorded({.acceleration_m_s2 = 6.0});
     for (std::size_t k = 300; k < epochs; ++k)
         *table.rows[k].east_m += 0.1 * static_cast<double>(k - 300);  // 1 m/s
     const ScreenedTable screened = screen(table, config());
@@ -166,8 +166,8 @@ class Stretch {
     EstimationModel model_{.motion = {.jerk_density = 0.6}};
 };
 
-TestPlan plan(double manoeuvre_max_mps2 = 20.0) {
-    return {0.001, 200 * tests_of_an_epoch(20), 0.8, 20, manoeuvre_max_mps2};
+TestPlan plan(double manoeuvre_max_m_s2 = 20.0) {
+    return {0.001, 200 * tests_of_an_epoch(20), 0.8, 20, manoeuvre_max_m_s2};
 }
 
 /// Of the candidates of a kind the best supported.
@@ -180,9 +180,9 @@ Candidate best_of(const std::vector<Candidate>& candidates, Hypothesis hypothesi
     return best;
 }
 
-double square_from(double time_s, double acceleration_mps2) {
+double square_from(double time_s, double acceleration_m_s2) {
     const double since_s = std::max(0.0, time_s - 10.0);
-    return 0.5 * acceleration_mps2 * since_s * since_s;
+    return 0.5 * acceleration_m_s2 * since_s * since_s;
 }
 
 TEST(ManoeuvreTest, FindsWhenAndByHowMuchTheAccelerationChanges) {
@@ -195,18 +195,18 @@ TEST(ManoeuvreTest, FindsWhenAndByHowMuchTheAccelerationChanges) {
     EXPECT_GT(best.statistic, with.critical(2));
     EXPECT_EQ(best.degrees_of_freedom, 2);
     // It is no error: nothing is estimated of one, and nothing stands in its place.
-    EXPECT_FALSE(tests.estimate_of(best).rate_north_mps);
+    EXPECT_FALSE(tests.estimate_of(best).rate_north_m_s);
     EXPECT_EQ(tests.best_explanation(best).first, best.first);
     EXPECT_TRUE(tests.best_explanation(best).manoeuvre);
     // Not where the plan has none, nor where it would be more than the class can make.
-    for (const double largest_mps2 : {0.0, 4.0}) {
-        const TestPlan less = plan(largest_mps2);
+    for (const double largest_m_s2 : {0.0, 4.0}) {
+        const TestPlan less = plan(largest_m_s2);
         const auto candidates = stretch.tests(less).candidates();
         EXPECT_FALSE(candidates.empty());
         EXPECT_LT(best_of(candidates, Hypothesis::ramp, true).statistic, best.statistic);
     }
     const TestPlan none = with.without_manoeuvres();
-    EXPECT_EQ(none.manoeuvre_max_mps2(), 0.0);
+    EXPECT_EQ(none.manoeuvre_max_m_s2(), 0.0);
     EXPECT_EQ(none.critical(2), with.critical(2));
     EXPECT_EQ(best_of(stretch.tests(none).candidates(), Hypothesis::ramp, true).statistic, 0.0);
 }

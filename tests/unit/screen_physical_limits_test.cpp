@@ -34,8 +34,8 @@ Table at_rest(std::size_t epochs) {
     return table;
 }
 
-PhysicalLimits limits(double acceleration_mps2, double jerk_mps3, double vertical_rate_mps) {
-    return {acceleration_mps2, jerk_mps3, vertical_rate_mps};
+PhysicalLimits limits(double acceleration_m_s2, double jerk_m_s3, double vertical_rate_m_s) {
+    return {acceleration_m_s2, jerk_m_s3, vertical_rate_m_s};
 }
 
 void expect_kept(const ScreenedEpoch& row) {
@@ -61,17 +61,17 @@ void expect_marked(const ScreenedEpoch& row, Hypothesis hypothesis, double stati
 TEST(PhysicalLimits, AnAccelerationAtTheLimitIsKeptAndOneBeyondItMarked) {
     Table table = at_rest(3);
     table.motion[1]->acceleration = {3.0, 4.0};
-    LimitEvidence evidence = check_limits(table.rows, table.motion, limits(5.0, 0.0, 0.0));
-    EXPECT_EQ(evidence.rejected, 0);
-    EXPECT_EQ(evidence.acceleration_mps2, 5.0);
-    EXPECT_EQ(evidence.acceleration_max_mps2, 5.0);
+    LimitComparison found = check_limits(table.rows, table.motion, limits(5.0, 0.0, 0.0));
+    EXPECT_EQ(found.rejected, 0);
+    EXPECT_EQ(found.acceleration_m_s2, 5.0);
+    EXPECT_EQ(found.acceleration_max_m_s2, 5.0);
     for (const ScreenedEpoch& row : table.rows)
         expect_kept(row);
 
     const double below = std::nextafter(5.0, 0.0);
-    evidence = check_limits(table.rows, table.motion, limits(below, 0.0, 0.0));
-    EXPECT_EQ(evidence.rejected, 1);
-    EXPECT_EQ(evidence.acceleration_mps2, 0.0);
+    found = check_limits(table.rows, table.motion, limits(below, 0.0, 0.0));
+    EXPECT_EQ(found.rejected, 1);
+    EXPECT_EQ(found.acceleration_m_s2, 0.0);
     expect_marked(table.rows[1], Hypothesis::acceleration, 5.0, 5.0);
     expect_kept(table.rows[0]);
     expect_kept(table.rows[2]);
@@ -88,13 +88,13 @@ TEST(PhysicalLimits, TheAllowanceIsTheQuantileTimesTheUncertaintyAlongTheAcceler
             motion->acceleration_covariance = covariance;
         table.motion[1]->acceleration = Eigen::Vector2d(0.6, 0.8) * threshold * factor;
         std::vector<ScreenedEpoch> rows = table.rows;
-        const LimitEvidence evidence = check_limits(rows, table.motion, limits(5.0, 0.0, 0.0));
+        const LimitComparison found = check_limits(rows, table.motion, limits(5.0, 0.0, 0.0));
         if (factor < 1.0) {
-            EXPECT_EQ(evidence.rejected, 0);
+            EXPECT_EQ(found.rejected, 0);
             expect_kept(rows[1]);
-            EXPECT_NEAR(evidence.acceleration_mps2, threshold, 1e-6);
+            EXPECT_NEAR(found.acceleration_m_s2, threshold, 1e-6);
         } else {
-            EXPECT_EQ(evidence.rejected, 1);
+            EXPECT_EQ(found.rejected, 1);
             expect_marked(rows[1], Hypothesis::acceleration, threshold * factor, threshold);
         }
     }
@@ -120,21 +120,21 @@ TEST(PhysicalLimits, JerkIsTheChangeOfAccelerationWithBothUncertaintiesAdded) {
     table.motion[1]->acceleration_covariance = Eigen::Matrix2d::Identity() * 0.0009;
     const double allowance = quantile_1e9 * 0.4;
     std::vector<ScreenedEpoch> rows = table.rows;
-    LimitEvidence evidence =
+    LimitComparison found =
         check_limits(rows, table.motion, limits(0.0, 10.0 - allowance + 1e-6, 0.0));
-    EXPECT_EQ(evidence.rejected, 0);
-    EXPECT_NEAR(evidence.jerk_mps3, 10.0, 1e-9);
+    EXPECT_EQ(found.rejected, 0);
+    EXPECT_NEAR(found.jerk_m_s3, 10.0, 1e-9);
 
     rows = table.rows;
     const double limit = 10.0 - allowance - 1e-6;
-    evidence = check_limits(rows, table.motion, limits(0.0, limit, 0.0));
-    EXPECT_EQ(evidence.rejected, 1);
+    found = check_limits(rows, table.motion, limits(0.0, limit, 0.0));
+    EXPECT_EQ(found.rejected, 1);
     expect_kept(rows[0]);
     expect_marked(rows[1], Hypothesis::jerk, 10.0, limit + allowance);
     // Against the last epoch kept, 0.2 s before.
     expect_kept(rows[2]);
-    EXPECT_NEAR(evidence.jerk_mps3, 5.0, 1e-9);
-    EXPECT_EQ(evidence.jerk_max_mps3, limit);
+    EXPECT_NEAR(found.jerk_m_s3, 5.0, 1e-9);
+    EXPECT_EQ(found.jerk_max_m_s3, limit);
 }
 
 TEST(PhysicalLimits, JerkIsNotTakenAcrossArcs) {
@@ -143,16 +143,16 @@ TEST(PhysicalLimits, JerkIsNotTakenAcrossArcs) {
         table.rows[k].arc = 2;
         table.motion[k]->acceleration = {100.0, 0.0};
     }
-    const LimitEvidence evidence = check_limits(table.rows, table.motion, limits(0.0, 1.0, 0.0));
-    EXPECT_EQ(evidence.rejected, 0);
-    EXPECT_EQ(evidence.jerk_mps3, 0.0);
+    const LimitComparison found = check_limits(table.rows, table.motion, limits(0.0, 1.0, 0.0));
+    EXPECT_EQ(found.rejected, 0);
+    EXPECT_EQ(found.jerk_m_s3, 0.0);
 }
 
 TEST(PhysicalLimits, OneWildEpochDoesNotTakeTheNextWithIt) {
     Table table = at_rest(5);
     table.motion[2]->acceleration = {50.0, 0.0};
-    const LimitEvidence evidence = check_limits(table.rows, table.motion, limits(10.0, 20.0, 0.0));
-    EXPECT_EQ(evidence.rejected, 1);
+    const LimitComparison found = check_limits(table.rows, table.motion, limits(10.0, 20.0, 0.0));
+    EXPECT_EQ(found.rejected, 1);
     expect_marked(table.rows[2], Hypothesis::acceleration, 50.0, 10.0);
     expect_kept(table.rows[3]);
 }
@@ -161,28 +161,28 @@ TEST(PhysicalLimits, VerticalRateUpAndDown) {
     Table table = at_rest(4);
     const double threshold = 2.0 + quantile_1e9 * 0.1;
     for (auto& motion : table.motion) {
-        motion->vertical_rate_mps = 0.0;
-        motion->sigma_vertical_rate_mps = 0.1;
+        motion->vertical_rate_m_s = 0.0;
+        motion->sigma_vertical_rate_m_s = 0.1;
     }
-    table.motion[1]->vertical_rate_mps = -(threshold + 1e-10);
-    table.motion[2]->vertical_rate_mps = threshold - 1e-10;
-    table.motion[3]->vertical_rate_mps = threshold + 1e-10;
-    const LimitEvidence evidence = check_limits(table.rows, table.motion, limits(1.0, 1.0, 2.0));
-    EXPECT_EQ(evidence.rejected, 2);
+    table.motion[1]->vertical_rate_m_s = -(threshold + 1e-10);
+    table.motion[2]->vertical_rate_m_s = threshold - 1e-10;
+    table.motion[3]->vertical_rate_m_s = threshold + 1e-10;
+    const LimitComparison found = check_limits(table.rows, table.motion, limits(1.0, 1.0, 2.0));
+    EXPECT_EQ(found.rejected, 2);
     expect_marked(table.rows[1], Hypothesis::vertical_rate, threshold, threshold);
     expect_kept(table.rows[2]);
     expect_marked(table.rows[3], Hypothesis::vertical_rate, threshold, threshold);
-    EXPECT_NEAR(evidence.vertical_rate_mps, threshold, 1e-6);
+    EXPECT_NEAR(found.vertical_rate_m_s, threshold, 1e-6);
 }
 
 TEST(PhysicalLimits, WithoutHeightsNoVerticalRateIsTested) {
     Table table = at_rest(3);
     for (auto& motion : table.motion)
-        motion->sigma_vertical_rate_mps = 1.0;
-    const LimitEvidence evidence = check_limits(table.rows, table.motion, limits(1.0, 1.0, 1e-6));
-    EXPECT_EQ(evidence.rejected, 0);
-    EXPECT_EQ(evidence.vertical_rate_mps, 0.0);
-    EXPECT_EQ(evidence.vertical_rate_max_mps, 1e-6);
+        motion->sigma_vertical_rate_m_s = 1.0;
+    const LimitComparison found = check_limits(table.rows, table.motion, limits(1.0, 1.0, 1e-6));
+    EXPECT_EQ(found.rejected, 0);
+    EXPECT_EQ(found.vertical_rate_m_s, 0.0);
+    EXPECT_EQ(found.vertical_rate_max_m_s, 1e-6);
 }
 
 TEST(PhysicalLimits, RowsOutsideArcsOrNotUsableAreUntouched) {
@@ -194,15 +194,15 @@ TEST(PhysicalLimits, RowsOutsideArcsOrNotUsableAreUntouched) {
     table.rows[3].usable = false;
     table.rows[3].reason = Reason::outlier;
     table.rows[3].hypothesis = Hypothesis::outlier;
-    const LimitEvidence evidence = check_limits(table.rows, table.motion, limits(10.0, 0.0, 0.0));
-    EXPECT_EQ(evidence.rejected, 2);
+    const LimitComparison found = check_limits(table.rows, table.motion, limits(10.0, 0.0, 0.0));
+    EXPECT_EQ(found.rejected, 2);
     EXPECT_FALSE(table.rows[0].usable);
     expect_kept(table.rows[1]);
     expect_kept(table.rows[2]);
     EXPECT_EQ(table.rows[3].reason, Reason::outlier);
     EXPECT_EQ(table.rows[3].hypothesis, Hypothesis::outlier);
     EXPECT_EQ(table.rows[3].statistic, 1.5);
-    EXPECT_EQ(evidence.acceleration_mps2, 0.0);
+    EXPECT_EQ(found.acceleration_m_s2, 0.0);
 }
 
 TEST(PhysicalLimits, AMarkReplacesWhatAnEarlierTestOfTheEpochFound) {
@@ -220,12 +220,12 @@ TEST(PhysicalLimits, AMarkReplacesWhatAnEarlierTestOfTheEpochFound) {
 TEST(PhysicalLimits, WithoutLimitsNothingIsMarkedAndTheLargestFiguresAreStillGiven) {
     Table table = at_rest(2);
     table.motion[1]->acceleration = {100.0, 0.0};
-    table.motion[1]->vertical_rate_mps = -30.0;
-    const LimitEvidence evidence = check_limits(table.rows, table.motion, {});
-    EXPECT_EQ(evidence.rejected, 0);
-    EXPECT_EQ(evidence.acceleration_mps2, 100.0);
-    EXPECT_NEAR(evidence.jerk_mps3, 1000.0, 1e-9);
-    EXPECT_EQ(evidence.vertical_rate_mps, 30.0);
+    table.motion[1]->vertical_rate_m_s = -30.0;
+    const LimitComparison found = check_limits(table.rows, table.motion, {});
+    EXPECT_EQ(found.rejected, 0);
+    EXPECT_EQ(found.acceleration_m_s2, 100.0);
+    EXPECT_NEAR(found.jerk_m_s3, 1000.0, 1e-9);
+    EXPECT_EQ(found.vertical_rate_m_s, 30.0);
 }
 
 }  // namespace

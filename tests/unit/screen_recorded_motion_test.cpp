@@ -19,7 +19,7 @@ struct Fall {
     bool positions_only = false;  ///< the velocities go on as before: the positions drift
 };
 
-double speed_mps(double time_s) {
+double speed_m_s(double time_s) {
     return 15.0 * std::clamp((20.2 - time_s) / 0.4, 0.0, 1.0);
 }
 
@@ -33,19 +33,19 @@ EnuTable recorded(const Fall& fall) {
     for (int k = 0; k < 400; ++k) {
         const double time_s = 0.1 * k;
         for (int i = 0; k > 0 && i < 10; ++i)
-            north_m += 0.01 * speed_mps(time_s - 0.1 + 0.01 * (i + 0.5));
+            north_m += 0.01 * speed_m_s(time_s - 0.1 + 0.01 * (i + 0.5));
         EnuEpoch& row = table.rows.emplace_back();
         row.epoch = k + 1;
         row.time.nanoseconds = k * 100'000'000LL;
         row.east_m = 0.002 * random.normal();
         row.north_m = north_m + 0.002 * random.normal();
         row.sigma_east_m = row.sigma_north_m = 0.5;
-        row.fix = FixKind::single;
+        row.fix = FixType::single;
         if (!fall.velocities) continue;
-        row.recorded_velocity_east_mps = 0.05 * random.normal();
-        row.recorded_velocity_north_mps =
-            (fall.positions_only ? 15.0 : speed_mps(time_s - fall.lag_s)) + 0.05 * random.normal();
-        row.sigma_recorded_velocity_east_mps = row.sigma_recorded_velocity_north_mps = 0.1;
+        row.recorded_velocity_east_m_s = 0.05 * random.normal();
+        row.recorded_velocity_north_m_s =
+            (fall.positions_only ? 15.0 : speed_m_s(time_s - fall.lag_s)) + 0.05 * random.normal();
+        row.sigma_recorded_velocity_east_m_s = row.sigma_recorded_velocity_north_m_s = 0.1;
     }
     return table;
 }
@@ -99,13 +99,13 @@ struct Ramp {
                                                  .statistic = 99.0,
                                                  .threshold = 40.0,
                                                  .estimated = {}};
-        decisions.breaks[30]->estimated.rate_north_mps = -6.0;
+        decisions.breaks[30]->estimated.rate_north_m_s = -6.0;
     }
     /// Velocities north that change by so much, that much later.
-    void record(double change_mps, std::size_t later = 0) {
+    void record(double change_m_s, std::size_t later = 0) {
         for (std::size_t k = 0; k < 60; ++k) {
-            rows[k].recorded_velocity_east_mps = 0.0;
-            rows[k].recorded_velocity_north_mps = k < 30 + later ? 10.0 : 10.0 + change_mps;
+            rows[k].recorded_velocity_east_m_s = 0.0;
+            rows[k].recorded_velocity_north_m_s = k < 30 + later ? 10.0 : 10.0 + change_m_s;
         }
     }
     std::int64_t left(TestedAxes axes = TestedAxes::horizontal, MarkOptions options = {}) {
@@ -132,23 +132,23 @@ TEST(Drift, ThatTheRecordedVelocitiesShareIsMotion) {
     EXPECT_EQ(ramp.left(), 0);
     // Not told at one epoch beside it: not asked.
     ramp.record(-6.0);
-    ramp.rows[20].recorded_velocity_north_mps.reset();
+    ramp.rows[20].recorded_velocity_north_m_s.reset();
     EXPECT_EQ(ramp.left(), 0);
 }
 
 TEST(Drift, OfHeightsIsAskedOfTheHorizontalVelocitiesForCraftsOnTheGround) {
     Ramp ramp;
     ramp.decisions.breaks[30]->estimated = {};
-    ramp.decisions.breaks[30]->estimated.rate_up_mps = -6.0;
+    ramp.decisions.breaks[30]->estimated.rate_up_m_s = -6.0;
     ramp.record(-6.0);
     EXPECT_EQ(ramp.left(TestedAxes::vertical), 60);
     EXPECT_EQ(ramp.left(TestedAxes::vertical, {.on_the_ground = false}), 0);
     // Where vertical velocities are recorded they are asked.
     for (ScreenedEpoch& row : ramp.rows)
-        row.recorded_velocity_up_mps = 10.0;
+        row.recorded_velocity_up_m_s = 10.0;
     EXPECT_EQ(ramp.left(TestedAxes::vertical), 0);
     for (std::size_t k = 30; k < 60; ++k)
-        ramp.rows[k].recorded_velocity_up_mps = 4.0;
+        ramp.rows[k].recorded_velocity_up_m_s = 4.0;
     EXPECT_EQ(ramp.left(TestedAxes::vertical, {.on_the_ground = false}), 60);
 }
 

@@ -18,7 +18,7 @@ ScreenConfig config() {
     return screen_config(attempt);
 }
 
-/// A run at 30 m/s with 10 mm noise at 10 Hz, fixed, with true stated accuracies.
+/// A run at 30 m/s with 10 mm noise at 10 Hz, fixed, with true stated standard deviations.
 EnuTable clean_run(std::size_t epochs, std::uint64_t seed = 1) {
     RandomGenerator random(seed);
     EnuTable table;
@@ -36,7 +36,7 @@ EnuTable clean_run(std::size_t epochs, std::uint64_t seed = 1) {
         row.up_m = 0.02 * random.normal();
         row.sigma_east_m = row.sigma_north_m = 0.01;
         row.sigma_up_m = 0.02;
-        row.fix = FixKind::fixed;
+        row.fix = FixType::fixed;
     }
     return table;
 }
@@ -65,10 +65,10 @@ TEST(Screen, EachEpochByItself) {
     const EpochCase cases[] = {
         {"no position", [](EnuTable& t) { t.rows[50].east_m.reset(); }, Reason::no_position},
         {"no height", [](EnuTable& t) { t.rows[50].up_m.reset(); }, Reason::no_position},
-        {"no fix", [](EnuTable& t) { t.rows[50].fix = FixKind::none; }, Reason::no_fix},
-        {"float", [](EnuTable& t) { t.rows[50].fix = FixKind::float_ambiguities; },
+        {"no fix", [](EnuTable& t) { t.rows[50].fix = FixType::none; }, Reason::no_fix},
+        {"float", [](EnuTable& t) { t.rows[50].fix = FixType::float_ambiguities; },
          Reason::float_ambiguities},
-        {"single", [](EnuTable& t) { t.rows[50].fix = FixKind::single; }, Reason::other_fix},
+        {"single", [](EnuTable& t) { t.rows[50].fix = FixType::single; }, Reason::other_fix},
         {"same time", [](EnuTable& t) { t.rows[50].time = t.rows[49].time; },
          Reason::duplicate_time},
         {"backward", [](EnuTable& t) { t.rows[50].time = t.rows[40].time; }, Reason::backward_time},
@@ -176,7 +176,7 @@ TEST(Screen, ADriftIsLeftOutOnBothSidesOfItsBeginning) {
     EXPECT_EQ(summarise(screened.rows).usable, 0);
     EXPECT_EQ(screened.rows[10].reason, Reason::model);
     EXPECT_EQ(screened.rows[200].hypothesis, Hypothesis::ramp);
-    EXPECT_NEAR(*screened.rows[200].estimated.rate_north_mps, 2.0, 0.2);
+    EXPECT_NEAR(*screened.rows[200].estimated.rate_north_m_s, 2.0, 0.2);
 }
 
 TEST(Screen, ABridgedStepKeepsOneArcWithItsOffset) {
@@ -235,7 +235,7 @@ TEST(Screen, AStepAndAnOutlierOnItsFirstEpochsLeaveNoWindowAcrossThem) {
     const ScreenedTable screened = screen(table, config());
     EXPECT_FALSE(screened.rows[100].usable);
     EXPECT_FALSE(screened.rows[101].usable);
-    // What hides the step is left out with it: a run of wrong epochs, no longer than those tested.
+    // What hides the step is left out with it: a run of outliers, no longer than those tested.
     EXPECT_GE(summarise(screened.rows).usable, 180);
     for (std::size_t k = 0; k < 95; ++k)
         EXPECT_TRUE(screened.rows[k].usable) << k;
@@ -268,7 +268,7 @@ TEST(Screen, EveryEpochSaysWhatWouldHaveBeenFound) {
     const ScreenedTable screened = screen(clean_run(300), config());
     for (std::size_t k = 10; k < 290; ++k) {
         const MinimalDetectableBias& size = screened.rows[k].detectable;
-        ASSERT_TRUE(size.outlier_m && size.step_m && size.ramp_mps && size.outlier_up_m);
+        ASSERT_TRUE(size.outlier_m && size.step_m && size.ramp_m_s && size.outlier_up_m);
         // Above the noise, of 10 mm, and far below what would make a record.
         EXPECT_GT(*size.outlier_m, 0.03);
         EXPECT_LT(*size.outlier_m, 0.12);
@@ -292,7 +292,7 @@ TEST(Screen, ShortArcsAreNotUsed) {
 }
 
 TEST(Screen, ErrorsLargerThanStatedAreNotMistakenForOutliers) {
-    // Stated accuracies are optimistic in practice; the variance factor takes that up.
+    // Stated standard deviations are optimistic in practice; the variance factor takes that up.
     EnuTable table = clean_run(400);
     for (EnuEpoch& row : table.rows) {
         row.sigma_east_m = row.sigma_north_m = 0.003;

@@ -74,7 +74,7 @@ EnuTable wrong_run() {
         row.up_m = 0.02 * worse * random.normal() + (k % 700 == 699 ? 0.5 : 0.0);
         row.sigma_east_m = row.sigma_north_m = 0.01;
         row.sigma_up_m = 0.02;
-        row.fix = FixKind::fixed;
+        row.fix = FixType::fixed;
     }
     return table;
 }
@@ -90,7 +90,7 @@ TEST(Sections, WhatIsFoundDoesNotDependOnThem) {
     in_sections.section_epochs = 1000;
     const ScreenedTable whole = screen(table, config());
     const ScreenedTable cut = screen(table, in_sections);
-    EXPECT_EQ(cut.evidence.passes, whole.evidence.passes);
+    EXPECT_EQ(cut.basis.passes, whole.basis.passes);
     std::int64_t left_out = 0;
     std::int64_t breaks = 0;
     for (std::size_t i = 0; i < table.rows.size(); ++i) {
@@ -105,7 +105,7 @@ TEST(Sections, WhatIsFoundDoesNotDependOnThem) {
         expect_near(a.local_variance_factor, b.local_variance_factor, b.epoch);
         expect_near(a.detectable.outlier_m, b.detectable.outlier_m, b.epoch);
         expect_near(a.detectable.step_m, b.detectable.step_m, b.epoch);
-        expect_near(a.detectable.ramp_mps, b.detectable.ramp_mps, b.epoch);
+        expect_near(a.detectable.ramp_m_s, b.detectable.ramp_m_s, b.epoch);
         expect_near(a.detectable.step_up_m, b.detectable.step_up_m, b.epoch);
         expect_near(a.estimated.east_m, b.estimated.east_m, b.epoch);
         left_out += b.usable ? 0 : 1;

@@ -27,18 +27,18 @@ ScreenedEpoch epoch_at(std::int64_t time_ns, double east_m, double north_m,
     row.east_m = east_m + 0.01 * noise.normal();
     row.north_m = north_m + 0.01 * noise.normal();
     row.sigma_east_m = row.sigma_north_m = 0.01;
-    row.fix = FixKind::fixed;
+    row.fix = FixType::fixed;
     return row;
 }
 
-/// Laps of 500 m radius at `speed_mps`, 10 mm noise, stamps in the nearest millisecond.
-Rows recording(std::size_t epochs, double speed_mps, double rate_hz = 10.0,
+/// Laps of 500 m radius at `speed_m_s`, 10 mm noise, stamps in the nearest millisecond.
+Rows recording(std::size_t epochs, double speed_m_s, double rate_hz = 10.0,
                std::uint64_t seed = 1) {
     RandomGenerator noise(seed);
     Rows rows;
     for (std::size_t k = 0; k < epochs; ++k) {
         const double time_s = static_cast<double>(k) / rate_hz;
-        const double angle = speed_mps * time_s / 500.0;
+        const double angle = speed_m_s * time_s / 500.0;
         rows.push_back(epoch_at(std::llround(time_s * 1e3) * 1'000'000, 500.0 * std::cos(angle),
                                 500.0 * std::sin(angle), noise));
     }
@@ -71,34 +71,34 @@ void carry(Rows& rows, std::size_t first, double by_m) {
         *rows[k].north_m += by_m;
 }
 
-TimeEvidence examine(Rows rows, double nominal_s = 0.1) {
+TimeStampSummary examine(Rows rows, double nominal_s = 0.1) {
     number_epochs(rows);
     return examine_time(rows, {.nominal_interval_s = nominal_s});
 }
 
-void expect_faults(const TimeEvidence& evidence, const std::vector<TimeFault>& expected) {
+void expect_faults(const TimeStampSummary& found, const std::vector<TimeFault>& expected) {
     std::int64_t sessions = 1;
-    ASSERT_EQ(evidence.faults.size(), expected.size());
+    ASSERT_EQ(found.faults.size(), expected.size());
     for (std::size_t k = 0; k < expected.size(); ++k) {
         SCOPED_TRACE(k);
-        EXPECT_EQ(evidence.faults[k].kind, expected[k].kind);
-        EXPECT_EQ(evidence.faults[k].epoch, expected[k].epoch);
-        EXPECT_NEAR(evidence.faults[k].size_s, expected[k].size_s, 1e-9);
+        EXPECT_EQ(found.faults[k].kind, expected[k].kind);
+        EXPECT_EQ(found.faults[k].epoch, expected[k].epoch);
+        EXPECT_NEAR(found.faults[k].size_s, expected[k].size_s, 1e-9);
         sessions += expected[k].kind == TimeFaultKind::session ? 1 : 0;
     }
-    EXPECT_EQ(evidence.sessions, sessions);
+    EXPECT_EQ(found.sessions, sessions);
 }
 
 TEST(TimeCheck, ACleanRecordingHasNoFault) {
-    for (const double speed_mps : {0.0, 0.5, 5.0, 60.0})
+    for (const double speed_m_s : {0.0, 0.5, 5.0, 60.0})
         for (const double rate_hz : {1.0, 5.0, 10.0, 20.0, 100.0}) {
-            const TimeEvidence evidence =
-                examine(recording(2000, speed_mps, rate_hz), 1.0 / rate_hz);
-            expect_faults(evidence, {});
-            EXPECT_EQ(evidence.gaps + evidence.duplicates + evidence.backward, 0);
-            EXPECT_EQ(evidence.longest_gap_s, 0.0);
-            EXPECT_NEAR(evidence.rate_deviation, 0.0, 1e-15);
-            EXPECT_NEAR(evidence.jitter_s, 0.0, 1e-12);
+            const TimeStampSummary found =
+                examine(recording(2000, speed_m_s, rate_hz), 1.0 / rate_hz);
+            expect_faults(found, {});
+            EXPECT_EQ(found.gaps + found.duplicates + found.backward, 0);
+            EXPECT_EQ(found.longest_gap_s, 0.0);
+            EXPECT_NEAR(found.rate_deviation, 0.0, 1e-15);
+            EXPECT_NEAR(found.jitter_s, 0.0, 1e-12);
         }
 }
 
@@ -106,11 +106,11 @@ TEST(TimeCheck, StampsOfThreeDecimalsAtThreeHertzAreNoFault) {
     const Rows rows = recording(3001, 30.0, 3.0);
     EXPECT_EQ(rows[1].time.nanoseconds, 333'000'000);
     EXPECT_EQ(rows[2].time.nanoseconds, 667'000'000);
-    const TimeEvidence evidence = examine(rows, 0.333);
-    expect_faults(evidence, {});
-    EXPECT_NEAR(evidence.rate_deviation, 0.0, 1e-12);
+    const TimeStampSummary found = examine(rows, 0.333);
+    expect_faults(found, {});
+    EXPECT_NEAR(found.rate_deviation, 0.0, 1e-12);
     // Of 0.333, 0.334, 0.333.
-    EXPECT_NEAR(evidence.jitter_s, std::sqrt(2.0) / 3.0 * 1e-3, 1e-7);
+    EXPECT_NEAR(found.jitter_s, std::sqrt(2.0) / 3.0 * 1e-3, 1e-7);
 }
 
 using Damage = std::function<void(Rows&)>;
@@ -143,7 +143,7 @@ void write_again(Rows& rows) {
 
 struct FaultCase {
     const char* name;
-    double speed_mps;
+    double speed_m_s;
     Damage damage;
     std::vector<TimeFault> faults;
     std::vector<std::int64_t> counts;  ///< gaps, duplicates, backward
@@ -212,14 +212,13 @@ TEST(TimeCheck, EachFaultAlone) {
         {"rows written again", 30, write_again, {{501, TimeFaultKind::backward, -2}}, {0, 0, 1}}};
     for (const FaultCase& one : cases) {
         SCOPED_TRACE(one.name);
-        Rows rows = recording(3000, one.speed_mps);
+        Rows rows = recording(3000, one.speed_m_s);
         one.damage(rows);
-        const TimeEvidence evidence = examine(rows);
-        expect_faults(evidence, one.faults);
-        const std::vector<std::int64_t> counts{evidence.gaps, evidence.duplicates,
-                                               evidence.backward};
+        const TimeStampSummary found = examine(rows);
+        expect_faults(found, one.faults);
+        const std::vector<std::int64_t> counts{found.gaps, found.duplicates, found.backward};
         EXPECT_EQ(counts, one.counts);
-        EXPECT_NEAR(evidence.rate_deviation, 0.0, 1e-12);
+        EXPECT_NEAR(found.rate_deviation, 0.0, 1e-12);
     }
 }
 
@@ -234,22 +233,22 @@ TEST(TimeCheck, FaultsTogether) {
     set_clock(rows, 2000, 600.0), carry(rows, 2000, 55.0);
     swap_rows(rows, 1500);
     set_clock(rows, 1000, -1.0);
-    const TimeEvidence evidence = examine(rows);
-    expect_faults(evidence, {{1001, TimeFaultKind::whole_second_shift, -1.0},
-                             {1501, TimeFaultKind::gap, 0.1},
-                             {1502, TimeFaultKind::backward, -0.2},
-                             {2001, TimeFaultKind::session, 600.0},
-                             {3001, TimeFaultKind::gap, 0.7},
-                             {3495, TimeFaultKind::duplicate, 0.0},
-                             {3496, TimeFaultKind::duplicate, 0.0},
-                             {3996, TimeFaultKind::session, -7200.0},
-                             {4496, TimeFaultKind::whole_second_shift, 18.0},
-                             {4996, TimeFaultKind::whole_second_shift, -18.0}});
-    EXPECT_EQ(evidence.gaps, 4);
-    EXPECT_EQ(evidence.duplicates, 2);
-    EXPECT_EQ(evidence.backward, 4);
-    EXPECT_NEAR(evidence.longest_gap_s, 600.1, 1e-9);
-    EXPECT_NEAR(evidence.rate_deviation, 0.0, 1e-12);
+    const TimeStampSummary found = examine(rows);
+    expect_faults(found, {{1001, TimeFaultKind::whole_second_shift, -1.0},
+                          {1501, TimeFaultKind::gap, 0.1},
+                          {1502, TimeFaultKind::backward, -0.2},
+                          {2001, TimeFaultKind::session, 600.0},
+                          {3001, TimeFaultKind::gap, 0.7},
+                          {3495, TimeFaultKind::duplicate, 0.0},
+                          {3496, TimeFaultKind::duplicate, 0.0},
+                          {3996, TimeFaultKind::session, -7200.0},
+                          {4496, TimeFaultKind::whole_second_shift, 18.0},
+                          {4996, TimeFaultKind::whole_second_shift, -18.0}});
+    EXPECT_EQ(found.gaps, 4);
+    EXPECT_EQ(found.duplicates, 2);
+    EXPECT_EQ(found.backward, 4);
+    EXPECT_NEAR(found.longest_gap_s, 600.1, 1e-9);
+    EXPECT_NEAR(found.rate_deviation, 0.0, 1e-12);
 }
 
 TEST(TimeCheck, MarksOfOtherTestsChangeNothing) {
@@ -301,15 +300,15 @@ TEST(TimeCheck, StampsOfTwoDecimalsAtThreeHertzShowAShiftToo) {
 /// A craft on a line whose acceleration changes at random within 8 m/s^2, and that stops often.
 Rows stop_and_go(std::size_t epochs, double rate_hz, RandomGenerator& random) {
     Rows rows;
-    double east_m = 0.0, speed_mps = 10.0, acceleration_mps2 = 0.0;
+    double east_m = 0.0, speed_m_s = 10.0, acceleration_m_s2 = 0.0;
     const int parts = static_cast<int>(100.0 / rate_hz);
     for (std::size_t k = 0; k < epochs; ++k) {
         const double time_s = static_cast<double>(k) / rate_hz;
         rows.push_back(epoch_at(std::llround(time_s * 1e9), east_m, 0.0, random));
         for (int part = 0; part < parts; ++part) {
-            if (random.uniform() < 0.01) acceleration_mps2 = 16.0 * random.uniform() - 8.0;
-            speed_mps = std::clamp(speed_mps + 0.01 * acceleration_mps2, 0.0, 40.0);
-            east_m += 0.01 * speed_mps;
+            if (random.uniform() < 0.01) acceleration_m_s2 = 16.0 * random.uniform() - 8.0;
+            speed_m_s = std::clamp(speed_m_s + 0.01 * acceleration_m_s2, 0.0, 40.0);
+            east_m += 0.01 * speed_m_s;
         }
     }
     return rows;
@@ -324,10 +323,10 @@ TEST(TimeCheck, LossesOfWholeSecondsAreNotTakenForShiftsOfTheClock) {
             for (std::size_t row = 2900; row > 100; row -= 50)
                 lose(rows, row,
                      static_cast<std::size_t>(std::ceil(4.0 * random.uniform()) * rate_hz));
-            const TimeEvidence evidence = examine(rows, 1.0 / rate_hz);
-            for (const TimeFault& fault : evidence.faults)
+            const TimeStampSummary found = examine(rows, 1.0 / rate_hz);
+            for (const TimeFault& fault : found.faults)
                 EXPECT_EQ(fault.kind, TimeFaultKind::gap) << rate_hz << " " << fault.epoch;
-            gaps += evidence.faults.size();
+            gaps += found.faults.size();
         }
     EXPECT_EQ(gaps, 3U * 20U * 56U);
 }
@@ -337,9 +336,9 @@ TEST(TimeCheck, ShiftsOfTheClockAreFoundWhereTheCraftIsFast) {
     std::size_t fast = 0;
     for (int run = 0; run < 200; ++run) {
         Rows rows = stop_and_go(1000, 10.0, random);
-        const double before_mps = (*rows[499].east_m - *rows[497].east_m) / 0.2;
-        const double after_mps = (*rows[502].east_m - *rows[500].east_m) / 0.2;
-        if (std::min(before_mps, after_mps) < 4.0) continue;
+        const double before_m_s = (*rows[499].east_m - *rows[497].east_m) / 0.2;
+        const double after_m_s = (*rows[502].east_m - *rows[500].east_m) / 0.2;
+        if (std::min(before_m_s, after_m_s) < 4.0) continue;
         ++fast;
         const double size_s = std::ceil(random.uniform() * 18.0) * (run % 2 == 0 ? 1.0 : -1.0);
         set_clock(rows, 500, size_s);
@@ -358,10 +357,10 @@ TEST(TimeCheck, ALoggersOwnClockShowsItsRate) {
                     std::llround(static_cast<double>(k) * interval_ns / 1e6) * 1'000'000;
             lose(rows, 6000, 5);
             repeat(rows, 3000);
-            const TimeEvidence evidence = examine(rows, 1.0 / rate_hz);
+            const TimeStampSummary found = examine(rows, 1.0 / rate_hz);
             // Each end of two stretches is within half a millisecond.
-            EXPECT_NEAR(evidence.rate_deviation, deviation, 2e-3 / (12000.0 / rate_hz));
-            EXPECT_EQ(evidence.faults.size(), 2U);
+            EXPECT_NEAR(found.rate_deviation, deviation, 2e-3 / (12000.0 / rate_hz));
+            EXPECT_EQ(found.faults.size(), 2U);
         }
     }
 }
@@ -429,18 +428,18 @@ TEST(TimeCheck, JitterIsTheStandardDeviationOfTheIntervals) {
     RandomGenerator random(3);
     for (ScreenedEpoch& row : rows)
         row.time.nanoseconds += std::llround(2e6 * random.normal());
-    const TimeEvidence evidence = examine(rows);
-    EXPECT_NEAR(evidence.jitter_s, 2e-3 * std::sqrt(2.0), 5e-5);
-    expect_faults(evidence, {});
+    const TimeStampSummary found = examine(rows);
+    EXPECT_NEAR(found.jitter_s, 2e-3 * std::sqrt(2.0), 5e-5);
+    expect_faults(found, {});
 }
 
 TEST(TimeCheck, CountsAreOfAllFaultsAndTheListOfTheFirstThousand) {
     Rows reversed = recording(1501, 0.0);
     std::reverse(reversed.begin(), reversed.end());
-    const TimeEvidence evidence = examine(reversed);
-    EXPECT_EQ(evidence.backward, 1500);
-    ASSERT_EQ(evidence.faults.size(), 1000U);
-    EXPECT_EQ(evidence.faults.back().epoch, 1001);
+    const TimeStampSummary found = examine(reversed);
+    EXPECT_EQ(found.backward, 1500);
+    ASSERT_EQ(found.faults.size(), 1000U);
+    EXPECT_EQ(found.faults.back().epoch, 1001);
 }
 
 TEST(TimeCheck, EveryFaultIsCountedOnceHoweverTheRowsAreMixed) {
@@ -467,21 +466,21 @@ TEST(TimeCheck, EveryFaultIsCountedOnceHoweverTheRowsAreMixed) {
                     break;
             }
         }
-        const TimeEvidence evidence = examine(rows);
-        EXPECT_EQ(static_cast<std::size_t>(evidence.gaps + evidence.duplicates + evidence.backward),
-                  evidence.faults.size());
+        const TimeStampSummary found = examine(rows);
+        EXPECT_EQ(static_cast<std::size_t>(found.gaps + found.duplicates + found.backward),
+                  found.faults.size());
         EXPECT_TRUE(std::is_sorted(
-            evidence.faults.begin(), evidence.faults.end(),
+            found.faults.begin(), found.faults.end(),
             [](const TimeFault& a, const TimeFault& b) { return a.epoch < b.epoch; }));
     }
 }
 
 TEST(TimeCheck, TooFewRows) {
     for (const std::size_t epochs : {0U, 1U, 2U}) {
-        const TimeEvidence evidence = examine(recording(epochs, 30.0), 0.0);
-        expect_faults(evidence, {});
-        EXPECT_EQ(evidence.rate_deviation, 0.0);
-        EXPECT_EQ(evidence.jitter_s, 0.0);
+        const TimeStampSummary found = examine(recording(epochs, 30.0), 0.0);
+        expect_faults(found, {});
+        EXPECT_EQ(found.rate_deviation, 0.0);
+        EXPECT_EQ(found.jitter_s, 0.0);
     }
     Rows frozen = recording(3, 30.0);
     for (ScreenedEpoch& row : frozen)
@@ -499,7 +498,7 @@ TEST(TimeCheck, TheNominalIntervalIsFoundWhereItIsNotGiven) {
 
 ScreenConfig config() {
     ScreenConfig config;
-    config.allowed_fixes = {FixKind::fixed};
+    config.allowed_fixes = {FixType::fixed};
     config.accuracy_min_m = 1e-4;
     config.accuracy_max_m = 10.0;
     config.gap_factor = 1.5;

@@ -14,15 +14,15 @@ namespace {
 
 /// A drive that accelerates: on each axis a steady speed, and sines of speed.
 struct Drive {
-    double steady_mps = 15.0;
-    double sway_mps = 6.0;
+    double steady_m_s = 15.0;
+    double sway_m_s = 6.0;
 
     Eigen::Vector2d velocity(double t) const {
-        return {steady_mps + sway_mps * std::sin(0.5 * t), sway_mps * std::sin(0.4 * t + 1.0)};
+        return {steady_m_s + sway_m_s * std::sin(0.5 * t), sway_m_s * std::sin(0.4 * t + 1.0)};
     }
     Eigen::Vector2d position(double t) const {
-        return {steady_mps * t - sway_mps / 0.5 * std::cos(0.5 * t),
-                -sway_mps / 0.4 * std::cos(0.4 * t + 1.0)};
+        return {steady_m_s * t - sway_m_s / 0.5 * std::cos(0.5 * t),
+                -sway_m_s / 0.4 * std::cos(0.4 * t + 1.0)};
     }
 };
 
@@ -37,7 +37,7 @@ struct Recording {
 };
 
 constexpr double position_sigma_m = 0.01;
-constexpr double velocity_sigma_mps = 0.03;
+constexpr double velocity_sigma_m_s = 0.03;
 
 Recording record(const Drive& drive, std::size_t epochs, double interval_s, double delay_s,
                  std::uint64_t seed) {
@@ -53,8 +53,8 @@ Recording record(const Drive& drive, std::size_t epochs, double interval_s, doub
         row.east_m = position.x() + position_sigma_m * random.normal();
         row.north_m = position.y() + position_sigma_m * random.normal();
         row.sigma_east_m = row.sigma_north_m = position_sigma_m;
-        row.recorded_velocity_east_mps = velocity.x() + velocity_sigma_mps * random.normal();
-        row.recorded_velocity_north_mps = velocity.y() + velocity_sigma_mps * random.normal();
+        row.recorded_velocity_east_m_s = velocity.x() + velocity_sigma_m_s * random.normal();
+        row.recorded_velocity_north_m_s = velocity.y() + velocity_sigma_m_s * random.normal();
         row.usable = true;
         row.arc = 1;
     }
@@ -107,12 +107,12 @@ TEST(VelocityCheck, FindsTheDelay) {
         for (const double interval_s : {0.1, 0.25})
             for (const std::uint64_t seed : {1U, 2U, 3U}) {
                 Recording recording = smoothed({}, 1200, interval_s, delay_s, seed);
-                const auto evidence =
+                const auto found =
                     check_velocities(recording.rows, recording.motion, recording.options());
-                ASSERT_TRUE(evidence && evidence->delay_s && evidence->sigma_delay_s);
-                EXPECT_NEAR(*evidence->delay_s, delay_s, 3.0 * *evidence->sigma_delay_s);
-                EXPECT_NEAR(*evidence->delay_s, delay_s, 0.01);
-                EXPECT_LT(*evidence->sigma_delay_s, 0.003);
+                ASSERT_TRUE(found && found->delay_s && found->sigma_delay_s);
+                EXPECT_NEAR(*found->delay_s, delay_s, 3.0 * *found->sigma_delay_s);
+                EXPECT_NEAR(*found->delay_s, delay_s, 0.01);
+                EXPECT_LT(*found->sigma_delay_s, 0.003);
                 EXPECT_TRUE(marked(recording).empty());
             }
 }
@@ -128,14 +128,14 @@ TEST(VelocityCheck, TheDelaysUncertaintyIsTheSpread) {
             Eigen::Vector2d error = Eigen::Vector2d::Zero();
             for (ScreenedEpoch& row : recording.rows) {
                 error = kept * error + 0.06 * Eigen::Vector2d(random.normal(), random.normal());
-                *row.recorded_velocity_east_mps += error.x();
-                *row.recorded_velocity_north_mps += error.y();
+                *row.recorded_velocity_east_m_s += error.x();
+                *row.recorded_velocity_north_m_s += error.y();
             }
             smooth_positions(recording);
-            const auto evidence =
+            const auto found =
                 check_velocities(recording.rows, recording.motion, recording.options());
-            delays.push_back(evidence->delay_s.value());
-            sigmas.push_back(evidence->sigma_delay_s.value());
+            delays.push_back(found->delay_s.value());
+            sigmas.push_back(found->sigma_delay_s.value());
         }
         const double ratio = standard_deviation(delays) / median(sigmas);
         EXPECT_GT(ratio, 0.75) << kept;
@@ -148,12 +148,12 @@ TEST(VelocityCheck, OutliersDoNotDecideTheDelay) {
     Recording recording = record({}, 1200, 0.1, 0.12, 5);
     RandomGenerator random(6);
     for (std::size_t k = 0; k < recording.rows.size(); ++k) {
-        if (k % 10 == 3) *recording.rows[k].recorded_velocity_east_mps += 5.0 * random.normal();
+        if (k % 10 == 3) *recording.rows[k].recorded_velocity_east_m_s += 5.0 * random.normal();
         if (k % 20 == 7) *recording.rows[k].north_m += 0.2 * random.normal();
     }
     smooth_positions(recording);
-    const auto evidence = check_velocities(recording.rows, recording.motion, recording.options());
-    EXPECT_NEAR(evidence->delay_s.value(), 0.12, 0.01);
+    const auto found = check_velocities(recording.rows, recording.motion, recording.options());
+    EXPECT_NEAR(found->delay_s.value(), 0.12, 0.01);
 }
 
 TEST(VelocityCheck, AnUnheededDelayLooksLikeErrors) {
@@ -163,36 +163,35 @@ TEST(VelocityCheck, AnUnheededDelayLooksLikeErrors) {
     const auto without = check_velocities(rows, recording.motion, recording.options(0.0));
     EXPECT_FALSE(without->delay_s);
     // Between the recorded velocity's noise and both, the smoothed one's at most as stated.
-    const double smoothed_sigma_mps = std::sqrt(recording.motion[600]->velocity_covariance(0, 0));
-    EXPECT_GT(with->scale_mps, velocity_sigma_mps);
-    EXPECT_LT(with->scale_mps, std::hypot(velocity_sigma_mps, smoothed_sigma_mps));
-    EXPECT_GT(without->scale_mps, 3.0 * with->scale_mps);
+    const double smoothed_sigma_m_s = std::sqrt(recording.motion[600]->velocity_covariance(0, 0));
+    EXPECT_GT(with->scale_m_s, velocity_sigma_m_s);
+    EXPECT_LT(with->scale_m_s, std::hypot(velocity_sigma_m_s, smoothed_sigma_m_s));
+    EXPECT_GT(without->scale_m_s, 3.0 * with->scale_m_s);
 }
 
 TEST(VelocityCheck, SteadyMotionDoesNotTellTheDelay) {
-    Recording recording = smoothed({.steady_mps = 20.0, .sway_mps = 0.0}, 1200, 0.1, 0.12);
-    const auto evidence = check_velocities(recording.rows, recording.motion, recording.options());
-    ASSERT_TRUE(evidence);
-    EXPECT_FALSE(evidence->delay_s);
-    EXPECT_FALSE(evidence->sigma_delay_s);
-    EXPECT_EQ(evidence->compared, 1200);
+    Recording recording = smoothed({.steady_m_s = 20.0, .sway_m_s = 0.0}, 1200, 0.1, 0.12);
+    const auto found = check_velocities(recording.rows, recording.motion, recording.options());
+    ASSERT_TRUE(found);
+    EXPECT_FALSE(found->delay_s);
+    EXPECT_FALSE(found->sigma_delay_s);
+    EXPECT_EQ(found->compared, 1200);
     EXPECT_TRUE(marked(recording).empty());
 }
 
 // What lies beyond the range is not reported as its limit.
 TEST(VelocityCheck, ADelayBeyondTheRangeIsNotTold) {
     Recording recording = smoothed({}, 1200, 0.1, 0.5);
-    const auto evidence =
-        check_velocities(recording.rows, recording.motion, recording.options(0.3));
-    EXPECT_FALSE(evidence->delay_s);
+    const auto found = check_velocities(recording.rows, recording.motion, recording.options(0.3));
+    EXPECT_FALSE(found->delay_s);
     EXPECT_TRUE(marked(recording).empty());
 }
 
 TEST(VelocityCheck, CleanDataStayAsTheyAre) {
     Recording recording = smoothed({}, 10'000, 0.1, 0.12, 9);
-    const auto evidence = check_velocities(recording.rows, recording.motion, recording.options());
-    EXPECT_GT(evidence->compared, 9990);
-    EXPECT_EQ(evidence->rejected, 0);
+    const auto found = check_velocities(recording.rows, recording.motion, recording.options());
+    EXPECT_GT(found->compared, 9990);
+    EXPECT_EQ(found->rejected, 0);
     for (const ScreenedEpoch& row : recording.rows) {
         ASSERT_TRUE(row.usable) << row.epoch;
         ASSERT_FALSE(row.statistic || row.hypothesis);
@@ -209,20 +208,20 @@ TEST(VelocityCheck, HeavyTailsAndParkedStretchesMarkNothing) {
         if (k < 900) {
             row.east_m = 0.002 * random.normal();
             row.north_m = 0.002 * random.normal();
-            row.recorded_velocity_east_mps = 0.005 * random.normal();
-            row.recorded_velocity_north_mps = 0.005 * random.normal();
+            row.recorded_velocity_east_m_s = 0.005 * random.normal();
+            row.recorded_velocity_north_m_s = 0.005 * random.normal();
             row.arc = 1;
         } else {
-            *row.recorded_velocity_east_mps += 0.2 * random.normal();
-            *row.recorded_velocity_north_mps += 0.2 * random.normal();
-            if (k % 50 == 20) *row.recorded_velocity_east_mps += 2.2;
+            *row.recorded_velocity_east_m_s += 0.2 * random.normal();
+            *row.recorded_velocity_north_m_s += 0.2 * random.normal();
+            if (k % 50 == 20) *row.recorded_velocity_east_m_s += 2.2;
             row.arc = 2;
         }
     }
     smooth_positions(recording);
-    const auto evidence = check_velocities(recording.rows, recording.motion, recording.options());
-    EXPECT_LT(evidence->scale_mps, velocity_sigma_mps);
-    EXPECT_NEAR(evidence->delay_s.value(), 0.12, 3.0 * evidence->sigma_delay_s.value());
+    const auto found = check_velocities(recording.rows, recording.motion, recording.options());
+    EXPECT_LT(found->scale_m_s, velocity_sigma_m_s);
+    EXPECT_NEAR(found->delay_s.value(), 0.12, 3.0 * found->sigma_delay_s.value());
     EXPECT_TRUE(marked(recording).empty());
 }
 
@@ -231,10 +230,9 @@ TEST(VelocityCheck, AWrongPositionIsMarkedAndOnlyIt) {
         Recording recording = record({}, 600, interval_s, 0.12, 3);
         *recording.rows[300].east_m += 3.0 * interval_s;  // 3 m/s wrong on both sides
         smooth_positions(recording);
-        const auto evidence =
-            check_velocities(recording.rows, recording.motion, recording.options());
+        const auto found = check_velocities(recording.rows, recording.motion, recording.options());
         EXPECT_EQ(marked(recording), std::vector<std::int64_t>{301}) << interval_s;
-        EXPECT_EQ(evidence->rejected, 1);
+        EXPECT_EQ(found->rejected, 1);
         const ScreenedEpoch& row = recording.rows[300];
         EXPECT_FALSE(row.usable);
         EXPECT_EQ(row.hypothesis, Hypothesis::velocity);
@@ -294,8 +292,8 @@ TEST(VelocityCheck, OnlyUsableRowsAreMarked) {
     recording.rows[300].usable = false;
     recording.rows[300].reason = Reason::outlier;
     smooth_positions(recording);
-    const auto evidence = check_velocities(recording.rows, recording.motion, recording.options());
-    EXPECT_EQ(evidence->rejected, 0);
+    const auto found = check_velocities(recording.rows, recording.motion, recording.options());
+    EXPECT_EQ(found->rejected, 0);
     EXPECT_EQ(recording.rows[300].reason, Reason::outlier);
 }
 
@@ -307,15 +305,14 @@ TEST(VelocityCheck, ArcsAreNeverJoined) {
             ScreenedEpoch& row = recording.rows[k];
             row.arc = 2;
             *row.east_m += 50.0 + 10.0 * row.time.seconds();
-            *row.recorded_velocity_east_mps += 10.0;
+            *row.recorded_velocity_east_m_s += 10.0;
         }
         smooth_positions(recording);
-        const auto evidence =
-            check_velocities(recording.rows, recording.motion, recording.options());
+        const auto found = check_velocities(recording.rows, recording.motion, recording.options());
         EXPECT_TRUE(marked(recording).empty());
-        EXPECT_NEAR(evidence->delay_s.value(), delay_s, 0.01);
+        EXPECT_NEAR(found->delay_s.value(), delay_s, 0.01);
         // Two epochs at one end of each arc look out of it.
-        EXPECT_EQ(evidence->compared, 800 - 2 * 2);
+        EXPECT_EQ(found->compared, 800 - 2 * 2);
     }
 }
 
@@ -323,12 +320,11 @@ TEST(VelocityCheck, ReceiversThatDoNotFillTheField) {
     Recording recording = smoothed({}, 600, 0.1, 0.12);
     for (const double constant : {0.0, 7.0}) {
         for (ScreenedEpoch& row : recording.rows)
-            row.recorded_velocity_east_mps = row.recorded_velocity_north_mps = constant;
-        const auto evidence =
-            check_velocities(recording.rows, recording.motion, recording.options());
-        ASSERT_TRUE(evidence);
-        EXPECT_EQ(evidence->compared, 0);
-        EXPECT_FALSE(evidence->delay_s);
+            row.recorded_velocity_east_m_s = row.recorded_velocity_north_m_s = constant;
+        const auto found = check_velocities(recording.rows, recording.motion, recording.options());
+        ASSERT_TRUE(found);
+        EXPECT_EQ(found->compared, 0);
+        EXPECT_FALSE(found->delay_s);
         EXPECT_TRUE(marked(recording).empty());
     }
 }
@@ -337,15 +333,15 @@ TEST(VelocityCheck, TooFewToCompare) {
     Recording recording = smoothed({}, 100, 0.1, 0.12);
     auto few = recording.rows;
     for (std::size_t k = 29; k < few.size(); ++k)
-        few[k].recorded_velocity_north_mps.reset();
+        few[k].recorded_velocity_north_m_s.reset();
     EXPECT_FALSE(check_velocities(few, recording.motion, recording.options()));
 
     auto unusable = recording.rows;
     for (std::size_t k = 29; k < unusable.size(); ++k)
         unusable[k].usable = false;
-    const auto evidence = check_velocities(unusable, recording.motion, recording.options());
-    ASSERT_TRUE(evidence);
-    EXPECT_EQ(evidence->compared, 0);
+    const auto found = check_velocities(unusable, recording.motion, recording.options());
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->compared, 0);
 }
 
 }  // namespace

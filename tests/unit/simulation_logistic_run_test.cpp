@@ -48,9 +48,9 @@ TEST(LogisticRun, ReproducesTable2OfThePaperToItsPrintedDigits) {
         const SimulatedEpoch& epoch = epochs.at(std::stoul(row[0]) - 1);
         EXPECT_EQ(format_fixed(epoch.time_s(), 1), row[1]);
         EXPECT_EQ(printed(epoch.truth.distance_m), row[2]) << line;
-        EXPECT_EQ(printed(epoch.truth.speed_mps), row[3]) << line;
-        EXPECT_EQ(printed(epoch.truth.acceleration_mps2), row[4]) << line;
-        EXPECT_EQ(printed(epoch.truth.jerk_mps3), row[5]) << line;
+        EXPECT_EQ(printed(epoch.truth.speed_m_s), row[3]) << line;
+        EXPECT_EQ(printed(epoch.truth.acceleration_m_s2), row[4]) << line;
+        EXPECT_EQ(printed(epoch.truth.jerk_m_s3), row[5]) << line;
         EXPECT_EQ(printed(epoch.true_enu_m.x()), row[6]) << line;
         EXPECT_EQ(printed(epoch.true_enu_m.y()), row[7]) << line;
     }
@@ -58,7 +58,7 @@ TEST(LogisticRun, ReproducesTable2OfThePaperToItsPrintedDigits) {
 }
 
 TEST(LogisticRun, HasDerivativesThatAreDerivatives) {
-    const LogisticRun run{.top_speed_mps = 64.5, .start_speed_mps = 0.1, .half_speed_time_s = 25.0};
+    const LogisticRun run{.top_speed_m_s = 64.5, .start_speed_m_s = 0.1, .half_speed_time_s = 25.0};
     const double h = 1e-3;
     for (const double t : {-3.0, 0.0, 5.0, 20.0, 24.99, 25.0, 30.0, 50.0, 80.0}) {
         const RunState before = logistic_run(run, t - h);
@@ -67,9 +67,9 @@ TEST(LogisticRun, HasDerivativesThatAreDerivatives) {
         const auto slope = [&](double RunState::*of) {
             return (after.*of - before.*of) / (2.0 * h);
         };
-        EXPECT_NEAR(slope(&RunState::distance_m), now.speed_mps, 1e-6);
-        EXPECT_NEAR(slope(&RunState::speed_mps), now.acceleration_mps2, 1e-6);
-        EXPECT_NEAR(slope(&RunState::acceleration_mps2), now.jerk_mps3, 1e-6);
+        EXPECT_NEAR(slope(&RunState::distance_m), now.speed_m_s, 1e-6);
+        EXPECT_NEAR(slope(&RunState::speed_m_s), now.acceleration_m_s2, 1e-6);
+        EXPECT_NEAR(slope(&RunState::acceleration_m_s2), now.jerk_m_s3, 1e-6);
     }
 }
 
@@ -80,8 +80,8 @@ TEST(LogisticRun, AgreesWithTheEquationsAsThePaperWritesThem) {
     for (double t = 0.0; t < 45.0; t += 0.7) {
         const double u = r * (t - 15.0);
         const RunState state = logistic_run(run, t);
-        EXPECT_NEAR(state.acceleration_mps2, A * r / (2.0 * (1.0 + std::cosh(u))), 1e-13);
-        EXPECT_NEAR(state.jerk_mps3,
+        EXPECT_NEAR(state.acceleration_m_s2, A * r / (2.0 * (1.0 + std::cosh(u))), 1e-13);
+        EXPECT_NEAR(state.jerk_m_s3,
                     -(A * r * r / 2.0) * std::sinh(u) / std::pow(1.0 + std::cosh(u), 2), 1e-13);
     }
 }
@@ -90,9 +90,9 @@ TEST(LogisticRun, StaysFiniteFarFromTheTimeOfHalfSpeed) {
     // cosh(1000) overflows, and sinh / cosh^2 would be no number.
     for (const double t : {-1e5, 1e5}) {
         const RunState state = logistic_run({}, t);
-        EXPECT_EQ(state.speed_mps, t > 0.0 ? 60.0 : 0.0);
-        EXPECT_EQ(state.acceleration_mps2, 0.0);
-        EXPECT_EQ(state.jerk_mps3, 0.0);
+        EXPECT_EQ(state.speed_m_s, t > 0.0 ? 60.0 : 0.0);
+        EXPECT_EQ(state.acceleration_m_s2, 0.0);
+        EXPECT_EQ(state.jerk_m_s3, 0.0);
     }
     EXPECT_NEAR(logistic_run({}, 1e5).distance_m, 60.0 * (1e5 - 15.0), 0.1);
 }

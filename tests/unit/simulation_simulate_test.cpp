@@ -143,7 +143,7 @@ TEST(Simulate, RefusesWhatIsNoSimulation) {
     refused([](SimulationSpec& spec) { spec.white.horizontal_m = -0.001; });
     refused([](SimulationSpec& spec) { spec.correlated.vertical_m = std::nan(""); });
     refused([](SimulationSpec& spec) { spec.correlation_time_s = 0.0; });
-    refused([](SimulationSpec& spec) { spec.run.start_speed_mps = 30.0; });
+    refused([](SimulationSpec& spec) { spec.run.start_speed_m_s = 30.0; });
 }
 
 }  // namespace

@@ -49,7 +49,7 @@ ScreenedTable record(const Recording& recording) {
         row.east_m = position.x();
         row.north_m = position.y();
         row.sigma_east_m = row.sigma_north_m = recording.stated_m;
-        row.fix = FixKind::fixed;
+        row.fix = FixType::fixed;
         row.usable = true;
         row.arc = 1;
     }
@@ -68,28 +68,28 @@ SmoothConfig as_stated() {
     return config;
 }
 
-NoiseSummary learnt(const ScreenedTable& table, const SmoothConfig& with = config()) {
+NoiseSummary estimated(const ScreenedTable& table, const SmoothConfig& with = config()) {
     std::vector<Arc<2>> arcs = arcs_of<2>(table);
-    return learn_noise<2>(arcs, with);
+    return estimate_noise<2>(arcs, with);
 }
 
 TEST(LearnNoise, FromTooFewEpochs) {
     // 30, and the three at the beginning of an arc that its vague prior makes worthless.
-    const NoiseSummary noise = learnt(record({.epochs = 32}));
+    const NoiseSummary noise = estimated(record({.epochs = 32}));
     EXPECT_EQ(noise.status, NoiseBasis::too_few_epochs);
     EXPECT_EQ(noise.epochs, 32);
     EXPECT_EQ(noise.epochs_needed, 33);
     EXPECT_GE(noise.measurement_scale.value, 1.0);
     EXPECT_NEAR(noise.jerk_density.value / noise.measurement_scale.value, 0.6, 1e-6);
-    EXPECT_EQ(learnt(record({.epochs = 33})).status, NoiseBasis::fitted);
+    EXPECT_EQ(estimated(record({.epochs = 33})).status, NoiseBasis::fitted);
 }
 
 TEST(LearnNoise, OnlyMeasuredEpochsCount) {
     ScreenedTable table = record({.epochs = 34});
     table.rows[10].usable = table.rows[20].usable = false;
     table.rows[10].reason = table.rows[20].reason = Reason::outlier;
-    EXPECT_EQ(learnt(table).status, NoiseBasis::too_few_epochs);
-    EXPECT_EQ(learnt(table).epochs, 32);
+    EXPECT_EQ(estimated(table).status, NoiseBasis::too_few_epochs);
+    EXPECT_EQ(estimated(table).epochs, 32);
 }
 
 TEST(LearnNoise, FromConstantPositions) {
@@ -98,27 +98,27 @@ TEST(LearnNoise, FromConstantPositions) {
         row.east_m = 12.345;
         row.north_m = -6.789;
     }
-    const NoiseSummary noise = learnt(table);
+    const NoiseSummary noise = estimated(table);
     EXPECT_EQ(noise.status, NoiseBasis::constant_positions);
     EXPECT_EQ(noise.measurement_scale.value, 1.0);  // never below what is stated
     EXPECT_EQ(noise.jerk_density.value, 0.6);
     EXPECT_FALSE(noise.correlated_error_detected);
     *table.rows[100].east_m += 0.001;
-    EXPECT_EQ(learnt(table).status, NoiseBasis::fitted);
+    EXPECT_EQ(estimated(table).status, NoiseBasis::fitted);
 }
 
 TEST(LearnNoise, StatedAccuraciesThatAreAllEqual) {
     ScreenedTable table = record({.epochs = 100});
-    EXPECT_TRUE(learnt(table).stated_all_equal);
-    EXPECT_NEAR(learnt(table).stated_sigma_m, 0.010, 1e-6);
+    EXPECT_TRUE(estimated(table).stated_all_equal);
+    EXPECT_NEAR(estimated(table).stated_sigma_m, 0.010, 1e-6);
     table.rows[50].sigma_north_m = 0.012;
-    EXPECT_FALSE(learnt(table).stated_all_equal);
-    EXPECT_NEAR(learnt(table).stated_sigma_m,
+    EXPECT_FALSE(estimated(table).stated_all_equal);
+    EXPECT_NEAR(estimated(table).stated_sigma_m,
                 std::sqrt((199 * 0.010 * 0.010 + 0.012 * 0.012) / 200.0), 1e-6);
 }
 
 TEST(LearnNoise, AsStatedWhereTheAttemptAsksForIt) {
-    const NoiseSummary noise = learnt(record({.epochs = 300}), as_stated());
+    const NoiseSummary noise = estimated(record({.epochs = 300}), as_stated());
     EXPECT_EQ(noise.status, NoiseBasis::stated);
     EXPECT_EQ(noise.epochs, 300);
     EXPECT_EQ(noise.evaluations, 0);
@@ -127,7 +127,7 @@ TEST(LearnNoise, AsStatedWhereTheAttemptAsksForIt) {
 
 TEST(LearnNoise, StatedNoiseIsScaledByTheVarianceFactorAboveOneOnly) {
     const auto scale_of = [](double size) {
-        return learnt(record({.epochs = 2000, .size = [=](std::int64_t) { return size; }}),
+        return estimated(record({.epochs = 2000, .size = [=](std::int64_t) { return size; }}),
                       as_stated());
     };
     // Part of an innovation is the motion's, so that 3 times the noise is seen as a little less.
@@ -154,7 +154,7 @@ TEST(LearnNoise, UnfittedCovariancesGrowWithTheVarianceFactor) {
         const TrajectoryEpoch& row = trajectory.rows[k];
         const StateVector<2> sigma = unscaled.states[k].covariance.diagonal().cwiseSqrt();
         EXPECT_NEAR(*row.sigma_east_m, scale * sigma(0), 1e-4 * scale * sigma(0));
-        EXPECT_NEAR(*row.sigma_velocity_north_mps, scale * sigma(3), 1e-4 * scale * sigma(3));
+        EXPECT_NEAR(*row.sigma_velocity_north_m_s, scale * sigma(3), 1e-4 * scale * sigma(3));
         EXPECT_NEAR(*row.east_m, unscaled.states[k].mean(0), 1e-6);
     }
 }
@@ -167,13 +167,13 @@ TEST(LearnNoise, AFitAtTheLimitOfItsRangeSaysSo) {
         row.east_m = 20.0 * row.time.seconds() + 0.010 * random.normal();
         row.north_m = 0.010 * random.normal();
     }
-    const NoiseSummary noise = learnt(table);
+    const NoiseSummary noise = estimated(table);
     EXPECT_EQ(noise.status, NoiseBasis::fitted);
     EXPECT_TRUE(noise.jerk_density.at_bound);
     EXPECT_FALSE(noise.jerk_density.relative_uncertainty.has_value());
     EXPECT_NEAR(noise.measurement_scale.value, 1.0, 0.1);
     EXPECT_FALSE(noise.measurement_scale.at_bound);
-    EXPECT_FALSE(learnt(record({})).jerk_density.at_bound);
+    EXPECT_FALSE(estimated(record({})).jerk_density.at_bound);
 }
 
 /// At rest, then back and forth by 12 m every 8 s for half a minute, then at rest.
@@ -192,7 +192,7 @@ ScreenedTable waited_and_sailed(double swing_m = 6.0) {
 
 TEST(LearnNoise, FitsWithTheMotionWhereItIs) {
     std::vector<Arc<2>> arcs = arcs_of<2>(waited_and_sailed());
-    const NoiseSummary noise = learn_noise<2>(arcs, config());
+    const NoiseSummary noise = estimate_noise<2>(arcs, config());
     ASSERT_EQ(noise.status, NoiseBasis::fitted);
     const std::vector<ArcEpoch<2>>& epochs = arcs.front().epochs;
     double least_moving = epochs[2020].jerk_factor;
@@ -211,11 +211,11 @@ TEST(LearnNoise, FitsWithTheMotionWhereItIs) {
 
 TEST(LearnNoise, WhereNothingIsFittedNoMotionIsFollowed) {
     std::vector<Arc<2>> arcs = arcs_of<2>(record({.epochs = 32}));
-    EXPECT_EQ(learn_noise<2>(arcs, config()).status, NoiseBasis::too_few_epochs);
+    EXPECT_EQ(estimate_noise<2>(arcs, config()).status, NoiseBasis::too_few_epochs);
     for (const ArcEpoch<2>& epoch : arcs.front().epochs)
         EXPECT_EQ(epoch.jerk_factor, 1.0);
     arcs = arcs_of<2>(record({.epochs = 300}));
-    const NoiseSummary noise = learn_noise<2>(arcs, as_stated());
+    const NoiseSummary noise = estimate_noise<2>(arcs, as_stated());
     set_jerk_densities<2>(arcs, noise, as_stated());
     for (const ArcEpoch<2>& epoch : arcs.front().epochs)
         EXPECT_EQ(epoch.jerk_factor, 1.0);
@@ -224,7 +224,7 @@ TEST(LearnNoise, WhereNothingIsFittedNoMotionIsFollowed) {
 TEST(JerkDensities, AreNowhereLessThanTheClassesAndTheFittedOne) {
     for (const double swing_m : {0.0, 0.2, 6.0}) {
         std::vector<Arc<2>> arcs = arcs_of<2>(waited_and_sailed(swing_m));
-        const NoiseSummary noise = learn_noise<2>(arcs, config());
+        const NoiseSummary noise = estimate_noise<2>(arcs, config());
         const double fitted = noise.jerk_density.value;
         std::vector<double> motion;
         for (const ArcEpoch<2>& epoch : arcs.front().epochs)
@@ -243,7 +243,7 @@ TEST(JerkDensities, AreNowhereLessThanTheClassesAndTheFittedOne) {
 TEST(JerkDensities, OfHardMotionAreTheMotions) {
     // 6 m back and forth every 8 s: up to 3.7 m/s^2 and 2.9 m/s^3.
     std::vector<Arc<2>> arcs = arcs_of<2>(waited_and_sailed());
-    const NoiseSummary noise = learn_noise<2>(arcs, config());
+    const NoiseSummary noise = estimate_noise<2>(arcs, config());
     set_jerk_densities<2>(arcs, noise, config());
     for (std::size_t k = 2020; k < 2300; ++k)
         EXPECT_GT(noise.jerk_density.value * arcs.front().epochs[k].jerk_factor, 0.8) << k;
@@ -253,7 +253,7 @@ TEST(LearnNoise, WhatIsWrittenAndReadGivesTheSameModel) {
     ScreenedTable table = record({.epochs = 300, .size = [](std::int64_t k) {
                                       return 1.0 + 0.3 * std::sin(0.01 * static_cast<double>(k));
                                   }});
-    // A slow error besides, so that every member of the model has something to say.
+    // A time-correlated error besides, so that every member of the model has something to say.
     RandomGenerator random(9);
     Eigen::Vector2d slow = Eigen::Vector2d::Zero();
     for (ScreenedEpoch& row : table.rows) {

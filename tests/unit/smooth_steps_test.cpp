@@ -29,7 +29,7 @@ ScreenedTable record() {
         row.up_m = 0.020 * random.normal();
         row.sigma_east_m = row.sigma_north_m = 0.010;
         row.sigma_up_m = 0.020;
-        row.fix = FixKind::fixed;
+        row.fix = FixType::fixed;
         row.usable = true;
         row.arc = 1;
     }
@@ -116,18 +116,18 @@ TEST(BridgedTrajectory, MethodsOfThePaperAreThoseOfEitherSideByItself) {
     const TrajectoryTable together = smoothed(bridged);
     const TrajectoryTable apart = smoothed(cut);
     for (std::size_t k = 0; k < epochs; ++k) {
-        EXPECT_EQ(together.rows[k].speed_v1_mps, apart.rows[k].speed_v1_mps) << k;
-        EXPECT_EQ(together.rows[k].speed_v2_mps, apart.rows[k].speed_v2_mps) << k;
+        EXPECT_EQ(together.rows[k].speed_v1_m_s, apart.rows[k].speed_v1_m_s) << k;
+        EXPECT_EQ(together.rows[k].speed_v2_m_s, apart.rows[k].speed_v2_m_s) << k;
         if (k != 151) {
-            EXPECT_EQ(together.rows[k].speed_kalman_mps, apart.rows[k].speed_kalman_mps) << k;
+            EXPECT_EQ(together.rows[k].speed_kalman_m_s, apart.rows[k].speed_kalman_m_s) << k;
         }
     }
     // The filter begins at rest, which the craft is not.
-    EXPECT_EQ(apart.rows[151].speed_kalman_mps, 0.0);
-    EXPECT_FALSE(together.rows[151].speed_kalman_mps);
+    EXPECT_EQ(apart.rows[151].speed_kalman_m_s, 0.0);
+    EXPECT_FALSE(together.rows[151].speed_kalman_m_s);
     // The smoother goes on across the step.
-    EXPECT_NEAR(*together.rows[150].speed_mps, *together.rows[149].speed_mps, 0.1);
-    EXPECT_LT(*together.rows[151].sigma_speed_mps, *apart.rows[151].sigma_speed_mps);
+    EXPECT_NEAR(*together.rows[150].speed_m_s, *together.rows[149].speed_m_s, 0.1);
+    EXPECT_LT(*together.rows[151].sigma_speed_m_s, *apart.rows[151].sigma_speed_m_s);
 }
 
 TEST(BridgedTrajectory, RobustBatchHasTheSameOffset) {

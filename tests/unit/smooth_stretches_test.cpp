@@ -25,7 +25,7 @@ ScreenedTable record() {
         row.east_m = 3000.0 * std::sin(t / 200.0) + 0.010 * random.normal();
         row.north_m = 3000.0 * std::cos(t / 200.0) + 0.010 * random.normal();
         row.sigma_east_m = row.sigma_north_m = 0.010;
-        row.fix = FixKind::fixed;
+        row.fix = FixType::fixed;
         row.usable = true;
         row.arc = 1;
     }

@@ -11,14 +11,14 @@ namespace runcert::RUNCERT_FILE {
 namespace {
 
 struct Velocity {
-    double speed_mps = 0.0;
+    double speed_m_s = 0.0;
     double heading_deg = 0.0;
 };
 
 /// Rows at 10 Hz, all with an estimate, moving as a function of time (s) says.
 std::vector<TrajectoryEpoch> moving(double duration_s,
                                     const std::function<Velocity(double)>& velocity_at,
-                                    double sigma_mps = 0.0) {
+                                    double sigma_m_s = 0.0) {
     RandomGenerator random(7);
     std::vector<TrajectoryEpoch> rows;
     double east_m = 0.0, north_m = 0.0;
@@ -28,15 +28,15 @@ std::vector<TrajectoryEpoch> moving(double duration_s,
         TrajectoryEpoch& row = rows.emplace_back();
         row.epoch = k + 1;
         row.time = {k * 100'000'000};
-        row.velocity_east_mps = velocity.speed_mps * std::sin(heading);
-        row.velocity_north_mps = velocity.speed_mps * std::cos(heading);
-        east_m += 0.1 * *row.velocity_east_mps;
-        north_m += 0.1 * *row.velocity_north_mps;
+        row.velocity_east_m_s = velocity.speed_m_s * std::sin(heading);
+        row.velocity_north_m_s = velocity.speed_m_s * std::cos(heading);
+        east_m += 0.1 * *row.velocity_east_m_s;
+        north_m += 0.1 * *row.velocity_north_m_s;
         row.east_m = east_m;
         row.north_m = north_m;
-        *row.velocity_east_mps += sigma_mps * random.normal();
-        *row.velocity_north_mps += sigma_mps * random.normal();
-        row.speed_mps = std::hypot(*row.velocity_east_mps, *row.velocity_north_mps);
+        *row.velocity_east_m_s += sigma_m_s * random.normal();
+        *row.velocity_north_m_s += sigma_m_s * random.normal();
+        row.speed_m_s = std::hypot(*row.velocity_east_m_s, *row.velocity_north_m_s);
         row.arc = 1;
         row.usable = true;
     }
@@ -214,7 +214,7 @@ TEST(Runs, ThresholdsAreTheCallers) {
     const auto rows = moving(60.0, [](double t) { return Velocity{12.0, t < 30.0 ? 0.0 : 60.0}; });
     EXPECT_EQ(runs_in(rows).size(), 1u);
     EXPECT_EQ(runs_in(rows, {.turn_deg = 45.0}).size(), 2u);
-    EXPECT_EQ(runs_in(rows, {.start_mps = 13.0}).size(), 0u);
+    EXPECT_EQ(runs_in(rows, {.start_m_s = 13.0}).size(), 0u);
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const std::string message("{\"speed_mps\": 56.36}\n\0\xFF", 23);
+const std::string message("{\"speed_m_s\": 56.36}\n\0\xFF", 23);
 
 /// What the program minisign makes of our files, and we of its.
 class WithMinisign : public testing::Test {

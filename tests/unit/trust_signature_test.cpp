@@ -10,7 +10,7 @@
 namespace runcert::RUNCERT_FILE {
 namespace {
 
-const std::string message("{\"speed_mps\": 56.36}\n\0\xFF", 23);
+const std::string message("{\"speed_m_s\": 56.36}\n\0\xFF", 23);
 
 /// The lines of a text, each with its line break.
 std::vector<std::string> split(const std::string& text) {

@@ -34,27 +34,27 @@ Value value_at(const std::string& bytes, std::size_t at) {
 }
 
 /// The epochs with a fix, times since midnight UTC; no window may span more than a second without.
-SearchSeries series_of(const std::string& log) {
+SampleSeries series_of(const std::string& log) {
     constexpr std::size_t header = 512, epoch = 52;
     constexpr std::int64_t day_ms = 86'400'000;
-    SearchSeries series;
+    SampleSeries series;
     std::optional<LocalFrame> frame;
     for (std::size_t at = header; at + epoch <= log.size(); at += epoch) {
         if (value_at<std::uint8_t>(log, at + 32) < 2) continue;
         const Geodetic place{Angle::from_degrees(value_at<std::int32_t>(log, at + 4) * 1e-7),
                              Angle::from_degrees(value_at<std::int32_t>(log, at + 8) * 1e-7), 0.0};
         if (!frame) frame.emplace(place);
-        const double speed_mps = value_at<std::uint32_t>(log, at + 16) * 1e-3;
+        const double speed_m_s = value_at<std::uint32_t>(log, at + 16) * 1e-3;
         const ElapsedTime time{value_at<std::int64_t>(log, at + 24) % day_ms * 1'000'000};
         const double step_s =
             series.times.empty() ? 0.0 : time.seconds() - series.times.back().seconds();
-        const double before_mps = series.times.empty() ? 0.0 : series.speeds_mps.back();
+        const double before_m_s = series.times.empty() ? 0.0 : series.speeds_m_s.back();
         const double before_m = series.times.empty() ? 0.0 : series.path_m.back();
         const std::int64_t gaps = series.times.empty() ? 0 : series.obstacles.back();
-        series.path_m.push_back(before_m + 0.5 * (before_mps + speed_mps) * step_s);
+        series.path_m.push_back(before_m + 0.5 * (before_m_s + speed_m_s) * step_s);
         series.obstacles.push_back(gaps + (step_s > 1.0 ? 1 : 0));
         series.times.push_back(time);
-        series.speeds_mps.push_back(speed_mps);
+        series.speeds_m_s.push_back(speed_m_s);
         Eigen::Vector3d position = frame->enu_from_ecef(ecef_from_geodetic(place)).m;
         position.z() = 0.0;
         series.positions.push_back(position);
@@ -96,7 +96,7 @@ TEST_P(AlphaRecorded, TheLoggersOwnResults) {
     const auto log = recorded(name + ".oao");
     if (!log) GTEST_SKIP() << "RUNCERT_DATA is not set";
     const std::string results = *recorded(name + "_device_results.txt");
-    const std::vector<SearchSeries> series{series_of(*log)};
+    const std::vector<SampleSeries> series{series_of(*log)};
     for (const auto& [distance_m, fastest_kmh] :
          {std::pair{500, GetParam().fastest_500_kmh}, {250, GetParam().fastest_250_kmh}}) {
         SCOPED_TRACE(distance_m);
@@ -104,7 +104,7 @@ TEST_P(AlphaRecorded, TheLoggersOwnResults) {
         const auto printed = printed_alphas(results, distance_m);
         ASSERT_EQ(windows.size(), 9u);
         ASSERT_EQ(printed.size(), 9u);
-        EXPECT_NEAR(3.6 * windows[0].speed_mps, fastest_kmh, 0.001);
+        EXPECT_NEAR(3.6 * windows[0].speed_m_s, fastest_kmh, 0.001);
         for (const FoundWindow& window : windows) {
             EXPECT_GT(window.length_m, distance_m - 2.0);
             EXPECT_LE(window.length_m, distance_m + path_rounding_m);
@@ -115,7 +115,7 @@ TEST_P(AlphaRecorded, TheLoggersOwnResults) {
                                         const double lag_s =
                                             one.second_of_day - window.end.seconds();
                                         return lag_s > 0.0 && lag_s < 15.0 &&
-                                               std::abs(3.6 * window.speed_mps - one.kmh) < 0.065;
+                                               std::abs(3.6 * window.speed_m_s - one.kmh) < 0.065;
                                     }),
                       1)
                 << one.kmh;

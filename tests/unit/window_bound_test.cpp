@@ -7,8 +7,8 @@
 namespace runcert::RUNCERT_FILE {
 namespace {
 
-/// Ten usable epochs of a kind of solution, the stated standard deviation 8 mm east, 6 mm north.
-ScreenedTable table_of(FixKind fix) {
+/// Ten usable epochs of a fix type, the stated standard deviation 8 mm east, 6 mm north.
+ScreenedTable table_of(FixType fix) {
     ScreenedTable table;
     for (std::int64_t k = 0; k < 10; ++k) {
         ScreenedEpoch& row = table.rows.emplace_back();
@@ -43,9 +43,9 @@ NoiseSummary noise_with(double white_scale, std::optional<double> diffusion) {
 
 TEST(ErrorBound, TheFloorDecidesWhereItIsLargest) {
     const ErrorBound bound =
-        error_bound<2>(table_of(FixKind::fixed), 0, 9, noise_with(1.5, 0.02), rule());
+        error_bound<2>(table_of(FixType::fixed), 0, 9, noise_with(1.5, 0.02), rule());
     EXPECT_EQ(bound.decided_by, BoundSource::floor);
-    EXPECT_EQ(bound.floor_fix, FixKind::fixed);
+    EXPECT_EQ(bound.floor_fix, FixType::fixed);
     EXPECT_EQ(bound.sigma_m, 0.020);
     EXPECT_EQ(bound.floor_m, 0.020);
     EXPECT_NEAR(bound.stated_m, 1.5 * stated_m, 1e-15);
@@ -56,7 +56,7 @@ TEST(ErrorBound, TheFloorDecidesWhereItIsLargest) {
 
 TEST(ErrorBound, TheStatedAccuracyTimesItsScaleDecidesWhereThatIsLargest) {
     const ErrorBound bound =
-        error_bound<2>(table_of(FixKind::fixed), 0, 9, noise_with(4.0, 0.02), rule());
+        error_bound<2>(table_of(FixType::fixed), 0, 9, noise_with(4.0, 0.02), rule());
     EXPECT_EQ(bound.decided_by, BoundSource::stated);
     EXPECT_NEAR(bound.sigma_m, 4.0 * stated_m, 1e-15);
 }
@@ -64,28 +64,28 @@ TEST(ErrorBound, TheStatedAccuracyTimesItsScaleDecidesWhereThatIsLargest) {
 TEST(ErrorBound, TheFittedErrorDecidesWhereThatIsLargest) {
     // It wanders by 0.1 m s^-0.5; with tau 0.5 s that is 0.1 sqrt(0.25) = 50 mm.
     const ErrorBound bound =
-        error_bound<2>(table_of(FixKind::fixed), 0, 9, noise_with(4.0, 0.1), rule());
+        error_bound<2>(table_of(FixType::fixed), 0, 9, noise_with(4.0, 0.1), rule());
     EXPECT_EQ(bound.decided_by, BoundSource::fitted);
     EXPECT_NEAR(bound.sigma_m, 0.050, 1e-15);
-    EXPECT_EQ(error_bound<2>(table_of(FixKind::fixed), 0, 9, noise_with(4.0, std::nullopt), rule())
+    EXPECT_EQ(error_bound<2>(table_of(FixType::fixed), 0, 9, noise_with(4.0, std::nullopt), rule())
                   .fitted_m,
               0.0);
 }
 
 TEST(ErrorBound, TheWorstKindOfSolutionInTheWindowSetsTheFloor) {
-    ScreenedTable table = table_of(FixKind::fixed);
-    table.rows[4].fix = FixKind::float_ambiguities;
+    ScreenedTable table = table_of(FixType::fixed);
+    table.rows[4].fix = FixType::float_ambiguities;
     const NoiseSummary noise = noise_with(1.0, std::nullopt);
-    EXPECT_EQ(error_bound<2>(table, 0, 9, noise, rule()).floor_fix, FixKind::float_ambiguities);
+    EXPECT_EQ(error_bound<2>(table, 0, 9, noise, rule()).floor_fix, FixType::float_ambiguities);
     EXPECT_EQ(error_bound<2>(table, 0, 9, noise, rule()).sigma_m, 0.200);
     EXPECT_EQ(error_bound<2>(table, 5, 9, noise, rule()).floor_fix,
-              FixKind::fixed);  // not in the window
+              FixType::fixed);  // not in the window
     table.rows[4].usable = false;
-    EXPECT_EQ(error_bound<2>(table, 0, 9, noise, rule()).floor_fix, FixKind::fixed);
+    EXPECT_EQ(error_bound<2>(table, 0, 9, noise, rule()).floor_fix, FixType::fixed);
 }
 
 TEST(ErrorBound, OnlyUsableEpochsOfTheWindowCount) {
-    ScreenedTable table = table_of(FixKind::fixed);
+    ScreenedTable table = table_of(FixType::fixed);
     table.rows[0].sigma_east_m = 5.0;  // outside the window
     table.rows[4].sigma_east_m = 5.0;
     table.rows[4].usable = false;
@@ -96,12 +96,12 @@ TEST(ErrorBound, OnlyUsableEpochsOfTheWindowCount) {
 TEST(ErrorBound, TheProfilesOwnFloorsAreThoseOfItsSchema) {
     const Profile nalsa = read_profile(builtin_profile("nalsa"), "nalsa");
     const NoiseSummary noise = noise_with(1.0, std::nullopt);
-    EXPECT_EQ(error_bound<2>(table_of(FixKind::fixed), 0, 9, noise, nalsa.uncertainty).sigma_m,
+    EXPECT_EQ(error_bound<2>(table_of(FixType::fixed), 0, 9, noise, nalsa.uncertainty).sigma_m,
               0.020);
-    EXPECT_EQ(error_bound<2>(table_of(FixKind::single), 0, 9, noise, nalsa.uncertainty).sigma_m,
+    EXPECT_EQ(error_bound<2>(table_of(FixType::single), 0, 9, noise, nalsa.uncertainty).sigma_m,
               0.5);
-    EXPECT_EQ(error_bound<2>(table_of(FixKind::unknown), 0, 9, noise, nalsa.uncertainty).floor_fix,
-              FixKind::unknown);
+    EXPECT_EQ(error_bound<2>(table_of(FixType::unknown), 0, 9, noise, nalsa.uncertainty).floor_fix,
+              FixType::unknown);
 }
 
 TEST(BoundingError, IsThatOfTheBoundedSize) {
@@ -160,23 +160,23 @@ TEST(FittedSpeed, OfOneModelIsThatModelsOwn) {
         fitted_speed(scene.stretch, {{scene.slow, 0.3}}, {SpeedDefinition::displacement});
     const SpeedEstimate alone = scene.by(scene.slow);
     EXPECT_EQ(fitted.models, 1);
-    EXPECT_NEAR(fitted.speed_mps, alone.speed_mps, 1e-12);
-    EXPECT_NEAR(fitted.standard_uncertainty_mps, alone.standard_uncertainty_mps, 1e-12);
+    EXPECT_NEAR(fitted.speed_m_s, alone.speed_m_s, 1e-12);
+    EXPECT_NEAR(fitted.standard_uncertainty_m_s, alone.standard_uncertainty_m_s, 1e-12);
 }
 
 TEST(FittedSpeed, OfTwoModelsHoldsTheirDifference) {
     const Scene scene;
     const SpeedEstimate a = scene.by(scene.white);
     const SpeedEstimate b = scene.by(scene.slow);
-    ASSERT_GT(std::abs(a.speed_mps - b.speed_mps), 1e-4);
+    ASSERT_GT(std::abs(a.speed_m_s - b.speed_m_s), 1e-4);
     const FittedSpeed fitted = fitted_speed(
         scene.stretch, {{scene.white, 0.75}, {scene.slow, 0.25}}, {SpeedDefinition::displacement});
     EXPECT_EQ(fitted.models, 2);
-    EXPECT_NEAR(fitted.speed_mps, 0.75 * a.speed_mps + 0.25 * b.speed_mps, 1e-10);
-    const double variance = 0.75 * std::pow(a.standard_uncertainty_mps, 2) +
-                            0.25 * std::pow(b.standard_uncertainty_mps, 2) +
-                            0.75 * 0.25 * std::pow(a.speed_mps - b.speed_mps, 2);
-    EXPECT_NEAR(fitted.standard_uncertainty_mps, std::sqrt(variance), 1e-10);
+    EXPECT_NEAR(fitted.speed_m_s, 0.75 * a.speed_m_s + 0.25 * b.speed_m_s, 1e-10);
+    const double variance = 0.75 * std::pow(a.standard_uncertainty_m_s, 2) +
+                            0.25 * std::pow(b.standard_uncertainty_m_s, 2) +
+                            0.75 * 0.25 * std::pow(a.speed_m_s - b.speed_m_s, 2);
+    EXPECT_NEAR(fitted.standard_uncertainty_m_s, std::sqrt(variance), 1e-10);
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 
 #include "core/failure.h"
 #include "stages/window/position_noise.h"
-#include "stages/window/search_series.h"
+#include "stages/window/sample_series.h"
 #include "stages/window/selection.h"
 #include "window_test_support.h"
 
@@ -82,7 +82,7 @@ TEST(BridgedWindows, SpeedsOfTheSearchAreThoseOfTheSmoother) {
         const SmoothedArc<2> smoothed = smooth<2>(run.arc().epochs, motion());
         const EpochPair window{step_row - 12, step_row + 18};
         const auto expected = [&](SpeedDefinition definition) {
-            return speed_by_definition(smoothed, window, 3.0, {definition}).speed_mps;
+            return speed_by_definition(smoothed, window, 3.0, {definition}).speed_m_s;
         };
         for (const SpeedDefinition definition :
              {SpeedDefinition::displacement, SpeedDefinition::path_length,
@@ -91,13 +91,13 @@ TEST(BridgedWindows, SpeedsOfTheSearchAreThoseOfTheSmoother) {
             profile.repaired_steps = true;
             const auto all = allowed_windows(
                 certifiable_series(run.screened, run.trajectory, arcs_in(run.trajectory), profile),
-                search_rule(profile, 0.001, 0.1));
+                window_rule(profile, 0.001, 0.1));
             const auto found = std::ranges::find(all, window.first, &FoundWindow::first);
             ASSERT_NE(found, all.end());
             EXPECT_EQ(found->last, window.last);
-            EXPECT_NEAR(found->speed_mps, expected(definition), 1e-9)
+            EXPECT_NEAR(found->speed_m_s, expected(definition), 1e-9)
                 << to_text(definition) << ", " << offset_m << " m";
-            EXPECT_NEAR(found->speed_mps, 60.0, 0.02);
+            EXPECT_NEAR(found->speed_m_s, 60.0, 0.02);
         }
     }
 }
@@ -145,10 +145,10 @@ TEST(BridgedWindows, PartsOfTheUncertaintyAddUpAndTheOffsetChangesNothing) {
         const PositionNoise same = noise_of(without);
         EXPECT_NEAR(noise.displacement_m, same.displacement_m, 1e-4);
         EXPECT_NEAR(noise.displacement_m, 180.0, 0.06);
-        EXPECT_NEAR(noise.speed.speed_mps, same.speed.speed_mps, 1e-5);
-        const double u = noise.speed.standard_uncertainty_mps;
-        EXPECT_NEAR(std::pow(noise.white_mps, 2) + std::pow(noise.correlated_mps, 2) +
-                        std::pow(noise.motion_mps, 2),
+        EXPECT_NEAR(noise.speed.speed_m_s, same.speed.speed_m_s, 1e-5);
+        const double u = noise.speed.standard_uncertainty_m_s;
+        EXPECT_NEAR(std::pow(noise.white_m_s, 2) + std::pow(noise.correlated_m_s, 2) +
+                        std::pow(noise.motion_m_s, 2),
                     u * u, 1e-6 * u * u)
             << to_text(definition);
     }
@@ -187,21 +187,21 @@ WindowCluster<2> across_step(const Arc<2>& arc) {
     return cluster;
 }
 
-SelectionBias bias_of(Arc<2> arc, double stated_mps = 60.0) {
+SelectionBias bias_of(Arc<2> arc, double stated_m_s = 60.0) {
     return selection_bias<2>({across_step(arc)}, {.estimated = motion(), .bound_m = 0.02},
-                             stated_mps, 200, 1);
+                             stated_m_s, 200, 1);
 }
 
 TEST(BridgedWindows, SelectionDoesNotDependOnTheOffset) {
     const SelectionBias none = bias_of(SteppedRun(0.0).arc());
     const SelectionBias some = bias_of(SteppedRun(0.5).arc());
-    EXPECT_NEAR(some.bias_mps, none.bias_mps, 1e-5);
-    EXPECT_NEAR(some.chosen_sd_mps, none.chosen_sd_mps, 1e-5);
-    EXPECT_NEAR(some.best_mean_mps, none.best_mean_mps, 1e-4);
-    EXPECT_NEAR(some.best_mean_mps, 60.0, 0.03);
+    EXPECT_NEAR(some.bias_m_s, none.bias_m_s, 1e-5);
+    EXPECT_NEAR(some.chosen_sd_m_s, none.chosen_sd_m_s, 1e-5);
+    EXPECT_NEAR(some.best_mean_m_s, none.best_mean_m_s, 1e-4);
+    EXPECT_NEAR(some.best_mean_m_s, 60.0, 0.03);
     // Across the step less is known than without one: errors scatter more.
     ScreenedTable whole = test::recorded({.from_s = 20.0, .to_s = 50.0});
-    EXPECT_GT(some.chosen_sd_mps, 1.02 * bias_of(arcs_of<2>(whole).front()).chosen_sd_mps);
+    EXPECT_GT(some.chosen_sd_m_s, 1.02 * bias_of(arcs_of<2>(whole).front()).chosen_sd_m_s);
 }
 
 TEST(BridgedWindows, AStepBeforeADroppedEpochStandsBeforeTheNext) {
@@ -216,9 +216,9 @@ TEST(BridgedWindows, AStepBeforeADroppedEpochStandsBeforeTheNext) {
     later.screened.rows[step_row + 1].break_before = ArcBreak::bridged;
     const SelectionBias a = bias_of(dropped.arc());
     const SelectionBias b = bias_of(later.arc());
-    EXPECT_EQ(a.bias_mps, b.bias_mps);
-    EXPECT_EQ(a.best_mean_mps, b.best_mean_mps);
-    EXPECT_NEAR(a.best_mean_mps, 60.0, 0.03);
+    EXPECT_EQ(a.bias_m_s, b.bias_m_s);
+    EXPECT_EQ(a.best_mean_m_s, b.best_mean_m_s);
+    EXPECT_NEAR(a.best_mean_m_s, 60.0, 0.03);
 }
 
 /// The only windows of 3 s hold the step.
@@ -248,7 +248,7 @@ TEST(BridgedWindows, AreCertifiedUnderAProfileThatAllowsThem) {
     EXPECT_EQ(allowed.candidates, 6);
     const CertifiableWindow& best = allowed.best.value();
     EXPECT_EQ(best.repaired_steps, 1);
-    EXPECT_NEAR(best.speed_mps, 60.0, 3.0 * best.standard_uncertainty_mps);
+    EXPECT_NEAR(best.speed_m_s, 60.0, 3.0 * best.standard_uncertainty_m_s);
     EXPECT_NEAR(best.displacement_m, 180.0, 0.1);
     EXPECT_GT(best.position_r95_m, 0.5);
     run.profile.repaired_steps = false;
@@ -261,14 +261,14 @@ TEST(BridgedWindows, RobustPositionsAreComparedWithoutTheirOffset) {
     ShortRun run;
     const RobustSpeed robust = run.windows().best->robust.value();
     EXPECT_TRUE(robust.agrees);
-    EXPECT_NEAR(robust.difference_mps, 0.0, 1e-6);
+    EXPECT_NEAR(robust.difference_m_s, 0.0, 1e-6);
     // An offset of its own changes nothing; more of the run after the step does.
     for (std::size_t k = 17; k < run.trajectory.rows.size(); ++k)
         *run.trajectory.rows[k].robust_north_m += 2.0;
-    EXPECT_NEAR(run.windows().best->robust->difference_mps, 0.0, 1e-6);
+    EXPECT_NEAR(run.windows().best->robust->difference_m_s, 0.0, 1e-6);
     for (std::size_t k = 20; k < run.trajectory.rows.size(); ++k)
         *run.trajectory.rows[k].robust_north_m += 0.3;
-    EXPECT_NEAR(run.windows().best->robust->difference_mps, 0.1 / std::numbers::sqrt2, 1e-3);
+    EXPECT_NEAR(run.windows().best->robust->difference_m_s, 0.1 / std::numbers::sqrt2, 1e-3);
 }
 
 TEST(BridgedWindows, ATrajectoryWithoutTheStepsIsRefused) {

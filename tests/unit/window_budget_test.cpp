@@ -9,7 +9,7 @@ namespace runcert::RUNCERT_FILE {
 namespace {
 
 /// A window of 3 s at 10 Hz, 60 m/s towards east, from a trajectory fitted with jerk density 0.6
-/// and 1.25 times the stated accuracies, whose positions alone give 5 mm/s.
+/// and 1.25 times the stated standard deviations, whose positions alone give 5 mm/s.
 struct Scene {
     TrajectoryTable trajectory;
     WindowConfig config;
@@ -37,16 +37,16 @@ struct Scene {
             row.north_m = 0.0;
         }
         set_speed(60.0);
-        noise.white_mps = 0.003;
-        noise.correlated_mps = 0.004;
-        noise.motion_mps = 0.0;
-        noise.speed.standard_uncertainty_mps = 0.005;
+        noise.white_m_s = 0.003;
+        noise.correlated_m_s = 0.004;
+        noise.motion_m_s = 0.0;
+        noise.speed.standard_uncertainty_m_s = 0.005;
         selection.treatment = SelectionTreatment::covered;
     }
     NoiseSummary& fit() { return trajectory.estimation.horizontal.noise; }
-    void set_speed(double speed_mps) {
-        noise.speed.speed_mps = speed_mps;
-        noise.displacement_m = 3.0 * speed_mps;
+    void set_speed(double speed_m_s) {
+        noise.speed.speed_m_s = speed_m_s;
+        noise.displacement_m = 3.0 * speed_m_s;
     }
     BudgetInput input() const {
         return {.trajectory = trajectory,
@@ -68,7 +68,7 @@ struct Scene {
         ADD_FAILURE() << "no row " << symbol;
         return {};
     }
-    MonteCarloCheck check() const { return monte_carlo(input(), rows(), noise.speed.speed_mps); }
+    MonteCarloCheck check() const { return monte_carlo(input(), rows(), noise.speed.speed_m_s); }
 };
 
 TEST(Budget, EverySourceHasItsRowAlsoWhereItGivesNothing) {
@@ -79,29 +79,28 @@ TEST(Budget, EverySourceHasItsRowAlsoWhereItGivesNothing) {
         EXPECT_FALSE(row.note.empty()) << row.symbol;
         EXPECT_FALSE(row.correlation.empty()) << row.symbol;
         EXPECT_TRUE(row.type == "A" || row.type == "B") << row.symbol;
-        EXPECT_NEAR(row.contribution_mps, row.standard_uncertainty * std::abs(row.sensitivity),
+        EXPECT_NEAR(row.contribution_m_s, row.standard_uncertainty * std::abs(row.sensitivity),
                     1e-15)
             << row.symbol;
     }
     EXPECT_EQ(symbols, "wbjotkrmadf");
     for (const char* symbol : {"j", "o", "t", "k", "r", "a", "d", "f"})
-        EXPECT_EQ(Scene().row(symbol).contribution_mps, 0.0) << symbol;
+        EXPECT_EQ(Scene().row(symbol).contribution_m_s, 0.0) << symbol;
 }
 
 TEST(Budget, WhatScreeningCouldHaveMissedIsABoundOfTheSpeed) {
-    // Rectangular over +-34.6 mm/s: 34.6 / sqrt(3) = 19.98 mm/s [GUM] 4.3.7. A ramp is the slow
-    // error's row already.
+    // Rectangular over +-34.6 mm/s: 34.6 / sqrt(3) = 19.98 mm/s [GUM] 4.3.7. A ramp is the time-correlated error's row already.
     Scene scene;
-    scene.reliability = {{.hypothesis = Hypothesis::ramp, .unit = "m / s", .speed_mps = 0.4},
+    scene.reliability = {{.hypothesis = Hypothesis::ramp, .unit = "m / s", .speed_m_s = 0.4},
                          {.hypothesis = Hypothesis::step,
                           .epoch = 812,
                           .last_epoch = 812,
                           .size = 0.103,
                           .unit = "m",
-                          .speed_mps = 0.0346},
-                         {.hypothesis = Hypothesis::outlier, .unit = "m", .speed_mps = 0.02}};
+                          .speed_m_s = 0.0346},
+                         {.hypothesis = Hypothesis::outlier, .unit = "m", .speed_m_s = 0.02}};
     const BudgetRow row = scene.row("d");
-    EXPECT_NEAR(row.contribution_mps, 0.0346 / std::sqrt(3.0), 1e-15);
+    EXPECT_NEAR(row.contribution_m_s, 0.0346 / std::sqrt(3.0), 1e-15);
     EXPECT_EQ(row.type, "B");
     EXPECT_EQ(row.note,
               "an undetected step of 0.103 m before epoch 812 could have changed the speed by at "
@@ -110,7 +109,7 @@ TEST(Budget, WhatScreeningCouldHaveMissedIsABoundOfTheSpeed) {
 
 TEST(Budget, WhiteNoiseIsOneRowWithTheDegreesOfFreedomOfItsOneScale) {
     Scene scene;
-    EXPECT_EQ(scene.row("w").contribution_mps, 0.003);
+    EXPECT_EQ(scene.row("w").contribution_m_s, 0.003);
     // Degrees of freedom 1 / (2 relative^2) [GUM] (G.3): 200 for 5 %, 8 for 25 %.
     EXPECT_NEAR(scene.row("w").degrees_of_freedom.value(), 200.0, 1e-9);
     EXPECT_NEAR(scene.row("j").degrees_of_freedom.value(), 8.0, 1e-9);
@@ -130,37 +129,37 @@ TEST(Budget, ASlowErrorThatWasFittedHasTheFitsDegreesOfFreedom) {
 
 TEST(Budget, WhatTheModelOfTheMotionChangesIsABound) {
     Scene scene;
-    scene.noise.model_mps = 0.006;
-    EXPECT_NEAR(scene.row("o").contribution_mps, 0.006 / std::sqrt(3.0), 1e-15);
+    scene.noise.model_m_s = 0.006;
+    EXPECT_NEAR(scene.row("o").contribution_m_s, 0.006 / std::sqrt(3.0), 1e-15);
 }
 
 TEST(Budget, AClockThatNobodyVouchesForMayRunWrong) {
     // 60 m/s times a rate known to 1e-4, rectangular.
     Scene scene;
-    EXPECT_EQ(scene.row("k").contribution_mps, 0.0);
+    EXPECT_EQ(scene.row("k").contribution_m_s, 0.0);
     scene.trajectory.facts.time_source = "attempt";
-    EXPECT_EQ(scene.row("k").contribution_mps, 0.0);
+    EXPECT_EQ(scene.row("k").contribution_m_s, 0.0);
     scene.trajectory.facts.time_source = "unknown";
-    EXPECT_NEAR(scene.row("k").contribution_mps, 60.0 * 1e-4 / std::sqrt(3.0), 1e-12);
+    EXPECT_NEAR(scene.row("k").contribution_m_s, 60.0 * 1e-4 / std::sqrt(3.0), 1e-12);
     scene.config.clock_rate_bound = 5e-4;
-    EXPECT_NEAR(scene.row("k").contribution_mps, 60.0 * 5e-4 / std::sqrt(3.0), 1e-12);
+    EXPECT_NEAR(scene.row("k").contribution_m_s, 60.0 * 5e-4 / std::sqrt(3.0), 1e-12);
 }
 
 TEST(Budget, WhatAnotherReceiverDoesNotShareLeavesOutFrameClockAndWhatIsLookedFor) {
     Scene scene;
-    scene.noise.own_correlated_mps = 0.002;
+    scene.noise.own_correlated_m_s = 0.002;
     scene.trajectory.facts.time_source = "unknown";
-    scene.reliability = {{.hypothesis = Hypothesis::step, .unit = "m", .speed_mps = 0.0346}};
+    scene.reliability = {{.hypothesis = Hypothesis::step, .unit = "m", .speed_m_s = 0.0346}};
     EXPECT_NEAR(own_uncertainty(scene.noise, scene.rows()), std::hypot(0.002, 0.003), 1e-12);
 }
 
 TEST(Budget, SlowErrorAndMotionAreThoseOfTheirParts) {
     Scene scene;
-    scene.noise.motion_mps = 0.001;
-    EXPECT_EQ(scene.row("b").contribution_mps, 0.004);
+    scene.noise.motion_m_s = 0.001;
+    EXPECT_EQ(scene.row("b").contribution_m_s, 0.004);
     EXPECT_EQ(scene.row("b").type, "B");
     EXPECT_FALSE(scene.row("b").degrees_of_freedom.has_value());
-    EXPECT_EQ(scene.row("j").contribution_mps, 0.001);
+    EXPECT_EQ(scene.row("j").contribution_m_s, 0.001);
 }
 
 TEST(Budget, IrregularTimeStamps) {
@@ -172,11 +171,11 @@ TEST(Budget, IrregularTimeStamps) {
     scene.trajectory.rows[12].time.nanoseconds += 1'000'000;
     EXPECT_NEAR(scene.row("t").standard_uncertainty, 0.408248e-3, 1e-9);
     EXPECT_NEAR(scene.row("t").sensitivity, -62.0 / 3.0, 1e-12);
-    EXPECT_NEAR(scene.row("t").contribution_mps, 0.0084371, 1e-7);
+    EXPECT_NEAR(scene.row("t").contribution_m_s, 0.0084371, 1e-7);
     EXPECT_EQ(scene.row("t").estimate, 3.0);
     // What the recording states of its resolution goes before what its stamps look like.
     scene.trajectory.facts.time_resolution_s = 1e-5;
-    EXPECT_NEAR(scene.row("t").contribution_mps, 0.000084371, 1e-9);
+    EXPECT_NEAR(scene.row("t").contribution_m_s, 0.000084371, 1e-9);
 }
 
 TEST(Budget, RegularTimeStampsAreOffByTheSame) {
@@ -184,16 +183,16 @@ TEST(Budget, RegularTimeStampsAreOffByTheSame) {
     scene.trajectory.facts.time_resolution_s = 0.001;
     for (TrajectoryEpoch& row : scene.trajectory.rows)
         row.time.nanoseconds += 347'000'000;
-    EXPECT_EQ(scene.row("t").contribution_mps, 0.0);
+    EXPECT_EQ(scene.row("t").contribution_m_s, 0.0);
     scene.trajectory.rows[30].time.nanoseconds += 1'000'000;  // one stamp alone
-    EXPECT_GT(scene.row("t").contribution_mps, 0.008);
+    EXPECT_GT(scene.row("t").contribution_m_s, 0.008);
 }
 
 TEST(Budget, ResolutionOfTheCoordinates) {
     // Both ends rounded to 1 mm: 0.5 / sqrt(3) * sqrt(2) = 0.408248 mm, over 3 s 0.136083 mm/s.
     Scene scene;
     scene.trajectory.facts.position_resolution_m = 0.001;
-    EXPECT_NEAR(scene.row("r").contribution_mps, 0.136083e-3, 1e-9);
+    EXPECT_NEAR(scene.row("r").contribution_m_s, 0.136083e-3, 1e-9);
     EXPECT_EQ(scene.row("r").unit, "m");
 }
 
@@ -201,9 +200,9 @@ TEST(Budget, ScaleOfALocalPlane) {
     // 0.001 rectangular is 0.00057735; times 60 m/s 0.034641 m/s.
     Scene scene;
     scene.trajectory.facts.georeferenced = false;
-    EXPECT_NEAR(scene.row("m").contribution_mps, 0.034641, 1e-6);
+    EXPECT_NEAR(scene.row("m").contribution_m_s, 0.034641, 1e-6);
     scene.config.plane_scale_bound = 0.0004;
-    EXPECT_NEAR(scene.row("m").contribution_mps, 0.0138564, 1e-6);
+    EXPECT_NEAR(scene.row("m").contribution_m_s, 0.0138564, 1e-6);
 }
 
 TEST(Budget, TangentPlaneTenKilometresFromItsOrigin) {
@@ -214,10 +213,10 @@ TEST(Budget, TangentPlaneTenKilometresFromItsOrigin) {
         row.east_m = *row.east_m + 6000.0 - 180.0;  // the far end counts
         row.north_m = 8000.0;
     }
-    EXPECT_NEAR(scene.row("m").contribution_mps, 4.2672e-5, 1e-8);
+    EXPECT_NEAR(scene.row("m").contribution_m_s, 4.2672e-5, 1e-8);
     // Without heights 100 m more: 100 / 6371000 = 1.56961e-5.
     scene.trajectory.facts.vertical_measured = false;
-    EXPECT_NEAR(scene.row("m").contribution_mps, (1.23184e-6 + 1.56961e-5) / std::sqrt(3.0) * 60.0,
+    EXPECT_NEAR(scene.row("m").contribution_m_s, (1.23184e-6 + 1.56961e-5) / std::sqrt(3.0) * 60.0,
                 1e-8);
 }
 
@@ -226,20 +225,20 @@ TEST(Budget, LeverArmAndRotation) {
     // over 3 s 0.0402555 m/s.
     Scene scene;
     scene.config.lever_arm = Eigen::Vector3d(0.72, 0.0, -0.96);
-    EXPECT_EQ(scene.row("a").contribution_mps, 0.0);  // no rotation stated
+    EXPECT_EQ(scene.row("a").contribution_m_s, 0.0);  // no rotation stated
     scene.config.rotation_bound_deg = 10.0;
     EXPECT_NEAR(scene.row("a").standard_uncertainty, 0.120766, 1e-6);
-    EXPECT_NEAR(scene.row("a").contribution_mps, 0.0402555, 1e-6);
+    EXPECT_NEAR(scene.row("a").contribution_m_s, 0.0402555, 1e-6);
 }
 
 TEST(Budget, SelectionCoveredOrSubtracted) {
     Scene scene;
-    scene.selection.bias_mps = 0.003;
-    scene.selection.bias_uncertainty_mps = 0.0002;
-    EXPECT_EQ(scene.row("f").contribution_mps, 0.0002);
+    scene.selection.bias_m_s = 0.003;
+    scene.selection.bias_uncertainty_m_s = 0.0002;
+    EXPECT_EQ(scene.row("f").contribution_m_s, 0.0002);
     EXPECT_EQ(scene.row("f").estimate, 0.0);
     scene.selection.treatment = SelectionTreatment::subtracted;
-    EXPECT_EQ(scene.row("f").contribution_mps, 0.0002);
+    EXPECT_EQ(scene.row("f").contribution_m_s, 0.0002);
     EXPECT_EQ(scene.row("f").estimate, 0.003);
     EXPECT_EQ(scene.row("f").sensitivity, -1.0);
 }
@@ -247,15 +246,15 @@ TEST(Budget, SelectionCoveredOrSubtracted) {
 /// All sources at once.
 Scene full() {
     Scene scene;
-    scene.noise.motion_mps = 0.002;
+    scene.noise.motion_m_s = 0.002;
     scene.trajectory.facts.georeferenced = false;
     scene.config.plane_scale_bound = 0.0001;
     scene.trajectory.facts.position_resolution_m = 0.01;
     scene.trajectory.rows[12].time.nanoseconds += 1'000'000;
     scene.config.lever_arm = Eigen::Vector3d(0.0, 0.0, -0.1);
     scene.config.rotation_bound_deg = 5.0;
-    scene.selection.bias_uncertainty_mps = 0.0003;
-    scene.noise.model_mps = 0.001;
+    scene.selection.bias_uncertainty_m_s = 0.0003;
+    scene.noise.model_m_s = 0.001;
     scene.trajectory.facts.time_source = "unknown";
     return scene;
 }
@@ -265,10 +264,10 @@ TEST(Budget, CombinesByRootSumOfSquaresAndWelchSatterthwaite) {
     double fourth = 0.0;  // of those with finite degrees of freedom, over these
     int contributing = 0;
     for (const BudgetRow& row : full().rows()) {
-        squares += row.contribution_mps * row.contribution_mps;
+        squares += row.contribution_m_s * row.contribution_m_s;
         if (row.degrees_of_freedom)
-            fourth += std::pow(row.contribution_mps, 4) / *row.degrees_of_freedom;
-        contributing += row.contribution_mps > 0.0 ? 1 : 0;
+            fourth += std::pow(row.contribution_m_s, 4) / *row.degrees_of_freedom;
+        contributing += row.contribution_m_s > 0.0 ? 1 : 0;
     }
     EXPECT_EQ(contributing, 10);  // all but what screening could have missed
     const CombinedUncertainty combined = combine(full().rows());
@@ -280,7 +279,7 @@ TEST(Budget, CombinesByRootSumOfSquaresAndWelchSatterthwaite) {
 /// Half the width of the 95 % interval, in standard uncertainties by the law of propagation.
 double half_width(const Scene& scene) {
     const MonteCarloCheck check = scene.check();
-    return 0.5 * (check.upper_mps - check.lower_mps) / combine(scene.rows()).standard_uncertainty;
+    return 0.5 * (check.upper_m_s - check.lower_m_s) / combine(scene.rows()).standard_uncertainty;
 }
 
 TEST(MonteCarlo, AgreesWithTheLawOfPropagationWhereAllIsNormal) {
@@ -291,11 +290,11 @@ TEST(MonteCarlo, AgreesWithTheLawOfPropagationWhereAllIsNormal) {
     EXPECT_TRUE(check.converged);
     EXPECT_GE(check.trials, 100'000);
     const double u = combine(scene.rows()).standard_uncertainty;
-    EXPECT_NEAR(check.standard_uncertainty_mps, u, check.tolerance_mps);
-    EXPECT_NEAR(check.mean_mps, 60.0, check.tolerance_mps);
+    EXPECT_NEAR(check.standard_uncertainty_m_s, u, check.tolerance_m_s);
+    EXPECT_NEAR(check.mean_m_s, 60.0, check.tolerance_m_s);
     // The tolerance is two standard deviations of an end's own scatter.
-    EXPECT_NEAR(check.lower_mps, 60.0 - 1.96 * u, 2.0 * check.tolerance_mps);
-    EXPECT_NEAR(check.upper_mps, 60.0 + 1.96 * u, 2.0 * check.tolerance_mps);
+    EXPECT_NEAR(check.lower_m_s, 60.0 - 1.96 * u, 2.0 * check.tolerance_m_s);
+    EXPECT_NEAR(check.upper_m_s, 60.0 + 1.96 * u, 2.0 * check.tolerance_m_s);
 }
 
 TEST(MonteCarlo, AgreesInTheStandardUncertaintyWithAllSources) {
@@ -304,8 +303,8 @@ TEST(MonteCarlo, AgreesInTheStandardUncertaintyWithAllSources) {
     const MonteCarloCheck check = scene.check();
     EXPECT_TRUE(check.converged);
     // t distributions of 200 degrees of freedom are wider by sqrt(200 / 198), 0.5 %.
-    EXPECT_NEAR(check.standard_uncertainty_mps, combine(scene.rows()).standard_uncertainty,
-                check.tolerance_mps);
+    EXPECT_NEAR(check.standard_uncertainty_m_s, combine(scene.rows()).standard_uncertainty,
+                check.tolerance_m_s);
 }
 
 TEST(MonteCarlo, IsNarrowerWhereARectangularSourceDominates) {
@@ -318,8 +317,8 @@ TEST(MonteCarlo, IsNarrowerWhereARectangularSourceDominates) {
 
 TEST(MonteCarlo, IsWiderWhereFewDegreesOfFreedomDominate) {
     Scene scene;
-    scene.noise.correlated_mps = 0.0;
-    scene.noise.motion_mps = 0.02;
+    scene.noise.correlated_m_s = 0.0;
+    scene.noise.motion_m_s = 0.02;
     scene.fit().jerk_density.relative_uncertainty = std::sqrt(0.1);  // 5 degrees of freedom
     // Student's t of 5 degrees of freedom holds 95 % within 2.571.
     EXPECT_NEAR(half_width(scene), 2.571, 0.06);
@@ -328,10 +327,10 @@ TEST(MonteCarlo, IsWiderWhereFewDegreesOfFreedomDominate) {
 TEST(MonteCarlo, IsTheSameForASeed) {
     Scene scene = full();
     const MonteCarloCheck a = scene.check();
-    EXPECT_EQ(a.mean_mps, scene.check().mean_mps);
-    EXPECT_EQ(a.upper_mps, scene.check().upper_mps);
+    EXPECT_EQ(a.mean_m_s, scene.check().mean_m_s);
+    EXPECT_EQ(a.upper_m_s, scene.check().upper_m_s);
     scene.config.seed = 2;
-    EXPECT_NE(a.mean_mps, scene.check().mean_mps);
+    EXPECT_NE(a.mean_m_s, scene.check().mean_m_s);
     EXPECT_EQ(scene.check().seed, 2);
 }
 
@@ -343,13 +342,13 @@ TEST(MonteCarlo, ACraftAtRestHasAResult) {
     MonteCarloCheck check;
     ASSERT_NO_THROW(check = scene.check());
     // Rayleigh: the length of a vector of 5 mm/s an axis.
-    EXPECT_NEAR(check.mean_mps, 0.005 * std::sqrt(0.5 * std::numbers::pi), 1e-4);
+    EXPECT_NEAR(check.mean_m_s, 0.005 * std::sqrt(0.5 * std::numbers::pi), 1e-4);
 }
 
 TEST(MonteCarlo, AParameterThatTheDataHardlyTellIsStillPropagated) {
     // A relative uncertainty of 1 of the jerk density: half a degree of freedom by [GUM] (G.3).
     Scene scene;
-    scene.noise.motion_mps = 0.002;
+    scene.noise.motion_m_s = 0.002;
     scene.fit().jerk_density.relative_uncertainty = 1.0;
     EXPECT_GE(scene.row("j").degrees_of_freedom.value(), 1.0);
     EXPECT_NO_THROW(scene.check());

@@ -22,8 +22,8 @@ struct Point {
 };
 
 /// A track with a sample each second, the first at `from_s`.
-SearchSeries track_of(const std::vector<Point>& points, std::int64_t from_s = 0) {
-    SearchSeries series;
+SampleSeries track_of(const std::vector<Point>& points, std::int64_t from_s = 0) {
+    SampleSeries series;
     for (const Point& point : points) {
         series.times.push_back(
             {(from_s + static_cast<std::int64_t>(series.times.size())) * 1'000'000'000});
@@ -33,7 +33,7 @@ SearchSeries track_of(const std::vector<Point>& points, std::int64_t from_s = 0)
 }
 
 /// The same, due north and south through these distances.
-SearchSeries north_through(const std::vector<double>& norths_m, std::int64_t from_s = 0) {
+SampleSeries north_through(const std::vector<double>& norths_m, std::int64_t from_s = 0) {
     std::vector<Point> points;
     points.reserve(norths_m.size());
     for (const double north_m : norths_m)
@@ -72,7 +72,7 @@ TEST(Crossings, ADiagonalIsCrossedWhereBothLinesMeet) {
 }
 
 TEST(Crossings, BackwardIsAgainstTheCourseAndExchangedEndsAreToo) {
-    const SearchSeries south = north_through({5.0, -5.0});
+    const SampleSeries south = north_through({5.0, -5.0});
     EXPECT_FALSE(crossings({south}, line_at(0.0)).at(0).forward);
     EXPECT_TRUE(crossings({south}, {line_at(0.0).right, line_at(0.0).left}).at(0).forward);
 }
@@ -125,7 +125,7 @@ TEST(Crossings, AreThoseOfEverySegmentOfRandomTracks) {
         RandomGenerator random(seed);
         const auto point = [&] { return Eigen::Vector2d(random.normal(), random.normal()); };
         const Gate gate{point(), point()};
-        SearchSeries series;
+        SampleSeries series;
         for (std::int64_t k = 0; k < 100; ++k) {
             series.times.push_back({k * 1'000'000'000});
             const Eigen::Vector2d at = point();
@@ -157,11 +157,11 @@ TEST(Crossings, AreThoseOfEverySegmentOfRandomTracks) {
 }
 
 /// The passages of a course from 0 m to 500 m north.
-std::vector<Passage> passages_of(const std::vector<SearchSeries>& series) {
+std::vector<Passage> passages_of(const std::vector<SampleSeries>& series) {
     return passages(series, line_at(0.0), line_at(500.0));
 }
 
-std::string why_none(const std::vector<SearchSeries>& series) {
+std::string why_none(const std::vector<SampleSeries>& series) {
     return why_no_passage(series, line_at(0.0), line_at(500.0));
 }
 
@@ -236,7 +236,7 @@ TEST(Passages, BothRefusalsAreStated) {
 }
 
 TEST(Passages, AFinishInAnotherSeriesIsNoPassage) {
-    const std::vector<SearchSeries> series{north_through({-10, 10}), north_through({490, 510}, 9)};
+    const std::vector<SampleSeries> series{north_through({-10, 10}), north_through({490, 510}, 9)};
     EXPECT_TRUE(passages_of(series).empty());
     EXPECT_EQ(why_none(series),
               "the track crosses the start line once, but the finish line after it only beyond a "

@@ -13,7 +13,7 @@ namespace runcert::test {
 /// every sum anew.
 class ExhaustiveSearch {
   public:
-    ExhaustiveSearch(const SearchTrack& track, const SearchRule& rule)
+    ExhaustiveSearch(const SearchTrack& track, const WindowCriteria& rule)
         : track_(track), rule_(rule) {}
 
     std::vector<FoundWindow> best(std::size_t count) {
@@ -27,7 +27,7 @@ class ExhaustiveSearch {
             if (rule_.ends == WindowEnds::any) all = windows_at_any_instant(found);
             std::optional<FoundWindow> fastest;
             for (const FoundWindow& one : all)
-                if (!overlaps(one, found) && (!fastest || one.speed_mps > fastest->speed_mps))
+                if (!overlaps(one, found) && (!fastest || one.speed_m_s > fastest->speed_m_s))
                     fastest = one;
             if (!fastest) break;
             found.push_back(*fastest);
@@ -38,7 +38,7 @@ class ExhaustiveSearch {
     /// The window that begins at an instant (ns), by time or path, at any instant; empty where
     /// there is none.
     std::optional<FoundWindow> window_from(std::size_t s, long double start_ns) const {
-        const SearchSeries& series = track_.series[s];
+        const SampleSeries& series = track_.series[s];
         long double end_ns = start_ns + rule_.duration_s * 1e9L;
         if (rule_.kind == WindowKind::distance) {
             const std::vector<long double>& path = paths(s);
@@ -68,23 +68,23 @@ class ExhaustiveSearch {
     }
 
   private:
-    static long double time(const SearchSeries& series, std::size_t k) {
+    static long double time(const SampleSeries& series, std::size_t k) {
         return static_cast<long double>(series.times[k].nanoseconds);
     }
 
-    static bool bounds(const SearchSeries& series, std::size_t k) {
+    static bool bounds(const SampleSeries& series, std::size_t k) {
         return series.bounds.empty() || series.bounds[k];
     }
 
     /// Epochs: all windows that begin at a sample.
     void add_windows_from(std::size_t s, std::size_t i, std::vector<FoundWindow>& all) const {
-        const SearchSeries& series = track_.series[s];
+        const SampleSeries& series = track_.series[s];
         if (!bounds(series, i)) return;
-        double path = 0.0, speeds = series.speeds_mps[i];
+        double path = 0.0, speeds = series.speeds_m_s[i];
         for (std::size_t j = i + 1; j < series.times.size(); ++j) {
             if (track_.obstacle[s][j]) return;
             path += (series.positions[j] - series.positions[j - 1]).norm();
-            speeds += series.speeds_mps[j];
+            speeds += series.speeds_m_s[j];
             const double time_s =
                 static_cast<double>(series.times[j].nanoseconds - series.times[i].nanoseconds) *
                 1e-9;
@@ -110,7 +110,7 @@ class ExhaustiveSearch {
                 double speed = (by_path ? path : straight) / time_s;
                 if (rule_.definition == SpeedDefinition::mean_n_plus_1) speed = speeds / (n + 1.0);
                 if (rule_.definition == SpeedDefinition::mean_n)
-                    speed = (speeds - series.speeds_mps[i]) / n;
+                    speed = (speeds - series.speeds_m_s[i]) / n;
                 all.push_back({s, i, j, series.times[i], series.times[j], speed * time_s, speed});
             }
             if (last) return;
@@ -176,7 +176,7 @@ class ExhaustiveSearch {
 
     /// The time at which the path has a length that it reaches in the step before sample `k`.
     long double time_on_path(std::size_t s, std::size_t k, long double goal) const {
-        const SearchSeries& series = track_.series[s];
+        const SampleSeries& series = track_.series[s];
         if (k == 0 || k == series.times.size()) return time(series, k == 0 ? 0 : k - 1);
         const long double from = paths(s)[k - 1], to = paths(s)[k];
         const long double before = time(series, k - 1);
@@ -194,7 +194,7 @@ class ExhaustiveSearch {
     }
 
     double fraction(std::size_t s, std::size_t k, long double at_ns) const {
-        const SearchSeries& series = track_.series[s];
+        const SampleSeries& series = track_.series[s];
         if (k + 1 == series.times.size()) return 0.0;
         return static_cast<double>((at_ns - time(series, k)) /
                                    (time(series, k + 1) - time(series, k)));
@@ -215,7 +215,7 @@ class ExhaustiveSearch {
     }
 
     std::optional<FoundWindow> window(std::size_t s, long double start, long double end) const {
-        const SearchSeries& series = track_.series[s];
+        const SampleSeries& series = track_.series[s];
         const ElapsedTime from{std::llround(start)}, to{std::llround(end)};
         std::set<std::size_t> ends;  // samples that enclose the ends
         for (const ElapsedTime& at : {from, to}) {
@@ -237,7 +237,7 @@ class ExhaustiveSearch {
     }
 
     const SearchTrack& track_;
-    SearchRule rule_;
+    WindowCriteria rule_;
     mutable std::vector<std::vector<long double>> paths_;
     mutable std::vector<std::vector<Eigen::Vector3d>> directions_;
 };

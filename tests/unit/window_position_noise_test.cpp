@@ -90,11 +90,11 @@ TEST(PositionNoise, PartsAddUpToTheWhole) {
           SpeedDefinition::mean_n_plus_1, SpeedDefinition::mean_n}) {
         const PositionNoise noise =
             noise_of(irregular_stretch(), fitted_model(), bounding(), definition);
-        const double u = noise.speed.standard_uncertainty_mps;
-        for (const double part : {noise.white_mps, noise.correlated_mps, noise.motion_mps})
+        const double u = noise.speed.standard_uncertainty_m_s;
+        for (const double part : {noise.white_m_s, noise.correlated_m_s, noise.motion_m_s})
             EXPECT_GT(part, 0.01 * u) << to_text(definition);
-        EXPECT_NEAR(std::pow(noise.white_mps, 2) + std::pow(noise.correlated_mps, 2) +
-                        std::pow(noise.motion_mps, 2),
+        EXPECT_NEAR(std::pow(noise.white_m_s, 2) + std::pow(noise.correlated_m_s, 2) +
+                        std::pow(noise.motion_m_s, 2),
                     u * u, 1e-6 * u * u)
             << to_text(definition);
     }
@@ -116,26 +116,25 @@ TEST(PositionNoise, WhiteAndCorrelatedPartsAreThoseOfTheSameWeights) {
                                                             stretch.epochs[l].time_s);
     }
     const PositionNoise noise = noise_of(stretch, model, bounding(), SpeedDefinition::displacement);
-    EXPECT_NEAR(noise.white_mps, std::sqrt(white), 1e-4 * std::sqrt(white));
-    EXPECT_NEAR(noise.correlated_mps, std::sqrt(correlated), 1e-4 * std::sqrt(correlated));
+    EXPECT_NEAR(noise.white_m_s, std::sqrt(white), 1e-4 * std::sqrt(white));
+    EXPECT_NEAR(noise.correlated_m_s, std::sqrt(correlated), 1e-4 * std::sqrt(correlated));
 }
 
 TEST(PositionNoise, TheRestIsTheMotions) {
-    // The variance is of first degree in the three noises together: what white noise and the slow
-    // error leave is its derivative by the logarithm of the motion's variance.
+    // The variance is of first degree in the three noises together: what white noise and the time-correlated error leave is its derivative by the logarithm of the motion's variance.
     const WindowStretch<2> stretch = irregular_stretch();
     const auto variance = [&](double factor) {
         EstimationModel model = fitted_model();
         model.motion.jerk_density *= std::sqrt(factor);
         const double u = displacement_speed(smooth<2>(stretch.epochs, model), stretch.window.first,
                                             stretch.window.last, stretch.duration_s)
-                             .standard_uncertainty_mps;
+                             .standard_uncertainty_m_s;
         return u * u;
     };
     const double motion = (variance(std::exp(0.01)) - variance(std::exp(-0.01))) / 0.02;
     const PositionNoise noise =
         noise_of(stretch, fitted_model(), bounding(), SpeedDefinition::displacement);
-    EXPECT_NEAR(noise.motion_mps, std::sqrt(motion), 1e-3 * std::sqrt(motion));
+    EXPECT_NEAR(noise.motion_m_s, std::sqrt(motion), 1e-3 * std::sqrt(motion));
 }
 
 TEST(PositionNoise, WithoutASlowErrorThereIsNoPartOfIt) {
@@ -143,8 +142,8 @@ TEST(PositionNoise, WithoutASlowErrorThereIsNoPartOfIt) {
     model.error = GaussMarkovError::steady(0.0, 1.0);
     const PositionNoise noise = noise_of(irregular_stretch(), model, model.error,
                                          SpeedDefinition::displacement, bound_of(0.0));
-    EXPECT_LT(noise.correlated_mps, 1e-5);  // of the 10 um that stand for nothing
-    EXPECT_GT(noise.white_mps, 1e-3);
+    EXPECT_LT(noise.correlated_m_s, 1e-5);  // of the 10 um that stand for nothing
+    EXPECT_GT(noise.white_m_s, 1e-3);
 }
 
 TEST(PositionNoise, OfSamplesIsThatOfTwoPositions) {
@@ -164,20 +163,20 @@ TEST(PositionNoise, OfSamplesIsThatOfTwoPositions) {
     const auto& last = *stretch.epochs[stretch.window.last].measurement;
     const Eigen::Vector2d moved = last.position - first.position;
     const double t = stretch.duration_s;
-    EXPECT_NEAR(noise.speed.speed_mps, moved.norm() / t, 1e-12);
+    EXPECT_NEAR(noise.speed.speed_m_s, moved.norm() / t, 1e-12);
     const Eigen::Vector2d u = moved.normalized();
     const double white = 1.3 * std::sqrt(u.dot((first.covariance + last.covariance) * u)) / t;
-    EXPECT_NEAR(noise.white_mps, white, 1e-12);
-    EXPECT_EQ(noise.motion_mps, 0.0);
+    EXPECT_NEAR(noise.white_m_s, white, 1e-12);
+    EXPECT_EQ(noise.motion_m_s, 0.0);
     const double start_s = stretch.epochs.front().time_s;
     const double a_s = stretch.epochs[stretch.window.first].time_s;
     const double b_s = stretch.epochs[stretch.window.last].time_s;
     const double slow = error_covariance(bounding(), start_s, a_s, a_s) +
                         error_covariance(bounding(), start_s, b_s, b_s) -
                         2.0 * error_covariance(bounding(), start_s, a_s, b_s);
-    EXPECT_NEAR(noise.correlated_mps, std::sqrt(slow) / t, 1e-9);
-    // This receiver's own slow error is worst where it forgets soonest: sqrt(2) of its size.
-    EXPECT_NEAR(noise.own_correlated_mps, 0.02 * std::sqrt(2.0 * (1.0 - std::exp(-t / 0.5))) / t,
+    EXPECT_NEAR(noise.correlated_m_s, std::sqrt(slow) / t, 1e-9);
+    // This receiver's own time-correlated error is worst where it forgets soonest: sqrt(2) of its size.
+    EXPECT_NEAR(noise.own_correlated_m_s, 0.02 * std::sqrt(2.0 * (1.0 - std::exp(-t / 0.5))) / t,
                 1e-9);
 }
 
@@ -196,28 +195,28 @@ TEST(OtherEstimates, SayHowMuchHangsOnTheModel) {
         const auto by_weights = speed_weights(at, quantity);
         const PositionNoise noise =
             position_noise(at, quantity, by_weights, bounding(), bound_of());
-        return std::pair(noise.speed.speed_mps, other_estimates(at, quantity, by_weights, noise));
+        return std::pair(noise.speed.speed_m_s, other_estimates(at, quantity, by_weights, noise));
     };
     const auto [speed, other] = estimates_of(0.6);
-    EXPECT_NEAR(other.stiffer_mps, estimates_of(0.6 / std::sqrt(10.0)).first, 1e-9);
-    EXPECT_NEAR(other.softer_mps, estimates_of(0.6 * std::sqrt(10.0)).first, 1e-9);
-    EXPECT_NEAR(other.whole_mps, speed, 1e-9);  // there is but one density here
-    EXPECT_GE(other.half_width_mps, std::abs(other.stiffer_mps - speed));
-    EXPECT_GE(other.half_width_mps, std::abs(other.softer_mps - speed));
+    EXPECT_NEAR(other.stiffer_m_s, estimates_of(0.6 / std::sqrt(10.0)).first, 1e-9);
+    EXPECT_NEAR(other.softer_m_s, estimates_of(0.6 * std::sqrt(10.0)).first, 1e-9);
+    EXPECT_NEAR(other.whole_m_s, speed, 1e-9);  // there is but one density here
+    EXPECT_GE(other.half_width_m_s, std::abs(other.stiffer_m_s - speed));
+    EXPECT_GE(other.half_width_m_s, std::abs(other.softer_m_s - speed));
     const auto& first = *stretch.epochs[stretch.window.first].measurement;
     const auto& last = *stretch.epochs[stretch.window.last].measurement;
-    ASSERT_TRUE(other.chord_mps && other.chord_difference_uncertainty_mps);
-    EXPECT_NEAR(*other.chord_mps, (last.position - first.position).norm() / stretch.duration_s,
+    ASSERT_TRUE(other.chord_m_s && other.chord_difference_uncertainty_m_s);
+    EXPECT_NEAR(*other.chord_m_s, (last.position - first.position).norm() / stretch.duration_s,
                 1e-12);
     // A model that is wrong shows against the chord: motion smoothed away is not there.
     for (ArcEpoch<2>& epoch : stretch.epochs)
         if (epoch.measurement)
             epoch.measurement->position.x() += 3.0 * std::sin(1.6 * epoch.time_s);
     const auto [stiff_speed, stiff] = estimates_of(1e-4);
-    EXPECT_GT(std::abs(*stiff.chord_mps - stiff_speed),
-              2.0 * *stiff.chord_difference_uncertainty_mps);
-    EXPECT_GE(stiff.half_width_mps, std::abs(*stiff.chord_mps - stiff_speed) -
-                                        2.0 * *stiff.chord_difference_uncertainty_mps);
+    EXPECT_GT(std::abs(*stiff.chord_m_s - stiff_speed),
+              2.0 * *stiff.chord_difference_uncertainty_m_s);
+    EXPECT_GE(stiff.half_width_m_s, std::abs(*stiff.chord_m_s - stiff_speed) -
+                                        2.0 * *stiff.chord_difference_uncertainty_m_s);
 }
 
 TEST(PositionNoise, TheBoundedPartIsTheLargestOfAnyCorrelationTime) {
@@ -229,14 +228,14 @@ TEST(PositionNoise, TheBoundedPartIsTheLargestOfAnyCorrelationTime) {
         for (const double tau_s : {0.5, 0.7, 1.0, 3.0, 10.0, 50.0, 200.0}) {
             const PositionNoise steady = noise_of(
                 stretch, fitted_model(), GaussMarkovError::steady(0.02, tau_s), definition);
-            EXPECT_GE(noise.correlated_mps, steady.correlated_mps)
+            EXPECT_GE(noise.correlated_m_s, steady.correlated_m_s)
                 << to_text(definition) << " " << tau_s;
-            EXPECT_EQ(noise.white_mps, steady.white_mps);
+            EXPECT_EQ(noise.white_m_s, steady.white_m_s);
             if (tau_s == 0.5 || tau_s == 10.0) {
-                EXPECT_GE(noise.own_correlated_mps, steady.correlated_mps * (1.0 - 1e-12));
+                EXPECT_GE(noise.own_correlated_m_s, steady.correlated_m_s * (1.0 - 1e-12));
             }
         }
-        EXPECT_LT(noise.own_correlated_mps, noise.correlated_mps) << to_text(definition);
+        EXPECT_LT(noise.own_correlated_m_s, noise.correlated_m_s) << to_text(definition);
     }
 }
 
@@ -253,10 +252,10 @@ TEST(PositionNoise, PartsAddUpWhereTheMotionChanges) {
         noise_of(stretch, model, model.error, SpeedDefinition::displacement);
     const double u = displacement_speed(smooth<2>(stretch.epochs, model), stretch.window.first,
                                         stretch.window.last, stretch.duration_s)
-                         .standard_uncertainty_mps;
-    EXPECT_NEAR(fitted.speed.standard_uncertainty_mps, u, 1e-9 * u);
-    EXPECT_NEAR(noise.motion_mps, fitted.motion_mps, 1e-12);
-    EXPECT_GT(std::abs(noise.motion_mps / even.motion_mps - 1.0), 0.02);
+                         .standard_uncertainty_m_s;
+    EXPECT_NEAR(fitted.speed.standard_uncertainty_m_s, u, 1e-9 * u);
+    EXPECT_NEAR(noise.motion_m_s, fitted.motion_m_s, 1e-12);
+    EXPECT_GT(std::abs(noise.motion_m_s / even.motion_m_s - 1.0), 0.02);
 }
 
 TEST(OtherEstimates, OfOneDensityForAllIsTheEstimateThatDoesNotFollowTheMotion) {
@@ -273,12 +272,12 @@ TEST(OtherEstimates, OfOneDensityForAllIsTheEstimateThatDoesNotFollowTheMotion) 
         const auto by_weights = speed_weights(at, quantity);
         const PositionNoise noise =
             position_noise(at, quantity, by_weights, bounding(), bound_of());
-        return std::pair(noise.speed.speed_mps, other_estimates(at, quantity, by_weights, noise));
+        return std::pair(noise.speed.speed_m_s, other_estimates(at, quantity, by_weights, noise));
     };
-    const double even_mps = other_of(stretch.epochs).first;
-    const auto [followed_mps, other] = other_of(test::with_changing_motion(stretch.epochs));
-    EXPECT_NEAR(other.whole_mps, even_mps, 1e-9);
-    EXPECT_GT(std::abs(followed_mps - even_mps), 1e-5);
+    const double even_m_s = other_of(stretch.epochs).first;
+    const auto [followed_m_s, other] = other_of(test::with_changing_motion(stretch.epochs));
+    EXPECT_NEAR(other.whole_m_s, even_m_s, 1e-9);
+    EXPECT_GT(std::abs(followed_m_s - even_m_s), 1e-5);
 }
 
 TEST(OtherEstimates, OfSamplesNoModelChangesAnything) {
@@ -295,10 +294,10 @@ TEST(OtherEstimates, OfSamplesNoModelChangesAnything) {
     const auto by_weights = speed_weights(at, samples);
     const PositionNoise noise = position_noise(at, samples, by_weights, bounding(), bound_of());
     const OtherEstimates other = other_estimates(at, samples, by_weights, noise);
-    EXPECT_EQ(other.half_width_mps, 0.0);
-    EXPECT_EQ(other.stiffer_mps, noise.speed.speed_mps);
-    EXPECT_EQ(other.softer_mps, noise.speed.speed_mps);
-    EXPECT_FALSE(other.chord_mps);
+    EXPECT_EQ(other.half_width_m_s, 0.0);
+    EXPECT_EQ(other.stiffer_m_s, noise.speed.speed_m_s);
+    EXPECT_EQ(other.softer_m_s, noise.speed.speed_m_s);
+    EXPECT_FALSE(other.chord_m_s);
 }
 
 TEST(OtherEstimates, AChordIsOfMeasuredEndsWithoutABridgedStepBetween) {
@@ -314,7 +313,7 @@ TEST(OtherEstimates, AChordIsOfMeasuredEndsWithoutABridgedStepBetween) {
         const auto by_weights = speed_weights(at, {definition});
         const PositionNoise noise =
             position_noise(at, {definition}, by_weights, bounding(), bound_of());
-        return other_estimates(at, {definition}, by_weights, noise).chord_mps.has_value();
+        return other_estimates(at, {definition}, by_weights, noise).chord_m_s.has_value();
     };
     EXPECT_TRUE(has_chord(SpeedDefinition::displacement));
     EXPECT_FALSE(has_chord(SpeedDefinition::path_length));
@@ -383,8 +382,8 @@ TEST(SpeedByDefinition, UncertaintyIsTheScatterOfDrawsFromTheModel) {
         for (std::size_t d = 0; d < definitions.size(); ++d) {
             const SpeedEstimate speed =
                 speed_by_definition(smoothed, stretch.window, 3.0, {definitions[d]});
-            errors[d].push_back(speed.speed_mps - true_speed(run, stretch, definitions[d]));
-            stated[d] += speed.standard_uncertainty_mps / static_cast<double>(draws);
+            errors[d].push_back(speed.speed_m_s - true_speed(run, stretch, definitions[d]));
+            stated[d] += speed.standard_uncertainty_m_s / static_cast<double>(draws);
         }
     }
     for (std::size_t d = 0; d < definitions.size(); ++d) {
@@ -411,9 +410,9 @@ TEST(CutStretch, WhatLiesBeyondTheMarginChangesNothing) {
                             {SpeedDefinition::displacement});
     const SpeedEstimate whole = speed_by_definition(smooth<2>(arc.epochs, model), window, 3.0,
                                                     {SpeedDefinition::displacement});
-    EXPECT_NEAR(cut.speed_mps, whole.speed_mps, 1e-7);
-    EXPECT_NEAR(cut.standard_uncertainty_mps, whole.standard_uncertainty_mps,
-                1e-6 * whole.standard_uncertainty_mps);
+    EXPECT_NEAR(cut.speed_m_s, whole.speed_m_s, 1e-7);
+    EXPECT_NEAR(cut.standard_uncertainty_m_s, whole.standard_uncertainty_m_s,
+                1e-6 * whole.standard_uncertainty_m_s);
 }
 
 TEST(CutStretch, BeginsWithAMeasuredEpochAndEndsWithTheArc) {

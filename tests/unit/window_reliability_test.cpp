@@ -17,17 +17,17 @@ using test::recorded;
 /// A run of 40 s at 10 Hz, screened with white noise as stated.
 ScreenedTable screened_run() {
     ScreenedTable table = recorded({});
-    ScreeningEvidence& evidence = table.evidence;
-    evidence.test_size = 1e-8;
-    evidence.power = 0.8;
-    evidence.burst_epochs_max = 5;
-    evidence.models.push_back({.axes = TestedAxes::horizontal,
-                               .noise = NoiseBasis::fitted,
-                               .jerk_density = 0.6,
-                               .measurement_scale = 1.0,
-                               .white_scale = 1.0,
-                               .error_sigma_m = 0.0,
-                               .error_tau_s = 1.0});
+    ScreeningBasis& basis = table.basis;
+    basis.test_size = 1e-8;
+    basis.power = 0.8;
+    basis.burst_epochs_max = 5;
+    basis.models.push_back({.axes = TestedAxes::horizontal,
+                            .noise = NoiseBasis::fitted,
+                            .jerk_density = 0.6,
+                            .measurement_scale = 1.0,
+                            .white_scale = 1.0,
+                            .error_sigma_m = 0.0,
+                            .error_tau_s = 1.0});
     return table;
 }
 
@@ -55,7 +55,7 @@ std::vector<UndetectedError> errors_of(const ScreenedTable& screened, const Arc<
 double speed_of(const WindowStretch<2>& stretch, SpeedDefinition definition) {
     return speed_by_definition(smooth<2>(stretch.epochs, estimate_model()), stretch.window,
                                stretch.duration_s, {definition})
-        .speed_mps;
+        .speed_m_s;
 }
 
 const UndetectedError& entry(const std::vector<UndetectedError>& errors, Hypothesis hypothesis) {
@@ -75,7 +75,7 @@ class Reliability : public testing::TestWithParam<SpeedDefinition> {
 TEST_P(Reliability, NoDirectionOfAnUndetectedStepDoesMore) {
     // By brute force: at every epoch around the window a step in each of 36 directions, of the size
     // that its test finds with the power, put into the recording.
-    const ArcDiagnosis<2> diagnosis(arc.epochs, model_of(screened.evidence.models.front()));
+    const ArcDiagnosis<2> diagnosis(arc.epochs, model_of(screened.basis.models.front()));
     const double lambda = noncentrality(1e-8, 0.8, 2);
     const double before = speed_of(stretch, GetParam());
     double largest = 0.0;
@@ -93,13 +93,13 @@ TEST_P(Reliability, NoDirectionOfAnUndetectedStepDoesMore) {
         }
     }
     const UndetectedError& step = entry(errors, Hypothesis::step);
-    EXPECT_NEAR(step.speed_mps, largest, 0.01 * largest);
+    EXPECT_NEAR(step.speed_m_s, largest, 0.01 * largest);
     EXPECT_GT(step.epoch, 318);
     EXPECT_LT(step.epoch, 354);
     EXPECT_EQ(step.unit, "m");
     // A step inside the window is all of it in the displacement, smoothed over its surroundings.
-    EXPECT_LT(step.speed_mps, 1.1 * step.size / 3.0);
-    EXPECT_GT(step.speed_mps, 0.5 * step.size / 3.0);
+    EXPECT_LT(step.speed_m_s, 1.1 * step.size / 3.0);
+    EXPECT_GT(step.speed_m_s, 0.5 * step.size / 3.0);
 }
 
 TEST_P(Reliability, AnOutlierOfThatSizeDoesThat) {
@@ -114,20 +114,20 @@ TEST_P(Reliability, AnOutlierOfThatSizeDoesThat) {
             outlier.size * Eigen::Vector2d(std::cos(angle), std::sin(angle));
         largest = std::max(largest, std::abs(speed_of(moved, GetParam()) - before));
     }
-    EXPECT_NEAR(outlier.speed_mps, largest, 0.01 * largest);
+    EXPECT_NEAR(outlier.speed_m_s, largest, 0.01 * largest);
 }
 
 TEST_P(Reliability, OneEntryForEachHypothesisLargestFirst) {
     ASSERT_EQ(errors.size(), 5U);
     for (std::size_t i = 1; i < errors.size(); ++i)
-        EXPECT_GE(errors[i - 1].speed_mps, errors[i].speed_mps);
+        EXPECT_GE(errors[i - 1].speed_m_s, errors[i].speed_m_s);
     EXPECT_EQ(errors.front().hypothesis, Hypothesis::ramp);  // at most as fast as it drifts
-    EXPECT_LT(errors.front().speed_mps, errors.front().size);
+    EXPECT_LT(errors.front().speed_m_s, errors.front().size);
     EXPECT_EQ(undetected_in_budget(errors), &errors[1]);
     // At a constant speed late stamps are a step along the track, with one unknown for two.
     const UndetectedError& late = entry(errors, Hypothesis::time_shift);
-    EXPECT_LT(late.speed_mps, entry(errors, Hypothesis::step).speed_mps);
-    EXPECT_GT(late.speed_mps, 0.9 * entry(errors, Hypothesis::step).speed_mps);
+    EXPECT_LT(late.speed_m_s, entry(errors, Hypothesis::step).speed_m_s);
+    EXPECT_GT(late.speed_m_s, 0.9 * entry(errors, Hypothesis::step).speed_m_s);
     EXPECT_NEAR(late.size * 60.0, entry(errors, Hypothesis::step).size,
                 0.1 * entry(errors, Hypothesis::step).size);
     EXPECT_GE(entry(errors, Hypothesis::burst).last_epoch,
@@ -156,7 +156,7 @@ TEST(ReliabilityOfAWindow, NoisierNeighboursHideMore) {
     for (ScreenedEpoch& row : screened.rows)
         row.local_variance_factor = 4.0;
     const auto noisy = errors_of(screened, arc, stretch, SpeedDefinition::displacement);
-    EXPECT_NEAR(noisy.front().speed_mps, 2.0 * quiet.front().speed_mps, 1e-12);
+    EXPECT_NEAR(noisy.front().speed_m_s, 2.0 * quiet.front().speed_m_s, 1e-12);
 }
 
 }  // namespace

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "stages/window/robust.h"
-#include "stages/window/search_series.h"
+#include "stages/window/sample_series.h"
 #include "window_test_support.h"
 
 namespace runcert::RUNCERT_FILE {
@@ -30,25 +30,25 @@ struct Beside {
         *trajectory.rows[60].robust_east_m += further_m / std::numbers::sqrt2;
         *trajectory.rows[60].robust_north_m += further_m / std::numbers::sqrt2;
     }
-    RobustSpeed with(double model_mps) const {
-        return robust_speed(trajectory, part, smoothed, model_mps).value();
+    RobustSpeed with(double model_m_s) const {
+        return robust_speed(trajectory, part, smoothed, model_m_s).value();
     }
     double uncertainty() const {
-        return displacement_speed(smoothed, 30, 60, 3.0).standard_uncertainty_mps;
+        return displacement_speed(smoothed, 30, 60, 3.0).standard_uncertainty_m_s;
     }
 };
 
 TEST(RobustSpeed, AgreesWithinTwiceTheUncertaintyAndWhatOtherModelsChange) {
     const double u = Beside(0.0).uncertainty();
     ASSERT_GT(u, 1e-4);
-    for (const double model_mps : {0.0, 0.02}) {
-        const double limit_mps = 2.0 * (u + model_mps);
-        const RobustSpeed inside = Beside(2.99 * limit_mps).with(model_mps);
-        EXPECT_NEAR(inside.limit_mps, limit_mps, 1e-9);
-        EXPECT_NEAR(inside.difference_mps, 2.99 / 3.0 * limit_mps, 1e-6);
+    for (const double model_m_s : {0.0, 0.02}) {
+        const double limit_m_s = 2.0 * (u + model_m_s);
+        const RobustSpeed inside = Beside(2.99 * limit_m_s).with(model_m_s);
+        EXPECT_NEAR(inside.limit_m_s, limit_m_s, 1e-9);
+        EXPECT_NEAR(inside.difference_m_s, 2.99 / 3.0 * limit_m_s, 1e-6);
         EXPECT_TRUE(inside.agrees);
-        EXPECT_FALSE(Beside(3.01 * limit_mps).with(model_mps).agrees);
-        EXPECT_FALSE(Beside(-3.01 * limit_mps).with(model_mps).agrees);
+        EXPECT_FALSE(Beside(3.01 * limit_m_s).with(model_m_s).agrees);
+        EXPECT_FALSE(Beside(-3.01 * limit_m_s).with(model_m_s).agrees);
     }
 }
 
@@ -63,11 +63,11 @@ TEST(IndicatedSeries, LeavesOutWhatTheReceiverCallsNoFix) {
     // screening thinks of the rest.
     ScreenedTable screened = test::recorded({.from_s = 30.0, .to_s = 40.0});
     for (std::size_t k = 40; k < 45; ++k) {
-        screened.rows[k].fix = FixKind::none;
+        screened.rows[k].fix = FixType::none;
         *screened.rows[k].east_m += 500.0;
     }
     for (std::size_t k = 50; k < 55; ++k) {
-        screened.rows[k].fix = FixKind::unknown;
+        screened.rows[k].fix = FixType::unknown;
         screened.rows[k].usable = false;
     }
     screened.rows[60].east_m.reset();
@@ -76,11 +76,11 @@ TEST(IndicatedSeries, LeavesOutWhatTheReceiverCallsNoFix) {
     EXPECT_EQ(indicated.rows.size(), screened.rows.size() - 6);
     EXPECT_EQ(indicated.series.front().positions.size(), indicated.rows.size());
     for (const std::size_t row : indicated.rows) {
-        EXPECT_NE(screened.rows[row].fix, FixKind::none);
+        EXPECT_NE(screened.rows[row].fix, FixType::none);
         EXPECT_NE(row, 60U);
     }
     for (ScreenedEpoch& row : screened.rows)
-        row.fix = FixKind::none;
+        row.fix = FixType::none;
     EXPECT_TRUE(indicated_series(screened, test::rule_over(3.0)).series.empty());
 }
 

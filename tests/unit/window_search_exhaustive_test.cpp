@@ -19,7 +19,7 @@ using test::path_length;
 using test::random_track;
 using test::SearchTrack;
 
-void expect_encloses(const SearchSeries& series, const FoundWindow& window) {
+void expect_encloses(const SampleSeries& series, const FoundWindow& window) {
     ASSERT_LT(window.first, window.last);
     ASSERT_LT(window.last, series.times.size());
     EXPECT_LE(series.times[window.first], window.start);
@@ -35,19 +35,19 @@ struct Compared {
 
 /// The search's windows are those of the exhaustive one, up to a tie: with both ends in stands, a
 /// window may be moved.
-Compared expect_same(const SearchTrack& track, const SearchRule& rule, std::size_t count) {
+Compared expect_same(const SearchTrack& track, const WindowCriteria& rule, std::size_t count) {
     const auto found = best_windows(track.series, rule, count);
     const auto expected = ExhaustiveSearch(track, rule).best(count);
     EXPECT_EQ(found.size(), expected.size());
     for (std::size_t k = 0; k < std::min(found.size(), expected.size()); ++k) {
-        const double difference_mps = found[k].speed_mps - expected[k].speed_mps;
-        if (found[k].start != expected[k].start && std::abs(difference_mps) < 1e-12) return {k, 1};
+        const double difference_m_s = found[k].speed_m_s - expected[k].speed_m_s;
+        if (found[k].start != expected[k].start && std::abs(difference_m_s) < 1e-12) return {k, 1};
         EXPECT_EQ(found[k].series, expected[k].series);
         EXPECT_EQ(found[k].start, expected[k].start);
         EXPECT_EQ(found[k].end, expected[k].end);
         EXPECT_EQ(found[k].first, expected[k].first);
         EXPECT_EQ(found[k].last, expected[k].last);
-        EXPECT_NEAR(found[k].speed_mps, expected[k].speed_mps, 1e-9);
+        EXPECT_NEAR(found[k].speed_m_s, expected[k].speed_m_s, 1e-9);
         EXPECT_NEAR(found[k].length_m, expected[k].length_m, 1e-9 * expected[k].length_m);
         expect_encloses(track.series[found[k].series], found[k]);
     }
@@ -56,7 +56,7 @@ Compared expect_same(const SearchTrack& track, const SearchRule& rule, std::size
 
 struct NamedRule {
     const char* name;
-    SearchRule rule;
+    WindowCriteria rule;
     std::size_t count = 1;
 };
 
@@ -101,7 +101,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& instance) { return std::string(instance.param.name); });
 
 /// No window at an instant of a fine grid beats those found, of those that do not overlap them.
-void expect_unbeaten(const SearchTrack& track, const SearchRule& rule, std::size_t count) {
+void expect_unbeaten(const SearchTrack& track, const WindowCriteria& rule, std::size_t count) {
     const auto found = best_windows(track.series, rule, count);
     const ExhaustiveSearch exhaustive(track, rule);
     for (std::size_t s = 0; s < track.series.size(); ++s) {
@@ -112,7 +112,7 @@ void expect_unbeaten(const SearchTrack& track, const SearchRule& rule, std::size
             std::vector<FoundWindow> before;
             for (const FoundWindow& one : found) {
                 if (ExhaustiveSearch::overlaps(*window, before)) break;
-                EXPECT_LE(window->speed_mps, one.speed_mps + 1e-9) << at;
+                EXPECT_LE(window->speed_m_s, one.speed_m_s + 1e-9) << at;
                 before.push_back(one);
             }
         }
@@ -139,7 +139,7 @@ TrajectoryTable trajectory_of(const SearchTrack& track) {
             row.time = track.series[s].times[k];
             row.east_m = track.series[s].positions[k].x();
             row.north_m = track.series[s].positions[k].y();
-            row.speed_mps = track.series[s].speeds_mps[k];
+            row.speed_m_s = track.series[s].speeds_m_s[k];
             row.arc = static_cast<std::int64_t>(s) + 1;
             row.usable = !track.obstacle[s][k];
         }
@@ -176,7 +176,7 @@ TEST(RuleSearch, AllowsTheWindowsThatCanBeCertified) {
 
 TEST(RuleSearch, AllowedWindowsHoldTheBest) {
     const SearchTrack track = random_track(options_of(1));
-    for (const SearchRule& rule :
+    for (const WindowCriteria& rule :
          {over_time(3.0, displacement), over_time(3.0, displacement, WindowEnds::any),
           over_distance(500.0, path_length), over_distance(100.0, path_length, WindowEnds::any),
           alpha(500.0)}) {
@@ -184,7 +184,7 @@ TEST(RuleSearch, AllowedWindowsHoldTheBest) {
         const auto best = best_windows(track.series, rule, 1);
         ASSERT_EQ(best.size(), 1u);
         const auto fastest = std::min_element(all.begin(), all.end(), preferred);
-        EXPECT_EQ(fastest->speed_mps, best[0].speed_mps);
+        EXPECT_EQ(fastest->speed_m_s, best[0].speed_m_s);
         EXPECT_EQ(fastest->start, best[0].start);
         EXPECT_TRUE(std::is_sorted(all.begin(), all.end(), [](const auto& a, const auto& b) {
             return std::tie(a.series, a.first) < std::tie(b.series, b.first);

@@ -6,13 +6,13 @@
 #include <vector>
 
 #include "core/random.h"
-#include "stages/window/search.h"
+#include "stages/window/best_window.h"
 
 namespace runcert::test {
 
 /// A track to search, with what stands in the way of windows told sample by sample.
 struct SearchTrack {
-    std::vector<SearchSeries> series;
+    std::vector<SampleSeries> series;
     std::vector<std::vector<bool>> obstacle;  ///< of each series' samples
     double interval_s = 0.1;
 };
@@ -60,10 +60,10 @@ class RandomTrack {
     }
 
     void sample() {
-        SearchSeries& series = track_.series.back();
+        SampleSeries& series = track_.series.back();
         series.times.push_back({time_ns_});
         series.positions.push_back(position_);
-        series.speeds_mps.push_back(std::abs(speed_mps_ + 0.05 * random_.normal()));
+        series.speeds_m_s.push_back(std::abs(speed_m_s_ + 0.05 * random_.normal()));
         const bool obstacle = options_.obstacles && random_.uniform() < 0.003;
         track_.obstacle.back().push_back(obstacle);
         if (!options_.obstacles) return;
@@ -88,9 +88,9 @@ class RandomTrack {
         const double turned = std::clamp(left_to_turn_, -dt_s, dt_s);  // 1 rad/s
         left_to_turn_ -= turned;
         heading_ += turned + 0.01 * random_.normal();
-        speed_mps_ = std::clamp(speed_mps_ + std::sqrt(dt_s) * random_.normal(), 5.0, 25.0);
+        speed_m_s_ = std::clamp(speed_m_s_ + std::sqrt(dt_s) * random_.normal(), 5.0, 25.0);
         // Never twice the same, so that no two windows are equally fast.
-        position_ += (speed_mps_ + 0.01 * random_.normal()) * dt_s *
+        position_ += (speed_m_s_ + 0.01 * random_.normal()) * dt_s *
                      Eigen::Vector3d(std::sin(heading_), std::cos(heading_),
                                      options_.vertical ? 0.5 * random_.normal() : 0.0);
     }
@@ -101,7 +101,7 @@ class RandomTrack {
     std::int64_t time_ns_ = 0;
     Eigen::Vector3d position_ = Eigen::Vector3d::Zero();
     double heading_ = 0.3;
-    double speed_mps_ = 12.0;
+    double speed_m_s_ = 12.0;
     double turn_in_s_ = 20.0;
     double left_to_turn_ = 0.0;
     double standing_s_ = 0.0;
@@ -125,9 +125,9 @@ inline TrackOptions options_of(std::uint64_t number) {
 inline constexpr auto displacement = SpeedDefinition::displacement;
 inline constexpr auto path_length = SpeedDefinition::path_length;
 
-inline SearchRule over_time(double duration_s, SpeedDefinition definition,
+inline WindowCriteria over_time(double duration_s, SpeedDefinition definition,
                             WindowEnds ends = WindowEnds::epochs) {
-    SearchRule rule;
+    WindowCriteria rule;
     rule.kind = WindowKind::time;
     rule.definition = definition;
     rule.ends = ends;
@@ -137,15 +137,15 @@ inline SearchRule over_time(double duration_s, SpeedDefinition definition,
     return rule;
 }
 
-inline SearchRule exactly(double duration_s, SpeedDefinition definition) {
-    SearchRule rule = over_time(duration_s, definition);
+inline WindowCriteria exactly(double duration_s, SpeedDefinition definition) {
+    WindowCriteria rule = over_time(duration_s, definition);
     rule.exact = true;
     return rule;
 }
 
-inline SearchRule over_distance(double distance_m, SpeedDefinition definition,
+inline WindowCriteria over_distance(double distance_m, SpeedDefinition definition,
                                 WindowEnds ends = WindowEnds::epochs) {
-    SearchRule rule;
+    WindowCriteria rule;
     rule.kind = WindowKind::distance;
     rule.definition = definition;
     rule.ends = ends;
@@ -153,8 +153,8 @@ inline SearchRule over_distance(double distance_m, SpeedDefinition definition,
     return rule;
 }
 
-inline SearchRule alpha(double distance_m) {
-    SearchRule rule = over_distance(distance_m, path_length);
+inline WindowCriteria alpha(double distance_m) {
+    WindowCriteria rule = over_distance(distance_m, path_length);
     rule.kind = WindowKind::alpha;
     rule.proximity_m = 50.0;
     rule.turn_deg = 90.0;

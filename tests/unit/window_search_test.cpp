@@ -3,7 +3,7 @@
 #include <numeric>
 
 #include "core/failure.h"
-#include "stages/window/search.h"
+#include "stages/window/best_window.h"
 #include "window_search_support.h"
 
 namespace runcert::RUNCERT_FILE {
@@ -24,7 +24,7 @@ TEST(RuleSearch, TakesTimeInProportionToTheSamples) {
     const SearchTrack track = random_track(options);
     options.epochs = 200'000;
     const SearchTrack longer = random_track(options);
-    for (const SearchRule& rule :
+    for (const WindowCriteria& rule :
          {over_time(3.0, displacement), over_time(3.0, displacement, WindowEnds::any),
           over_distance(500.0, path_length), over_distance(500.0, path_length, WindowEnds::any),
           over_distance(100.0, displacement), alpha(500.0)}) {
@@ -37,7 +37,7 @@ TEST(RuleSearch, TakesTimeInProportionToTheSamples) {
 
 TEST(RuleSearch, ALongStandCostsNoMoreThanDocumented) {
     RandomGenerator random(5);
-    SearchSeries standing;
+    SampleSeries standing;
     for (std::int64_t k = 0; k < 10'000; ++k) {
         standing.times.push_back({k * 100'000'000});
         standing.positions.emplace_back(0.004 * random.normal(), 0.004 * random.normal(), 0.0);
@@ -48,18 +48,18 @@ TEST(RuleSearch, ALongStandCostsNoMoreThanDocumented) {
 }
 
 /// Due north at a constant speed along the first axis, at 10 Hz.
-SearchSeries steady(double speed_mps, std::int64_t epochs) {
-    SearchSeries series;
+SampleSeries steady(double speed_m_s, std::int64_t epochs) {
+    SampleSeries series;
     for (std::int64_t k = 0; k < epochs; ++k) {
         series.times.push_back({k * 100'000'000});
-        series.positions.emplace_back(0.0, 0.1 * speed_mps * static_cast<double>(k), 0.0);
-        series.speeds_mps.push_back(speed_mps);
+        series.positions.emplace_back(0.0, 0.1 * speed_m_s * static_cast<double>(k), 0.0);
+        series.speeds_m_s.push_back(speed_m_s);
     }
     return series;
 }
 
 TEST(RuleSearch, ADistanceReachedInSumsOfDecimalsIsReached) {
-    const std::vector<SearchSeries> series{steady(11.0, 1000)};
+    const std::vector<SampleSeries> series{steady(11.0, 1000)};
     for (const double distance_m : {110.0, 550.0, 1089.0}) {
         const auto by_path = best_windows(series, over_distance(distance_m, path_length), 1);
         const auto straight = best_windows(series, over_distance(distance_m, displacement), 1);
@@ -73,9 +73,9 @@ TEST(RuleSearch, ADistanceReachedInSumsOfDecimalsIsReached) {
 }
 
 TEST(RuleSearch, AnInterpolatedEndNeedsBothSamplesAroundIt) {
-    SearchSeries series = steady(10.0, 31);
+    SampleSeries series = steady(10.0, 31);
     series.bounds.assign(31, true);
-    SearchRule rule = over_time(1.05, displacement, WindowEnds::any);
+    WindowCriteria rule = over_time(1.05, displacement, WindowEnds::any);
     EXPECT_FALSE(best_windows({series}, rule, 1).empty());
     for (std::size_t k = 0; k < 31; k += 2)
         series.bounds[k] = false;
@@ -85,7 +85,7 @@ TEST(RuleSearch, AnInterpolatedEndNeedsBothSamplesAroundIt) {
 }
 
 TEST(RuleSearch, AnObstacleIsNotSpanned) {
-    SearchSeries series = steady(10.0, 60);
+    SampleSeries series = steady(10.0, 60);
     series.obstacles.assign(30, 0);
     series.obstacles.resize(60, 1);
     EXPECT_FALSE(best_windows({series}, over_time(2.9, displacement), 1).empty());
@@ -95,8 +95,8 @@ TEST(RuleSearch, AnObstacleIsNotSpanned) {
 }
 
 /// North by `leg_m`, 20 m east, and back south, a sample for each metre, at 10 m/s.
-SearchSeries there_and_back(std::int64_t leg_m) {
-    SearchSeries series;
+SampleSeries there_and_back(std::int64_t leg_m) {
+    SampleSeries series;
     for (std::int64_t k = 0; k <= 2 * leg_m + 20; ++k) {
         const auto path = static_cast<double>(k), leg = static_cast<double>(leg_m);
         series.times.push_back({k * 100'000'000});
@@ -108,7 +108,7 @@ SearchSeries there_and_back(std::int64_t leg_m) {
 }
 
 /// Beginnings of the alphas there, which must be as long as the rule has it.
-std::vector<std::size_t> alphas_begin(const SearchSeries& series, const SearchRule& rule) {
+std::vector<std::size_t> alphas_begin(const SampleSeries& series, const WindowCriteria& rule) {
     std::vector<std::size_t> begins;
     for (const FoundWindow& one : allowed_windows({series}, rule)) {
         EXPECT_NEAR(one.length_m, rule.distance_m, 1e-9);
@@ -124,10 +124,10 @@ std::vector<std::size_t> from_to(std::size_t first, std::size_t last) {
 }
 
 TEST(RuleSearch, AnAlphaNeedsATurnAndEndsNearOneAnother) {
-    const SearchSeries series = there_and_back(300);
+    const SampleSeries series = there_and_back(300);
     // From b metres north to 120 - b: 50 m apart, or less, where 20^2 + (120 - 2 b)^2 <= 50^2.
     EXPECT_EQ(alphas_begin(series, alpha(500.0)), from_to(38, 82));
-    SearchRule rule = alpha(500.0);
+    WindowCriteria rule = alpha(500.0);
     rule.proximity_m = 20.0;
     EXPECT_EQ(alphas_begin(series, rule), from_to(60, 60));
     rule.proximity_m = 19.9;
@@ -140,14 +140,14 @@ TEST(RuleSearch, AnAlphaNeedsATurnAndEndsNearOneAnother) {
 }
 
 TEST(RuleSearch, AnAlphaIsAsLongAsWholeSamplesAllow) {
-    SearchSeries series = there_and_back(300);
+    SampleSeries series = there_and_back(300);
     for (std::size_t k = 290; k < 330; ++k)  // twice as fast about the turn
         for (std::size_t after = k + 1; after < series.times.size(); ++after)
             series.times[after].nanoseconds -= 50'000'000;
     const auto best = best_windows({series}, alpha(500.5), 1);
     ASSERT_EQ(best.size(), 1u);
     EXPECT_NEAR(best[0].length_m, 500.0, 1e-9);
-    EXPECT_NEAR(best[0].speed_mps, 500.0 / 48.0, 1e-9);
+    EXPECT_NEAR(best[0].speed_m_s, 500.0 / 48.0, 1e-9);
     EXPECT_EQ(best[0].last - best[0].first, 500u);
 }
 
@@ -155,7 +155,7 @@ TEST(RuleSearch, AnAlphaReachesBackToItsBeginning) {
     EXPECT_TRUE(alphas_begin(there_and_back(100), alpha(500.0)).empty());
     EXPECT_EQ(alphas_begin(there_and_back(100), alpha(220.0)), from_to(0, 0));
     EXPECT_TRUE(alphas_begin(there_and_back(100), alpha(221.0)).empty());
-    SearchSeries series = there_and_back(300);
+    SampleSeries series = there_and_back(300);
     series.obstacles.assign(60, 0);
     series.obstacles.resize(series.times.size(), 1);
     EXPECT_EQ(alphas_begin(series, alpha(500.0)), from_to(60, 82));
@@ -165,28 +165,28 @@ TEST(RuleSearch, AnAlphaReachesBackToItsBeginning) {
 }
 
 TEST(RuleSearch, TheLengthOfAnAlphaIsTheRecordedPath) {
-    SearchSeries series = there_and_back(300);
+    SampleSeries series = there_and_back(300);
     for (std::size_t k = 0; k < series.times.size(); ++k)
         series.path_m.push_back(1.5 * static_cast<double>(k));
     EXPECT_EQ(alphas_begin(series, alpha(750.0)), from_to(38, 82));
 }
 
 TEST(RuleSearch, AnAlphaMayBeSlow) {
-    SearchSeries slow = there_and_back(300);
+    SampleSeries slow = there_and_back(300);
     for (ElapsedTime& time : slow.times)
         time.nanoseconds *= 100;
     const auto best = best_windows({slow}, alpha(500.0), 1);
     ASSERT_EQ(best.size(), 1u);
-    EXPECT_NEAR(best[0].speed_mps, 0.1, 1e-12);
+    EXPECT_NEAR(best[0].speed_m_s, 0.1, 1e-12);
 }
 
 TEST(RuleSearch, RulesThatMeanNothingAreRefused) {
-    const std::vector<SearchSeries> series{steady(10.0, 100)};
-    SearchRule course;
+    const std::vector<SampleSeries> series{steady(10.0, 100)};
+    WindowCriteria course;
     course.kind = WindowKind::course;
-    SearchRule any_alpha = alpha(500.0);
+    WindowCriteria any_alpha = alpha(500.0);
     any_alpha.ends = WindowEnds::any;
-    for (const SearchRule& rule :
+    for (const WindowCriteria& rule :
          {course, any_alpha, over_time(3.0, SpeedDefinition::mean_n, WindowEnds::any),
           over_time(0.0, displacement), over_distance(500.0, displacement, WindowEnds::any),
           over_distance(500.0, SpeedDefinition::mean_n), over_distance(0.0, path_length)}) {

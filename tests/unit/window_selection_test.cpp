@@ -41,10 +41,10 @@ TEST(SelectionBias, OneWindowLeavesNoChoice) {
     const SelectionBias bias = selection_bias<2>({cluster}, models(), 60.0, 100, 1);
     EXPECT_EQ(bias.candidates, 1);
     // What is left is what smoothing itself does to a window at steady speed.
-    EXPECT_NEAR(bias.bias_mps, 0.0, 1e-6);
-    EXPECT_LT(bias.bias_uncertainty_mps, 1e-8);
-    EXPECT_EQ(bias.chosen_mean_mps, 60.0 - bias.bias_mps);
-    EXPECT_GT(bias.chosen_sd_mps, 0.0);
+    EXPECT_NEAR(bias.bias_m_s, 0.0, 1e-6);
+    EXPECT_LT(bias.bias_uncertainty_m_s, 1e-8);
+    EXPECT_EQ(bias.chosen_mean_m_s, 60.0 - bias.bias_m_s);
+    EXPECT_GT(bias.chosen_sd_m_s, 0.0);
 }
 
 TEST(SelectionBias, GrowsWithTheWindowsToChooseFrom) {
@@ -61,11 +61,11 @@ TEST(SelectionBias, GrowsWithTheWindowsToChooseFrom) {
     EXPECT_EQ(of_122.candidates, 122);
     // Beyond chance: three standard uncertainties of the difference.
     const auto chance = [](const SelectionBias& a, const SelectionBias& b) {
-        return 3.0 * std::hypot(a.bias_uncertainty_mps, b.bias_uncertainty_mps);
+        return 3.0 * std::hypot(a.bias_uncertainty_m_s, b.bias_uncertainty_m_s);
     };
-    EXPECT_GT(of_21.bias_mps, 3.0 * of_21.bias_uncertainty_mps);
-    EXPECT_GT(of_61.bias_mps, of_21.bias_mps + chance(of_61, of_21));
-    EXPECT_GT(of_122.bias_mps, of_61.bias_mps + chance(of_122, of_61));
+    EXPECT_GT(of_21.bias_m_s, 3.0 * of_21.bias_uncertainty_m_s);
+    EXPECT_GT(of_61.bias_m_s, of_21.bias_m_s + chance(of_61, of_21));
+    EXPECT_GT(of_122.bias_m_s, of_61.bias_m_s + chance(of_122, of_61));
 }
 
 TEST(SelectionBias, GrowsWithTheBoundAndNotBelowTheFitted) {
@@ -79,14 +79,14 @@ TEST(SelectionBias, GrowsWithTheBoundAndNotBelowTheFitted) {
     const SelectionBias of_none = selection_bias<2>(clusters, none, 60.0, 500, 1);
     const SelectionBias of_20_mm = selection_bias<2>(clusters, models(), 60.0, 500, 1);
     const SelectionBias of_100_mm = selection_bias<2>(clusters, large, 60.0, 500, 1);
-    EXPECT_NEAR(of_none.bounded_bias_mps, of_none.fitted_bias_mps, 0.05 * of_none.fitted_bias_mps);
-    EXPECT_EQ(of_20_mm.fitted_bias_mps, of_none.fitted_bias_mps);
-    EXPECT_GT(of_20_mm.bounded_bias_mps, 1.5 * of_20_mm.fitted_bias_mps);
+    EXPECT_NEAR(of_none.bounded_bias_m_s, of_none.fitted_bias_m_s, 0.05 * of_none.fitted_bias_m_s);
+    EXPECT_EQ(of_20_mm.fitted_bias_m_s, of_none.fitted_bias_m_s);
+    EXPECT_GT(of_20_mm.bounded_bias_m_s, 1.5 * of_20_mm.fitted_bias_m_s);
     // For errors far larger than the white noise it is of their size.
-    EXPECT_NEAR(of_100_mm.bounded_bias_mps / of_20_mm.bounded_bias_mps, 5.0, 1.5);
+    EXPECT_NEAR(of_100_mm.bounded_bias_m_s / of_20_mm.bounded_bias_m_s, 5.0, 1.5);
 }
 
-/// A slow error of 30 mm that forgets within two seconds, and windows to choose from.
+/// A time-correlated error of 30 mm that forgets within two seconds, and windows to choose from.
 struct SlowErrors {
     std::vector<Arc<2>> arcs = at_top_speed(1);
     std::vector<WindowCluster<2>> clusters{windows_of(arcs[0], 61)};
@@ -107,11 +107,11 @@ TEST(SelectionBias, OfTheBoundWithTheFittedTimeAloneIsThatOfTheFit) {
     for (const double bound_m : {0.0, 0.02, 0.03}) {
         at.models.bound_m = bound_m;
         const SelectionBias bias = at.bias();
-        EXPECT_GT(bias.fitted_bias_mps, 0.005);
-        EXPECT_NEAR(bias.bounded_bias_mps / bias.fitted_bias_mps, 1.0, 1e-6) << bound_m;
+        EXPECT_GT(bias.fitted_bias_m_s, 0.005);
+        EXPECT_NEAR(bias.bounded_bias_m_s / bias.fitted_bias_m_s, 1.0, 1e-6) << bound_m;
     }
     at.models.bound_m = 0.06;
-    EXPECT_GT(at.bias().bounded_bias_mps, 1.5 * at.bias().fitted_bias_mps);
+    EXPECT_GT(at.bias().bounded_bias_m_s, 1.5 * at.bias().fitted_bias_m_s);
 }
 
 TEST(SelectionBias, AnErrorThatWandersAsFastForLongerIsLarger) {
@@ -120,23 +120,23 @@ TEST(SelectionBias, AnErrorThatWandersAsFastForLongerIsLarger) {
     at.models.tau_min_s = 2.0;
     at.models.tau_max_s = 50.0;
     const SelectionBias longer = at.bias();
-    EXPECT_GT(longer.bounded_bias_mps, 1.1 * longer.fitted_bias_mps);
+    EXPECT_GT(longer.bounded_bias_m_s, 1.1 * longer.fitted_bias_m_s);
     // Of 3 s windows a diffusion makes no more than its whole in so long.
-    EXPECT_LT(longer.bounded_bias_mps, 3.0 * longer.fitted_bias_mps);
+    EXPECT_LT(longer.bounded_bias_m_s, 3.0 * longer.fitted_bias_m_s);
 }
 
 TEST(SelectionBias, IsOfTheErrorAsLargeAsItIsAlongTheWindows) {
     // Draws of sqrt(2) times the fitted error, by the share along and by the bound.
     SlowErrors at;
     at.models.tau_min_s = at.models.tau_max_s = 2.0;
-    const double even_mps = at.bias().fitted_bias_mps;
+    const double even_m_s = at.bias().fitted_bias_m_s;
     at.models.along = std::sqrt(2.0);
     const SelectionBias along = at.bias();
-    EXPECT_GT(along.fitted_bias_mps, 1.2 * even_mps);
-    EXPECT_NEAR(along.bounded_bias_mps / along.fitted_bias_mps, 1.0, 1e-6);
+    EXPECT_GT(along.fitted_bias_m_s, 1.2 * even_m_s);
+    EXPECT_NEAR(along.bounded_bias_m_s / along.fitted_bias_m_s, 1.0, 1e-6);
     at.models.along = 1.0;
     at.models.bound_m = 0.03 * std::sqrt(2.0);
-    EXPECT_NEAR(at.bias().bounded_bias_mps / along.fitted_bias_mps, 1.0, 0.15);
+    EXPECT_NEAR(at.bias().bounded_bias_m_s / along.fitted_bias_m_s, 1.0, 0.15);
 }
 
 TEST(SelectionBias, IsTheSameForASeed) {
@@ -146,14 +146,14 @@ TEST(SelectionBias, IsTheSameForASeed) {
     const SelectionBias a = selection_bias<2>(clusters, models(), 60.0, 100, 7);
     const SelectionBias b = selection_bias<2>(clusters, models(), 60.0, 100, 7);
     const SelectionBias other = selection_bias<2>(clusters, models(), 60.0, 100, 8);
-    EXPECT_EQ(a.bias_mps, b.bias_mps);
-    EXPECT_EQ(a.bias_uncertainty_mps, b.bias_uncertainty_mps);
-    EXPECT_EQ(a.best_mean_mps, b.best_mean_mps);
-    EXPECT_EQ(a.chosen_sd_mps, b.chosen_sd_mps);
-    EXPECT_NE(a.bias_mps, other.bias_mps);
+    EXPECT_EQ(a.bias_m_s, b.bias_m_s);
+    EXPECT_EQ(a.bias_uncertainty_m_s, b.bias_uncertainty_m_s);
+    EXPECT_EQ(a.best_mean_m_s, b.best_mean_m_s);
+    EXPECT_EQ(a.chosen_sd_m_s, b.chosen_sd_m_s);
+    EXPECT_NE(a.bias_m_s, other.bias_m_s);
     EXPECT_EQ(a.seed, 7);
     EXPECT_EQ(a.samples, 100);
-    EXPECT_EQ(a.chosen_mean_mps, 60.0 - a.bias_mps);
+    EXPECT_EQ(a.chosen_mean_m_s, 60.0 - a.bias_m_s);
 }
 
 /// The run of [DHD22] at 10 Hz with 10 mm noise, cut so that 10 s are at top speed, through the
@@ -190,25 +190,25 @@ const BudgetRow& row_f(const CertifiableWindow& window) {
 TEST(SelectionBias, OfTheRunOfThePaperIsSomeMillimetresPerSecond) {
     const CertifiableWindow covered = Searched().best(false);
     const SelectionBias& bias = covered.selection.value();
-    RecordProperty("bias_mm_per_s", std::to_string(bias.bias_mps * 1e3));
-    EXPECT_GT(bias.fitted_bias_mps, 0.0015);
-    EXPECT_LT(bias.fitted_bias_mps, 0.005);
-    // Were there a slow error of the 20 mm allowed for, it would be 60 m/h: 17 mm/s.
-    EXPECT_GT(bias.bounded_bias_mps, 0.010);
-    EXPECT_LT(bias.bounded_bias_mps, 0.024);
-    EXPECT_LT(bias.bias_uncertainty_mps, 0.0005);
+    RecordProperty("bias_mm_per_s", std::to_string(bias.bias_m_s * 1e3));
+    EXPECT_GT(bias.fitted_bias_m_s, 0.0015);
+    EXPECT_LT(bias.fitted_bias_m_s, 0.005);
+    // Were there a time-correlated error of the 20 mm allowed for, it would be 60 m/h: 17 mm/s.
+    EXPECT_GT(bias.bounded_bias_m_s, 0.010);
+    EXPECT_LT(bias.bounded_bias_m_s, 0.024);
+    EXPECT_LT(bias.bias_uncertainty_m_s, 0.0005);
     EXPECT_GT(bias.candidates, 50);
     EXPECT_EQ(bias.treatment, SelectionTreatment::covered);
     // The truly best window is no faster than the run, and no slower than the chosen one.
-    EXPECT_NEAR(bias.best_mean_mps, 60.0, 0.02);
-    EXPECT_NEAR(bias.chosen_mean_mps, 60.0, 3.0 * covered.standard_uncertainty_mps);
+    EXPECT_NEAR(bias.best_mean_m_s, 60.0, 0.02);
+    EXPECT_NEAR(bias.chosen_mean_m_s, 60.0, 3.0 * covered.standard_uncertainty_m_s);
     // A bias is no standard deviation: covered, the larger one is beside the budget.
-    EXPECT_EQ(row_f(covered).contribution_mps, bias.bias_uncertainty_mps);
+    EXPECT_EQ(row_f(covered).contribution_m_s, bias.bias_uncertainty_m_s);
     EXPECT_EQ(row_f(covered).estimate, 0.0);
-    EXPECT_EQ(covered.bias_limit_mps, bias.bounded_bias_mps);
-    EXPECT_GT(bias.bounded_bias_mps, bias.fitted_bias_mps);
-    EXPECT_EQ(bias.bias_mps, 0.5 * (bias.fitted_bias_mps + bias.bounded_bias_mps));
-    EXPECT_EQ(bias.bias_half_range_mps, 0.5 * (bias.bounded_bias_mps - bias.fitted_bias_mps));
+    EXPECT_EQ(covered.bias_limit_m_s, bias.bounded_bias_m_s);
+    EXPECT_GT(bias.bounded_bias_m_s, bias.fitted_bias_m_s);
+    EXPECT_EQ(bias.bias_m_s, 0.5 * (bias.fitted_bias_m_s + bias.bounded_bias_m_s));
+    EXPECT_EQ(bias.bias_half_range_m_s, 0.5 * (bias.bounded_bias_m_s - bias.fitted_bias_m_s));
 }
 
 TEST(SelectionBias, SubtractedTheSpeedIsLowerByItAndItsOwnUncertaintyStays) {
@@ -217,14 +217,14 @@ TEST(SelectionBias, SubtractedTheSpeedIsLowerByItAndItsOwnUncertaintyStays) {
     const CertifiableWindow subtracted = run.best(true);
     const SelectionBias& bias = subtracted.selection.value();
     EXPECT_EQ(bias.treatment, SelectionTreatment::subtracted);
-    EXPECT_EQ(bias.bias_mps, covered.selection->bias_mps);
-    EXPECT_EQ(subtracted.speed_mps, covered.speed_mps - bias.bias_mps);
-    EXPECT_EQ(row_f(subtracted).contribution_mps, bias.bias_uncertainty_mps);
-    EXPECT_EQ(row_f(subtracted).estimate, bias.bias_mps);
+    EXPECT_EQ(bias.bias_m_s, covered.selection->bias_m_s);
+    EXPECT_EQ(subtracted.speed_m_s, covered.speed_m_s - bias.bias_m_s);
+    EXPECT_EQ(row_f(subtracted).contribution_m_s, bias.bias_uncertainty_m_s);
+    EXPECT_EQ(row_f(subtracted).estimate, bias.bias_m_s);
     EXPECT_EQ(row_f(subtracted).sensitivity, -1.0);
-    EXPECT_EQ(subtracted.standard_uncertainty_mps, covered.standard_uncertainty_mps);
-    EXPECT_EQ(subtracted.bias_limit_mps, bias.bias_half_range_mps);
-    EXPECT_LT(subtracted.bias_limit_mps, covered.bias_limit_mps);
+    EXPECT_EQ(subtracted.standard_uncertainty_m_s, covered.standard_uncertainty_m_s);
+    EXPECT_EQ(subtracted.bias_limit_m_s, bias.bias_half_range_m_s);
+    EXPECT_LT(subtracted.bias_limit_m_s, covered.bias_limit_m_s);
 }
 
 TEST(SelectionBias, OfACraftThatStandsLeavesItNoNegativeSpeed) {

@@ -87,7 +87,7 @@ inline void append_arc(ScreenedTable& table, const RecordedRun& run) {
         row.east_m = 1000.0 + along_m + run.sigma_m * random.normal();
         row.north_m = 1000.0 + along_m + run.sigma_m * random.normal();
         row.sigma_east_m = row.sigma_north_m = run.sigma_m;
-        row.fix = FixKind::fixed;
+        row.fix = FixType::fixed;
         row.usable = true;
         row.arc = arc;
         if (k == 0) row.break_before = arc == 1 ? ArcBreak::start : ArcBreak::gap;
@@ -130,11 +130,11 @@ inline TrajectoryTable smoothed_with(const ScreenedTable& screened, const NoiseS
             TrajectoryEpoch& epoch = table.rows[arc.rows[k]];
             epoch.east_m = state(0);
             epoch.north_m = state(1);
-            epoch.velocity_east_mps = state(2);
-            epoch.velocity_north_mps = state(3);
-            epoch.acceleration_east_mps2 = state(4);
-            epoch.acceleration_north_mps2 = state(5);
-            epoch.speed_mps = state.segment<2>(2).norm();
+            epoch.velocity_east_m_s = state(2);
+            epoch.velocity_north_m_s = state(3);
+            epoch.acceleration_east_m_s2 = state(4);
+            epoch.acceleration_north_m_s2 = state(5);
+            epoch.speed_m_s = state.segment<2>(2).norm();
         }
     }
     return table;

@@ -46,7 +46,7 @@ Sample random_sample(std::uint64_t seed) {
         row.time.nanoseconds = time_ns;
         row.east_m = east_m;
         row.north_m = std::sin(east_m / 30.0) * 10.0;
-        row.speed_mps = speed;
+        row.speed_m_s = speed;
         row.arc = arc;
         row.usable = random.uniform() > 0.02;
         if (random.uniform() < 0.01) {
@@ -64,11 +64,11 @@ double value_of(const TrajectoryTable& t, std::size_t i, std::size_t j,
                 SpeedDefinition definition) {
     const double span = t.rows[j].time.seconds() - t.rows[i].time.seconds();
     double path = 0.0;
-    double sum = *t.rows[i].speed_mps;
+    double sum = *t.rows[i].speed_m_s;
     for (std::size_t k = i + 1; k <= j; ++k) {
         path += std::hypot(*t.rows[k].east_m - *t.rows[k - 1].east_m,
                            *t.rows[k].north_m - *t.rows[k - 1].north_m);
-        sum += *t.rows[k].speed_mps;
+        sum += *t.rows[k].speed_m_s;
     }
     const double n = static_cast<double>(j - i);
     if (definition == SpeedDefinition::displacement)
@@ -77,7 +77,7 @@ double value_of(const TrajectoryTable& t, std::size_t i, std::size_t j,
                span;
     if (definition == SpeedDefinition::path_length) return path / span;
     return definition == SpeedDefinition::mean_n_plus_1 ? sum / (n + 1.0)
-                                                        : (sum - *t.rows[i].speed_mps) / n;
+                                                        : (sum - *t.rows[i].speed_m_s) / n;
 }
 
 /// The best window by trying every pair of epochs.
@@ -156,10 +156,10 @@ TEST(WindowSearch, EqualsExhaustiveSearch) {
                 EXPECT_NEAR(value_of(sample.trajectory, row(best.span.first_epoch),
                                      row(best.span.last_epoch), definition),
                             expected, 1e-9);
-                // The certified speed of positions without error is that of the same window.
+                // The measured speed of positions without error is that of the same window.
                 if (definition == SpeedDefinition::displacement ||
                     definition == SpeedDefinition::path_length) {
-                    EXPECT_NEAR(best.speed_mps, expected, 1e-4);
+                    EXPECT_NEAR(best.speed_m_s, expected, 1e-4);
                 }
             }
         }
@@ -232,12 +232,12 @@ TEST(CertifiedWindow, HoldsEveryWayToItsSpeed) {
             .best.value();
     };
     const CertifiableWindow best = best_of();
-    EXPECT_NEAR(best.speed_mps, 60.0, 3.0 * best.standard_uncertainty_mps);
-    EXPECT_NEAR(best.displacement_m, 3.0 * (best.speed_mps + best.selection->bias_mps), 1e-9);
+    EXPECT_NEAR(best.speed_m_s, 60.0, 3.0 * best.standard_uncertainty_m_s);
+    EXPECT_NEAR(best.displacement_m, 3.0 * (best.speed_m_s + best.selection->bias_m_s), 1e-9);
     // nalsa's floor for fixed solutions decides against 10 mm stated.
     EXPECT_EQ(best.bound->decided_by, BoundSource::floor);
     EXPECT_EQ(best.bound->sigma_m, 0.020);
-    EXPECT_GT(best.bound->standard_uncertainty_mps, best.fitted->standard_uncertainty_mps);
+    EXPECT_GT(best.bound->standard_uncertainty_m_s, best.fitted->standard_uncertainty_m_s);
     EXPECT_EQ(best.fitted->models, 1);
     // No robust batch was kept beside this trajectory: nothing is claimed of it.
     EXPECT_FALSE(best.robust.has_value());
@@ -254,8 +254,8 @@ TEST(CertifiedWindow, HoldsEveryWayToItsSpeed) {
     *last.robust_north_m += 0.1 / std::numbers::sqrt2;
     *last.robust_weight = 0.4;
     const RobustSpeed robust = best_of().robust.value();
-    EXPECT_NEAR(robust.difference_mps, 0.1 / 3.0, 1e-6);
-    EXPECT_LT(robust.limit_mps, 0.1 / 3.0);
+    EXPECT_NEAR(robust.difference_m_s, 0.1 / 3.0, 1e-6);
+    EXPECT_LT(robust.limit_m_s, 0.1 / 3.0);
     EXPECT_FALSE(robust.agrees);
     EXPECT_EQ(robust.downweighted, 1);
 }
@@ -272,10 +272,10 @@ TEST(CertifiedWindow, IsTheSameTwice) {
     };
     const CertifiableWindow a = best();
     const CertifiableWindow b = best();
-    EXPECT_EQ(a.speed_mps, b.speed_mps);
-    EXPECT_EQ(a.standard_uncertainty_mps, b.standard_uncertainty_mps);
-    EXPECT_EQ(a.monte_carlo->upper_mps, b.monte_carlo->upper_mps);
-    EXPECT_EQ(a.selection->bias_mps, b.selection->bias_mps);
+    EXPECT_EQ(a.speed_m_s, b.speed_m_s);
+    EXPECT_EQ(a.standard_uncertainty_m_s, b.standard_uncertainty_m_s);
+    EXPECT_EQ(a.monte_carlo->upper_m_s, b.monte_carlo->upper_m_s);
+    EXPECT_EQ(a.selection->bias_m_s, b.selection->bias_m_s);
 }
 
 TEST(IndicatedWindow, IsFoundAcrossWhatScreeningRefused) {
@@ -289,7 +289,7 @@ TEST(IndicatedWindow, IsFoundAcrossWhatScreeningRefused) {
     ASSERT_TRUE(indicated.has_value());
     EXPECT_LT(indicated->span.first_epoch, 201);
     EXPECT_GE(indicated->span.last_epoch, 201);
-    EXPECT_GT(indicated->speed_mps, 150.0);
+    EXPECT_GT(indicated->speed_m_s, 150.0);
     bool said = false;
     for (const std::string& refusal : indicated->refusals)
         said = said || refusal.find("1 step") != std::string::npos;

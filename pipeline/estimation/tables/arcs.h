@@ -7,7 +7,7 @@
 
 namespace runcert {
 
-/// A stretch without a break, ready for estimation.
+/// An arc, ready for estimation.
 template <int Axes>
 struct Arc {
     std::int64_t number = 0;

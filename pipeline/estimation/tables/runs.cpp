@@ -19,7 +19,7 @@ constexpr double longest_turn_s = 30.0;
 struct Moment {
     std::size_t row = 0;
     double time_s = 0.0;
-    double speed_mps = 0.0;
+    double speed_m_s = 0.0;
     Vector2d moved = Vector2d::Zero();  ///< displacement since the first moment, m
     std::size_t before = 0;  ///< the last moment at least `direction_s` ago, or the first
 };
@@ -30,9 +30,9 @@ std::vector<Moment> moments_of(std::span<const TrajectoryEpoch> rows) {
     std::size_t before = 0;
     for (std::size_t row = 0; row < rows.size(); ++row) {
         const TrajectoryEpoch& epoch = rows[row];
-        if (!epoch.arc || !epoch.velocity_east_mps || !epoch.velocity_north_mps) continue;
-        const Vector2d velocity(*epoch.velocity_east_mps, *epoch.velocity_north_mps);
-        Moment moment{.row = row, .time_s = epoch.time.seconds(), .speed_mps = velocity.norm()};
+        if (!epoch.arc || !epoch.velocity_east_m_s || !epoch.velocity_north_m_s) continue;
+        const Vector2d velocity(*epoch.velocity_east_m_s, *epoch.velocity_north_m_s);
+        Moment moment{.row = row, .time_s = epoch.time.seconds(), .speed_m_s = velocity.norm()};
         if (!moments.empty())
             moment.moved = moments.back().moved + 0.5 * (moment.time_s - moments.back().time_s) *
                                                       (last_velocity + velocity);
@@ -77,7 +77,7 @@ class RunCutter {
     }
 
   private:
-    bool is_slow(std::size_t k) const { return moments_[k].speed_mps < thresholds_.stop_mps; }
+    bool is_slow(std::size_t k) const { return moments_[k].speed_m_s < thresholds_.stop_m_s; }
 
     bool is_gap_before(std::size_t k) const {
         return moments_[k].time_s - moments_[k - 1].time_s > thresholds_.stop_s;
@@ -113,7 +113,7 @@ class RunCutter {
     void visit(std::size_t k) {
         if (!is_slow(k)) {
             slow_since_.reset();
-            fast_ = fast_ || moments_[k].speed_mps > thresholds_.start_mps;
+            fast_ = fast_ || moments_[k].speed_m_s > thresholds_.start_m_s;
             return;
         }
         if (!slow_since_) slow_since_ = k;
@@ -129,8 +129,8 @@ class RunCutter {
         if (!fast_ || before <= begin_) return std::nullopt;
         const Vector2d now = moments_[k].moved - moments_[before].moved;
         const Vector2d so_far = moments_[before].moved - moments_[begin_].moved;
-        if (now.norm() < thresholds_.stop_mps * direction_s ||
-            so_far.norm() < thresholds_.start_mps * thresholds_.stop_s)
+        if (now.norm() < thresholds_.stop_m_s * direction_s ||
+            so_far.norm() < thresholds_.start_m_s * thresholds_.stop_s)
             return std::nullopt;
         return angle_between_deg(so_far, now);
     }
@@ -144,7 +144,7 @@ class RunCutter {
         std::size_t slowest = k;
         for (std::size_t i = k; i > *straight_; --i) {
             if (moments_[k].time_s - moments_[i].time_s > longest_turn_s) break;
-            if (moments_[i].speed_mps < moments_[slowest].speed_mps) slowest = i;
+            if (moments_[i].speed_m_s < moments_[slowest].speed_m_s) slowest = i;
         }
         return slowest;
     }
@@ -155,7 +155,7 @@ class RunCutter {
     std::size_t begin_ = 0;  ///< where the run would begin
     RunEdge began_ = RunEdge::recording;
     bool fast_ = false;                      ///< it is a run: it has a fast part
-    std::optional<std::size_t> slow_since_;  ///< below stop_mps from there to now
+    std::optional<std::size_t> slow_since_;  ///< below stop_m_s from there to now
     std::optional<std::size_t> stood_from_;  ///< and from there to begin_
     std::optional<std::size_t> straight_;    ///< the last moment within half of turn_deg
 };

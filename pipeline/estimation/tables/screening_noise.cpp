@@ -12,14 +12,14 @@ EstimationModel model_of(const ScreeningModel& noise) {
     return model;
 }
 
-std::map<FixKind, double> kind_factors(const ScreeningEvidence& evidence, TestedAxes axes) {
-    std::map<FixKind, double> factors;
-    const auto noise = std::find_if(evidence.models.begin(), evidence.models.end(),
+std::map<FixType, double> kind_factors(const ScreeningBasis& basis, TestedAxes axes) {
+    std::map<FixType, double> factors;
+    const auto noise = std::find_if(basis.models.begin(), basis.models.end(),
                                     [&](const ScreeningModel& one) { return one.axes == axes; });
-    if (noise == evidence.models.end()) return factors;
+    if (noise == basis.models.end()) return factors;
     const double scale = noise->white_scale * noise->white_scale;
     std::size_t kinds = 0;
-    for (const FixKindEvidence& kind : evidence.fix_kinds) {
+    for (const FixTypeErrors& kind : basis.fix_types) {
         if (kind.axes != axes) continue;
         ++kinds;
         if (kind.judgement != AccuracyJudgement::too_few_epochs)
@@ -31,7 +31,7 @@ std::map<FixKind, double> kind_factors(const ScreeningEvidence& evidence, Tested
 
 template <int Axes>
 std::vector<Arc<Axes>> tested_arcs(const ScreenedTable& table, const EstimationModel& model,
-                                   const std::map<FixKind, double>& factors) {
+                                   const std::map<FixType, double>& factors) {
     std::vector<Arc<Axes>> arcs = arcs_of<Axes>(table);
     for (Arc<Axes>& arc : arcs)
         for (std::size_t k = 0; k < arc.rows.size(); ++k) {
@@ -46,8 +46,8 @@ std::vector<Arc<Axes>> tested_arcs(const ScreenedTable& table, const EstimationM
 }
 
 template std::vector<Arc<1>> tested_arcs<1>(const ScreenedTable&, const EstimationModel&,
-                                            const std::map<FixKind, double>&);
+                                            const std::map<FixType, double>&);
 template std::vector<Arc<2>> tested_arcs<2>(const ScreenedTable&, const EstimationModel&,
-                                            const std::map<FixKind, double>&);
+                                            const std::map<FixType, double>&);
 
 }  // namespace runcert

@@ -11,29 +11,29 @@ namespace runcert {
 /// The noise model that the tests of screening rested on.
 EstimationModel model_of(const ScreeningModel& noise);
 
-/// By how much the stated variances of each kind of solution were multiplied beside that model's
+/// By how much the stated variances of each fix type were multiplied beside that model's
 /// scale. Empty where there was but one kind, whose scale is the model's.
-std::map<FixKind, double> kind_factors(const ScreeningEvidence& evidence, TestedAxes axes);
+std::map<FixType, double> kind_factors(const ScreeningBasis& basis, TestedAxes axes);
 
 /// Gives the step from one epoch to the next so much jerk density that an acceleration which
-/// changes by `size_mps2` in it is one standard deviation; never less than it has.
+/// changes by `size_m_s2` in it is one standard deviation; never less than it has.
 template <int Axes>
-void allow_manoeuvre(const ArcEpoch<Axes>& from, double size_mps2, const EstimationModel& model,
+void allow_manoeuvre(const ArcEpoch<Axes>& from, double size_m_s2, const EstimationModel& model,
                      ArcEpoch<Axes>& to) {
     const double of_model = model.motion.jerk_density * std::sqrt(to.time_s - from.time_s);
-    to.jerk_factor = std::max(to.jerk_factor, size_mps2 / of_model);
+    to.jerk_factor = std::max(to.jerk_factor, size_m_s2 / of_model);
 }
 
 /// The arcs of the table as the tests of screening have them: stated covariances times the factor
-/// of their kind of solution, and the manoeuvres that were found allowed for.
+/// of their fix type, and the manoeuvres that were found allowed for.
 template <int Axes>
 std::vector<Arc<Axes>> tested_arcs(const ScreenedTable& table, const EstimationModel& model,
-                                   const std::map<FixKind, double>& factors);
+                                   const std::map<FixType, double>& factors);
 
 /// The manoeuvre found before an epoch (m/s^2), horizontally or vertically; 0 where there is none.
 template <int Axes>
 double manoeuvre_before(const ScreenedEpoch& row) {
-    return (Axes == 1 ? row.manoeuvre_up_mps2 : row.manoeuvre_mps2).value_or(0.0);
+    return (Axes == 1 ? row.manoeuvre_up_m_s2 : row.manoeuvre_m_s2).value_or(0.0);
 }
 
 }  // namespace runcert

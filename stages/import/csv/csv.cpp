@@ -7,8 +7,8 @@
 #include "stages/import/csv/layout.h"
 #include "stages/import/csv/row.h"
 #include "stages/import/csv/split.h"
-#include "stages/import/finish.h"
 #include "stages/import/format.h"
+#include "stages/import/row_collector.h"
 
 namespace runcert::csv {
 namespace {
@@ -17,13 +17,13 @@ bool is_skipped(const SourceLine& line) {
     return line.text.starts_with('#') || trim(line.text).empty();
 }
 
-TimedRows read_rows(const Receiver& receiver, const Description& description,
-                    const RecordingBytes& recording) {
+RowCollector read_rows(const Receiver& receiver, const Description& description,
+                       const RecordingBytes& recording) {
     LineReader lines(recording);
     std::optional<SourceLine> line = lines.next();
     while (line && is_skipped(*line))
         line = lines.next();
-    TimedRows timed(recording);
+    RowCollector timed(recording);
     if (!line) return timed;
     const Layout layout = read_layout(receiver, description, *line, recording);
     if (layout.has_header_line) line = lines.next();

@@ -49,7 +49,7 @@ struct Description {
     TimeFormat time_format = TimeFormat::seconds;
     Clock clock = Clock::gps;
     std::optional<char> delimiter;            ///< empty: to be found
-    std::optional<double> constant_height_m;  ///< where positions on the Earth have no heights
+    std::optional<double> constant_height_m;  ///< where geodetic coordinates have no heights
     bool has_up = false;                      ///< a height or third plane coordinate is recorded
 };
 

@@ -75,7 +75,7 @@ Geodetic read_utm(const Fields& fields, const Receiver& receiver, double height_
     }
 }
 
-/// A position on the Earth. All the coordinates that are recorded are there.
+/// A position in geodetic or Earth-centred coordinates. All the coordinates that are recorded are there.
 Geodetic read_place(const Fields& fields, const Description& description,
                     const Receiver& receiver) {
     if (description.frame == CoordinateFrame::ecef)
@@ -166,10 +166,10 @@ void set_written_coordinates(WrittenCells& written, const Fields& fields, Coordi
     }
 }
 
-FixKind read_fix(const Fields& fields) {
-    if (!fields.has(Column::fix)) return FixKind::unknown;
+FixType read_fix(const Fields& fields) {
+    if (!fields.has(Column::fix)) return FixType::unknown;
     const Cell& cell = fields.cell(Column::fix);
-    FixKind fix{};
+    FixType fix{};
     if (from_text(cell.text, fix)) return fix;
     if (parse_double(cell.text)) return read_rtklib_quality(cell);
     cell.fail(fmt::format("the fix \"{}\" is not known", escape_for_message(cell.text)),
@@ -189,11 +189,11 @@ TimedRow read_row(std::span<const Cell> cells, const Layout& layout, const Descr
     observation.fix = read_fix(fields);
     if (fields.has(Column::satellites))
         observation.satellites = read_satellites(fields.cell(Column::satellites));
-    observation.recorded_velocity_east_mps = fields.optional_real(Column::velocity_east);
-    observation.recorded_velocity_north_mps = fields.optional_real(Column::velocity_north);
-    observation.recorded_velocity_up_mps = fields.optional_real(Column::velocity_up);
+    observation.recorded_velocity_east_m_s = fields.optional_real(Column::velocity_east);
+    observation.recorded_velocity_north_m_s = fields.optional_real(Column::velocity_north);
+    observation.recorded_velocity_up_m_s = fields.optional_real(Column::velocity_up);
     if (!has_position(fields, description)) {
-        observation.fix = FixKind::none;
+        observation.fix = FixType::none;
         return row;
     }
     if (description.frame == CoordinateFrame::local_plane) {

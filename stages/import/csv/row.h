@@ -4,7 +4,7 @@
 
 #include "schemas/attempt/attempt.h"
 #include "stages/import/csv/layout.h"
-#include "stages/import/finish.h"
+#include "stages/import/row_collector.h"
 
 namespace runcert::csv {
 

@@ -8,9 +8,9 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "stages/import/cell.h"
-#include "stages/import/finish.h"
 #include "stages/import/flysight/row.h"
 #include "stages/import/format.h"
+#include "stages/import/row_collector.h"
 
 namespace runcert::flysight {
 namespace {
@@ -175,7 +175,7 @@ class Reader {
     bool doubled_returns_ = false;
     std::string_view firmware_, device_;
     Observations observations_;
-    TimedRows timed_;
+    RowCollector timed_;
 };
 
 }  // namespace

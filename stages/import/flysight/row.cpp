@@ -59,17 +59,17 @@ void require_all(const Layout& layout, const SourceLine& line, const RecordingBy
     }
 }
 
-FixKind read_fix(const Cell& cell) {
+FixType read_fix(const Cell& cell) {
     // As u-blox counts them.
     switch (read_whole(cell, "gpsFix", 0, 5)) {
         case 1:
         case 4:
-            return FixKind::dead_reckoning;
+            return FixType::dead_reckoning;
         case 2:
         case 3:
-            return FixKind::single;
+            return FixType::single;
         default:
-            return FixKind::none;
+            return FixType::none;
     }
 }
 
@@ -99,7 +99,7 @@ void read_solution(const Row& cells, TimedRow& row) {
                                cells.cell(Column::longitude).text};
     set_velocity(observation, cells.real(Column::velocity_east),
                  cells.real(Column::velocity_north));
-    observation.recorded_velocity_up_mps = -cells.real(Column::velocity_down);
+    observation.recorded_velocity_up_m_s = -cells.real(Column::velocity_down);
     set_radial_accuracy(observation, cells.deviation(Column::horizontal_accuracy));
     if (const double sigma_m = cells.deviation(Column::vertical_accuracy); sigma_m > 0.0)
         observation.sigma_up_m = sigma_m;
@@ -156,8 +156,8 @@ TimedRow read_row(const SourceLine& line, const RecordingBytes& recording, const
     if (cells.has(Column::fix))
         row.observation.fix = read_fix(cells.cell(Column::fix));
     else if (*row.observation.satellites == 0)
-        row.observation.fix = FixKind::none;
-    if (row.observation.fix != FixKind::none) read_solution(cells, row);
+        row.observation.fix = FixType::none;
+    if (row.observation.fix != FixType::none) read_solution(cells, row);
     return row;
 }
 

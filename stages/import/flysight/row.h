@@ -3,8 +3,8 @@
 #include <cstddef>
 
 #include "stages/import/fields.h"
-#include "stages/import/finish.h"
 #include "stages/import/recording.h"
+#include "stages/import/row_collector.h"
 
 namespace runcert::flysight {
 

@@ -8,10 +8,10 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "stages/import/cell.h"
-#include "stages/import/finish.h"
 #include "stages/import/format.h"
 #include "stages/import/gpx/point.h"
 #include "stages/import/gpx/scan.h"
+#include "stages/import/row_collector.h"
 
 namespace runcert::gpx {
 namespace {
@@ -154,7 +154,7 @@ class Reader {
 
     const RecordingBytes& recording_;
     LineCounter lines_;
-    TimedRows timed_;
+    RowCollector timed_;
     PointReader points_;
     std::optional<Piece> open_;  ///< the point whose start tag was read, without text yet
     std::string version_;

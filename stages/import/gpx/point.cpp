@@ -47,11 +47,11 @@ void find_motion(pugi::xml_node extensions, const char*& speed, const char*& cou
     }
 }
 
-FixKind read_fix(const Cell& cell) {
-    if (cell.text == "none") return FixKind::none;
-    if (cell.text == "2d" || cell.text == "3d" || cell.text == "pps") return FixKind::single;
-    if (cell.text == "dgps") return FixKind::dgps;
-    return FixKind::unknown;
+FixType read_fix(const Cell& cell) {
+    if (cell.text == "none") return FixType::none;
+    if (cell.text == "2d" || cell.text == "3d" || cell.text == "pps") return FixType::single;
+    if (cell.text == "dgps") return FixType::dgps;
+    return FixType::unknown;
 }
 
 /// Minutes by which a zone is ahead of UTC: "+0200" or "+02:00".
@@ -176,15 +176,15 @@ void PointReader::read_position(const Piece& piece, pugi::xml_node point, const 
 /// Telephones write a speed or course of -1 where they know none.
 void PointReader::read_velocity(const Piece& piece, const Texts& texts, Observation& row) {
     if (!texts.speed) return;
-    const auto speed_mps = unless_empty(cell(piece, texts.speed), read_real, "speed");
-    if (!speed_mps || *speed_mps < 0.0) return;
+    const auto speed_m_s = unless_empty(cell(piece, texts.speed), read_real, "speed");
+    if (!speed_m_s || *speed_m_s < 0.0) return;
     std::optional<double> course_deg;
     if (texts.course) course_deg = unless_empty(cell(piece, texts.course), read_real, "course");
     if (!course_deg || *course_deg < 0.0) {
         ++counts_.speed_without_course;
         return;
     }
-    set_velocity(row, *speed_mps, Angle::from_degrees(*course_deg));
+    set_velocity(row, *speed_m_s, Angle::from_degrees(*course_deg));
 }
 
 TimedRow PointReader::read(const Piece& piece) {
@@ -197,7 +197,7 @@ TimedRow PointReader::read(const Piece& piece) {
         const Cell count = cell(piece, texts.satellites);
         if (!count.text.empty()) row.observation.satellites = read_satellites(count);
     }
-    if (row.observation.fix == FixKind::none) return row;
+    if (row.observation.fix == FixType::none) return row;
     read_position(piece, point, texts, row);
     read_velocity(piece, texts, row.observation);
     return row;

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "stages/import/cell.h"
-#include "stages/import/finish.h"
+#include "stages/import/row_collector.h"
 
 namespace runcert::gpx {
 

@@ -6,10 +6,10 @@
 #include "core/text.h"
 #include "stages/import/clock.h"
 #include "stages/import/day_clock.h"
-#include "stages/import/finish.h"
 #include "stages/import/format.h"
 #include "stages/import/igc/header.h"
 #include "stages/import/igc/row.h"
+#include "stages/import/row_collector.h"
 
 namespace runcert::igc {
 namespace {
@@ -98,7 +98,7 @@ class Reader {
         const std::int64_t of_day_ns = read_time_of_day(cell, layout_);
         TimedRow row = read_fix(cell, layout_, reference_);
         row.instant = instant_of_record(recording_, line, [&] { return clock_->next(of_day_ns); });
-        if (row.observation.fix == FixKind::unknown) ++without_height_;
+        if (row.observation.fix == FixType::unknown) ++without_height_;
         return row;
     }
 
@@ -172,7 +172,7 @@ class Reader {
     }
 
     const RecordingBytes& recording_;
-    TimedRows timed_;
+    RowCollector timed_;
     std::optional<DayClock> clock_;  ///< once the date is known
     Layout layout_;
     AltitudeReference reference_ = AltitudeReference::not_stated;

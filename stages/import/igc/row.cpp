@@ -175,10 +175,10 @@ TimedRow read_fix(const Cell& record, const Layout& layout, AltitudeReference re
         extension(record, layout, Extension::satellites, 9, "satellites in use");
     if (satellites && *satellites <= 1000)
         row.observation.satellites = static_cast<std::int16_t>(*satellites);
-    row.observation.fix = in_space ? FixKind::single : FixKind::unknown;
+    row.observation.fix = in_space ? FixType::single : FixType::unknown;
     if ((latitude.degrees == 0.0 && longitude.degrees == 0.0) ||
         (!in_space && satellites && *satellites < 3)) {
-        row.observation.fix = FixKind::none;
+        row.observation.fix = FixType::none;
         return row;
     }
     const bool has_height = in_space && reference != AltitudeReference::none;

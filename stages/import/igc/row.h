@@ -1,8 +1,8 @@
 #pragma once
 
 #include "core/gps_time.h"
-#include "stages/import/finish.h"
 #include "stages/import/igc/header.h"
+#include "stages/import/row_collector.h"
 
 namespace runcert::igc {
 

@@ -107,7 +107,7 @@ void EpochReader::take_in_timed(const Sentence& sentence) {
     switch (sentence.type) {
         case SentenceType::gga:
             epoch_->gga = read_gga(sentence);
-            if (epoch_->gga.fix == FixKind::unknown && !sentence[6].empty()) ++tally_.odd_qualities;
+            if (epoch_->gga.fix == FixType::unknown && !sentence[6].empty()) ++tally_.odd_qualities;
             return;
         case SentenceType::gns:
             epoch_->gns = read_gns(sentence);

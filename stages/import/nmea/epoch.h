@@ -6,9 +6,9 @@
 #include <string>
 
 #include "core/geodesy.h"
-#include "stages/import/finish.h"
 #include "stages/import/nmea/fields.h"
 #include "stages/import/nmea/sentence.h"
+#include "stages/import/row_collector.h"
 
 namespace runcert::nmea {
 
@@ -16,7 +16,7 @@ namespace runcert::nmea {
 struct Solution {
     bool given = false;  ///< whether the epoch has such a sentence
     std::optional<RecordPlace> place;
-    FixKind fix = FixKind::unknown;
+    FixType fix = FixType::unknown;
     std::optional<Geodetic> position;  ///< height 0 where there is none
     bool has_height = false;
     bool above_sea_level = false;  ///< no geoid separation: the height is one above it
@@ -27,7 +27,7 @@ struct Solution {
 
 /// A velocity over ground, as far as it is known.
 struct GroundVelocity {
-    WrittenNumber speed_mps;
+    WrittenNumber speed_m_s;
     WrittenNumber course_deg;  ///< clockwise from true north
 };
 
@@ -71,7 +71,7 @@ struct Tally {
 class EpochReader {
   public:
     /// `counts` is told of every sentence, unless it is null. Both must outlive this.
-    EpochReader(const RecordingBytes& recording, TimedRows* counts)
+    EpochReader(const RecordingBytes& recording, RowCollector* counts)
         : sentences_(recording), counts_(counts) {}
 
     /// The next epoch; nothing at the end.
@@ -89,7 +89,7 @@ class EpochReader {
     void count_damaged(const Sentence& sentence);
 
     SentenceReader sentences_;
-    TimedRows* counts_;
+    RowCollector* counts_;
     const Sentence* held_ = nullptr;   ///< the first of the next epoch
     std::int64_t time_of_day_ns_ = 0;  ///< of the sentence at hand, where it has a time
     std::optional<Epoch> epoch_;

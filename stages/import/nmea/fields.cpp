@@ -143,44 +143,44 @@ const WrittenNumber& finer(const WrittenNumber& a, const WrittenNumber& b) {
     return b.step < a.step ? b : a;
 }
 
-FixKind read_quality(const Cell& cell) {
-    if (cell.text.empty()) return FixKind::unknown;
+FixType read_quality(const Cell& cell) {
+    if (cell.text.empty()) return FixType::unknown;
     switch (read_whole(cell, "quality", 0, 9)) {
         case 0:
-            return FixKind::none;
+            return FixType::none;
         case 1:
         case 3:  // PPS: the precise code, without corrections
-            return FixKind::single;
+            return FixType::single;
         case 2:
-            return FixKind::dgps;
+            return FixType::dgps;
         case 4:
-            return FixKind::fixed;
+            return FixType::fixed;
         case 5:
-            return FixKind::float_ambiguities;
+            return FixType::float_ambiguities;
         case 6:
-            return FixKind::dead_reckoning;
+            return FixType::dead_reckoning;
         default:
-            return FixKind::unknown;
+            return FixType::unknown;
     }
 }
 
-FixKind fix_of_mode(char mode) {
+FixType fix_of_mode(char mode) {
     switch (mode) {
         case 'N':
-            return FixKind::none;
+            return FixType::none;
         case 'A':
         case 'P':
-            return FixKind::single;
+            return FixType::single;
         case 'D':
-            return FixKind::dgps;
+            return FixType::dgps;
         case 'R':
-            return FixKind::fixed;
+            return FixType::fixed;
         case 'F':
-            return FixKind::float_ambiguities;
+            return FixType::float_ambiguities;
         case 'E':
-            return FixKind::dead_reckoning;
+            return FixType::dead_reckoning;
         default:
-            return FixKind::unknown;
+            return FixType::unknown;
     }
 }
 

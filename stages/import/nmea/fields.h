@@ -42,10 +42,10 @@ WrittenNumber read_written(const Cell& cell, std::string_view meaning, double le
 /// The more finely written of two; the first of equals.
 const WrittenNumber& finer(const WrittenNumber& a, const WrittenNumber& b);
 
-/// The kind of solution of GGA's quality, 0 to 9; unknown for an empty one.
-FixKind read_quality(const Cell& cell);
+/// The fix type of GGA's quality, 0 to 9; unknown for an empty one.
+FixType read_quality(const Cell& cell);
 
-/// The kind of solution of a letter of the mode indicator (NMEA 0183 version 2.3 on).
-FixKind fix_of_mode(char mode);
+/// The fix type of a letter of the mode indicator (NMEA 0183 version 2.3 on).
+FixType fix_of_mode(char mode);
 
 }  // namespace runcert::nmea

@@ -7,10 +7,10 @@
 #include "core/failure.h"
 #include "stages/import/clock.h"
 #include "stages/import/day_clock.h"
-#include "stages/import/finish.h"
 #include "stages/import/format.h"
 #include "stages/import/nmea/date.h"
 #include "stages/import/nmea/row.h"
+#include "stages/import/row_collector.h"
 
 namespace runcert::nmea {
 namespace {
@@ -48,7 +48,7 @@ void note_sentences(Observations& observations, const Tally& tally, const Passed
          tally.repeated);
     note(observations,
          "GGA sentences with a quality of 7 or more (manual input, simulator or a maker's own), "
-         "whose kind of solution is unknown",
+         "whose fix type is unknown",
          tally.odd_qualities);
 }
 
@@ -101,7 +101,7 @@ std::optional<FirstDay> first_day_of(const Receiver& receiver, const RecordingBy
     return FirstDay{.day = *day};
 }
 
-void require_position_sentences(const RecordingBytes& recording, const TimedRows& timed,
+void require_position_sentences(const RecordingBytes& recording, const RowCollector& timed,
                                 const Tally& tally) {
     if (!timed.empty() || timed.records().bad > 0) return;
     throw Failure(place_in(recording, 1, 1),
@@ -137,7 +137,7 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     observations.frame = "geodetic";
     const std::optional<FirstDay> first = first_day_of(receiver, recording, observations);
     DayClock clock(first ? std::optional(first->day) : std::nullopt);
-    TimedRows timed(recording);
+    RowCollector timed(recording);
     EpochReader epochs(recording, &timed);
     RowMaker maker;
     std::int64_t without_position = 0;

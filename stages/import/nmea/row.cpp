@@ -15,8 +15,8 @@ const Solution& solution_of(const Epoch& epoch) {
 }
 
 /// Whether the velocities of VTG, which has no time, and RMC can be of the same moment.
-bool agree(const WrittenNumber& a_mps, const WrittenNumber& b_mps) {
-    return std::abs(*a_mps.value - *b_mps.value) <= a_mps.step + b_mps.step;
+bool agree(const WrittenNumber& a_m_s, const WrittenNumber& b_m_s) {
+    return std::abs(*a_m_s.value - *b_m_s.value) <= a_m_s.step + b_m_s.step;
 }
 
 /// The correlation of east and north errors by an error ellipse, where it says the same of north
@@ -45,7 +45,7 @@ bool says_position(const Epoch& epoch) {
 
 bool has_fix(const Epoch& epoch) {
     for (const Solution* solution : {&epoch.gga, &epoch.gns, &epoch.rmc})
-        if (solution->given && solution->fix == FixKind::none) return false;
+        if (solution->given && solution->fix == FixType::none) return false;
     if (epoch.satellite_lists > 0 && epoch.satellite_lists == epoch.satellite_lists_without_fix)
         return false;
     return solution_of(epoch).position.has_value();
@@ -68,17 +68,17 @@ void RowMaker::set_solution(TimedRow& row, const Solution& solution) {
 
 void RowMaker::set_ground_velocity(Observation& row, const Epoch& epoch) {
     const GroundVelocity &vtg = epoch.vtg_velocity, &rmc = epoch.rmc_velocity;
-    const bool both = vtg.speed_mps.value && rmc.speed_mps.value;
-    const bool disagree = both && !agree(vtg.speed_mps, rmc.speed_mps);
+    const bool both = vtg.speed_m_s.value && rmc.speed_m_s.value;
+    const bool disagree = both && !agree(vtg.speed_m_s, rmc.speed_m_s);
     if (disagree) ++tally_.velocities_disagree;
-    const WrittenNumber& speed_mps = disagree ? rmc.speed_mps : finer(vtg.speed_mps, rmc.speed_mps);
+    const WrittenNumber& speed_m_s = disagree ? rmc.speed_m_s : finer(vtg.speed_m_s, rmc.speed_m_s);
     const WrittenNumber& course_deg =
         disagree ? rmc.course_deg : finer(vtg.course_deg, rmc.course_deg);
-    if (!speed_mps.value) return;
-    if (*speed_mps.value == 0.0)
+    if (!speed_m_s.value) return;
+    if (*speed_m_s.value == 0.0)
         set_velocity(row, 0.0, 0.0);  // a craft that stands needs no course
     else if (course_deg.value)
-        set_velocity(row, *speed_mps.value, Angle::from_degrees(*course_deg.value));
+        set_velocity(row, *speed_m_s.value, Angle::from_degrees(*course_deg.value));
 }
 
 void RowMaker::set_errors(Observation& row, const ErrorStatistics& errors) {
@@ -99,7 +99,7 @@ TimedRow RowMaker::row(const Epoch& epoch, GpsTime instant) {
     row.written.time = epoch.time_text;
     const Solution& counts = epoch.gga.given ? epoch.gga : epoch.gns;
     row.observation.satellites = counts.satellites;
-    row.observation.fix = FixKind::none;
+    row.observation.fix = FixType::none;
     if (!has_fix(epoch)) return row;
     row.observation.fix = solution.fix;
     row.observation.age_s = counts.age_s;

@@ -88,14 +88,14 @@ void read_corrections(const Sentence& sentence, std::size_t satellites, std::siz
 }
 
 /// The best of the systems' modes.
-FixKind best_of_modes(std::string_view modes) {
+FixType best_of_modes(std::string_view modes) {
     constexpr std::string_view best_first = "RFDPAEN";
     for (const char mode : best_first)
         if (modes.find(mode) != std::string_view::npos) return fix_of_mode(mode);
-    return FixKind::unknown;
+    return FixType::unknown;
 }
 
-Solution begin_solution(const Sentence& sentence, FixKind fix) {
+Solution begin_solution(const Sentence& sentence, FixType fix) {
     Solution solution;
     solution.given = true;
     solution.place = sentence.line;
@@ -126,7 +126,7 @@ void require_whole(const Sentence& sentence) {
 Solution read_gga(const Sentence& gga) {
     Solution solution = begin_solution(gga, read_quality(gga.cell(6)));
     read_corrections(gga, 7, 13, solution);
-    if (solution.fix == FixKind::none) return solution;
+    if (solution.fix == FixType::none) return solution;
     require_metres(gga.cell(10));
     require_metres(gga.cell(12));
     read_position_and_height(gga, 2, 9, 11, solution);
@@ -136,17 +136,17 @@ Solution read_gga(const Sentence& gga) {
 Solution read_gns(const Sentence& gns) {
     Solution solution = begin_solution(gns, best_of_modes(gns[6]));
     read_corrections(gns, 7, 11, solution);
-    if (solution.fix != FixKind::none) read_position_and_height(gns, 2, 9, 10, solution);
+    if (solution.fix != FixType::none) read_position_and_height(gns, 2, 9, 10, solution);
     return solution;
 }
 
 void take_in_rmc(const Sentence& rmc, Epoch& epoch) {
     OptionalInteger date;
     if (!rmc[9].empty()) date = read_date(rmc.cell(9));
-    Solution solution = begin_solution(rmc, FixKind::none);
+    Solution solution = begin_solution(rmc, FixType::none);
     GroundVelocity velocity;
     if (rmc_is_valid(rmc)) {
-        solution.fix = rmc[12].size() == 1 ? fix_of_mode(rmc[12][0]) : FixKind::unknown;
+        solution.fix = rmc[12].size() == 1 ? fix_of_mode(rmc[12][0]) : FixType::unknown;
         read_position(rmc, 3, 0.0, rmc.cell(3), solution);
         velocity = {read_written(rmc.cell(7), "speed", 0.0, largest_speed).times(mps_per_knot),
                     read_written(rmc.cell(8), "course", 0.0, 360.0)};

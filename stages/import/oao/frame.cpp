@@ -53,17 +53,17 @@ constexpr std::uint32_t full_circle = 36'000'000;
                   "The record is damaged; take the recording as the logger wrote it");
 }
 
-FixKind fix_of(unsigned char type, const RecordingBytes& recording, const RecordPlace& place) {
+FixType fix_of(unsigned char type, const RecordingBytes& recording, const RecordPlace& place) {
     switch (type) {
         case 0:
         case 5:  // time only
-            return FixKind::none;
+            return FixType::none;
         case 1:
         case 4:  // satellites and dead reckoning together
-            return FixKind::dead_reckoning;
+            return FixType::dead_reckoning;
         case 2:
         case 3:
-            return FixKind::single;
+            return FixType::single;
         default:
             refuse(recording, place,
                    fmt::format("the kind of fix is {}; u-blox has 0 to 5", unsigned{type}));
@@ -98,8 +98,8 @@ void read_solution(std::string_view frame, const RecordingBytes& recording,
     if (const auto sigma_m = deviation(frame, horizontal_sigma_at))
         set_radial_accuracy(row, *sigma_m);
     row.sigma_up_m = deviation(frame, vertical_sigma_at);
-    if (const auto sigma_mps = deviation(frame, speed_sigma_at))
-        set_velocity_accuracy(row, *sigma_mps, 2);
+    if (const auto sigma_m_s = deviation(frame, speed_sigma_at))
+        set_velocity_accuracy(row, *sigma_m_s, 2);
 }
 
 }  // namespace
@@ -172,7 +172,7 @@ TimedRow EpochReader::read(std::string_view frame, const RecordPlace& place) {
     row.observation.satellites =
         static_cast<std::int16_t>(static_cast<unsigned char>(frame[satellites_at]));
     // Without a fix the logger repeats or extrapolates the last position.
-    if (row.observation.fix != FixKind::none)
+    if (row.observation.fix != FixType::none)
         read_solution(frame, recording_, place, row.observation);
     return row;
 }

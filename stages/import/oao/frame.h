@@ -6,8 +6,8 @@
 #include <string_view>
 
 #include "core/gps_time.h"
-#include "stages/import/finish.h"
 #include "stages/import/recording.h"
+#include "stages/import/row_collector.h"
 
 namespace runcert::oao {
 
@@ -47,7 +47,7 @@ class EpochReader {
     /// The row of an epoch's frame. Failure at `place` for a fix, course, position or time that
     /// cannot be.
     ///
-    /// u-blox does not say in how many dimensions the stated accuracy of the speed counts. It is
+    /// u-blox does not say in how many dimensions the stated standard deviation of the speed counts. It is
     /// taken as that of the speed over ground, the only one recorded: of the two readings the one
     /// that claims less.
     TimedRow read(std::string_view frame, const RecordPlace& place);

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include "core/failure.h"
-#include "stages/import/finish.h"
 #include "stages/import/format.h"
 #include "stages/import/oao/frame.h"
+#include "stages/import/row_collector.h"
 
 namespace runcert::oao {
 namespace {
@@ -107,7 +107,7 @@ class Reader {
     EpochReader epochs_;
     std::int64_t other_frames_ = 0;
     Observations observations_;
-    TimedRows timed_;
+    RowCollector timed_;
 };
 
 }  // namespace

@@ -101,7 +101,7 @@ std::string difference_text(const Observations& chosen, const Observations& othe
         if (!row.latitude_deg || found == rows.end()) continue;
         const double apart_m = (place_of(row).m - place_of(*found->second).m).norm();
         all_m.push_back(apart_m);
-        if (row.fix == FixKind::fixed && found->second->fix == FixKind::fixed)
+        if (row.fix == FixType::fixed && found->second->fix == FixType::fixed)
             fixed_m.push_back(apart_m);
     }
     if (all_m.empty())

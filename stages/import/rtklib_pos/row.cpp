@@ -138,23 +138,23 @@ Eigen::Matrix3d read_covariance(const Fields& fields, Column enu, Column ecef,
 
 void read_velocity(const Fields& fields, const Geodetic& place,
                    const std::optional<LocalFrame>& base, RecordedVelocity& velocity) {
-    Eigen::Vector3d enu_mps;
+    Eigen::Vector3d enu_m_s;
     if (fields.has(Column::velocity_x))
-        enu_mps = rotation_enu_from_ecef(place.latitude, place.longitude) *
+        enu_m_s = rotation_enu_from_ecef(place.latitude, place.longitude) *
                   fields.reals(Column::velocity_x, "velocity");
     else if (fields.has(Column::velocity_east))
-        enu_mps =
+        enu_m_s =
             rotation_from_stated(place, base) * fields.reals(Column::velocity_east, "velocity");
     else
         return;
-    velocity.recorded_velocity_east_mps = enu_mps(0);
-    velocity.recorded_velocity_north_mps = enu_mps(1);
-    velocity.recorded_velocity_up_mps = enu_mps(2);
+    velocity.recorded_velocity_east_m_s = enu_m_s(0);
+    velocity.recorded_velocity_north_m_s = enu_m_s(1);
+    velocity.recorded_velocity_up_m_s = enu_m_s(2);
     const StatedAccuracy accuracy = accuracy_from_covariance(read_covariance(
         fields, Column::sigma_velocity_east, Column::sigma_velocity_x, place, base));
-    velocity.sigma_recorded_velocity_east_mps = accuracy.sigma_east_m;
-    velocity.sigma_recorded_velocity_north_mps = accuracy.sigma_north_m;
-    velocity.sigma_recorded_velocity_up_mps = accuracy.sigma_up_m;
+    velocity.sigma_recorded_velocity_east_m_s = accuracy.sigma_east_m;
+    velocity.sigma_recorded_velocity_north_m_s = accuracy.sigma_north_m;
+    velocity.sigma_recorded_velocity_up_m_s = accuracy.sigma_up_m;
 }
 
 void read_quality(const Fields& fields, EpochQuality& quality) {
@@ -166,8 +166,8 @@ void read_quality(const Fields& fields, EpochQuality& quality) {
 }
 
 /// RTKLIB has no position where Q is 0, and other programs then write zeros.
-bool has_position(const Fields& fields, const Layout& layout, FixKind fix) {
-    if (fix != FixKind::none) return true;
+bool has_position(const Fields& fields, const Layout& layout, FixType fix) {
+    if (fix != FixType::none) return true;
     for (const Column first : {Column::latitude, Column::x, Column::east}) {
         if (!fields.has(first)) continue;
         const bool dms = layout.coordinates == Coordinates::degrees_minutes_seconds;

@@ -3,7 +3,7 @@
 #include <optional>
 #include <span>
 
-#include "stages/import/finish.h"
+#include "stages/import/row_collector.h"
 #include "stages/import/rtklib_pos/header.h"
 
 namespace runcert::rtklib_pos {

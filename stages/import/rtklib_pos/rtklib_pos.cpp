@@ -6,8 +6,8 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "stages/import/finish.h"
 #include "stages/import/format.h"
+#include "stages/import/row_collector.h"
 #include "stages/import/rtklib_pos/header.h"
 #include "stages/import/rtklib_pos/row.h"
 
@@ -136,7 +136,7 @@ class Reader {
     std::int64_t base_line_ = 0;
     std::size_t other_headers_ = 0;
     Observations observations_;
-    TimedRows timed_;
+    RowCollector timed_;
     RowSummary summary_;
 };
 
@@ -163,10 +163,11 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     return observations;
 }
 
-RowByRow read_row_by_row(const Receiver& receiver, const RecordingBytes& recording) {
+StreamedRecording read_streamed(const Receiver& receiver, const RecordingBytes& recording) {
     require_text(recording);
     Reader first_pass(recording, [](const Observation&) {});
-    RowByRow result{.head = first_pass.read(), .rows = first_pass.summary().rows, .give = {}};
+    StreamedRecording result{
+        .head = first_pass.read(), .rows = first_pass.summary().rows, .give = {}};
     const RowChanges changes = apply_attempt(result.head, first_pass.summary(), receiver);
     note_text(result.head, recording);
     result.give = [recording, changes, first = first_pass.summary().first](const TakeRow& take) {
@@ -187,7 +188,7 @@ extern const Format format{
     .time_origin = "GPS time of the receiver's measurements, as RTKLIB solved it",
     .recognises = recognises,
     .read = read,
-    .read_row_by_row = read_row_by_row,
+    .read_streamed = read_streamed,
 };
 
 }  // namespace runcert::rtklib_pos

@@ -4,8 +4,8 @@
 
 #include "schemas/attempt/attempt.h"
 #include "schemas/observations/observations.h"
-#include "stages/import/finish.h"
 #include "stages/import/recording.h"
+#include "stages/import/row_collector.h"
 
 /// RTKLIB solution files (.pos), RTKLIB 2.4.3 manual, appendix B.1, and what programs near it
 /// write: all coordinates, time and separator variants, read by the names in the header line.
@@ -20,6 +20,6 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording);
 
 /// The same without holding its rows: the recording is read once for what they show as a whole, and
 /// again when they are asked for.
-RowByRow read_row_by_row(const Receiver& receiver, const RecordingBytes& recording);
+StreamedRecording read_streamed(const Receiver& receiver, const RecordingBytes& recording);
 
 }  // namespace runcert::rtklib_pos

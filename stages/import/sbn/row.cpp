@@ -61,16 +61,16 @@ std::optional<double> error_estimate(std::string_view payload, std::size_t at) {
 /// Bits 0 to 2: 0 no solution; 1 to 4 filtered from so many satellites; 5, 6 least squares in the
 /// plane, in space; 7 dead reckoning. Bit 7: differential corrections were applied. What fewer than
 /// three satellites make is carried on from before.
-FixKind fix_of(std::uint16_t nav_type) {
+FixType fix_of(std::uint16_t nav_type) {
     switch (nav_type & 7) {
         case 0:
-            return FixKind::none;
+            return FixType::none;
         case 1:
         case 2:
         case 7:
-            return FixKind::dead_reckoning;
+            return FixType::dead_reckoning;
         default:
-            return (nav_type & 0x80) != 0 ? FixKind::dgps : FixKind::single;
+            return (nav_type & 0x80) != 0 ? FixType::dgps : FixType::single;
     }
 }
 
@@ -112,7 +112,7 @@ std::optional<std::int64_t> leap_seconds_of(std::string_view payload, GpsTime in
 void read_velocity(std::string_view payload, RecordedVelocity& velocity) {
     set_velocity(velocity, number<std::uint16_t>(payload, field::speed) * 0.01,
                  Angle::from_degrees(number<std::uint16_t>(payload, field::course) * 0.01));
-    velocity.recorded_velocity_up_mps = number<std::int16_t>(payload, field::climb) * 0.01;
+    velocity.recorded_velocity_up_m_s = number<std::int16_t>(payload, field::climb) * 0.01;
     // EHVE is of the vector; Locosys receivers leave it at zero and state SDOP, of the speed alone.
     if (const auto error = error_estimate<std::uint16_t>(payload, field::velocity_error)) {
         set_velocity_accuracy(velocity, *error, 2);
@@ -122,7 +122,7 @@ void read_velocity(std::string_view payload, RecordedVelocity& velocity) {
     }
     if (payload.size() >= locosys_bytes)
         if (const auto vsdop = error_estimate<std::uint8_t>(payload, field::vsdop))
-            velocity.sigma_recorded_velocity_up_mps = *vsdop;
+            velocity.sigma_recorded_velocity_up_m_s = *vsdop;
 }
 
 void read_position(std::string_view payload, Observation& row, const RecordingBytes& recording,
@@ -155,13 +155,13 @@ GeodeticRow read_geodetic(std::string_view payload, const RecordingBytes& record
             fmt::format("message 41 is {} bytes long, not {}", payload.size(), message_bytes),
             std::string(damaged));
     GeodeticRow result;
-    const FixKind fix = fix_of(number<std::uint16_t>(payload, field::nav_type));
-    if (fix == FixKind::none && number<std::uint16_t>(payload, field::week) == 0) return result;
+    const FixType fix = fix_of(number<std::uint16_t>(payload, field::nav_type));
+    if (fix == FixType::none && number<std::uint16_t>(payload, field::week) == 0) return result;
     TimedRow& row = result.row.emplace();
     row.instant = read_instant(payload, recording, place);
     row.observation.fix = fix;
     row.observation.satellites = number<std::uint8_t>(payload, field::satellites);
-    if (fix == FixKind::none) return result;
+    if (fix == FixType::none) return result;
     result.leap_seconds = leap_seconds_of(payload, row.instant);
     read_position(payload, row.observation, recording, place);
     read_velocity(payload, row.observation);

@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "core/gps_time.h"
-#include "stages/import/finish.h"
+#include "stages/import/row_collector.h"
 
 namespace runcert::sbn {
 

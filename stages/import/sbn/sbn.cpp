@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "core/failure.h"
-#include "stages/import/finish.h"
 #include "stages/import/format.h"
+#include "stages/import/row_collector.h"
 #include "stages/import/sbn/frame.h"
 #include "stages/import/sbn/row.h"
 #include "stages/import/sbp/device.h"
@@ -91,7 +91,7 @@ class Reader {
                 notes.push_back(fmt::format(
                     "From byte {} on the recorded UTC is {} s behind GPS time where {} s are "
                     "right: "
-                    "the receiver had not learnt the leap seconds. The recorded GPS time is used, "
+                    "the receiver had not estimated the leap seconds. The recorded GPS time is used, "
                     "which this does not touch.",
                     count.from_byte, count.used, count.right));
             else if (leap_counts_.size() > 1)
@@ -101,7 +101,7 @@ class Reader {
     }
 
     const RecordingBytes& recording_;
-    TimedRows timed_;
+    RowCollector timed_;
     Observations observations_;
     std::vector<LeapCount> leap_counts_;
     std::size_t without_time_ = 0;

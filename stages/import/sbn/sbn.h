@@ -20,7 +20,7 @@ bool recognises(std::string_view bytes);
 /// read are counted and listed. Failure where it holds no epoch, or most of it cannot be read.
 ///
 /// Times are the message's GPS week and time of week; its UTC, which depends on the leap seconds
-/// that the receiver has learnt by then, is compared with them and noted where it is off.
+/// that the receiver has received by then, is compared with them and noted where it is off.
 Observations read(const Receiver& receiver, const RecordingBytes& recording);
 
 }  // namespace runcert::sbn

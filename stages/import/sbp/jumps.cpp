@@ -12,11 +12,11 @@ constexpr std::int64_t most_leap_seconds = 20;
 /// How far off the rate a stamp may be besides the jump.
 constexpr std::int64_t jitter_ns = 20'000'000;
 /// Slower than this, a movement does not show how long it took.
-constexpr double least_speed_mps = 2.0;
+constexpr double least_speed_m_s = 2.0;
 
-double speed_mps(const Observation& row) {
-    return std::hypot(row.recorded_velocity_east_mps.value_or(0.0),
-                      row.recorded_velocity_north_mps.value_or(0.0));
+double speed_m_s(const Observation& row) {
+    return std::hypot(row.recorded_velocity_east_m_s.value_or(0.0),
+                      row.recorded_velocity_north_m_s.value_or(0.0));
 }
 
 Ecef place(const Observation& row) {
@@ -27,17 +27,17 @@ Ecef place(const Observation& row) {
 bool repeats(const Observation& row, const Observation& before) {
     return row.latitude_deg == before.latitude_deg && row.longitude_deg == before.longitude_deg &&
            row.height_m == before.height_m &&
-           row.recorded_velocity_east_mps == before.recorded_velocity_east_mps &&
-           row.recorded_velocity_north_mps == before.recorded_velocity_north_mps;
+           row.recorded_velocity_east_m_s == before.recorded_velocity_east_m_s &&
+           row.recorded_velocity_north_m_s == before.recorded_velocity_north_m_s;
 }
 
 /// Whether the craft moved between two rows by what its speed makes in `nominal_s`, to a quarter.
 bool moved_for(double nominal_s, const Observation& before, const Observation& row) {
     if (!before.latitude_deg || !row.latitude_deg) return false;
-    const double mean_mps = 0.5 * (speed_mps(before) + speed_mps(row));
-    if (mean_mps < least_speed_mps) return false;
+    const double mean_m_s = 0.5 * (speed_m_s(before) + speed_m_s(row));
+    if (mean_m_s < least_speed_m_s) return false;
     const double moved_m = (place(row).m - place(before).m).norm();
-    return std::abs(moved_m - mean_mps * nominal_s) < 0.25 * mean_mps * nominal_s;
+    return std::abs(moved_m - mean_m_s * nominal_s) < 0.25 * mean_m_s * nominal_s;
 }
 
 /// The whole seconds by which a step differs from the nominal one; 0 where that is no jump.

@@ -21,7 +21,7 @@ struct UtcJumps {
     std::size_t count = 0;
 };
 
-/// Finds where a receiver that has UTC alone learnt the leap seconds: SiRF receivers count with
+/// Finds where a receiver that has UTC alone received the leap seconds: SiRF receivers count with
 /// those of their firmware until they have received the almanac's. A step back is one unless the
 /// row repeats the one before it; a step forward is one, and no gap, where the craft moved by what
 /// its speed makes in one interval and not by what it makes in the time stamped. Needs times since

@@ -57,13 +57,13 @@ GpsTime read_instant(std::string_view record, const RecordingBytes& recording,
 void read_velocity(std::string_view record, bool has_sdop, RecordedVelocity& velocity) {
     set_velocity(velocity, little_endian<std::uint16_t>(record, field::speed) * 0.01,
                  Angle::from_degrees(little_endian<std::uint16_t>(record, field::course) * 0.01));
-    velocity.recorded_velocity_up_mps = little_endian<std::int16_t>(record, field::climb) * 0.01;
+    velocity.recorded_velocity_up_m_s = little_endian<std::int16_t>(record, field::climb) * 0.01;
     if (!has_sdop) return;
     const auto error = little_endian<std::uint8_t>(record, field::speed_error);
     if (error != saturated) set_velocity_accuracy(velocity, error * 0.01, 1);
     const auto climb_error = little_endian<std::uint8_t>(record, field::climb_error);
     if (climb_error != saturated && climb_error != 0)
-        velocity.sigma_recorded_velocity_up_mps = climb_error * 0.01;
+        velocity.sigma_recorded_velocity_up_m_s = climb_error * 0.01;
 }
 
 }  // namespace
@@ -88,7 +88,7 @@ TimedRow read_row(std::string_view record, const Filled& filled, const Recording
     const auto longitude = little_endian<std::int32_t>(record, field::longitude);
     if (filled.satellites) row.observation.satellites = satellites;
     if ((filled.satellites && satellites == 0) || (latitude == 0 && longitude == 0)) {
-        row.observation.fix = FixKind::none;
+        row.observation.fix = FixType::none;
         return row;
     }
     set_position(row.observation,

@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <string_view>
 
-#include "stages/import/finish.h"
+#include "stages/import/row_collector.h"
 
 namespace runcert::sbp {
 

@@ -7,8 +7,8 @@
 
 #include "core/failure.h"
 #include "stages/import/byte_order.h"
-#include "stages/import/finish.h"
 #include "stages/import/format.h"
+#include "stages/import/row_collector.h"
 #include "stages/import/sbp/device.h"
 #include "stages/import/sbp/jumps.h"
 #include "stages/import/sbp/row.h"
@@ -43,9 +43,9 @@ std::string_view written_records(std::string_view records) {
     return records;
 }
 
-TimedRows read_rows(const RecordingBytes& recording, const Filled& filled,
-                    std::string_view records) {
-    TimedRows timed(recording, WrittenResolution{CoordinateUnit::degree, 1e-7, 1e-3});
+RowCollector read_rows(const RecordingBytes& recording, const Filled& filled,
+                       std::string_view records) {
+    RowCollector timed(recording, WrittenResolution{CoordinateUnit::degree, 1e-7, 1e-3});
     std::size_t at = 0;
     for (; at + record_bytes <= records.size(); at += record_bytes) {
         const RecordPlace place(header_bytes + at);
@@ -68,7 +68,7 @@ void note_jumps(Observations& observations) {
     for (const UtcJump& jump : jumps.first)
         observations.notes.push_back(fmt::format(
             "The recorded UTC jumps {} by {} s between the records at byte {} and byte {}, against "
-            "the recording's rate: a receiver that learns of leap seconds in mid-log does this. "
+            "the recording's rate: a receiver that receives the leap seconds in mid-log does this. "
             "The times were left as they are recorded; one side of the jump is off by as much.",
             jump.seconds < 0 ? "back" : "ahead", std::abs(jump.seconds),
             *observations.rows[jump.row - 1].source_byte,

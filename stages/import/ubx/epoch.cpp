@@ -82,33 +82,33 @@ std::uint8_t solution_type(const Epoch& epoch) {
 
 /// PVT's carrSoln is of receivers that resolve ambiguities. A solution that is combined with dead
 /// reckoning counts as that: its errors are no longer those of satellites alone.
-FixKind fix_of_pvt(std::string_view pvt) {
+FixType fix_of_pvt(std::string_view pvt) {
     const auto type = number<std::uint8_t>(pvt, 20);
     const bool position_is_bad = pvt.size() >= 92 && bit(pvt, 78, 0);
-    if (!bit(pvt, 21, 0) || position_is_bad) return FixKind::none;
-    if (type == dead_reckoning_only || type == with_dead_reckoning) return FixKind::dead_reckoning;
-    if (type != two_dimensional && type != three_dimensional) return FixKind::none;
+    if (!bit(pvt, 21, 0) || position_is_bad) return FixType::none;
+    if (type == dead_reckoning_only || type == with_dead_reckoning) return FixType::dead_reckoning;
+    if (type != two_dimensional && type != three_dimensional) return FixType::none;
     switch (static_cast<unsigned char>(pvt[21]) >> 6) {
         case 1:
-            return FixKind::float_ambiguities;
+            return FixType::float_ambiguities;
         case 2:
-            return FixKind::fixed;
+            return FixType::fixed;
         default:
-            return bit(pvt, 21, 1) ? FixKind::dgps : FixKind::single;
+            return bit(pvt, 21, 1) ? FixType::dgps : FixType::single;
     }
 }
 
-FixKind fix_of_sol(std::string_view sol) {
+FixType fix_of_sol(std::string_view sol) {
     const auto type = number<std::uint8_t>(sol, 10);
-    if (!bit(sol, 11, 0)) return FixKind::none;
-    if (type == dead_reckoning_only || type == with_dead_reckoning) return FixKind::dead_reckoning;
-    if (type != two_dimensional && type != three_dimensional) return FixKind::none;
-    return bit(sol, 11, 1) ? FixKind::dgps : FixKind::single;
+    if (!bit(sol, 11, 0)) return FixType::none;
+    if (type == dead_reckoning_only || type == with_dead_reckoning) return FixType::dead_reckoning;
+    if (type != two_dimensional && type != three_dimensional) return FixType::none;
+    return bit(sol, 11, 1) ? FixType::dgps : FixType::single;
 }
 
-FixKind fix_of(const Epoch& epoch) {
+FixType fix_of(const Epoch& epoch) {
     if (epoch.has(Part::pvt)) return fix_of_pvt(epoch[Part::pvt]);
-    return epoch.has(Part::sol) ? fix_of_sol(epoch[Part::sol]) : FixKind::unknown;
+    return epoch.has(Part::sol) ? fix_of_sol(epoch[Part::sol]) : FixType::unknown;
 }
 
 /// Longitude, latitude (1e-7 degrees), height above the ellipsoid (mm) from `at` on, as PVT and
@@ -152,15 +152,15 @@ void set_position_accuracy(StatedAccuracy& row, std::string_view payload, std::s
 }
 
 /// Velocity towards north, east, down from `at` on, and its accuracy, in units of 1 /
-/// `units_per_mps`.
+/// `units_per_m_s`.
 void set_velocity_of(Observation& row, std::string_view payload, std::size_t at,
-                     std::size_t accuracy_at, double units_per_mps) {
+                     std::size_t accuracy_at, double units_per_m_s) {
     const auto component = [&](std::size_t i) {
-        return number<std::int32_t>(payload, at + 4 * i) / units_per_mps;
+        return number<std::int32_t>(payload, at + 4 * i) / units_per_m_s;
     };
     set_velocity(row, component(1), component(0));
-    row.recorded_velocity_up_mps = 0.0 - component(2);
-    set_velocity_accuracy(row, accuracy(payload, accuracy_at, units_per_mps), 3);
+    row.recorded_velocity_up_m_s = 0.0 - component(2);
+    set_velocity_accuracy(row, accuracy(payload, accuracy_at, units_per_m_s), 3);
 }
 
 void set_covariances(Observation& row, std::string_view cov) {
@@ -169,11 +169,11 @@ void set_covariances(Observation& row, std::string_view cov) {
     if (number<std::uint8_t>(cov, 5) == 1 && is_usable(position_m2))
         static_cast<StatedAccuracy&>(row) = accuracy_from_covariance(position_m2);
     if (number<std::uint8_t>(cov, 6) != 1 || !is_usable(velocity_m2ps2) ||
-        !row.recorded_velocity_east_mps)
+        !row.recorded_velocity_east_m_s)
         return;
-    row.sigma_recorded_velocity_east_mps = std::sqrt(velocity_m2ps2(0, 0));
-    row.sigma_recorded_velocity_north_mps = std::sqrt(velocity_m2ps2(1, 1));
-    row.sigma_recorded_velocity_up_mps = std::sqrt(velocity_m2ps2(2, 2));
+    row.sigma_recorded_velocity_east_m_s = std::sqrt(velocity_m2ps2(0, 0));
+    row.sigma_recorded_velocity_north_m_s = std::sqrt(velocity_m2ps2(1, 1));
+    row.sigma_recorded_velocity_up_m_s = std::sqrt(velocity_m2ps2(2, 2));
 }
 
 }  // namespace
@@ -254,7 +254,7 @@ std::optional<TimedRow> RowMaker::row(const Epoch& epoch) {
         row.satellites = number<std::uint8_t>(epoch[Part::pvt], 23);
     else if (epoch.has(Part::sol))
         row.satellites = number<std::uint8_t>(epoch[Part::sol], 47);
-    if (row.fix == FixKind::none) return timed;
+    if (row.fix == FixType::none) return timed;
     set_place(row, epoch);
     if (epoch.has(Part::pvt))
         set_velocity_of(row, epoch[Part::pvt], 48, 68, 1e3);

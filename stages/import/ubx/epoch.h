@@ -5,7 +5,7 @@
 #include <optional>
 #include <string_view>
 
-#include "stages/import/finish.h"
+#include "stages/import/row_collector.h"
 #include "stages/import/ubx/frames.h"
 
 namespace runcert::ubx {

@@ -8,9 +8,9 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "stages/import/finish.h"
 #include "stages/import/format.h"
 #include "stages/import/nmea/nmea.h"
+#include "stages/import/row_collector.h"
 #include "stages/import/ubx/epoch.h"
 #include "stages/import/ubx/frames.h"
 
@@ -171,7 +171,7 @@ class Reader {
         note("Messages that repeat one of the same kind and epoch, and were left out", repeated_);
         note(
             "Epochs whose UTC is whole seconds off the GPS time of week beside it, which counts, "
-            "because the receiver had yet to learn the leap seconds",
+            "because the receiver had yet to receive the leap seconds",
             tally.other_second);
         note("Epochs that are two-dimensional solutions, whose height was assumed and not measured",
              tally.in_plane);
@@ -187,7 +187,7 @@ class Reader {
     const RecordingBytes& recording_;
     FrameReader frames_;
     RowMaker maker_;
-    TimedRows timed_;
+    RowCollector timed_;
     Observations observations_;
     std::optional<Epoch> epoch_;
     unsigned parts_ = 0;  ///< bit set of the Parts that were there

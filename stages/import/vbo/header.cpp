@@ -117,8 +117,8 @@ std::string unit_of(const Header& header, const Channel& channel, std::size_t fi
 
 void set_unit(Layout& layout, Column column, const std::string& unit) {
     const std::optional<double> speed = factor_of(unit, speed_units);
-    if (column == Column::velocity) layout.velocity_mps = speed ? *speed : 1.0 / 3.6;
-    if (column == Column::vertical_velocity) layout.vertical_velocity_mps = speed;
+    if (column == Column::velocity) layout.velocity_m_s = speed ? *speed : 1.0 / 3.6;
+    if (column == Column::vertical_velocity) layout.vertical_velocity_m_s = speed;
     if (column == Column::longitude && unit.starts_with("deg"))
         layout.coordinates = CoordinateUnit::degree;
 }

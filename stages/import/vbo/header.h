@@ -39,8 +39,8 @@ struct Header {
 /// How a row of data is laid out.
 struct Layout : ColumnPlaces<Column> {
     CoordinateUnit coordinates = CoordinateUnit::arc_minute;
-    std::optional<double> velocity_mps;           ///< of one unit; empty without such a column
-    std::optional<double> vertical_velocity_mps;  ///< the same; also empty for an unknown unit
+    std::optional<double> velocity_m_s;           ///< of one unit; empty without such a column
+    std::optional<double> vertical_velocity_m_s;  ///< the same; also empty for an unknown unit
 };
 
 /// Reads up to and with the line [data]. Failure where there is none.

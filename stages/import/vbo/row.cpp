@@ -19,23 +19,23 @@ constexpr std::int64_t differential_mark = 128;
 constexpr std::int64_t largest_mark = 255;
 
 /// "solution type" of the VBOX manuals.
-FixKind fix_of_solution(const Cell& cell) {
+FixType fix_of_solution(const Cell& cell) {
     switch (read_whole(cell, "solution type", -1, largest_mark)) {
         case -1:
         case 0:
-            return FixKind::none;
+            return FixType::none;
         case 1:
-            return FixKind::single;
+            return FixType::single;
         case 2:  // corrections of a base station or a satellite
-            return FixKind::dgps;
+            return FixType::dgps;
         case 3:
-            return FixKind::float_ambiguities;
+            return FixType::float_ambiguities;
         case 4:
-            return FixKind::fixed;
+            return FixType::fixed;
         case 6:
-            return FixKind::dead_reckoning;
+            return FixType::dead_reckoning;
         default:
-            return FixKind::unknown;
+            return FixType::unknown;
     }
 }
 
@@ -46,18 +46,18 @@ void read_quality(const Row& fields, const Layout& layout, EpochQuality& quality
     const std::int64_t marked =
         read_whole(fields.cell(Column::satellites), "count of satellites", 0, largest_mark);
     quality.satellites = static_cast<std::int16_t>(marked & satellites_mask);
-    if (*quality.satellites == 0 && quality.fix != FixKind::dead_reckoning)
-        quality.fix = FixKind::none;
+    if (*quality.satellites == 0 && quality.fix != FixType::dead_reckoning)
+        quality.fix = FixType::none;
     else if (!has_solution && (marked & differential_mark) != 0)
-        quality.fix = FixKind::dgps;
+        quality.fix = FixType::dgps;
 }
 
 void read_velocity(const Row& fields, const Layout& layout, RecordedVelocity& velocity) {
-    if (layout.vertical_velocity_mps)
-        velocity.recorded_velocity_up_mps =
+    if (layout.vertical_velocity_m_s)
+        velocity.recorded_velocity_up_m_s =
             fields.real(Column::vertical_velocity, "vertical velocity") *
-            *layout.vertical_velocity_mps;
-    if (!layout.velocity_mps || !layout[Column::heading]) return;
+            *layout.vertical_velocity_m_s;
+    if (!layout.velocity_m_s || !layout[Column::heading]) return;
     const double speed = fields.real(Column::velocity, "velocity");
     if (speed < 0.0)
         fields.cell(Column::velocity)
@@ -68,7 +68,7 @@ void read_velocity(const Row& fields, const Layout& layout, RecordedVelocity& ve
         fields.cell(Column::heading)
             .fail(fmt::format("a heading of {} degrees is impossible", heading_deg),
                   "Take the recording as the logger wrote it");
-    set_velocity(velocity, speed * *layout.velocity_mps, Angle::from_degrees(heading_deg));
+    set_velocity(velocity, speed * *layout.velocity_m_s, Angle::from_degrees(heading_deg));
 }
 
 }  // namespace
@@ -105,13 +105,13 @@ TimedRow read_row(const Row& fields, const Layout& layout, bool east_positive) {
     TimedRow row;
     row.written.time = fields.text(Column::time);
     read_quality(fields, layout, row.observation);
-    if (row.observation.fix == FixKind::none) return row;
+    if (row.observation.fix == FixType::none) return row;
     const double per_degree = layout.coordinates == CoordinateUnit::degree ? 1.0 : 60.0;
     const double latitude_deg = fields.real(Column::latitude, "latitude") / per_degree;
     const double longitude_deg =
         fields.real(Column::longitude, "longitude") / (east_positive ? per_degree : -per_degree);
     if (latitude_deg == 0.0 && longitude_deg == 0.0) {
-        row.observation.fix = FixKind::none;
+        row.observation.fix = FixType::none;
         return row;
     }
     const bool has_height = fields.has(Column::height);

@@ -3,7 +3,7 @@
 #include <optional>
 #include <string_view>
 
-#include "stages/import/finish.h"
+#include "stages/import/row_collector.h"
 #include "stages/import/vbo/header.h"
 
 namespace runcert::vbo {

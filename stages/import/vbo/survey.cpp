@@ -13,7 +13,7 @@ namespace {
 
 constexpr double enough_way_m = 100.0;
 constexpr double least_agreement = 0.5;  // three quarters for it less one against
-constexpr double least_speed_mps = 2.0;
+constexpr double least_speed_m_s = 2.0;
 constexpr double longest_step_m = 200.0;
 constexpr double metres_per_degree = 111'320.0;
 constexpr double radians_per_degree = std::numbers::pi / 180.0;
@@ -37,16 +37,16 @@ std::optional<Place> place_of(const Row& fields, const Layout& layout) {
 
 /// The eastward part of the unit vector along the heading; nothing where the craft hardly moves.
 std::optional<double> eastward_of(const Row& fields, const Layout& layout) {
-    if (!layout.velocity_mps) return std::nullopt;
+    if (!layout.velocity_m_s) return std::nullopt;
     const auto velocity = parse_double(fields.text(Column::velocity));
     const auto heading_deg = parse_double(fields.text(Column::heading));
-    if (!velocity || !heading_deg || !(*velocity * *layout.velocity_mps >= least_speed_mps))
+    if (!velocity || !heading_deg || !(*velocity * *layout.velocity_m_s >= least_speed_m_s))
         return std::nullopt;
     return std::sin(std::fmod(*heading_deg, 360.0) * radians_per_degree);
 }
 
 /// Gathers the way along growing longitudes, and how much of it the headings call eastward.
-class Evidence {
+class Headings {
   public:
     void add(const Place& from, const Place& to, double eastward) {
         const double step_m = (to.longitude_deg - from.longitude_deg) * metres_per_degree *
@@ -71,7 +71,7 @@ class Evidence {
 
 Survey survey(LineReader lines, const RecordingBytes& recording, const Layout& layout) {
     Survey result;
-    Evidence evidence;
+    Headings headings;
     std::optional<Place> first, before;
     while (const auto line = lines.next()) {
         const std::vector<Cell> cells = split(*line, recording);
@@ -81,9 +81,9 @@ Survey survey(LineReader lines, const RecordingBytes& recording, const Layout& l
         const std::optional<Place> here = place_of(fields, layout);
         if (!first) first = here;
         if (const auto eastward = eastward_of(fields, layout); eastward && before && here)
-            evidence.add(*before, *here, *eastward);
+            headings.add(*before, *here, *eastward);
         before = here;
-        result.longitudes = evidence.sense();
+        result.longitudes = headings.sense();
         if (result.first_time_ns && result.longitudes != LongitudeSense::assumed_west) break;
     }
     if (first)

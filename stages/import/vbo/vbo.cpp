@@ -7,8 +7,8 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "stages/import/day_clock.h"
-#include "stages/import/finish.h"
 #include "stages/import/format.h"
+#include "stages/import/row_collector.h"
 #include "stages/import/vbo/date.h"
 #include "stages/import/vbo/header.h"
 #include "stages/import/vbo/row.h"
@@ -31,9 +31,9 @@ std::size_t fields_of_first_row(LineReader lines, const RecordingBytes& recordin
 }
 
 /// Reads the rows, of which the clock gives the instants.
-TimedRows read_rows(LineReader lines, const RecordingBytes& recording, const Layout& layout,
-                    bool east_positive, DayClock clock) {
-    TimedRows timed(recording);
+RowCollector read_rows(LineReader lines, const RecordingBytes& recording, const Layout& layout,
+                       bool east_positive, DayClock clock) {
+    RowCollector timed(recording);
     while (const auto line = lines.next()) {
         if (trim(line->text).empty()) continue;
         timed.add_record(*line, [&] {
@@ -57,10 +57,10 @@ TimedRows read_rows(LineReader lines, const RecordingBytes& recording, const Lay
 
 void note_columns(Observations& observations, const Layout& layout) {
     if (layout[Column::height]) observations.notes.emplace_back(note_heights_above_sea_level);
-    if (layout.velocity_mps && !layout[Column::heading])
+    if (layout.velocity_m_s && !layout[Column::heading])
         observations.notes.push_back(
             "Speeds are recorded without headings, and are not used: a velocity needs both.");
-    if (layout[Column::vertical_velocity] && !layout.vertical_velocity_mps)
+    if (layout[Column::vertical_velocity] && !layout.vertical_velocity_m_s)
         observations.notes.push_back(
             "The vertical velocity is recorded in a unit that the header does not name, and is not "
             "used.");

@@ -28,7 +28,7 @@ struct TimedRow {
 using TakeRow = std::function<void(Observation& row)>;
 
 /// A recording whose rows are given one by one.
-struct RowByRow {
+struct StreamedRecording {
     Observations head;  ///< without the rows
     std::int64_t rows = 0;
     /// Gives them in order, as often as it is called. What was given to the reader must still live.
@@ -37,15 +37,15 @@ struct RowByRow {
 
 /// Rows in the order of the recording, how finely they are written, and the records that could not
 /// be read.
-class TimedRows {
+class RowCollector {
   public:
     /// The recording must outlive this.
-    explicit TimedRows(const RecordingBytes& recording) : recording_(recording) {}
+    explicit RowCollector(const RecordingBytes& recording) : recording_(recording) {}
     /// Gives each row to `take`, its time counted from the GPS epoch, and holds none.
-    TimedRows(const RecordingBytes& recording, TakeRow take)
+    RowCollector(const RecordingBytes& recording, TakeRow take)
         : recording_(recording), take_(std::move(take)) {}
     /// Of a binary format, whose resolution is known.
-    TimedRows(const RecordingBytes& recording, const WrittenResolution& written)
+    RowCollector(const RecordingBytes& recording, const WrittenResolution& written)
         : recording_(recording), written_(written) {}
 
     /// Takes in the row that a record holds, or that begins with it, and numbers it. Does not
@@ -78,7 +78,7 @@ class TimedRows {
     const RowSummary& summary() const { return summary_; }
 
   private:
-    friend void set_rows(Observations& observations, TimedRows timed);
+    friend void set_rows(Observations& observations, RowCollector timed);
 
     const RecordingBytes& recording_;
     TakeRow take_;  ///< empty where the rows are held
@@ -95,7 +95,7 @@ class TimedRows {
 ///
 /// Failure where more than half of the records could not be read (the first one's, with their
 /// number), where there are no rows, and where one is more than 292 years from the first.
-void set_rows(Observations& observations, TimedRows timed);
+void set_rows(Observations& observations, RowCollector timed);
 
 /// What the attempt puts into the rows of a recording.
 struct RowChanges {

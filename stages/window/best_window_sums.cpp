@@ -1,4 +1,4 @@
-#include "stages/window/summed_series.h"
+#include "stages/window/best_window_sums.h"
 
 #include <cassert>
 #include <cmath>
@@ -29,18 +29,18 @@ Eigen::Vector3d position_at(const SummedSeries& series, SeriesInstant instant) {
 /// Length and speed of a window between two instants.
 struct Measured {
     double length_m = 0.0;
-    double speed_mps = 0.0;
+    double speed_m_s = 0.0;
 };
 
 Measured mean_speed(const SummedSeries& series, std::size_t first, std::size_t last, double time_s,
                     SpeedDefinition definition) {
     const auto steps = static_cast<double>(last - first);
     const double later_speeds = series.speed_sum[last] - series.speed_sum[first];
-    const double speed_mps =
+    const double speed_m_s =
         definition == SpeedDefinition::mean_n
             ? later_speeds / steps
-            : (later_speeds + series.samples->speeds_mps[first]) / (steps + 1.0);
-    return {speed_mps * time_s, speed_mps};
+            : (later_speeds + series.samples->speeds_m_s[first]) / (steps + 1.0);
+    return {speed_m_s * time_s, speed_m_s};
 }
 
 Measured measure(const SummedSeries& series, SeriesInstant start, SeriesInstant end,
@@ -63,20 +63,20 @@ Measured measure(const SummedSeries& series, SeriesInstant start, SeriesInstant 
     return {length_m, length_m / time_s};
 }
 
-bool may_bound(const SearchSeries& series, std::size_t sample) {
+bool may_bound(const SampleSeries& series, std::size_t sample) {
     return series.bounds.empty() || series.bounds[sample];
 }
 
 }  // namespace
 
-bool window_allowed(const SearchSeries& series, std::size_t first, std::size_t last) {
+bool window_allowed(const SampleSeries& series, std::size_t first, std::size_t last) {
     return may_bound(series, first) && may_bound(series, last) &&
            (series.obstacles.empty() || series.obstacles[first] == series.obstacles[last]);
 }
 
-SummedSeries summed(const SearchSeries& series, std::size_t index) {
+SummedSeries summed(const SampleSeries& series, std::size_t index) {
     assert(series.positions.size() == series.times.size());
-    assert(series.speeds_mps.empty() || series.speeds_mps.size() == series.times.size());
+    assert(series.speeds_m_s.empty() || series.speeds_m_s.size() == series.times.size());
     assert(series.obstacles.empty() || series.obstacles.size() == series.times.size());
     assert(series.bounds.empty() || series.bounds.size() == series.times.size());
     SummedSeries sums{&series, index, {}, {}};
@@ -90,10 +90,10 @@ SummedSeries summed(const SearchSeries& series, std::size_t index) {
             path_m += distance_between(series.positions[k - 1], series.positions[k]);
         sums.path_m.push_back(path_m);
     }
-    sums.speed_sum.reserve(series.speeds_mps.size());
+    sums.speed_sum.reserve(series.speeds_m_s.size());
     double speed = 0.0;
-    for (const double speed_mps : series.speeds_mps)
-        sums.speed_sum.push_back(speed += speed_mps);
+    for (const double speed_m_s : series.speeds_m_s)
+        sums.speed_sum.push_back(speed += speed_m_s);
     return sums;
 }
 
@@ -143,7 +143,7 @@ double path_at(const SummedSeries& series, SeriesInstant instant) {
 
 std::optional<FoundWindow> window_between(const SummedSeries& series, SeriesInstant start,
                                           SeriesInstant end, SpeedDefinition definition) {
-    const SearchSeries& samples = *series.samples;
+    const SampleSeries& samples = *series.samples;
     const ElapsedTime from{time_of(series, start)};
     const ElapsedTime to{time_of(series, end)};
     // An end that rounds to a sample is at that sample, whichever side of it the sums put it.
@@ -155,7 +155,7 @@ std::optional<FoundWindow> window_between(const SummedSeries& series, SeriesInst
     if (from > samples.times[first] && !may_bound(samples, first + 1)) return std::nullopt;
     if (to < samples.times[last] && !may_bound(samples, last - 1)) return std::nullopt;
     const Measured measured = measure(series, start, end, definition);
-    return FoundWindow{series.index, first, last, from, to, measured.length_m, measured.speed_mps};
+    return FoundWindow{series.index, first, last, from, to, measured.length_m, measured.speed_m_s};
 }
 
 std::optional<FoundWindow> window_between(const SummedSeries& series, std::size_t first,

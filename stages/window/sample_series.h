@@ -6,19 +6,19 @@
 #include "schemas/profile/profile.h"
 #include "schemas/screened/screened.h"
 #include "schemas/trajectory/trajectory.h"
-#include "stages/window/search.h"
+#include "stages/window/best_window.h"
 
 namespace runcert {
 
 /// The search that a profile asks for. A course is not searched for: see crossings.h.
-SearchRule search_rule(const Profile& profile, double duration_tolerance_s,
+WindowCriteria window_criteria(const Profile& profile, double duration_tolerance_s,
                        double nominal_interval_s);
 
 /// The horizontal speed of a velocity, its vertical speed, or its speed in space; the standard
 /// uncertainty of it, first order, empty where one is missing.
 struct RecordedSpeed {
-    double speed_mps = 0.0;
-    std::optional<double> standard_uncertainty_mps;
+    double speed_m_s = 0.0;
+    std::optional<double> standard_uncertainty_m_s;
 };
 
 /// What an epoch's recorded velocity says of the speed; empty where a component is missing.
@@ -29,7 +29,7 @@ std::optional<RecordedSpeed> recorded_speed(const RecordedVelocity& velocity, Di
 /// velocities, speeds as recorded and the path that they make. Heights of a vertical speed are
 /// above the ellipsoid. Unusable epochs, missing values, and bridged steps where the profile does
 /// not allow them, are obstacles.
-std::vector<SearchSeries> certifiable_series(const ScreenedTable& screened,
+std::vector<SampleSeries> certifiable_series(const ScreenedTable& screened,
                                              const TrajectoryTable& trajectory,
                                              const std::vector<ArcRows>& arcs,
                                              const Profile& profile);
@@ -38,7 +38,7 @@ std::vector<SearchSeries> certifiable_series(const ScreenedTable& screened,
 /// with a fix and the values that the profile counts, their times increasing. None where there are
 /// none.
 struct IndicatedSeries {
-    std::vector<SearchSeries> series;
+    std::vector<SampleSeries> series;
     std::vector<std::size_t> rows;
 };
 IndicatedSeries indicated_series(const ScreenedTable& screened, const Profile& profile);

@@ -2,14 +2,14 @@
 
 #include <optional>
 
-#include "stages/window/search.h"
+#include "stages/window/best_window.h"
 
 namespace runcert {
 
 /// A series with running sums, so that a window costs the same whatever its length. It refers to
 /// the series, which must outlive it.
 struct SummedSeries {
-    const SearchSeries* samples = nullptr;
+    const SampleSeries* samples = nullptr;
     std::size_t index = 0;          ///< of the series
     std::vector<double> path_m;     ///< path length up to the sample
     std::vector<double> speed_sum;  ///< of the speeds up to and with the sample; may be empty
@@ -17,7 +17,7 @@ struct SummedSeries {
     std::size_t size() const { return samples->times.size(); }
 };
 
-SummedSeries summed(const SearchSeries& series, std::size_t index);
+SummedSeries summed(const SampleSeries& series, std::size_t index);
 
 /// An instant in a series: `fraction` of the step that follows sample `after` is over, in [0, 1].
 /// At the last sample the fraction is 0.

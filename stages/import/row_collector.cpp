@@ -1,4 +1,4 @@
-#include "stages/import/finish.h"
+#include "stages/import/row_collector.h"
 
 #include <fmt/format.h>
 
@@ -113,7 +113,7 @@ void RowChanges::apply(Observation& row) const {
     if (sigma_up_m) row.sigma_up_m = *sigma_up_m;
 }
 
-void TimedRows::add(const TimedRow& row, const RecordPlace& place) {
+void RowCollector::add(const TimedRow& row, const RecordPlace& place) {
     if (place.line && *place.line > std::numeric_limits<std::int32_t>::max())
         throw Failure(place_in(recording_, place), "the recording has too many lines to count",
                       "Cut it into several files, and list them in the attempt");
@@ -135,7 +135,7 @@ void TimedRows::add(const TimedRow& row, const RecordPlace& place) {
         rows_.push_back(added);
 }
 
-void TimedRows::count_bad(const RecordPlace& place, const Failure& why, bool in_next_epoch) {
+void RowCollector::count_bad(const RecordPlace& place, const Failure& why, bool in_next_epoch) {
     ++records_.total;
     ++records_.bad;
     if (!first_bad_) first_bad_ = why;
@@ -150,7 +150,7 @@ void TimedRows::count_bad(const RecordPlace& place, const Failure& why, bool in_
                                     .what = why.problem() + ". " + why.remedy()});
 }
 
-void set_rows(Observations& observations, TimedRows timed) {
+void set_rows(Observations& observations, RowCollector timed) {
     const RecordingBytes& recording = timed.recording_;
     require_mostly_good(timed.records_, timed.first_bad_);
     const RowSummary& rows = timed.summary_;

@@ -1,4 +1,4 @@
-#include "stages/window/search_series.h"
+#include "stages/window/sample_series.h"
 
 #include <cmath>
 
@@ -14,13 +14,13 @@ namespace {
 Eigen::Vector3d motion_over(const TrajectoryEpoch& from, const TrajectoryEpoch& to) {
     const double dt_s = to.time.seconds() - from.time.seconds();
     const auto velocity = [](const TrajectoryEpoch& row) {
-        return Eigen::Vector3d(row.velocity_east_mps.value(), row.velocity_north_mps.value(),
-                               row.velocity_up_mps.value_or(0.0));
+        return Eigen::Vector3d(row.velocity_east_m_s.value(), row.velocity_north_m_s.value(),
+                               row.velocity_up_m_s.value_or(0.0));
     };
     const auto acceleration = [](const TrajectoryEpoch& row) {
-        return Eigen::Vector3d(row.acceleration_east_mps2.value(),
-                               row.acceleration_north_mps2.value(),
-                               row.acceleration_up_mps2.value_or(0.0));
+        return Eigen::Vector3d(row.acceleration_east_m_s2.value(),
+                               row.acceleration_north_m_s2.value(),
+                               row.acceleration_up_m_s2.value_or(0.0));
     };
     return 0.5 * dt_s * (velocity(from) + velocity(to)) -
            dt_s * dt_s / 12.0 * (acceleration(to) - acceleration(from));
@@ -42,26 +42,26 @@ Eigen::Vector3d counted(const Eigen::Vector3d& position, const Profile& profile,
 }
 
 double smoothed_speed(const TrajectoryEpoch& row, const Profile& profile) {
-    const double up = row.velocity_up_mps.value_or(0.0);
-    if (profile.dimension == Dimension::horizontal) return *row.speed_mps;
-    return profile.dimension == Dimension::vertical ? std::abs(up) : std::hypot(*row.speed_mps, up);
+    const double up = row.velocity_up_m_s.value_or(0.0);
+    if (profile.dimension == Dimension::horizontal) return *row.speed_m_s;
+    return profile.dimension == Dimension::vertical ? std::abs(up) : std::hypot(*row.speed_m_s, up);
 }
 
 /// Adds the sample's place on the path that recorded speeds make, each pair's mean over its time.
-void add_recorded(SearchSeries& series, ElapsedTime time, double speed_mps) {
+void add_recorded(SampleSeries& series, ElapsedTime time, double speed_m_s) {
     const double before_m = series.path_m.empty() ? 0.0 : series.path_m.back();
     const double step_m = series.times.empty()
                               ? 0.0
-                              : 0.5 * (series.speeds_mps.back() + speed_mps) *
+                              : 0.5 * (series.speeds_m_s.back() + speed_m_s) *
                                     (time.seconds() - series.times.back().seconds());
     series.path_m.push_back(before_m + step_m);
-    series.speeds_mps.push_back(speed_mps);
+    series.speeds_m_s.push_back(speed_m_s);
 }
 
-SearchSeries arc_series(const ScreenedTable& screened, const TrajectoryTable& trajectory,
+SampleSeries arc_series(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                         const ArcRows& arc, const std::vector<std::int64_t>& obstacles,
                         const Profile& profile) {
-    SearchSeries series;
+    SampleSeries series;
     Eigen::Vector3d offset = Eigen::Vector3d::Zero();
     Eigen::Vector3d before = Eigen::Vector3d::Zero();
     for (std::size_t k = 0; k < arc.rows.size(); ++k) {
@@ -72,9 +72,9 @@ SearchSeries arc_series(const ScreenedTable& screened, const TrajectoryTable& tr
         before = position;
         if (profile.speed_source == SpeedSource::velocity) {
             const auto speed = recorded_speed(screened.rows[arc.rows[k]], profile.dimension);
-            add_recorded(series, row.time, speed ? speed->speed_mps : 0.0);
+            add_recorded(series, row.time, speed ? speed->speed_m_s : 0.0);
         } else {
-            series.speeds_mps.push_back(smoothed_speed(row, profile));
+            series.speeds_m_s.push_back(smoothed_speed(row, profile));
         }
         series.times.push_back(row.time);
         series.positions.push_back(counted(position - offset, profile, trajectory.origin));
@@ -103,9 +103,9 @@ std::vector<std::int64_t> obstacles_in(const ScreenedTable& screened,
 
 }  // namespace
 
-SearchRule search_rule(const Profile& profile, double duration_tolerance_s,
+WindowCriteria window_criteria(const Profile& profile, double duration_tolerance_s,
                        double nominal_interval_s) {
-    SearchRule rule;
+    WindowCriteria rule;
     rule.kind = profile.window_kind;
     rule.definition = profile.definition;
     rule.ends = profile.ends;
@@ -119,13 +119,12 @@ SearchRule search_rule(const Profile& profile, double duration_tolerance_s,
     return rule;
 }
 
-std::optional<RecordedSpeed> recorded_speed(const RecordedVelocity& velocity,
-                                            Dimension dimension) {
+std::optional<RecordedSpeed> recorded_speed(const RecordedVelocity& velocity, Dimension dimension) {
     const bool level = dimension != Dimension::vertical;
     const bool upright = dimension != Dimension::horizontal;
-    if (level && !(velocity.recorded_velocity_east_mps && velocity.recorded_velocity_north_mps))
+    if (level && !(velocity.recorded_velocity_east_m_s && velocity.recorded_velocity_north_m_s))
         return std::nullopt;
-    if (upright && !velocity.recorded_velocity_up_mps) return std::nullopt;
+    if (upright && !velocity.recorded_velocity_up_m_s) return std::nullopt;
     Eigen::Vector3d v = Eigen::Vector3d::Zero();
     Eigen::Vector3d variance = Eigen::Vector3d::Zero();
     bool stated = true;
@@ -135,25 +134,25 @@ std::optional<RecordedSpeed> recorded_speed(const RecordedVelocity& velocity,
         if (sigma) variance(axis) = *sigma * *sigma;
     };
     if (level) {
-        take(0, velocity.recorded_velocity_east_mps, velocity.sigma_recorded_velocity_east_mps);
-        take(1, velocity.recorded_velocity_north_mps, velocity.sigma_recorded_velocity_north_mps);
+        take(0, velocity.recorded_velocity_east_m_s, velocity.sigma_recorded_velocity_east_m_s);
+        take(1, velocity.recorded_velocity_north_m_s, velocity.sigma_recorded_velocity_north_m_s);
     }
     if (upright)
-        take(2, velocity.recorded_velocity_up_mps, velocity.sigma_recorded_velocity_up_mps);
-    RecordedSpeed speed{.speed_mps = v.norm(), .standard_uncertainty_mps = std::nullopt};
+        take(2, velocity.recorded_velocity_up_m_s, velocity.sigma_recorded_velocity_up_m_s);
+    RecordedSpeed speed{.speed_m_s = v.norm(), .standard_uncertainty_m_s = std::nullopt};
     if (stated)
-        speed.standard_uncertainty_mps =
-            std::sqrt(speed.speed_mps > 0.0 ? v.cwiseAbs2().dot(variance) / v.squaredNorm()
+        speed.standard_uncertainty_m_s =
+            std::sqrt(speed.speed_m_s > 0.0 ? v.cwiseAbs2().dot(variance) / v.squaredNorm()
                                             : variance.maxCoeff());
     return speed;
 }
 
-std::vector<SearchSeries> certifiable_series(const ScreenedTable& screened,
+std::vector<SampleSeries> certifiable_series(const ScreenedTable& screened,
                                              const TrajectoryTable& trajectory,
                                              const std::vector<ArcRows>& arcs,
                                              const Profile& profile) {
     const std::vector<std::int64_t> obstacles = obstacles_in(screened, trajectory, profile);
-    std::vector<SearchSeries> series;
+    std::vector<SampleSeries> series;
     series.reserve(arcs.size());
     for (const ArcRows& arc : arcs)
         series.push_back(arc_series(screened, trajectory, arc, obstacles, profile));
@@ -162,18 +161,18 @@ std::vector<SearchSeries> certifiable_series(const ScreenedTable& screened,
 
 IndicatedSeries indicated_series(const ScreenedTable& screened, const Profile& profile) {
     IndicatedSeries indicated;
-    SearchSeries series;
+    SampleSeries series;
     const bool needs_height = profile.dimension != Dimension::horizontal;
     for (std::size_t i = 0; i < screened.rows.size(); ++i) {
         const ScreenedEpoch& row = screened.rows[i];
         if (!row.east_m || !row.north_m || (needs_height && !row.up_m)) continue;
-        // What the receiver itself calls no fix is no evidence of a speed.
-        if (row.fix == FixKind::none) continue;
+        // What the receiver itself calls no fix says nothing of a speed.
+        if (row.fix == FixType::none) continue;
         if (!series.times.empty() && row.time <= series.times.back()) continue;
         if (profile.speed_source == SpeedSource::velocity) {
             const auto speed = recorded_speed(row, profile.dimension);
             if (!speed) continue;
-            add_recorded(series, row.time, speed->speed_mps);
+            add_recorded(series, row.time, speed->speed_m_s);
         }
         series.times.push_back(row.time);
         series.positions.push_back(

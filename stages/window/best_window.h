@@ -10,12 +10,12 @@
 
 namespace runcert {
 
-/// One stretch without a break that windows may lie in: its samples in order of time. What may be
+/// One arc that windows may lie in: its samples in order of time. What may be
 /// empty is empty or as long as `times`.
-struct SearchSeries {
+struct SampleSeries {
     std::vector<ElapsedTime> times;          ///< strictly increasing, at least one
     std::vector<Eigen::Vector3d> positions;  ///< m; axes that the rule does not count are zero
-    std::vector<double> speeds_mps;          ///< needed for the means only
+    std::vector<double> speeds_m_s;          ///< needed for the means only
     std::vector<double> path_m;              ///< up to the sample; empty: along the positions
     /// Running count: a window holds no obstacle where the counts at its ends are the same.
     std::vector<std::int64_t> obstacles;  ///< empty: none
@@ -23,7 +23,7 @@ struct SearchSeries {
 };
 
 /// What a window must be. Of the figures, only those that the kind names are read.
-struct SearchRule {
+struct WindowCriteria {
     WindowKind kind = WindowKind::time;
     SpeedDefinition definition = SpeedDefinition::displacement;
     WindowEnds ends = WindowEnds::epochs;
@@ -53,7 +53,7 @@ struct FoundWindow {
     std::size_t last = 0;
     ElapsedTime start, end;  ///< rounded to the nanosecond
     double length_m = 0.0;   ///< by the definition; of a mean, the mean speed times the duration
-    double speed_mps = 0.0;  ///< length over duration, before the ends are rounded
+    double speed_m_s = 0.0;  ///< length over duration, before the ends are rounded
 };
 
 /// What a search found, and how many samples and pairs of samples it looked at.
@@ -66,7 +66,7 @@ struct WindowSearch {
 bool preferred(const FoundWindow& one, const FoundWindow& other);
 
 /// Whether a window from a sample to another holds no obstacle and may begin and end there.
-bool window_allowed(const SearchSeries& series, std::size_t first, std::size_t last);
+bool window_allowed(const SampleSeries& series, std::size_t first, std::size_t last);
 
 /// The fastest `count` windows that do not overlap (they may share an end), fastest first: the
 /// fastest of all, then the fastest of those that do not overlap it, and so on. The earlier of
@@ -101,25 +101,25 @@ bool window_allowed(const SearchSeries& series, std::size_t first, std::size_t l
 /// Failure where the rule is none of these: a mean speed elsewhere than in time between epochs, a
 /// displacement over a distance or an alpha at any instant, a course (`passages`), or a length
 /// that is not positive.
-std::vector<FoundWindow> best_windows(const std::vector<SearchSeries>& series,
-                                      const SearchRule& rule, std::size_t count);
+std::vector<FoundWindow> best_windows(const std::vector<SampleSeries>& series,
+                                      const WindowCriteria& rule, std::size_t count);
 
 /// The same, with the steps it took.
-WindowSearch search_windows(const std::vector<SearchSeries>& series, const SearchRule& rule,
+WindowSearch search_windows(const std::vector<SampleSeries>& series, const WindowCriteria& rule,
                             std::size_t count);
 
 /// All allowed windows in order of series and start, that `best_windows` chooses the fastest of:
 /// one for each sample that one may begin at, and at any instant one for each that one may end at;
 /// of alphas one for each sample that one may end at.
-std::vector<FoundWindow> allowed_windows(const std::vector<SearchSeries>& series,
-                                         const SearchRule& rule);
+std::vector<FoundWindow> allowed_windows(const std::vector<SampleSeries>& series,
+                                         const WindowCriteria& rule);
 
 /// Both of them from one search.
 struct AllowedWindows {
     std::vector<FoundWindow> all;
     std::vector<FoundWindow> best;
 };
-AllowedWindows allowed_and_best(const std::vector<SearchSeries>& series, const SearchRule& rule,
+AllowedWindows allowed_and_best(const std::vector<SampleSeries>& series, const WindowCriteria& rule,
                                 std::size_t count);
 
 }  // namespace runcert

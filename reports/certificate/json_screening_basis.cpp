@@ -1,4 +1,4 @@
-#include "reports/certificate/json_evidence.h"
+#include "reports/certificate/json_screening_basis.h"
 
 #include <fmt/format.h>
 
@@ -21,17 +21,17 @@ constexpr std::ptrdiff_t faults_listed = 20;  ///< in the report
 constexpr std::size_t faults_shown = 3;       ///< in words
 
 /// Counts hold every fault, the table a thousand of them at most.
-std::int64_t faults_of(const TimeEvidence& time) {
+std::int64_t faults_of(const TimeStampSummary& time) {
     return std::max(time.gaps + time.duplicates + time.backward, std::ssize(time.faults));
 }
 
-std::string false_alarm_text(const ScreeningEvidence& evidence) {
-    const double rate = evidence.family_false_alarm_rate;
+std::string false_alarm_text(const ScreeningBasis& basis) {
+    const double rate = basis.family_false_alarm_rate;
     if (!(rate > 0.0)) return "not stated";
     return fmt::format(
-        "of {} recordings without a wrong position at most one would have anything marked, by all "
+        "of {} recordings without an outlier at most one would have anything marked, by all "
         "{} tests together",
-        std::llround(std::floor(1.0 / rate + 1e-9)), evidence.tests);
+        std::llround(std::floor(1.0 / rate + 1e-9)), basis.tests);
 }
 
 std::string model_text(const ScreeningModel& model) {
@@ -54,23 +54,23 @@ std::string noise_text(const std::vector<ScreeningModel>& models) {
     return text;
 }
 
-/// What the innovations show: an error that lasts over many epochs is not in it.
-std::string kind_text(const FixKindEvidence& kind) {
+/// What the innovations show: a time-correlated error is not in it.
+std::string kind_text(const FixTypeErrors& kind) {
     if (kind.judgement == AccuracyJudgement::too_few_epochs)
         return fmt::format("{}: too few epochs ({}) to tell", to_text(kind.axes), kind.epochs);
     const std::string_view judgement =
-        kind.judgement == AccuracyJudgement::too_good  ? "clearly larger"
-        : kind.judgement == AccuracyJudgement::too_bad ? "clearly smaller"
-                                                       : "as stated, within chance";
+        kind.judgement == AccuracyJudgement::optimistic    ? "clearly larger"
+        : kind.judgement == AccuracyJudgement::pessimistic ? "clearly smaller"
+                                                           : "as stated, within chance";
     return fmt::format("{}: errors from epoch to epoch {} times as large as stated ({})",
                        to_text(kind.axes), significant_text(std::sqrt(kind.variance_factor), 2),
                        judgement);
 }
 
-/// Kinds of solution in their order, a line for each with all of its axes.
-void add_kinds(Json& facts, const std::vector<FixKindEvidence>& kinds) {
-    std::vector<std::pair<FixKind, std::string>> lines;
-    for (const FixKindEvidence& kind : kinds) {
+/// Fix types in their order, a line for each with all of its axes.
+void add_kinds(Json& facts, const std::vector<FixTypeErrors>& kinds) {
+    std::vector<std::pair<FixType, std::string>> lines;
+    for (const FixTypeErrors& kind : kinds) {
         const auto line = std::find_if(lines.begin(), lines.end(),
                                        [&](const auto& each) { return each.first == kind.fix; });
         if (line == lines.end())
@@ -83,7 +83,7 @@ void add_kinds(Json& facts, const std::vector<FixKindEvidence>& kinds) {
             fact(fmt::format("Solutions of the kind “{}”", to_text(fix)), std::move(text)));
 }
 
-std::string velocity_text(const std::optional<VelocityEvidence>& velocity) {
+std::string velocity_text(const std::optional<VelocityComparison>& velocity) {
     if (!velocity) return "hardly any were recorded: no witness of the positions";
     if (velocity->compared == 0) return "could not be compared with the motion";
     std::string delay = "how late they are cannot be told from the motion";
@@ -115,7 +115,7 @@ std::string fault_text(const TimeFault& fault) {
     return fmt::format("epoch {}: {}", fault.epoch, what);
 }
 
-std::string time_text(const TimeEvidence& time) {
+std::string time_text(const TimeStampSummary& time) {
     const std::int64_t faults = faults_of(time);
     if (faults == 0) return "no fault";
     std::string text = counted(faults, "fault");
@@ -126,7 +126,7 @@ std::string time_text(const TimeEvidence& time) {
     return left > 0 ? text + fmt::format("; and {} more", left) : text;
 }
 
-std::string device_text(const DeviceEvidence& device) {
+std::string device_text(const DeviceSigns& device) {
     if (device.moving == 0) return "none looked for: the craft hardly moved";
     if (device.held + device.interpolated == 0)
         return fmt::format("none in {}", counted(device.moving, "moving row"));
@@ -137,7 +137,7 @@ std::string device_text(const DeviceEvidence& device) {
         significant_text(device.by_chance, 2));
 }
 
-std::string baseline_text(const BaselineEvidence& baseline) {
+std::string baseline_text(const BaselineComparison& baseline) {
     if (baseline.compared == 0) return "could not be compared: no epochs at the same time";
     return fmt::format(
         "“{}” {} m away, standard deviation {} m over {}; they contradict each "
@@ -148,27 +148,26 @@ std::string baseline_text(const BaselineEvidence& baseline) {
 
 }  // namespace
 
-Json evidence_json(const ScreeningEvidence& evidence) {
-    Json json = members_json(evidence);
+Json screening_basis_json(const ScreeningBasis& basis) {
+    Json json = members_json(basis);
     Json& faults = json["time"]["faults"];
-    if (std::ssize(evidence.time.faults) > faults_listed)
+    if (std::ssize(basis.time.faults) > faults_listed)
         faults.erase(faults.begin() + faults_listed, faults.end());
-    json["time"]["faults_found"] = faults_of(evidence.time);
+    json["time"]["faults_found"] = faults_of(basis.time);
     return json;
 }
 
-Json evidence_facts(const ScreeningEvidence& evidence) {
+Json screening_basis_facts(const ScreeningBasis& basis) {
     Json facts = Json::array();
-    facts.push_back(fact("False alarms", false_alarm_text(evidence)));
-    facts.push_back(fact("Noise that the tests rest on", noise_text(evidence.models)));
-    add_kinds(facts, evidence.fix_kinds);
-    facts.push_back(fact("Recorded velocities", velocity_text(evidence.velocity)));
-    if (evidence.device)
+    facts.push_back(fact("False alarms", false_alarm_text(basis)));
+    facts.push_back(fact("Noise that the tests rest on", noise_text(basis.models)));
+    add_kinds(facts, basis.fix_types);
+    facts.push_back(fact("Recorded velocities", velocity_text(basis.velocity)));
+    if (basis.device)
         facts.push_back(
-            fact("Signs of positions that were not measured", device_text(*evidence.device)));
-    facts.push_back(fact("Order and spacing of the time stamps", time_text(evidence.time)));
-    if (evidence.baseline)
-        facts.push_back(fact("Other receiver", baseline_text(*evidence.baseline)));
+            fact("Signs of positions that were not measured", device_text(*basis.device)));
+    facts.push_back(fact("Order and spacing of the time stamps", time_text(basis.time)));
+    if (basis.baseline) facts.push_back(fact("Other receiver", baseline_text(*basis.baseline)));
     return facts;
 }
 

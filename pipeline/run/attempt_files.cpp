@@ -1,4 +1,4 @@
-#include "run/evidence.h"
+#include "run/attempt_files.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -74,8 +74,8 @@ void require_course(const Profile& profile, const Attempt& attempt, const Attemp
 
 }  // namespace
 
-std::vector<EvidenceFile> evidence_files(const Receiver& receiver) {
-    std::vector<EvidenceFile> files;
+std::vector<AttemptFile> files_of_receiver(const Receiver& receiver) {
+    std::vector<AttemptFile> files;
     const auto add = [&](const std::string& role, const std::vector<std::string>& originals) {
         for (std::size_t i = 0; i < originals.size(); ++i)
             files.push_back(
@@ -91,21 +91,21 @@ std::vector<EvidenceFile> evidence_files(const Receiver& receiver) {
     return files;
 }
 
-std::vector<EvidenceFile> solution_files(const Receiver& receiver) {
+std::vector<AttemptFile> solution_files(const Receiver& receiver) {
     if (receiver.base.empty()) return {};
     return {{"configuration", {}, fmt::format("rtklib.{}.conf", receiver.id)},
             {"forward", {}, fmt::format("forward.{}.pos", receiver.id)},
             {"backward", {}, fmt::format("backward.{}.pos", receiver.id)}};
 }
 
-std::string evidence_profile_file(const std::string& claimed) {
+std::string profile_copy_name(const std::string& claimed) {
     return fmt::format("profile.{}.yaml", profile_name(claimed));
 }
 
-FileView open_evidence(const EvidenceFile& file, const Receiver& receiver,
-                       const AttemptSource& source) {
-    const fs::path path = source.evidence ? *source.evidence / file.name
-                                          : inside_folder(file.original, source, receiver.place);
+FileView open_attempt_file(const AttemptFile& file, const Receiver& receiver,
+                           const AttemptSource& source) {
+    const fs::path path = source.earlier_run ? *source.earlier_run / file.name
+                                             : inside_folder(file.original, source, receiver.place);
     if (!fs::exists(path))
         throw Failure(
             receiver.place,
@@ -117,7 +117,8 @@ FileView open_evidence(const EvidenceFile& file, const Receiver& receiver,
 }
 
 std::string find_profile(const std::string& claimed, const AttemptSource& source) {
-    if (source.evidence) return read_handwritten(*source.evidence / evidence_profile_file(claimed));
+    if (source.earlier_run)
+        return read_handwritten(*source.earlier_run / profile_copy_name(claimed));
     if (const std::string_view text = builtin_profile(claimed); !text.empty())
         return std::string(text);
     const fs::path path = inside_folder(claimed, source, source.file.string());
@@ -129,8 +130,8 @@ std::string find_profile(const std::string& claimed, const AttemptSource& source
     return read_handwritten(path);
 }
 
-std::vector<EvidenceFile> flow_files(const Attempt& attempt) {
-    std::vector<EvidenceFile> files;
+std::vector<AttemptFile> flow_files(const Attempt& attempt) {
+    std::vector<AttemptFile> files;
     const auto add = [&](const char* role, const std::optional<FlowFile>& flow) {
         if (flow)
             files.push_back(
@@ -141,11 +142,11 @@ std::vector<EvidenceFile> flow_files(const Attempt& attempt) {
     return files;
 }
 
-std::string find_flow(const EvidenceFile& file, const Attempt& attempt,
+std::string find_flow(const AttemptFile& file, const Attempt& attempt,
                       const AttemptSource& source) {
     const std::string& place = (file.role == "wind" ? attempt.wind : attempt.current)->place;
-    const fs::path path = source.evidence ? *source.evidence / file.name
-                                          : inside_folder(file.original, source, place);
+    const fs::path path = source.earlier_run ? *source.earlier_run / file.name
+                                             : inside_folder(file.original, source, place);
     if (!fs::exists(path))
         throw Failure(place,
                       fmt::format("the file \"{}\" does not exist (looked for {})",
@@ -160,11 +161,11 @@ void bring_in_claim(const Attempt& attempt, std::string_view text, const Attempt
         const std::string profile = find_profile(claimed, source);
         require_course(with_replaced_figures(read_profile(profile, claimed), attempt), attempt,
                        source);
-        write_file_atomically(run_dir / evidence_profile_file(claimed), profile);
+        write_file_atomically(run_dir / profile_copy_name(claimed), profile);
     }
-    for (const EvidenceFile& file : flow_files(attempt))
+    for (const AttemptFile& file : flow_files(attempt))
         write_file_atomically(run_dir / file.name, find_flow(file, attempt, source));
-    write_file_atomically(run_dir / evidence_attempt_file, text);
+    write_file_atomically(run_dir / attempt_copy_name, text);
 }
 
 Profile with_replaced_figures(Profile profile, const Attempt& attempt) {
@@ -181,7 +182,7 @@ Profile with_replaced_figures(Profile profile, const Attempt& attempt) {
 
 Profile read_claimed_profile(const std::filesystem::path& run_dir, const std::string& claimed,
                              const Attempt& attempt) {
-    const std::filesystem::path path = run_dir / evidence_profile_file(claimed);
+    const std::filesystem::path path = run_dir / profile_copy_name(claimed);
     Profile profile = read_profile(read_handwritten(path), path.string());
     if (profile.id != profile_name(claimed))
         throw Failure(path.string(),

@@ -13,10 +13,10 @@
 namespace runcert {
 
 /// The attempt's name in a run folder.
-inline constexpr std::string_view evidence_attempt_file = "attempt.yaml";
+inline constexpr std::string_view attempt_copy_name = "attempt.yaml";
 
 /// A file that a receiver's recording consists of.
-struct EvidenceFile {
+struct AttemptFile {
     std::string role;      ///< "recording", or of RINEX "base", "navigation"
     std::string original;  ///< as the attempt names it
     /// In a run folder: "ROLE.ID", the number where there are several of the role, and the
@@ -25,15 +25,15 @@ struct EvidenceFile {
 };
 
 /// All of a receiver's files: its recordings in order, then base, then navigation.
-std::vector<EvidenceFile> evidence_files(const Receiver& receiver);
+std::vector<AttemptFile> files_of_receiver(const Receiver& receiver);
 
 /// What RTKLIB makes of a RINEX receiver's files, in the run folder too: its configuration, the
 /// forward and the backward solution, with the roles "configuration", "forward", "backward" and no
 /// originals. None for other receivers.
-std::vector<EvidenceFile> solution_files(const Receiver& receiver);
+std::vector<AttemptFile> solution_files(const Receiver& receiver);
 
 /// A claimed profile in a run folder: "profile.NAME.yaml".
-std::string evidence_profile_file(const std::string& claimed);
+std::string profile_copy_name(const std::string& claimed);
 
 /// Where an attempt was read, and where what it names is.
 struct AttemptSource {
@@ -42,25 +42,24 @@ struct AttemptSource {
     /// current one.
     std::filesystem::path folder = file.parent_path();
     /// A run folder made earlier whose copies are taken instead.
-    std::optional<std::filesystem::path> evidence = std::nullopt;
+    std::optional<std::filesystem::path> earlier_run = std::nullopt;
 };
 
 /// What the attempt names, found where it says or in the run folder made earlier.
 ///
 /// A missing file is a Failure that names the place in the attempt; so is one outside of the
-/// attempt's folder, by its path or by a symbolic link: whoever sends an attempt must not learn
+/// attempt's folder, by its path or by a symbolic link: whoever sends an attempt must not find out
 /// what else is on the machine, nor have it published in a run folder.
-FileView open_evidence(const EvidenceFile& file, const Receiver& receiver,
-                       const AttemptSource& source);
+FileView open_attempt_file(const AttemptFile& file, const Receiver& receiver,
+                           const AttemptSource& source);
 std::string find_profile(const std::string& claimed, const AttemptSource& source);
 
 /// The series of wind and current that the attempt names, with the roles "wind" and "current" and
 /// the names "wind.csv" and "current.csv" in a run folder.
-std::vector<EvidenceFile> flow_files(const Attempt& attempt);
+std::vector<AttemptFile> flow_files(const Attempt& attempt);
 
 /// The text of one of them, found and refused as above.
-std::string find_flow(const EvidenceFile& file, const Attempt& attempt,
-                      const AttemptSource& source);
+std::string find_flow(const AttemptFile& file, const Attempt& attempt, const AttemptSource& source);
 
 /// Brings what is neither a recording nor made of one into a run folder: the series of wind and
 /// current, the claimed profiles, and the attempt itself, whose `text` is given. Failure where one

@@ -1,4 +1,4 @@
-#include "stages/window/search_candidates.h"
+#include "stages/window/best_window_candidates.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +15,7 @@ void add(const std::optional<FoundWindow>& window, WindowSearch& search) {
     if (window) search.windows.push_back(*window);
 }
 
-WindowSearch time_between_epochs(const SummedSeries& series, const SearchRule& rule) {
+WindowSearch time_between_epochs(const SummedSeries& series, const WindowCriteria& rule) {
     constexpr double nanosecond_s = 1e-9;  // the ends are sought below the limit, not up to it
     const auto ends = window_ends(
         series.samples->times, rule.duration_s, rule.duration_tolerance_s,
@@ -28,7 +28,7 @@ WindowSearch time_between_epochs(const SummedSeries& series, const SearchRule& r
     return search;
 }
 
-std::int64_t duration_ns(const SearchRule& rule) {
+std::int64_t duration_ns(const WindowCriteria& rule) {
     return std::llround(rule.duration_s * 1e9);
 }
 
@@ -47,7 +47,7 @@ std::vector<std::int64_t> starts_at_any_instant(const SummedSeries& series,
     return starts;
 }
 
-WindowSearch time_at_any_instant(const SummedSeries& series, const SearchRule& rule) {
+WindowSearch time_at_any_instant(const SummedSeries& series, const WindowCriteria& rule) {
     const std::int64_t window_ns = duration_ns(rule);
     WindowSearch search;
     SeriesInstant start, end;
@@ -60,7 +60,7 @@ WindowSearch time_at_any_instant(const SummedSeries& series, const SearchRule& r
     return search;
 }
 
-WindowSearch path_between_epochs(const SummedSeries& series, const SearchRule& rule) {
+WindowSearch path_between_epochs(const SummedSeries& series, const WindowCriteria& rule) {
     const double enough_m = rule.distance_m - path_rounding_m;
     WindowSearch search;
     std::size_t last = 0;
@@ -93,7 +93,7 @@ std::optional<std::size_t> far_enough(const SummedSeries& series, std::size_t fi
     return std::nullopt;
 }
 
-WindowSearch straight_between_epochs(const SummedSeries& series, const SearchRule& rule) {
+WindowSearch straight_between_epochs(const SummedSeries& series, const WindowCriteria& rule) {
     const double enough_m = rule.distance_m - path_rounding_m;
     WindowSearch search;
     std::size_t last = 0;
@@ -129,7 +129,7 @@ std::vector<Eigen::Vector3d> directions_along(const SummedSeries& series) {
     return directions;
 }
 
-WindowSearch alphas(const SummedSeries& series, const SearchRule& rule) {
+WindowSearch alphas(const SummedSeries& series, const WindowCriteria& rule) {
     const std::vector<double>& path = series.path_m;
     const auto& positions = series.samples->positions;
     const std::vector<Eigen::Vector3d> directions = directions_along(series);
@@ -175,7 +175,7 @@ bool same_ends(const FoundWindow& a, const FoundWindow& b) {
     return a.start == b.start && a.end == b.end;
 }
 
-WindowSearch path_at_any_instant(const SummedSeries& series, const SearchRule& rule) {
+WindowSearch path_at_any_instant(const SummedSeries& series, const WindowCriteria& rule) {
     WindowSearch begins, ends, all;
     SeriesInstant start, end;
     for (std::size_t k = 0; k < series.size(); ++k) {
@@ -197,7 +197,7 @@ WindowSearch path_at_any_instant(const SummedSeries& series, const SearchRule& r
     return all;
 }
 
-WindowSearch times_beside(const SummedSeries& series, const SearchRule& rule,
+WindowSearch times_beside(const SummedSeries& series, const WindowCriteria& rule,
                           const FoundWindow& found) {
     const auto& times = series.samples->times;
     const std::int64_t window_ns = duration_ns(rule);
@@ -211,7 +211,7 @@ WindowSearch times_beside(const SummedSeries& series, const SearchRule& rule,
     return search;
 }
 
-WindowSearch paths_beside(const SummedSeries& series, const SearchRule& rule,
+WindowSearch paths_beside(const SummedSeries& series, const WindowCriteria& rule,
                           const FoundWindow& found) {
     WindowSearch search;
     const SeriesInstant end = instant_at_time(series, found.start.nanoseconds, 0);
@@ -225,7 +225,7 @@ WindowSearch paths_beside(const SummedSeries& series, const SearchRule& rule,
 
 }  // namespace
 
-WindowSearch windows_in(const SummedSeries& series, const SearchRule& rule) {
+WindowSearch windows_in(const SummedSeries& series, const WindowCriteria& rule) {
     if (series.size() < 2) return {};
     const bool any = rule.ends == WindowEnds::any;
     if (rule.kind == WindowKind::time)
@@ -236,7 +236,7 @@ WindowSearch windows_in(const SummedSeries& series, const SearchRule& rule) {
                                                            : straight_between_epochs(series, rule);
 }
 
-WindowSearch windows_beside(const SummedSeries& series, const SearchRule& rule,
+WindowSearch windows_beside(const SummedSeries& series, const WindowCriteria& rule,
                             const FoundWindow& found) {
     return rule.kind == WindowKind::time ? times_beside(series, rule, found)
                                          : paths_beside(series, rule, found);

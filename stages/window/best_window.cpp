@@ -1,4 +1,4 @@
-#include "stages/window/search.h"
+#include "stages/window/best_window.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 #include <tuple>
 
 #include "core/failure.h"
-#include "stages/window/search_candidates.h"
+#include "stages/window/best_window_candidates.h"
 
 namespace runcert {
 namespace {
@@ -19,7 +19,7 @@ void refuse(std::string_view what) {
     throw Failure("the rule of a window", std::string(what), "Correct the profile's rule.");
 }
 
-void check_rule(const SearchRule& rule) {
+void check_rule(const WindowCriteria& rule) {
     const bool any = rule.ends == WindowEnds::any;
     const bool path = rule.definition == SpeedDefinition::path_length;
     if (rule.definition == SpeedDefinition::elapsed_time)
@@ -55,7 +55,7 @@ void append(const WindowSearch& more, WindowSearch& all) {
     all.steps += more.steps;
 }
 
-std::vector<SummedSeries> summed_all(const std::vector<SearchSeries>& series) {
+std::vector<SummedSeries> summed_all(const std::vector<SampleSeries>& series) {
     std::vector<SummedSeries> sums;
     sums.reserve(series.size());
     for (std::size_t k = 0; k < series.size(); ++k)
@@ -64,7 +64,7 @@ std::vector<SummedSeries> summed_all(const std::vector<SearchSeries>& series) {
 }
 
 /// Windows beside one that is found, where they do not overlap any that are.
-WindowSearch free_beside(const std::vector<SummedSeries>& sums, const SearchRule& rule,
+WindowSearch free_beside(const std::vector<SummedSeries>& sums, const WindowCriteria& rule,
                          const std::vector<FoundWindow>& found) {
     WindowSearch beside = windows_beside(sums[found.back().series], rule, found.back());
     std::erase_if(beside.windows, [&](const FoundWindow& window) {
@@ -74,7 +74,7 @@ WindowSearch free_beside(const std::vector<SummedSeries>& sums, const SearchRule
     return beside;
 }
 
-WindowSearch all_windows(const std::vector<SummedSeries>& sums, const SearchRule& rule) {
+WindowSearch all_windows(const std::vector<SummedSeries>& sums, const WindowCriteria& rule) {
     WindowSearch all;
     for (const SummedSeries& series : sums)
         append(windows_in(series, rule), all);
@@ -83,7 +83,7 @@ WindowSearch all_windows(const std::vector<SummedSeries>& sums, const SearchRule
 
 /// The fastest of what is allowed (`left`).
 WindowSearch fastest_of(WindowSearch left, const std::vector<SummedSeries>& sums,
-                        const SearchRule& rule, std::size_t count) {
+                        const WindowCriteria& rule, std::size_t count) {
     std::vector<FoundWindow> found;
     while (found.size() < count && !left.windows.empty()) {
         left.steps += static_cast<std::int64_t>(left.windows.size());
@@ -99,30 +99,30 @@ WindowSearch fastest_of(WindowSearch left, const std::vector<SummedSeries>& sums
 }  // namespace
 
 bool preferred(const FoundWindow& one, const FoundWindow& other) {
-    if (one.speed_mps != other.speed_mps) return one.speed_mps > other.speed_mps;
+    if (one.speed_m_s != other.speed_m_s) return one.speed_m_s > other.speed_m_s;
     return std::tie(one.series, one.start, one.end) <
            std::tie(other.series, other.start, other.end);
 }
 
-WindowSearch search_windows(const std::vector<SearchSeries>& series, const SearchRule& rule,
+WindowSearch search_windows(const std::vector<SampleSeries>& series, const WindowCriteria& rule,
                             std::size_t count) {
     check_rule(rule);
     const std::vector<SummedSeries> sums = summed_all(series);
     return fastest_of(all_windows(sums, rule), sums, rule, count);
 }
 
-std::vector<FoundWindow> best_windows(const std::vector<SearchSeries>& series,
-                                      const SearchRule& rule, std::size_t count) {
+std::vector<FoundWindow> best_windows(const std::vector<SampleSeries>& series,
+                                      const WindowCriteria& rule, std::size_t count) {
     return search_windows(series, rule, count).windows;
 }
 
-std::vector<FoundWindow> allowed_windows(const std::vector<SearchSeries>& series,
-                                         const SearchRule& rule) {
+std::vector<FoundWindow> allowed_windows(const std::vector<SampleSeries>& series,
+                                         const WindowCriteria& rule) {
     check_rule(rule);
     return all_windows(summed_all(series), rule).windows;
 }
 
-AllowedWindows allowed_and_best(const std::vector<SearchSeries>& series, const SearchRule& rule,
+AllowedWindows allowed_and_best(const std::vector<SampleSeries>& series, const WindowCriteria& rule,
                                 std::size_t count) {
     check_rule(rule);
     const std::vector<SummedSeries> sums = summed_all(series);

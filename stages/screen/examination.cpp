@@ -1,4 +1,4 @@
-#include "stages/screen/evidence.h"
+#include "stages/screen/examination.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +19,7 @@ namespace {
 constexpr double largest_detectable_m = 1000.0;
 constexpr double largest_detectable_s = 100.0;
 
-/// The smallest error found with the power, in the direction in which it is hardest to find.
+/// The minimal detectable bias, in the direction in which it is hardest to find.
 template <int Size>
 std::optional<double> detectable(const ScoreTest<Size>& test, double variance_factor,
                                  const TestPlan& plan, double largest) {
@@ -52,18 +52,18 @@ struct BestSupported {
 };
 
 template <int Axes>
-class ArcEvidence {
+class ArcExamination {
   public:
     /// The part of the arc that the section takes in; its epochs are counted from there.
-    ArcEvidence(const Arc<Axes>& arc, const Section& section, const EstimationModel& model,
-                const TestPlan& plan)
+    ArcExamination(const Arc<Axes>& arc, const Section& section, const EstimationModel& model,
+                   const TestPlan& plan)
         : epochs_(std::span(arc.epochs)
                       .subspan(section.taken_first, section.taken_end - section.taken_first)),
           plan_(plan),
           diagnosis_(epochs_, model),
           factors_(local_variance_factors(diagnosis_)) {}
 
-    void fill(std::size_t k, const std::map<FixKind, double>& kinds, ScreenedEpoch& row,
+    void fill(std::size_t k, const std::map<FixType, double>& kinds, ScreenedEpoch& row,
               BestSupported& best) const {
         constexpr TestedAxes axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal;
         const double factor = factors_[k];
@@ -93,7 +93,7 @@ class ArcEvidence {
             consider(step, Hypothesis::step, detectable(step, factor, plan_, largest_detectable_m));
         if constexpr (Axes == 2) {
             const auto ramp = diagnosis_.ramp(k);
-            row.detectable.ramp_mps = consider(
+            row.detectable.ramp_m_s = consider(
                 ramp, Hypothesis::ramp, detectable(ramp, factor, plan_, largest_detectable_m));
             if (const auto shift = diagnosis_.time_shift(k))
                 row.detectable.time_s =
@@ -105,7 +105,7 @@ class ArcEvidence {
     MotionEstimate<Axes> motion(std::size_t k) const { return diagnosis_.motion(k); }
 
   private:
-    ScoreTest<Axes> outlier_test(std::size_t k, const std::map<FixKind, double>& kinds,
+    ScoreTest<Axes> outlier_test(std::size_t k, const std::map<FixType, double>& kinds,
                                  const ScreenedEpoch& row) const {
         if (epochs_[k].measurement) return diagnosis_.outlier(k);
         PositionMeasurement<Axes> measurement{.position = measured_position<Axes>(row),
@@ -124,10 +124,10 @@ class ArcEvidence {
 }  // namespace
 
 template <int Axes>
-std::vector<FixKindEvidence> compare_fix_kinds(const ScreenedTable& first_look,
-                                               const ScreeningNoise& noise) {
+std::vector<FixTypeErrors> compare_fix_types(const ScreenedTable& first_look,
+                                             const ScreeningNoise& noise) {
     constexpr std::size_t fewest = 100;
-    std::map<FixKind, std::vector<double>> statistics;
+    std::map<FixType, std::vector<double>> statistics;
     for (const Arc<Axes>& arc : arcs_of<Axes>(first_look)) {
         KalmanFilter<Axes> filter(noise.fitted);
         filter_along<Axes>(
@@ -140,38 +140,37 @@ std::vector<FixKindEvidence> compare_fix_kinds(const ScreenedTable& first_look,
     const double expected = chi_squared_quantile(0.5, Axes);
     // Of the median of n such statistics: 1 / (2 f sqrt(n)), f the density there.
     const double density = Axes == 2 ? 0.25 : 0.4720;
-    // Slow errors included: what the recording shows were white noise alone the model.
-    const double scale = noise.evidence.white_scale * noise.evidence.white_scale;
-    std::vector<FixKindEvidence> evidence;
+    // Time-correlated errors included: what the recording shows were white noise alone the model.
+    const double scale = noise.summary.white_scale * noise.summary.white_scale;
+    std::vector<FixTypeErrors> kinds;
     for (const auto& [fix, values] : statistics) {
         const bool enough = values.size() >= fewest;
         constexpr int decimals = 4;
         const double factor = rounded(scale * (enough ? median(values) / expected : 1.0), decimals);
         const double sigma =
             factor / (2.0 * density * expected * std::sqrt(static_cast<double>(values.size())));
-        evidence.push_back({.fix = fix,
-                            .axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal,
-                            .epochs = std::ssize(values),
-                            .variance_factor = factor,
-                            .judgement = !enough ? AccuracyJudgement::too_few_epochs
-                                         : factor > 1.0 + 3.0 * sigma ? AccuracyJudgement::too_good
-                                         : factor < 1.0 - 3.0 * sigma
-                                             ? AccuracyJudgement::too_bad
-                                             : AccuracyJudgement::as_stated});
+        kinds.push_back({.fix = fix,
+                         .axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal,
+                         .epochs = std::ssize(values),
+                         .variance_factor = factor,
+                         .judgement = !enough ? AccuracyJudgement::too_few_epochs
+                                      : factor > 1.0 + 3.0 * sigma ? AccuracyJudgement::optimistic
+                                      : factor < 1.0 - 3.0 * sigma ? AccuracyJudgement::pessimistic
+                                                                   : AccuracyJudgement::as_stated});
     }
-    return evidence;
+    return kinds;
 }
 
-template std::vector<FixKindEvidence> compare_fix_kinds<1>(const ScreenedTable&,
-                                                           const ScreeningNoise&);
-template std::vector<FixKindEvidence> compare_fix_kinds<2>(const ScreenedTable&,
-                                                           const ScreeningNoise&);
+template std::vector<FixTypeErrors> compare_fix_types<1>(const ScreenedTable&,
+                                                         const ScreeningNoise&);
+template std::vector<FixTypeErrors> compare_fix_types<2>(const ScreenedTable&,
+                                                         const ScreeningNoise&);
 
 namespace {
 
 /// Fills one row, and its motion, from both groups of axes.
-EpochMotion examine(std::size_t k, const ScreeningNoises& noises, const ArcEvidence<2>& plane,
-                    const std::optional<ArcEvidence<1>>& height, ScreenedEpoch& row) {
+EpochMotion examine(std::size_t k, const ScreeningNoises& noises, const ArcExamination<2>& plane,
+                    const std::optional<ArcExamination<1>>& height, ScreenedEpoch& row) {
     BestSupported best;
     plane.fill(k, noises.horizontal_factors, row, best);
     const MotionEstimate<2> level = plane.motion(k);
@@ -183,8 +182,8 @@ EpochMotion examine(std::size_t k, const ScreeningNoises& noises, const ArcEvide
     if (!height) return at;
     height->fill(k, noises.vertical_factors, row, best);
     const MotionEstimate<1> up = height->motion(k);
-    at.vertical_rate_mps = up.velocity.value();
-    at.sigma_vertical_rate_mps = std::sqrt(std::max(0.0, up.velocity_covariance.value()));
+    at.vertical_rate_m_s = up.velocity.value();
+    at.sigma_vertical_rate_m_s = std::sqrt(std::max(0.0, up.velocity_covariance.value()));
     return at;
 }
 
@@ -193,8 +192,8 @@ EpochMotion examine(std::size_t k, const ScreeningNoises& noises, const ArcEvide
 void examine_section(const Arc<2>& arc, const Arc<1>* heights, const Section& section,
                      const ScreeningNoises& noises, const TestPlan& plan, ScreenedTable& table,
                      Motion& motion) {
-    std::optional<ArcEvidence<2>> plane;
-    std::optional<ArcEvidence<1>> height;
+    std::optional<ArcExamination<2>> plane;
+    std::optional<ArcExamination<1>> height;
     do_together([&] { plane.emplace(arc, section, noises.horizontal.model, plan); },
                 [&] {
                     if (heights != nullptr)

@@ -42,12 +42,9 @@ std::string step_text(const StepReport& step) {
                        duration_text(step.seconds));
 }
 
-/// Of "nalsa: beaten, 232.172 km/h +/- 0.164 km/h: The speed reaches ..." all but the sentence.
+/// Of "nalsa: Record beaten (232.17 km/h ± 0.17 km/h). The measured speed ..." the first sentence.
 std::string_view headline(std::string_view said) {
-    constexpr std::string_view between = ": ";
-    const std::size_t first = said.find(between);
-    if (first == std::string_view::npos) return said;
-    return said.substr(0, said.find(between, first + between.size()));
+    return said.substr(0, said.find(". "));
 }
 
 std::string first_line(const AttemptReport& attempt, const AttemptTextOptions& options) {

@@ -9,17 +9,16 @@
 
 #include "commands.h"
 #include "core/plain_text.h"
-#include "core/prose.h"
 #include "core/text.h"
 #include "files/atomic_file.h"
 #include "files/file_sync.h"
 #include "files/program.h"
-#include "files/yaml_input.h"
+#include "reports/words/figures.h"
+#include "reports/words/outcome.h"
 #include "run/attempt_files.h"
 #include "run/chain.h"
 #include "run/run_times.h"
 #include "schemas/attempt/attempt.h"
-#include "schemas/common/members.h"
 #include "schemas/common/product_files.h"
 #include "schemas/verdict/declared.h"
 #include "trust/signing.h"
@@ -37,99 +36,75 @@ struct CertifyOptions {
     bool no_pdf = false;
 };
 
-Outcome outcome_of(const YamlValue& profile) {
-    return member::read<Outcome>(profile["outcome"]);
+/// The speed as it is to be read, and what it had to reach.
+void print_speed(const ProfileVerdict& verdict) {
+    if (!verdict.speed_m_s) return;
+    const ShownFigures shown = shown_of(verdict, "km/h");
+    fmt::print("  speed    {}\n", measured_speed_text(shown, verdict.coverage_factor));
+    if (!verdict.decision || verdict.outcome == Outcome::not_certifiable) return;
+    fmt::print("  required {} {}; acceptance limit {} {}\n", shown.required_speed, shown.unit,
+               shown.acceptance_limit, shown.unit);
+    fmt::print("  conforms with probability {} (at least {} required)\n",
+               probability_text(verdict.decision->probability),
+               level_text(verdict.decision->level));
 }
 
-/// A speed of the verdict in km/h, rounded once, from the figure with the most digits.
-std::string in_km_h(const YamlValue& speed_m_s) {
-    return format_fixed(speed_m_s.real() * 3.6, 3);
+void print_window(const WindowSpan& span) {
+    fmt::print("  window   {} from {}{}\n", seconds_text(span.duration), seconds_text(span.start),
+               span.start_gps ? " (" + to_utc_iso(*span.start_gps, 3) + ")" : "");
 }
 
-/// The speed as the rule writes it, and in km/h where that is another unit.
-void print_speed(const YamlValue& profile) {
-    if (!profile["speed_m_s"].exists()) return;
-    const double k = profile["coverage_factor"].real();
-    const std::string km_h = fmt::format("{} km/h +/- {} km/h", in_km_h(profile["speed_m_s"]),
-                                         in_km_h(profile["expanded_uncertainty_m_s"]));
-    const YamlValue shown = profile["shown"];
-    if (!shown.exists()) {
-        fmt::print("  speed    {} (k = {:.2f})\n", km_h, k);
-        return;
-    }
-    const std::string unit = shown["unit"].text();
-    fmt::print("  speed    {} {} +/- {} {} (k = {:.2f}){}\n", shown["speed"].text(), unit,
-               shown["expanded_uncertainty"].text(), unit, k, unit == "km/h" ? "" : "; " + km_h);
-    const YamlValue decision = profile["decision"];
-    if (decision.exists() && outcome_of(profile) != Outcome::not_certifiable)
-        fmt::print("  required {} {}: conformance probability {} (at least {} required)\n",
-                   shown["required_speed"].text_or("?"), unit,
-                   probability_text(decision["probability"].real()),
-                   level_text(decision["level"].real()));
-}
-
-void print_window(const YamlValue& window) {
-    if (!window.exists()) return;
-    fmt::print("  window   {} s from {} s{}\n", format_fixed(window["duration_s"].real(), 3),
-               format_fixed(window["start_time_s"].real(), 3),
-               window["start_utc"].exists() ? " (" + window["start_utc"].text() + ")" : "");
-}
-
-void print_refused(const YamlValue& indicated) {
-    if (!indicated.exists()) return;
-    std::string refusals;
-    for (const YamlValue& refusal : indicated["refusals"].list())
-        refusals += (refusals.empty() ? "" : "; ") + refusal.text();
-    fmt::print("  refused  {} km/h at {} s: {}\n", in_km_h(indicated["speed_m_s"]),
-               format_fixed(indicated["start_time_s"].real(), 3), plain_text(refusals));
+void print_refused(const RefusedWindow& indicated) {
+    const SpeedUnit& unit = speed_unit("km/h");
+    fmt::print("  refused  {} {} at {}: {}\n",
+               speed_text(indicated.speed_m_s, std::nullopt, unit), unit.name,
+               seconds_text(indicated.span.start),
+               plain_text(fmt::format("{}", fmt::join(indicated.refusals, "; "))));
 }
 
 /// What must be read with the verdict, the first of it.
-void print_notes(const YamlValue& profile, const fs::path& run_dir) {
+void print_notes(const std::vector<std::string>& notes, const fs::path& run_dir) {
     constexpr std::size_t most = 5;
-    if (!profile["notes"].exists()) return;
-    const std::vector<YamlValue> notes = profile["notes"].list();
     for (std::size_t i = 0; i < std::min(most, notes.size()); ++i)
-        fmt::print("  note     {}\n", plain_text(notes[i].text()));
+        fmt::print("  note     {}\n", plain_text(notes[i]));
     if (notes.size() > most)
         fmt::print("  ... and {} more: runcert explain {}\n", notes.size() - most,
                    run_dir.string());
 }
 
 /// Clauses of that status.
-std::vector<std::string> clauses_of(const YamlValue& profile, RequirementStatus status) {
+std::vector<std::string> clauses_of(const ProfileVerdict& verdict, RequirementStatus status) {
     std::vector<std::string> clauses;
-    for (const YamlValue& requirement : profile["requirements"].list())
-        if (requirement["status"].text() == to_text(status))
-            clauses.push_back(plain_text(requirement["clause"].text()));
+    for (const Requirement& requirement : verdict.requirements)
+        if (requirement.status == status) clauses.push_back(plain_text(requirement.clause));
     return clauses;
 }
 
 /// Prints one profile's verdict, to be read in five seconds. Returns whether the record is beaten.
-bool print_verdict(const YamlValue& profile, const fs::path& run_dir) {
-    const Outcome outcome = outcome_of(profile);
-    fmt::print("\n{}  {}\n", upper_case(words_of(outcome)), profile["profile"].text());
-    print_speed(profile);
-    print_window(profile["window"]);
-    fmt::print("  why      {}\n", plain_text(profile["reason"].text()));
-    print_refused(profile["indicated"]);
-    print_notes(profile, run_dir);
-    if (const auto attest = clauses_of(profile, RequirementStatus::attest); !attest.empty())
+bool print_verdict(const ProfileVerdict& verdict, const fs::path& run_dir) {
+    fmt::print("\n{}: {}\n", verdict.profile, outcome_words(state_of(verdict)).title);
+    print_speed(verdict);
+    if (verdict.window) print_window(*verdict.window);
+    fmt::print("  why      {}\n", plain_text(verdict.reason));
+    if (verdict.indicated) print_refused(*verdict.indicated);
+    print_notes(verdict.notes, run_dir);
+    fmt::print("  standing {}\n", standing_text(verdict.standing));
+    if (const auto attest = clauses_of(verdict, RequirementStatus::attest); !attest.empty())
         fmt::print("  attest   {}\n", fmt::join(attest, ", "));
-    if (const auto failed = clauses_of(profile, RequirementStatus::not_met); !failed.empty())
+    if (const auto failed = clauses_of(verdict, RequirementStatus::not_met); !failed.empty())
         fmt::print("  not met  {}\n  explain  runcert explain {} {}\n", fmt::join(failed, ", "),
                    shell_word(run_dir.string()),
-                   shell_word(profile["profile"].text() + "/" + failed.front()));
-    return outcome == Outcome::beaten;
+                   shell_word(verdict.profile + "/" + failed.front()));
+    return verdict.outcome == Outcome::beaten;
 }
 
 bool print_verdicts(const fs::path& run_dir, bool signed_report, bool rendered) {
     const fs::path file = run_dir / products::verdict_file;
-    const YamlValue verdict(parse_yaml(read_file(file), file.string()), file.string());
+    const Verdict verdict = read_verdict(read_file(file), file.string());
     bool all_beaten = true;
-    for (const YamlValue& profile : verdict["profiles"].list())
+    for (const ProfileVerdict& profile : verdict.profiles)
         all_beaten = print_verdict(profile, run_dir) && all_beaten;
-    if (!verdict["georeferenced"].boolean())
+    if (!verdict.georeferenced)
         fmt::print(
             "\nnote     not georeferenced: engineering coordinates, whose scale on the ground is "
             "not stated\n");

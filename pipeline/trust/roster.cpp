@@ -9,7 +9,7 @@
 #include "core/plain_text.h"
 #include "core/text.h"
 #include "files/pattern_list.h"
-#include "schemas/common/needed_signatures.h"
+#include "schemas/common/role_signatures.h"
 #include "trust/signature_text.h"
 
 namespace runcert {

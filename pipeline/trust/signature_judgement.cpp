@@ -4,7 +4,7 @@
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "schemas/common/needed_signatures.h"
+#include "schemas/common/role_signatures.h"
 #include "trust/ssh_signature.h"
 #include "trust/trusted_comment.h"
 

@@ -11,6 +11,7 @@
 #include "files/yaml_input.h"
 #include "run/attempt_files.h"
 #include "run/steps.h"
+#include "reports/words/outcome.h"
 #include "schemas/common/members.h"
 #include "schemas/common/product_files.h"
 #include "schemas/verdict/declared.h"
@@ -77,18 +78,30 @@ void compare_headline(const std::string& rule, const Json& profile, const YamlVa
     for (const auto& [key, name] : {std::pair("headline_speed", "speed"),
                                     {"headline_unit", "unit"},
                                     {"headline_uncertainty", "expanded_uncertainty"},
-                                    {"headline_required_speed", "required_speed"}})
+                                    {"headline_required_speed", "required_speed"},
+                                    {"headline_acceptance_limit", "acceptance_limit"}})
         compare.equal(fmt::format("{}, {}", rule, key), text_of(headline, key),
                       figures[name].text_or(""), verdict_file);
 }
 
 /// The title of the outcome is what a page shows largest.
-void compare_title(const std::string& rule, const Json& profile, Outcome outcome,
+void compare_title(const std::string& rule, const Json& profile, const YamlValue& verdict,
                    Comparison& compare) {
-    const bool unnamed = outcome == Outcome::not_proven && !profile.contains("required_speed_km_h");
-    const std::string title(unnamed ? "Speed measured; no record is named" : phrase_of(outcome));
-    compare.equal(rule + ", outcome_title", text_of(profile, "outcome_title"), title,
-                  verdict_file + " (by its outcome)");
+    const YamlValue standing = verdict["standing"];
+    const OutcomeState state{
+        .outcome = member::read<Outcome>(verdict["outcome"]),
+        .standing = {.state = member::read<StandingState>(standing["state"]),
+                     .attestations = standing["attestations"].integer(),
+                     .signatures = standing["signatures"].integer()},
+        .record_named = verdict["record"].exists(),
+        .rule_altered = verdict["overrides"].exists() && !verdict["overrides"].list().empty()};
+    const OutcomeWords words = outcome_words(state);
+    for (const auto& [key, text] : {std::pair("outcome_title", words.title),
+                                    {"outcome_mark", words.mark},
+                                    {"tone", words.tone},
+                                    {"standing_words", standing_text(state.standing)}})
+        compare.equal(fmt::format("{}, {}", rule, key), text_of(profile, key), text,
+                      verdict_file + " (by its outcome)");
 }
 
 void compare_profile(const Json& profile, const YamlValue& verdict, Comparison& compare) {
@@ -96,7 +109,7 @@ void compare_profile(const Json& profile, const YamlValue& verdict, Comparison& 
     for (const char* key : {"profile", "outcome", "reason", "definition"})
         compare.equal(fmt::format("{}, {}", rule, key), text_of(profile, key), verdict[key].text(),
                       verdict_file);
-    compare_title(rule, profile, member::read<Outcome>(verdict["outcome"]), compare);
+    compare_title(rule, profile, verdict, compare);
     for (const char* quantity : {"speed", "expanded_uncertainty", "required_speed"})
         for (const char* unit : {"km_h", "m_s", "knots", "mph"}) {
             const std::string key = fmt::format("{}_{}", quantity, unit);
@@ -133,11 +146,11 @@ void compare_verdict(const fs::path& run_dir, const ReportFacts& report, Compari
 /// The signatures that rules and attempt ask for: who signs cannot do with fewer.
 void compare_required(const fs::path& run_dir, const ReportFacts& report, const Attempt& attempt,
                       Comparison& compare) {
-    std::vector<NeededSignatures> needed;
+    std::vector<RoleSignatures> needed;
     for (const std::string& claimed : attempt.profiles)
         needed =
             combined(std::move(needed), read_claimed_profile(run_dir, claimed, attempt).signatures);
-    for (const NeededSignatures& one : combined(std::move(needed), attempt.signatures)) {
+    for (const RoleSignatures& one : combined(std::move(needed), attempt.signatures)) {
         std::int64_t stated = 0;
         for (const RequiredSignatures& required : report.required)
             if (required.role == one.role) stated += static_cast<std::int64_t>(required.count);

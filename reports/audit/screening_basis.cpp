@@ -152,7 +152,7 @@ std::string velocity_text(const VelocityComparison& velocity) {
         text += fmt::format(" They are {} s{} {} the positions.",
                             format_fixed(std::abs(*velocity.delay_s), 3),
                             velocity.sigma_delay_s
-                                ? fmt::format(" +- {} s", format_fixed(*velocity.sigma_delay_s, 3))
+                                ? fmt::format(" ± {} s", format_fixed(*velocity.sigma_delay_s, 3))
                                 : "",
                             *velocity.delay_s < 0.0 ? "ahead of" : "behind");
     else

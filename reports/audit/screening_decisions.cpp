@@ -113,7 +113,7 @@ std::vector<Block> decision_blocks(const ScreenedTable& table, const AuditSubjec
     const std::string chance = chance_text(table);
     const std::string order = fmt::format(
         "In the order of {}: its lines, or its bytes where it has no lines, "
-        "are in brackets, seconds count from its first epoch, +- is one standard "
+        "are in brackets, seconds count from its first epoch, ± is one standard "
         "uncertainty",
         subject.recording);
     std::int64_t used = 0;

@@ -4,6 +4,7 @@
 #include "core/text.h"
 #include "reports/audit/sections.h"
 #include "reports/audit/words.h"
+#include "reports/words/outcome.h"
 
 namespace runcert {
 namespace {
@@ -15,33 +16,36 @@ std::string status_text(RequirementStatus status) {
 }
 
 Facts decision_facts(const ProfileVerdict& verdict) {
-    Facts facts{{{"Outcome", std::string(words_of(verdict.outcome))}, {"Because", verdict.reason}}};
+    Facts facts{{{"Outcome", outcome_words(state_of(verdict)).title},
+                 {"Standing", standing_text(verdict.standing)},
+                 {"Because", verdict.reason}}};
     const auto add = [&](const char* name, std::string value) {
         facts.facts.push_back({name, std::move(value)});
     };
     if (verdict.record)
-        add("Record", fmt::format("{} {}, by: {}", figure_text(verdict.record->speed),
+        add("Record", fmt::format("{} {}, by: {}", quantity_text(verdict.record->speed),
                                   verdict.record->unit, verdict.record->source));
     if (verdict.window) add("Window", span_text(*verdict.window));
-    if (verdict.speed_m_s) add("Speed", speed_text(*verdict.speed_m_s));
-    if (verdict.expanded_uncertainty_m_s)
-        add("Expanded uncertainty",
-            fmt::format("{} m/s (k = {:.4g})", format_fixed(*verdict.expanded_uncertainty_m_s, 6),
-                        verdict.coverage_factor));
-    if (verdict.required_speed_m_s) add("Required speed", speed_text(*verdict.required_speed_m_s));
-    if (verdict.shown)
-        add("As shown", fmt::format("{} +/- {} {}{}", verdict.shown->speed,
-                                    verdict.shown->expanded_uncertainty, verdict.shown->unit,
-                                    verdict.shown->required_speed.empty()
-                                        ? ""
-                                        : ", required " + verdict.shown->required_speed));
-    if (verdict.decision)
-        add("Conformance", fmt::format("probability {} (at least {} required); acceptance limit {}",
-                                       probability_text(verdict.decision->probability),
-                                       level_text(verdict.decision->level),
-                                       speed_text(verdict.decision->acceptance_limit_m_s)));
+    if (verdict.speed_m_s) {
+        const ShownFigures shown = shown_of(verdict, "km/h");
+        add("Measured speed",
+            fmt::format("{}; in the file {}, expanded uncertainty {}",
+                        measured_speed_text(shown, verdict.coverage_factor),
+                        file_speed_text(*verdict.speed_m_s),
+                        file_speed_text(verdict.expanded_uncertainty_m_s.value_or(0.0))));
+        if (verdict.required_speed_m_s)
+            add("Required speed", fmt::format("{} {}; in the file {}", shown.required_speed,
+                                              shown.unit,
+                                              file_speed_text(*verdict.required_speed_m_s)));
+        if (verdict.decision)
+            add("Conformance",
+                fmt::format("probability {} (at least {} required); acceptance limit {} {}",
+                            probability_text(verdict.decision->probability),
+                            level_text(verdict.decision->level), shown.acceptance_limit,
+                            shown.unit));
+    }
     if (verdict.current_subtracted_m_s)
-        add("Current", speed_text(*verdict.current_subtracted_m_s) + " subtracted");
+        add("Current", file_speed_text(*verdict.current_subtracted_m_s) + " subtracted");
     return facts;
 }
 
@@ -63,7 +67,7 @@ FactTable replaced_table(const std::vector<Override>& overrides) {
                     .heads = {"figure", "the rule's", "used", "unit", "reason"},
                     .rows = {}};
     for (const Override& each : overrides)
-        table.rows.push_back({each.figure, figure_text(each.rule), figure_text(each.used),
+        table.rows.push_back({each.figure, quantity_text(each.rule), quantity_text(each.used),
                               each.unit, each.reason.empty() ? "none given" : each.reason});
     return table;
 }
@@ -89,7 +93,7 @@ Section rule_verdict(const ProfileVerdict& verdict) {
     if (verdict.indicated) {
         part.blocks.emplace_back(Paragraph{fmt::format(
             "A window that the recording shows as {} over {} was REFUSED, because:",
-            speed_text(verdict.indicated->speed_m_s), span_text(verdict.indicated->span))});
+            file_speed_text(verdict.indicated->speed_m_s), span_text(verdict.indicated->span))});
         part.blocks.emplace_back(Entries{.items = verdict.indicated->refusals, .nested = true});
     }
     std::vector<std::string> course;

@@ -55,7 +55,7 @@ std::string clock_words(const Observations& observations) {
 
 std::string resolution_text(const RecordingFacts& facts) {
     const auto part = [](const std::optional<double>& step, const char* unit) {
-        return step ? figure_text(*step) + " " + unit : std::string("unknown");
+        return step ? quantity_text(*step) + " " + unit : std::string("unknown");
     };
     return fmt::format("{} in position, {} in time", part(facts.position_resolution_m, "m"),
                        part(facts.time_resolution_s, "s"));
@@ -97,7 +97,7 @@ Facts declared(const Receiver& receiver) {
         if (!value.empty()) facts.facts.push_back({name, value});
     };
     const auto metres = [](const std::optional<double>& value) {
-        return value ? figure_text(*value) + " m" : std::string();
+        return value ? quantity_text(*value) + " m" : std::string();
     };
     if (receiver.accuracy)
         add("Accuracy, by the attempt",
@@ -107,15 +107,15 @@ Facts declared(const Receiver& receiver) {
                             : ""));
     if (receiver.lever_arm)
         add("Lever arm, by the attempt", fmt::format("{} m forward, {} m right, {} m down",
-                                                     figure_text((*receiver.lever_arm)[0]),
-                                                     figure_text((*receiver.lever_arm)[1]),
-                                                     figure_text((*receiver.lever_arm)[2])));
+                                                     quantity_text((*receiver.lever_arm)[0]),
+                                                     quantity_text((*receiver.lever_arm)[1]),
+                                                     quantity_text((*receiver.lever_arm)[2])));
     add("Antenna height, by the attempt", metres(receiver.antenna_height_m));
     add("Height, by the attempt", metres(receiver.height_m));
     add("Start date, by the attempt", receiver.start_date);
     if (receiver.start_gps) add("Start, by the attempt", to_utc_iso(*receiver.start_gps));
     if (receiver.utc_offset_h)
-        add("Offset to UTC, by the attempt", figure_text(*receiver.utc_offset_h) + " h");
+        add("Offset to UTC, by the attempt", quantity_text(*receiver.utc_offset_h) + " h");
     return facts;
 }
 

@@ -23,7 +23,7 @@ Json default_of(const FieldRule& rule, const std::string& craft_class) {
 }
 
 std::string value_text(const Json& value) {
-    if (value.is_number_float()) return figure_text(value.get<double>());
+    if (value.is_number_float()) return quantity_text(value.get<double>());
     if (value.is_string()) return value.get<std::string>();
     if (!value.is_array()) return value.dump(-1, ' ', false, Json::error_handler_t::replace);
     std::vector<std::string> items;

@@ -36,7 +36,7 @@ std::vector<Product> products_of(const RunRecord& record) {
 }
 
 std::string record_text(const Record& record) {
-    return fmt::format("{} {}, by: {}", figure_text(record.speed), record.unit, record.source);
+    return fmt::format("{} {}, by: {}", quantity_text(record.speed), record.unit, record.source);
 }
 
 std::string officials_text(const std::vector<Official>& officials) {

@@ -22,7 +22,7 @@ std::string status_words(const NoiseSummary& noise) {
 
 std::string fitted_text(const NoiseParameter& parameter, std::string_view unit) {
     std::string text =
-        fmt::format("{}{}{}", figure_text(parameter.value), unit.empty() ? "" : " ", unit);
+        fmt::format("{}{}{}", quantity_text(parameter.value), unit.empty() ? "" : " ", unit);
     text += parameter.relative_uncertainty
                 ? fmt::format(", known to {} %",
                               format_fixed(100.0 * *parameter.relative_uncertainty, 1))
@@ -35,7 +35,7 @@ std::string slow_error_text(const NoiseSummary& noise) {
         return fmt::format(
             "could not be separated from white noise and motion (looked for from {} s to {} s): the "
             "bound of the window stage decides",
-            figure_text(noise.tau_min_s), figure_text(noise.tau_max_s));
+            quantity_text(noise.tau_min_s), quantity_text(noise.tau_max_s));
     return fmt::format("{}; correlation time {}", fitted_text(*noise.error_sigma_m, "m"),
                        fitted_text(*noise.error_tau_s, "s"));
 }
@@ -44,7 +44,7 @@ std::string slow_error_text(const NoiseSummary& noise) {
 std::vector<Block> noise_blocks(const NoiseSummary& noise, bool follows) {
     Facts facts{{{"Noise", status_words(noise)},
                  {"Stated standard deviation",
-                  fmt::format("{} m (root mean square){}", figure_text(noise.stated_sigma_m),
+                  fmt::format("{} m (root mean square){}", quantity_text(noise.stated_sigma_m),
                               noise.stated_all_equal ? ", the same at all epochs" : "")}}};
     if (noise.status != NoiseBasis::fitted) return {std::move(facts)};
     const auto add = [&](const char* name, std::string value) {

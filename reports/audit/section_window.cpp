@@ -9,10 +9,10 @@ namespace {
 
 std::string rule_text(const WindowRule& rule) {
     const std::string length =
-        rule.kind == WindowKind::time ? figure_text(rule.duration_s) + " s"
+        rule.kind == WindowKind::time ? quantity_text(rule.duration_s) + " s"
         : rule.kind == WindowKind::course
             ? std::string("the surveyed course")
-            : figure_text(rule.distance_m) + " m" +
+            : quantity_text(rule.distance_m) + " m" +
                   (rule.kind == WindowKind::alpha ? ", back to where it began" : "");
     return fmt::format("{}{}, speed by {}, {}, of the {}{}{}",
                        rule.count > 1 ? fmt::format("{} windows of ", rule.count) : "", length,
@@ -25,7 +25,7 @@ std::string rule_text(const WindowRule& rule) {
 
 std::string best_text(const CertifiableWindow& best) {
     std::string text = fmt::format("{} over {}, in arc {}; combined standard uncertainty {} m/s",
-                                   speed_text(best.speed_m_s), span_text(best.span), best.arc,
+                                   file_speed_text(best.speed_m_s), span_text(best.span), best.arc,
                                    format_fixed(best.standard_uncertainty_m_s, 6));
     if (best.bias_limit_m_s > 0.0)
         text += fmt::format("; a bias of choosing it of at most {} m/s either way is left",
@@ -42,8 +42,8 @@ std::string indicated_text(const ProfileWindows& windows) {
     const IndicatedWindow& indicated = *windows.indicated;
     const bool refused = !indicated.refusals.empty();
     std::string text = fmt::format("the recording's own fastest: {} over {}",
-                                   speed_text(indicated.speed_m_s), span_text(indicated.span));
-    if (indicated.mean_m_s) text += "; mean of those asked for " + speed_text(*indicated.mean_m_s);
+                                   file_speed_text(indicated.speed_m_s), span_text(indicated.span));
+    if (indicated.mean_m_s) text += "; mean of those asked for " + file_speed_text(*indicated.mean_m_s);
     return text + (refused ? ": REFUSED, because" : ": certifiable");
 }
 
@@ -51,13 +51,13 @@ std::string bound_text(const ErrorBound& bound) {
     return fmt::format(
         "a time-correlated error of {} m with a correlation time of {} s to {} s is allowed for, decided by {} (fitted {} "
         "m{}, stated {} m, floor {} m{})",
-        figure_text(bound.sigma_m), figure_text(bound.tau_min_s), figure_text(bound.tau_max_s),
-        to_text(bound.decided_by), figure_text(bound.fitted_m),
+        quantity_text(bound.sigma_m), quantity_text(bound.tau_min_s), quantity_text(bound.tau_max_s),
+        to_text(bound.decided_by), quantity_text(bound.fitted_m),
         bound.along > 1.0
             ? fmt::format(", {} times that of both axes because the course shows more of it",
-                          figure_text(bound.along))
+                          quantity_text(bound.along))
             : "",
-        figure_text(bound.stated_m), figure_text(bound.floor_m),
+        quantity_text(bound.stated_m), quantity_text(bound.floor_m),
         bound.floor_fix ? fmt::format(" for {}", to_text(*bound.floor_fix)) : "");
 }
 
@@ -84,10 +84,10 @@ std::string selection_text(const SelectionBias& selection) {
     const bool subtracted = selection.treatment == SelectionTreatment::subtracted;
     return fmt::format(
         "{} windows could have been the best; the one chosen is too fast by {} m/s with the errors "
-        "as fitted, {} m/s with the time-correlated error at its bound (+- {} m/s): {} ({} trajectories "
+        "as fitted, {} m/s with the time-correlated error at its bound (± {} m/s): {} ({} trajectories "
         "drawn, seed {})",
-        counted(selection.candidates), figure_text(selection.fitted_bias_m_s),
-        figure_text(selection.bounded_bias_m_s), figure_text(selection.bias_uncertainty_m_s),
+        counted(selection.candidates), quantity_text(selection.fitted_bias_m_s),
+        quantity_text(selection.bounded_bias_m_s), quantity_text(selection.bias_uncertainty_m_s),
         subtracted ? "the middle of the two is subtracted from the speed, half their difference "
                      "added to the expanded uncertainty"
                    : "the larger is added to the expanded uncertainty",
@@ -109,19 +109,19 @@ Facts checks_of(const CertifiableWindow& best) {
     };
     if (best.robust)
         add("Robust batch", fmt::format("{}, {} m/s from the screened solution, limit {} m/s: {}",
-                                        speed_text(best.robust->speed_m_s),
-                                        figure_text(best.robust->difference_m_s),
-                                        figure_text(best.robust->limit_m_s),
+                                        file_speed_text(best.robust->speed_m_s),
+                                        quantity_text(best.robust->difference_m_s),
+                                        quantity_text(best.robust->limit_m_s),
                                         best.robust->agrees ? "agrees" : "DOES NOT AGREE"));
     if (best.estimates) add("Other estimates", estimates_text(*best.estimates));
     if (best.bound) add("Bound", bound_text(*best.bound));
     if (best.selection) add("Choice of the fastest", selection_text(*best.selection));
     if (best.monte_carlo) add("Check of linearisation", monte_carlo_text(*best.monte_carlo));
     for (const UndetectedError& error : best.reliability)
-        add("Could have been missed",
+        add("Undetected error",
             fmt::format("{} of {} {} at epochs {} to {}: changes the speed by {} m/s",
-                        to_text(error.hypothesis), figure_text(error.size), error.unit, error.epoch,
-                        error.last_epoch, figure_text(error.speed_m_s)));
+                        to_text(error.hypothesis), quantity_text(error.size), error.unit, error.epoch,
+                        error.last_epoch, quantity_text(error.speed_m_s)));
     return facts;
 }
 
@@ -131,7 +131,7 @@ FactTable budget_table(const std::vector<BudgetRow>& budget) {
                     .rows = {}};
     for (const BudgetRow& row : budget)
         table.rows.push_back({row.symbol,
-                              fmt::format("{}{}{}", figure_text(row.standard_uncertainty),
+                              fmt::format("{}{}{}", quantity_text(row.standard_uncertainty),
                                           row.unit.empty() ? "" : " ", row.unit),
                               format_fixed(row.contribution_m_s, 6) + " m/s", row.type,
                               row.source});
@@ -147,7 +147,7 @@ Section rule_windows(const ProfileWindows& windows) {
                                                       "stretch long enough"
                                                     : "none: " + windows.missing}}};
     for (const FurtherWindow& further : windows.further)
-        facts.facts.push_back({"Further", fmt::format("{} over {}", speed_text(further.speed_m_s),
+        facts.facts.push_back({"Further", fmt::format("{} over {}", file_speed_text(further.speed_m_s),
                                                       span_text(further.span))});
     if (windows.indicated) facts.facts.push_back({"Indicated", indicated_text(windows)});
     part.blocks.emplace_back(std::move(facts));

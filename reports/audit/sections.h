@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "reports/audit/record.h"
+#include "reports/words/figures.h"
 
 // The sections of a walk; `walk_through` puts them together.
 
@@ -37,13 +38,9 @@ std::string stage_title(const std::string& stage, const std::string& receiver);
 /// The first digits of a hash, or all.
 std::string hash_text(const std::string& sha256, bool all);
 
-/// "62.130 m/s (223.670 km/h)"
-std::string speed_text(double speed_m_s);
+/// A speed as the file holds it, which is not how it is to be read: "62.130412 m/s".
+std::string file_speed_text(double speed_m_s);
 /// "3.000 s from 57.000 s on (epochs 571 to 601; 2026-03-14T04:05:57.000Z)"
 std::string span_text(const WindowSpan& span);
-/// In its shortest form: "0.8", "1000".
-std::string figure_text(double value);
-/// "0.8 km/h +/- 0.1 km/h (k = 2)"
-std::string figure_text(const Figure& figure);
 
 }  // namespace runcert

@@ -36,7 +36,7 @@ std::string once_in(double probability) {
 
 std::string components(const EstimatedError& error) {
     const auto plus_minus = [](double sigma_m) {
-        return fmt::format(" +- {} m", format_fixed(sigma_m, 3));
+        return fmt::format(" ± {} m", format_fixed(sigma_m, 3));
     };
     if (error.up_m)
         return part(*error.up_m, "m", "up", "down",

@@ -123,7 +123,7 @@ Json budget_total_json(const CertifiableWindow& window, const UncertaintyScale& 
         {"combined_text", contribution_text(window.standard_uncertainty_m_s, window, scale.unit)},
         {"effective_text", degrees_text(window.effective_degrees_of_freedom)},
         {"coverage_text", coverage_text(scale.coverage_factor)},
-        {"expanded_text", contribution_text(expanded_m_s, window, scale.unit)}};
+        {"expanded_text", uncertainty_rounded_up(expanded_m_s * scale.unit.per_m_s)}};
     if (window.bias_limit_m_s > 0.0)
         json["limit_text"] = contribution_text(window.bias_limit_m_s, window, scale.unit);
     return json;

@@ -8,7 +8,7 @@
 
 #include "core/rounding.h"
 #include "files/program.h"
-#include "reports/certificate/display.h"
+#include "reports/certificate/json_facts.h"
 #include "reports/certificate/json_rule.h"
 
 namespace runcert {
@@ -83,7 +83,7 @@ Json deviations_json(const ReportInputs& inputs) {
         for (const Override& figure : verdict.overrides)
             list.push_back(fmt::format(
                 "Rule {}, {}: {} in place of {}{}{}. Reason: {}.", verdict.profile, figure.figure,
-                plain_text(figure.used), plain_text(figure.rule), figure.unit.empty() ? "" : " ",
+                number_text(figure.used), number_text(figure.rule), figure.unit.empty() ? "" : " ",
                 figure.unit, figure.reason.empty() ? "none given" : figure.reason));
     return list;
 }
@@ -117,11 +117,11 @@ Json certificate_facts(const Json& certificate) {
 }  // namespace
 
 Json signatures_required_json(const ReportInputs& inputs) {
-    std::vector<NeededSignatures> needed;
+    std::vector<RoleSignatures> needed;
     for (const Profile& profile : inputs.profiles)
         needed = combined(std::move(needed), profile.signatures);
     Json list = Json::array();
-    for (const NeededSignatures& one : combined(std::move(needed), inputs.attempt.signatures))
+    for (const RoleSignatures& one : combined(std::move(needed), inputs.attempt.signatures))
         list.push_back({{"role", one.role}, {"count", one.count}});
     return list;
 }

@@ -17,8 +17,7 @@ namespace {
 
 Json quantity_json(const Figure& figure) {
     Json json = members_json(figure);
-    json["quantity_text"] = quantity_text(figure.value, figure.expanded_uncertainty) +
-                            (figure.unit.empty() ? "" : " " + figure.unit);
+    json["quantity_text"] = figure_value_text(figure);
     return json;
 }
 

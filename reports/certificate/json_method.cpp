@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "reports/certificate/display.h"
+#include "reports/certificate/json_facts.h"
 #include "reports/certificate/json_parts.h"
 
 namespace runcert {

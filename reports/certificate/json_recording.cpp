@@ -5,7 +5,7 @@
 
 #include "core/rounding.h"
 #include "core/text.h"
-#include "reports/certificate/display.h"
+#include "reports/certificate/json_facts.h"
 #include "reports/certificate/json_noise.h"
 #include "reports/certificate/json_parts.h"
 #include "reports/certificate/json_rule.h"

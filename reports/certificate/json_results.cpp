@@ -4,11 +4,12 @@
 #include <nlohmann/json.hpp>
 
 #include "core/statistics.h"
-#include "reports/certificate/display.h"
+#include "reports/certificate/json_facts.h"
 #include "reports/certificate/json_course.h"
 #include "reports/certificate/json_parts.h"
 #include "reports/certificate/json_rule.h"
 #include "reports/certificate/json_window.h"
+#include "reports/words/outcome.h"
 
 namespace runcert {
 
@@ -16,46 +17,19 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-struct OutcomeWords {
-    std::string title;
-    std::string mark;
-    std::string tone;  ///< how the page colours it
-};
-
-OutcomeWords outcome_words(const ProfileVerdict& verdict) {
-    const std::string title(phrase_of(verdict.outcome));
-    switch (verdict.outcome) {
-        case Outcome::beaten:
-            return {title, "✓", "yes"};
-        case Outcome::not_beaten:
-            return {title, "✗", "no"};
-        case Outcome::not_certifiable:
-            return {title, "✗", "refused"};
-        case Outcome::not_proven:
-            break;
-    }
-    return {verdict.required_speed_m_s ? title : "Speed measured; no record is named", "–", "open"};
-}
-
-/// The speed as it is to be read.
-Json headline_json(const ProfileVerdict& verdict, const Profile& profile) {
-    if (const auto& shown = verdict.shown) {
-        Json json{{"headline_speed", shown->speed},
-                  {"headline_unit", shown->unit},
-                  {"headline_uncertainty", shown->expanded_uncertainty},
-                  {"headline_note", "Speed rounded down, uncertainty rounded up."}};
-        if (!shown->required_speed.empty()) {
-            json["headline_required_speed"] = shown->required_speed;
-            json["headline_note"] =
-                "Speed rounded down, uncertainty and required speed rounded up.";
-        }
-        return json;
-    }
-    const SpeedUnit& unit = rule_unit(profile);
-    const auto& uncertainty = verdict.expanded_uncertainty_m_s;
-    Json json{{"headline_speed", speed_text(*verdict.speed_m_s, uncertainty, unit)},
-              {"headline_unit", unit.name}};
-    if (uncertainty) json["headline_uncertainty"] = uncertainty_text(*uncertainty * unit.per_m_s);
+/// The figures of the decision as they are to be read.
+Json headline_json(const ProfileVerdict& verdict, const ShownFigures& shown) {
+    Json json{{"headline_speed", shown.speed},
+              {"headline_unit", shown.unit},
+              {"headline_uncertainty", shown.expanded_uncertainty},
+              {"headline_coverage", coverage_text(verdict.coverage_factor)},
+              {"headline_note", "Speed rounded down, uncertainty rounded up."}};
+    if (shown.required_speed.empty()) return json;
+    json["headline_required_speed"] = shown.required_speed;
+    if (!shown.acceptance_limit.empty())
+        json["headline_acceptance_limit"] = shown.acceptance_limit;
+    json["headline_note"] =
+        "Speed rounded down; uncertainty, required speed and acceptance limit rounded up.";
     return json;
 }
 
@@ -71,17 +45,18 @@ void set_results(Json& json, const ProfileVerdict& verdict, const Profile& profi
     set_speeds(json, "lower_limit", lower);
     set_speeds(json, "required_speed", verdict.required_speed_m_s);
     json["speed_table"] = speed_table(
-        {{"Speed", verdict.speed_m_s},
+        {{"Measured speed", verdict.speed_m_s},
          {fmt::format("Expanded uncertainty (k = {})", coverage_text(verdict.coverage_factor)),
           uncertainty, SpeedRow::uncertainty},
-         {"Speed less expanded uncertainty", lower},
-         {"Least speed that would be accepted", acceptance},
-         {"Required speed", verdict.required_speed_m_s},
+         {"Measured speed less expanded uncertainty", lower},
+         {"Acceptance limit", acceptance, SpeedRow::limit},
+         {"Required speed", verdict.required_speed_m_s, SpeedRow::limit},
          {"Standing record",
           verdict.record ? std::optional(verdict.record->speed_m_s) : std::nullopt,
           SpeedRow::stated}},
         profile, uncertainty);
-    if (verdict.speed_m_s) json["headline"] = headline_json(verdict, profile);
+    if (verdict.speed_m_s)
+        json["headline"] = headline_json(verdict, shown_of(verdict, rule_unit(profile).name));
 }
 
 Json requirement_json(const Requirement& requirement) {
@@ -116,13 +91,15 @@ Json by_receiver_json(const ReportInputs& inputs, const Profile& profile) {
     return list;
 }
 
-std::string qualification(const ProfileVerdict& verdict) {
-    const auto count = std::count_if(
-        verdict.requirements.begin(), verdict.requirements.end(),
-        [](const Requirement& entry) { return entry.status == RequirementStatus::attest; });
-    return count == 0 ? ""
-                      : fmt::format("{} of {} still to be attested (listed below).",
-                                    counted(count, "requirement"), verdict.requirements.size());
+/// "11 requirements in all: 6 met, 0 not met, 5 to be attested (listed below)."
+std::string requirement_counts(const ProfileVerdict& verdict) {
+    const auto count = [&](RequirementStatus status) {
+        return std::ranges::count(verdict.requirements, status, &Requirement::status);
+    };
+    return fmt::format("{} in all: {} met, {} not met, {} to be attested (listed below).",
+                       counted(std::ssize(verdict.requirements), "requirement"),
+                       count(RequirementStatus::met), count(RequirementStatus::not_met),
+                       count(RequirementStatus::attest));
 }
 
 }  // namespace
@@ -130,7 +107,7 @@ std::string qualification(const ProfileVerdict& verdict) {
 Json profile_json(const ReportInputs& inputs, std::size_t index) {
     const ProfileVerdict& verdict = inputs.verdict.profiles[index];
     const Profile& profile = inputs.profiles[index];
-    const OutcomeWords words = outcome_words(verdict);
+    const OutcomeWords words = outcome_words(state_of(verdict));
     Json json{{"profile", verdict.profile},
               {"body", verdict.body},
               {"title", verdict.title},
@@ -138,11 +115,12 @@ Json profile_json(const ReportInputs& inputs, std::size_t index) {
               {"outcome_title", words.title},
               {"outcome_mark", words.mark},
               {"tone", words.tone},
+              {"standing", members_json(verdict.standing)},
+              {"standing_words", standing_text(verdict.standing)},
               {"reason", verdict.reason},
               {"definition", to_text(verdict.definition)},
-              {"coverage_factor", verdict.coverage_factor}};
-    if (const std::string words_left = qualification(verdict); !words_left.empty())
-        json["qualification"] = words_left;
+              {"coverage_factor", verdict.coverage_factor},
+              {"qualification", requirement_counts(verdict)}};
     json["rule_words"] = rule_words(profile);
     set_rule(json, profile);
     set_decision(json, verdict, profile);

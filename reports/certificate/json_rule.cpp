@@ -47,9 +47,9 @@ std::string decision_rule(const ProfileVerdict& verdict, const Profile& profile)
 std::string record_words(const RecordToBeat& record) {
     const std::string own =
         record.expanded_uncertainty && *record.expanded_uncertainty > 0.0
-            ? fmt::format(" ± {} {} (k = 2)", plain_text(*record.expanded_uncertainty), record.unit)
+            ? fmt::format(" ± {} {} (k = 2)", number_text(*record.expanded_uncertainty), record.unit)
             : "";
-    return fmt::format("{} {}{}: {}", plain_text(record.speed), record.unit, own, record.source);
+    return fmt::format("{} {}{}: {}", number_text(record.speed), record.unit, own, record.source);
 }
 
 std::string decision_words(const ProfileVerdict& verdict, const SpeedUnit& unit) {
@@ -83,8 +83,8 @@ Json decision_json(const ProfileVerdict& verdict, const SpeedUnit& unit) {
 Json override_json(const Override& figure) {
     const std::string unit = figure.unit.empty() ? "" : " " + figure.unit;
     Json json = members_json(figure);
-    json["rule_text"] = plain_text(figure.rule) + unit;
-    json["used_text"] = plain_text(figure.used) + unit;
+    json["rule_text"] = number_text(figure.rule) + unit;
+    json["used_text"] = number_text(figure.used) + unit;
     if (figure.reason.empty()) json["reason"] = "none given";
     return json;
 }

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "reports/certificate/display.h"
+#include "reports/certificate/json_facts.h"
 #include "reports/certificate/report_data.h"
 
 namespace runcert {

@@ -8,7 +8,7 @@
 
 #include "core/rounding.h"
 #include "core/text.h"
-#include "reports/certificate/display.h"
+#include "reports/certificate/json_facts.h"
 #include "reports/certificate/json_screening_basis.h"
 
 namespace runcert {

@@ -9,7 +9,7 @@
 
 #include "core/rounding.h"
 #include "core/text.h"
-#include "reports/certificate/display.h"
+#include "reports/certificate/json_facts.h"
 
 namespace runcert {
 

@@ -166,13 +166,14 @@ Json uncertainty_json(const ProfileVerdict& verdict, const ProfileWindows& windo
                       const Profile& profile) {
     const CertifiableWindow& best = windows.best.value();
     const UncertaintyScale scale{rule_unit(profile), verdict.coverage_factor};
-    const double speed_m_s = verdict.speed_m_s.value_or(best.speed_m_s);
-    const double expanded_m_s = verdict.expanded_uncertainty_m_s.value_or(
-        expanded_uncertainty_m_s(best, scale.coverage_factor));
-    Json json{{"certified_words",
-               fmt::format("{} (k = {})",
-                           speed_with_uncertainty_text(speed_m_s, expanded_m_s, scale.unit),
-                           coverage_text(scale.coverage_factor))}};
+    const ShownFigures shown =
+        verdict.speed_m_s
+            ? shown_of(verdict, scale.unit.name)
+            : shown_in({.speed_m_s = best.speed_m_s,
+                        .expanded_uncertainty_m_s =
+                            expanded_uncertainty_m_s(best, scale.coverage_factor)},
+                       scale.unit);
+    Json json{{"certified_words", measured_speed_text(shown, scale.coverage_factor)}};
     if (const std::string words = budget_subject(verdict, windows, scale); !words.empty())
         json["budget_subject"] = words;
     if (best.effective_degrees_of_freedom)

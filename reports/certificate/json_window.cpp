@@ -58,7 +58,25 @@ std::string other_definition(const Profile& profile) {
     return {};
 }
 
-/// To which speeds beside the certified one are rounded.
+/// The decimals that the rule gives speeds in its own unit.
+std::optional<int> rule_decimals(const Profile& profile, const SpeedUnit& unit) {
+    const auto& rule = profile.result ? profile.result : profile.rounding;
+    if (!rule || &unit != &rule_unit(profile)) return std::nullopt;
+    return rule->decimals;
+}
+
+std::string speed_cell(const SpeedRow& row, const Profile& profile,
+                 const std::optional<double>& uncertainty_m_s, const SpeedUnit& unit) {
+    const double speed = *row.speed_m_s * unit.per_m_s;
+    if (row.kind == SpeedRow::uncertainty) return uncertainty_rounded_up(speed);
+    if (row.kind == SpeedRow::stated || !uncertainty_m_s)
+        return speed_text(*row.speed_m_s, std::nullopt, unit);
+    return shown_figure(
+        speed, decimals_of(*uncertainty_m_s * unit.per_m_s, rule_decimals(profile, unit)),
+        row.kind == SpeedRow::limit ? SafeSide::up : SafeSide::down);
+}
+
+/// To which speeds beside the measured one are rounded.
 double shown_uncertainty(const CertifiableWindow& window, const Profile& profile) {
     return expanded_uncertainty_m_s(window, profile.coverage_factor);
 }
@@ -162,15 +180,8 @@ Json speed_table(const std::vector<SpeedRow>& rows, const Profile& profile,
     for (const SpeedRow& row : rows) {
         if (!row.speed_m_s) continue;
         Json entry{{"label", row.label}, {"cells", Json::array()}};
-        for (const SpeedUnit* unit : units) {
-            const double speed = *row.speed_m_s;
-            entry["cells"].push_back(
-                row.kind == SpeedRow::uncertainty
-                    ? uncertainty_text(speed * unit->per_m_s)
-                    : speed_text(speed,
-                                 row.kind == SpeedRow::stated ? std::nullopt : uncertainty_m_s,
-                                 *unit));
-        }
+        for (const SpeedUnit* unit : units)
+            entry["cells"].push_back(speed_cell(row, profile, uncertainty_m_s, *unit));
         table["rows"].push_back(std::move(entry));
     }
     return table;

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "reports/certificate/display.h"
+#include "reports/certificate/json_facts.h"
 #include "reports/certificate/report_data.h"
 
 namespace runcert {
@@ -16,13 +16,19 @@ void set_end(nlohmann::ordered_json& json, const WindowSpan& span);
 
 /// One speed, to be shown in every unit.
 struct SpeedRow {
-    enum Kind { measured, uncertainty, stated };
+    enum Kind {
+        measured,     ///< with the decimals of the measured speed, rounded down
+        uncertainty,  ///< with two significant digits, rounded up
+        limit,        ///< with the decimals of the measured speed, rounded up
+        stated        ///< not measured: with the decimals usual for its unit
+    };
     std::string label;
     std::optional<double> speed_m_s;
-    Kind kind = measured;  ///< a measured one takes the decimals of its uncertainty
+    Kind kind = measured;
 };
 
-/// Rows of one speed each, in every unit, the rule's own first. Rows without a speed are left out.
+/// Rows of one speed each, in every unit, the rule's own first, where figures are those of the
+/// headline. Rows without a speed are left out.
 nlohmann::ordered_json speed_table(const std::vector<SpeedRow>& rows, const Profile& profile,
                                    std::optional<double> uncertainty_m_s);
 

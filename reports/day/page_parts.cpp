@@ -38,19 +38,19 @@ bool shares_rank(const std::vector<DayPlace>& places, std::size_t i) {
 }
 
 void set_speed(TemplateData& row, const DayResult& result) {
-    const auto speed = speed_words(result);
-    row.set("has_speed", TemplateData(speed.has_value()));
-    if (!speed) return;
-    set_text(row, "speed", speed->speed);
-    set_text(row, "uncertainty", speed->uncertainty);
-    set_text(row, "unit", speed->unit);
-    set_text(row, "required_speed", speed->required_speed);
+    const auto& shown = result.shown;
+    row.set("has_speed", TemplateData(shown.has_value()));
+    if (!shown) return;
+    set_text(row, "speed", shown->speed);
+    set_text(row, "uncertainty", shown->expanded_uncertainty);
+    set_text(row, "unit", shown->unit);
+    set_text(row, "required_speed", shown->required_speed);
 }
 
 TemplateData place_data(const DayProfile& profile, std::size_t i, const AttemptResult& attempt) {
     const DayPlace& place = profile.ranking[i];
     const DayResult& result = *result_by(attempt, profile.profile);
-    const OutcomeWords outcome = outcome_words(result);
+    const OutcomeWords outcome = outcome_words(state_of(result));
     TemplateData row = template_map();
     set_text(row, "rank", place.rank ? fmt::format("{}", *place.rank) : "");
     row.set("shared", TemplateData(shares_rank(profile.ranking, i)));
@@ -62,8 +62,8 @@ TemplateData place_data(const DayProfile& profile, std::size_t i, const AttemptR
     const DayCraft craft = attempt.craft.value_or(DayCraft{});
     set_text(row, "craft", craft.name);
     set_text(row, "class", craft.craft_class);
-    set_text(row, "outcome", outcome.words);
-    set_text(row, "sign", outcome.sign);
+    set_text(row, "outcome", outcome.title);
+    set_text(row, "sign", outcome.mark);
     set_text(row, "tone", outcome.tone);
     set_speed(row, result);
     set_text(row, "window", window_words(result));
@@ -88,13 +88,14 @@ void set_picture(TemplateData& data, const DayProfile& profile, const AttemptsBy
                  : "");
 }
 
-void set_count(TemplateData& counts, const std::string& sign, const std::string& words,
-               const std::string& tone, std::int64_t count) {
+void set_count(TemplateData& counts, const OutcomeState& state, const std::string& words,
+               std::int64_t count) {
     if (count == 0) return;
+    const OutcomeWords outcome = outcome_words(state);
     TemplateData entry = template_map();
-    set_text(entry, "sign", sign);
+    set_text(entry, "sign", outcome.mark);
     set_text(entry, "words", words);
-    set_text(entry, "tone", tone);
+    set_text(entry, "tone", outcome.tone);
     set_text(entry, "count", counted(count));
     counts.push_back(entry);
 }
@@ -105,11 +106,15 @@ TemplateData tally_of(const DayProfile& profile, const AttemptsById& attempts) {
         return result.outcome == Outcome::not_proven && !result.required_speed_m_s;
     });
     TemplateData counts = template_list();
-    set_count(counts, "✓", "beaten", "yes", profile.counts.beaten);
-    set_count(counts, "?", "not proven", "open", profile.counts.not_proven - no_record);
-    set_count(counts, "–", "measured, no record named", "open", no_record);
-    set_count(counts, "✗", "not beaten", "no", profile.counts.not_beaten);
-    set_count(counts, "⊘", "not certifiable", "refused", profile.counts.not_certifiable);
+    const auto add = [&](Outcome outcome, const std::string& words, std::int64_t count,
+                         bool record_named = true) {
+        set_count(counts, {.outcome = outcome, .record_named = record_named}, words, count);
+    };
+    add(Outcome::beaten, "above the record", profile.counts.beaten);
+    add(Outcome::not_proven, "not proven", profile.counts.not_proven - no_record);
+    add(Outcome::not_proven, "measured, no record named", no_record, false);
+    add(Outcome::not_beaten, "not beaten", profile.counts.not_beaten);
+    add(Outcome::not_certifiable, "not certifiable", profile.counts.not_certifiable);
     return counts;
 }
 
@@ -153,19 +158,19 @@ Picture picture_of(const DayProfile& profile, const AttemptsById& attempts, std:
                     .lines = {}};
     for (const DayPlace& place : profile.ranking) {
         const DayResult& result = *result_by(*attempts.at(place.id), profile.profile);
-        const auto words = speed_words(result);
-        if (!words) continue;
+        const auto& shown = result.shown;
+        if (!shown) continue;
         if (picture.lines.size() == at_most) break;
-        if (picture.unit.empty()) picture.unit = words->unit;
+        if (picture.unit.empty()) picture.unit = shown->unit;
         const double unit_m_s = metres_per_second(picture.unit);
         PictureLine line{
             .label = place.rank ? fmt::format("{} · {}", *place.rank, place.id) : "– · " + place.id,
-            .figure = fmt::format("{} ± {}", words->speed, words->uncertainty),
-            .tone = outcome_words(result).tone,
+            .figure = fmt::format("{} ± {}", shown->speed, shown->expanded_uncertainty),
+            .tone = outcome_words(state_of(result)).tone,
             .speed = *result.speed_m_s / unit_m_s,
             .expanded_uncertainty = result.expanded_uncertainty_m_s.value_or(0.0) / unit_m_s};
         if (result.required_speed_m_s) line.required_speed = *result.required_speed_m_s / unit_m_s;
-        if (words->unit != picture.unit) line.figure += " " + words->unit;
+        if (shown->unit != picture.unit) line.figure += " " + shown->unit;
         picture.lines.push_back(std::move(line));
     }
     return picture;

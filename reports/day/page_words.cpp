@@ -7,37 +7,11 @@
 
 namespace runcert {
 
-OutcomeWords outcome_words(const DayResult& result) {
-    const std::string title(phrase_of(result.outcome));
-    switch (result.outcome) {
-        case Outcome::beaten:
-            return {title, "✓", "yes"};
-        case Outcome::not_beaten:
-            return {title, "✗", "no"};
-        case Outcome::not_certifiable:
-            return {title, "⊘", "refused"};
-        case Outcome::not_proven:
-            break;
-    }
-    if (!result.required_speed_m_s) return {"Measured, no record named", "–", "open"};
-    return {title, "?", "open"};
-}
-
-std::optional<SpeedWords> speed_words(const DayResult& result) {
-    constexpr int decimals = 3;
-    if (!result.speed_m_s) return std::nullopt;
-    if (result.shown)
-        return SpeedWords{.speed = result.shown->speed,
-                          .uncertainty = result.shown->expanded_uncertainty,
-                          .required_speed = result.shown->required_speed,
-                          .unit = result.shown->unit};
-    const auto text = [](const std::optional<double>& value) {
-        return value ? format_fixed(*value, decimals) : std::string();
-    };
-    return SpeedWords{.speed = text(result.speed_m_s),
-                      .uncertainty = text(result.expanded_uncertainty_m_s),
-                      .required_speed = text(result.required_speed_m_s),
-                      .unit = "m/s"};
+OutcomeState state_of(const DayResult& result) {
+    return {.outcome = result.outcome,
+            .standing = result.standing,
+            .record_named = result.required_speed_m_s.has_value(),
+            .rule_altered = !result.replaced.empty()};
 }
 
 std::string window_words(const DayResult& result) {
@@ -60,7 +34,7 @@ std::string told_apart_words(const DayPlace& place, std::optional<std::int64_t> 
         return first == last ? fmt::format("rank {}", first)
                              : fmt::format("ranks {} to {}", first, last);
     };
-    const std::string begin = "not told apart from ";
+    const std::string begin = "cannot be separated from ";
     if (up && down) {
         if (up == above && down == below) return begin + fmt::format("ranks {} and {}", *up, *down);
         return begin + range(*up, *down);
@@ -71,13 +45,13 @@ std::string told_apart_words(const DayPlace& place, std::optional<std::int64_t> 
 std::string best_words(const BestOfDay& best) {
     const bool alone = best.attempts == 1;
     return fmt::format(
-        "{} a conformance probability of {}. {} has {}: {}.",
-        alone ? std::string("One attempt was made; it needs")
-              : fmt::format("{} attempts were made; the best of so many needs", best.attempts),
+        "{} a conformance probability of at least {}. {} has {}: {}.",
+        alone ? std::string("One attempt was made; it requires")
+              : fmt::format("{} attempts were made; the best of so many requires", best.attempts),
         level_text(best.level), best.id, probability_text(best.probability),
-        !best.beaten ? "it may be the luckiest of them: as the best of so many it is not proven"
-        : alone      ? "the record is beaten"
-                     : "the record is beaten as the best of them too");
+        !best.beaten ? "it may be the luckiest of them, so as the best of so many it is not proven"
+        : alone      ? "it exceeds the record"
+                     : "as the best of so many it exceeds the record too");
 }
 
 std::string link_to(std::string_view file) {

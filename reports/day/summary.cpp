@@ -15,23 +15,16 @@ namespace {
 
 constexpr const char* again = "Certify the attempt again: `runcert batch` with --force and --only";
 
-std::optional<DayShown> shown_of(const ProfileVerdict& verdict) {
-    if (!verdict.shown || verdict.shown->speed.empty()) return std::nullopt;
-    return DayShown{.unit = verdict.shown->unit,
-                    .speed = verdict.shown->speed,
-                    .expanded_uncertainty = verdict.shown->expanded_uncertainty,
-                    .required_speed = verdict.shown->required_speed};
-}
-
 DayResult result_of(const ProfileVerdict& verdict) {
     DayResult result{.profile = verdict.profile,
                      .outcome = verdict.outcome,
+                     .standing = verdict.standing,
                      .reason = verdict.reason,
                      .speed_m_s = verdict.speed_m_s,
                      .expanded_uncertainty_m_s = verdict.expanded_uncertainty_m_s,
                      .coverage_factor = verdict.coverage_factor,
                      .required_speed_m_s = verdict.required_speed_m_s,
-                     .shown = shown_of(verdict)};
+                     .shown = verdict.shown};
     if (verdict.window) {
         if (verdict.window->start_gps) result.start_utc = to_utc_iso(*verdict.window->start_gps, 3);
         result.start_time_s = verdict.window->start.seconds();

@@ -33,19 +33,16 @@ std::string state_words(const std::string& state, const std::optional<DayFailure
     return failure ? fmt::format("failed at {} ({})", failure->step, failure->problem) : "failed";
 }
 
-std::string outcome_words(const std::optional<DayResult>& result) {
-    if (!result) return "not claimed";
-    std::string words(words_of(result->outcome));
-    std::ranges::replace(words, '_', ' ');
-    return words;
+std::string outcome_text(const std::optional<DayResult>& result) {
+    return result ? std::string(words_of(result->outcome)) : "not claimed";
 }
 
+/// The figures with the digits of the file, not those to be read: what moved may be small.
 std::string speed_words(const DayResult& result) {
     if (!result.speed_m_s) return "no speed";
     std::string text = format_fixed(*result.speed_m_s, 6) + " m/s";
     if (result.expanded_uncertainty_m_s)
-        text = fmt::format("{} ± {} m/s", format_fixed(*result.speed_m_s, 6),
-                           format_fixed(*result.expanded_uncertainty_m_s, 6));
+        text += fmt::format(" ± {} m/s", format_fixed(*result.expanded_uncertainty_m_s, 6));
     return text;
 }
 
@@ -64,8 +61,8 @@ std::vector<std::string> items_of(const DayComparison& comparison, bool outcomes
         if (change.outcome_changed != outcomes) continue;
         std::string text = fmt::format("{}, {}: ", change.id, change.profile);
         if (outcomes)
-            text += fmt::format("{} -> {}", outcome_words(change.old_result),
-                                outcome_words(change.new_result));
+            text += fmt::format("{} -> {}", outcome_text(change.old_result),
+                                outcome_text(change.new_result));
         const std::string moved = moved_words(change);
         items.push_back(text + (outcomes && !moved.empty() ? "; " : "") + moved);
     }

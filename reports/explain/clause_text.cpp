@@ -41,7 +41,7 @@ std::string outcome_sentence(const Requirement& requirement) {
     const std::string evidence = sentence(requirement.evidence);
     if (requirement.status == RequirementStatus::met) return "Met. " + evidence;
     if (requirement.status == RequirementStatus::not_met) return "Not met. " + evidence;
-    return "Left to a person. " + evidence;
+    return "To be attested. " + evidence;
 }
 
 }  // namespace
@@ -49,9 +49,9 @@ std::string outcome_sentence(const Requirement& requirement) {
 std::string ClauseView::limit() const {
     const Profile& profile = of.profile;
     if (requirement.decided_by == Computation::accuracy && profile.accuracy_limit_m_s)
-        return plain_figure(*profile.accuracy_limit_m_s / metres_per_second(profile.accuracy_unit),
+        return number_text(*profile.accuracy_limit_m_s / metres_per_second(profile.accuracy_unit),
                             profile.accuracy_unit);
-    return clause != nullptr && clause->limit ? plain_figure(*clause->limit, clause->unit) : "";
+    return clause != nullptr && clause->limit ? number_text(*clause->limit, clause->unit) : "";
 }
 
 std::string clause_text(const ClauseView& view) {
@@ -63,7 +63,7 @@ std::string clause_text(const ClauseView& view) {
                                                certainty_words(requirement.certainty)));
     text += labelled("Decided by", computation_words(view));
     for (std::size_t i = 0; i < requirement.figures.size(); ++i)
-        text += labelled(i == 0 ? "Figures" : "", sentence(figure_words(requirement.figures[i])));
+        text += labelled(i == 0 ? "Figures" : "", sentence(figure_text(requirement.figures[i])));
     if (const std::string limit = view.limit(); !limit.empty()) text += labelled("Limit", limit);
     for (const std::string& words : override_words(view.of.verdict, figures_behind(view)))
         text += labelled("Replaced", words);

@@ -67,7 +67,7 @@ std::string how(const ClauseView& view) {
     words += bound_words(computation);
     if (computation == Computation::opposite_runs && profile.opposite_runs_within_s)
         words += fmt::format(" Met where both lie within {}.",
-                             plain_figure(*profile.opposite_runs_within_s, "s"));
+                             number_text(*profile.opposite_runs_within_s, "s"));
     return words;
 }
 

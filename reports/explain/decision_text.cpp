@@ -1,17 +1,29 @@
 #include <fmt/format.h>
 
-#include "core/speed_unit.h"
 #include "core/text.h"
 #include "reports/explain/parts.h"
 #include "reports/explain/words.h"
+#include "reports/words/outcome.h"
 
 namespace runcert {
 namespace {
 
 std::string title(const ProfileView& view) {
     return heading(
-        words_of(view.verdict.outcome),
-        fmt::format("{}: {}, {}", view.verdict.profile, view.verdict.title, view.verdict.body));
+        view.verdict.profile,
+        fmt::format("{}, {}", view.verdict.title, view.verdict.body));
+}
+
+std::string outcome_lines(const ProfileVerdict& verdict) {
+    std::string text = labelled("Outcome", outcome_words(state_of(verdict)).title + ".");
+    return text + labelled("Standing", capitalised(standing_text(verdict.standing)) + ".");
+}
+
+/// A speed beside the measured one; of a verdict that has none, to its unit's usual decimals.
+std::string shown_speed_or_plain(const ProfileView& view, double speed_m_s) {
+    const std::string unit = unit_of(view);
+    if (view.verdict.speed_m_s) return shown_speed(view.verdict, speed_m_s, unit, SafeSide::down);
+    return fmt::format("{} {}", runcert::speed_text(speed_m_s, std::nullopt, speed_unit(unit)), unit);
 }
 
 std::string window_text(const ProfileView& view) {
@@ -39,46 +51,46 @@ std::string record_text(const ProfileView& view) {
     const std::string own =
         record->expanded_uncertainty && *record->expanded_uncertainty > 0.0
             ? fmt::format("Its own expanded uncertainty is {} (k = 2).",
-                          plain_figure(*record->expanded_uncertainty, record->unit))
+                          number_text(*record->expanded_uncertainty, record->unit))
             : "No uncertainty of its own is stated, so that it is taken as exact.";
-    return fmt::format("{}, by: {} {}", plain_figure(record->speed, record->unit),
+    return fmt::format("{}, by: {} {}", number_text(record->speed, record->unit),
                        sentence(record->source), own);
 }
 
 std::string speed_text(const ProfileView& view) {
     const ProfileVerdict& verdict = view.verdict;
-    std::string text = fmt::format("{}.", speed_words(*verdict.speed_m_s, unit_of(view)));
-    if (verdict.shown)
-        text += fmt::format(" To be read as {} {}, rounded down.", verdict.shown->speed,
-                            verdict.shown->unit);
+    std::string text = fmt::format("{}, the speed rounded down and the uncertainty up.",
+                                   speed_shown(view));
     if (verdict.current_subtracted_m_s)
         text += fmt::format(
             " The current's component along the course, {}, has been subtracted from it.",
-            speed_words(*verdict.current_subtracted_m_s, unit_of(view)));
+            shown_speed(verdict, *verdict.current_subtracted_m_s, unit_of(view), SafeSide::down));
     return text;
 }
 
 std::string uncertainty_text(const ProfileView& view) {
     const ProfileVerdict& verdict = view.verdict;
-    const std::string unit = unit_of(view);
+    const SpeedUnit& unit = speed_unit(unit_of(view));
+    const auto rounded_up = [&](double uncertainty_m_s) {
+        return fmt::format("{} {}", uncertainty_rounded_up(uncertainty_m_s * unit.per_m_s),
+                           unit.name);
+    };
     const double expanded_m_s = verdict.expanded_uncertainty_m_s.value_or(0.0);
     const double limit_m_s = verdict.decision ? verdict.decision->bias_limit_m_s : 0.0;
     const double standard_m_s = (expanded_m_s - limit_m_s) / verdict.coverage_factor;
     std::string text =
         limit_m_s > 0.0
-            ? fmt::format(
-                  "{} expanded: {:.3g} times the standard uncertainty, {}, and the limit of what "
-                  "choosing the fastest window may have left in the speed, {}.",
-                  uncertainty_words(expanded_m_s, unit), verdict.coverage_factor,
-                  uncertainty_words(standard_m_s, unit), uncertainty_words(limit_m_s, unit))
-            : fmt::format("{} expanded (k = {:.3g}), so {} standard.",
-                          uncertainty_words(expanded_m_s, unit), verdict.coverage_factor,
-                          uncertainty_words(standard_m_s, unit));
+            ? fmt::format("Expanded {}: {} times the standard uncertainty, {}, and {} for what "
+                          "choosing the fastest window may have left in the speed.",
+                          rounded_up(expanded_m_s), coverage_text(verdict.coverage_factor),
+                          rounded_up(standard_m_s), rounded_up(limit_m_s))
+            : fmt::format("Expanded {} (k = {}), standard {}.", rounded_up(expanded_m_s),
+                          coverage_text(verdict.coverage_factor), rounded_up(standard_m_s));
     if (verdict.decision && verdict.decision->required_speed_standard_uncertainty_m_s > 0.0)
         text += fmt::format(
             " The required speed has a standard uncertainty of {}, from the record's own; the two "
             "are combined.",
-            uncertainty_words(verdict.decision->required_speed_standard_uncertainty_m_s, unit));
+            rounded_up(verdict.decision->required_speed_standard_uncertainty_m_s));
     return text;
 }
 
@@ -129,7 +141,7 @@ std::string comparison_text(const ProfileView& view) {
         text +=
             labelled("Margin", fmt::format("The rule asks for {}; {}.", margin_words(view.profile),
                                            rounding_words(view.profile)));
-        text += labelled("Required speed", speed_words(*verdict.required_speed_m_s, unit) + ".");
+        text += labelled("Required speed", shown_speed(verdict, *verdict.required_speed_m_s, unit, SafeSide::up) + ".");
     }
     if (verdict.speed_m_s) {
         text += labelled("Speed", speed_text(view));
@@ -140,9 +152,10 @@ std::string comparison_text(const ProfileView& view) {
                                             " that the true speed reaches the required speed.");
         text += labelled("Level", level_sentence(*verdict.decision));
         text += labelled("Acceptance limit",
-                         fmt::format("{}: the least speed that would count as beaten with this "
-                                     "uncertainty.",
-                                     speed_words(verdict.decision->acceptance_limit_m_s, unit)));
+                         fmt::format("{}: the lowest measured speed that would count as beaten "
+                                     "with this uncertainty.",
+                                     shown_speed(verdict, verdict.decision->acceptance_limit_m_s,
+                                                 unit, SafeSide::up)));
     }
     return text;
 }
@@ -151,7 +164,7 @@ std::string comparison_text(const ProfileView& view) {
 
 std::string decision_text(const ProfileView& view) {
     const ProfileVerdict& verdict = view.verdict;
-    std::string text = title(view);
+    std::string text = title(view) + outcome_lines(verdict);
     text += labelled("Window", window_text(view));
     text += comparison_text(view);
     text += labelled("Why", why_text(view));
@@ -162,7 +175,7 @@ std::string decision_text(const ProfileView& view) {
     if (verdict.indicated)
         text += labelled("Refused",
                          fmt::format("{} at {} s, of the raw positions: {}.",
-                                     speed_words(verdict.indicated->speed_m_s, unit_of(view)),
+                                     shown_speed_or_plain(view, verdict.indicated->speed_m_s),
                                      format_fixed(verdict.indicated->span.start.seconds(), 3),
                                      listed(verdict.indicated->refusals)));
     return text;
@@ -170,14 +183,14 @@ std::string decision_text(const ProfileView& view) {
 
 std::string decision_in_short(const ProfileView& view) {
     const ProfileVerdict& verdict = view.verdict;
-    std::string text = title(view);
+    std::string text = title(view) + outcome_lines(verdict);
     if (const std::string speed = speed_shown(view); !speed.empty()) {
         const std::string unit = unit_of(view);
         const std::string required_speed =
-            !verdict.required_speed_m_s ? ""
-            : verdict.shown && !verdict.shown->required_speed.empty()
-                ? fmt::format("; required {} {}", verdict.shown->required_speed, unit)
-                : fmt::format("; required {}", speed_words(*verdict.required_speed_m_s, unit));
+            verdict.required_speed_m_s
+                ? fmt::format("; required {}", shown_speed(verdict, *verdict.required_speed_m_s,
+                                                           unit, SafeSide::up))
+                : "";
         text += labelled("Speed", speed + required_speed);
     }
     if (verdict.decision && verdict.outcome != Outcome::not_certifiable)

@@ -46,7 +46,7 @@ std::string margin_words(const Profile& profile);
 std::string rounding_words(const Profile& profile);
 /// The unit that the verdict shows speeds in, else the rule's.
 std::string unit_of(const ProfileView& view);
-/// The speed as it is to be read: "216.00 km/h +/- 0.02 km/h (k = 2)"; empty where there is none.
+/// The speed as it is to be read: "216.00 km/h ± 0.02 km/h (k = 2)"; empty where there is none.
 std::string speed_shown(const ProfileView& view);
 
 /// The replaced figures whose names are among these, or all: "margin.value is 2 mph in place of the

@@ -17,11 +17,11 @@ std::string margin_words(const Profile& profile) {
         return fmt::format("{:.6g} % above {}", profile.margin * 100.0, above);
     if (profile.margin_kind == MarginKind::elapsed_time)
         return fmt::format("a time over the course that is shorter than that of {} by {}", above,
-                           plain_figure(profile.margin, "s"));
+                           number_text(profile.margin, "s"));
     const std::string& unit = profile.margin_unit;
     return fmt::format(
         "{} above {}",
-        plain_figure(profile.margin / (unit.empty() ? 1.0 : metres_per_second(unit)), unit), above);
+        number_text(profile.margin / (unit.empty() ? 1.0 : metres_per_second(unit)), unit), above);
 }
 
 std::string rounding_words(const Profile& profile) {
@@ -37,15 +37,8 @@ std::string unit_of(const ProfileView& view) {
 }
 
 std::string speed_shown(const ProfileView& view) {
-    const ProfileVerdict& verdict = view.verdict;
-    if (!verdict.speed_m_s) return {};
-    const std::string unit = unit_of(view);
-    if (const auto& shown = verdict.shown)
-        return fmt::format("{} {} +/- {} {} (k = {:.3g})", shown->speed, unit,
-                           shown->expanded_uncertainty, unit, verdict.coverage_factor);
-    return fmt::format("{} +/- {} (k = {:.3g})", speed_words(*verdict.speed_m_s, unit),
-                       uncertainty_words(verdict.expanded_uncertainty_m_s.value_or(0.0), unit),
-                       verdict.coverage_factor);
+    if (!view.verdict.speed_m_s) return {};
+    return measured_speed_text(shown_of(view.verdict, unit_of(view)), view.verdict.coverage_factor);
 }
 
 std::vector<std::string> override_words(const ProfileVerdict& verdict,
@@ -55,7 +48,7 @@ std::vector<std::string> override_words(const ProfileVerdict& verdict,
         if (names.empty() || std::ranges::find(names, figure.figure) != names.end())
             words.push_back(fmt::format(
                 "{} is {} in place of the rule's {}. {}", figure.figure,
-                plain_figure(figure.used, figure.unit), plain_figure(figure.rule, figure.unit),
+                number_text(figure.used, figure.unit), number_text(figure.rule, figure.unit),
                 figure.reason.empty() ? "The attempt gives no reason."
                                       : sentence("Reason: " + figure.reason)));
     return words;

@@ -1,13 +1,10 @@
 #pragma once
 
-#include <cstdint>
-#include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "core/prose.h"
-#include "schemas/verdict/verdict.h"
+#include "reports/words/figures.h"
 
 // The words that the parts of an explanation share.
 
@@ -22,17 +19,8 @@ std::string heading(std::string_view outcome, std::string_view text);
 /// A capital at the beginning and a full stop at the end.
 std::string sentence(std::string text);
 
-/// A plain figure in its shortest form: "0.8", "1000"; with its unit, where it has one.
-std::string plain_figure(double value, std::string_view unit);
-
-/// A quantity with its expanded uncertainty: "height difference: 0.42 m +/- 0.08 m (k = 2); why".
-/// Decimals are those of two significant digits of the uncertainty; without one, six significant
-/// digits at most.
-std::string figure_words(const Figure& figure);
-
-/// A speed with three decimals, in the rule's unit, and in km/h beside it where that is another.
-std::string speed_words(double speed_m_s, std::string_view unit);
-/// An uncertainty of a speed, with two significant digits, rounded up.
-std::string uncertainty_words(double uncertainty_m_s, std::string_view unit);
+/// A speed of a verdict as it is to be read, with the rule's unit and decimals: "224.21 km/h".
+std::string shown_speed(const ProfileVerdict& verdict, double speed_m_s, std::string_view unit,
+                        SafeSide side);
 
 }  // namespace runcert

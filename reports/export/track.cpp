@@ -7,6 +7,7 @@
 
 #include "core/failure.h"
 #include "core/geodesy.h"
+#include "reports/words/outcome.h"
 #include "schemas/common/product_files.h"
 
 namespace runcert {
@@ -126,6 +127,7 @@ void add_windows(const TrackInput& input, std::size_t rule, const ToTheEarth& ea
                         .title = verdict.title,
                         .definition = verdict.definition,
                         .outcome = verdict.outcome,
+                        .outcome_title = outcome_words(state_of(verdict)).title,
                         .reason = verdict.reason,
                         .span = span,
                         .points = points_between(*input.trajectory, span, earth)});

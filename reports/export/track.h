@@ -42,6 +42,7 @@ struct TrackWindow {
     std::string title;
     SpeedDefinition definition = SpeedDefinition::displacement;
     Outcome outcome = Outcome::not_certifiable;  ///< of the rule
+    std::string outcome_title;                   ///< as pages call it
     std::string reason;                          ///< the outcome in one sentence
     WindowSpan span = {};
     double speed_m_s = 0.0;

@@ -7,8 +7,8 @@
 #include <array>
 #include <cmath>
 
-#include "core/speed_unit.h"
 #include "core/text.h"
+#include "reports/words/figures.h"
 
 namespace runcert {
 namespace {
@@ -22,11 +22,9 @@ constexpr int narrowest = 4;
 
 /// The speed for people: as the verdict shows it, or in km/h.
 std::string speed_words(const TrackWindow& window) {
-    if (window.shown)
-        return fmt::format("{0} {2} +/- {1} {2}", window.shown->speed,
-                           window.shown->expanded_uncertainty, window.shown->unit);
-    const double unit_m_s = metres_per_second("km/h");
-    return format_fixed(window.speed_m_s / unit_m_s, 2) + " km/h";
+    if (window.shown) return measured_speed_text(*window.shown);
+    const SpeedUnit& unit = speed_unit("km/h");
+    return fmt::format("{} {}", speed_text(window.speed_m_s, std::nullopt, unit), unit.name);
 }
 
 void add_time(std::vector<MapFact>& facts, const std::string& name, const std::string& label,
@@ -39,8 +37,7 @@ void add_time(std::vector<MapFact>& facts, const std::string& name, const std::s
 std::string name_of(const TrackWindow& window) {
     switch (window.kind) {
         case TrackWindowKind::best:
-            return fmt::format("{}: {}, {}", window.profile, speed_words(window),
-                               words_of(window.outcome));
+            return fmt::format("{}: {}", window.profile, speed_words(window));
         case TrackWindowKind::further:
             return fmt::format("{}: {}, another window of the mean", window.profile,
                                speed_words(window));
@@ -68,7 +65,10 @@ std::vector<MapFact> facts_of(const TrackWindow& window) {
         {"title", "Title", window.title},
         {"definition", "Speed defined as", std::string(to_text(window.definition))},
         {"rule_outcome", "", std::string(to_text(window.outcome))}};
-    if (certified) facts.push_back({"reason", "Outcome", window.reason});
+    if (certified) {
+        facts.push_back({"outcome_title", "Outcome", window.outcome_title});
+        facts.push_back({"reason", "Why", window.reason});
+    }
     facts.push_back({"speed_m_s", "Speed (m/s)", format_fixed(window.speed_m_s, speed_decimals)});
     if (window.expanded_uncertainty_m_s)
         facts.push_back({"expanded_uncertainty_m_s", "Expanded uncertainty, k = 2 (m/s)",
@@ -117,7 +117,7 @@ std::vector<std::string> about(const Track& track) {
         "Track: smoothed positions (WGS 84), cut at gaps; a map for looking, not the record: that "
         "is report.json.");
     lines.emplace_back(track.heights_measured
-                           ? "Heights are above the WGS 84 ellipsoid, not above sea level."
+                           ? "Ellipsoidal heights: above the WGS 84 ellipsoid, not above sea level."
                            : "Heights were not measured.");
     return lines;
 }

@@ -15,7 +15,7 @@ struct MapFact {
     std::string value;
 };
 
-/// What a feature on the map is called, "nalsa: 232.172 km/h +/- 0.164 km/h, beaten".
+/// What a feature on the map is called, "nalsa: 232.17 km/h ± 0.17 km/h".
 std::string name_of(const TrackWindow& window);
 std::string name_of(const TrackArc& arc);
 std::string name_of(const TrackGate& gate);

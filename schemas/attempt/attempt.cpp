@@ -277,7 +277,7 @@ Attempt read_attempt(std::string_view text, const std::string& where) {
         attempt.officials.push_back({.role = official["role"].text(),
                                      .name = official["name"].text_or(""),
                                      .key = official["key"].text_or("")});
-    attempt.signatures = read_needed_signatures(document["signatures"]);
+    attempt.signatures = read_role_signatures(document["signatures"]);
     attempt.amends = read_amends(document["amends"]);
     attempt.attempts_made = document["attempts_made"].optional_integer().value_or(1);
     attempt.receivers = read_receivers(document["receivers"]);

@@ -11,7 +11,7 @@
 #include "core/gps_time.h"
 #include "files/held_json.h"
 #include "schemas/common/header.h"
-#include "schemas/common/needed_signatures.h"
+#include "schemas/common/role_signatures.h"
 
 namespace runcert {
 
@@ -139,7 +139,7 @@ struct Attempt {
     std::string place;  ///< empty where not given
     std::string date;   ///< empty where not given
     std::vector<Official> officials;
-    std::vector<NeededSignatures> signatures;
+    std::vector<RoleSignatures> signatures;
     std::optional<AmendedReport> amends;
     std::int64_t attempts_made = 1;   ///< of which this one is put forward
     std::vector<Receiver> receivers;  ///< at least one; the first is the one that is judged

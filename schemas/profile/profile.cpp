@@ -289,7 +289,7 @@ Profile read_profile(std::string_view text, const std::string& where) {
         document["current"].fail(
             "the current is known along one window, and the rule takes several",
             "Leave out current, or take one window");
-    profile.signatures = read_needed_signatures(document["signatures"]);
+    profile.signatures = read_role_signatures(document["signatures"]);
     profile.uncertainty = read_uncertainty(document["uncertainty"]);
     profile.clauses = read_clauses(document, profile);
     return profile;

@@ -9,7 +9,7 @@
 
 #include "core/speed_unit.h"
 #include "files/document_schema.h"
-#include "schemas/common/needed_signatures.h"
+#include "schemas/common/role_signatures.h"
 #include "schemas/profile/declared.h"
 
 namespace runcert {
@@ -80,7 +80,7 @@ struct Profile {
     std::optional<DecimalRule> rounding;    ///< of the required speed
     std::optional<DecimalRule> result;      ///< of the speed itself, as the body writes it
     double decision_probability = 0.975;
-    std::vector<NeededSignatures> signatures;  ///< of a report under this rule
+    std::vector<RoleSignatures> signatures;  ///< of a report under this rule
     bool subtract_current = false;
     /// How the uncertainty of the speed is made up.
     struct Uncertainty {

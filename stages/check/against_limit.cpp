@@ -2,15 +2,14 @@
 
 #include <fmt/format.h>
 
+#include "reports/words/figures.h"
+
 namespace runcert {
 namespace {
 
 std::string words_of(const Compared& figure, const std::string& unit) {
-    const auto number = [](double value) { return fmt::format("{:.4g}", value); };
-    return fmt::format("{} {} {}{}", figure.name, number(figure.value), unit,
-                       figure.expanded_uncertainty
-                           ? fmt::format(" +/- {:.2g} {}", *figure.expanded_uncertainty, unit)
-                           : std::string());
+    return fmt::format("{} {}", figure.name,
+                       quantity_text(figure.value, figure.expanded_uncertainty, unit));
 }
 
 }  // namespace
@@ -26,8 +25,8 @@ Finding against_limit(const Compared& figure, const Clause& clause) {
                                      : best > sign * limit ? RequirementStatus::not_met
                                                            : RequirementStatus::attest;
     std::string evidence = fmt::format(
-        "{}, {} {:.4g} {}{}", words_of(figure, clause.unit), at_most ? "at most" : "at least",
-        limit, clause.unit,
+        "{}, {} {}{}", words_of(figure, clause.unit), at_most ? "at most" : "at least",
+        number_text(limit, clause.unit),
         status == RequirementStatus::attest
             ? ": the limit lies within the uncertainty, not decidable from the recording"
             : "");
@@ -42,7 +41,7 @@ Finding against_limit(const Compared& figure, const Clause& clause) {
 }
 
 Finding unknown(std::string why) {
-    return {RequirementStatus::attest, "the data do not tell: " + std::move(why)};
+    return {RequirementStatus::attest, "not decidable from the recording: " + std::move(why)};
 }
 
 }  // namespace runcert

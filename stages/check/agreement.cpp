@@ -36,7 +36,7 @@ struct Coverage {
     std::string missing;
 };
 
-Coverage coverage_of(const ReceiverResults& receiver, std::int64_t from_ns, std::int64_t to_ns) {
+Coverage coverage_of(const ReceiverFindings& receiver, std::int64_t from_ns, std::int64_t to_ns) {
     const auto& rows = receiver.trajectory;
     std::optional<std::size_t> first, last;
     for (std::size_t i = 0; i < rows.size() && !last; ++i) {
@@ -59,7 +59,7 @@ struct PositionAt {
     Vector2d position, variance;
 };
 
-PositionAt position_at(const ReceiverResults& receiver, const Coverage& covered,
+PositionAt position_at(const ReceiverFindings& receiver, const Coverage& covered,
                        std::int64_t time_ns) {
     const auto& rows = receiver.trajectory;
     std::size_t i = covered.first;
@@ -101,7 +101,7 @@ Vector2d turned_baseline(const Vector2d& baseline, const Motion& from, const Mot
     return Eigen::Rotation2Dd(angle) * baseline - baseline;
 }
 
-const TrajectoryEpoch& row_of(const ReceiverResults& receiver, std::int64_t epoch) {
+const TrajectoryEpoch& row_of(const ReceiverFindings& receiver, std::int64_t epoch) {
     const auto row = std::ranges::find(receiver.trajectory, epoch, &TrajectoryEpoch::epoch);
     if (row == receiver.trajectory.end())
         throw Failure("4-trajectory of receiver " + receiver.receiver,
@@ -111,8 +111,8 @@ const TrajectoryEpoch& row_of(const ReceiverResults& receiver, std::int64_t epoc
 
 }  // namespace
 
-Agreement compare_speeds(const ReceiverResults& judged, const CertifiableWindow& window,
-                         const ReceiverResults& other, const CertifiableWindow* other_window) {
+Agreement compare_speeds(const ReceiverFindings& judged, const CertifiableWindow& window,
+                         const ReceiverFindings& other, const CertifiableWindow* other_window) {
     Agreement agreement;
     if (!judged.facts.first_epoch || !other.facts.first_epoch) {
         agreement.missing =

@@ -37,7 +37,7 @@ struct Agreement {
 /// those of what each has of its own (`own_standard_uncertainty_m_s`): of the judged window, and of
 /// the other's best window of the profile (`other_window`; where it has none, as the judged one's),
 /// or what its positions at the two ends say, taken as independent, if that is larger.
-Agreement compare_speeds(const ReceiverResults& judged, const CertifiableWindow& window,
-                         const ReceiverResults& other, const CertifiableWindow* other_window);
+Agreement compare_speeds(const ReceiverFindings& judged, const CertifiableWindow& window,
+                         const ReceiverFindings& other, const CertifiableWindow* other_window);
 
 }  // namespace runcert

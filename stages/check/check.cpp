@@ -6,6 +6,8 @@
 #include <algorithm>
 
 #include "core/prose.h"
+#include "reports/words/figures.h"
+#include "reports/words/outcome.h"
 #include "stages/check/context.h"
 #include "stages/check/notes.h"
 #include "stages/check/statements.h"
@@ -127,36 +129,28 @@ std::string drift_words(const Decision& decision, const ClauseContext& context) 
 
 /// The outcome by probability, in one sentence.
 std::string reason_of(const ClauseContext& context, Outcome outcome) {
-    const std::string& unit = context.record->unit;
+    const ShownFigures& shown = *context.shown;
     const std::string figures = fmt::format(
-        "{} +/- {}, required {}; conformance probability {} (at least {} required).",
-        in_unit(context.speed->speed_m_s, unit, 3),
-        in_unit(*context.expanded_uncertainty_m_s, unit, 3),
-        in_unit(context.required_speed->speed_m_s, unit, 3),
+        "{}, required {} {}; conformance probability {} (at least {} required).",
+        measured_speed_text(shown), shown.required_speed, shown.unit,
         probability_text(context.decision->probability), level_text(context.decision->level));
     const bool alone =
         context.witnesses.empty() && context.profile.speed_source == SpeedSource::position;
-    const auto beginning = [&](const char* by_positions, const char* with_witness) {
-        return std::string(alone ? by_positions : with_witness) + figures;
+    const auto beginning = [&](const char* finding) {
+        return fmt::format("{}{}: {}", alone ? "By positions alone, t" : "T", finding, figures);
     };
     switch (outcome) {
         case Outcome::beaten:
             return beginning(
-                       "By positions alone, the measured speed exceeds the required speed with the "
-                       "required probability: ",
-                       "The measured speed exceeds the required speed with the required "
-                       "probability: ") +
+                       "he measured speed exceeds the required speed with the required "
+                       "probability") +
                    drift_words(*context.decision, context);
         case Outcome::not_beaten:
             return beginning(
-                "By positions alone, the measured speed is below the required speed beyond its "
-                "uncertainty: ",
-                "The measured speed is below the required speed beyond its uncertainty: ");
+                "he measured speed is below the required speed beyond its uncertainty");
         case Outcome::not_proven:
             return beginning(
-                "By positions alone, the required speed lies within the uncertainty of the "
-                "measured speed: ",
-                "The required speed lies within the uncertainty of the measured speed: ");
+                "he required speed lies within the uncertainty of the measured speed");
         case Outcome::not_certifiable:
             break;
     }
@@ -170,14 +164,14 @@ std::string refused_but_fast_enough(const ClauseContext& context) {
     if (!indicated || indicated->refusals.empty()) return {};
     const double shown_m_s = indicated->mean_m_s.value_or(indicated->speed_m_s);
     if (shown_m_s < context.required_speed->speed_m_s) return {};
-    const std::string& unit = context.record->unit;
+    const ShownFigures& shown = *context.shown;
     return fmt::format(
-        "The recording shows {} {:.3f} s after its first epoch, at or above the required {}, in a "
-        "window that cannot be certified (it holds {}): what can be certified, {}, does not say "
+        "The recording shows {} {} {:.3f} s after its first epoch, at or above the required {} {}. "
+        "That window cannot be certified (it holds {}). What can be certified, {}, does not say "
         "that the record was not beaten.",
-        in_unit(shown_m_s, unit, 3), indicated->span.start.seconds(),
-        in_unit(context.required_speed->speed_m_s, unit, 3), fmt::join(indicated->refusals, ", "),
-        in_unit(context.speed->speed_m_s, unit, 3));
+        beside(shown, shown_m_s, SafeSide::down), shown.unit, indicated->span.start.seconds(),
+        shown.required_speed, shown.unit, fmt::join(indicated->refusals, ", "),
+        measured_speed_text(shown));
 }
 
 void set_outcome(const ClauseContext& context, ProfileVerdict& verdict) {
@@ -223,7 +217,7 @@ void set_figures(const ClauseContext& context, ProfileVerdict& verdict) {
         verdict.current_subtracted_m_s = context.current->along_m_s;
     verdict.decision = context.decision;
     verdict.witnesses = context.witnesses;
-    verdict.shown = shown_figures(context);
+    verdict.shown = context.shown;
     verdict.notes = notes_of(context);
     verdict.course = course_figures(context);
     verdict.runs = run_summaries(context);
@@ -254,6 +248,10 @@ ProfileVerdict judge(const CheckInput& input, const Profile& profile) {
         if (std::ranges::find(profile.clauses, clause.decided_by, &Clause::decided_by) ==
             profile.clauses.end())
             verdict.requirements.push_back(decide_clause(clause, context));
+    std::int64_t signatures = 0;
+    for (const RoleSignatures& role : combined(profile.signatures, input.attempt.signatures))
+        signatures += role.count;
+    verdict.standing = standing_of(verdict.requirements, signatures);
     set_figures(context, verdict);
     set_outcome(context, verdict);
     return verdict;

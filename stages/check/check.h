@@ -17,7 +17,7 @@
 namespace runcert {
 
 /// What the earlier stages say of one receiver.
-struct ReceiverResults {
+struct ReceiverFindings {
     std::string receiver;
     RecordingFacts facts;
     std::string accuracy_source;
@@ -55,8 +55,8 @@ struct ScreenedSelection {
 struct CheckInput {
     const Attempt& attempt;
     const std::vector<Profile>& profiles;
-    const ReceiverResults& judged;
-    const ReceiverResults* secondary = nullptr;  ///< null where there is one receiver only
+    const ReceiverFindings& judged;
+    const ReceiverFindings* secondary = nullptr;  ///< null where there is one receiver only
     const FlowSeries* wind = nullptr;            ///< null where the attempt gives none
     const FlowSeries* current = nullptr;
 };

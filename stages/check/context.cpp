@@ -19,7 +19,7 @@ std::optional<DecimalRounding> rounding_of(const std::optional<DecimalRule>& rul
         .decimals = rule->decimals};
 }
 
-Threshold target_over(const Profile& profile, const Record& record) {
+Threshold required_speed_over(const Profile& profile, const Record& record) {
     const double unit = metres_per_second(record.unit);
     const MarginRule rule{.kind = profile.margin_kind,
                           .value = profile.margin,
@@ -39,7 +39,7 @@ std::optional<std::size_t> row_of(const std::vector<TrajectoryEpoch>& rows, std:
 
 /// Time-correlated errors that may differ between places of a run: the bound of the window, and of heights
 /// what they state, or were found to have, if that is more.
-CourseErrors errors_of(const ReceiverResults& judged, const CertifiableWindow& best) {
+CourseErrors errors_of(const ReceiverFindings& judged, const CertifiableWindow& best) {
     CourseErrors errors;
     errors.tangent_plane = judged.facts.georeferenced;
     if (best.bound) errors.slow_horizontal_m = errors.slow_vertical_m = best.bound->sigma_m;
@@ -52,7 +52,7 @@ CourseErrors errors_of(const ReceiverResults& judged, const CertifiableWindow& b
     return errors;
 }
 
-CourseFindings course_of(const ReceiverResults& judged, const Profile& profile,
+CourseFindings course_of(const ReceiverFindings& judged, const Profile& profile,
                          const CertifiableWindow& best) {
     const auto first = row_of(judged.trajectory, best.span.first_epoch);
     const auto last = row_of(judged.trajectory, best.span.last_epoch);
@@ -125,7 +125,7 @@ void set_drift(ClauseContext& context) {
 void set_decision(ClauseContext& context) {
     context.record = context.input.attempt.record_for(context.profile.id);
     if (context.record == nullptr) return;
-    context.required_speed = target_over(context.profile, *context.record);
+    context.required_speed = required_speed_over(context.profile, *context.record);
     if (!context.speed) return;
     // Of many attempts the luckiest is put forward: each is judged so that together they are wrong
     // no more often than one alone (Bonferroni).
@@ -140,6 +140,18 @@ void set_decision(ClauseContext& context) {
         .attempts_made = attempts,
         .bias_limit_m_s = context.speed->bias_limit_m_s};
     set_drift(context);
+}
+
+/// The figures of the decision as they are to be read, in the rule's unit.
+void set_shown(ClauseContext& context) {
+    if (!context.speed) return;
+    const auto& rule = context.profile.result ? context.profile.result : context.profile.rounding;
+    SpeedsToShow speeds{.speed_m_s = context.speed->speed_m_s,
+                        .expanded_uncertainty_m_s = *context.expanded_uncertainty_m_s};
+    if (context.required_speed) speeds.required_speed_m_s = context.required_speed->speed_m_s;
+    if (context.decision) speeds.acceptance_limit_m_s = context.decision->acceptance_limit_m_s;
+    context.shown = shown_in(speeds, speed_unit(rule_unit_name(context.profile)),
+                             rule ? std::optional(rule->decimals) : std::nullopt);
 }
 
 void set_second_methods(ClauseContext& context) {
@@ -166,7 +178,7 @@ void set_second_methods(ClauseContext& context) {
 /// What the recorded velocities say of the window, where all its epochs have one: their mean over
 /// it, the delay behind the positions taken off, against the displacement over time.
 std::optional<std::string> velocity_witness(const ClauseContext& context) {
-    const ReceiverResults& judged = context.input.judged;
+    const ReceiverFindings& judged = context.input.judged;
     const auto& rows = judged.epochs_of(context.profile.id);
     if (context.profile.dimension != Dimension::horizontal ||
         context.profile.speed_source != SpeedSource::position || rows.size() < 2 ||
@@ -232,7 +244,7 @@ const ProfileWindows& windows_of(const Windows& windows, const Profile& profile)
                   "Run runcert-window again");
 }
 
-std::vector<CraftRun> runs_under(const Profile& profile, const ReceiverResults& judged) {
+std::vector<CraftRun> runs_under(const Profile& profile, const ReceiverFindings& judged) {
     return runs_in(judged.trajectory, {.start_m_s = profile.runs.start_m_s,
                                        .stop_m_s = profile.runs.stop_m_s,
                                        .stop_s = profile.runs.stop_s,
@@ -256,6 +268,7 @@ ClauseContext gather_context(const CheckInput& input, const Profile& profile,
     }
     set_speed(context);
     set_decision(context);
+    set_shown(context);
     return context;
 }
 

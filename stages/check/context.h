@@ -10,7 +10,7 @@ ClauseContext gather_context(const CheckInput& input, const Profile& profile,
                              const ProfileWindows& windows);
 
 /// The runs of a recording as the profile cuts them.
-std::vector<CraftRun> runs_under(const Profile& profile, const ReceiverResults& judged);
+std::vector<CraftRun> runs_under(const Profile& profile, const ReceiverFindings& judged);
 
 /// The windows of a profile among those of 5-windows. Failure where they were searched for another
 /// rule than the profile has now.

@@ -79,9 +79,8 @@ Finding computation::standing_start(const Clause&, const ClauseContext& context)
     return with_facts(context, [&](const CourseFacts& facts) -> Finding {
         const CourseFigure& speed = facts.speed_before_m_s;
         const std::string words = fmt::format(
-            "smallest speed of the run before the window {:.3f} m/s{}", speed.value,
-            speed.expanded_uncertainty ? fmt::format(" +/- {:.3f} m/s", *speed.expanded_uncertainty)
-                                       : "");
+            "smallest speed of the run before the window {}",
+            quantity_text(speed.value, speed.expanded_uncertainty, "m/s"));
         std::vector<Figure> figures{{.name = "smallest speed of the run before the window",
                                      .value = speed.value,
                                      .unit = "m/s",
@@ -89,8 +88,8 @@ Finding computation::standing_start(const Clause&, const ClauseContext& context)
         if (facts.standing_start)
             return {RequirementStatus::met,
                     words +
-                        ", which is standing still; what moved it first, the data do "
-                        "not tell",
+                        ", which is standing still; what moved it first is not decidable from the "
+                        "recording",
                     std::move(figures)};
         const CraftRun& run = *context.course.run;
         const RunEdge began = run.began;

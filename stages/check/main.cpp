@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
 #include "core/parallel.h"
+#include "reports/words/figures.h"
+#include "reports/words/outcome.h"
 #include "run/attempt_files.h"
 #include "run/stage_main.h"
 #include "stages/check/check.h"
@@ -9,7 +11,7 @@ using namespace runcert;
 
 namespace {
 
-ReceiverResults gather(StageRun& run, const Receiver& receiver) {
+ReceiverFindings gather(StageRun& run, const Receiver& receiver) {
     // Every table is gone through whole, whose values are checked thereby; what is not used of it
     // is not kept.
     auto observations = run.open(products::observations, receiver, open_observations);
@@ -37,7 +39,7 @@ ReceiverResults gather(StageRun& run, const Receiver& receiver) {
             .solution_source = observations.head().solution_source,
             .records = observations.head().records,
             .screening = std::move(selection.summary),
-            .tests = screened.head().selection,
+            .tests = screened.head().basis,
             .estimation = trajectory.estimation,
             .windows = std::move(windows),
             .origin = trajectory.origin,
@@ -47,15 +49,11 @@ ReceiverResults gather(StageRun& run, const Receiver& receiver) {
 }
 
 void say_verdict(StageRun& run, const Verdict& verdict) {
-    for (const ProfileVerdict& profile : verdict.profiles) {
-        const std::string speed =
-            profile.speed_m_s && profile.expanded_uncertainty_m_s
-                ? fmt::format(", {:.3f} km/h +/- {:.3f} km/h", *profile.speed_m_s * 3.6,
-                              *profile.expanded_uncertainty_m_s * 3.6)
-                : "";
-        run.say(fmt::format("{}: {}{}: {}", profile.profile, to_text(profile.outcome), speed,
-                            profile.reason));
-    }
+    for (const ProfileVerdict& profile : verdict.profiles)
+        run.say(fmt::format(
+            "{}: {}{}. {}", profile.profile, outcome_words(state_of(profile)).title,
+            profile.shown ? fmt::format(" ({})", measured_speed_text(*profile.shown)) : "",
+            profile.reason));
 }
 
 /// A series that the attempt names, of that role. It is spoken of by the attempt's name for it:
@@ -75,7 +73,7 @@ void check_run(StageRun& run) {
         profiles.push_back(read_claimed_profile(run.run_dir(), claimed, run.attempt()));
         run.read_text("profile", profile_copy_name(claimed));
     }
-    std::vector<ReceiverResults> receivers;
+    std::vector<ReceiverFindings> receivers;
     for (const Receiver& receiver : run.attempt().receivers)
         receivers.push_back(gather(run, receiver));
     const auto& first_epoch = receivers.front().facts.first_epoch;

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "core/rounding.h"
+#include "reports/words/figures.h"
 #include "stages/check/context.h"
 
 namespace runcert {
@@ -18,15 +19,16 @@ using Notes = std::vector<std::string>;
 /// Where the definitions of speed do not agree on whether the required speed is reached.
 void add_straddle(const ClauseContext& context, Notes& notes) {
     const auto& best = context.windows.best;
-    if (!best || !context.required_speed || context.profile.speed_source == SpeedSource::velocity ||
+    if (!best || !context.required_speed || !context.shown || context.profile.speed_source == SpeedSource::velocity ||
         context.profile.dimension == Dimension::space ||
         context.profile.window_kind == WindowKind::course)
         return;
     Notes above, below;
-    const std::string& unit = context.record->unit;
+    const ShownFigures& shown = *context.shown;
     const auto sort = [&](const char* words, double speed_m_s) {
         (speed_m_s >= context.required_speed->speed_m_s ? above : below)
-            .push_back(fmt::format("{} ({})", words, in_unit(speed_m_s, unit, 3)));
+            .push_back(fmt::format("{} ({} {})", words, beside(shown, speed_m_s, SafeSide::down),
+                                   shown.unit));
     };
     const SpeedDefinitions& all = best->definitions;
     sort("displacement over time", all.displacement_m_s);
@@ -35,10 +37,9 @@ void add_straddle(const ClauseContext& context, Notes& notes) {
     sort("the mean without the first speed", all.mean_n_m_s);
     if (above.empty() || below.empty()) return;
     notes.push_back(fmt::format(
-        "The definition of speed matters here: {} would reach the required {}, {} would not; the "
+        "The definition of speed matters here: {} would reach the required {} {}, {} would not. The "
         "rule counts {}.",
-        fmt::join(above, ", "), in_unit(context.required_speed->speed_m_s, unit, 3),
-        fmt::join(below, ", "),
+        fmt::join(above, ", "), shown.required_speed, shown.unit, fmt::join(below, ", "),
         context.profile.definition == SpeedDefinition::displacement  ? "displacement over time"
         : context.profile.definition == SpeedDefinition::path_length ? "path length over time"
         : context.profile.definition == SpeedDefinition::mean_n_plus_1
@@ -83,10 +84,10 @@ void add_second_method(const ClauseContext& context, Notes& notes) {
     const DeclaredAgreement& second = *context.declared;
     notes.push_back(
         second.missing.empty()
-            ? fmt::format("The second method ({}) gives {:.3f} km/h +/- {:.3f} km/h, {:+.3f} km/h "
-                          "against this one (normalised error {:.2f}, at most 1).",
-                          second.method, second.other_m_s * 3.6,
-                          second.other_expanded_uncertainty_m_s * 3.6,
+            ? fmt::format("The second method ({}) gives {}, {:+.3f} km/h against this one (normalised error "
+                          "{:.2f}, at most 1).",
+                          second.method,
+                          speed_with_uncertainty_text(second.other_m_s, second.other_expanded_uncertainty_m_s, speed_unit("km/h")),
                           (second.other_m_s - second.judged_m_s) * 3.6, second.normalised_error)
             : fmt::format("The second method ({}) says nothing: {}.", second.method,
                           second.missing));
@@ -183,7 +184,7 @@ std::vector<Figure> course_figures(const ClauseContext& context) {
 }
 
 std::vector<RunSummary> run_summaries(const ClauseContext& context) {
-    const ReceiverResults& judged = context.input.judged;
+    const ReceiverFindings& judged = context.input.judged;
     std::vector<RunSummary> summaries;
     for (const CraftRun& run : runs_under(context.profile, judged)) {
         const TrajectoryEpoch& first = judged.trajectory[run.first_row];
@@ -205,31 +206,14 @@ std::vector<RunSummary> run_summaries(const ClauseContext& context) {
     return summaries;
 }
 
-std::optional<ShownFigures> shown_figures(const ClauseContext& context) {
-    if (!context.speed) return std::nullopt;
-    ShownFigures shown;
-    shown.unit = rule_unit_name(context.profile);
-    const double unit = metres_per_second(shown.unit);
-    const double expanded = *context.expanded_uncertainty_m_s / unit;
-    const auto& rule = context.profile.result ? context.profile.result : context.profile.rounding;
-    const int decimals = decimals_of(expanded, rule ? std::optional(rule->decimals) : std::nullopt);
-    shown.speed = shown_figure(context.speed->speed_m_s / unit, decimals, SafeSide::down);
-    shown.expanded_uncertainty = shown_figure(
-        expanded, std::max(decimals, decimals_of(expanded, std::nullopt)), SafeSide::up);
-    if (context.required_speed)
-        shown.required_speed =
-            shown_figure(context.required_speed->speed_m_s / unit, decimals, SafeSide::up);
-    return shown;
-}
-
 std::string compared_rules(const std::vector<Profile>& profiles,
                            const std::vector<ProfileVerdict>& verdicts) {
     std::vector<std::string> speeds;
     for (std::size_t i = 0; i < verdicts.size(); ++i) {
-        if (!verdicts[i].speed_m_s) continue;
+        if (!verdicts[i].shown) continue;
         const Profile& profile = profiles[i];
         speeds.push_back(fmt::format(
-            "{} {:.3f} km/h ({}{}{}, {})", profile.id, *verdicts[i].speed_m_s * 3.6,
+            "{} {} {} ({}{}{}, {})", profile.id, verdicts[i].shown->speed, verdicts[i].shown->unit,
             profile.windows > 1 ? fmt::format("{} x ", profile.windows) : "", window_words(profile),
             profile.dimension == Dimension::horizontal
                 ? ""

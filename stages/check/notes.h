@@ -18,10 +18,6 @@ std::vector<Figure> course_figures(const ClauseContext& context);
 /// The runs of the recording.
 std::vector<RunSummary> run_summaries(const ClauseContext& context);
 
-/// Speed, uncertainty and required speed as people are to read them: in the rule's unit, to its
-/// resolution and to the uncertainty's, rounded towards the safe side. Empty without a speed.
-std::optional<ShownFigures> shown_figures(const ClauseContext& context);
-
 /// One sentence that compares the rules' speeds; empty for one rule.
 std::string compared_rules(const std::vector<Profile>& profiles,
                            const std::vector<ProfileVerdict>& verdicts);

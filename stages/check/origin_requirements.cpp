@@ -12,7 +12,7 @@ namespace {
 
 /// By how much the mean interval of the stamps may be off the receiver's by chance: what the
 /// scatter of the steps makes.
-double rate_by_chance(const ReceiverResults& judged) {
+double rate_by_chance(const ReceiverFindings& judged) {
     const auto& rows = judged.trajectory;
     if (rows.size() < 2) return 1.0;
     constexpr double coverage = 5.0;
@@ -25,7 +25,7 @@ double rate_by_chance(const ReceiverResults& judged) {
 
 /// What in the recording looks as if the device had changed its positions, in words.
 std::vector<std::string> signs_of_filter(const ClauseContext& context) {
-    const ReceiverResults& judged = context.input.judged;
+    const ReceiverFindings& judged = context.input.judged;
     std::vector<std::string> signs;
     constexpr double too_smooth = 0.3;
     constexpr double as_stated = 0.1;
@@ -48,7 +48,7 @@ std::vector<std::string> signs_of_filter(const ClauseContext& context) {
 }  // namespace
 
 Finding computation::time_scale(const Clause&, const ClauseContext& context) {
-    const ReceiverResults& judged = context.input.judged;
+    const ReceiverFindings& judged = context.input.judged;
     const std::string& source = judged.facts.time_source;
     const std::string what = judged.time_origin.empty() ? "the time stamps" : judged.time_origin;
     const double rate = judged.tests.time.rate_deviation;
@@ -75,7 +75,7 @@ Finding computation::time_scale(const Clause&, const ClauseContext& context) {
 }
 
 Finding computation::measured_positions(const Clause&, const ClauseContext& context) {
-    const ReceiverResults& judged = context.input.judged;
+    const ReceiverFindings& judged = context.input.judged;
     constexpr double share = 0.01;
     if (judged.tests.device) {
         const DeviceSigns& device = *judged.tests.device;

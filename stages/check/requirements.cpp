@@ -7,16 +7,17 @@
 
 #include "core/failure.h"
 #include "core/prose.h"
+#include "reports/words/figures.h"
 
 namespace runcert {
 namespace {
 
 Figure speed_figure(std::string name, double speed_m_s, const std::string& unit,
-                    std::optional<double> expanded_m_s = std::nullopt) {
-    Figure figure{
-        .name = std::move(name), .value = speed_m_s / metres_per_second(unit), .unit = unit};
-    if (expanded_m_s) figure.expanded_uncertainty = *expanded_m_s / metres_per_second(unit);
-    return figure;
+                    std::string shown) {
+    return {.name = std::move(name),
+            .value = speed_m_s / metres_per_second(unit),
+            .unit = unit,
+            .shown = std::move(shown)};
 }
 
 /// Why not one epoch may take part: "none of the 400 epochs is usable: 398 ambiguities not fixed, 2
@@ -49,7 +50,7 @@ double longest_stretch_s(const std::vector<TrajectoryEpoch>& rows) {
 
 /// Why there is no certifiable window.
 std::string no_window(const ClauseContext& context) {
-    const ReceiverResults& judged = context.input.judged;
+    const ReceiverFindings& judged = context.input.judged;
     if (judged.screening.usable == 0) return nothing_usable(judged.screening);
     const std::string wanted = window_words(context.profile);
     std::string evidence =
@@ -122,10 +123,12 @@ Finding by_declaration(const ClauseContext& context) {
                 fmt::format("{}: {}", agreement.method, agreement.missing)};
     return {
         agreement.agrees() ? RequirementStatus::met : RequirementStatus::not_met,
-        fmt::format("{} gives {:.3f} km/h +/- {:.3f} km/h, {:+.3f} km/h against the primary "
-                    "method; normalised error {:.2f}, at most 1",
-                    agreement.method, agreement.other_m_s * 3.6,
-                    agreement.other_expanded_uncertainty_m_s * 3.6,
+        fmt::format("{} gives {}, {:+.3f} km/h against the primary method; normalised error "
+                    "{:.2f}, at most 1",
+                    agreement.method,
+                    speed_with_uncertainty_text(agreement.other_m_s,
+                                                agreement.other_expanded_uncertainty_m_s,
+                                                speed_unit("km/h")),
                     (agreement.other_m_s - agreement.judged_m_s) * 3.6, agreement.normalised_error),
         {{.name = "normalised error of the second method", .value = agreement.normalised_error}}};
 }
@@ -174,45 +177,61 @@ Finding computation::accuracy(const Clause&, const ClauseContext& context) {
     const double u = *context.expanded_uncertainty_m_s;
     const double bias_limit_m_s = context.speed->bias_limit_m_s;
     const bool met = u <= *context.profile.accuracy_limit_m_s;
-    const std::string& unit = context.profile.accuracy_unit;
+    const SpeedUnit& unit = speed_unit(context.profile.accuracy_unit);
+    const auto rounded_up = [&](double uncertainty_m_s) {
+        return fmt::format("{} {}", uncertainty_rounded_up(uncertainty_m_s * unit.per_m_s),
+                           unit.name);
+    };
+    const std::string limit =
+        number_text(*context.profile.accuracy_limit_m_s * unit.per_m_s, unit.name);
     return {
         met ? RequirementStatus::met : RequirementStatus::not_met,
         fmt::format(
-            "{:.3g} times the standard uncertainty{} is {}, the limit {}; {}",
-            context.coverage_factor,
-            bias_limit_m_s > 0.0 ? fmt::format(", and {} that choosing the window may have left,",
-                                               in_unit(bias_limit_m_s, unit, 3))
+            "expanded uncertainty {} (k = {}{}), limit {}; {}", rounded_up(u),
+            coverage_text(context.coverage_factor),
+            bias_limit_m_s > 0.0 ? fmt::format(", with {} for the choice of the window",
+                                               rounded_up(bias_limit_m_s))
                                  : std::string(),
-            in_unit(u, unit, 3), in_unit(*context.profile.accuracy_limit_m_s, unit, 3),
+            limit,
             context.profile.speed_source == SpeedSource::velocity
                 ? "it rests on what the recording states of its velocities"
-                : "includes the bound on time-correlated errors and the worst undetected error "
+                : "it includes the bound on time-correlated errors and the worst undetected error "
                   "except drift"),
-        {speed_figure("expanded uncertainty", u, unit),
-         speed_figure("limit", *context.profile.accuracy_limit_m_s, unit)}};
+        {speed_figure("expanded uncertainty", u, std::string(unit.name), rounded_up(u)),
+         speed_figure("limit", *context.profile.accuracy_limit_m_s, std::string(unit.name), limit)}};
 }
 
 Finding computation::margin(const Clause&, const ClauseContext& context) {
     if (context.record == nullptr)
         return {RequirementStatus::attest, "the attempt names no record to beat"};
     if (!context.speed) return {RequirementStatus::not_met, "there is no certifiable window"};
-    const std::string& unit = context.record->unit;
-    const double speed = context.speed->speed_m_s;
+    const Decision& decision = *context.decision;
+    const ShownFigures& shown = *context.shown;
+    const bool met = decision.probability >= decision.level;
     const double u = *context.expanded_uncertainty_m_s;
-    const bool met = context.decision->probability >= context.decision->level;
-    return {
-        met ? RequirementStatus::met : RequirementStatus::not_met,
-        fmt::format(
-            "measured speed {} +/- {}, required {}: conformance probability {} (at least {} "
-            "required); acceptance limit {}",
-            in_unit(speed, unit, 3), in_unit(u, unit, 3),
-            in_unit(context.required_speed->speed_m_s, unit, 3),
-            probability_text(context.decision->probability), level_text(context.decision->level),
-            in_unit(context.decision->acceptance_limit_m_s, unit, 3)),
-        {speed_figure("speed", speed, unit, u),
-         speed_figure("required speed", context.required_speed->speed_m_s, unit,
-                      2.0 * context.required_speed->standard_uncertainty_m_s),
-         {.name = "probability that it is reached", .value = context.decision->probability}}};
+    const double required_u = 2.0 * context.required_speed->standard_uncertainty_m_s;
+    Figure speed = speed_figure("measured speed", context.speed->speed_m_s, shown.unit,
+                                measured_speed_text(shown, context.coverage_factor));
+    speed.expanded_uncertainty = u / metres_per_second(shown.unit);
+    Figure required =
+        speed_figure("required speed", context.required_speed->speed_m_s, shown.unit,
+                     fmt::format("{} {}", shown.required_speed, shown.unit));
+    required.expanded_uncertainty = required_u / metres_per_second(shown.unit);
+    if (required_u > 0.0)
+        required.shown +=
+            fmt::format(" ± {} {} (k = 2)", uncertainty_rounded_up(*required.expanded_uncertainty),
+                        shown.unit);
+    return {met ? RequirementStatus::met : RequirementStatus::not_met,
+            fmt::format("measured speed {}, required {} {}: conformance probability {} (at least "
+                        "{} required); acceptance limit {} {}",
+                        measured_speed_text(shown), shown.required_speed, shown.unit,
+                        probability_text(decision.probability), level_text(decision.level),
+                        shown.acceptance_limit, shown.unit),
+            {std::move(speed),
+             std::move(required),
+             {.name = "conformance probability",
+              .value = decision.probability,
+              .shown = probability_text(decision.probability)}}};
 }
 
 Finding computation::georeferenced(const Clause&, const ClauseContext& context) {
@@ -253,10 +272,6 @@ Requirement decide_clause(const Clause& clause, const ClauseContext& context) {
             .certainty = clause.certainty,
             .decided_by = clause.decided_by,
             .figures = std::move(finding.figures)};
-}
-
-std::string in_unit(double speed_m_s, const std::string& unit, int decimals) {
-    return fmt::format("{:.{}f} {}", speed_m_s / metres_per_second(unit), decimals, unit);
 }
 
 }  // namespace runcert

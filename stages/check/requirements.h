@@ -30,6 +30,7 @@ struct ClauseContext {
     const Record* record = nullptr;
     std::optional<Threshold> required_speed = std::nullopt;
     std::optional<Decision> decision = std::nullopt;
+    std::optional<ShownFigures> shown = std::nullopt;  ///< where there is a speed
     CourseFindings course = {};
     std::vector<std::string> witnesses = {};  ///< of the window, beside its positions, in words
     std::optional<FlowInWindow> wind = std::nullopt;
@@ -52,8 +53,5 @@ namespace computation {
 RUNCERT_EACH_COMPUTATION(RUNCERT_DECLARE)
 #undef RUNCERT_DECLARE
 }  // namespace computation
-
-/// "232.172 km/h".
-std::string in_unit(double speed_m_s, const std::string& unit, int decimals);
 
 }  // namespace runcert

@@ -116,7 +116,7 @@ void add_records(const RecordCount& records, Statements& statements) {
             : std::string("them")));
 }
 
-void add_accuracy(const ReceiverResults& judged, Statements& statements) {
+void add_accuracy(const ReceiverFindings& judged, Statements& statements) {
     if (judged.accuracy_source == "none") {
         statements.push_back(
             "Neither the recording nor the attempt states an accuracy: nothing can be certified "
@@ -133,7 +133,7 @@ void add_accuracy(const ReceiverResults& judged, Statements& statements) {
 }
 
 /// Where [GUM] and [GUM-S1] do not agree.
-void add_propagation(const ReceiverResults& judged, Statements& statements) {
+void add_propagation(const ReceiverFindings& judged, Statements& statements) {
     for (const ProfileWindows& windows : judged.windows.profiles) {
         if (!windows.best || !windows.best->monte_carlo) continue;
         const MonteCarloCheck& check = *windows.best->monte_carlo;
@@ -239,7 +239,7 @@ void add_baseline(const BaselineComparison& baseline, Statements& statements) {
 }
 
 /// From positions alone a drift cannot be told from motion: what stands against it is said.
-void add_drift(const ReceiverResults& judged, Statements& statements) {
+void add_drift(const ReceiverFindings& judged, Statements& statements) {
     const bool velocities = judged.tests.velocity && judged.tests.velocity->compared > 0;
     for (const ProfileWindows& windows : judged.windows.profiles) {
         if (!windows.best) continue;
@@ -290,7 +290,7 @@ void add_undetected(const CheckInput& input, Statements& statements) {
     }
 }
 
-void add_screening(const ReceiverResults& judged, Statements& statements) {
+void add_screening(const ReceiverFindings& judged, Statements& statements) {
     const ScreeningBasis& tests = judged.tests;
     statements.push_back(fmt::format(
         "Every epoch was tested for outliers, bursts, steps, drifts, shifts of its time stamp and, "
@@ -314,7 +314,7 @@ void add_screening(const ReceiverResults& judged, Statements& statements) {
 }  // namespace
 
 std::vector<std::string> statements_of(const CheckInput& input) {
-    const ReceiverResults& judged = input.judged;
+    const ReceiverFindings& judged = input.judged;
     Statements statements{
         "The uncertainty is the combination of the sources in the budget, one row each. Position "
         "errors that vary slowly over the window are covered up to the size and for the "

@@ -295,7 +295,7 @@ bool compare_receivers(ScreenedTable& first, ScreenedTable& second, const Motion
         test_differences<1>(pairs, length_m, receivers, markers, plan, config);
     }
     for (auto [table, other] : {std::pair{&first, &second}, {&second, &first}})
-        table->comparison.baseline = comparison_of(*table, other->facts.receiver, pairs);
+        table->basis.baseline = comparison_of(*table, other->facts.receiver, pairs);
     return markers[0].any() || markers[1].any();
 }
 

@@ -114,7 +114,7 @@ TEST(GoldenAttempt, InAPlane) {
 TEST(GoldenAttempt, SignaturesAndAmendment) {
     const Attempt attempt = read_attempt(text_of("v1.0/attempt.yaml"), "f");
     EXPECT_EQ(attempt.signatures,
-              (std::vector<NeededSignatures>{{"measurer", 1}, {"observer", 2}}));
+              (std::vector<RoleSignatures>{{"measurer", 1}, {"observer", 2}}));
     ASSERT_TRUE(attempt.amends);
     EXPECT_EQ(attempt.amends->report_id, "0123456789abcdef");
     EXPECT_EQ(attempt.amends->sha256,
@@ -216,7 +216,7 @@ TEST(GoldenProfile, OfACourse) {
 TEST(GoldenProfile, Signatures) {
     const Profile profile = read_profile(text_of("v1.0/profile.yaml"), "f");
     EXPECT_EQ(profile.signatures,
-              (std::vector<NeededSignatures>{{"measurer", 2}, {"timekeeper", 1}}));
+              (std::vector<RoleSignatures>{{"measurer", 2}, {"timekeeper", 1}}));
 }
 
 TEST(GoldenSimulation, Spec) {

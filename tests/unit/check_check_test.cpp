@@ -36,8 +36,8 @@ struct Scene {
         "record: {speed: 202.9, unit: km/h, source: published}\n",
         "attempt");
     std::vector<Profile> profiles{builtin("nalsa")};
-    ReceiverResults judged;
-    ReceiverResults secondary;
+    ReceiverFindings judged;
+    ReceiverFindings secondary;
 
     Scene(double speed_m_s, double standard_uncertainty_m_s) {
         judged.receiver = "primary";
@@ -45,7 +45,7 @@ struct Scene {
         set_window(judged, speed_m_s, standard_uncertainty_m_s);
         secondary.receiver = "secondary";
     }
-    void set_window(ReceiverResults& receiver, double speed_m_s, double uncertainty) const {
+    void set_window(ReceiverFindings& receiver, double speed_m_s, double uncertainty) const {
         ProfileWindows entry{
             .profile = "nalsa",
             .rule = {.duration_s = 3.0, .definition = SpeedDefinition::displacement},
@@ -277,7 +277,7 @@ struct TwoReceivers : Scene {
     ProfileVerdict both() const { return verdict(true); }
 
   private:
-    static void fill(ReceiverResults& receiver, const Circle& course, GpsTime start, double later_s,
+    static void fill(ReceiverFindings& receiver, const Circle& course, GpsTime start, double later_s,
                      std::int64_t interval_ms) {
         receiver.facts.first_epoch =
             start.plus_nanoseconds(static_cast<std::int64_t>(later_s * 1e9));
@@ -425,7 +425,7 @@ TwoReceivers that_share_most(double second_above_kmh) {
     TwoReceivers scene;
     scene.set_window(scene.judged, 60.0, 0.5 * 0.167 * kmh);
     scene.set_window(scene.secondary, 75.0, 0.5 * 0.167 * kmh);
-    for (ReceiverResults* one : {&scene.judged, &scene.secondary})
+    for (ReceiverFindings* one : {&scene.judged, &scene.secondary})
         one->windows.profiles[0].best->own_standard_uncertainty_m_s = 0.5 * 0.070 * kmh;
     scene.second.speed_m_s += second_above_kmh * kmh;
     scene.record();
@@ -441,7 +441,7 @@ TEST(Agreement, IsTestedWithWhatTheTwoDoNotShare) {
         << evidence_of(scene.both(), "secondary-method");
     EXPECT_EQ(scene.both().outcome, Outcome::not_certifiable);
     // Where windows do not say what they share.
-    for (ReceiverResults* one : {&scene.judged, &scene.secondary})
+    for (ReceiverFindings* one : {&scene.judged, &scene.secondary})
         one->windows.profiles[0].best->own_standard_uncertainty_m_s.reset();
     EXPECT_EQ(status_of(scene.both(), "secondary-method"), RequirementStatus::met);
     EXPECT_NE(evidence_of(scene.both(), "secondary-method").find("normalised error 0.97"),

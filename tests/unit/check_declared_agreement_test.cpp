@@ -181,7 +181,7 @@ TEST(DeclaredMethod, WithoutAWindowThereIsNothingToCompare) {
 
 TEST(DeclaredMethod, AndASecondReceiverMustBothAgree) {
     const RuleScene scene = with_speed(60.0, 0.04);
-    ReceiverResults second = scene.judged;
+    ReceiverFindings second = scene.judged;
     second.receiver = "second";
     const auto status = [&] {
         return check({.attempt = scene.attempt,

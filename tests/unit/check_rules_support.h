@@ -47,7 +47,7 @@ struct RuleScene {
         "record: {speed: 202.9, unit: km/h, source: published}\n",
         "attempt");
     std::vector<Profile> profiles;
-    ReceiverResults judged;
+    ReceiverFindings judged;
     std::optional<FlowSeries> wind, current;
 
     explicit RuleScene(const std::string& profile) {

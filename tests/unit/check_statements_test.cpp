@@ -17,7 +17,7 @@ struct Scene {
         "receivers: [{id: primary, recording: r}]\nprofiles: [nalsa]\n",
         "attempt");
     std::vector<Profile> profiles{read_profile(builtin_profile("nalsa"), "nalsa")};
-    ReceiverResults judged;
+    ReceiverFindings judged;
 
     Scene() {
         judged.receiver = "primary";

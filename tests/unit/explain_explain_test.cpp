@@ -284,31 +284,6 @@ TEST(Explain, WhatIsNotThereIsRefusedWithWhatIs) {
     EXPECT_THROW((void)explain_text(verdict(Outcome::beaten), {}), Failure);
 }
 
-TEST(ExplainWords, AProbabilityNeverShowsAsOneThatItDoesNotReach) {
-    EXPECT_EQ(probability_text(0.975), "97.50 %");
-    EXPECT_EQ(probability_text(0.9749999), "97.49 %");
-    EXPECT_EQ(probability_text(0.025), "2.50 %");
-    EXPECT_EQ(probability_text(0.0250001), "2.51 %");
-    EXPECT_EQ(probability_text(0.99995), "99.9950 %");
-    EXPECT_EQ(probability_text(1.0), "more than 99.9999 %");
-    EXPECT_EQ(probability_text(0.0), "less than 0.0001 %");
-    EXPECT_EQ(level_text(1.0 - 0.975), "2.5 %");
-}
-
-TEST(ExplainWords, AFigureHasTheDecimalsOfItsUncertainty) {
-    EXPECT_EQ(
-        figure_words({.name = "a", .value = 12.3456, .unit = "deg", .expanded_uncertainty = 0.301}),
-        "a: 12.35 deg +/- 0.31 deg (k = 2)");
-    EXPECT_EQ(figure_words({.name = "a", .value = 31.0, .unit = {}}), "a: 31");
-    EXPECT_EQ(figure_words({.name = "a", .value = 12345.67, .unit = "m"}), "a: 12345.7 m");
-    EXPECT_EQ(figure_words({.name = "a",
-                            .value = 0.123456,
-                            .unit = "%",
-                            .expanded_uncertainty = 0.0,
-                            .note = "why"}),
-              "a: 0.123456 %; why");
-}
-
 TEST(Explain, TheProfilesThatComeWithTheProgramHaveTitleAndBody) {
     std::vector<Profile> rules;
     for (const std::string& name : builtin_profiles())

@@ -3,7 +3,7 @@
 #include "files/atomic_file.h"
 #include "files/pattern_list.h"
 #include "files_test_support.h"
-#include "schemas/common/needed_signatures.h"
+#include "schemas/common/role_signatures.h"
 #include "trust/roster.h"
 #include "trust/ssh_signature.h"
 

@@ -1,4 +1,4 @@
-#include "schemas/common/needed_signatures.h"
+#include "schemas/common/role_signatures.h"
 
 #include <algorithm>
 
@@ -11,26 +11,26 @@ bool is_role(std::string_view text) {
     });
 }
 
-std::vector<NeededSignatures> read_needed_signatures(const YamlValue& list) {
-    std::vector<NeededSignatures> needed;
+std::vector<RoleSignatures> read_role_signatures(const YamlValue& list) {
+    std::vector<RoleSignatures> needed;
     if (!list.exists()) return needed;
     for (const YamlValue& entry : list.list()) {
-        NeededSignatures one{.role = entry["role"].text(),
+        RoleSignatures one{.role = entry["role"].text(),
                              .count = entry["count"].exists() ? entry["count"].integer() : 1};
         if (!is_role(one.role))
             entry["role"].fail("a role is letters, digits, - and _, at most 64 of them",
                                "Write it so, \"measurer\": signatures name it");
-        if (std::ranges::find(needed, one.role, &NeededSignatures::role) != needed.end())
+        if (std::ranges::find(needed, one.role, &RoleSignatures::role) != needed.end())
             entry["role"].fail("the role is there twice", "Give one count for it");
         needed.push_back(std::move(one));
     }
     return needed;
 }
 
-std::vector<NeededSignatures> combined(std::vector<NeededSignatures> first,
-                                       const std::vector<NeededSignatures>& second) {
-    for (const NeededSignatures& one : second) {
-        const auto known = std::ranges::find(first, one.role, &NeededSignatures::role);
+std::vector<RoleSignatures> combined(std::vector<RoleSignatures> first,
+                                       const std::vector<RoleSignatures>& second) {
+    for (const RoleSignatures& one : second) {
+        const auto known = std::ranges::find(first, one.role, &RoleSignatures::role);
         if (known == first.end())
             first.push_back(one);
         else

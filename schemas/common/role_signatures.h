@@ -13,19 +13,19 @@ namespace runcert {
 bool is_role(std::string_view text);
 
 /// Signatures of one role that a report needs.
-struct NeededSignatures {
+struct RoleSignatures {
     std::string role;
     std::int64_t count = 1;  ///< each with a key of its own
 
-    bool operator==(const NeededSignatures&) const = default;
+    bool operator==(const RoleSignatures&) const = default;
 };
 
 /// The list `signatures` of an attempt or a profile; none where it is absent. Failure at its place
 /// where a role is not letters, digits, - and _, or is there twice.
-std::vector<NeededSignatures> read_needed_signatures(const YamlValue& list);
+std::vector<RoleSignatures> read_role_signatures(const YamlValue& list);
 
 /// Of two lists, for each role the larger count: the first's roles in its order, then the second's.
-std::vector<NeededSignatures> combined(std::vector<NeededSignatures> first,
-                                       const std::vector<NeededSignatures>& second);
+std::vector<RoleSignatures> combined(std::vector<RoleSignatures> first,
+                                       const std::vector<RoleSignatures>& second);
 
 }  // namespace runcert

@@ -1,0 +1,162 @@
+#include "reports/words/figures.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/failure.h"
+#include "core/rounding.h"
+#include "core/text.h"
+
+namespace runcert {
+namespace {
+
+std::string without_letters(std::string iso) {
+    if (iso.ends_with('Z')) iso.pop_back();
+    if (const std::size_t letter = iso.find('T'); letter != std::string::npos) iso[letter] = ' ';
+    return iso;
+}
+
+}  // namespace
+
+const std::array<SpeedUnit, 4>& speed_units() {
+    static constexpr std::array<SpeedUnit, 4> units{{{"km_h", "km/h", 3.6, 2, 4},
+                                                     {"m_s", "m/s", 1.0, 3, 6},
+                                                     {"knots", "kn", 3600.0 / 1852.0, 2, 4},
+                                                     {"mph", "mph", 3600.0 / 1609.344, 2, 4}}};
+    return units;
+}
+
+const SpeedUnit& speed_unit(std::string_view name) {
+    if (name.empty()) return speed_units()[0];
+    for (const SpeedUnit& unit : speed_units())
+        if (unit.name == name) return unit;
+    throw Failure("unit of speed", fmt::format("\"{}\" is not known", name),
+                  "Use km/h, m/s, kn or mph");
+}
+
+std::string uncertainty_text(double uncertainty) {
+    return format_fixed(uncertainty, uncertainty_decimals(uncertainty));
+}
+
+std::string significant_text(double value, int digits) {
+    if (value == 0.0) return "0";
+    if (std::abs(value) < 1e-6) return scientific_text(value);
+    // The exponent after rounding: 9.96 with two digits is 10.
+    const std::string scientific = fmt::format("{:.{}e}", value, digits - 1);
+    const int exponent = std::stoi(scientific.substr(scientific.find('e') + 1));
+    return format_fixed(value, std::max(0, digits - 1 - exponent));
+}
+
+std::string number_text(double value, std::string_view unit) {
+    return fmt::format("{:.9g}{}{}", value, unit.empty() ? "" : " ", unit);
+}
+
+std::string quantity_text(double value, std::optional<double> expanded_uncertainty,
+                          std::string_view unit) {
+    const std::string with_unit = unit.empty() ? "" : fmt::format(" {}", unit);
+    if (!expanded_uncertainty || !(*expanded_uncertainty > 0.0))
+        return (value != 0.0 && std::abs(value) < 1e-4 ? significant_text(value, 4)
+                                                       : fmt::format("{:.6g}", value)) +
+               with_unit;
+    const std::string uncertainty = uncertainty_rounded_up(*expanded_uncertainty);
+    return fmt::format(
+        "{}{} ± {}{}",
+        format_fixed(value, decimals_of(*expanded_uncertainty, std::nullopt)), with_unit,
+        uncertainty, with_unit);
+}
+
+std::string figure_value_text(const Figure& figure) {
+    if (!figure.shown.empty()) return figure.shown;
+    const std::string text =
+        quantity_text(figure.value, figure.expanded_uncertainty, figure.unit);
+    return figure.expanded_uncertainty && *figure.expanded_uncertainty > 0.0 ? text + " (k = 2)"
+                                                                             : text;
+}
+
+std::string figure_text(const Figure& figure) {
+    return fmt::format("{}: {}{}{}", figure.name, figure_value_text(figure),
+                       figure.note.empty() ? "" : "; ", figure.note);
+}
+
+std::string coverage_text(double coverage_factor) {
+    return fmt::format("{}", rounded(coverage_factor, 2));
+}
+
+std::string speed_text(double speed_m_s, std::optional<double> uncertainty_m_s,
+                       const SpeedUnit& unit) {
+    int decimals = unit.decimals;
+    if (uncertainty_m_s)
+        decimals = std::max(decimals, uncertainty_decimals(*uncertainty_m_s * unit.per_m_s));
+    return format_fixed(speed_m_s * unit.per_m_s, decimals);
+}
+
+std::string speed_with_uncertainty_text(double speed_m_s, double expanded_uncertainty_m_s,
+                                        const SpeedUnit& unit) {
+    return measured_speed_text(
+        shown_in({.speed_m_s = speed_m_s, .expanded_uncertainty_m_s = expanded_uncertainty_m_s},
+                 unit));
+}
+
+ShownFigures shown_in(const SpeedsToShow& speeds, const SpeedUnit& unit,
+                      std::optional<int> rule_decimals) {
+    const double expanded = speeds.expanded_uncertainty_m_s * unit.per_m_s;
+    const int decimals = decimals_of(expanded, rule_decimals);
+    const auto shown = [&](double speed_m_s, SafeSide side) {
+        return shown_figure(speed_m_s * unit.per_m_s, decimals, side);
+    };
+    ShownFigures figures{.unit = std::string(unit.name),
+                         .speed = shown(speeds.speed_m_s, SafeSide::down),
+                         .expanded_uncertainty = shown_figure(
+                             expanded, std::max(decimals, decimals_of(expanded, std::nullopt)),
+                             SafeSide::up)};
+    if (speeds.required_speed_m_s)
+        figures.required_speed = shown(*speeds.required_speed_m_s, SafeSide::up);
+    if (speeds.acceptance_limit_m_s)
+        figures.acceptance_limit = shown(*speeds.acceptance_limit_m_s, SafeSide::up);
+    return figures;
+}
+
+ShownFigures shown_of(const ProfileVerdict& verdict, std::string_view unit) {
+    if (verdict.shown) return *verdict.shown;
+    SpeedsToShow speeds{
+        .speed_m_s = verdict.speed_m_s.value(),
+        .expanded_uncertainty_m_s = verdict.expanded_uncertainty_m_s.value_or(0.0),
+        .required_speed_m_s = verdict.required_speed_m_s};
+    if (verdict.decision) speeds.acceptance_limit_m_s = verdict.decision->acceptance_limit_m_s;
+    return shown_in(speeds, speed_unit(unit));
+}
+
+std::string beside(const ShownFigures& shown, double speed_m_s, SafeSide side) {
+    const std::size_t point = shown.speed.find('.');
+    const int decimals =
+        point == std::string::npos ? 0 : static_cast<int>(shown.speed.size() - point - 1);
+    return shown_figure(speed_m_s * speed_unit(shown.unit).per_m_s, decimals, side);
+}
+
+std::string measured_speed_text(const ShownFigures& shown) {
+    return fmt::format("{0} {2} ± {1} {2}", shown.speed, shown.expanded_uncertainty, shown.unit);
+}
+
+std::string measured_speed_text(const ShownFigures& shown, double coverage_factor) {
+    return fmt::format("{} (k = {})", measured_speed_text(shown), coverage_text(coverage_factor));
+}
+
+std::string seconds_text(ElapsedTime time) {
+    return format_fixed(time.seconds(), 3) + " s";
+}
+
+std::string utc_text(GpsTime time) {
+    return without_letters(to_utc_iso(time, 3));
+}
+
+std::string gps_text(GpsTime time) {
+    return without_letters(to_iso(time, 3));
+}
+
+std::string scientific_text(double value) {
+    return fmt::format("{:.1e}", value);
+}
+
+}  // namespace runcert

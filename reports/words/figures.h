@@ -1,0 +1,105 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "core/gps_time.h"
+#include "core/prose.h"
+#include "core/rounding.h"
+#include "schemas/verdict/verdict.h"
+
+// Figures and units as people read them: the one place that writes them. A measured speed is rounded
+// down, an expanded uncertainty, a required speed and an acceptance limit up, so that what is shown
+// never claims more than what was computed (`shown_in`).
+
+namespace runcert {
+
+/// A unit in which speeds are given.
+struct SpeedUnit {
+    std::string_view key;   ///< in the names of fields: "km_h"
+    std::string_view name;  ///< as written: "km/h"
+    double per_m_s = 1.0;   ///< so many of it are 1 m/s
+    int decimals = 2;       ///< of a speed that is shown
+    int decimals_kept = 4;  ///< of a speed in the report's fields
+};
+
+/// km/h, m/s, kn, mph (knot 1852 m/h, statute mile 1609.344 m, both exact).
+const std::array<SpeedUnit, 4>& speed_units();
+
+/// The one of that name ("km/h"), km/h where it is empty. Failure where it is not known.
+const SpeedUnit& speed_unit(std::string_view name);
+
+/// A standard uncertainty or another small size, rounded to two significant digits: "0.018".
+std::string uncertainty_text(double uncertainty);
+
+/// A figure with so many significant digits: "0.00058", "-72.0", "4100"; "0" for zero. Below 1e-6
+/// as scientific_text writes it.
+std::string significant_text(double value, int digits);
+
+/// A figure in its shortest form, with its unit where it has one: "202.9", "1000 m".
+std::string number_text(double value, std::string_view unit = {});
+
+/// A quantity with its expanded uncertainty, rounded up to two significant digits, and the unit with
+/// both: "0.42 m ± 0.08 m"; without an uncertainty with six significant digits at most.
+std::string quantity_text(double value, std::optional<double> expanded_uncertainty = std::nullopt,
+                          std::string_view unit = {});
+
+/// A figure of a verdict: as the verdict shows it, else by `quantity_text`, "0.42 m ± 0.08 m
+/// (k = 2)".
+std::string figure_value_text(const Figure& figure);
+
+/// The same with its name and note: "height difference: 0.42 m ± 0.08 m (k = 2); above the ellipsoid".
+std::string figure_text(const Figure& figure);
+
+/// A coverage factor with at most two decimals: "2", "2.07".
+std::string coverage_text(double coverage_factor);
+
+/// A speed that is not the measured one, rounded to the nearest, with the decimals usual for its
+/// unit or, where these are more, those of its uncertainty: "216.009".
+std::string speed_text(double speed_m_s, std::optional<double> uncertainty_m_s,
+                       const SpeedUnit& unit);
+
+/// A speed with its expanded uncertainty, rounded to the safe side: "216.00 km/h ± 0.02 km/h".
+std::string speed_with_uncertainty_text(double speed_m_s, double expanded_uncertainty_m_s,
+                                        const SpeedUnit& unit);
+
+/// Speeds of one verdict that are shown beside one another, m/s.
+struct SpeedsToShow {
+    double speed_m_s = 0.0;
+    double expanded_uncertainty_m_s = 0.0;
+    std::optional<double> required_speed_m_s = std::nullopt;
+    std::optional<double> acceptance_limit_m_s = std::nullopt;
+};
+
+/// The speeds in a unit as they are to be read: all with the same decimals, those of the expanded
+/// uncertainty's two significant digits but no more than `rule_decimals`; the uncertainty with its
+/// two digits. Failure (at "rounding") for a speed that is not finite.
+ShownFigures shown_in(const SpeedsToShow& speeds, const SpeedUnit& unit,
+                      std::optional<int> rule_decimals = std::nullopt);
+
+/// A verdict's shown figures; of a verdict that states none, made from its numbers in that unit. The
+/// verdict has a speed.
+ShownFigures shown_of(const ProfileVerdict& verdict, std::string_view unit);
+
+/// A speed with the decimals of figures that are shown beside it, rounded to that side: "224.21".
+std::string beside(const ShownFigures& shown, double speed_m_s, SafeSide side);
+
+/// "232.17 km/h ± 0.17 km/h".
+std::string measured_speed_text(const ShownFigures& shown);
+/// The same with the coverage factor: "232.17 km/h ± 0.17 km/h (k = 2)".
+std::string measured_speed_text(const ShownFigures& shown, double coverage_factor);
+
+/// "20.100 s": three decimals.
+std::string seconds_text(ElapsedTime time);
+
+/// "2022-03-18 08:51:04.300" of a GPS time, in UTC.
+std::string utc_text(GpsTime time);
+/// The same instant on the GPS time scale.
+std::string gps_text(GpsTime time);
+
+/// "4.1e-09": two significant digits of a small figure.
+std::string scientific_text(double value);
+
+}  // namespace runcert

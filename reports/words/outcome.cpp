@@ -1,0 +1,70 @@
+#include "reports/words/outcome.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/prose.h"
+
+namespace runcert {
+namespace {
+
+std::string beaten_title(const OutcomeState& state) {
+    const Standing& standing = state.standing;
+    if (standing.state == StandingState::complete && !state.rule_altered) return "Record beaten";
+    std::vector<std::string> open;
+    if (standing.attestations > 0)
+        open.push_back(
+            fmt::format("{} still to be attested", counted(standing.attestations, "requirement")));
+    if (standing.signatures > 0)
+        open.push_back(fmt::format("{} required", counted(standing.signatures, "signature")));
+    return fmt::format("Measured speed exceeds the record{}{}{}",
+                       state.rule_altered ? " under altered rules" : "", open.empty() ? "" : "; ",
+                       listed(open));
+}
+
+}  // namespace
+
+Standing standing_of(const std::vector<Requirement>& requirements, std::int64_t signatures) {
+    Standing standing{
+        .attestations = std::ranges::count(requirements, RequirementStatus::attest,
+                                           &Requirement::status),
+        .signatures = signatures};
+    if (standing.attestations == 0 && standing.signatures == 0)
+        standing.state = StandingState::complete;
+    return standing;
+}
+
+OutcomeState state_of(const ProfileVerdict& verdict) {
+    return {.outcome = verdict.outcome,
+            .standing = verdict.standing,
+            .record_named = verdict.record.has_value(),
+            .rule_altered = !verdict.overrides.empty()};
+}
+
+OutcomeWords outcome_words(const OutcomeState& state) {
+    switch (state.outcome) {
+        case Outcome::beaten:
+            return {beaten_title(state), "✓", "yes"};
+        case Outcome::not_beaten:
+            return {"Record not beaten: measured speed below the required speed", "✗", "no"};
+        case Outcome::not_proven:
+            return state.record_named
+                       ? OutcomeWords{"Not proven: required speed within the uncertainty", "?",
+                                      "open"}
+                       : OutcomeWords{"Speed measured; the attempt names no record", "–", "open"};
+        case Outcome::not_certifiable:
+            break;
+    }
+    return {"Not certifiable", "⊘", "refused"};
+}
+
+std::string standing_text(const Standing& standing) {
+    if (standing.state == StandingState::complete) return "complete";
+    std::vector<std::string> open;
+    if (standing.attestations > 0) open.push_back(counted(standing.attestations, "attestation"));
+    if (standing.signatures > 0) open.push_back(counted(standing.signatures, "signature"));
+    return "awaiting " + listed(open);
+}
+
+}  // namespace runcert

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "schemas/verdict/verdict.h"
+
+// What a rule's outcome and its standing are called, on every page and terminal.
+
+namespace runcert {
+
+/// Counts what people must still answer for: requirements to be attested among these, and the
+/// signatures that attempt and rule require of a report (a verdict has none yet).
+Standing standing_of(const std::vector<Requirement>& requirements, std::int64_t signatures);
+
+/// What a title speaks of.
+struct OutcomeState {
+    Outcome outcome = Outcome::not_certifiable;
+    Standing standing = {};
+    bool record_named = false;
+    bool rule_altered = false;  ///< the attempt replaced figures of the rule
+};
+OutcomeState state_of(const ProfileVerdict& verdict);
+
+/// An outcome as people read it.
+struct OutcomeWords {
+    std::string title;
+    std::string mark;  ///< a sign beside the title: "✓"
+    std::string tone;  ///< how a page colours it: "yes", "open", "no" or "refused"
+};
+
+/// "Record beaten" only where the measurement says so, the rule is the body's own and nothing is
+/// left to be attested or signed; else what was measured and what it waits for: "Measured speed
+/// exceeds the record; 5 requirements still to be attested".
+OutcomeWords outcome_words(const OutcomeState& state);
+
+/// "complete", or "awaiting 5 attestations and 2 signatures".
+std::string standing_text(const Standing& standing);
+
+}  // namespace runcert

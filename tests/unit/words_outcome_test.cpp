@@ -1,0 +1,73 @@
+#include <gtest/gtest.h>
+
+#include <set>
+
+#include "reports/words/outcome.h"
+
+namespace runcert::RUNCERT_FILE {
+namespace {
+
+std::vector<Requirement> requirements(std::initializer_list<RequirementStatus> of) {
+    std::vector<Requirement> list;
+    for (const RequirementStatus status : of)
+        list.push_back({.clause = "c", .status = status});
+    return list;
+}
+
+constexpr auto met = RequirementStatus::met;
+constexpr auto attest = RequirementStatus::attest;
+
+std::string title(const OutcomeState& state) {
+    return outcome_words(state).title;
+}
+
+OutcomeState beaten(Standing standing, bool altered = false) {
+    return {.outcome = Outcome::beaten,
+            .standing = standing,
+            .record_named = true,
+            .rule_altered = altered};
+}
+
+TEST(WordsOfOutcomes, TheStandingCountsWhatPeopleMustStillAnswerFor) {
+    EXPECT_EQ(standing_text(standing_of(requirements({met, met}), 0)), "complete");
+    EXPECT_EQ(standing_text(standing_of(requirements({met, attest}), 0)),
+              "awaiting 1 attestation");
+    EXPECT_EQ(standing_text(standing_of(requirements({attest, attest}), 2)),
+              "awaiting 2 attestations and 2 signatures");
+    EXPECT_EQ(standing_text(standing_of(requirements({met}), 1)), "awaiting 1 signature");
+    EXPECT_EQ(standing_of({}, 0).state, StandingState::complete);
+}
+
+// DESIGN, "Outcome and standing are two things".
+TEST(WordsOfOutcomes, ARecordIsBeatenOnlyWhereNothingIsOpenAndTheRuleIsTheBodysOwn) {
+    EXPECT_EQ(title(beaten(standing_of(requirements({met}), 0))), "Record beaten");
+    EXPECT_EQ(title(beaten(standing_of(requirements({met}), 0), true)),
+              "Measured speed exceeds the record under altered rules");
+    EXPECT_EQ(title(beaten(standing_of(requirements({attest}), 0))),
+              "Measured speed exceeds the record; 1 requirement still to be attested");
+    EXPECT_EQ(title(beaten(standing_of(requirements({attest, attest}), 2), true)),
+              "Measured speed exceeds the record under altered rules; 2 requirements still to be "
+              "attested and 2 signatures required");
+}
+
+TEST(WordsOfOutcomes, ANegativeOutcomeGivesItsReason) {
+    OutcomeState state{.outcome = Outcome::not_proven, .record_named = true};
+    EXPECT_EQ(title(state), "Not proven: required speed within the uncertainty");
+    state.record_named = false;
+    EXPECT_EQ(title(state), "Speed measured; the attempt names no record");
+    state.outcome = Outcome::not_beaten;
+    EXPECT_EQ(title(state), "Record not beaten: measured speed below the required speed");
+    state.outcome = Outcome::not_certifiable;
+    EXPECT_EQ(title(state), "Not certifiable");
+}
+
+TEST(WordsOfOutcomes, EveryOutcomeHasItsOwnMark) {
+    std::set<std::string> marks;
+    for (const Outcome outcome : {Outcome::beaten, Outcome::not_beaten, Outcome::not_proven,
+                                  Outcome::not_certifiable})
+        marks.insert(outcome_words({.outcome = outcome, .record_named = true}).mark);
+    EXPECT_EQ(marks.size(), 4U);
+}
+
+}  // namespace
+}  // namespace runcert::RUNCERT_FILE

@@ -6,6 +6,7 @@
 #include "core/text.h"
 #include "reports/audit/screening_parts.h"
 #include "reports/audit/words.h"
+#include "reports/words/screening.h"
 
 namespace runcert {
 namespace {
@@ -83,17 +84,13 @@ std::string noise_text(const ScreenedTable& table) {
 }
 
 std::string tests_text(const ScreeningBasis& basis) {
-    const double rate = basis.family_false_alarm_rate;
     std::string text = fmt::format("Tests. {} planned, the recording gone through {}.",
                                    counted(basis.tests, "test"), counted(basis.passes, "time"));
-    if (rate > 0.0 && basis.test_size > 0.0)
-        text += fmt::format(
-            " A test rejects by chance {}: in a recording without an outlier, and with that "
-            "noise, the tests together mark anything in at most 1 of {} recordings.",
-            once_in(basis.test_size),
-            counted(static_cast<std::int64_t>(std::floor(1.0 / rate + 1e-9))));
+    if (basis.family_false_alarm_rate > 0.0 && basis.test_size > 0.0)
+        text += fmt::format(" One test rejects by chance {}; {}.", once_in(basis.test_size),
+                            false_alarm_text(basis));
     return text + fmt::format(
-                      " An error of the smallest detectable size (see the end) is found with a "
+                      " An error of the minimal detectable size (see the end) is found with a "
                       "probability of {} %.",
                       format_fixed(100.0 * basis.power, 1));
 }
@@ -113,51 +110,6 @@ std::string motion_text(const ScreenedTable& table) {
         "granted, at most by {} m/s^2 (epoch {}): a manoeuvre of the craft explains the data "
         "better than an error, and the tests allow for it.",
         counted(manoeuvres, "epoch"), format_fixed(*largest->manoeuvre_m_s2, 1), largest->epoch);
-}
-
-std::string device_text(const DeviceSigns& device) {
-    return fmt::format(
-        "Device. Of {} recorded in motion {} repeat the one before (held), and {} lie in line with "
-        "their neighbours to the last digit (interpolated), where chance makes {}.",
-        counted(device.moving, "position"), counted(device.held), counted(device.interpolated),
-        format_fixed(device.by_chance, 1));
-}
-
-std::string kind_sentence(const FixTypeErrors& kind) {
-    const std::string what = fmt::format(" {}, {} ({}): ", capitalised(words_of(kind.fix)),
-                                         adverb(kind.axes), counted(kind.epochs, "epoch"));
-    const std::string factor = fmt::format(
-        "errors {} times as large as stated (variance factor {})",
-        format_fixed(std::sqrt(kind.variance_factor), 2), format_fixed(kind.variance_factor, 3));
-    if (kind.judgement == AccuracyJudgement::too_few_epochs)
-        return what + "too few epochs to tell how large its errors are.";
-    if (kind.judgement == AccuracyJudgement::optimistic)
-        return what + factor + ": the stated standard deviation is optimistic: the errors are larger.";
-    if (kind.judgement == AccuracyJudgement::pessimistic)
-        return what + factor + ": the stated standard deviation is pessimistic: the errors are smaller.";
-    return what + factor + ": as stated.";
-}
-
-std::string velocity_text(const VelocityComparison& velocity) {
-    std::string text =
-        fmt::format("Velocities. Recorded velocities were compared with the motion at {}",
-                    counted(velocity.compared, "epoch"));
-    if (velocity.compared == 0)
-        return text +
-               ": too few could be compared, or they never change; nothing follows from "
-               "them.";
-    text += fmt::format("; they differ by {} m/s (robust standard deviation of each component).",
-                        format_fixed(velocity.scale_m_s, 3));
-    if (velocity.delay_s)
-        text += fmt::format(" They are {} s{} {} the positions.",
-                            format_fixed(std::abs(*velocity.delay_s), 3),
-                            velocity.sigma_delay_s
-                                ? fmt::format(" ± {} s", format_fixed(*velocity.sigma_delay_s, 3))
-                                : "",
-                            *velocity.delay_s < 0.0 ? "ahead of" : "behind");
-    else
-        text += " The motion does not tell whether they are late.";
-    return text + fmt::format(" They contradict {}.", counted(velocity.rejected, "epoch"));
 }
 
 std::string time_text(const ScreenedTable& table) {
@@ -188,16 +140,7 @@ std::string fault_line(const ScreenedTable& table, const TimeFault& fault) {
     std::string where = fmt::format("at epoch {}", fault.epoch);
     if (row != table.rows.end() && row->source_line)
         where += fmt::format(" (line {})", *row->source_line);
-    const std::string size = format_fixed(std::abs(fault.size_s), 3) + " s";
-    const std::string what =
-        fault.kind == TimeFaultKind::gap         ? size + " missing"
-        : fault.kind == TimeFaultKind::backward  ? "the clock goes back by " + size
-        : fault.kind == TimeFaultKind::duplicate ? "the time of the epoch before"
-        : fault.kind == TimeFaultKind::session
-            ? fmt::format("another session begins, {} {}", size,
-                          fault.size_s < 0.0 ? "back" : "later")
-            : fmt::format("the clock jumps by {} while the positions go on", size);
-    return where + ": " + what;
+    return where + ": " + time_fault_text(fault);
 }
 
 std::string limits_text(const ScreenedTable& table) {
@@ -214,14 +157,6 @@ std::string limits_text(const ScreenedTable& table) {
     return text + fmt::format("; {} beyond them.", counted(limits.rejected, "epoch"));
 }
 
-std::string baseline_text(const BaselineComparison& baseline) {
-    return fmt::format(
-        "Other receiver. Compared with {} at {}: the antennas are {} m apart, with a standard "
-        "deviation of {} m; {} contradicted.",
-        baseline.receiver, counted(baseline.compared, "epoch"), format_fixed(baseline.length_m, 3),
-        format_fixed(baseline.sd_m, 3), counted(baseline.rejected, "epoch"));
-}
-
 }  // namespace
 
 std::vector<Block> basis_blocks(const ScreenedTable& table, const AuditSubject& subject) {
@@ -232,12 +167,14 @@ std::vector<Block> basis_blocks(const ScreenedTable& table, const AuditSubject& 
     const ScreeningBasis& basis = table.basis;
     if (!basis.models.empty()) say(noise_text(table));
     say(tests_text(basis));
-    std::string kinds = "Solutions.";
-    for (const FixTypeErrors& kind : basis.fix_types)
-        kinds += kind_sentence(kind);
+    std::string kinds = "Fix types.";
+    for (const FixTypeErrors& errors : basis.fix_types)
+        kinds += fmt::format(" {}, {}.", capitalised(words_of(errors.fix)),
+                             fix_type_errors_text(errors));
     if (!basis.fix_types.empty()) say(kinds);
-    say(basis.velocity ? velocity_text(*basis.velocity)
-                       : "Velocities. None, or fewer than 30, were recorded.");
+    say(basis.velocity
+            ? fmt::format("Recorded velocities: {}.", velocity_comparison_text(*basis.velocity))
+            : "Velocities. None, or fewer than 30, were recorded.");
     say(time_text(table));
     Entries faults{.items = {}, .nested = true};
     for (const TimeFault& fault : basis.time.faults)
@@ -245,8 +182,11 @@ std::vector<Block> basis_blocks(const ScreenedTable& table, const AuditSubject& 
     if (!faults.items.empty()) blocks.emplace_back(std::move(faults));
     say(limits_text(table));
     if (std::string motion = motion_text(table); !motion.empty()) say(std::move(motion));
-    if (basis.device) say(device_text(*basis.device));
-    say(basis.baseline ? baseline_text(*basis.baseline)
+    if (basis.device)
+        say(fmt::format("Signs of positions that were not measured: {}.",
+                        device_signs_text(*basis.device)));
+    say(basis.baseline ? fmt::format("Other receiver {}.",
+                                     baseline_comparison_text(*basis.baseline))
                        : "Other receiver. None was compared with this one.");
     return blocks;
 }

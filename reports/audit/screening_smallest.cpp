@@ -21,7 +21,7 @@ constexpr Quantity quantities[] = {
     {"A step of the positions", "m", 3, &MinimalDetectableBias::step_m},
     {"A drift of the positions", "m/s", 3, &MinimalDetectableBias::ramp_m_s},
     {"A jump of the time stamps", "s", 4, &MinimalDetectableBias::time_s},
-    {"A wrong height of one epoch", "m", 3, &MinimalDetectableBias::outlier_up_m},
+    {"A height outlier of one epoch", "m", 3, &MinimalDetectableBias::outlier_up_m},
     {"A step of the heights", "m", 3, &MinimalDetectableBias::step_up_m}};
 
 std::string line_of(const Quantity& quantity, const DetectableSizes& sizes) {

@@ -6,15 +6,14 @@
 #include "core/text.h"
 #include "reports/audit/screening.h"
 #include "reports/audit/sections.h"
+#include "reports/words/estimation.h"
 
 namespace runcert {
 namespace {
 
 Facts frame_facts(const EnuTable& table) {
     if (!table.origin)
-        return {{{"Frame",
-                  "an engineering CRS (not tied to the Earth): nobody has stated its place, orientation "
-                  "and scale"}}};
+        return {{{"Frame", engineering_crs_text()}}};
     const Geodetic& at = table.origin->position;
     return {{{"Frame", "east, north and up at the origin, on WGS 84, without the scale of a map"},
              {"Origin",

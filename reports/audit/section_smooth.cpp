@@ -5,44 +5,24 @@
 #include "core/prose.h"
 #include "core/text.h"
 #include "reports/audit/sections.h"
+#include "reports/words/estimation.h"
 
 namespace runcert {
 namespace {
 
-std::string status_words(const NoiseSummary& noise) {
-    if (noise.status == NoiseBasis::fitted)
-        return fmt::format("estimated from {}, by {} evaluations of the likelihood{}",
-                           counted(noise.epochs, "epoch"), counted(noise.evaluations),
-                           noise.converged ? "" : "; the search did NOT converge");
-    if (noise.status == NoiseBasis::too_few_epochs)
-        return fmt::format("not estimated: {}, {} are needed; the stated noise is used",
-                           counted(noise.epochs, "epoch"), counted(noise.epochs_needed));
-    return fmt::format("not estimated: {}; the stated noise is used", words_of(noise.status));
-}
-
-std::string fitted_text(const NoiseParameter& parameter, std::string_view unit) {
-    std::string text =
-        fmt::format("{}{}{}", quantity_text(parameter.value), unit.empty() ? "" : " ", unit);
-    text += parameter.relative_uncertainty
-                ? fmt::format(", known to {} %",
-                              format_fixed(100.0 * *parameter.relative_uncertainty, 1))
-                : ", uncertainty not determined by the data";
-    return text + (parameter.at_bound ? "; AT THE LIMIT of its range" : "");
-}
-
-std::string slow_error_text(const NoiseSummary& noise) {
+std::string correlated_error_text(const NoiseSummary& noise) {
     if (!noise.correlated_error_detected || !noise.error_sigma_m || !noise.error_tau_s)
         return fmt::format(
             "could not be separated from white noise and motion (looked for from {} s to {} s): the "
             "bound of the window stage decides",
             quantity_text(noise.tau_min_s), quantity_text(noise.tau_max_s));
-    return fmt::format("{}; correlation time {}", fitted_text(*noise.error_sigma_m, "m"),
-                       fitted_text(*noise.error_tau_s, "s"));
+    return fmt::format("{}; correlation time {}", noise_parameter_text(*noise.error_sigma_m, noise, "m"),
+                       noise_parameter_text(*noise.error_tau_s, noise, "s"));
 }
 
 /// `follows`: whether the trajectory says the jerk density epoch by epoch.
 std::vector<Block> noise_blocks(const NoiseSummary& noise, bool follows) {
-    Facts facts{{{"Noise", status_words(noise)},
+    Facts facts{{{"Noise", noise_status_text(noise)},
                  {"Stated standard deviation",
                   fmt::format("{} m (root mean square){}", quantity_text(noise.stated_sigma_m),
                               noise.stated_all_equal ? ", the same at all epochs" : "")}}};
@@ -50,8 +30,10 @@ std::vector<Block> noise_blocks(const NoiseSummary& noise, bool follows) {
     const auto add = [&](const char* name, std::string value) {
         facts.facts.push_back({name, std::move(value)});
     };
-    add("Scale of it", fitted_text(noise.measurement_scale, ""));
-    add("Jerk density", fitted_text(noise.jerk_density, "m s^-2.5") +
+    add("Search", fmt::format("{} of the likelihood{}", counted(noise.evaluations, "evaluation"),
+                              noise.converged ? "" : "; it did NOT converge"));
+    add("Scale of the stated standard deviation", noise_parameter_text(noise.measurement_scale, noise));
+    add("Jerk density", noise_parameter_text(noise.jerk_density, noise, "m s^-2.5") +
                             (follows ? "; the trajectory takes the larger of this and what the "
                                        "motion shows there (column jerk_density)"
                                      : ""));
@@ -59,11 +41,11 @@ std::vector<Block> noise_blocks(const NoiseSummary& noise, bool follows) {
         noise.acceleration_time_s
             ? fmt::format("correlation time {}; that is more likely than that it persists (log-likelihood "
                           "{} higher)",
-                          fitted_text(*noise.acceleration_time_s, "s"),
+                          noise_parameter_text(*noise.acceleration_time_s, noise, "s"),
                           format_fixed(noise.singer_gain, 2))
             : fmt::format("persists: that it decays is no better (log-likelihood {} higher)",
                           format_fixed(noise.singer_gain, 2)));
-    add("Time-correlated error", slow_error_text(noise));
+    add("Time-correlated error", correlated_error_text(noise));
     add("Models weighed", counted(std::ssize(noise.posterior)) + ", by their profile likelihood");
     return {std::move(facts)};
 }

@@ -3,6 +3,7 @@
 #include "core/prose.h"
 #include "core/text.h"
 #include "reports/audit/sections.h"
+#include "reports/words/screening.h"
 
 namespace runcert {
 namespace {
@@ -119,9 +120,9 @@ Facts checks_of(const CertifiableWindow& best) {
     if (best.monte_carlo) add("Check of linearisation", monte_carlo_text(*best.monte_carlo));
     for (const UndetectedError& error : best.reliability)
         add("Undetected error",
-            fmt::format("{} of {} {} at epochs {} to {}: changes the speed by {} m/s",
-                        to_text(error.hypothesis), quantity_text(error.size), error.unit, error.epoch,
-                        error.last_epoch, quantity_text(error.speed_m_s)));
+            fmt::format("{}, {} {} {}: changes the speed by {} m/s",
+                        tested_error_text(error.hypothesis), quantity_text(error.size), error.unit,
+                        where_text(error), quantity_text(error.speed_m_s)));
     return facts;
 }
 

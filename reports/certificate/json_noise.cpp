@@ -9,6 +9,7 @@
 #include "core/rounding.h"
 #include "core/text.h"
 #include "reports/certificate/json_facts.h"
+#include "reports/words/estimation.h"
 
 namespace runcert {
 
@@ -16,44 +17,16 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-std::string status_text(const NoiseSummary& noise) {
-    if (noise.status == NoiseBasis::fitted)
-        return fmt::format("estimated from {}", counted(noise.epochs, "epoch"));
-    if (noise.status == NoiseBasis::too_few_epochs)
-        return fmt::format("not estimated: {} where {} are needed",
-                           counted(noise.epochs, "usable epoch"), noise.epochs_needed);
-    return fmt::format("as stated: {}", words_of(noise.status));
-}
-
-/// A parameter with its uncertainty: as a sum where that is small, else as a factor, since it is
-/// the logarithm that is nearly normal.
-std::string parameter_text(const NoiseParameter& parameter, const NoiseSummary& noise,
-                           const std::string& unit) {
-    constexpr double small = 0.3;
-    const auto& relative = parameter.relative_uncertainty;
-    std::string text = significant_text(parameter.value, 3) + unit;
-    if (noise.status != NoiseBasis::fitted) return text;
-    if (!relative)
-        text += ", uncertainty not told";
-    else if (*relative<small&& * relative * parameter.value> 0.0) {
-        const double sigma = *relative * parameter.value;
-        text = fmt::format("{} ± {}{}", format_fixed(parameter.value, uncertainty_decimals(sigma)),
-                           uncertainty_text(sigma), unit);
-    } else
-        text += fmt::format(", × or ÷ {}", significant_text(std::exp(*relative), 3));
-    return text + (parameter.at_bound ? ", at a limit of the search" : "");
-}
-
 std::string error_text(const std::optional<NoiseParameter>& parameter, const NoiseSummary& noise,
-                       const std::string& unit) {
+                       std::string_view unit) {
     if (noise.correlated_error_detected && parameter)
-        return parameter_text(*parameter, noise, unit);
-    return noise.status == NoiseBasis::fitted ? "not told" : "not looked for";
+        return noise_parameter_text(*parameter, noise, unit);
+    return noise.status == NoiseBasis::fitted ? "not determined by the data" : "not looked for";
 }
 
 std::string acceleration_text(const NoiseSummary& noise) {
     if (!noise.acceleration_time_s) return "acceleration persists";
-    return parameter_text(*noise.acceleration_time_s, noise, " s");
+    return noise_parameter_text(*noise.acceleration_time_s, noise, "s");
 }
 
 std::string search_text(const NoiseSummary& noise) {
@@ -94,31 +67,31 @@ struct NoiseLine {
 };
 
 constexpr std::array<NoiseLine, 11> noise_lines{{
-    {"Noise", [](const AxesEstimation& axes) { return status_text(axes.noise); }},
+    {"Noise", [](const AxesEstimation& axes) { return noise_status_text(axes.noise); }},
     {"Jerk density of the motion",
      [](const AxesEstimation& axes) {
-         return parameter_text(axes.noise.jerk_density, axes.noise, " m s^-2.5");
+         return noise_parameter_text(axes.noise.jerk_density, axes.noise, "m s^-2.5");
      }},
     {"Correlation time of the acceleration",
      [](const AxesEstimation& axes) { return acceleration_text(axes.noise); }},
     {"Scale of the stated standard deviations",
      [](const AxesEstimation& axes) {
          return fmt::format(
-             "{}; stated {} m, {}", parameter_text(axes.noise.measurement_scale, axes.noise, ""),
+             "{}; stated {} m, {}", noise_parameter_text(axes.noise.measurement_scale, axes.noise, ""),
              significant_text(axes.noise.stated_sigma_m, 2),
              axes.noise.stated_all_equal ? "equal at all epochs" : "root mean square");
      }},
     {"Time-correlated position error, standard deviation",
      [](const AxesEstimation& axes) {
-         return error_text(axes.noise.error_sigma_m, axes.noise, " m");
+         return error_text(axes.noise.error_sigma_m, axes.noise, "m");
      }},
     {"its correlation time",
      [](const AxesEstimation& axes) {
-         return error_text(axes.noise.error_tau_s, axes.noise, " s");
+         return error_text(axes.noise.error_tau_s, axes.noise, "s");
      }},
-    {"how it wanders at first",
+    {"its diffusion over short times",
      [](const AxesEstimation& axes) {
-         return error_text(axes.noise.error_diffusion, axes.noise, " m s^-0.5");
+         return error_text(axes.noise.error_diffusion, axes.noise, "m s^-0.5");
      }},
     {"Search", [](const AxesEstimation& axes) { return search_text(axes.noise); }},
     {"Autocorrelation of the innovations, lag 1",

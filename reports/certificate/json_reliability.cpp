@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/rounding.h"
+#include "core/text.h"
+#include "reports/words/screening.h"
 
 namespace runcert {
 
@@ -13,96 +15,33 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
-/// A size that stands in the file for one without limit.
-constexpr double without_limit = 1e6;
-
 bool is(const UndetectedError& error, Hypothesis hypothesis) {
     return error.hypothesis == hypothesis;
-}
-
-bool is_unlimited(const UndetectedError& error) {
-    return error.size >= without_limit || error.speed_m_s >= without_limit;
-}
-
-/// The stretch's tests see no such error, or the speed does not depend on it.
-bool is_nothing(const UndetectedError& error) {
-    return !(error.speed_m_s > 0.0);
-}
-
-std::string kind_words(const UndetectedError& error) {
-    if (is(error, Hypothesis::outlier)) return "outlier of one epoch";
-    if (is(error, Hypothesis::burst)) return "outliers of several epochs";
-    if (is(error, Hypothesis::step)) return "step of the positions";
-    if (is(error, Hypothesis::ramp)) return "drift of the positions";
-    if (is(error, Hypothesis::time_shift)) return "jump of the time stamps";
-    return std::string(to_text(error.hypothesis));
-}
-
-/// "before epoch 812", "at epochs 812 to 815", "from epoch 812 on".
-std::string where_text(const UndetectedError& error) {
-    if (error.epoch != error.last_epoch)
-        return fmt::format("at epochs {} to {}", error.epoch, error.last_epoch);
-    if (is(error, Hypothesis::outlier) || is(error, Hypothesis::burst))
-        return fmt::format("at epoch {}", error.epoch);
-    if (is(error, Hypothesis::ramp)) return fmt::format("from epoch {} on", error.epoch);
-    return fmt::format("before epoch {}", error.epoch);
-}
-
-std::string size_text(const UndetectedError& error) {
-    return fmt::format("{} {}", significant_text(error.size, 2),
-                       error.unit == "m / s" ? "m/s" : error.unit);
 }
 
 std::string speed_words(const UndetectedError& error, const SpeedUnit& unit) {
     return fmt::format("{} {}", significant_text(error.speed_m_s * unit.per_m_s, 3), unit.name);
 }
 
-/// "step of 0.10 m (before epoch 812)".
-std::string error_words(const UndetectedError& error) {
-    const std::string size = size_text(error);
-    const std::string where = where_text(error);
-    if (is(error, Hypothesis::outlier))
-        return fmt::format("error of one position by {} ({})", size, where);
-    if (is(error, Hypothesis::burst))
-        return fmt::format("error of several positions by {} ({})", size, where);
-    if (is(error, Hypothesis::step)) return fmt::format("step of {} ({})", size, where);
-    return fmt::format("{} of {} ({})", kind_words(error), size, where);
-}
-
-std::string worst_words(const UndetectedError& error, double power, const SpeedUnit& unit) {
-    if (is_nothing(error))
-        return "No undetected error of a position, and no step, could have changed the speed.";
-    if (is_unlimited(error))
-        return fmt::format(
-            "A {} ({}) could not be detected whatever its size: what it could have done to the "
-            "speed has no limit.",
-            kind_words(error), where_text(error));
-    return fmt::format(
-        "An undetected {} could have changed the speed by at most {}; larger ones are found with a "
-        "probability of more than {:g}.",
-        error_words(error), speed_words(error, unit), power);
-}
-
-/// A drift is a time-correlated error, whose bound is a row of the budget; but the positions of one receiver
-/// cannot tell a steady drift from motion, so that the tests find only one far beyond that bound.
+/// A drift is a time-correlated error, whose bound is a row of the budget. The positions of one
+/// receiver do not separate a steady drift from motion, so the tests find only one far beyond it.
 std::string drift_words(const UndetectedError& drift, const SpeedUnit& unit) {
     const std::string covered =
-        "A drift of the positions is covered as a time-correlated error, as far as the bound of row b goes, "
-        "and not added again";
-    if (is_nothing(drift))
-        return covered + "; no undetected one beyond it could have changed the speed.";
-    if (is_unlimited(drift)) return covered + ". Beyond it the tests find none, whatever its rate.";
+        "A drift of the positions is covered as a time-correlated error up to the bound of row b, "
+        "and not added again. ";
+    if (is_harmless(drift)) return covered + "No undetected one beyond it could change the speed.";
+    if (is_unlimited(drift)) return covered + "Beyond it the tests find none, whatever its rate.";
     return fmt::format(
-        "{}. Beyond it the tests would find one, with that probability, from a rate of {} ({}), "
-        "which changes the speed by {}: one between the two is not in the uncertainty.",
+        "{}The tests would find one, with that probability, from a rate of {} ({}), which changes "
+        "the speed by {}. A drift between the two is not in the uncertainty.",
         covered, size_text(drift), where_text(drift), speed_words(drift, unit));
 }
 
 Json error_json(const UndetectedError& error, const SpeedUnit& unit) {
     Json json = members_json(error);
-    const bool nothing = is_nothing(error);
+    const bool nothing = is_harmless(error);
     const bool unlimited = is_unlimited(error);
-    json["kind_text"] = kind_words(error);
+    json["kind_text"] = tested_error_text(error.hypothesis);
     json["where_text"] = nothing ? "–" : where_text(error);
     json["size_text"] = nothing ? "–" : unlimited ? "any" : size_text(error);
     json["change_text"] = nothing     ? "0"
@@ -127,7 +66,8 @@ Json shown_json(const CertifiableWindow& window, const SpeedUnit& unit) {
     });
     Json json = Json::object();
     if (worst != errors.end())
-        json["reliability_words"] = worst_words(*worst, *window.detection_power, unit) +
+        json["reliability_words"] = capitalised(undetected_error_text(*worst, *window.detection_power, unit)) +
+                                    "." +
                                     (has_row(window, "d") ? " Row d of the budget is for it." : "");
     if (drift != errors.end()) json["drift_words"] = drift_words(*drift, unit);
     json["reliability_unit"] = unit.name;

@@ -8,6 +8,7 @@
 
 #include "core/geodesy.h"
 #include "core/tangent_plane.h"
+#include "reports/words/screening.h"
 #include "stages/window/reliability.h"
 
 namespace runcert {
@@ -230,7 +231,7 @@ BudgetRow undetected_row(const BudgetInput& input) {
     const UndetectedError* worst = undetected_in_budget(input.reliability);
     return bounded_row(
         "d", "undetected step or outlier", worst ? worst->speed_m_s : 0.0, "m / s", 1.0,
-        worst ? undetected_words(*worst, input.detection_power)
+        worst ? undetected_error_text(*worst, input.detection_power, speed_unit("m/s"))
               : std::string("not quantified: the screened epochs do not state the largest error "
                             "that could have been missed"));
 }

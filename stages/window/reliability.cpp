@@ -153,27 +153,6 @@ template std::vector<UndetectedError> undetected_errors<2>(const ScreenedTable&,
                                                            const WindowStretch<2>&,
                                                            std::span<const PositionVector<2>>);
 
-std::string undetected_words(const UndetectedError& error, double power) {
-    const bool epochs =
-        error.hypothesis == Hypothesis::outlier || error.hypothesis == Hypothesis::burst;
-    const std::string what =
-        error.hypothesis == Hypothesis::time_shift ? std::string("shift of the time stamps")
-        : error.hypothesis == Hypothesis::burst    ? std::string("error of several epochs")
-                                                   : std::string(to_text(error.hypothesis));
-    const std::string size = error.unit == "s"   ? fmt::format("{:.4f} s", error.size)
-                             : error.unit == "m" ? fmt::format("{:.3f} m", error.size)
-                                                 : fmt::format("{:.3f} m/s", error.size);
-    const std::string where =
-        error.epoch == error.last_epoch
-            ? fmt::format("{} epoch {}", epochs ? "at" : "before", error.epoch)
-            : fmt::format("at epochs {} to {}", error.epoch, error.last_epoch);
-    return fmt::format(
-        "an undetected {} of {} {} could have changed the speed by at most {:.4f} m/s; a larger "
-        "one "
-        "is found with a probability of more than {:g}",
-        what, size, where, error.speed_m_s, power);
-}
-
 const UndetectedError* undetected_in_budget(const std::vector<UndetectedError>& reliability) {
     const auto found = std::find_if(
         reliability.begin(), reliability.end(),

@@ -28,8 +28,4 @@ std::vector<UndetectedError> undetected_errors(const ScreenedTable& screened, co
 /// is for, and beyond that bound the ramp's own entry says from which size it would be found.
 const UndetectedError* undetected_in_budget(const std::vector<UndetectedError>& reliability);
 
-/// "an undetected step of 0.103 m before epoch 812 could have changed the speed by at most 0.034
-/// m/s; a larger one is found with a probability of more than 0.8".
-std::string undetected_words(const UndetectedError& error, double power);
-
 }  // namespace runcert

@@ -55,7 +55,7 @@ Result judged(const ScreenedTable& screened) {
     const Attempt attempt = read_attempt(attempt_text, "attempt");
     const std::vector<Profile> profiles{read_profile(builtin_profile("nalsa"), "nalsa")};
     const TrajectoryTable trajectory = smooth_trajectory(screened, smooth_config(attempt));
-    ReceiverResults results;
+    ReceiverFindings results;
     results.receiver = "primary";
     results.facts = screened.facts;
     results.accuracy_source = "recording";

@@ -166,7 +166,8 @@ TEST(GoldenVerdict, RequirementsAndOutcome) {
     EXPECT_EQ(nalsa.shown->unit, "mph");
     EXPECT_EQ(nalsa.shown->speed, "126.10");
     EXPECT_EQ(nalsa.shown->expanded_uncertainty, "0.06");
-    EXPECT_EQ(nalsa.shown->target, "127.08");
+    EXPECT_EQ(nalsa.shown->required_speed, "127.08");
+    EXPECT_EQ(nalsa.shown->acceptance_limit, "127.13");
     EXPECT_EQ(nalsa.current_subtracted_m_s, -0.03125);
 }
 

@@ -139,10 +139,10 @@ TEST(Baseline, NothingIsMarkedInCleanRecordings) {
         pair.record(seed);
         pair.compare();
         alarms += pair.marked ? 1 : 0;
-        ASSERT_EQ(pair.basis().compared, 401);
+        ASSERT_EQ(pair.found().compared, 401);
         // The median of n lengths has a standard deviation of 1.25 sigma / sqrt(n).
-        EXPECT_NEAR(pair.basis().length_m, std::hypot(2.0, 0.5), 5.0 * 1.25 * 0.0141 / 20.0);
-        EXPECT_NEAR(pair.basis().sd_m, 0.0141, 0.004);
+        EXPECT_NEAR(pair.found().length_m, std::hypot(2.0, 0.5), 5.0 * 1.25 * 0.0141 / 20.0);
+        EXPECT_NEAR(pair.found().sd_m, 0.0141, 0.004);
     }
     EXPECT_EQ(alarms, 0);
 }
@@ -157,8 +157,8 @@ TEST(Baseline, AnOutlierIsMarkedInBoth) {
         EXPECT_TRUE(pair.marked);
         EXPECT_EQ(rejected(pair.a), Epochs{156}) << seed;
         EXPECT_EQ(rejected(pair.b), Epochs{156}) << seed;
-        EXPECT_EQ(pair.basis().rejected, 1);
-        EXPECT_EQ(pair.basis().receiver, "secondary");
+        EXPECT_EQ(pair.found().rejected, 1);
+        EXPECT_EQ(pair.found().receiver, "secondary");
         EXPECT_EQ(pair.b.basis.baseline->receiver, "primary");
         for (const ScreenedEpoch* row : {&pair.a.rows[155], &pair.b.rows[155]}) {
             EXPECT_FALSE(row->usable);
@@ -225,7 +225,7 @@ TEST(Baseline, WhatOneReceiverMarkedItselfIsNotCompared) {
     pair.b.rows[250].break_before = ArcBreak::step;
     pair.compare();
     EXPECT_FALSE(pair.marked);
-    EXPECT_EQ(pair.basis().compared, 400);
+    EXPECT_EQ(pair.found().compared, 400);
     EXPECT_TRUE(pair.a.rows[150].usable);
 }
 
@@ -235,7 +235,7 @@ TEST(Baseline, ReceiversOfDifferentRatesAreComparedAtCommonEpochs) {
     pair.record(5);
     pair.compare();
     EXPECT_FALSE(pair.marked);
-    EXPECT_EQ(pair.basis().compared, 81);
+    EXPECT_EQ(pair.found().compared, 81);
 
     // A step of the slow one, between its epochs 40 (19.5 s) and 41 (20.0 s).
     pair.record(5);
@@ -255,8 +255,8 @@ TEST(Baseline, RatesWithoutACommonEpochAreNotCompared) {
     pair.record(6);
     pair.compare();
     EXPECT_FALSE(pair.marked);
-    EXPECT_EQ(pair.basis().compared, 0);
-    EXPECT_EQ(pair.basis().rejected, 0);
+    EXPECT_EQ(pair.found().compared, 0);
+    EXPECT_EQ(pair.found().rejected, 0);
 }
 
 TEST(Baseline, EpochsAreMatchedByGpsTime) {
@@ -270,8 +270,8 @@ TEST(Baseline, EpochsAreMatchedByGpsTime) {
         pair.compare();
         EXPECT_EQ(rejected(pair.a), Epochs{at_ms / 100 + 1});
         EXPECT_EQ(rejected(pair.b), Epochs{(at_ms - first_ms) / 100 + 1});
-        EXPECT_EQ(pair.basis().compared, first_ms < 0 ? 401 : 327);
-        EXPECT_NEAR(pair.basis().length_m, std::hypot(2.0, 0.5), 0.01);
+        EXPECT_EQ(pair.found().compared, first_ms < 0 ? 401 : 327);
+        EXPECT_NEAR(pair.found().length_m, std::hypot(2.0, 0.5), 0.01);
     }
 }
 
@@ -282,7 +282,7 @@ TEST(Baseline, RelativeTimesAreNotCompared) {
     *pair.b.rows[150].east_m += 0.3;
     pair.compare();
     EXPECT_FALSE(pair.marked);
-    EXPECT_EQ(pair.basis().compared, 0);
+    EXPECT_EQ(pair.found().compared, 0);
 }
 
 TEST(Baseline, AConstantDifferenceOfTheClocksShowsInTheLengthAlone) {
@@ -293,8 +293,8 @@ TEST(Baseline, AConstantDifferenceOfTheClocksShowsInTheLengthAlone) {
     pair.compare();
     EXPECT_FALSE(pair.marked);
     // Speed goes up linearly: median 20 m/s, of deviations 5 m/s; antennas mostly ahead.
-    EXPECT_NEAR(pair.basis().length_m, std::hypot(2.0 + 20.0 * 0.020, 0.5), 0.02);
-    EXPECT_NEAR(pair.basis().sd_m, 5.0 * 0.020 / 0.6745, 0.02);
+    EXPECT_NEAR(pair.found().length_m, std::hypot(2.0 + 20.0 * 0.020, 0.5), 0.02);
+    EXPECT_NEAR(pair.found().sd_m, 5.0 * 0.020 / 0.6745, 0.02);
 }
 
 TEST(Baseline, AClockThatJumpsAtSpeedIsAStep) {
@@ -346,11 +346,11 @@ TEST(Baseline, PositionsFromDifferentOriginsAreBroughtTogether) {
     }
     pair.compare();
     EXPECT_FALSE(pair.marked);
-    EXPECT_EQ(pair.basis().compared, 401);
-    EXPECT_NEAR(pair.basis().length_m, std::hypot(2.0, 0.5), 0.01);
+    EXPECT_EQ(pair.found().compared, 401);
+    EXPECT_NEAR(pair.found().length_m, std::hypot(2.0, 0.5), 0.01);
     pair.b.origin.reset();
     pair.compare();
-    EXPECT_EQ(pair.basis().compared, 0);
+    EXPECT_EQ(pair.found().compared, 0);
 }
 
 TEST(Baseline, ACraftThatTurnsHardOnTheSpotRaisesNoAlarm) {
@@ -360,7 +360,7 @@ TEST(Baseline, ACraftThatTurnsHardOnTheSpotRaisesNoAlarm) {
     pair.record(13);
     pair.compare();
     EXPECT_FALSE(pair.marked);
-    EXPECT_EQ(pair.basis().compared, 401);
+    EXPECT_EQ(pair.found().compared, 401);
 }
 
 /// The same recordings before screening.
@@ -379,7 +379,7 @@ TEST(ScreenReceivers, OneReceiverIsScreenedByItself) {
     const std::vector<ScreenedTable> screened = screen_receivers(tables, config());
     ASSERT_EQ(screened.size(), 1U);
     EXPECT_EQ(write_screened(screened[0]), write_screened(screen(tables[0], config())));
-    EXPECT_FALSE(screened[0].found.baseline.has_value());
+    EXPECT_FALSE(screened[0].basis.baseline.has_value());
 }
 
 TEST(ScreenReceivers, TwoAreComparedAfterEachWasScreened) {
@@ -390,8 +390,8 @@ TEST(ScreenReceivers, TwoAreComparedAfterEachWasScreened) {
         const std::vector<EnuTable> tables{unscreened(pair.a), unscreened(pair.b)};
         const std::vector<ScreenedTable> screened = screen_receivers(tables, config());
         ASSERT_EQ(screened.size(), 2U);
-        EXPECT_EQ(screened[0].found.baseline->compared, 401);
-        EXPECT_EQ(screened[1].found.baseline->receiver, "primary");
+        EXPECT_EQ(screened[0].basis.baseline->compared, 401);
+        EXPECT_EQ(screened[1].basis.baseline->receiver, "primary");
         alarms += summarise(screened[0].rows).usable + summarise(screened[1].rows).usable != 802;
     }
     EXPECT_EQ(alarms, 0);

@@ -91,7 +91,7 @@ TEST(BridgedWindows, SpeedsOfTheSearchAreThoseOfTheSmoother) {
             profile.repaired_steps = true;
             const auto all = allowed_windows(
                 certifiable_series(run.screened, run.trajectory, arcs_in(run.trajectory), profile),
-                window_rule(profile, 0.001, 0.1));
+                window_criteria(profile, 0.001, 0.1));
             const auto found = std::ranges::find(all, window.first, &FoundWindow::first);
             ASSERT_NE(found, all.end());
             EXPECT_EQ(found->last, window.last);

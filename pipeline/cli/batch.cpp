@@ -135,7 +135,7 @@ void check(const BatchOptions& options) {
         throw Failure("--engine slurm",
                       "--force and --from are for this computer alone: the tasks "
                       "of an array find out by themselves what is to be done",
-                      "Give another --out, or remove the runs that are to be made anew");
+                      "Give another --out, or remove the runs that are to be recomputed");
 }
 
 /// What the results have otherwise than those of the folder to compare with.

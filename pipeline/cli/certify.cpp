@@ -44,7 +44,7 @@ void print_speed(const ProfileVerdict& verdict) {
     if (!verdict.decision || verdict.outcome == Outcome::not_certifiable) return;
     fmt::print("  required {} {}; acceptance limit {} {}\n", shown.required_speed, shown.unit,
                shown.acceptance_limit, shown.unit);
-    fmt::print("  conforms with probability {} (at least {} required)\n",
+    fmt::print("           conformance probability {} (at least {} required)\n",
                probability_text(verdict.decision->probability),
                level_text(verdict.decision->level));
 }
@@ -54,10 +54,11 @@ void print_window(const WindowSpan& span) {
                span.start_gps ? " (" + to_utc_iso(*span.start_gps, 3) + ")" : "");
 }
 
-void print_refused(const RefusedWindow& indicated) {
-    const SpeedUnit& unit = speed_unit("km/h");
-    fmt::print("  refused  {} {} at {}: {}\n",
-               speed_text(indicated.speed_m_s, std::nullopt, unit), unit.name,
+void print_refused(const ProfileVerdict& verdict) {
+    const RefusedWindow& indicated = *verdict.indicated;
+    fmt::print("  refused  {} at {}: {}\n",
+               speed_beside(verdict, indicated.speed_m_s,
+                            verdict.shown ? verdict.shown->unit : "km/h"),
                seconds_text(indicated.span.start),
                plain_text(fmt::format("{}", fmt::join(indicated.refusals, "; "))));
 }
@@ -86,7 +87,7 @@ bool print_verdict(const ProfileVerdict& verdict, const fs::path& run_dir) {
     print_speed(verdict);
     if (verdict.window) print_window(*verdict.window);
     fmt::print("  why      {}\n", plain_text(verdict.reason));
-    if (verdict.indicated) print_refused(*verdict.indicated);
+    if (verdict.indicated) print_refused(verdict);
     print_notes(verdict.notes, run_dir);
     fmt::print("  standing {}\n", standing_text(verdict.standing));
     if (const auto attest = clauses_of(verdict, RequirementStatus::attest); !attest.empty())

@@ -37,7 +37,7 @@ bool is_normal(const std::optional<double>& degrees_of_freedom) {
 
 void require_count(std::size_t count, std::size_t least) {
     if (count < least)
-        fail_statistics(fmt::format("{} values where at least {} are needed", count, least),
+        fail_statistics(fmt::format("{} values, at least {} required", count, least),
                         "Give a longer stretch of data");
 }
 

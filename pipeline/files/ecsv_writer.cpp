@@ -65,7 +65,7 @@ EcsvWriter::EcsvWriter(std::vector<EcsvColumn> columns, const nlohmann::ordered_
     header["delimiter"] = ",";
     if (!meta.is_null()) header["meta"] = meta;
     put("# %ECSV 1.0\n# ---\n");
-    const std::string yaml = to_yaml_text(header);
+    const std::string yaml = to_yaml_text(header, YamlLetters::ascii);
     std::size_t begin = 0;
     while (begin < yaml.size()) {
         const std::size_t end = yaml.find('\n', begin);

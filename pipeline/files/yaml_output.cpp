@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/failure.h"
+#include "core/plain_text.h"
 #include "core/text.h"
 
 namespace runcert {
@@ -44,9 +45,12 @@ std::string real_text(double value) {
     return text;
 }
 
-/// JSON's escapes are YAML's too, but for characters beyond U+FFFF: JSON writes them as two
+/// Letters and signs stand as they are ("±"), what cannot be seen or would steer a terminal as
+/// escapes. JSON's escapes are YAML's too, but for characters beyond U+FFFF: JSON writes them as two
 /// surrogates (\ud83d\ude00), YAML as one number (\U0001f600).
-std::string quoted_text(const std::string& value) {
+std::string quoted_text(const std::string& value, YamlLetters letters) {
+    if (letters == YamlLetters::any && plain_text(value) == value && value.find(byte_order_mark) == std::string::npos)
+        return Json(value).dump(-1, ' ', false, Json::error_handler_t::replace);
     const std::string json = Json(value).dump(-1, ' ', true, Json::error_handler_t::replace);
     const auto unit = [&json](std::size_t at) {
         return static_cast<unsigned>(std::stoul(json.substr(at + 2, 4), nullptr, 16));
@@ -67,34 +71,34 @@ std::string quoted_text(const std::string& value) {
     return text;
 }
 
-std::string scalar_text(const Json& value) {
+std::string scalar_text(const Json& value, YamlLetters letters) {
     if (value.is_string()) {
         const auto& text = value.get_ref<const std::string&>();
-        return is_plain_word(text) ? text : quoted_text(text);
+        return is_plain_word(text) ? text : quoted_text(text, letters);
     }
     if (value.is_number_float()) return real_text(value.get<double>());
     return value.dump();
 }
 
-void write(const Json& value, int indent, std::string& out);
+void write(const Json& value, int indent, YamlLetters letters, std::string& out);
 
-void write_member(const Json& value, int indent, std::string& out) {
+void write_member(const Json& value, int indent, YamlLetters letters, std::string& out) {
     if (value.is_structured() && !value.empty()) {
         out += '\n';
-        write(value, indent, out);
+        write(value, indent, letters, out);
     } else if (value.is_structured()) {
         out += value.is_object() ? " {}\n" : " []\n";
     } else {
-        out += ' ' + scalar_text(value) + '\n';
+        out += ' ' + scalar_text(value, letters) + '\n';
     }
 }
 
-void write(const Json& value, int indent, std::string& out) {
+void write(const Json& value, int indent, YamlLetters letters, std::string& out) {
     const std::string blanks(static_cast<std::size_t>(indent), ' ');
     if (value.is_object()) {
         for (const auto& [key, member] : value.items()) {
-            out += blanks + scalar_text(Json(key)) + ':';
-            write_member(member, indent + 2, out);
+            out += blanks + scalar_text(Json(key), letters) + ':';
+            write_member(member, indent + 2, letters, out);
         }
         return;
     }
@@ -102,20 +106,20 @@ void write(const Json& value, int indent, std::string& out) {
         out += blanks + '-';
         if (item.is_object() && !item.empty()) {
             std::string block;
-            write(item, indent + 2, block);
+            write(item, indent + 2, letters, block);
             out += ' ' + block.substr(static_cast<std::size_t>(indent) + 2);
         } else {
-            write_member(item, indent + 2, out);
+            write_member(item, indent + 2, letters, out);
         }
     }
 }
 
 }  // namespace
 
-std::string to_yaml_text(const Json& document) {
+std::string to_yaml_text(const Json& document, YamlLetters letters) {
     std::string out;
-    if (!document.is_structured() || document.empty()) return scalar_text(document) + '\n';
-    write(document, 0, out);
+    if (!document.is_structured() || document.empty()) return scalar_text(document, letters) + '\n';
+    write(document, 0, letters, out);
     return out;
 }
 

@@ -29,7 +29,7 @@ std::string witness(RowSpan rows) {
     const ScreenedEpoch& row = rows.front();
     if (!row.statistic || !row.threshold) return std::string(words_of(row.reason));
     if (row.reason == Reason::few_satellites)
-        return fmt::format("only {} satellites, where {} are needed so that they check one another",
+        return fmt::format("only {} satellites, where {} are required so that they check one another",
                            range_text(rows, 0, "", statistic_of), format_fixed(*row.threshold, 0));
     if (row.reason == Reason::low_ratio)
         return fmt::format(
@@ -55,7 +55,7 @@ std::string accuracy(RowSpan rows) {
 
 std::string short_arc(const ScreenedEpoch& row) {
     if (!row.statistic || !row.threshold) return std::string(words_of(row.reason));
-    return fmt::format("in a stretch of only {}, where {} are needed",
+    return fmt::format("in an arc of only {}, where {} are required",
                        counted(std::llround(*row.statistic), "usable epoch"),
                        counted(std::llround(*row.threshold)));
 }

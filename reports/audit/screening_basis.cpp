@@ -17,7 +17,7 @@ std::string_view adverb(TestedAxes axes) {
 
 std::string recording_text(const ScreenedTable& table, const AuditSubject& subject) {
     const ScreeningSummary summary = summarise(table.rows);
-    std::string text = fmt::format("Recording. {}: {}, {} used, in {} (arcs).",
+    std::string text = fmt::format("Recording. {}: {}, {} used, in {} without gap or step.",
                                    subject.recording, counted(std::ssize(table.rows), "epoch"),
                                    counted(summary.usable), counted(summary.arcs, "arc"));
     std::vector<std::string> reasons;
@@ -77,8 +77,7 @@ std::string noise_text(const ScreenedTable& table) {
             loudest = &row;
     if (loudest && *loudest->local_variance_factor > 1.0)
         text += fmt::format(
-            " Where the errors around an epoch are larger than that, its statistics are divided "
-            "by how much larger their variance is, at most {} (epoch {}).",
+            " Where the errors around an epoch are larger, its statistics are divided by the ratio of the variances, at most {} (epoch {}).",
             format_fixed(*loudest->local_variance_factor, 2), loudest->epoch);
     return text;
 }
@@ -146,8 +145,7 @@ std::string fault_line(const ScreenedTable& table, const TimeFault& fault) {
 std::string limits_text(const ScreenedTable& table) {
     const LimitComparison& limits = table.basis.limits;
     std::string text = fmt::format(
-        "Limits. Of the epochs kept the largest acceleration is {} m/s^2 (a craft of the class can "
-        "make {} m/s^2), the largest jerk {} m/s^3 ({} m/s^3)",
+        "Limits. Of the epochs kept the largest acceleration is {} m/s^2 (limit of the class {} m/s^2); the largest jerk is {} m/s^3 ({} m/s^3)",
         format_fixed(limits.acceleration_m_s2, 1), format_fixed(limits.acceleration_max_m_s2, 1),
         format_fixed(limits.jerk_m_s3, 1), format_fixed(limits.jerk_max_m_s3, 1));
     if (table.facts.vertical_measured)

@@ -9,7 +9,7 @@ Section screening_section(const ScreenedTable& table, const AuditSubject& subjec
                                  subject.attempt, table.facts.receiver, subject.recording),
             .blocks = basis_blocks(table, subject),
             .parts = {{.title = "Decisions", .blocks = decision_blocks(table, subject, all)},
-                      {.title = "Smallest errors that the tests find",
+                      {.title = "Minimal detectable biases",
                        .blocks = smallest_blocks(table, subject)}}};
 }
 

@@ -21,7 +21,7 @@ std::string frame_words(const std::string& frame) {
     return frame == "geodetic"      ? "latitude, longitude and height on WGS 84"
            : frame == "ecef"        ? "Earth-centred coordinates on WGS 84"
            : frame == "utm"         ? "UTM coordinates"
-           : frame == "local_plane" ? "a plane of the recording's own"
+           : frame == "local_plane" ? "engineering coordinates of the recording"
                                     : frame;
 }
 

@@ -32,7 +32,7 @@ std::vector<Block> noise_blocks(const NoiseSummary& noise, bool follows) {
     };
     add("Search", fmt::format("{} of the likelihood{}", counted(noise.evaluations, "evaluation"),
                               noise.converged ? "" : "; it did NOT converge"));
-    add("Scale of the stated standard deviation", noise_parameter_text(noise.measurement_scale, noise));
+    add("Scale of it", noise_parameter_text(noise.measurement_scale, noise));
     add("Jerk density", noise_parameter_text(noise.jerk_density, noise, "m s^-2.5") +
                             (follows ? "; the trajectory takes the larger of this and what the "
                                        "motion shows there (column jerk_density)"

@@ -44,13 +44,13 @@ std::string indicated_text(const ProfileWindows& windows) {
     const bool refused = !indicated.refusals.empty();
     std::string text = fmt::format("the recording's own fastest: {} over {}",
                                    file_speed_text(indicated.speed_m_s), span_text(indicated.span));
-    if (indicated.mean_m_s) text += "; mean of those asked for " + file_speed_text(*indicated.mean_m_s);
+    if (indicated.mean_m_s) text += "; mean of the windows required " + file_speed_text(*indicated.mean_m_s);
     return text + (refused ? ": REFUSED, because" : ": certifiable");
 }
 
 std::string bound_text(const ErrorBound& bound) {
     return fmt::format(
-        "a time-correlated error of {} m with a correlation time of {} s to {} s is allowed for, decided by {} (fitted {} "
+        "a time-correlated error of {} m is allowed for, with any correlation time from {} s to {} s; decided by {} (fitted {} "
         "m{}, stated {} m, floor {} m{})",
         quantity_text(bound.sigma_m), quantity_text(bound.tau_min_s), quantity_text(bound.tau_max_s),
         to_text(bound.decided_by), quantity_text(bound.fitted_m),
@@ -68,7 +68,7 @@ std::string estimates_text(const OtherEstimates& estimates) {
         text = fmt::format("{} m/s from the measured ends alone",
                            format_fixed(*estimates.chord_m_s, 6)) +
                (estimates.chord_difference_uncertainty_m_s
-                    ? fmt::format(" (u of the difference {} m/s)",
+                    ? fmt::format(" (standard uncertainty of the difference {} m/s)",
                                   format_fixed(*estimates.chord_difference_uncertainty_m_s, 6))
                     : "") +
                "; ";
@@ -120,9 +120,9 @@ Facts checks_of(const CertifiableWindow& best) {
     if (best.monte_carlo) add("Check of linearisation", monte_carlo_text(*best.monte_carlo));
     for (const UndetectedError& error : best.reliability)
         add("Undetected error",
-            fmt::format("{}, {} {} {}: changes the speed by {} m/s",
-                        tested_error_text(error.hypothesis), quantity_text(error.size), error.unit,
-                        where_text(error), quantity_text(error.speed_m_s)));
+            fmt::format("{}, {} {}: changes the speed by {} m/s",
+                        tested_error_text(error.hypothesis), size_text(error), where_text(error),
+                        quantity_text(error.speed_m_s)));
     return facts;
 }
 

@@ -166,7 +166,7 @@ Json frame_json(const ReportInputs& inputs) {
         facts.push_back(
             fact("Origin, longitude", format_fixed(position.longitude.degrees(), 9) + "°"));
         facts.push_back(
-            fact("Origin, height above the ellipsoid", format_fixed(position.height_m, 3) + " m"));
+            fact("Origin, ellipsoidal height", format_fixed(position.height_m, 3) + " m"));
         facts.push_back(fact("Chosen by", table.origin->source == "attempt"
                                               ? "the attempt"
                                               : "the first usable position"));

@@ -131,7 +131,7 @@ Json profile_json(const ReportInputs& inputs, std::size_t index) {
         json["missing_words"] = fmt::format("What is missing: {}.", windows->missing);
     if (verdict.window) json["window"] = window_json(verdict, windows, profile);
     set_course(json, verdict, profile);
-    if (verdict.indicated) json["indicated"] = indicated_json(*verdict.indicated, profile);
+    if (verdict.indicated) json["indicated"] = indicated_json(verdict, profile);
     json["by_receiver"] = by_receiver_json(inputs, profile);
     json["requirements"] = Json::array();
     for (const Requirement& requirement : verdict.requirements)

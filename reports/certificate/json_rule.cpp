@@ -38,9 +38,9 @@ std::string ends_words(const Profile& profile) {
 std::string decision_rule(const ProfileVerdict& verdict, const Profile& profile) {
     const double level = verdict.decision ? verdict.decision->level : profile.decision_probability;
     return fmt::format(
-        "The record counts as beaten if the conformance probability (that the true speed reaches "
-        "the required speed) is at least {}, as not beaten if it is at most {}, and otherwise as "
-        "not proven (guarded acceptance and rejection, JCGM 106).",
+        "Conformance probability: that the true speed reaches the required speed. At least {} counts "
+        "as beaten, at most {} as not beaten, and anything between as not proven (guarded "
+        "acceptance and rejection, JCGM 106).",
         level_text(level), level_text(1.0 - level));
 }
 

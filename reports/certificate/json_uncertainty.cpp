@@ -59,7 +59,7 @@ std::string decided_words(const ErrorBound& bound) {
     if (bound.decided_by == BoundSource::stated) return "the stated standard deviation times its scale";
     return !bound.floor_fix
                ? "the floor that the rule sets"
-               : fmt::format("the floor for solutions of the kind “{}”", to_text(*bound.floor_fix));
+               : fmt::format("the floor for the fix type “{}”", words_of(*bound.floor_fix));
 }
 
 Json bound_json(const ErrorBound& bound, const UncertaintyScale& scale) {

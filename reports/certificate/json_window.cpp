@@ -222,12 +222,12 @@ Json window_json(const ProfileVerdict& verdict, const ProfileWindows* windows,
     return json;
 }
 
-Json indicated_json(const RefusedWindow& indicated, const Profile& profile) {
+Json indicated_json(const ProfileVerdict& verdict, const Profile& profile) {
+    const RefusedWindow& indicated = *verdict.indicated;
     Json json = members_json(indicated);
     set_end(json, indicated.span);
-    const SpeedUnit& unit = rule_unit(profile);
     json["indicated_speed"] =
-        fmt::format("{} {}", speed_text(indicated.speed_m_s, std::nullopt, unit), unit.name);
+        speed_beside(verdict, indicated.speed_m_s, rule_unit(profile).name);
     Json facts = time_facts(indicated.span);
     for (const Json& place : place_facts(indicated.span))
         facts.push_back(place);

@@ -37,6 +37,7 @@ nlohmann::ordered_json speed_table(const std::vector<SpeedRow>& rows, const Prof
 nlohmann::ordered_json window_json(const ProfileVerdict& verdict, const ProfileWindows* windows,
                                    const Profile& profile);
 
-nlohmann::ordered_json indicated_json(const RefusedWindow& indicated, const Profile& profile);
+/// The refused window of a verdict, which has one.
+nlohmann::ordered_json indicated_json(const ProfileVerdict& verdict, const Profile& profile);
 
 }  // namespace runcert

@@ -26,8 +26,7 @@ std::string accuracy_words(const ClauseView& view) {
     const Profile& profile = view.of.profile;
     return fmt::format(
         "The expanded uncertainty of the speed is {:.3g} times the combined standard uncertainty "
-        "of its budget, and beside that the limit of what choosing the fastest window may have "
-        "left in it. The factor is the rule's k = {:.3g}, or more where the budget has few degrees "
+        "of its budget. What choosing the fastest window may have left in the speed is added. The factor is the rule's k = {:.3g}, or more where the budget has few degrees "
         "of freedom. Met where it is at most the limit.",
         view.of.verdict.coverage_factor, profile.coverage_factor);
 }
@@ -44,9 +43,9 @@ std::string bound_words(Computation computation) {
     const ClauseLimit limit = limit_of(computation);
     if (limit.units.empty()) return {};
     return fmt::format(
-        " Compared with the limit: met where it is {0} the limit with all of its expanded "
-        "uncertainty, if it has one, not met where it is {1} the limit with all of it; in between "
-        "the recording does not decide it, and an official must attest it.",
+        " Met where it is {0} the limit with all of its expanded uncertainty, not met where it is "
+        "{1} the limit with all of it. In between the recording does not decide it, and an "
+        "official must attest it.",
         limit.at_most ? "at most" : "at least", limit.at_most ? "above" : "below");
 }
 

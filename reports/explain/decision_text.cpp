@@ -19,13 +19,6 @@ std::string outcome_lines(const ProfileVerdict& verdict) {
     return text + labelled("Standing", capitalised(standing_text(verdict.standing)) + ".");
 }
 
-/// A speed beside the measured one; of a verdict that has none, to its unit's usual decimals.
-std::string shown_speed_or_plain(const ProfileView& view, double speed_m_s) {
-    const std::string unit = unit_of(view);
-    if (view.verdict.speed_m_s) return shown_speed(view.verdict, speed_m_s, unit, SafeSide::down);
-    return fmt::format("{} {}", runcert::speed_text(speed_m_s, std::nullopt, speed_unit(unit)), unit);
-}
-
 std::string window_text(const ProfileView& view) {
     const ProfileVerdict& verdict = view.verdict;
     if (!verdict.window)
@@ -64,7 +57,7 @@ std::string speed_text(const ProfileView& view) {
     if (verdict.current_subtracted_m_s)
         text += fmt::format(
             " The current's component along the course, {}, has been subtracted from it.",
-            shown_speed(verdict, *verdict.current_subtracted_m_s, unit_of(view), SafeSide::down));
+            speed_beside(verdict, *verdict.current_subtracted_m_s, unit_of(view), SafeSide::down));
     return text;
 }
 
@@ -141,7 +134,7 @@ std::string comparison_text(const ProfileView& view) {
         text +=
             labelled("Margin", fmt::format("The rule asks for {}; {}.", margin_words(view.profile),
                                            rounding_words(view.profile)));
-        text += labelled("Required speed", shown_speed(verdict, *verdict.required_speed_m_s, unit, SafeSide::up) + ".");
+        text += labelled("Required speed", speed_beside(verdict, *verdict.required_speed_m_s, unit, SafeSide::up) + ".");
     }
     if (verdict.speed_m_s) {
         text += labelled("Speed", speed_text(view));
@@ -154,7 +147,7 @@ std::string comparison_text(const ProfileView& view) {
         text += labelled("Acceptance limit",
                          fmt::format("{}: the lowest measured speed that would count as beaten "
                                      "with this uncertainty.",
-                                     shown_speed(verdict, verdict.decision->acceptance_limit_m_s,
+                                     speed_beside(verdict, verdict.decision->acceptance_limit_m_s,
                                                  unit, SafeSide::up)));
     }
     return text;
@@ -175,7 +168,7 @@ std::string decision_text(const ProfileView& view) {
     if (verdict.indicated)
         text += labelled("Refused",
                          fmt::format("{} at {} s, of the raw positions: {}.",
-                                     shown_speed_or_plain(view, verdict.indicated->speed_m_s),
+                                     speed_beside(verdict, verdict.indicated->speed_m_s, unit_of(view)),
                                      format_fixed(verdict.indicated->span.start.seconds(), 3),
                                      listed(verdict.indicated->refusals)));
     return text;
@@ -188,7 +181,7 @@ std::string decision_in_short(const ProfileView& view) {
         const std::string unit = unit_of(view);
         const std::string required_speed =
             verdict.required_speed_m_s
-                ? fmt::format("; required {}", shown_speed(verdict, *verdict.required_speed_m_s,
+                ? fmt::format("; required {}", speed_beside(verdict, *verdict.required_speed_m_s,
                                                            unit, SafeSide::up))
                 : "";
         text += labelled("Speed", speed + required_speed);

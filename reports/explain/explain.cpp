@@ -86,7 +86,7 @@ std::string counts_of(const ProfileVerdict& verdict) {
     const auto count = [&](RequirementStatus status) {
         return std::ranges::count(verdict.requirements, status, &Requirement::status);
     };
-    return fmt::format("{}: {} met, {} not met, {} for a person to attest",
+    return fmt::format("{}: {} met, {} not met, {} to be attested",
                        counted(std::ssize(verdict.requirements), "clause"),
                        count(RequirementStatus::met), count(RequirementStatus::not_met),
                        count(RequirementStatus::attest));

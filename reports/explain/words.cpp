@@ -28,10 +28,4 @@ std::string sentence(std::string text) {
     return text;
 }
 
-std::string shown_speed(const ProfileVerdict& verdict, double speed_m_s, std::string_view unit,
-                        SafeSide side) {
-    const ShownFigures shown = shown_of(verdict, unit);
-    return fmt::format("{} {}", beside(shown, speed_m_s, side), shown.unit);
-}
-
 }  // namespace runcert

@@ -19,8 +19,4 @@ std::string heading(std::string_view outcome, std::string_view text);
 /// A capital at the beginning and a full stop at the end.
 std::string sentence(std::string text);
 
-/// A speed of a verdict as it is to be read, with the rule's unit and decimals: "224.21 km/h".
-std::string shown_speed(const ProfileVerdict& verdict, double speed_m_s, std::string_view unit,
-                        SafeSide side);
-
 }  // namespace runcert

@@ -57,7 +57,7 @@ std::string quantity_text(double value, std::optional<double> expanded_uncertain
                           std::string_view unit) {
     const std::string with_unit = unit.empty() ? "" : fmt::format(" {}", unit);
     if (!expanded_uncertainty || !(*expanded_uncertainty > 0.0))
-        return (value != 0.0 && std::abs(value) < 1e-4 ? significant_text(value, 4)
+        return (value != 0.0 && std::abs(value) < 1e-4 ? significant_text(value, 2)
                                                        : fmt::format("{:.6g}", value)) +
                with_unit;
     const std::string uncertainty = uncertainty_rounded_up(*expanded_uncertainty);
@@ -133,6 +133,14 @@ std::string beside(const ShownFigures& shown, double speed_m_s, SafeSide side) {
     const int decimals =
         point == std::string::npos ? 0 : static_cast<int>(shown.speed.size() - point - 1);
     return shown_figure(speed_m_s * speed_unit(shown.unit).per_m_s, decimals, side);
+}
+
+std::string speed_beside(const ProfileVerdict& verdict, double speed_m_s, std::string_view unit,
+                         SafeSide side) {
+    if (!verdict.speed_m_s)
+        return fmt::format("{} {}", speed_text(speed_m_s, std::nullopt, speed_unit(unit)), unit);
+    const ShownFigures shown = shown_of(verdict, unit);
+    return fmt::format("{} {}", beside(shown, speed_m_s, side), shown.unit);
 }
 
 std::string measured_speed_text(const ShownFigures& shown) {

@@ -86,6 +86,11 @@ ShownFigures shown_of(const ProfileVerdict& verdict, std::string_view unit);
 /// A speed with the decimals of figures that are shown beside it, rounded to that side: "224.21".
 std::string beside(const ShownFigures& shown, double speed_m_s, SafeSide side);
 
+/// Another speed of the same rule, with the unit and decimals of the measured one, rounded to that
+/// side; of a verdict without a speed, to the nearest with the unit's usual decimals: "224.18 km/h".
+std::string speed_beside(const ProfileVerdict& verdict, double speed_m_s, std::string_view unit,
+                         SafeSide side = SafeSide::down);
+
 /// "232.17 km/h ± 0.17 km/h".
 std::string measured_speed_text(const ShownFigures& shown);
 /// The same with the coverage factor: "232.17 km/h ± 0.17 km/h (k = 2)".

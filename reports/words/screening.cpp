@@ -39,7 +39,7 @@ std::string false_alarm_text(const ScreeningBasis& basis) {
 
 std::string fix_type_errors_text(const FixTypeErrors& errors) {
     if (errors.judgement == AccuracyJudgement::too_few_epochs)
-        return fmt::format("{}: {} in {}", adverb(errors.axes), words_of(errors.judgement),
+        return fmt::format("{}: {} ({})", adverb(errors.axes), words_of(errors.judgement),
                            counted(errors.epochs, "epoch"));
     return fmt::format(
         "{}: errors from epoch to epoch {} times the stated standard deviation ({}; {})",

@@ -26,7 +26,7 @@ Finding against_limit(const Compared& figure, const Clause& clause) {
                                                            : RequirementStatus::attest;
     std::string evidence = fmt::format(
         "{}, {} {}{}", words_of(figure, clause.unit), at_most ? "at most" : "at least",
-        number_text(limit, clause.unit),
+        quantity_text(limit, std::nullopt, clause.unit),
         status == RequirementStatus::attest
             ? ": the limit lies within the uncertainty, not decidable from the recording"
             : "");

@@ -16,10 +16,10 @@ struct Compared {
 };
 
 /// Met or not met where the whole interval is on one side of the clause's limit, as its computation
-/// compares; for a person to attest in between.
+/// compares; to be attested in between.
 Finding against_limit(const Compared& figure, const Clause& clause);
 
-/// For a person to attest, because the data do not tell.
+/// To be attested, because it is not decidable from the recording.
 Finding unknown(std::string why);
 
 }  // namespace runcert

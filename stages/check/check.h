@@ -61,7 +61,7 @@ struct CheckInput {
     const FlowSeries* current = nullptr;
 };
 
-/// Every requirement of each profile, met, not met or for a person to attest, and the outcome.
+/// Every requirement of each profile, met, not met or to be attested, and the outcome.
 ///
 /// Beside a profile's clauses those of the program itself (`own_clauses`).
 ///

@@ -210,10 +210,11 @@ std::string compared_rules(const std::vector<Profile>& profiles,
                            const std::vector<ProfileVerdict>& verdicts) {
     std::vector<std::string> speeds;
     for (std::size_t i = 0; i < verdicts.size(); ++i) {
-        if (!verdicts[i].shown) continue;
+        if (!verdicts[i].speed_m_s) continue;
         const Profile& profile = profiles[i];
+        const ShownFigures shown = shown_of(verdicts[i], rule_unit_name(profile));
         speeds.push_back(fmt::format(
-            "{} {} {} ({}{}{}, {})", profile.id, verdicts[i].shown->speed, verdicts[i].shown->unit,
+            "{} {} {} ({}{}{}, {})", profile.id, shown.speed, shown.unit,
             profile.windows > 1 ? fmt::format("{} x ", profile.windows) : "", window_words(profile),
             profile.dimension == Dimension::horizontal
                 ? ""

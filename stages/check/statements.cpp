@@ -150,8 +150,7 @@ void add_propagation(const ReceiverFindings& judged, Statements& statements) {
                 windows.best->standard_uncertainty_m_s));
         else if (!linear.interval_agrees && !linear.interval_holds)
             statements.push_back(fmt::format(
-                "Under {} the check of linearisation gives a 95 % interval of {:.4f} m/s to {:.4f} "
-                "m/s where the law of propagation gives {:.4f} m/s to {:.4f} m/s.",
+                "Under {} the check of linearisation gives a 95 % coverage interval of {:.4f} m/s to {:.4f} m/s. The law of propagation gives {:.4f} m/s to {:.4f} m/s.",
                 windows.profile, check.lower_m_s, check.upper_m_s, linear.lower_m_s,
                 linear.upper_m_s));
     }
@@ -212,7 +211,7 @@ void add_velocity(const VelocityComparison& velocity, Statements& statements) {
     const std::string delay =
         velocity.delay_s
             ? fmt::format("a delay of {:.3f} s behind the positions taken off", *velocity.delay_s)
-            : std::string("their delay behind the positions not told by the motion");
+            : std::string("their delay behind the positions not determined by the motion");
     statements.push_back(fmt::format(
         "The recorded velocities of {} epochs agree with the motion to {:.3f} m/s per axis, {}; "
         "{} epochs contradicted them and were left out.",
@@ -293,8 +292,7 @@ void add_undetected(const CheckInput& input, Statements& statements) {
 void add_screening(const ReceiverFindings& judged, Statements& statements) {
     const ScreeningBasis& tests = judged.tests;
     statements.push_back(fmt::format(
-        "Every epoch was tested for outliers, bursts, steps, drifts, shifts of its time stamp and, "
-        "so that motion is not taken for them, sudden changes of acceleration: "
+        "Every epoch was tested for outliers, bursts, steps, drifts, shifts of its time stamp and sudden changes of acceleration: "
         "{} tests, which together mark anything in a recording without an outlier with a "
         "probability of at most {:g}.",
         tests.tests, tests.family_false_alarm_rate));
@@ -316,10 +314,7 @@ void add_screening(const ReceiverFindings& judged, Statements& statements) {
 std::vector<std::string> statements_of(const CheckInput& input) {
     const ReceiverFindings& judged = input.judged;
     Statements statements{
-        "The uncertainty is the combination of the sources in the budget, one row each. Position "
-        "errors that vary slowly over the window are covered up to the size and for the "
-        "correlation times that the budget names, and so is the outlier, step or shift of time "
-        "stamps that screening could have missed."};
+        "The uncertainty is the combination of the sources in the budget, one row each. Time-correlated position errors are covered up to the size and for the correlation times that the budget names. An undetected outlier, step or shift of time stamps is covered too."};
     add_records(judged.records, statements);
     add_accuracy(judged, statements);
     add_screening(judged, statements);

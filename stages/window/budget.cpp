@@ -232,8 +232,8 @@ BudgetRow undetected_row(const BudgetInput& input) {
     return bounded_row(
         "d", "undetected step or outlier", worst ? worst->speed_m_s : 0.0, "m / s", 1.0,
         worst ? undetected_error_text(*worst, input.detection_power, speed_unit("m/s"))
-              : std::string("not quantified: the screened epochs do not state the largest error "
-                            "that could have been missed"));
+              : std::string("not quantified: the screened epochs do not state the largest "
+                            "undetected error"));
 }
 
 /// The bias itself is no row: what may remain of it is added to the expanded uncertainty.

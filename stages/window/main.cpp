@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "core/prose.h"
 #include "run/attempt_files.h"
 #include "run/stage_main.h"
 #include "stages/window/window.h"
@@ -25,11 +26,9 @@ int main(int argc, char** argv) {
                 one.write(products::windows, receiver, write_windows(windows));
                 for (const ProfileWindows& entry : windows.profiles)
                     run.say(entry.best
-                                ? fmt::format("{}: best of {} windows {:.3f} km/h, standard "
-                                              "uncertainty {:.3f} km/h",
-                                              entry.profile, entry.candidates,
-                                              entry.best->speed_m_s * 3.6,
-                                              entry.best->standard_uncertainty_m_s * 3.6)
+                                ? fmt::format("{}: best of {} from {:.3f} s", entry.profile,
+                                              counted(entry.candidates, "window"),
+                                              entry.best->span.start.seconds())
                                 : fmt::format("{}: no certifiable window{}{}", entry.profile,
                                               entry.missing.empty() ? "" : ": ", entry.missing));
             }

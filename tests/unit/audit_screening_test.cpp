@@ -203,7 +203,7 @@ TEST(Audit, AnOutlierSaysWhereItShouldHaveBeen) {
                                        .time_s = {}};
               }),
               "epoch 5 (line 22), 0.400 s: left out: its position is 0.183 m from where the epochs "
-              "before and after it put it (0.174 m east, 0.057 m south, each +- 0.020 m); "
+              "before and after it put it (0.174 m east, 0.057 m south, each ± 0.020 m); "
               "statistic 133.2 where 37.0 " +
                   chance);
     EXPECT_EQ(only_entry([](auto& rows) {
@@ -213,7 +213,7 @@ TEST(Audit, AnOutlierSaysWhereItShouldHaveBeen) {
                   rows[4].estimated.sigma_up_m = 0.05;
               }),
               "epoch 5 (line 22), 0.400 s: left out: its height is 0.450 m from where the epochs "
-              "before and after it put it (0.450 m +- 0.050 m down); statistic 133.2 where 37.0 " +
+              "before and after it put it (0.450 m ± 0.050 m down); statistic 133.2 where 37.0 " +
                   chance);
 }
 
@@ -327,7 +327,7 @@ TEST(Audit, BreaksOfTheTests) {
     step.sigma_east_m = 0.02;
     step.sigma_north_m = 0.035;
     const std::string of_step =
-        "a step of 0.520 m (0.500 m +- 0.020 m east, 0.143 m +- 0.035 m north) between epochs 6 "
+        "a step of 0.520 m (0.500 m ± 0.020 m east, 0.143 m ± 0.035 m north) between epochs 6 "
         "and 7: the positions before and after it do not belong together; ";
     EstimatedError height;
     height.up_m = -0.5;
@@ -346,7 +346,7 @@ TEST(Audit, BreaksOfTheTests) {
         {ArcBreak::bridged, Hypothesis::step, step,
          of_step + "it is bridged, with its offset as an unknown of the estimate"},
         {ArcBreak::step, Hypothesis::step, height,
-         "a step in height of 0.500 m (0.500 m +- 0.031 m down) between epochs 6 and 7: the "
+         "a step in height of 0.500 m (0.500 m ± 0.031 m down) between epochs 6 and 7: the "
          "positions before and after it do not belong together; arc 1 ends, arc 2 begins"},
         {ArcBreak::ramp, Hypothesis::ramp, ramp,
          "a drift of the positions by 0.938 m/s (0.938 m/s down) begins or ends between epochs 6 "
@@ -551,23 +551,23 @@ TEST(Audit, WhatTheTestsRestedOn) {
                        kind(FixType::sbas, 110, 1.0, AccuracyJudgement::as_stated),
                        kind(FixType::single, 12, 1.0, AccuracyJudgement::too_few_epochs)};
     expect_in(unwrapped(audit_text(table, subject, false)),
-              {"rover.pos: 1,587 epochs, 1,586 used, in 1 arc (arcs). Left "
+              {"rover.pos: 1,587 epochs, 1,586 used, in 1 arc without gap or step. Left "
                "out: 1 (outlier).",
-               "rested horizontally on noise estimated from the recording: 1.50 times the stated standard deviations and a jerk density of 0.625 m s^-2.5, a time-correlated error of 0.0125 m that "
-               "lasts 2.5 s.",
+               "rested horizontally on noise estimated from the recording: 1.50 times the stated standard deviations and a jerk density of 0.625 m s^-2.5, a time-correlated error of 0.0125 m with "
+               "a correlation time of 2.5 s.",
                "rested vertically on 1.25 times the stated standard deviations and a jerk density of 0.6 m "
                "s^-2.5: noise was not estimated from the recording (too few epochs to estimate it).",
                "at most 3.25 (epoch 10)", "588,235 tests planned", "gone through 3 times",
-               "in a recording without an outlier, and with that noise, the tests together mark "
-               "anything in at most 1 of 1,000 recordings",
+               "of 1,000 recordings without an outlier at most one would have anything marked, by "
+               "all 588,235 tests together.",
                "with a probability of 80.0 %",
-               "fixed, horizontally (1,500 epochs): errors 1.50 times as large as stated (variance "
-               "factor 2.250): the stated standard deviation is too good, the errors are larger.",
-               "(DGPS), horizontally (120 epochs): errors 0.50 times as large as stated (variance "
-               "factor 0.250): the stated standard deviation is too bad, the errors are smaller.",
-               "(SBAS), horizontally (110 epochs): errors 1.00 times as large as stated (variance "
-               "factor 1.000): as stated.",
-               "Single, horizontally (12 epochs): too few epochs to tell how large its errors are.",
+               "fixed, horizontally: errors from epoch to epoch 1.5 times the stated standard "
+               "deviation (1,500 epochs; the errors are larger than stated).",
+               "(DGPS), horizontally: errors from epoch to epoch 0.50 times the stated standard "
+               "deviation (120 epochs; the errors are smaller than stated).",
+               "(SBAS), horizontally: errors from epoch to epoch 1.0 times the stated standard "
+               "deviation (110 epochs; as stated).",
+               "Single, horizontally: too few epochs to decide (12 epochs).",
                "the largest acceleration is 8.2 m/s^2 (a craft of the class can make 20.0 m/s^2), "
                "the largest jerk 40.5 m/s^3 (200.0 m/s^3), the largest vertical rate 0.5 m/s (5.0 "
                "m/s); 0 epochs beyond them",
@@ -599,10 +599,10 @@ TEST(Audit, TimeVelocitiesAndTheOtherReceiver) {
                              {99, TimeFaultKind::whole_second_shift, -18.0}}};
     const std::string text = unwrapped(audit_text(table, subject, false));
     expect_in(text,
-              {"1,200 epochs; they differ by 0.050 m/s",
-               "They are 0.125 s +- 0.004 s behind the positions.", "They contradict 2 epochs.",
-               "Compared with secondary at 1,100 epochs: the antennas are 1.500 m apart, with "
-               "a standard deviation of 0.013 m; 1 epoch contradicted.",
+              {"0.1250 s ± 0.0040 s behind the positions, which is allowed for; compared at 1,200 "
+               "epochs, they differ by 0.050 m/s and contradict 2.",
+               "“secondary”: antennas 1.500 m apart, standard deviation 0.013 m over 1,100 epochs; "
+               "contradicted at 1.",
                "2 sessions, 3 gaps, the longest 75.500 s, 1 repeated and 1 backward; mostly "
                "0.100 s apart, the mean interval 12.0 millionths shorter than it should be, "
                "scattering by 0.000250 s.",
@@ -616,7 +616,7 @@ TEST(Audit, TimeVelocitiesAndTheOtherReceiver) {
         .compared = 50, .delay_s = {}, .sigma_delay_s = {}, .scale_m_s = 0.05, .rejected = 0};
     basis.time.duplicates = 1200;
     expect_in(unwrapped(audit_text(table, subject, false)),
-              {"The motion does not tell whether they are late.",
+              {"the motion does not determine their delay; compared at 50 epochs",
                "The table holds the first 5 of 1,204 faults."});
 }
 

@@ -104,13 +104,13 @@ TEST(Check, TheAccuracySaysWhatOfItTheChoiceOfTheWindowMayHaveLeft) {
             if (requirement.clause == "accuracy") return requirement;
         return Requirement{};
     };
-    EXPECT_TRUE(accuracy().evidence.starts_with("2 times the standard uncertainty is 0.576 km/h,"))
+    EXPECT_TRUE(accuracy().evidence.starts_with("expanded uncertainty 0.58 km/h (k = 2), limit 0.8 km/h;"))
         << accuracy().evidence;
     scene.judged.windows.profiles[0].best->bias_limit_m_s = 0.1;
     EXPECT_EQ(accuracy().status, RequirementStatus::not_met);
     EXPECT_TRUE(accuracy().evidence.starts_with(
-        "2 times the standard uncertainty, and 0.360 km/h that choosing the window may have left, "
-        "is 0.936 km/h, the limit 0.800 km/h"))
+        "expanded uncertainty 0.94 km/h (k = 2, with 0.36 km/h for the choice of the window), "
+        "limit 0.8 km/h"))
         << accuracy().evidence;
 }
 

@@ -42,7 +42,7 @@ TEST(DeclaredSpeed, AgreesUpToANormalisedErrorOfOne) {
     }
     const std::string evidence = with_speed(60.02, 0.04).clause("secondary_method").evidence;
     for (const char* part :
-         {"radar gives 216.072 km/h +/- 0.144 km/h", "+0.072 km/h", "normalised error 0.49"})
+         {"radar gives 216.07 km/h ± 0.15 km/h", "+0.072 km/h", "normalised error 0.49"})
         EXPECT_TRUE(contains(evidence, part)) << evidence;
 }
 
@@ -119,7 +119,7 @@ TEST(DeclaredTimes, MakeASpeedOverTheCourse) {
     const double other = 500.0 / 8.334, u = std::numbers::sqrt2 * 0.001 * other / 8.334;
     EXPECT_NEAR(requirement.figures.at(0).value, (500.0 / 8.333 - other) / std::hypot(u, 0.01),
                 1e-9);
-    EXPECT_TRUE(contains(requirement.evidence, "light gates gives 215.983 km/h +/- 0.037 km/h"))
+    EXPECT_TRUE(contains(requirement.evidence, "light gates gives 215.982 km/h ± 0.037 km/h"))
         << requirement.evidence;
     // What both times are off by is of no account: the clocks differ.
     EXPECT_EQ(with_times(1.5, 1.5).clause("secondary_method").status, RequirementStatus::met);

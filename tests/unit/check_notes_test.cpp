@@ -45,11 +45,11 @@ TEST(Straddle, IsSaidWithEveryDefinitionOnItsSide) {
         "The definition of speed matters here: path length over time (203.950 km/h), the mean "
         "without the first speed (203.910 km/h) would reach the required 203.900 km/h, "
         "displacement over time (203.890 km/h), the mean of all speeds (203.880 km/h) would "
-        "not; the rule counts displacement over time.");
+        "not. The rule counts displacement over time.");
     scene.use(margin_profile({}, "{duration_s: 3, definition: mean_n}"));
     set_definitions(scene, straddling);
     EXPECT_TRUE(contains(note_with(scene.verdict(), "definition of speed"),
-                         "the rule counts the mean without the first speed"));
+                         "The rule counts the mean without the first speed"));
 }
 
 TEST(Straddle, IsNotSaidWhereAllAreOnOneSideOrNoneIsTheRules) {
@@ -231,8 +231,8 @@ TEST(ComparedRules, SetTheSpeedsBesideOneAnother) {
     const std::vector<ProfileVerdict> verdicts{verdict(60.0), verdict(61.0), verdict(20.0)};
     EXPECT_EQ(
         compared_rules(scene.profiles, verdicts),
-        "The rules do not measure the same: rule 216.000 km/h (3 s, displacement over time); "
-        "other 219.600 km/h (5 x 2 s, recorded velocities); third 72.000 km/h (3 s, vertical, "
+        "The rules do not measure the same: rule 216.00 km/h (3 s, displacement over time); "
+        "other 219.60 km/h (5 x 2 s, recorded velocities); third 72.00 km/h (3 s, vertical, "
         "path length over time).");
     // A profile without a speed is not among them; of one alone there is nothing to say.
     std::vector<ProfileVerdict> one = verdicts;

@@ -28,7 +28,8 @@ TEST(Margin, IsTakenOverTheRecordOfTheProfile) {
     const ProfileVerdict own = scene.verdict();
     EXPECT_NEAR(*own.required_speed_m_s, 130.0 * 0.44704 + 1.0 / 3.6, 1e-12);
     EXPECT_EQ(own.record->unit, "mph");
-    EXPECT_TRUE(contains(own.reason, " mph, required ")) << own.reason;
+    // In the rule's unit: 58.1152 m/s and 0.2778 m/s.
+    EXPECT_TRUE(contains(own.reason, " km/h, required 210.215 km/h")) << own.reason;
     EXPECT_EQ(scene.all().record->unit, "km/h");
     scene.attempt.records.clear();
     scene.attempt.records["another"] = {.speed = 10.0, .unit = "mph", .source = "o"};

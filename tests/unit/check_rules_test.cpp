@@ -5,6 +5,7 @@
 
 #include "check_rules_support.h"
 #include "core/uncertainty.h"
+#include "reports/words/figures.h"
 
 // Every computation that a clause may name, on both sides of its limit and where data are missing.
 
@@ -74,7 +75,8 @@ TEST_P(LimitedFigure, IsStatedWithItsUncertaintyInTheLimitsUnit) {
         EXPECT_NEAR(*figure.expanded_uncertainty, given.expanded_uncertainty,
                     1e-7 * given.expanded_uncertainty);
     }
-    EXPECT_TRUE(contains(requirement.evidence, fmt::format("{:.4g} {}", given.value, given.unit)))
+    EXPECT_TRUE(contains(requirement.evidence,
+                         quantity_text(figure.value, figure.expanded_uncertainty, given.unit)))
         << requirement.evidence;
     EXPECT_EQ(to_text(requirement.decided_by), given.computation);
 }
@@ -167,7 +169,7 @@ TEST(Course, OfAWindowOutsideOfEveryRunIsForAPerson) {
 TEST(StandingStart, IsMetNotMetOrNotSeen) {
     RuleScene scene(profile_text(clause_text("standing_start")));
     EXPECT_EQ(scene.clause("standing_start").status, RequirementStatus::met);
-    EXPECT_TRUE(contains(scene.clause("standing_start").evidence, "0.000 m/s"));
+    EXPECT_TRUE(contains(scene.clause("standing_start").evidence, "0.000 m/s ± 0.051 m/s"));
     // Never slower than 0.6 m/s, which 0.05 m/s tells from zero: rolling.
     for (TrajectoryEpoch& row : scene.judged.trajectory)
         row.velocity_north_m_s = std::max(0.6, *row.velocity_north_m_s);
@@ -232,7 +234,7 @@ TEST(SamplingRate, OfFiveAndOfFourHertzAndOfOneLateEpoch) {
     RuleScene late = at_interval(200);
     late.rows()[5].time.nanoseconds += 1'000'000;
     EXPECT_EQ(late.clause("sampling_rate").status, RequirementStatus::not_met);
-    EXPECT_TRUE(contains(late.clause("sampling_rate").evidence, "4.975 Hz"))
+    EXPECT_TRUE(contains(late.clause("sampling_rate").evidence, "4.97512 Hz"))
         << late.clause("sampling_rate").evidence;
     late.rows().resize(1);
     EXPECT_EQ(late.clause("sampling_rate").status, RequirementStatus::attest);

@@ -68,10 +68,10 @@ TEST(DayPage, MarksRanksThatAreNotToldApart) {
     const std::string page = day_page(results_of(
         {attempt("a", Outcome::beaten, 52.00, 0.1), attempt("b", Outcome::beaten, 51.95, 0.1),
          attempt("c", Outcome::beaten, 51.90, 0.1), attempt("d", Outcome::beaten, 51.00, 0.1)}));
-    EXPECT_EQ(count_of(page, "not told apart from ranks 2 to 3<"), 1U);
-    EXPECT_EQ(count_of(page, "not told apart from ranks 1 and 3<"), 1U);
-    EXPECT_EQ(count_of(page, "not told apart from ranks 1 to 2<"), 1U);
-    EXPECT_EQ(count_of(page, ">≈ not told apart"), 3U);
+    EXPECT_EQ(count_of(page, "cannot be separated from ranks 2 to 3<"), 1U);
+    EXPECT_EQ(count_of(page, "cannot be separated from ranks 1 and 3<"), 1U);
+    EXPECT_EQ(count_of(page, "cannot be separated from ranks 1 to 2<"), 1U);
+    EXPECT_EQ(count_of(page, ">≈ cannot be separated"), 3U);
 }
 
 TEST(DayPage, WordsOfRanksNotToldApart) {
@@ -80,12 +80,12 @@ TEST(DayPage, WordsOfRanksNotToldApart) {
             {.rank = 4, .id = "x", .tied_up_to_rank = up, .tied_down_to_rank = down}, 3, 6);
     };
     EXPECT_EQ(words({}, {}), "");
-    EXPECT_EQ(words(3, {}), "not told apart from rank 3");
-    EXPECT_EQ(words(1, {}), "not told apart from ranks 1 to 3");
-    EXPECT_EQ(words({}, 6), "not told apart from rank 6");
-    EXPECT_EQ(words({}, 9), "not told apart from ranks 6 to 9");
-    EXPECT_EQ(words(3, 6), "not told apart from ranks 3 and 6");
-    EXPECT_EQ(words(1, 9), "not told apart from ranks 1 to 9");
+    EXPECT_EQ(words(3, {}), "cannot be separated from rank 3");
+    EXPECT_EQ(words(1, {}), "cannot be separated from ranks 1 to 3");
+    EXPECT_EQ(words({}, 6), "cannot be separated from rank 6");
+    EXPECT_EQ(words({}, 9), "cannot be separated from ranks 6 to 9");
+    EXPECT_EQ(words(3, 6), "cannot be separated from ranks 3 and 6");
+    EXPECT_EQ(words(1, 9), "cannot be separated from ranks 1 to 9");
 }
 
 TEST(DayPage, WordsOfTheBestOfManyNeverShowCertainty) {
@@ -93,19 +93,18 @@ TEST(DayPage, WordsOfTheBestOfManyNeverShowCertainty) {
     EXPECT_EQ(
         best_words(
             {.id = "a", .attempts = 40, .probability = 0.99938, .level = 0.999375, .beaten = true}),
-        "40 attempts were made; the best of so many needs a conformance probability of "
-        "99.9375 %. a has 99.9380 %: the record is beaten as the "
-        "best of them too.");
+        "40 attempts were made; the best of so many requires a conformance probability of at "
+        "least 99.9375 %. a has 99.9380 %: as the best of so many it exceeds the record too.");
     EXPECT_EQ(
         best_words(
             {.id = "a", .attempts = 40, .probability = 0.99, .level = 0.999375, .beaten = false}),
-        "40 attempts were made; the best of so many needs a conformance probability of "
-        "99.9375 %. a has 99.00 %: it may be the luckiest of "
-        "them: as the best of so many it is not proven.");
+        "40 attempts were made; the best of so many requires a conformance probability of at "
+        "least 99.9375 %. a has 99.00 %: it may be the luckiest of them, so as the best of so many "
+        "it is not proven.");
     EXPECT_EQ(
         best_words({.id = "a", .attempts = 1, .probability = 0.98, .level = 0.975, .beaten = true}),
-        "One attempt was made; it needs a conformance probability of 97.5 %. a has 98.00 %: "
-        "the record is beaten.");
+        "One attempt was made; it requires a conformance probability of at least 97.5 %. a has "
+        "98.00 %: it exceeds the record.");
     for (const double below_one : {0.99999, 0.9999996, 1.0 - 1e-12, 1.0})
         for (const std::int64_t attempts : {1, 1000, 10'000, 100'000}) {
             const std::string words =
@@ -124,8 +123,8 @@ TEST(DayPage, SaysWhatTheBestOfTheDayIs) {
     const std::string page = day_page(
         results_of({beaten_with("a", 53.0, 0.98), attempt("b", Outcome::not_beaten, 49.0, 0.1)}));
     EXPECT_EQ(count_of(page,
-                       "2 attempts were made; the best of so many needs a conformance "
-                       "probability of 98.75 %"),
+                       "2 attempts were made; the best of so many requires a conformance "
+                       "probability of at least 98.75 %"),
               1U);
     EXPECT_EQ(count_of(page, "as the best of so many it is not proven"), 1U);
     EXPECT_EQ(complaints_of(page), "");
@@ -235,7 +234,7 @@ TEST(DayCsv, WhatComesFromOutsideIsACellAndNoFormula) {
                          "print(sorted({len(r) for r in rows}), len(rows),"
                          " sum(c[:1] in '=+@\\t\\r-' for c in texts if c))",
                          (folder.path() / "day.csv").string()});
-        EXPECT_EQ(result.output, "[30] 4 0\n") << result.errors;
+        EXPECT_EQ(result.output, "[32] 4 0\n") << result.errors;
     }
 }
 
@@ -245,14 +244,14 @@ TEST(DayCsv, HoldsEveryFigureInTheColumnOfItsName) {
     EXPECT_EQ(
         day_csv(results),
         "attempt,source,state,craft,class,profile,rank,tied_up_to_rank,"
-        "tied_down_to_rank,outcome,speed_m_s,expanded_uncertainty_m_s,coverage_factor,"
+        "tied_down_to_rank,outcome,to_be_attested,signatures_required,speed_m_s,expanded_uncertainty_m_s,coverage_factor,"
         "required_speed_m_s,shown_unit,shown_speed,shown_expanded_uncertainty,shown_required_speed,"
         "window_start_utc,window_start_time_s,window_duration_s,reason,replaced_figures,"
         "failed_step,problem,where,remedy,notes,report_id,report\n"
-        "a,day.yaml:1,done,craft of a,land-yacht,nalsa,1,,,beaten,52.250000,0.125000,2.000000,"
-        "50.000000,,,,,2022-03-18T08:51:22.300Z,,,because of a,,,,,,,0123456789abcdef,"
+        "a,day.yaml:1,done,craft of a,land-yacht,nalsa,1,,,beaten,0,0,52.250000,0.125000,2.000000,"
+        "50.000000,m/s,52.25,0.13,50.00,2022-03-18T08:51:22.300Z,,,because of a,,,,,,,0123456789abcdef,"
         "a/report.json\n"
-        "b,b.yaml,failed,,,,,,,,,,,,,,,,,,,,,import,line 7 is cut off,r.pos:7,"
+        "b,b.yaml,failed,,,,,,,,,,,,,,,,,,,,,,,import,line 7 is cut off,r.pos:7,"
         "Give the whole recording,,,\n");
 }
 

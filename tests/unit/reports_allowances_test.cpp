@@ -118,7 +118,7 @@ TEST(Allowances, OfTheBiasAreInEveryExpandedUncertainty) {
     // 2 x 0.002551 + 0.0004 = 0.005502 m/s = 0.01981 km/h; without it 0.01837 km/h.
     const Json total = uncertainty_of(run)["budget_total"];
     EXPECT_EQ(total["limit_text"], "0.00144");
-    EXPECT_EQ(total["expanded_text"], "0.01981");
+    EXPECT_EQ(total["expanded_text"], "0.020");
     expect_in(page_of(run), "and the limit of the bias of choosing, 0.00144");
     best_of(run).effective_degrees_of_freedom.reset();
     const Json by_receiver = profile_of(run)["by_receiver"];
@@ -126,7 +126,7 @@ TEST(Allowances, OfTheBiasAreInEveryExpandedUncertainty) {
     EXPECT_EQ(by_receiver[0]["expanded_uncertainty_m_s"], 0.005502);
     best_of(run).bias_limit_m_s = 0.0;
     EXPECT_FALSE(uncertainty_of(run)["budget_total"].contains("limit_text"));
-    EXPECT_EQ(uncertainty_of(run)["budget_total"]["expanded_text"], "0.01837");
+    EXPECT_EQ(uncertainty_of(run)["budget_total"]["expanded_text"], "0.019");
     EXPECT_EQ(page_of(run).find("the limit of the bias of choosing"), std::string::npos);
 }
 
@@ -227,10 +227,10 @@ TEST(DeviceSigns, AreInFiguresAndWords) {
     EXPECT_EQ(device["interpolated"], 675);
     EXPECT_EQ(device["by_chance"], 3.46);
     EXPECT_EQ(words(),
-              "12 of 1,350 moving rows repeat the position before, 675 lie in line with "
-              "their neighbours to the last digit; chance makes 3.5 of them");
+              "12 of 1,350 positions recorded in motion repeat the one before, 675 lie in line with "
+              "their neighbours to the last digit; chance makes 3.5");
     basis.device = DeviceSigns{.moving = 1350};
-    EXPECT_EQ(words(), "none in 1,350 moving rows");
+    EXPECT_EQ(words(), "none in 1,350 positions recorded in motion");
     basis.device = DeviceSigns{};
     EXPECT_EQ(words(), "none looked for: the craft hardly moved");
 }

@@ -106,11 +106,11 @@ TEST(Decision, IsInTheReportInFiguresAndWords) {
               "202.9 km/h ± 0.05 km/h (k = 2): published figure of 2009");
     EXPECT_EQ(nalsa["headline"]["headline_required_speed"], "204.51");
     const auto labels = labels_of(nalsa["speed_table"]);
-    EXPECT_NE(std::ranges::find(labels, "Least speed that would be accepted"), labels.end());
+    EXPECT_NE(std::ranges::find(labels, "Acceptance limit"), labels.end());
     const std::string page = page_of(run);
-    expect_in(page, "<p class=\"speed\">216.00 ± 0.019 km/h</p>");
+    expect_in(page, "<p class=\"speed\">216.00 ± 0.019 km/h");
     expect_in(page, "Required speed: 204.51 km/h");
-    expect_in(page, "Speed rounded down, uncertainty and required speed rounded up.");
+    expect_in(page, "Speed rounded down; uncertainty, required speed and acceptance limit rounded up.");
     expect_in(page, "99.9987 %");
     expect_in(page, "202.9 km/h ± 0.05 km/h (k = 2): published figure of 2009");
 }
@@ -196,10 +196,10 @@ TEST(Course, QuantitiesHaveTheirUncertainty) {
     const Json course = profile_of(run)["course"];
     EXPECT_EQ(course[0]["value"], 0.421234);
     EXPECT_EQ(course[0]["expanded_uncertainty"], 0.0783);
-    EXPECT_EQ(course[0]["quantity_text"], "0.421 ± 0.078 m");
+    EXPECT_EQ(course[0]["quantity_text"], "0.421 m ± 0.079 m (k = 2)");
     EXPECT_EQ(course[1]["quantity_text"], "45 deg");
     EXPECT_FALSE(course[1].contains("expanded_uncertainty"));
-    expect_in(page_of(run), "<td>0.421 ± 0.078 m</td><td>highest less lowest smoothed height</td>");
+    expect_in(page_of(run), "<td>0.421 m ± 0.079 m (k = 2)</td><td>highest less lowest smoothed height</td>");
 }
 
 TEST(Course, RunsAreListedAndTheOneWithTheWindowMarked) {

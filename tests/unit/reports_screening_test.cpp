@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/failure.h"
+#include "core/text.h"
 #include "reports/certificate/json_text.h"
 #include "reports/certificate/report_json.h"
 #include "reports_page_support.h"
@@ -119,37 +120,37 @@ TEST(Screening, DecisionsAreCountedByHypothesis) {
 TEST(Screening, IsSaidInPlainWords) {
     sample::Run run = sample::make_run();
     EXPECT_EQ(line(run, "False alarms"),
-              "of 1000 recordings without an outlier at most one would have anything marked, "
-              "by all 30668 tests together");
+              "of 1,000 recordings without an outlier at most one would have anything marked, "
+              "by all 30,668 tests together");
     // 1.3 and 1.02 are the roots of 1.69 and 1.0404.
     EXPECT_EQ(
-        line(run, "Solutions of the kind “fixed”"),
-        "horizontal: errors from epoch to epoch 1.3 times as large as stated (clearly larger); "
-        "vertical: errors from epoch to epoch 1.0 times as large as stated (as stated, within "
-        "chance)");
-    EXPECT_EQ(line(run, "Solutions of the kind “float”"),
-              "horizontal: too few epochs (31) to tell");
+        line(run, runcert::capitalised(words_of(FixType::fixed))),
+        "horizontally: errors from epoch to epoch 1.3 times the stated standard deviation (420 "
+        "epochs; the errors are larger than stated); vertically: errors from epoch to epoch 1.0 "
+        "times the stated standard deviation (419 epochs; as stated)");
+    EXPECT_EQ(line(run, runcert::capitalised(words_of(FixType::float_ambiguities))),
+              "horizontally: too few epochs to decide (31 epochs)");
     EXPECT_EQ(line(run, "Recorded velocities"),
-              "0.1024 ± 0.0021 s behind the positions, which is allowed for; compared at 437 "
-              "epochs, of which they contradict 0");
-    EXPECT_EQ(line(run, "Noise that the tests rest on"), "estimated from the recording");
+              "0.1024 s ± 0.0021 s behind the positions, which is allowed for; compared at 437 "
+              "epochs, they differ by 0.031 m/s and contradict 0");
+    EXPECT_EQ(line(run, "Noise assumed by the tests"), "estimated from the recording");
     EXPECT_EQ(line(run, "Order and spacing of the time stamps"), "no fault");
     EXPECT_EQ(line(run, "Other receiver"), "no such line");
 
     basis_of(run).velocity->delay_s = -0.2;
-    EXPECT_NE(line(run, "Recorded velocities").find("0.2000 ± 0.0021 s ahead of the positions"),
+    EXPECT_NE(line(run, "Recorded velocities").find("0.2000 s ± 0.0021 s ahead of the positions"),
               std::string::npos);
     basis_of(run).velocity->delay_s.reset();
-    EXPECT_NE(line(run, "Recorded velocities").find("cannot be told"), std::string::npos);
+    EXPECT_NE(line(run, "Recorded velocities").find("does not determine their delay"), std::string::npos);
     basis_of(run).velocity->compared = 0;
-    EXPECT_EQ(line(run, "Recorded velocities"), "could not be compared with the motion");
+    EXPECT_EQ(line(run, "Recorded velocities"), "too few could be compared with the motion, or they never change");
     basis_of(run).models[0].noise = NoiseBasis::too_few_epochs;
-    EXPECT_EQ(line(run, "Noise that the tests rest on"),
+    EXPECT_EQ(line(run, "Noise assumed by the tests"),
               "horizontal: 0.95 times the stated one (too few epochs to estimate it); vertical: "
               "estimated from the recording");
     const std::string shown = section(page_of(run), "Recording and screening");
     EXPECT_NE(shown.find("<code>runcert audit RUN_FOLDER</code>"), std::string::npos);
-    EXPECT_NE(shown.find("of 1000 recordings"), std::string::npos);
+    EXPECT_NE(shown.find("of 1,000 recordings"), std::string::npos);
 }
 
 TEST(Screening, TheFirstFaultsOfTheTimeStampsAreListed) {
@@ -187,17 +188,17 @@ TEST(Reliability, TheWorstUndetectedErrorIsSaidInOneSentence) {
     const sample::Run run = sample::make_run();
     const std::string page = section(page_of(run), "Uncertainty: rule “nalsa”");
     const std::string sentence =
-        "An undetected step of 0.035 m (before epoch 396) could have changed the speed by at most "
-        "0.00249 km/h; larger ones are found with a probability of more than 0.8. Row d of the "
-        "budget is for it.";
+        "An undetected step of the positions of 0.035 m (before epoch 396) could have changed the "
+        "speed by at most 0.00249 km/h; a larger one is found with a probability of more than 0.8. "
+        "Row d of the budget is for it.";
     EXPECT_EQ(words(run), sentence);
     EXPECT_NE(page.find(sentence), std::string::npos);
     // 0.004321 m/s are 0.0156 km/h.
     EXPECT_EQ(drift(run),
-              "A drift of the positions is covered as a time-correlated error, as far as the bound of row b "
-              "goes, and not added again. Beyond it the tests would find one, with that "
-              "probability, from a rate of 0.012 m/s (from epoch 375 on), which changes the speed "
-              "by 0.0156 km/h: one between the two is not in the uncertainty.");
+              "A drift of the positions is covered as a time-correlated error up to the bound of "
+              "row b, and not added again. The tests would find one, with that probability, from a "
+              "rate of 0.012 m/s (from epoch 375 on), which changes the speed by 0.0156 km/h. A "
+              "drift between the two is not in the uncertainty.");
     EXPECT_NE(page.find(drift(run)), std::string::npos);
 }
 
@@ -233,14 +234,14 @@ TEST(Reliability, WordsFollowTheErrorThatCounts) {
     sample::Run run = sample::make_run();
     auto& errors = best_of(run).reliability;
     errors[1] = {Hypothesis::outlier, 812, 812, 0.1034, "m", 0.0341};
-    EXPECT_NE(words(run).find("An undetected error of one position by 0.10 m (at epoch 812) could "
+    EXPECT_NE(words(run).find("An undetected outlier of one epoch of 0.10 m (at epoch 812) could "
                               "have changed the speed by at most 0.123 km/h;"),
               std::string::npos);
     errors[1] = {Hypothesis::time_shift, 812, 812, 0.0021, "s", 0.0341};
     EXPECT_NE(words(run).find("jump of the time stamps of 0.0021 s (before epoch 812)"),
               std::string::npos);
     errors[1] = {Hypothesis::step, 812, 812, 1e6, "m", 1e6};
-    EXPECT_NE(words(run).find("could not be detected whatever its size"), std::string::npos);
+    EXPECT_NE(words(run).find("could have any size"), std::string::npos);
     EXPECT_EQ(window_of(run)["reliability"][1]["change_text"], "no limit");
     errors[0] = {Hypothesis::ramp, 812, 812, 1e6, "m / s", 1e6};
     EXPECT_NE(drift(run).find("whatever its rate"), std::string::npos);

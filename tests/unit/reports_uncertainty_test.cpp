@@ -128,8 +128,8 @@ TEST(Uncertainty, RowsThatContributeNothingStayWithTheirReason) {
 TEST(Uncertainty, SaysCertifiedFittedAndRobustSpeed) {
     sample::Run run = sample::make_run();
     std::string page = section(page_of(run), "Uncertainty: rule “nalsa”");
-    EXPECT_NE(page.find("216.009 ± 0.018 km/h (k = 2)"), std::string::npos);
-    EXPECT_NE(page.find("216.009 ± 0.014 km/h (k = 2), by 11 noise models"), std::string::npos);
+    EXPECT_NE(page.find("216.00 km/h ± 0.019 km/h (k = 2)"), std::string::npos);
+    EXPECT_NE(page.find("216.008 km/h ± 0.015 km/h (k = 2), by 11 noise models"), std::string::npos);
     EXPECT_NE(page.find("216.009 km/h: agrees"), std::string::npos);
     EXPECT_NE(page.find("the larger is added to the expanded uncertainty"), std::string::npos);
     EXPECT_NE(page.find("fastest of 421 windows was chosen; 118 could"), std::string::npos);
@@ -197,20 +197,20 @@ TEST(Uncertainty, EachPartMayBeMissing) {
     }
 }
 
-TEST(Uncertainty, NoiseIsGivenWithItsUncertaintyOrSaidNotToBeTold) {
+TEST(Uncertainty, NoiseIsGivenWithItsUncertaintyOrSaidNotToBeDetermined) {
     sample::Run run = sample::make_run();
-    EXPECT_EQ(noise_cell(run, "Jerk density of the motion", 0), "0.430 ± 0.025 m s^-2.5");
+    EXPECT_EQ(noise_cell(run, "Jerk density of the motion", 0), "0.430 m s^-2.5 ± 0.025 m s^-2.5");
     const char* size = "Time-correlated position error, standard deviation";
-    EXPECT_EQ(noise_cell(run, size, 0), "not told");
+    EXPECT_EQ(noise_cell(run, size, 0), "not determined by the data");
     EXPECT_EQ(noise_cell(run, size, 1), "0.0271 m, × or ÷ 3.32");  // exp(1.2)
     EXPECT_EQ(noise_cell(run, "its correlation time", 1),
-              "10.0 s, uncertainty not told, at a limit of the search");
+              "10.0 s, uncertainty not determined by the data; at the limit of its range");
     EXPECT_EQ(noise_cell(run, "Autocorrelation of the innovations, lag 1", 0),
               "-0.114 with noise as stated, -0.029 with the noise used: white");
 
     noise_of(run).status = NoiseBasis::too_few_epochs;
     noise_of(run).epochs = 12;
-    EXPECT_EQ(noise_cell(run, "Noise", 0), "not estimated: 12 usable epochs where 30 are needed");
+    EXPECT_EQ(noise_cell(run, "Noise", 0), "not estimated: 12 usable epochs, at least 30 required; the stated noise is used");
     EXPECT_EQ(noise_cell(run, "Jerk density of the motion", 0), "0.430 m s^-2.5");
     EXPECT_EQ(noise_cell(run, size, 0), "not looked for");
 }

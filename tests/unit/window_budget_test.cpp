@@ -103,7 +103,8 @@ TEST(Budget, WhatScreeningCouldHaveMissedIsABoundOfTheSpeed) {
     EXPECT_NEAR(row.contribution_m_s, 0.0346 / std::sqrt(3.0), 1e-15);
     EXPECT_EQ(row.type, "B");
     EXPECT_EQ(row.note,
-              "an undetected step of 0.103 m before epoch 812 could have changed the speed by at "
+              "an undetected step of the positions of 0.10 m (before epoch 812) could have changed "
+              "the speed by at "
               "most 0.0346 m/s; a larger one is found with a probability of more than 0.8");
 }
 

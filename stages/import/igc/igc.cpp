@@ -136,7 +136,7 @@ class Reader {
             case AltitudeReference::geoid:
                 notes.push_back(
                     "Heights are recorded above the geoid, and were taken as they are: they differ "
-                    "from heights above the ellipsoid by the height of the geoid.");
+                    "from ellipsoidal heights by the height of the geoid.");
                 break;
             case AltitudeReference::not_stated:
                 notes.push_back(

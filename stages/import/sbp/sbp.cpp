@@ -84,7 +84,7 @@ void note_content(Observations& observations, const Filled& filled) {
     if (std::any_of(observations.rows.begin(), observations.rows.end(), has_height))
         observations.notes.push_back(
             "Heights are recorded above mean sea level, and were taken as they are: they differ "
-            "from heights above the ellipsoid by the height of the geoid.");
+            "from ellipsoidal heights by the height of the geoid.");
     if (!filled.sdop)
         observations.notes.push_back(
             "The recording states no accuracy of speed: its logger does not fill in SDOP.");

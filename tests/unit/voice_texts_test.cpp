@@ -1,0 +1,207 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+// What the program says, over the whole tree: sentences that are read once, and the field's terms.
+
+namespace runcert::RUNCERT_FILE {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path root = RUNCERT_SOURCE_DIR;
+
+struct Phrase {
+    std::string where;  ///< file and line
+    std::string text;
+};
+
+std::string text_of(const fs::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    std::ostringstream text;
+    text << in.rdbuf();
+    return text.str();
+}
+
+/// The files of these folders and files, but for what others wrote and for data.
+std::vector<fs::path> files_of(const std::vector<std::string>& places) {
+    static const std::set<std::string> kinds{".cpp", ".h", ".yaml", ".html", ".md", ".txt", ".py",
+                                             ".js",  ".sh"};
+    std::vector<fs::path> files;
+    for (const std::string& place : places) {
+        if (fs::is_regular_file(root / place)) {
+            files.push_back(root / place);
+            continue;
+        }
+        for (const auto& entry : fs::recursive_directory_iterator(root / place)) {
+            const std::string path = entry.path().generic_string();
+            if (entry.is_regular_file() && kinds.contains(entry.path().extension().string()) &&
+                path.find("/vendor/") == std::string::npos)
+                files.push_back(entry.path());
+        }
+    }
+    std::ranges::sort(files);
+    return files;
+}
+
+std::string place(const fs::path& file, const std::string& text, std::size_t at) {
+    const auto end = text.begin() + static_cast<std::ptrdiff_t>(at);
+    return fs::relative(file, root).generic_string() + ":" +
+           std::to_string(1 + std::count(text.begin(), end, '\n'));
+}
+
+/// The texts in quotation marks of a source, adjacent ones joined; comments are none.
+void add_literals(const fs::path& file, std::vector<Phrase>& phrases) {
+    std::string text = text_of(file);
+    bool quoted = false;
+    for (std::size_t i = 0; i + 1 < text.size(); ++i) {
+        if (text[i] == '\\') {
+            ++i;
+        } else if (text[i] == '\'' && !quoted && text[i + 1] == '"') {
+            text[i + 1] = ' ';  // a character
+        } else if (text[i] == '"') {
+            quoted = !quoted;
+        } else if (!quoted && text[i] == '/' && text[i + 1] == '/') {
+            for (; i < text.size() && text[i] != '\n'; ++i)
+                text[i] = ' ';
+        }
+    }
+    static const std::regex literal("\"((?:[^\"\\\\\\n]|\\\\.)*)\"");
+    std::size_t end = 0;
+    for (std::sregex_iterator at(text.begin(), text.end(), literal), none; at != none; ++at) {
+        const auto begin = static_cast<std::size_t>(at->position());
+        const bool joined =
+            !phrases.empty() && end != 0 &&
+            std::all_of(text.begin() + static_cast<std::ptrdiff_t>(end),
+                        text.begin() + static_cast<std::ptrdiff_t>(begin),
+                        [](char c) { return c == ' ' || c == '\n'; });
+        if (joined)
+            phrases.back().text += at->str(1);
+        else
+            phrases.push_back({place(file, text, begin), at->str(1)});
+        end = begin + static_cast<std::size_t>(at->length());
+    }
+}
+
+/// Every match of an expression's first group.
+void add_matches(const fs::path& file, const std::string& text, const std::regex& expression,
+                 std::vector<Phrase>& phrases) {
+    for (std::sregex_iterator at(text.begin(), text.end(), expression), none; at != none; ++at)
+        phrases.push_back(
+            {place(file, text, static_cast<std::size_t>(at->position())), at->str(1)});
+}
+
+/// A page's paragraphs, list items and cells; commands and code are none.
+void add_paragraphs(const fs::path& file, std::vector<Phrase>& phrases) {
+    std::istringstream lines(text_of(file));
+    std::string paragraph;
+    std::size_t number = 0;
+    bool code = false;
+    const auto end = [&] {
+        std::istringstream cells(paragraph);
+        for (std::string cell; std::getline(cells, cell, '|');)
+            phrases.push_back(
+                {fs::relative(file, root).generic_string() + ":" + std::to_string(number), cell});
+        paragraph.clear();
+    };
+    for (std::string line; std::getline(lines, line);) {
+        ++number;
+        const bool fence = line.starts_with("```");
+        if (fence) code = !code;
+        const bool begins = line.empty() || line[0] == '|' || line[0] == '-' || line[0] == '#' ||
+                            line.starts_with("    ") || fence;
+        if (begins) end();
+        if (!code && !fence && !line.starts_with("    ")) paragraph += line + " ";
+    }
+    end();
+}
+
+std::vector<Phrase> all_phrases() {
+    static const std::regex described(
+        "(?:description|phrase|about|text|item|source): \"((?:[^\"\\\\]|\\\\.)*)\"");
+    static const std::regex shown(">([^<>{}]*[^<>]*)<");
+    std::vector<Phrase> phrases;
+    for (const fs::path& file :
+         files_of({"pipeline", "stages", "reports", "schemas", "examples", "README.md",
+                   "REFERENCES.md", "tests/README.md"})) {
+        const std::string kind = file.extension().string();
+        if (kind == ".cpp" || kind == ".h") add_literals(file, phrases);
+        if (kind == ".yaml") add_matches(file, text_of(file), described, phrases);
+        if (kind == ".html") add_matches(file, text_of(file), shown, phrases);
+        if (kind == ".md") add_paragraphs(file, phrases);
+    }
+    return phrases;
+}
+
+/// Words between two marks of punctuation that end a thought: . ? ! ; : or a line.
+std::size_t longest_sentence(const std::string& phrase) {
+    static const std::regex code("`[^`]*`|\\$[^$]*\\$");
+    std::istringstream words(
+        std::regex_replace(std::regex_replace(phrase, code, "x"), std::regex("\\\\n"), " . "));
+    std::size_t longest = 0;
+    std::size_t count = 0;
+    for (std::string word; words >> word;) {
+        count += std::ranges::any_of(word, [](char c) {
+            return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '{';
+        });
+        longest = std::max(longest, count);
+        if (std::string_view(".?!;:").find(word.back()) != std::string_view::npos) count = 0;
+    }
+    return longest;
+}
+
+TEST(Voice, SentencesAreReadOnce) {
+    constexpr std::size_t most = 25;
+    const std::vector<Phrase> phrases = all_phrases();
+    EXPECT_GT(phrases.size(), 5000U);
+    for (const Phrase& phrase : phrases)
+        EXPECT_LE(longest_sentence(phrase.text), most) << phrase.where << ": " << phrase.text;
+}
+
+TEST(Voice, ALongSentenceIsFound) {
+    std::string long_one;
+    for (int i = 0; i < 26; ++i)
+        long_one += "word ";
+    EXPECT_EQ(longest_sentence(long_one), 26U);
+    EXPECT_EQ(longest_sentence("One two: " + long_one + "and so on. Three."), 29U);
+    EXPECT_EQ(longest_sentence("speed {} km/h ± {}; k = 2"), 5U);
+}
+
+// Terms that are not the field's (JCGM 200 and 100, ISO 19111, detection theory), and names that
+// mislead. What keeps such a word: clause ids, words that attempts are written with.
+TEST(Voice, TermsAreTheFields) {
+    static const std::regex not_used(
+        "certified speed|speed to reach|to reach the target|\\bu of (?:it|the speed)\\b|"
+        "least speed|left (?:for|to) a person|for a person to attest|stated accurac|"
+        "\\btoo (?:good|bad)\\b|slow error|\\blearnt\\b|smallest error|could have missed|"
+        "wrong positions?\\b|wrong epochs?\\b|kinds? of solution|stretch(?:es)? without a break|"
+        "positions on the earth|local plane|heights above the ellipsoid|data do not tell|"
+        "data cannot tell|made anew|no surer|_mps\\b|\\btarget_|_target\\b|\\blearn_|told_by|"
+        "DetectableError|Workshop|RareDecision|not_told|ask_witnesses|counted_axes|RowByRow|"
+        "TimedRows|probability (?:is )?(?:asked|needed)|\\+/-",
+        std::regex::icase | std::regex::optimize);
+    for (const fs::path& file :
+         files_of({"pipeline", "stages", "reports", "schemas", "examples", "cmake", "README.md",
+                   "REFERENCES.md", "tests"})) {
+        const std::string path = fs::relative(file, root).generic_string();
+        if (path.starts_with("tests/fuzz/") || path == "tests/unit/voice_texts_test.cpp") continue;
+        std::istringstream lines(text_of(file));
+        std::size_t number = 0;
+        for (std::string line; std::getline(lines, line);) {
+            ++number;
+            std::smatch found;
+            EXPECT_FALSE(line.size() < 2000 && std::regex_search(line, found, not_used))
+                << path << ":" << number << ": " << found.str();
+        }
+    }
+}
+
+}  // namespace
+}  // namespace runcert::RUNCERT_FILE

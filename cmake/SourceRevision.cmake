@@ -1,4 +1,4 @@
-# The revision of the sources, made anew at each build and compiled into one small library, so
+# The revision of the sources, written at each build and compiled into one small library, so
 # that every file a stage writes can say which sources made it.
 set(RUNCERT_REVISION_SOURCE ${CMAKE_BINARY_DIR}/source_revision.cpp)
 add_custom_target(runcert_revision_file

@@ -30,9 +30,9 @@ void for_each_index(std::size_t count, std::size_t threads, Work work) {
 
 RunFailure refusal_of(const Failure& failure) {
     return {.step = "day",
-            .problem = failure.problem(),
+            .problem = sentence(failure.problem()),
             .where = failure.where(),
-            .remedy = failure.remedy()};
+            .remedy = sentence(failure.remedy())};
 }
 
 std::string error_text(const RunFailure& failure) {

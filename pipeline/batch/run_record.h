@@ -41,7 +41,7 @@ struct RunRecord {
 };
 
 /// Reads a record. One that is missing, or is not, byte for byte, what was written, is as good as
-/// none: the run is then made anew.
+/// none: the run is then recomputed.
 RunRecord read_run_record(const std::filesystem::path& file);
 
 void write_run_record(const std::filesystem::path& file, const RunRecord& record);

@@ -33,7 +33,7 @@ void require_passed(const std::filesystem::path& run_dir, const VerificationStep
                   "nothing was signed");
 }
 
-/// The pages name the signatures, so they are made anew.
+/// The pages name the signatures, so they are recomputed.
 int render(const std::filesystem::path& run_dir) {
     try {
         run_step("render", {.attempt = run_dir / "attempt.yaml", .run_dir = run_dir});

@@ -105,6 +105,17 @@ std::string capitalised(std::string_view text) {
     return upper_case(text.substr(0, 1)).append(text.substr(std::min<std::size_t>(1, text.size())));
 }
 
+std::string sentence(std::string_view text) {
+    if (text.empty()) return {};
+    const std::string_view word = text.substr(0, text.find_first_of(" ,:"));
+    const bool plain = std::all_of(word.begin(), word.end(), [](char c) {
+        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '-';
+    });
+    std::string whole = plain ? capitalised(text) : std::string(text);
+    if (std::string_view(".?!:").find(whole.back()) == std::string_view::npos) whole += '.';
+    return whole;
+}
+
 std::string_view trim(std::string_view text) {
     constexpr std::string_view blanks = " \t\r\n\v\f";
     const std::size_t first = text.find_first_not_of(blanks);

@@ -165,12 +165,12 @@ CoarseDelay coarse_delay(const Knots& knots, const std::vector<Comparison>& comp
 
 Delay estimate_delay(const Knots& knots, const Motion& motion, const std::vector<Comparison>& all,
                      double limit_s, double interval_s) {
-    const Delay not_told{.delay_s = std::nullopt, .sigma_s = limit_s};
-    if (limit_s <= 0.0) return not_told;
+    const Delay undetermined{.delay_s = std::nullopt, .sigma_s = limit_s};
+    if (limit_s <= 0.0) return undetermined;
     const auto comparisons = accelerating(knots, motion, all, limit_s);
-    if (comparisons.size() < least_comparisons) return not_told;
+    if (comparisons.size() < least_comparisons) return undetermined;
     const CoarseDelay coarse = coarse_delay(knots, comparisons, limit_s);
-    if (coarse.at_limit) return not_told;
+    if (coarse.at_limit) return undetermined;
     double delay_s = coarse.delay_s;
     std::vector<DelayTerm> terms;
     for (int iteration = 0; iteration < 50; ++iteration) {
@@ -189,7 +189,7 @@ Delay estimate_delay(const Knots& knots, const Motion& motion, const std::vector
         if (settled) break;
     }
     const double sigma_s = delay_sigma(terms, coarse.scale, interval_s);
-    if (!(sigma_s <= 0.5 * interval_s)) return not_told;
+    if (!(sigma_s <= 0.5 * interval_s)) return undetermined;
     return {.delay_s = delay_s, .sigma_s = sigma_s};
 }
 

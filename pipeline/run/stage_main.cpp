@@ -30,6 +30,12 @@ std::optional<int> parsed(CLI::App& app, int argc, char** argv) {
     return std::nullopt;
 }
 
+void say_failure(const Failure& failure) {
+    fmt::print(stderr, "error: {}\n  where: {}\n  what to do: {}\n",
+               sentence(plain_text(failure.problem())), plain_text(failure.where()),
+               sentence(plain_text(failure.remedy())));
+}
+
 }  // namespace
 
 int guarded_main(const std::function<int()>& body) {
@@ -38,25 +44,21 @@ int guarded_main(const std::function<int()>& body) {
     try {
         return body();
     } catch (const Failure& failure) {
-        fmt::print(stderr, "error: {}\n  where: {}\n  what to do: {}\n",
-                   plain_text(failure.problem()), plain_text(failure.where()),
-                   plain_text(failure.remedy()));
+        say_failure(failure);
     } catch (const CLI::Error& error) {
-        fmt::print(stderr, "error: {}\n  where: the command line\n  what to do: see --help\n",
-                   plain_text(error.what()));
+        say_failure({"the command line", error.what(), "See --help"});
     } catch (const std::bad_alloc&) {
+        // Nothing that would take memory.
         fmt::print(stderr,
-                   "error: there is not enough memory\n  where: this computer\n  what to do: close "
-                   "other programs, or cut the recording down to the runs\n");
+                   "error: There is not enough memory.\n  where: this computer\n  what to do: "
+                   "Close other programs, or cut the recording down to the runs.\n");
     } catch (const std::filesystem::filesystem_error& error) {
-        fmt::print(stderr,
-                   "error: {}\n  where: {}\n  what to do: check that it can be read and written\n",
-                   error.code().message(), escape_for_message(error.path1().string(), 400));
+        say_failure({escape_for_message(error.path1().string(), 400), error.code().message(),
+                     "Check that it can be read and written"});
     } catch (const std::exception& fault) {
-        fmt::print(stderr,
-                   "error: {}\n  where: inside the program\n  what to do: this is a fault of the "
-                   "program; please report it with the attempt and its recordings\n",
-                   plain_text(fault.what()));
+        say_failure({"inside the program", fault.what(),
+                     "This is a fault of the program; please report it with the attempt and its "
+                     "recordings"});
     }
     return 2;
 }

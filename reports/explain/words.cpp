@@ -21,11 +21,4 @@ std::string heading(std::string_view outcome, std::string_view text) {
     return fmt::format("{}  {}", word, wrapped(text, word.size() + 2, word.size() + 2));
 }
 
-std::string sentence(std::string text) {
-    if (text.empty()) return text;
-    text = capitalised(text);
-    if (!text.ends_with('.') && !text.ends_with('?') && !text.ends_with('!')) text += '.';
-    return text;
-}
-
 }  // namespace runcert

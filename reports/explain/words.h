@@ -16,7 +16,4 @@ std::string labelled(std::string_view label, std::string_view text);
 /// "NOT MET  nalsa/flat-course": the first line of a block, its outcome in capitals.
 std::string heading(std::string_view outcome, std::string_view text);
 
-/// A capital at the beginning and a full stop at the end.
-std::string sentence(std::string text);
-
 }  // namespace runcert

@@ -8,7 +8,7 @@
 namespace runcert {
 
 /// KML 2.2 for Google Earth: arcs, windows (each rule and kind in a style of its own) and gates as
-/// lines clamped to the ground, because heights above the ellipsoid are not heights above sea
+/// lines clamped to the ground, because ellipsoidal heights are not heights above sea
 /// level. Text from outside is escaped for XML and, in descriptions, for HTML.
 std::string kml_text(const Track& track);
 

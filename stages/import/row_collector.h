@@ -120,7 +120,7 @@ RowChanges apply_attempt(Observations& head, const RowSummary& rows, const Recei
                          bool start_is_used = false);
 
 inline constexpr const char* note_heights_above_sea_level =
-    "Heights are recorded above mean sea level; they are not heights above the ellipsoid.";
+    "Heights are recorded above mean sea level; they are not ellipsoidal heights.";
 
 /// Notes on a recording's text as such: byte order mark, last line without an end.
 void note_text(Observations& observations, const RecordingBytes& recording);

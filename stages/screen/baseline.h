@@ -25,7 +25,7 @@ namespace runcert {
 ///
 /// Fills `comparison.baseline` of both: median and robust standard deviation of the length,
 /// nothing compared where a recording's time is relative, or one is in an engineering CRS and the other
-/// is not. Local planes are taken to be the same one. A constant difference of the two clocks is a
+/// is not. Engineering CRSs are taken to be the same one. A constant difference of the two clocks is a
 /// distance along the track in proportion to the speed: it is not an error of positions, is not
 /// marked, and shows in the standard deviation of the length.
 ///

@@ -115,7 +115,7 @@ SelectionBias selection_of(const AxesEstimate<Axes>& estimate, const WindowChoic
     return selection;
 }
 
-/// Adds what a vertical speed of coordinate "up" lacks against one of heights above the ellipsoid:
+/// Adds what a vertical speed of coordinate "up" lacks against one of ellipsoidal heights:
 /// the Earth falls away from the plane as the craft moves over it.
 void correct_for_curvature(const AxesEstimate<1>& estimate, const FoundWindow& found,
                            PositionNoise& noise, CertifiableWindow& window) {

@@ -210,7 +210,7 @@ class DisturbedDay {
     /// What differs from it.
     Words differing() { return differences(results_of(out), expected()); }
 
-    /// Another record to beat: only the claim, check and report are to be made anew.
+    /// Another record to beat: only the claim, check and report are to be recomputed.
     void change_record() const {
         std::string text = read_file(day / "day.yaml");
         text.replace(text.find("202.9"), 5, "190.5");

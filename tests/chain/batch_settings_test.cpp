@@ -75,7 +75,7 @@ std::vector<Change> course_changes() {
     return changes;
 }
 
-/// A change for each smallest error that a rule supposes, by fix type.
+/// A change for each floor that a rule sets, by fix type.
 std::vector<Change> floor_changes(const DocumentSchema& schema) {
     std::vector<Change> changes;
     const std::string prefix = "uncertainty.error_floor_m.";

@@ -70,7 +70,7 @@ TEST(FlatCourse, OfAMetreAndTwentyIsNotMetAndNotCertifiable) {
     EXPECT_EQ(requirement_of(verdict, "flat-course").status, RequirementStatus::not_met);
     expect_height(verdict, 1.2);
     EXPECT_EQ(verdict.outcome, Outcome::not_certifiable);
-    for (const char* part : {"Not met: flat-course", "1.2", " m +/- 0.0", "at most 1 m"})
+    for (const char* part : {"Not met: flat-course", "1.2", " m ± 0.0", "at most 1 m"})
         EXPECT_TRUE(contains(verdict.reason, part)) << verdict.reason;
 }
 

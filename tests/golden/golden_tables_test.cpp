@@ -168,7 +168,7 @@ TEST(GoldenScreened, EstimatedErrors) {
     EXPECT_EQ(rows.at(11).estimated.time_s, 0.012500125);
 }
 
-TEST(GoldenScreened, DetectableErrors) {
+TEST(GoldenScreened, MinimalDetectableBiases) {
     const auto rows = read_screened(text_of("v1.0/3-screened.ecsv"), "f").rows;
     const MinimalDetectableBias& detectable = rows.at(0).detectable;
     EXPECT_EQ(detectable.outlier_m, 0.045);

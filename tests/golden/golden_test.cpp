@@ -55,7 +55,7 @@ TEST(Golden, PublishedFilesStayAsTheyWere) {
             << file.path
             << ": a golden file changed, or is not listed. Take the published one back from the "
                "history, and put what a new revision adds into a folder of that revision. Only of "
-               "a file that no release holds may the line in tests/golden/SHA256SUMS be made anew "
+               "a file that no release holds may the line in tests/golden/SHA256SUMS be recomputed "
                "(sha256sum).";
         listed.erase(file.path);
     }

@@ -61,7 +61,7 @@ struct RuleScene {
         use(profile);
     }
 
-    /// Judges by this profile from now on; the best window is made anew.
+    /// Judges by this profile from now on; the best window is recomputed.
     void use(const std::string& profile) {
         profiles = {read_profile(profile, "rule.yaml")};
         const Profile& rule = profiles[0];

@@ -203,7 +203,7 @@ TEST(SbpBad, EveryTruncationEndsInRowsOrAMessage) {
     }
 }
 
-// The receiver's UTC ran 1 s ahead until it learnt the leap second.
+// The receiver's UTC ran 1 s ahead until it received the leap second.
 TEST(SbpLeapSecond, StepBackIsNotedWithItsPlaceAndLeft) {
     std::string bytes = log_of(5);
     Fix late{.utc = {2019, 4, 12, 0, 40, 0}};  // again: 5 records led up to 0:40:00

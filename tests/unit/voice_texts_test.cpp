@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "approved.h"
+
 // What the program says, over the whole tree: sentences that are read once, and the field's terms.
 
 namespace runcert::RUNCERT_FILE {
@@ -183,7 +185,7 @@ TEST(Voice, TermsAreTheFields) {
         "\\btoo (?:good|bad)\\b|slow error|\\blearnt\\b|smallest error|could have missed|"
         "wrong positions?\\b|wrong epochs?\\b|kinds? of solution|stretch(?:es)? without a break|"
         "positions on the earth|local plane|heights above the ellipsoid|data do not tell|"
-        "data cannot tell|made anew|no surer|_mps\\b|\\btarget_|_target\\b|\\blearn_|told_by|"
+        "data cannot tell|made anew|no surer|_mps\\b|target_(?:speed|m_s|km)|\\blearn_|told_by|"
         "DetectableError|Workshop|RareDecision|not_told|ask_witnesses|counted_axes|RowByRow|"
         "TimedRows|probability (?:is )?(?:asked|needed)|\\+/-",
         std::regex::icase | std::regex::optimize);
@@ -201,6 +203,75 @@ TEST(Voice, TermsAreTheFields) {
                 << path << ":" << number << ": " << found.str();
         }
     }
+}
+
+/// The arguments of a call whose opening parenthesis is at `at`, as they are written.
+std::vector<std::string> arguments(const std::string& text, std::size_t at) {
+    std::vector<std::string> all(1);
+    int depth = 0;
+    for (bool quoted = false; at < text.size(); ++at) {
+        const char c = text[at];
+        if (quoted || c == '"') {
+            if (c == '"') quoted = !quoted;
+            all.back() += c;
+            if (c == '\\') all.back() += text[++at];
+        } else if (std::string_view("([{").find(c) != std::string_view::npos) {
+            if (++depth > 1) all.back() += c;
+        } else if (std::string_view(")]}").find(c) != std::string_view::npos) {
+            if (--depth == 0) return all;
+            all.back() += c;
+        } else if (c == ',' && depth == 1) {
+            all.emplace_back();
+        } else {
+            all.back() += c;
+        }
+    }
+    return all;
+}
+
+/// An argument on one line, adjacent texts joined; a text with its figures alone where it is one.
+std::string written(std::string argument) {
+    argument = std::regex_replace(argument, std::regex("\"\\s*\"|^\\s+|\\s+$"), "");
+    argument = std::regex_replace(argument, std::regex("\\s+"), " ");
+    static const std::regex text("^(?:fmt::format\\()?\"((?:[^\"\\\\]|\\\\.)*)\"(?:,.*\\))?$");
+    std::smatch found;
+    return std::regex_match(argument, found, text) ? found.str(1) : "(" + argument + ")";
+}
+
+// Every message of a failure says where, what and what to do; the page that a program prints makes
+// sentences of the last two (core/text.h, `sentence`).
+TEST(Voice, EveryFailureSaysWhereWhatAndWhatToDo) {
+    static const std::regex call("\\bFailure\\(");
+    static const std::regex comment("//[^\\n]*");
+    std::string table;
+    std::size_t count = 0;
+    for (const fs::path& file : files_of({"pipeline", "stages", "reports", "schemas"})) {
+        if (file.extension() != ".cpp") continue;
+        const std::string text = std::regex_replace(text_of(file), comment, "");
+        std::string rows;
+        for (std::sregex_iterator at(text.begin(), text.end(), call), none; at != none; ++at) {
+            const auto parts = arguments(
+                text, static_cast<std::size_t>(at->position() + at->length()) - 1);
+            if (parts.size() == 1 && written(parts[0]).find("failure") != std::string::npos)
+                continue;  // a copy
+            ++count;
+            ASSERT_EQ(parts.size(), 3U) << file << ": " << parts[0];
+            const std::string what = written(parts[1]);
+            const std::string remedy = written(parts[2]);
+            for (const std::string& part : parts)
+                EXPECT_NE(written(part), "") << file << ": " << what;
+            EXPECT_FALSE(what.ends_with('.')) << file << ": " << what;
+            EXPECT_FALSE(remedy.ends_with('.')) << file << ": " << remedy;
+            EXPECT_TRUE(std::isupper(static_cast<unsigned char>(remedy[0])) != 0 ||
+                        std::string_view("({`").find(remedy[0]) != std::string_view::npos)
+                << file << ": " << remedy;
+            rows += "  where       " + written(parts[0]) + "\n  what        " + what +
+                    "\n  what to do  " + remedy + "\n\n";
+        }
+        if (!rows.empty()) table += fs::relative(file, root).generic_string() + "\n" + rows;
+    }
+    EXPECT_GT(count, 300U);
+    test::expect_approved("failures.txt", table);
 }
 
 }  // namespace

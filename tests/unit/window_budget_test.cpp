@@ -270,7 +270,7 @@ TEST(Budget, CombinesByRootSumOfSquaresAndWelchSatterthwaite) {
             fourth += std::pow(row.contribution_m_s, 4) / *row.degrees_of_freedom;
         contributing += row.contribution_m_s > 0.0 ? 1 : 0;
     }
-    EXPECT_EQ(contributing, 10);  // all but what screening could have missed
+    EXPECT_EQ(contributing, 10);  // all but the undetected error
     const CombinedUncertainty combined = combine(full().rows());
     EXPECT_NEAR(combined.standard_uncertainty, std::sqrt(squares), 1e-15);
     EXPECT_NEAR(combined.effective_degrees_of_freedom.value(), squares * squares / fourth,

@@ -30,7 +30,7 @@ void expect_same(const Receiver& receiver, const std::string& text, const std::s
         << name;
 }
 
-TEST(PosRowByRow, SaysWhatTheWholeSays) {
+TEST(PosStreamed, SaysWhatTheWholeSays) {
     Receiver other = pos_receiver();
     other.accuracy = AttemptAccuracy{.horizontal_m = 0.02, .vertical_m = 0.05};
     for (const std::string name :
@@ -56,7 +56,7 @@ std::string short_pos(const std::string& deviations) {
     return text;
 }
 
-TEST(PosRowByRow, TheAttemptFillsWhatIsMissing) {
+TEST(PosStreamed, TheAttemptFillsWhatIsMissing) {
     Receiver receiver = pos_receiver();
     receiver.accuracy = AttemptAccuracy{.horizontal_m = 0.02, .vertical_m = 0.05};
     const std::string silent = short_pos("0.0000   0.0000   0.0000");
@@ -70,7 +70,7 @@ TEST(PosRowByRow, TheAttemptFillsWhatIsMissing) {
     EXPECT_EQ(all.records.bad, 1);
 }
 
-TEST(PosRowByRow, FailsAsTheWhole) {
+TEST(PosStreamed, FailsAsTheWhole) {
     const std::string text = "% program\n" + short_pos("0.0067   0.0067   0.0134").substr(0, 180);
     const RecordingBytes recording{.name = "f", .bytes = text};
     const auto said = [](auto read) -> std::string {
@@ -86,7 +86,7 @@ TEST(PosRowByRow, FailsAsTheWhole) {
     EXPECT_EQ(said([&] { (void)rtklib_pos::read_streamed(pos_receiver(), recording); }), whole);
 }
 
-TEST(PosRowByRow, ShortRecordingsAreHeld) {
+TEST(PosStreamed, ShortRecordingsAreHeld) {
     const std::string text = fixture("degrees.pos");
     EXPECT_FALSE(import_streamed(pos_receiver(), {.name = "f", .bytes = text}).has_value());
 }

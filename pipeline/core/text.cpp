@@ -107,7 +107,7 @@ std::string capitalised(std::string_view text) {
 
 std::string sentence(std::string_view text) {
     if (text.empty()) return {};
-    const std::string_view word = text.substr(0, text.find_first_of(" ,:"));
+    const std::string_view word = text.substr(0, text.find_first_of(" ,"));
     const bool plain = std::all_of(word.begin(), word.end(), [](char c) {
         return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '-';
     });

@@ -58,7 +58,7 @@ class UniqueKeys {
             throw Failure(where_,
                           fmt::format("the key \"{}\" stands twice in one object",
                                       escape_for_message(parsed.get<std::string>())),
-                          "A report says everything once: " + std::string(take_original));
+                          take_original);
         return true;
     }
 

@@ -35,7 +35,7 @@ std::string not_fitted(const NoiseSummary& noise, const std::string& axes) {
     if (noise.status == NoiseBasis::too_few_epochs)
         return fmt::format(
             "The {} noise could not be estimated from the recording, which has {} usable epochs where "
-            "{} are needed: {}.",
+            "{} are required: {}.",
             axes, noise.epochs, noise.epochs_needed, instead);
     if (noise.status == NoiseBasis::constant_positions)
         return fmt::format(

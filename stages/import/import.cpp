@@ -55,7 +55,7 @@ std::string_view name_other_format(std::string_view bytes) {
     if (rinex::recognises(head))
         throw Failure(where, "the recording is RINEX, raw observations and not positions",
                       "Give the base station's observations and the navigation file in the "
-                      "attempt: base: ..., navigation: ...");
+                      "attempt (keys `base` and `navigation`)");
     require_text(recording);
     if (csv::recognises(head))
         throw Failure(where, "the recording looks like a table, and the attempt names no columns",

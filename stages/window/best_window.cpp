@@ -16,7 +16,7 @@ bool is_mean(SpeedDefinition definition) {
 }
 
 void refuse(std::string_view what) {
-    throw Failure("the rule of a window", std::string(what), "Correct the profile's rule.");
+    throw Failure("the rule of a window", std::string(what), "Correct the profile's rule");
 }
 
 void check_rule(const WindowCriteria& rule) {

@@ -67,7 +67,7 @@ void add_crossings(const SampleSeries& series, std::size_t index, const Gate& ga
 std::vector<Crossing> crossings(const std::vector<SampleSeries>& series, const Gate& gate) {
     if (gate.left == gate.right)
         throw Failure("a gate of the course", "its left end is where its right end is",
-                      "State the surveyed positions of both ends of the line.");
+                      "State the surveyed positions of both ends of the line");
     std::vector<Crossing> found;
     for (std::size_t k = 0; k < series.size(); ++k) {
         assert(series[k].positions.size() == series[k].times.size());

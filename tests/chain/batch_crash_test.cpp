@@ -232,7 +232,7 @@ TEST_F(HeldDay, ASecondBatchSaysWhoHasItOrWaits) {
     wait_until_held();
     const ProcessResult second = day.batch();
     EXPECT_EQ(second.exit_status, 2);
-    EXPECT_TRUE(holds(second.errors, "another batch is at work on this folder: process " +
+    EXPECT_TRUE(holds(second.errors, "Another batch is at work on this folder: process " +
                                          std::to_string(first.number()) + " on "))
         << second.errors;
     EXPECT_TRUE(holds(second.errors, "--wait"));
@@ -241,7 +241,7 @@ TEST_F(HeldDay, ASecondBatchSaysWhoHasItOrWaits) {
     std::ofstream(ids) << "run-0001\n";
     const ProcessResult share = day.batch({"--share", "0/1", "--pending", ids.string()});
     EXPECT_EQ(share.exit_status, 2);
-    EXPECT_TRUE(holds(share.errors, "another batch is at work")) << share.errors;
+    EXPECT_TRUE(holds(share.errors, "Another batch is at work")) << share.errors;
 
     const fs::path wait_log = day.folder.path() / "wait log";
     Started waiting(command({"--wait"}), wait_log);

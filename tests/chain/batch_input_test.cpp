@@ -104,7 +104,7 @@ TEST_F(BadDays, ResultsInsideOfTheDayAreNotPartOfIt) {
     EXPECT_TRUE(holds(refusal({day().string(), "--out", day().string()}), "--out"));
     // Results are no day: their runs are not certified again.
     const std::string words = refusal({inside.string(), "--out", out().string()});
-    EXPECT_TRUE(holds(words, "no attempt was found") || holds(words, "day_results")) << words;
+    EXPECT_TRUE(holds(words, "No attempt was found") || holds(words, "day_results")) << words;
 }
 
 TEST_F(BadDays, AFolderThatCannotBeWrittenIsNamed) {
@@ -138,7 +138,7 @@ TEST_F(BadDays, LoopsOfLinksEnd) {
 }
 
 TEST_F(BadDays, NoDayIsSaid) {
-    EXPECT_TRUE(holds(refusal({day().string(), "--out", out().string()}), "no attempt was found"));
+    EXPECT_TRUE(holds(refusal({day().string(), "--out", out().string()}), "No attempt was found"));
     EXPECT_TRUE(holds(refusal({path("nowhere").string(), "--out", out().string()}), "nowhere"));
     EXPECT_FALSE(fs::exists(out()));
 }

@@ -238,7 +238,7 @@ TEST_F(BundleTest, AFolderThatIsNotWholeIsRefused) {
         {"key of another kind", "mkdir keys; echo x > keys/id_rsa", {"\"keys/id_rsa\""}},
         {"link", "rm -f report.html; ln -s /etc/hostname report.html", {"\"report.html\""}},
         {"no report", "rm report.json", {"report.json"}},
-        {"broken report", "echo '{' > report.json", {"report.json", "not a report"}},
+        {"broken report", "echo '{' > report.json", {"report.json", "Not a report"}},
         {"id that is a path",
          "sed -i 's/\"id\": \"salt-lake\"/\"id\": \"..\\/x\"/' report.json",
          {"cannot be the name of a folder"}}};

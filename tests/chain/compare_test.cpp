@@ -103,7 +103,7 @@ TEST(Compare, WhatCannotBeComparedIsRefused) {
     refused({run.string(), "--truth", (folder.path() / "absent.csv").string()}, "absent.csv");
     const fs::path truth = folder.path() / "truth.csv";
     write_file_atomically(truth, "time_s,east_m,north_m,speed_m_s\n1000,0,0,1\n");
-    refused({run.string(), "--truth", truth.string()}, "no epoch");
+    refused({run.string(), "--truth", truth.string()}, "No epoch");
     write_file_atomically(truth, "time_s,east_m,north_m,speed_m_s\n0.000,0,0,1\n");
     refused({run.string(), "--truth", truth.string()}, "certified window");
     write_file_atomically(truth, "time_s,east_m,north_m,speed_m_s\n0.000,0,zero,1\n");

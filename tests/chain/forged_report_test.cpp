@@ -181,7 +181,7 @@ TEST_F(ForgedReport, ThatProgramsReadDifferentlyIsRefused) {
         changed["subject"].push_back(
             {{"name", name}, {"digest", {{"sha256", std::string(64, '0')}}}});
         forge(changed);
-        expect_refused("the subject \"");
+        expect_refused("The subject \"");
     }
 }
 

@@ -87,7 +87,7 @@ TEST_F(ForgedSignature, ByASecondKeyInTheFileOfAKeyIsRefused) {
     EXPECT_EQ(verify({"--pubkey", path("owner.pub").string()}).exit_status, 1);
     const ProcessResult result = verify({"--pubkey", path("both.pub").string()});
     EXPECT_EQ(result.exit_status, 2) << result.output;
-    EXPECT_NE(result.errors.find("a public key is one line"), std::string::npos) << result.errors;
+    EXPECT_NE(result.errors.find("A public key is one line"), std::string::npos) << result.errors;
 }
 
 TEST_F(ForgedSignature, AmongThousandsIsRefusedAtOnce) {

@@ -83,7 +83,7 @@ INSTANTIATE_TEST_SUITE_P(
                           "not_certifiable",
                           4.8,
                           0.5,
-                          {"the limit 0.800 km/h"}},
+                          {"limit 0.8 km/h"}},
                     // A VBO states no fix type that a car's rule allows; allowed, it states
                     // no accuracy.
                     Given{"VboOfACar",
@@ -126,7 +126,7 @@ INSTANTIATE_TEST_SUITE_P(
                           "not_certifiable",
                           2.9,
                           0.5,
-                          {"the limit 0.800 km/h"}}),
+                          {"limit 0.8 km/h"}}),
     [](const auto& instance) { return std::string(instance.param.name); });
 
 TEST(RecordingFormats, RinexIsMadeAgainFromTheRunFolder) {

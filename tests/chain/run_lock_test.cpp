@@ -47,7 +47,7 @@ class RunFolderLock : public testing::Test {
         const HeldLock lock(run());
         const ProcessResult result = runcert(command);
         EXPECT_EQ(result.exit_status, 2) << command.front() << result.output;
-        EXPECT_NE(result.errors.find("another program is writing in this run folder"),
+        EXPECT_NE(result.errors.find("Another program is writing in this run folder"),
                   std::string::npos)
             << command.front() << ": " << result.errors;
         EXPECT_NE(result.errors.find(run().string()), std::string::npos) << result.errors;
@@ -70,7 +70,7 @@ TEST_F(RunFolderLock, IsRespectedByAllWhoWrite) {
         run_process({stage.string(), "--attempt", (run() / "attempt.yaml").string(), "--run-dir",
                      run().string()});
     EXPECT_EQ(result.exit_status, 2);
-    EXPECT_NE(result.errors.find("another program is writing"), std::string::npos);
+    EXPECT_NE(result.errors.find("Another program is writing"), std::string::npos);
 }
 
 TEST_F(RunFolderLock, IsFreeAfterwardsAndNeedsNoFile) {

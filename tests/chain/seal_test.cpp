@@ -134,7 +134,7 @@ TEST_F(Seal, AnotherSealIsRefused) {
 TEST_F(Seal, KeysThatCannotOrMustNotSealAreRefused) {
     expect_untouched(seal("ed.pem", "ed.crt"), {"RSA or ECDSA", "ED25519"});
     expect_untouched(seal("encrypted.pem", "ec.crt"), {"encrypted", "openssl pkey"});
-    expect_untouched(seal("open.pem", "ec.crt"), {"others than its owner", "chmod 600"});
+    expect_untouched(seal("open.pem", "ec.crt"), {"Others than its owner", "chmod 600"});
     expect_untouched(seal("ec.pem", "rsa.crt"), {"does not belong to the certificate"});
     expect_untouched(seal("ec.pem", "expired.crt"), {"has expired"});
     expect_untouched(seal("ec.pem", "broken.crt"), {"cannot read a certificate"});

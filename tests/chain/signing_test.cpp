@@ -66,9 +66,9 @@ TEST_F(Signing, RefusesAFolderWithoutAReport) {
     EXPECT_EQ(verify({}).exit_status, 2);
     EXPECT_EQ(runcert({"verify", path("nowhere").string()}).exit_status, 2);
     write_file_atomically(run() / "report.json", "{\"a\": 1");
-    expect_refused(sign("measurer", "measurer"), {"report.json", "not a report"});
+    expect_refused(sign("measurer", "measurer"), {"report.json", "Not a report"});
     write_file_atomically(run() / "report.json", "{\"a\": 1, \"b\": {\"c\": 1, \"c\": 2}}");
-    expect_refused(sign("measurer", "measurer"), {"the key \"c\" stands twice"});
+    expect_refused(sign("measurer", "measurer"), {"The key \"c\" stands twice"});
 }
 
 TEST_F(Signing, RefusesAReportThatWouldSpeakForItsSigner) {
@@ -102,7 +102,7 @@ TEST_F(Signing, RefusesAKeyThatOthersCanRead) {
     const std::string text = read_file(key("measurer"));
     for (const fs::perms more : {fs::perms::group_read, fs::perms::others_read}) {
         const std::string open = copied_key("open.key", text, owner | more);
-        expect_refused(sign_with(open), {"others than its owner", "chmod 600 " + open});
+        expect_refused(sign_with(open), {"Others than its owner", "chmod 600 " + open});
         const ProcessResult result =
             certify(examples / "salt_lake" / "attempt.yaml", path("new"), {"--key", open});
         EXPECT_EQ(result.exit_status, 2);
@@ -113,7 +113,7 @@ TEST_F(Signing, RefusesAKeyThatOthersCanRead) {
 }
 
 TEST_F(Signing, SaysWhatAnotherKeyIs) {
-    expect_refused(sign_with(public_key("measurer")), {"this is a public key"});
+    expect_refused(sign_with(public_key("measurer")), {"This is a public key"});
     ASSERT_EQ(
         run_process({"ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-f", path("ssh").string()})
             .exit_status,

@@ -188,7 +188,7 @@ TEST_F(TimeStamps, RepliesToNothingAreRefused) {
     refused(answer, "changed after its query was made");
     // What the authority says where it refuses: the digest is not one of its own.
     write_file_atomically(path("ca.cnf"), read_file(path("ca.cnf")) + "digests=sha256\n");
-    refused(reply("ca", "report.json.minisig"), "the authority gave no time stamp");
+    refused(reply("ca", "report.json.minisig"), "The authority gave no time stamp");
 }
 
 TEST_F(TimeStamps, AnyChangedByteOfAStampIsFound) {

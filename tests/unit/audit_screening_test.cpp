@@ -165,8 +165,8 @@ TEST(Audit, ReasonsWithAFigure) {
         "epoch 5 (line 22), 0.400 s: left out: the stated standard deviations and correlations are not "
         "those of any error");
     EXPECT_EQ(only_entry([](auto& rows) { leave_out(rows[4], Reason::short_arc, {}, 3.0, 6.0); }),
-              "epoch 5 (line 22), 0.400 s: left out: in a stretch of only 3 usable "
-              "epochs, where 6 are needed");
+              "epoch 5 (line 22), 0.400 s: left out: in an arc of only 3 usable "
+              "epochs, where 6 are required");
 }
 
 TEST(Audit, WhatASolutionSaysOfItself) {
@@ -175,7 +175,7 @@ TEST(Audit, WhatASolutionSaysOfItself) {
                   leave_out(rows[5], Reason::few_satellites, {}, 5.0, 6.0);
               }),
               "epochs 5 to 6 (lines 22 to 23), 0.400 s to 0.500 s: left out: only 4 to 5 "
-              "satellites, where 6 are needed so that they check one another");
+              "satellites, where 6 are required so that they check one another");
     EXPECT_EQ(
         only_entry([](auto& rows) { leave_out(rows[4], Reason::low_ratio, {}, 1.5, 3.0); }),
         "epoch 5 (line 22), 0.400 s: left out: a ratio of 1.50, where 3.00 is needed: another set "
@@ -568,8 +568,8 @@ TEST(Audit, WhatTheTestsRestedOn) {
                "(SBAS), horizontally: errors from epoch to epoch 1.0 times the stated standard "
                "deviation (110 epochs; as stated).",
                "Single, horizontally: too few epochs to decide (12 epochs).",
-               "the largest acceleration is 8.2 m/s^2 (a craft of the class can make 20.0 m/s^2), "
-               "the largest jerk 40.5 m/s^3 (200.0 m/s^3), the largest vertical rate 0.5 m/s (5.0 "
+               "the largest acceleration is 8.2 m/s^2 (limit of the class 20.0 m/s^2); "
+               "the largest jerk is 40.5 m/s^3 (200.0 m/s^3), the largest vertical rate 0.5 m/s (5.0 "
                "m/s); 0 epochs beyond them",
                "Velocities. None", "Other receiver. None",
                "The hashes (SHA-256) of 2-enu.ecsv are those", "names its hash: 3-screened.ecsv."});
@@ -640,10 +640,10 @@ TEST(Audit, SmallestErrorsAreMedianAndWorstOfTheEpochsUsed) {
     expect_in(unwrapped(audit_text(table, with_windows, false)),
               {"A step of the positions: 0.070 m, at worst 0.090 m (epoch 4); at 1 epoch no size "
                "could be found.",
-               "A step of 0.070 m in the middle of a window, not found, moves one end of it "
-               "against the other and makes its speed wrong by at most 0.084 km/h under nalsa "
-               "(3.000 s) and 0.126 km/h under fisly (2.000 s)",
-               "of 0.090 m, makes it wrong by at most 0.108 km/h under nalsa"});
+               "An undetected step of 0.070 m in the middle of a window moves one end of it "
+               "against the other. It changes the speed by at most 0.084 km/h under nalsa "
+               "(3.000 s) and 0.126 km/h under fisly (2.000 s).",
+               "of 0.090 m, changes it by at most 0.108 km/h under nalsa"});
     expect_in(unwrapped(audit_text(table, subject, false)),
               {"by at most 0.070 m over the duration of the window"});
 }

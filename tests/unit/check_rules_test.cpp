@@ -169,7 +169,7 @@ TEST(Course, OfAWindowOutsideOfEveryRunIsForAPerson) {
 TEST(StandingStart, IsMetNotMetOrNotSeen) {
     RuleScene scene(profile_text(clause_text("standing_start")));
     EXPECT_EQ(scene.clause("standing_start").status, RequirementStatus::met);
-    EXPECT_TRUE(contains(scene.clause("standing_start").evidence, "0.000 m/s ± 0.051 m/s"));
+    EXPECT_TRUE(contains(scene.clause("standing_start").evidence, "0.00 m/s ± 0.10 m/s"));
     // Never slower than 0.6 m/s, which 0.05 m/s tells from zero: rolling.
     for (TrajectoryEpoch& row : scene.judged.trajectory)
         row.velocity_north_m_s = std::max(0.6, *row.velocity_north_m_s);

@@ -84,7 +84,7 @@ TEST(Statements, WhyNothingWasFittedAndWhatStandsInItsPlace) {
     scene.noise().status = NoiseBasis::too_few_epochs;
     scene.noise().epochs = 20;
     scene.noise().jerk_density.value = 0.6;
-    EXPECT_EQ(scene.count({"could not be estimated", "20 usable epochs where 30 are needed",
+    EXPECT_EQ(scene.count({"could not be estimated", "20 usable epochs where 30 are required",
                            "stated standard deviations times 1.04", "0.6 m s^-2.5"}),
               1);
     scene.noise().status = NoiseBasis::constant_positions;
@@ -198,7 +198,7 @@ TEST(Statements, WhereMonteCarloDoesNotAgreeOrConverge) {
     windows.best->monte_carlo->standard_uncertainty_m_s = 0.010;
     windows.best->monte_carlo->lower_m_s = -0.0250;
     scene.judged.windows.profiles = {windows};
-    EXPECT_EQ(scene.count({"Under nalsa the check of linearisation gives a 95 % interval",
+    EXPECT_EQ(scene.count({"Under nalsa the check of linearisation gives a 95 % coverage interval",
                            "-0.0250 m/s to 0.0000 m/s", "-0.0196 m/s to 0.0196 m/s"}),
               1);
     windows.best->monte_carlo->converged = false;
@@ -220,7 +220,7 @@ Scene tested_scene() {
 TEST(Statements, OnTheTestsSayHowManyAndHowOftenTheyErr) {
     const Scene scene = tested_scene();
     EXPECT_EQ(scene.count({"30000 tests", "probability of at most 0.001",
-                           "so that motion is not taken for them, sudden changes of acceleration"}),
+                           "shifts of its time stamp and sudden changes of acceleration"}),
               1);
     EXPECT_EQ(scene.count({"not on noise estimated"}), 0);
     EXPECT_EQ(scene.count({"sessions"}), 0);

@@ -9,6 +9,7 @@
 
 #include "approved.h"
 #include "core/failure.h"
+#include "core/text.h"
 #include "reports/explain/words.h"
 
 namespace runcert::RUNCERT_FILE {

@@ -127,7 +127,7 @@ TEST(Screening, IsSaidInPlainWords) {
         line(run, runcert::capitalised(words_of(FixType::fixed))),
         "horizontally: errors from epoch to epoch 1.3 times the stated standard deviation (420 "
         "epochs; the errors are larger than stated); vertically: errors from epoch to epoch 1.0 "
-        "times the stated standard deviation (419 epochs; as stated)");
+        "times the stated standard deviation (420 epochs; as stated)");
     EXPECT_EQ(line(run, runcert::capitalised(words_of(FixType::float_ambiguities))),
               "horizontally: too few epochs to decide (31 epochs)");
     EXPECT_EQ(line(run, "Recorded velocities"),

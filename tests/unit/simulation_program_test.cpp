@@ -145,7 +145,7 @@ TEST_F(SimulateProgram, SaysWhichFaultWouldNotShow) {
 TEST_F(SimulateProgram, RefusesAnAttemptThatCouldNotBeCertified) {
     expect_refused(minimal + "attempt:\n  id: a/b\n", {"spec.yaml:4:3", "cannot be an id"});
     expect_refused(minimal + "attempt:\n  date: \"14 March\"\n", {"spec.yaml:4:3", "not a date"});
-    expect_refused(minimal + "attempt:\n  crew: me\n", {"spec.yaml:4:3", "unknown key"});
+    expect_refused(minimal + "attempt:\n  crew: me\n", {"spec.yaml:4:3", "Unknown key \"crew\""});
 }
 
 }  // namespace

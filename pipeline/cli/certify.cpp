@@ -56,11 +56,11 @@ void print_window(const WindowSpan& span) {
 
 void print_refused(const ProfileVerdict& verdict) {
     const RefusedWindow& indicated = *verdict.indicated;
-    fmt::print("  refused  {} at {}: {}\n",
-               speed_beside(verdict, indicated.speed_m_s,
-                            verdict.shown ? verdict.shown->unit : "km/h"),
-               seconds_text(indicated.span.start),
-               plain_text(fmt::format("{}", fmt::join(indicated.refusals, "; "))));
+    fmt::print(
+        "  refused  {} at {}: {}\n",
+        speed_beside(verdict, indicated.speed_m_s, verdict.shown ? verdict.shown->unit : "km/h"),
+        seconds_text(indicated.span.start),
+        plain_text(fmt::format("{}", fmt::join(indicated.refusals, "; "))));
 }
 
 /// What must be read with the verdict, the first of it.

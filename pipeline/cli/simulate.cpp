@@ -116,7 +116,8 @@ void add_simulate(CLI::App& app, Command& chosen) {
     command->add_option("SPEC", *spec, "the simulation's file (YAML)")->required();
     command->add_option("--out", *folder, "folder to write")->required();
     command->footer(fmt::format(
-        "Writes recording.pos (or recording.csv, in an engineering CRS), truth.csv and attempt.yaml.\n\n"
+        "Writes recording.pos (or recording.csv, in an engineering CRS), truth.csv and "
+        "attempt.yaml.\n\n"
         "A simulation (schema simulation/1.0; examples/salt_lake/spec.yaml is one):\n\n"
         "  schema: simulation/1.0\n"
         "  run: {{top_speed_m_s: 60, half_speed_time_s: 15, duration_s: 45, rate_hz: 10}}\n"

@@ -33,8 +33,8 @@ std::string upper_case(std::string_view text);
 /// The text with its first letter in upper case.
 std::string capitalised(std::string_view text);
 
-/// A text as a sentence: a full stop at its end, and a capital at its beginning where it begins with
-/// a word. What is no word of letters alone, a name or a key of a file, stays as it is.
+/// A text as a sentence: a full stop at its end, and a capital at its beginning where it begins
+/// with a word. What is no word of letters alone, a name or a key of a file, stays as it is.
 std::string sentence(std::string_view text);
 
 /// The text without blanks, tabs and line ends at both ends.

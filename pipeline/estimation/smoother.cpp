@@ -141,9 +141,10 @@ SmoothedArc<Axes> smooth(std::span<const ArcEpoch<Axes>> arc, const EstimationMo
                      (covariance - covariance.transpose()).norm() / covariance.norm());
         state.covariance = 0.5 * (covariance + covariance.transpose());
         if (!(state.covariance.diagonal().array() > 0.0).all())
-            throw Failure(fmt::format("time {:.3f} s", arc[k].time_s),
-                          "the smoothed covariance is not positive definite",
-                          "Check the stated standard deviations and the time steps around this epoch");
+            throw Failure(
+                fmt::format("time {:.3f} s", arc[k].time_s),
+                "the smoothed covariance is not positive definite",
+                "Check the stated standard deviations and the time steps around this epoch");
         result.gains[k] = gain;
     }
     std::ranges::reverse(result.bridged);

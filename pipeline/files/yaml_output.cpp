@@ -46,10 +46,11 @@ std::string real_text(double value) {
 }
 
 /// Letters and signs stand as they are ("±"), what cannot be seen or would steer a terminal as
-/// escapes. JSON's escapes are YAML's too, but for characters beyond U+FFFF: JSON writes them as two
-/// surrogates (\ud83d\ude00), YAML as one number (\U0001f600).
+/// escapes. JSON's escapes are YAML's too, but for characters beyond U+FFFF: JSON writes them as
+/// two surrogates (\ud83d\ude00), YAML as one number (\U0001f600).
 std::string quoted_text(const std::string& value, YamlLetters letters) {
-    if (letters == YamlLetters::any && plain_text(value) == value && value.find(byte_order_mark) == std::string::npos)
+    if (letters == YamlLetters::any && plain_text(value) == value &&
+        value.find(byte_order_mark) == std::string::npos)
         return Json(value).dump(-1, ' ', false, Json::error_handler_t::replace);
     const std::string json = Json(value).dump(-1, ' ', true, Json::error_handler_t::replace);
     const auto unit = [&json](std::size_t at) {

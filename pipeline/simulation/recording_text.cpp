@@ -44,8 +44,10 @@ std::string rtklib_header(const RecordingStyle& style) {
 
 std::string rtklib_pos_text(const SimulationSpec& spec, std::span<const SimulatedEpoch> epochs) {
     if (!spec.place || !spec.start)
-        throw Failure("simulation", "a .pos holds geodetic coordinates and GPS time, and place or start_gps is missing",
-                      "Give place and start_gps");
+        throw Failure(
+            "simulation",
+            "a .pos holds geodetic coordinates and GPS time, and place or start_gps is missing",
+            "Give place and start_gps");
     const LocalFrame frame(*spec.place);
     const RecordingStyle& style = spec.recording;
     const std::string sigma_horizontal = format_fixed(style.accuracy.horizontal_m, 4);

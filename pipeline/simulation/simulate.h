@@ -61,8 +61,9 @@ struct SimulationSpec {
     Angle bearing = Angle::from_degrees(45.0);  ///< of travel, clockwise from north
     Eigen::Vector3d start_enu_m = Eigen::Vector3d::Zero();
 
-    /// Origin of the east, north, up that the run is in; without it they are engineering coordinates. The
-    /// run stays in the plane (up is constant), so that the speed in this frame is the logistic.
+    /// Origin of the east, north, up that the run is in; without it they are engineering
+    /// coordinates. The run stays in the plane (up is constant), so that the speed in this frame is
+    /// the logistic.
     std::optional<Geodetic> place;
     std::optional<GpsTime> start;  ///< GPS time of time 0; whole milliseconds
 

@@ -29,8 +29,9 @@ std::string witness(RowSpan rows) {
     const ScreenedEpoch& row = rows.front();
     if (!row.statistic || !row.threshold) return std::string(words_of(row.reason));
     if (row.reason == Reason::few_satellites)
-        return fmt::format("only {} satellites, where {} are required so that they check one another",
-                           range_text(rows, 0, "", statistic_of), format_fixed(*row.threshold, 0));
+        return fmt::format(
+            "only {} satellites, where {} are required so that they check one another",
+            range_text(rows, 0, "", statistic_of), format_fixed(*row.threshold, 0));
     if (row.reason == Reason::low_ratio)
         return fmt::format(
             "a ratio of {}, where {} is needed: another set of ambiguities fits "

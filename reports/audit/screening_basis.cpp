@@ -77,7 +77,8 @@ std::string noise_text(const ScreenedTable& table) {
             loudest = &row;
     if (loudest && *loudest->local_variance_factor > 1.0)
         text += fmt::format(
-            " Where the errors around an epoch are larger, its statistics are divided by the ratio of the variances, at most {} (epoch {}).",
+            " Where the errors around an epoch are larger, its statistics are divided by the ratio "
+            "of the variances, at most {} (epoch {}).",
             format_fixed(*loudest->local_variance_factor, 2), loudest->epoch);
     return text;
 }
@@ -145,7 +146,8 @@ std::string fault_line(const ScreenedTable& table, const TimeFault& fault) {
 std::string limits_text(const ScreenedTable& table) {
     const LimitComparison& limits = table.basis.limits;
     std::string text = fmt::format(
-        "Limits. Of the epochs kept the largest acceleration is {} m/s^2 (limit of the class {} m/s^2); the largest jerk is {} m/s^3 ({} m/s^3)",
+        "Limits. Of the epochs kept the largest acceleration is {} m/s^2 (limit of the class {} "
+        "m/s^2); the largest jerk is {} m/s^3 ({} m/s^3)",
         format_fixed(limits.acceleration_m_s2, 1), format_fixed(limits.acceleration_max_m_s2, 1),
         format_fixed(limits.jerk_m_s3, 1), format_fixed(limits.jerk_max_m_s3, 1));
     if (table.facts.vertical_measured)
@@ -183,9 +185,9 @@ std::vector<Block> basis_blocks(const ScreenedTable& table, const AuditSubject& 
     if (basis.device)
         say(fmt::format("Signs of positions that were not measured: {}.",
                         device_signs_text(*basis.device)));
-    say(basis.baseline ? fmt::format("Other receiver {}.",
-                                     baseline_comparison_text(*basis.baseline))
-                       : "Other receiver. None was compared with this one.");
+    say(basis.baseline
+            ? fmt::format("Other receiver {}.", baseline_comparison_text(*basis.baseline))
+            : "Other receiver. None was compared with this one.");
     return blocks;
 }
 

@@ -50,7 +50,8 @@ std::string change_by(double step_m, const std::vector<AuditedWindow>& windows) 
 /// What an undiscovered step makes of a speed.
 std::string consequence(const DetectableSizes& step, const std::vector<AuditedWindow>& windows) {
     return fmt::format(
-        "An undetected step of {} m in the middle of a window moves one end of it against the other. It changes the speed by at most {}. The worst, of {} m, changes it by at most {}.",
+        "An undetected step of {} m in the middle of a window moves one end of it against the "
+        "other. It changes the speed by at most {}. The worst, of {} m, changes it by at most {}.",
         format_fixed(step.median, 3), change_by(step.median, windows), format_fixed(step.worst, 3),
         change_by(step.worst, windows));
 }

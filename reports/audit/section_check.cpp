@@ -34,9 +34,9 @@ Facts decision_facts(const ProfileVerdict& verdict) {
                         file_speed_text(*verdict.speed_m_s),
                         file_speed_text(verdict.expanded_uncertainty_m_s.value_or(0.0))));
         if (verdict.required_speed_m_s)
-            add("Required speed", fmt::format("{} {}; in the file {}", shown.required_speed,
-                                              shown.unit,
-                                              file_speed_text(*verdict.required_speed_m_s)));
+            add("Required speed",
+                fmt::format("{} {}; in the file {}", shown.required_speed, shown.unit,
+                            file_speed_text(*verdict.required_speed_m_s)));
         if (verdict.decision)
             add("Conformance",
                 fmt::format("probability {} (at least {} required); acceptance limit {} {}",

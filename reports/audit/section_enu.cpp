@@ -12,8 +12,7 @@ namespace runcert {
 namespace {
 
 Facts frame_facts(const EnuTable& table) {
-    if (!table.origin)
-        return {{{"Frame", engineering_crs_text()}}};
+    if (!table.origin) return {{{"Frame", engineering_crs_text()}}};
     const Geodetic& at = table.origin->position;
     return {{{"Frame", "east, north and up at the origin, on WGS 84, without the scale of a map"},
              {"Origin",

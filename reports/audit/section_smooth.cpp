@@ -13,10 +13,12 @@ namespace {
 std::string correlated_error_text(const NoiseSummary& noise) {
     if (!noise.correlated_error_detected || !noise.error_sigma_m || !noise.error_tau_s)
         return fmt::format(
-            "could not be separated from white noise and motion (looked for from {} s to {} s): the "
+            "could not be separated from white noise and motion (looked for from {} s to {} s): "
+            "the "
             "bound of the window stage decides",
             quantity_text(noise.tau_min_s), quantity_text(noise.tau_max_s));
-    return fmt::format("{}; correlation time {}", noise_parameter_text(*noise.error_sigma_m, noise, "m"),
+    return fmt::format("{}; correlation time {}",
+                       noise_parameter_text(*noise.error_sigma_m, noise, "m"),
                        noise_parameter_text(*noise.error_tau_s, noise, "s"));
 }
 
@@ -39,10 +41,11 @@ std::vector<Block> noise_blocks(const NoiseSummary& noise, bool follows) {
                                      : ""));
     add("Acceleration",
         noise.acceleration_time_s
-            ? fmt::format("correlation time {}; that is more likely than that it persists (log-likelihood "
-                          "{} higher)",
-                          noise_parameter_text(*noise.acceleration_time_s, noise, "s"),
-                          format_fixed(noise.singer_gain, 2))
+            ? fmt::format(
+                  "correlation time {}; that is more likely than that it persists (log-likelihood "
+                  "{} higher)",
+                  noise_parameter_text(*noise.acceleration_time_s, noise, "s"),
+                  format_fixed(noise.singer_gain, 2))
             : fmt::format("persists: that it decays is no better (log-likelihood {} higher)",
                           format_fixed(noise.singer_gain, 2)));
     add("Time-correlated error", correlated_error_text(noise));

@@ -44,16 +44,18 @@ std::string indicated_text(const ProfileWindows& windows) {
     const bool refused = !indicated.refusals.empty();
     std::string text = fmt::format("the recording's own fastest: {} over {}",
                                    file_speed_text(indicated.speed_m_s), span_text(indicated.span));
-    if (indicated.mean_m_s) text += "; mean of the windows required " + file_speed_text(*indicated.mean_m_s);
+    if (indicated.mean_m_s)
+        text += "; mean of the windows required " + file_speed_text(*indicated.mean_m_s);
     return text + (refused ? ": REFUSED, because" : ": certifiable");
 }
 
 std::string bound_text(const ErrorBound& bound) {
     return fmt::format(
-        "a time-correlated error of {} m is allowed for, with any correlation time from {} s to {} s; decided by {} (fitted {} "
+        "a time-correlated error of {} m is allowed for, with any correlation time from {} s to {} "
+        "s; decided by {} (fitted {} "
         "m{}, stated {} m, floor {} m{})",
-        quantity_text(bound.sigma_m), quantity_text(bound.tau_min_s), quantity_text(bound.tau_max_s),
-        to_text(bound.decided_by), quantity_text(bound.fitted_m),
+        quantity_text(bound.sigma_m), quantity_text(bound.tau_min_s),
+        quantity_text(bound.tau_max_s), to_text(bound.decided_by), quantity_text(bound.fitted_m),
         bound.along > 1.0
             ? fmt::format(", {} times that of both axes because the course shows more of it",
                           quantity_text(bound.along))
@@ -85,7 +87,8 @@ std::string selection_text(const SelectionBias& selection) {
     const bool subtracted = selection.treatment == SelectionTreatment::subtracted;
     return fmt::format(
         "{} windows could have been the best; the one chosen is too fast by {} m/s with the errors "
-        "as fitted, {} m/s with the time-correlated error at its bound (± {} m/s): {} ({} trajectories "
+        "as fitted, {} m/s with the time-correlated error at its bound (± {} m/s): {} ({} "
+        "trajectories "
         "drawn, seed {})",
         counted(selection.candidates), quantity_text(selection.fitted_bias_m_s),
         quantity_text(selection.bounded_bias_m_s), quantity_text(selection.bias_uncertainty_m_s),
@@ -97,7 +100,8 @@ std::string selection_text(const SelectionBias& selection) {
 
 std::string monte_carlo_text(const MonteCarloCheck& check) {
     return fmt::format(
-        "{} draws (seed {}): mean {} m/s, standard deviation {} m/s, 95 % coverage interval {} to {} m/s; {}",
+        "{} draws (seed {}): mean {} m/s, standard deviation {} m/s, 95 % coverage interval {} to "
+        "{} m/s; {}",
         counted(check.trials), check.seed, format_fixed(check.mean_m_s, 6),
         format_fixed(check.standard_uncertainty_m_s, 6), format_fixed(check.lower_m_s, 6),
         format_fixed(check.upper_m_s, 6), check.converged ? "settled" : "NOT SETTLED");
@@ -119,17 +123,17 @@ Facts checks_of(const CertifiableWindow& best) {
     if (best.selection) add("Choice of the fastest", selection_text(*best.selection));
     if (best.monte_carlo) add("Check of linearisation", monte_carlo_text(*best.monte_carlo));
     for (const UndetectedError& error : best.reliability)
-        add("Undetected error",
-            fmt::format("{}, {} {}: changes the speed by {} m/s",
-                        tested_error_text(error.hypothesis), size_text(error), where_text(error),
-                        quantity_text(error.speed_m_s)));
+        add("Undetected error", fmt::format("{}, {} {}: changes the speed by {} m/s",
+                                            tested_error_text(error.hypothesis), size_text(error),
+                                            where_text(error), quantity_text(error.speed_m_s)));
     return facts;
 }
 
 FactTable budget_table(const std::vector<BudgetRow>& budget) {
-    FactTable table{.caption = "Budget: standard uncertainties",
-                    .heads = {"symbol", "standard uncertainty", "contribution to u", "type", "source"},
-                    .rows = {}};
+    FactTable table{
+        .caption = "Budget: standard uncertainties",
+        .heads = {"symbol", "standard uncertainty", "contribution to u", "type", "source"},
+        .rows = {}};
     for (const BudgetRow& row : budget)
         table.rows.push_back({row.symbol,
                               fmt::format("{}{}{}", quantity_text(row.standard_uncertainty),
@@ -148,8 +152,9 @@ Section rule_windows(const ProfileWindows& windows) {
                                                       "stretch long enough"
                                                     : "none: " + windows.missing}}};
     for (const FurtherWindow& further : windows.further)
-        facts.facts.push_back({"Further", fmt::format("{} over {}", file_speed_text(further.speed_m_s),
-                                                      span_text(further.span))});
+        facts.facts.push_back(
+            {"Further", fmt::format("{} over {}", file_speed_text(further.speed_m_s),
+                                    span_text(further.span))});
     if (windows.indicated) facts.facts.push_back({"Indicated", indicated_text(windows)});
     part.blocks.emplace_back(std::move(facts));
     if (windows.indicated && !windows.indicated->refusals.empty())

@@ -96,8 +96,10 @@ void describe_estimated_noise(Json& words) {
         "tests rejected too, is the check on screening.");
     words.push_back(
         "Every window of the rule's length that lies within one arc and holds usable epochs "
-        "only is compared; the fastest gives the measured speed. Its speed is estimated with a bound "
-        "on time-correlated position errors in place of the fitted ones. Its standard uncertainty is that of "
+        "only is compared; the fastest gives the measured speed. Its speed is estimated with a "
+        "bound "
+        "on time-correlated position errors in place of the fitted ones. Its standard uncertainty "
+        "is that of "
         "the budget, one row for each source, by the law of propagation of uncertainty; a Monte "
         "Carlo propagation of the same distributions checks it.");
     words.push_back(
@@ -112,7 +114,8 @@ Json description(const ReportInputs& inputs) {
     Json words = Json::array();
     if (inputs.receivers.front().screened.facts.georeferenced)
         words.push_back(
-            "Positions are taken from the recording as they are. They are expressed as east, north and "
+            "Positions are taken from the recording as they are. They are expressed as east, north "
+            "and "
             "up at the origin given above, on the WGS 84 ellipsoid; their covariances are rotated "
             "with them.");
     else

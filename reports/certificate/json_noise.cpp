@@ -77,7 +77,8 @@ constexpr std::array<NoiseLine, 11> noise_lines{{
     {"Scale of the stated standard deviations",
      [](const AxesEstimation& axes) {
          return fmt::format(
-             "{}; stated {} m, {}", noise_parameter_text(axes.noise.measurement_scale, axes.noise, ""),
+             "{}; stated {} m, {}",
+             noise_parameter_text(axes.noise.measurement_scale, axes.noise, ""),
              significant_text(axes.noise.stated_sigma_m, 2),
              axes.noise.stated_all_equal ? "equal at all epochs" : "root mean square");
      }},

@@ -90,7 +90,7 @@ Json estimation_facts(const Json& estimation) {
                          format_fixed(estimation["variance_factor"].get<double>(), 2)));
     const bool estimated = estimation.contains("horizontal");
     facts.push_back(fact(estimated ? "Factor on the stated covariances, horizontal"
-                                : "Factor applied to all covariances",
+                                   : "Factor applied to all covariances",
                          format_fixed(estimation["variance_factor_applied"].get<double>(), 2)));
     if (estimated) {
         facts.push_back(
@@ -151,9 +151,10 @@ Json frame_json(const ReportInputs& inputs) {
     Json json{{"georeferenced", table.facts.georeferenced}};
     Json facts = Json::array();
     if (!table.facts.georeferenced)
-        facts.push_back(fact("Coordinates",
-                             "engineering CRS: nobody has stated its place, orientation and scale on "
-                             "the Earth"));
+        facts.push_back(
+            fact("Coordinates",
+                 "engineering CRS: nobody has stated its place, orientation and scale on "
+                 "the Earth"));
     if (table.origin) {
         const Geodetic& position = table.origin->position;
         json["origin"] = {{"latitude_deg", rounded(position.latitude.degrees(), 11)},

@@ -66,9 +66,9 @@ Json shown_json(const CertifiableWindow& window, const SpeedUnit& unit) {
     });
     Json json = Json::object();
     if (worst != errors.end())
-        json["reliability_words"] = capitalised(undetected_error_text(*worst, *window.detection_power, unit)) +
-                                    "." +
-                                    (has_row(window, "d") ? " Row d of the budget is for it." : "");
+        json["reliability_words"] =
+            capitalised(undetected_error_text(*worst, *window.detection_power, unit)) + "." +
+            (has_row(window, "d") ? " Row d of the budget is for it." : "");
     if (drift != errors.end()) json["drift_words"] = drift_words(*drift, unit);
     json["reliability_unit"] = unit.name;
     return json;

@@ -4,8 +4,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/statistics.h"
-#include "reports/certificate/json_facts.h"
 #include "reports/certificate/json_course.h"
+#include "reports/certificate/json_facts.h"
 #include "reports/certificate/json_parts.h"
 #include "reports/certificate/json_rule.h"
 #include "reports/certificate/json_window.h"
@@ -26,8 +26,7 @@ Json headline_json(const ProfileVerdict& verdict, const ShownFigures& shown) {
               {"headline_note", "Speed rounded down, uncertainty rounded up."}};
     if (shown.required_speed.empty()) return json;
     json["headline_required_speed"] = shown.required_speed;
-    if (!shown.acceptance_limit.empty())
-        json["headline_acceptance_limit"] = shown.acceptance_limit;
+    if (!shown.acceptance_limit.empty()) json["headline_acceptance_limit"] = shown.acceptance_limit;
     json["headline_note"] =
         "Speed rounded down; uncertainty, required speed and acceptance limit rounded up.";
     return json;

@@ -38,7 +38,8 @@ std::string ends_words(const Profile& profile) {
 std::string decision_rule(const ProfileVerdict& verdict, const Profile& profile) {
     const double level = verdict.decision ? verdict.decision->level : profile.decision_probability;
     return fmt::format(
-        "Conformance probability: that the true speed reaches the required speed. At least {} counts "
+        "Conformance probability: that the true speed reaches the required speed. At least {} "
+        "counts "
         "as beaten, at most {} as not beaten, and anything between as not proven (guarded "
         "acceptance and rejection, JCGM 106).",
         level_text(level), level_text(1.0 - level));
@@ -47,7 +48,8 @@ std::string decision_rule(const ProfileVerdict& verdict, const Profile& profile)
 std::string record_words(const RecordToBeat& record) {
     const std::string own =
         record.expanded_uncertainty && *record.expanded_uncertainty > 0.0
-            ? fmt::format(" ± {} {} (k = 2)", number_text(*record.expanded_uncertainty), record.unit)
+            ? fmt::format(" ± {} {} (k = 2)", number_text(*record.expanded_uncertainty),
+                          record.unit)
             : "";
     return fmt::format("{} {}{}: {}", number_text(record.speed), record.unit, own, record.source);
 }

@@ -80,10 +80,8 @@ std::string used_text(const ScreenedTable& table, const ScreeningSummary& summar
     std::string used = fmt::format("{} of {}", summary.usable, table.rows.size());
     if (summary.arcs == 0) return used;
     const std::string longest = format_fixed(longest_arc_s(table.rows), 3);
-    if (summary.arcs == 1)
-        return fmt::format("{}, in one arc, of {} s", used, longest);
-    return fmt::format("{}, in {} arcs, the longest of {} s", used,
-                       summary.arcs, longest);
+    if (summary.arcs == 1) return fmt::format("{}, in one arc, of {} s", used, longest);
+    return fmt::format("{}, in {} arcs, the longest of {} s", used, summary.arcs, longest);
 }
 
 }  // namespace

@@ -57,8 +57,7 @@ void add_kinds(Json& facts, const std::vector<FixTypeErrors>& kinds) {
             line->second += "; " + fix_type_errors_text(kind);
     }
     for (auto& [fix, text] : lines)
-        facts.push_back(
-            fact(capitalised(words_of(fix)), std::move(text)));
+        facts.push_back(fact(capitalised(words_of(fix)), std::move(text)));
 }
 
 std::string fault_text(const TimeFault& fault) {
@@ -92,13 +91,15 @@ Json screening_basis_facts(const ScreeningBasis& basis) {
     facts.push_back(fact("False alarms", false_alarm_text(basis)));
     facts.push_back(fact("Noise assumed by the tests", noise_text(basis.models)));
     add_kinds(facts, basis.fix_types);
-    facts.push_back(fact("Recorded velocities", basis.velocity ? velocity_comparison_text(*basis.velocity)
-                                        : "too few were recorded to compare"));
+    facts.push_back(fact("Recorded velocities", basis.velocity
+                                                    ? velocity_comparison_text(*basis.velocity)
+                                                    : "too few were recorded to compare"));
     if (basis.device)
         facts.push_back(
             fact("Signs of positions that were not measured", device_signs_text(*basis.device)));
     facts.push_back(fact("Order and spacing of the time stamps", time_text(basis.time)));
-    if (basis.baseline) facts.push_back(fact("Other receiver", baseline_comparison_text(*basis.baseline)));
+    if (basis.baseline)
+        facts.push_back(fact("Other receiver", baseline_comparison_text(*basis.baseline)));
     return facts;
 }
 

@@ -56,7 +56,8 @@ Json robust_json(const RobustSpeed& robust, const UncertaintyScale& scale) {
 
 std::string decided_words(const ErrorBound& bound) {
     if (bound.decided_by == BoundSource::fitted) return "the size fitted to the recording";
-    if (bound.decided_by == BoundSource::stated) return "the stated standard deviation times its scale";
+    if (bound.decided_by == BoundSource::stated)
+        return "the stated standard deviation times its scale";
     return !bound.floor_fix
                ? "the floor that the rule sets"
                : fmt::format("the floor for the fix type “{}”", words_of(*bound.floor_fix));
@@ -110,7 +111,8 @@ Json selection_json(const SelectionBias& selection, std::int64_t compared,
     Json json = members_json(selection);
     json["selection_words"] = fmt::format(
         "The fastest of {} was chosen; {} could have been it. That makes its speed look higher by "
-        "{} with the errors as fitted, by {} with time-correlated errors as large as allowed for; {}.",
+        "{} with the errors as fitted, by {} with time-correlated errors as large as allowed for; "
+        "{}.",
         counted(compared, "window"), selection.candidates,
         uncertainty_with_unit(selection.fitted_bias_m_s, scale),
         uncertainty_with_unit(selection.bounded_bias_m_s, scale),
@@ -167,12 +169,11 @@ Json uncertainty_json(const ProfileVerdict& verdict, const ProfileWindows& windo
     const CertifiableWindow& best = windows.best.value();
     const UncertaintyScale scale{rule_unit(profile), verdict.coverage_factor};
     const ShownFigures shown =
-        verdict.speed_m_s
-            ? shown_of(verdict, scale.unit.name)
-            : shown_in({.speed_m_s = best.speed_m_s,
-                        .expanded_uncertainty_m_s =
-                            expanded_uncertainty_m_s(best, scale.coverage_factor)},
-                       scale.unit);
+        verdict.speed_m_s ? shown_of(verdict, scale.unit.name)
+                          : shown_in({.speed_m_s = best.speed_m_s,
+                                      .expanded_uncertainty_m_s =
+                                          expanded_uncertainty_m_s(best, scale.coverage_factor)},
+                                     scale.unit);
     Json json{{"certified_words", measured_speed_text(shown, scale.coverage_factor)}};
     if (const std::string words = budget_subject(verdict, windows, scale); !words.empty())
         json["budget_subject"] = words;

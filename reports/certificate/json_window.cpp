@@ -66,14 +66,14 @@ std::optional<int> rule_decimals(const Profile& profile, const SpeedUnit& unit) 
 }
 
 std::string speed_cell(const SpeedRow& row, const Profile& profile,
-                 const std::optional<double>& uncertainty_m_s, const SpeedUnit& unit) {
+                       const std::optional<double>& uncertainty_m_s, const SpeedUnit& unit) {
     const double speed = *row.speed_m_s * unit.per_m_s;
     if (row.kind == SpeedRow::uncertainty) return uncertainty_rounded_up(speed);
     if (row.kind == SpeedRow::stated || !uncertainty_m_s)
         return speed_text(*row.speed_m_s, std::nullopt, unit);
-    return shown_figure(
-        speed, decimals_of(*uncertainty_m_s * unit.per_m_s, rule_decimals(profile, unit)),
-        row.kind == SpeedRow::limit ? SafeSide::up : SafeSide::down);
+    return shown_figure(speed,
+                        decimals_of(*uncertainty_m_s * unit.per_m_s, rule_decimals(profile, unit)),
+                        row.kind == SpeedRow::limit ? SafeSide::up : SafeSide::down);
 }
 
 /// To which speeds beside the measured one are rounded.
@@ -226,8 +226,7 @@ Json indicated_json(const ProfileVerdict& verdict, const Profile& profile) {
     const RefusedWindow& indicated = *verdict.indicated;
     Json json = members_json(indicated);
     set_end(json, indicated.span);
-    json["indicated_speed"] =
-        speed_beside(verdict, indicated.speed_m_s, rule_unit(profile).name);
+    json["indicated_speed"] = speed_beside(verdict, indicated.speed_m_s, rule_unit(profile).name);
     Json facts = time_facts(indicated.span);
     for (const Json& place : place_facts(indicated.span))
         facts.push_back(place);

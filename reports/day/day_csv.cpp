@@ -12,7 +12,8 @@ namespace {
 
 constexpr std::string_view columns =
     "attempt,source,state,craft,class,profile,rank,tied_up_to_rank,"
-    "tied_down_to_rank,outcome,to_be_attested,signatures_required,speed_m_s,expanded_uncertainty_m_s,coverage_factor,"
+    "tied_down_to_rank,outcome,to_be_attested,signatures_required,speed_m_s,expanded_uncertainty_m_"
+    "s,coverage_factor,"
     "required_speed_m_s,shown_unit,shown_speed,shown_expanded_uncertainty,shown_required_speed,"
     "window_start_utc,"
     "window_start_time_s,window_duration_s,reason,replaced_figures,failed_step,problem,where,"
@@ -39,14 +40,14 @@ std::string cell(const std::optional<std::int64_t>& value) {
 /// The columns from `profile` to `shown_required_speed`'s successors that belong to one rule.
 std::string result_cells(const DayResult& result, const DayPlace& place) {
     const ShownFigures shown = result.shown.value_or(ShownFigures{});
-    return fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}", csv_cell(result.profile),
-                       cell(place.rank), cell(place.tied_up_to_rank), cell(place.tied_down_to_rank),
-                       to_text(result.outcome), result.standing.attestations, result.standing.signatures, cell(result.speed_m_s, 6),
-                       cell(result.expanded_uncertainty_m_s, 6),
-                       format_fixed(result.coverage_factor, 6), cell(result.required_speed_m_s, 6),
-                       shown.unit, csv_cell(shown.speed), csv_cell(shown.expanded_uncertainty),
-                       csv_cell(shown.required_speed), csv_cell(result.start_utc),
-                       cell(result.start_time_s, 9), cell(result.duration_s, 9));
+    return fmt::format(
+        "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}", csv_cell(result.profile),
+        cell(place.rank), cell(place.tied_up_to_rank), cell(place.tied_down_to_rank),
+        to_text(result.outcome), result.standing.attestations, result.standing.signatures,
+        cell(result.speed_m_s, 6), cell(result.expanded_uncertainty_m_s, 6),
+        format_fixed(result.coverage_factor, 6), cell(result.required_speed_m_s, 6), shown.unit,
+        csv_cell(shown.speed), csv_cell(shown.expanded_uncertainty), csv_cell(shown.required_speed),
+        csv_cell(result.start_utc), cell(result.start_time_s, 9), cell(result.duration_s, 9));
 }
 
 std::string row(const AttemptResult& attempt, const DayResult* result, const DayPlace* place) {

@@ -50,7 +50,7 @@ std::string ClauseView::limit() const {
     const Profile& profile = of.profile;
     if (requirement.decided_by == Computation::accuracy && profile.accuracy_limit_m_s)
         return number_text(*profile.accuracy_limit_m_s / metres_per_second(profile.accuracy_unit),
-                            profile.accuracy_unit);
+                           profile.accuracy_unit);
     return clause != nullptr && clause->limit ? number_text(*clause->limit, clause->unit) : "";
 }
 

@@ -26,7 +26,8 @@ std::string accuracy_words(const ClauseView& view) {
     const Profile& profile = view.of.profile;
     return fmt::format(
         "The expanded uncertainty of the speed is {:.3g} times the combined standard uncertainty "
-        "of its budget. What choosing the fastest window may have left in the speed is added. The factor is the rule's k = {:.3g}, or more where the budget has few degrees "
+        "of its budget. What choosing the fastest window may have left in the speed is added. The "
+        "factor is the rule's k = {:.3g}, or more where the budget has few degrees "
         "of freedom. Met where it is at most the limit.",
         view.of.verdict.coverage_factor, profile.coverage_factor);
 }

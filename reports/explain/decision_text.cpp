@@ -9,9 +9,8 @@ namespace runcert {
 namespace {
 
 std::string title(const ProfileView& view) {
-    return heading(
-        view.verdict.profile,
-        fmt::format("{}, {}", view.verdict.title, view.verdict.body));
+    return heading(view.verdict.profile,
+                   fmt::format("{}, {}", view.verdict.title, view.verdict.body));
 }
 
 std::string outcome_lines(const ProfileVerdict& verdict) {
@@ -52,8 +51,8 @@ std::string record_text(const ProfileView& view) {
 
 std::string speed_text(const ProfileView& view) {
     const ProfileVerdict& verdict = view.verdict;
-    std::string text = fmt::format("{}, the speed rounded down and the uncertainty up.",
-                                   speed_shown(view));
+    std::string text =
+        fmt::format("{}, the speed rounded down and the uncertainty up.", speed_shown(view));
     if (verdict.current_subtracted_m_s)
         text += fmt::format(
             " The current's component along the course, {}, has been subtracted from it.",
@@ -73,10 +72,11 @@ std::string uncertainty_text(const ProfileView& view) {
     const double standard_m_s = (expanded_m_s - limit_m_s) / verdict.coverage_factor;
     std::string text =
         limit_m_s > 0.0
-            ? fmt::format("Expanded {}: {} times the standard uncertainty, {}, and {} for what "
-                          "choosing the fastest window may have left in the speed.",
-                          rounded_up(expanded_m_s), coverage_text(verdict.coverage_factor),
-                          rounded_up(standard_m_s), rounded_up(limit_m_s))
+            ? fmt::format(
+                  "Expanded {}: {} times the standard uncertainty, {}, and {} for what "
+                  "choosing the fastest window may have left in the speed.",
+                  rounded_up(expanded_m_s), coverage_text(verdict.coverage_factor),
+                  rounded_up(standard_m_s), rounded_up(limit_m_s))
             : fmt::format("Expanded {} (k = {}), standard {}.", rounded_up(expanded_m_s),
                           coverage_text(verdict.coverage_factor), rounded_up(standard_m_s));
     if (verdict.decision && verdict.decision->required_speed_standard_uncertainty_m_s > 0.0)
@@ -134,7 +134,9 @@ std::string comparison_text(const ProfileView& view) {
         text +=
             labelled("Margin", fmt::format("The rule asks for {}; {}.", margin_words(view.profile),
                                            rounding_words(view.profile)));
-        text += labelled("Required speed", speed_beside(verdict, *verdict.required_speed_m_s, unit, SafeSide::up) + ".");
+        text +=
+            labelled("Required speed",
+                     speed_beside(verdict, *verdict.required_speed_m_s, unit, SafeSide::up) + ".");
     }
     if (verdict.speed_m_s) {
         text += labelled("Speed", speed_text(view));
@@ -148,7 +150,7 @@ std::string comparison_text(const ProfileView& view) {
                          fmt::format("{}: the lowest measured speed that would count as beaten "
                                      "with this uncertainty.",
                                      speed_beside(verdict, verdict.decision->acceptance_limit_m_s,
-                                                 unit, SafeSide::up)));
+                                                  unit, SafeSide::up)));
     }
     return text;
 }
@@ -166,11 +168,12 @@ std::string decision_text(const ProfileView& view) {
     for (const std::string& note : notes_of(verdict))
         text += labelled("Note", note);
     if (verdict.indicated)
-        text += labelled("Refused",
-                         fmt::format("{} at {} s, of the raw positions: {}.",
-                                     speed_beside(verdict, verdict.indicated->speed_m_s, unit_of(view)),
-                                     format_fixed(verdict.indicated->span.start.seconds(), 3),
-                                     listed(verdict.indicated->refusals)));
+        text +=
+            labelled("Refused",
+                     fmt::format("{} at {} s, of the raw positions: {}.",
+                                 speed_beside(verdict, verdict.indicated->speed_m_s, unit_of(view)),
+                                 format_fixed(verdict.indicated->span.start.seconds(), 3),
+                                 listed(verdict.indicated->refusals)));
     return text;
 }
 
@@ -182,7 +185,7 @@ std::string decision_in_short(const ProfileView& view) {
         const std::string required_speed =
             verdict.required_speed_m_s
                 ? fmt::format("; required {}", speed_beside(verdict, *verdict.required_speed_m_s,
-                                                           unit, SafeSide::up))
+                                                            unit, SafeSide::up))
                 : "";
         text += labelled("Speed", speed + required_speed);
     }

@@ -81,10 +81,10 @@ struct TrackInput {
     std::int64_t every = 1;  ///< of each arc, every so many epochs, and its last; windows are whole
 };
 
-/// The smoothed trajectory in geodetic coordinates, cut into arcs at gaps, with windows and gates. Where
-/// heights were not measured, the points lie at the attempt's height and state none.
-/// Failure where the run is in engineering coordinates, or a window names an epoch that the
-/// trajectory does not have.
+/// The smoothed trajectory in geodetic coordinates, cut into arcs at gaps, with windows and gates.
+/// Where heights were not measured, the points lie at the attempt's height and state none. Failure
+/// where the run is in engineering coordinates, or a window names an epoch that the trajectory does
+/// not have.
 Track track_of(const TrackInput& input);
 
 }  // namespace runcert

@@ -38,7 +38,8 @@ std::string noise_parameter_text(const NoiseParameter& parameter, const NoiseSum
 }
 
 std::string engineering_crs_text() {
-    return "engineering CRS, not tied to the Earth: its place, orientation and scale are not stated";
+    return "engineering CRS, not tied to the Earth: its place, orientation and scale are not "
+           "stated";
 }
 
 }  // namespace runcert

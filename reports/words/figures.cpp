@@ -61,16 +61,14 @@ std::string quantity_text(double value, std::optional<double> expanded_uncertain
                                                        : fmt::format("{:.6g}", value)) +
                with_unit;
     const std::string uncertainty = uncertainty_rounded_up(*expanded_uncertainty);
-    return fmt::format(
-        "{}{} ± {}{}",
-        format_fixed(value, decimals_of(*expanded_uncertainty, std::nullopt)), with_unit,
-        uncertainty, with_unit);
+    return fmt::format("{}{} ± {}{}",
+                       format_fixed(value, decimals_of(*expanded_uncertainty, std::nullopt)),
+                       with_unit, uncertainty, with_unit);
 }
 
 std::string figure_value_text(const Figure& figure) {
     if (!figure.shown.empty()) return figure.shown;
-    const std::string text =
-        quantity_text(figure.value, figure.expanded_uncertainty, figure.unit);
+    const std::string text = quantity_text(figure.value, figure.expanded_uncertainty, figure.unit);
     return figure.expanded_uncertainty && *figure.expanded_uncertainty > 0.0 ? text + " (k = 2)"
                                                                              : text;
 }
@@ -94,9 +92,8 @@ std::string speed_text(double speed_m_s, std::optional<double> uncertainty_m_s,
 
 std::string speed_with_uncertainty_text(double speed_m_s, double expanded_uncertainty_m_s,
                                         const SpeedUnit& unit) {
-    return measured_speed_text(
-        shown_in({.speed_m_s = speed_m_s, .expanded_uncertainty_m_s = expanded_uncertainty_m_s},
-                 unit));
+    return measured_speed_text(shown_in(
+        {.speed_m_s = speed_m_s, .expanded_uncertainty_m_s = expanded_uncertainty_m_s}, unit));
 }
 
 ShownFigures shown_in(const SpeedsToShow& speeds, const SpeedUnit& unit,
@@ -106,11 +103,11 @@ ShownFigures shown_in(const SpeedsToShow& speeds, const SpeedUnit& unit,
     const auto shown = [&](double speed_m_s, SafeSide side) {
         return shown_figure(speed_m_s * unit.per_m_s, decimals, side);
     };
-    ShownFigures figures{.unit = std::string(unit.name),
-                         .speed = shown(speeds.speed_m_s, SafeSide::down),
-                         .expanded_uncertainty = shown_figure(
-                             expanded, std::max(decimals, decimals_of(expanded, std::nullopt)),
-                             SafeSide::up)};
+    ShownFigures figures{
+        .unit = std::string(unit.name),
+        .speed = shown(speeds.speed_m_s, SafeSide::down),
+        .expanded_uncertainty = shown_figure(
+            expanded, std::max(decimals, decimals_of(expanded, std::nullopt)), SafeSide::up)};
     if (speeds.required_speed_m_s)
         figures.required_speed = shown(*speeds.required_speed_m_s, SafeSide::up);
     if (speeds.acceptance_limit_m_s)
@@ -120,10 +117,9 @@ ShownFigures shown_in(const SpeedsToShow& speeds, const SpeedUnit& unit,
 
 ShownFigures shown_of(const ProfileVerdict& verdict, std::string_view unit) {
     if (verdict.shown) return *verdict.shown;
-    SpeedsToShow speeds{
-        .speed_m_s = verdict.speed_m_s.value(),
-        .expanded_uncertainty_m_s = verdict.expanded_uncertainty_m_s.value_or(0.0),
-        .required_speed_m_s = verdict.required_speed_m_s};
+    SpeedsToShow speeds{.speed_m_s = verdict.speed_m_s.value(),
+                        .expanded_uncertainty_m_s = verdict.expanded_uncertainty_m_s.value_or(0.0),
+                        .required_speed_m_s = verdict.required_speed_m_s};
     if (verdict.decision) speeds.acceptance_limit_m_s = verdict.decision->acceptance_limit_m_s;
     return shown_in(speeds, speed_unit(unit));
 }

@@ -10,9 +10,9 @@
 #include "core/rounding.h"
 #include "schemas/verdict/verdict.h"
 
-// Figures and units as people read them: the one place that writes them. A measured speed is rounded
-// down, an expanded uncertainty, a required speed and an acceptance limit up, so that what is shown
-// never claims more than what was computed (`shown_in`).
+// Figures and units as people read them: the one place that writes them. A measured speed is
+// rounded down, an expanded uncertainty, a required speed and an acceptance limit up, so that what
+// is shown never claims more than what was computed (`shown_in`).
 
 namespace runcert {
 
@@ -41,8 +41,8 @@ std::string significant_text(double value, int digits);
 /// A figure in its shortest form, with its unit where it has one: "202.9", "1000 m".
 std::string number_text(double value, std::string_view unit = {});
 
-/// A quantity with its expanded uncertainty, rounded up to two significant digits, and the unit with
-/// both: "0.42 m ± 0.08 m"; without an uncertainty with six significant digits at most.
+/// A quantity with its expanded uncertainty, rounded up to two significant digits, and the unit
+/// with both: "0.42 m ± 0.08 m"; without an uncertainty with six significant digits at most.
 std::string quantity_text(double value, std::optional<double> expanded_uncertainty = std::nullopt,
                           std::string_view unit = {});
 
@@ -50,7 +50,8 @@ std::string quantity_text(double value, std::optional<double> expanded_uncertain
 /// (k = 2)".
 std::string figure_value_text(const Figure& figure);
 
-/// The same with its name and note: "height difference: 0.42 m ± 0.08 m (k = 2); above the ellipsoid".
+/// The same with its name and note: "height difference: 0.42 m ± 0.08 m (k = 2); above the
+/// ellipsoid".
 std::string figure_text(const Figure& figure);
 
 /// A coverage factor with at most two decimals: "2", "2.07".
@@ -79,15 +80,16 @@ struct SpeedsToShow {
 ShownFigures shown_in(const SpeedsToShow& speeds, const SpeedUnit& unit,
                       std::optional<int> rule_decimals = std::nullopt);
 
-/// A verdict's shown figures; of a verdict that states none, made from its numbers in that unit. The
-/// verdict has a speed.
+/// A verdict's shown figures; of a verdict that states none, made from its numbers in that unit.
+/// The verdict has a speed.
 ShownFigures shown_of(const ProfileVerdict& verdict, std::string_view unit);
 
 /// A speed with the decimals of figures that are shown beside it, rounded to that side: "224.21".
 std::string beside(const ShownFigures& shown, double speed_m_s, SafeSide side);
 
 /// Another speed of the same rule, with the unit and decimals of the measured one, rounded to that
-/// side; of a verdict without a speed, to the nearest with the unit's usual decimals: "224.18 km/h".
+/// side; of a verdict without a speed, to the nearest with the unit's usual decimals: "224.18
+/// km/h".
 std::string speed_beside(const ProfileVerdict& verdict, double speed_m_s, std::string_view unit,
                          SafeSide side = SafeSide::down);
 

@@ -26,10 +26,9 @@ std::string beaten_title(const OutcomeState& state) {
 }  // namespace
 
 Standing standing_of(const std::vector<Requirement>& requirements, std::int64_t signatures) {
-    Standing standing{
-        .attestations = std::ranges::count(requirements, RequirementStatus::attest,
-                                           &Requirement::status),
-        .signatures = signatures};
+    Standing standing{.attestations = std::ranges::count(requirements, RequirementStatus::attest,
+                                                         &Requirement::status),
+                      .signatures = signatures};
     if (standing.attestations == 0 && standing.signatures == 0)
         standing.state = StandingState::complete;
     return standing;

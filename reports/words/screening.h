@@ -39,9 +39,9 @@ std::string tested_error_text(Hypothesis hypothesis);
 /// Where one is: "at epoch 812", "before epoch 812", "from epoch 812 on", "at epochs 812 to 815".
 std::string where_text(const UndetectedError& error);
 
-/// "an undetected step of the positions of 0.10 m (before epoch 812) could have changed the speed by
-/// at most 0.123 km/h; a larger one is found with a probability of more than 0.8". `power` is that
-/// of the tests; says so where the size has no limit, or where no error matters.
+/// "an undetected step of the positions of 0.10 m (before epoch 812) could have changed the speed
+/// by at most 0.123 km/h; a larger one is found with a probability of more than 0.8". `power` is
+/// that of the tests; says so where the size has no limit, or where no error matters.
 std::string undetected_error_text(const UndetectedError& error, double power,
                                   const SpeedUnit& unit);
 

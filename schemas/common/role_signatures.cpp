@@ -16,7 +16,7 @@ std::vector<RoleSignatures> read_role_signatures(const YamlValue& list) {
     if (!list.exists()) return needed;
     for (const YamlValue& entry : list.list()) {
         RoleSignatures one{.role = entry["role"].text(),
-                             .count = entry["count"].exists() ? entry["count"].integer() : 1};
+                           .count = entry["count"].exists() ? entry["count"].integer() : 1};
         if (!is_role(one.role))
             entry["role"].fail("a role is letters, digits, - and _, at most 64 of them",
                                "Write it so, \"measurer\": signatures name it");
@@ -28,7 +28,7 @@ std::vector<RoleSignatures> read_role_signatures(const YamlValue& list) {
 }
 
 std::vector<RoleSignatures> combined(std::vector<RoleSignatures> first,
-                                       const std::vector<RoleSignatures>& second) {
+                                     const std::vector<RoleSignatures>& second) {
     for (const RoleSignatures& one : second) {
         const auto known = std::ranges::find(first, one.role, &RoleSignatures::role);
         if (known == first.end())

@@ -26,6 +26,6 @@ std::vector<RoleSignatures> read_role_signatures(const YamlValue& list);
 
 /// Of two lists, for each role the larger count: the first's roles in its order, then the second's.
 std::vector<RoleSignatures> combined(std::vector<RoleSignatures> first,
-                                       const std::vector<RoleSignatures>& second);
+                                     const std::vector<RoleSignatures>& second);
 
 }  // namespace runcert

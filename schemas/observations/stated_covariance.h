@@ -6,8 +6,8 @@
 
 namespace runcert {
 
-/// The covariance (m^2) that a stated standard deviation stands for; what is not stated counts as zero.
-/// Axes: 1 (up alone), 2 (east, north) or 3 (all).
+/// The covariance (m^2) that a stated standard deviation stands for; what is not stated counts as
+/// zero. Axes: 1 (up alone), 2 (east, north) or 3 (all).
 template <int Axes>
 Eigen::Matrix<double, Axes, Axes> stated_covariance(const StatedAccuracy& accuracy);
 

@@ -84,8 +84,8 @@ struct Profile {
     bool subtract_current = false;
     /// How the uncertainty of the speed is made up.
     struct Uncertainty {
-        double tau_min_s = 0.5;               ///< correlation time of a time-correlated position error: from
-        double tau_max_s = 10.0;              ///< and to
+        double tau_min_s = 0.5;   ///< correlation time of a time-correlated position error: from
+        double tau_max_s = 10.0;  ///< and to
         bool subtract_selection_bias = true;  ///< else it is covered by the uncertainty
         /// Smallest standard deviation of such an error (m), by fix type.
         std::map<std::string, double> error_floor_m;

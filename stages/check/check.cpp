@@ -149,8 +149,7 @@ std::string reason_of(const ClauseContext& context, Outcome outcome) {
             return beginning(
                 "he measured speed is below the required speed beyond its uncertainty");
         case Outcome::not_proven:
-            return beginning(
-                "he required speed lies within the uncertainty of the measured speed");
+            return beginning("he required speed lies within the uncertainty of the measured speed");
         case Outcome::not_certifiable:
             break;
     }

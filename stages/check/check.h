@@ -57,7 +57,7 @@ struct CheckInput {
     const std::vector<Profile>& profiles;
     const ReceiverFindings& judged;
     const ReceiverFindings* secondary = nullptr;  ///< null where there is one receiver only
-    const FlowSeries* wind = nullptr;            ///< null where the attempt gives none
+    const FlowSeries* wind = nullptr;             ///< null where the attempt gives none
     const FlowSeries* current = nullptr;
 };
 

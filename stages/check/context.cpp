@@ -37,8 +37,8 @@ std::optional<std::size_t> row_of(const std::vector<TrajectoryEpoch>& rows, std:
     return static_cast<std::size_t>(row - rows.begin());
 }
 
-/// Time-correlated errors that may differ between places of a run: the bound of the window, and of heights
-/// what they state, or were found to have, if that is more.
+/// Time-correlated errors that may differ between places of a run: the bound of the window, and of
+/// heights what they state, or were found to have, if that is more.
 CourseErrors errors_of(const ReceiverFindings& judged, const CertifiableWindow& best) {
     CourseErrors errors;
     errors.tangent_plane = judged.facts.georeferenced;

@@ -62,10 +62,10 @@ struct CourseFacts {
 /// nothing unless every estimate of the run has one.
 ///
 /// Uncertainties: positions far apart in time are taken as independent, which they are not quite,
-/// each with its row's variance and that of the time-correlated errors; velocity components as uncorrelated.
-/// A speed's is the larger of its components': near zero its direction is noise. Angles' are at
-/// most 180 degrees, where nothing is known of them. At bridged steps the offset is taken off by
-/// what the velocity says, whose uncertainty is added.
+/// each with its row's variance and that of the time-correlated errors; velocity components as
+/// uncorrelated. A speed's is the larger of its components': near zero its direction is noise.
+/// Angles' are at most 180 degrees, where nothing is known of them. At bridged steps the offset is
+/// taken off by what the velocity says, whose uncertainty is added.
 ///
 /// Failure where a row named is not in the trajectory, the window not in the run, or an end of
 /// either has no estimate.

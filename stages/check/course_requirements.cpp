@@ -78,9 +78,9 @@ Finding computation::turning(const Clause& clause, const ClauseContext& context)
 Finding computation::standing_start(const Clause&, const ClauseContext& context) {
     return with_facts(context, [&](const CourseFacts& facts) -> Finding {
         const CourseFigure& speed = facts.speed_before_m_s;
-        const std::string words = fmt::format(
-            "smallest speed of the run before the window {}",
-            quantity_text(speed.value, speed.expanded_uncertainty, "m/s"));
+        const std::string words =
+            fmt::format("smallest speed of the run before the window {}",
+                        quantity_text(speed.value, speed.expanded_uncertainty, "m/s"));
         std::vector<Figure> figures{{.name = "smallest speed of the run before the window",
                                      .value = speed.value,
                                      .unit = "m/s",

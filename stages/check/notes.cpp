@@ -19,7 +19,8 @@ using Notes = std::vector<std::string>;
 /// Where the definitions of speed do not agree on whether the required speed is reached.
 void add_straddle(const ClauseContext& context, Notes& notes) {
     const auto& best = context.windows.best;
-    if (!best || !context.required_speed || !context.shown || context.profile.speed_source == SpeedSource::velocity ||
+    if (!best || !context.required_speed || !context.shown ||
+        context.profile.speed_source == SpeedSource::velocity ||
         context.profile.dimension == Dimension::space ||
         context.profile.window_kind == WindowKind::course)
         return;
@@ -37,7 +38,8 @@ void add_straddle(const ClauseContext& context, Notes& notes) {
     sort("the mean without the first speed", all.mean_n_m_s);
     if (above.empty() || below.empty()) return;
     notes.push_back(fmt::format(
-        "The definition of speed matters here: {} would reach the required {} {}, {} would not. The "
+        "The definition of speed matters here: {} would reach the required {} {}, {} would not. "
+        "The "
         "rule counts {}.",
         fmt::join(above, ", "), shown.required_speed, shown.unit, fmt::join(below, ", "),
         context.profile.definition == SpeedDefinition::displacement  ? "displacement over time"
@@ -84,11 +86,14 @@ void add_second_method(const ClauseContext& context, Notes& notes) {
     const DeclaredAgreement& second = *context.declared;
     notes.push_back(
         second.missing.empty()
-            ? fmt::format("The second method ({}) gives {}, {:+.3f} km/h against this one (normalised error "
-                          "{:.2f}, at most 1).",
-                          second.method,
-                          speed_with_uncertainty_text(second.other_m_s, second.other_expanded_uncertainty_m_s, speed_unit("km/h")),
-                          (second.other_m_s - second.judged_m_s) * 3.6, second.normalised_error)
+            ? fmt::format(
+                  "The second method ({}) gives {}, {:+.3f} km/h against this one (normalised "
+                  "error "
+                  "{:.2f}, at most 1).",
+                  second.method,
+                  speed_with_uncertainty_text(
+                      second.other_m_s, second.other_expanded_uncertainty_m_s, speed_unit("km/h")),
+                  (second.other_m_s - second.judged_m_s) * 3.6, second.normalised_error)
             : fmt::format("The second method ({}) says nothing: {}.", second.method,
                           second.missing));
 }

@@ -61,7 +61,9 @@ Finding computation::time_scale(const Clause&, const ClauseContext& context) {
     constexpr double allowed = 1e-4;
     if (source == "unknown" && std::abs(rate) > std::max(allowed, rate_by_chance(judged)))
         return {RequirementStatus::not_met,
-                fmt::format("{}; their steps are on average {:.3f} % {} than those of a usual rate; either the clock or the rate is not what it seems: write time_source: satellites in the attempt if they "
+                fmt::format("{}; their steps are on average {:.3f} % {} than those of a usual "
+                            "rate; either the clock or the rate is not what it seems: write "
+                            "time_source: satellites in the attempt if they "
                             "are the satellites' time",
                             what, std::abs(rate) * 100.0, rate < 0.0 ? "shorter" : "longer"),
                 figures};

@@ -105,7 +105,8 @@ Finding by_receiver(const ClauseContext& context) {
                 "receiver \"{}\" gives {:.3f} km/h over the same {:.3f} s, {:+.3f} km/h "
                 "against the primary one (displacement over time); normalised error "
                 "{:.2f}, at most 1, with what the two do not share: noise, each receiver's own "
-                "time-correlated error, antenna. They share base station, satellites, atmosphere, frame and "
+                "time-correlated error, antenna. They share base station, satellites, atmosphere, "
+                "frame and "
                 "time scale",
                 receiver, agreement.other_m_s * 3.6, context.windows.best->span.duration.seconds(),
                 (agreement.other_m_s - agreement.judged_m_s) * 3.6, agreement.normalised_error),
@@ -123,13 +124,13 @@ Finding by_declaration(const ClauseContext& context) {
                 fmt::format("{}: {}", agreement.method, agreement.missing)};
     return {
         agreement.agrees() ? RequirementStatus::met : RequirementStatus::not_met,
-        fmt::format("{} gives {}, {:+.3f} km/h against the primary method; normalised error "
-                    "{:.2f}, at most 1",
-                    agreement.method,
-                    speed_with_uncertainty_text(agreement.other_m_s,
-                                                agreement.other_expanded_uncertainty_m_s,
-                                                speed_unit("km/h")),
-                    (agreement.other_m_s - agreement.judged_m_s) * 3.6, agreement.normalised_error),
+        fmt::format(
+            "{} gives {}, {:+.3f} km/h against the primary method; normalised error "
+            "{:.2f}, at most 1",
+            agreement.method,
+            speed_with_uncertainty_text(
+                agreement.other_m_s, agreement.other_expanded_uncertainty_m_s, speed_unit("km/h")),
+            (agreement.other_m_s - agreement.judged_m_s) * 3.6, agreement.normalised_error),
         {{.name = "normalised error of the second method", .value = agreement.normalised_error}}};
 }
 
@@ -189,16 +190,17 @@ Finding computation::accuracy(const Clause&, const ClauseContext& context) {
         fmt::format(
             "expanded uncertainty {} (k = {}{}), limit {}; {}", rounded_up(u),
             coverage_text(context.coverage_factor),
-            bias_limit_m_s > 0.0 ? fmt::format(", with {} for the choice of the window",
-                                               rounded_up(bias_limit_m_s))
-                                 : std::string(),
+            bias_limit_m_s > 0.0
+                ? fmt::format(", with {} for the choice of the window", rounded_up(bias_limit_m_s))
+                : std::string(),
             limit,
             context.profile.speed_source == SpeedSource::velocity
                 ? "it rests on what the recording states of its velocities"
                 : "it includes the bound on time-correlated errors and the worst undetected error "
                   "except drift"),
         {speed_figure("expanded uncertainty", u, std::string(unit.name), rounded_up(u)),
-         speed_figure("limit", *context.profile.accuracy_limit_m_s, std::string(unit.name), limit)}};
+         speed_figure("limit", *context.profile.accuracy_limit_m_s, std::string(unit.name),
+                      limit)}};
 }
 
 Finding computation::margin(const Clause&, const ClauseContext& context) {
@@ -213,14 +215,12 @@ Finding computation::margin(const Clause&, const ClauseContext& context) {
     Figure speed = speed_figure("measured speed", context.speed->speed_m_s, shown.unit,
                                 measured_speed_text(shown, context.coverage_factor));
     speed.expanded_uncertainty = u / metres_per_second(shown.unit);
-    Figure required =
-        speed_figure("required speed", context.required_speed->speed_m_s, shown.unit,
-                     fmt::format("{} {}", shown.required_speed, shown.unit));
+    Figure required = speed_figure("required speed", context.required_speed->speed_m_s, shown.unit,
+                                   fmt::format("{} {}", shown.required_speed, shown.unit));
     required.expanded_uncertainty = required_u / metres_per_second(shown.unit);
     if (required_u > 0.0)
-        required.shown +=
-            fmt::format(" ± {} {} (k = 2)", uncertainty_rounded_up(*required.expanded_uncertainty),
-                        shown.unit);
+        required.shown += fmt::format(
+            " ± {} {} (k = 2)", uncertainty_rounded_up(*required.expanded_uncertainty), shown.unit);
     return {met ? RequirementStatus::met : RequirementStatus::not_met,
             fmt::format("measured speed {}, required {} {}: conformance probability {} (at least "
                         "{} required); acceptance limit {} {}",

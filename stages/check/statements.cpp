@@ -23,18 +23,21 @@ std::vector<std::string> at_bounds(const NoiseSummary& noise) {
     if (noise.acceleration_time_s)
         look(*noise.acceleration_time_s, "correlation time of the acceleration");
     if (noise.error_diffusion) look(*noise.error_diffusion, "size of the time-correlated error");
-    if (noise.error_tau_s) look(*noise.error_tau_s, "correlation time of the time-correlated error");
+    if (noise.error_tau_s)
+        look(*noise.error_tau_s, "correlation time of the time-correlated error");
     return names;
 }
 
 /// Why nothing was fitted, and what stands in its place.
 std::string not_fitted(const NoiseSummary& noise, const std::string& axes) {
     const std::string instead = fmt::format(
-        "the stated standard deviations times {:.2f} and a jerk density of {:.3g} m s^-2.5 were used",
+        "the stated standard deviations times {:.2f} and a jerk density of {:.3g} m s^-2.5 were "
+        "used",
         noise.measurement_scale.value, noise.jerk_density.value);
     if (noise.status == NoiseBasis::too_few_epochs)
         return fmt::format(
-            "The {} noise could not be estimated from the recording, which has {} usable epochs where "
+            "The {} noise could not be estimated from the recording, which has {} usable epochs "
+            "where "
             "{} are required: {}.",
             axes, noise.epochs, noise.epochs_needed, instead);
     if (noise.status == NoiseBasis::constant_positions)
@@ -42,8 +45,9 @@ std::string not_fitted(const NoiseSummary& noise, const std::string& axes) {
             "The {} noise could not be estimated from the recording, whose positions are all the "
             "same: {}.",
             axes, instead);
-    return fmt::format("The {} noise was not estimated from the recording, as the attempt asks: {}.",
-                       axes, instead);
+    return fmt::format(
+        "The {} noise was not estimated from the recording, as the attempt asks: {}.", axes,
+        instead);
 }
 
 void add_fit(const NoiseSummary& noise, const std::string& axes, Statements& statements) {
@@ -52,19 +56,21 @@ void add_fit(const NoiseSummary& noise, const std::string& axes, Statements& sta
         return;
     }
     statements.push_back(fmt::format(
-        "The {} noise was estimated from {} epochs: {:.2f} times the stated standard deviations (root mean "
+        "The {} noise was estimated from {} epochs: {:.2f} times the stated standard deviations "
+        "(root mean "
         "square {:.1f} mm), jerk density {:.3g} m s^-2.5{} as one for all of it. The trajectory "
         "takes the larger of that and what the motion shows there.",
         axes, noise.epochs, noise.measurement_scale.value, noise.stated_sigma_m * 1e3,
         noise.jerk_density.value,
-        noise.acceleration_time_s
-            ? fmt::format(", correlation time of the acceleration {:.2g} s", noise.acceleration_time_s->value)
-            : std::string()));
+        noise.acceleration_time_s ? fmt::format(", correlation time of the acceleration {:.2g} s",
+                                                noise.acceleration_time_s->value)
+                                  : std::string()));
     if (!noise.correlated_error_detected)
-        statements.push_back(fmt::format(
-            "A time-correlated error of the {} positions could not be separated from their white noise "
-            "and the motion: its bound decides.",
-            axes));
+        statements.push_back(
+            fmt::format("A time-correlated error of the {} positions could not be separated from "
+                        "their white noise "
+                        "and the motion: its bound decides.",
+                        axes));
     else if (!noise.error_tau_s->relative_uncertainty)
         statements.push_back(fmt::format(
             "The {} positions have a time-correlated error that wanders by {:.1f} mm in the first "
@@ -95,9 +101,11 @@ void add_health(const FilterHealth& health, const std::string& axes, Statements&
                 : "the positions look as if the device had filtered them, or their errors change "
                   "along the recording more than their stated standard deviations say"));
     if (!health.consistent)
-        statements.push_back(fmt::format(
-            "The size of the {} innovations changes along the recording more than the stated standard deviations say: {} of {} spans are outside their limits, where chance allows {}.",
-            axes, health.spans_outside, health.spans, health.spans_allowed));
+        statements.push_back(
+            fmt::format("The size of the {} innovations changes along the recording more than the "
+                        "stated standard deviations say: {} of {} spans are outside their limits, "
+                        "where chance allows {}.",
+                        axes, health.spans_outside, health.spans, health.spans_allowed));
     if (health.repaired > 0)
         statements.push_back(fmt::format(
             "{} covariances of the {} estimate had stopped being positive definite by rounding and "
@@ -150,7 +158,8 @@ void add_propagation(const ReceiverFindings& judged, Statements& statements) {
                 windows.best->standard_uncertainty_m_s));
         else if (!linear.interval_agrees && !linear.interval_holds)
             statements.push_back(fmt::format(
-                "Under {} the check of linearisation gives a 95 % coverage interval of {:.4f} m/s to {:.4f} m/s. The law of propagation gives {:.4f} m/s to {:.4f} m/s.",
+                "Under {} the check of linearisation gives a 95 % coverage interval of {:.4f} m/s "
+                "to {:.4f} m/s. The law of propagation gives {:.4f} m/s to {:.4f} m/s.",
                 windows.profile, check.lower_m_s, check.upper_m_s, linear.lower_m_s,
                 linear.upper_m_s));
     }
@@ -292,16 +301,18 @@ void add_undetected(const CheckInput& input, Statements& statements) {
 void add_screening(const ReceiverFindings& judged, Statements& statements) {
     const ScreeningBasis& tests = judged.tests;
     statements.push_back(fmt::format(
-        "Every epoch was tested for outliers, bursts, steps, drifts, shifts of its time stamp and sudden changes of acceleration: "
+        "Every epoch was tested for outliers, bursts, steps, drifts, shifts of its time stamp and "
+        "sudden changes of acceleration: "
         "{} tests, which together mark anything in a recording without an outlier with a "
         "probability of at most {:g}.",
         tests.tests, tests.family_false_alarm_rate));
     for (const ScreeningModel& model : tests.models)
         if (model.noise != NoiseBasis::fitted)
-            statements.push_back(fmt::format(
-                "The {} tests rest on the stated standard deviations times {:.2f}, not on noise estimated from "
-                "the recording.",
-                to_text(model.axes), model.measurement_scale));
+            statements.push_back(
+                fmt::format("The {} tests rest on the stated standard deviations times {:.2f}, not "
+                            "on noise estimated from "
+                            "the recording.",
+                            to_text(model.axes), model.measurement_scale));
     add_kinds(tests.fix_types, statements);
     add_time(tests.time, statements);
     if (tests.velocity) add_velocity(*tests.velocity, statements);
@@ -314,7 +325,10 @@ void add_screening(const ReceiverFindings& judged, Statements& statements) {
 std::vector<std::string> statements_of(const CheckInput& input) {
     const ReceiverFindings& judged = input.judged;
     Statements statements{
-        "The uncertainty is the combination of the sources in the budget, one row each. Time-correlated position errors are covered up to the size and for the correlation times that the budget names. An undetected outlier, step or shift of time stamps is covered too."};
+        "The uncertainty is the combination of the sources in the budget, one row each. "
+        "Time-correlated position errors are covered up to the size and for the correlation times "
+        "that the budget names. An undetected outlier, step or shift of time stamps is covered "
+        "too."};
     add_records(judged.records, statements);
     add_accuracy(judged, statements);
     add_screening(judged, statements);

@@ -189,8 +189,7 @@ void add_time_concerns(const Inspection& it, std::vector<std::string>& concerns)
             "(time_source: satellites in the attempt, if they are).");
     if (!it.first)
         concerns.push_back("The time is relative: the recording does not show when it was made.");
-    if (!it.georeferenced)
-        concerns.push_back("The recording does not show where it was made.");
+    if (!it.georeferenced) concerns.push_back("The recording does not show where it was made.");
 }
 
 void add_speed_concerns(const Inspection& it, std::vector<std::string>& concerns) {

@@ -103,7 +103,7 @@ Series series_of(const std::vector<ReceiverPair>& pairs,
 /// Noise estimated from what a first adaptation, with noise as stated, leaves.
 template <int Axes>
 EstimationModel estimate_model(const Series& series, double length_m, const TestPlan& plan,
-                            ScreenConfig config) {
+                               ScreenConfig config) {
     constexpr TestedAxes axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal;
     // How fast the craft may turn against its track, rad s^-2.5; and how fast antennas sway.
     constexpr double angular_jerk_density = 0.1;

@@ -24,10 +24,10 @@ namespace runcert {
 /// which leaves nothing out: over a window, the check of the speeds tells it.
 ///
 /// Fills `comparison.baseline` of both: median and robust standard deviation of the length,
-/// nothing compared where a recording's time is relative, or one is in an engineering CRS and the other
-/// is not. Engineering CRSs are taken to be the same one. A constant difference of the two clocks is a
-/// distance along the track in proportion to the speed: it is not an error of positions, is not
-/// marked, and shows in the standard deviation of the length.
+/// nothing compared where a recording's time is relative, or one is in an engineering CRS and the
+/// other is not. Engineering CRSs are taken to be the same one. A constant difference of the two
+/// clocks is a distance along the track in proportion to the speed: it is not an error of
+/// positions, is not marked, and shows in the standard deviation of the length.
 ///
 /// Returns whether anything was marked: the arcs must then be finished anew. `motion_of_first` has
 /// one entry for each row of the first.

@@ -19,9 +19,9 @@ struct ScreeningNoises {
 };
 
 /// Compares the innovations of each fix type with the noise fitted: the robust variance
-/// factor that its stated standard deviations need, and whether they are optimistic or pessimistic (beyond chance,
-/// at three standard deviations of the median). Kinds of fewer than 100 tested epochs are taken as
-/// the others.
+/// factor that its stated standard deviations need, and whether they are optimistic or pessimistic
+/// (beyond chance, at three standard deviations of the median). Kinds of fewer than 100 tested
+/// epochs are taken as the others.
 template <int Axes>
 std::vector<FixTypeErrors> compare_fix_types(const ScreenedTable& first_look,
                                              const ScreeningNoise& noise);

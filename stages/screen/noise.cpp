@@ -43,8 +43,8 @@ std::vector<std::span<const ArcEpoch<Axes>>> stretches_of(const std::vector<Arc<
     return stretches;
 }
 
-/// The stated standard deviations times the root of the median innovation statistic over its expected
-/// median, at least 1.
+/// The stated standard deviations times the root of the median innovation statistic over its
+/// expected median, at least 1.
 template <int Axes>
 double robust_scale(const std::vector<std::span<const ArcEpoch<Axes>>>& stretches,
                     const EstimationModel& model) {
@@ -75,7 +75,8 @@ bool has_velocities(const ScreenedTable& table) {
 }  // namespace
 
 template <int Axes>
-ScreeningNoise estimate_screening_noise(const ScreenedTable& first_look, const ScreenConfig& config) {
+ScreeningNoise estimate_screening_noise(const ScreenedTable& first_look,
+                                        const ScreenConfig& config) {
     const std::vector<Arc<Axes>> arcs = arcs_of<Axes>(first_look);
     const auto stretches = stretches_of<Axes>(arcs);
     ScreeningNoise noise;

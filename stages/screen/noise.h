@@ -13,16 +13,17 @@ struct ScreeningNoise {
 };
 
 /// Learns it from the epochs that a first look at the rows leaves: a forward innovation test with
-/// the class's motion and the stated standard deviations times a robust factor, whose only use is to keep
-/// gross errors out of the fit. The jerk density is the larger of the class's and the fitted one:
-/// what the craft can do must not be taken for an error because it did not do it for long. Nor is
-/// the white noise taken to be less than a fraction of what is stated: where a receiver has
-/// filtered its positions they follow one another more smoothly than they are accurate, and the
-/// tests would find the model of motion wrong, not the positions. (Only where velocities are
-/// recorded, which then settle what seem to be drifts.) Fitted to at most 3,000 epochs, in
-/// stretches over the whole recording, so that it costs the same for a long one. Figures are
-/// rounded to the decimals of the file.
+/// the class's motion and the stated standard deviations times a robust factor, whose only use is
+/// to keep gross errors out of the fit. The jerk density is the larger of the class's and the
+/// fitted one: what the craft can do must not be taken for an error because it did not do it for
+/// long. Nor is the white noise taken to be less than a fraction of what is stated: where a
+/// receiver has filtered its positions they follow one another more smoothly than they are
+/// accurate, and the tests would find the model of motion wrong, not the positions. (Only where
+/// velocities are recorded, which then settle what seem to be drifts.) Fitted to at most 3,000
+/// epochs, in stretches over the whole recording, so that it costs the same for a long one. Figures
+/// are rounded to the decimals of the file.
 template <int Axes>
-ScreeningNoise estimate_screening_noise(const ScreenedTable& first_look, const ScreenConfig& config);
+ScreeningNoise estimate_screening_noise(const ScreenedTable& first_look,
+                                        const ScreenConfig& config);
 
 }  // namespace runcert

@@ -43,7 +43,7 @@ EstimatedNoise estimate_noise(const ScreenedTable& look, const ScreenConfig& con
 }
 
 ScreeningNoises estimate_noises(const ScreenedTable& look, const ScreenConfig& config,
-                             ScreeningBasis& basis) {
+                                ScreeningBasis& basis) {
     EstimatedNoise horizontal;
     std::optional<EstimatedNoise> vertical;
     do_together([&] { horizontal = estimate_noise<2>(look, config); },

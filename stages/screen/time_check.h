@@ -40,12 +40,12 @@ struct TimeCheckOptions {
 /// That positions go on is decided from the three rows before and the three after, with regular
 /// steps among each three and a position and accuracy at the outer and inner ones. Let v be the
 /// mean of the two velocities, tau the mean interval, d the displacement over the step. |d - v tau|
-/// may be A = 5 u + a tau^2 / 2: u is its standard uncertainty from the stated standard deviations, a = 10
-/// m/s^2 bounds what a craft's acceleration does in between; the velocities may differ by 3 a tau
-/// and 5 u. It can be told only where the craft is fast: one that really moved through the step,
-/// braking and speeding up by no more than a and not turning round, is at least v^2 / a further (v
-/// T - a T^2 / 4 where T is too short to stop in), v being here the lower speed less 5 u, and that
-/// must exceed |v| tau by 2 A. A parked craft's clock jump is a gap.
+/// may be A = 5 u + a tau^2 / 2: u is its standard uncertainty from the stated standard deviations,
+/// a = 10 m/s^2 bounds what a craft's acceleration does in between; the velocities may differ by 3
+/// a tau and 5 u. It can be told only where the craft is fast: one that really moved through the
+/// step, braking and speeding up by no more than a and not turning round, is at least v^2 / a
+/// further (v T - a T^2 / 4 where T is too short to stop in), v being here the lower speed less 5
+/// u, and that must exceed |v| tau by 2 A. A parked craft's clock jump is a gap.
 ///
 /// `rate_deviation` is the mean regular step over the nominal interval, less one: positive for
 /// stamps of a clock that runs fast. Nominal is the nearest of the intervals that receivers offer

@@ -21,8 +21,8 @@ inline constexpr int robust_iterations_allowed = 500;
 ///
 /// What a cut does to a state dies away with the larger of the motion's memory (a second or two)
 /// and the correlation time of the Gauss-Markov error. Position differences from the uncut
-/// solution at 20 Hz, stated standard deviation 5 mm, the largest of jerk densities from 0.05 to 20 m s^-2.5
-/// with persistent and Singer (3 s) acceleration:
+/// solution at 20 Hz, stated standard deviation 5 mm, the largest of jerk densities from 0.05 to 20
+/// m s^-2.5 with persistent and Singer (3 s) acceleration:
 ///
 /// | epochs from the cut  | 100   | 500   | 1000  | 1500  | 2000  | 2500  |
 /// |----------------------|-------|-------|-------|-------|-------|-------|

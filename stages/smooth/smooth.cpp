@@ -85,7 +85,8 @@ Agreement compare_batch(const Arc<Axes>& arc, const SmoothedMeans<Axes>& smoothe
                             here.largest_position_difference_m,
                             here.largest_velocity_difference_m_s, agreement_position_m,
                             agreement_velocity_m_s),
-                "The estimate cannot be trusted here; check stated standard deviations and time steps, and "
+                "The estimate cannot be trusted here; check stated standard deviations and time "
+                "steps, and "
                 "report it with the run folder");
     }
     return agreement;

@@ -170,7 +170,8 @@ BudgetRow plane_row(const BudgetInput& input) {
                         measured ? "" : ", height of the course not measured (100 m allowed for)");
     }
     BudgetRow row = bounded_row(
-        "m", georeferenced ? "local frame against the ground" : "scale of the engineering coordinates",
+        "m",
+        georeferenced ? "local frame against the ground" : "scale of the engineering coordinates",
         half_width, "1", speed_m_s, std::move(note));
     row.estimate = 1.0;
     return row;

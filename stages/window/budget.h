@@ -46,9 +46,10 @@ std::vector<BudgetRow> budget_of(const BudgetInput& input);
 /// The rows combined by the law of propagation of uncertainty [GUM].
 CombinedUncertainty combine(const std::vector<BudgetRow>& rows);
 
-/// What of the uncertainty another receiver or method does not share: noise and motion, the time-correlated error of this receiver alone, time stamps, resolution and antenna. Left out are the frame and
-/// the clock's rate, which the two may have in common, a bound that allows for more than one
-/// receiver's own time-correlated error, and what the comparison is there to find.
+/// What of the uncertainty another receiver or method does not share: noise and motion, the
+/// time-correlated error of this receiver alone, time stamps, resolution and antenna. Left out are
+/// the frame and the clock's rate, which the two may have in common, a bound that allows for more
+/// than one receiver's own time-correlated error, and what the comparison is there to find.
 double own_uncertainty(const PositionNoise& noise, const std::vector<BudgetRow>& rows);
 
 /// Distributions propagated through the measurement model [GUM-S1]: the speed is the length of the

@@ -14,11 +14,13 @@ namespace {
 Eigen::Vector2d in_frame(const CoursePoint& point, const Course& course,
                          const std::optional<FrameOrigin>& origin) {
     if (point.geodetic.has_value() != origin.has_value())
-        throw Failure(course.place,
-                      origin ? "the course is in engineering coordinates, the recording in geodetic coordinates"
-                             : "the course is in geodetic coordinates, the recording in engineering coordinates",
-                      origin ? "Give latitude_deg and longitude_deg of the course's points"
-                             : "Give east_m and north_m of the course's points");
+        throw Failure(
+            course.place,
+            origin
+                ? "the course is in engineering coordinates, the recording in geodetic coordinates"
+                : "the course is in geodetic coordinates, the recording in engineering coordinates",
+            origin ? "Give latitude_deg and longitude_deg of the course's points"
+                   : "Give east_m and north_m of the course's points");
     if (!origin) return Eigen::Vector2d(point.plane_m->data());
     Geodetic place = *point.geodetic;
     // Heights of the points are not known: the course is where the origin is.

@@ -18,9 +18,10 @@ struct CourseGates {
     double length_standard_uncertainty_m = 0.0;
 };
 
-/// The course in the frame with that origin (none: the recording's engineering CRS). Failure where its
-/// points are in geodetic coordinates and the recording is not, or the reverse, where a line's ends are the
-/// same, or where the lines' middles are not as far apart as the stated length, to 2 % and 1 m.
+/// The course in the frame with that origin (none: the recording's engineering CRS). Failure where
+/// its points are in geodetic coordinates and the recording is not, or the reverse, where a line's
+/// ends are the same, or where the lines' middles are not as far apart as the stated length, to 2 %
+/// and 1 m.
 CourseGates course_gates(const Course& course, const std::optional<FrameOrigin>& origin);
 
 /// The passages over the course as windows, fastest first, those that nobody can be sure of left

@@ -11,9 +11,9 @@
 
 namespace runcert {
 
-/// The size of the time-correlated position error that the certificate allows for: the largest of the fitted
-/// one, the stated standard deviation times its scale, and the floor of the fix types in the rows
-/// `first_row` to `last_row`.
+/// The size of the time-correlated position error that the certificate allows for: the largest of
+/// the fitted one, the stated standard deviation times its scale, and the floor of the fix types in
+/// the rows `first_row` to `last_row`.
 ///
 /// What the data tell of such an error is how fast it wanders, sigma sqrt(2 / tau): the fitted size
 /// is that of the error which wanders as fast with the shortest correlation time of the interval,
@@ -25,17 +25,17 @@ ErrorBound error_bound(const ScreenedTable& screened, std::size_t first_row, std
                        const NoiseSummary& noise, const Profile::Uncertainty& rule,
                        double along = 1.0);
 
-/// The size of the fitted time-correlated error along a direction (east, north) in units of that of both axes
-/// together: the most likely one for the coordinates along it, between 1 and sqrt(2), which is that
-/// of an error in this direction alone. 1 where the model has no such error.
+/// The size of the fitted time-correlated error along a direction (east, north) in units of that of
+/// both axes together: the most likely one for the coordinates along it, between 1 and sqrt(2),
+/// which is that of an error in this direction alone. 1 where the model has no such error.
 double error_along(std::span<const ArcEpoch<2>> epochs, const EstimationModel& model,
                    const Eigen::Vector2d& direction);
 
 /// Radius (m) of the circle that holds the true horizontal position with a probability of 95 %, at
 /// the worse of the window's ends ([NAV] R95): the smoothed position's covariance and the bounded
-/// time-correlated error's. Nobody knows which side of a bridged step is the true one: at the worse end the
-/// position is off by the step's offset, whose length is therefore added in full. (How well the
-/// offset itself is known, some millimetres, does not count beside the bound.) Of heights alone
+/// time-correlated error's. Nobody knows which side of a bridged step is the true one: at the worse
+/// end the position is off by the step's offset, whose length is therefore added in full. (How well
+/// the offset itself is known, some millimetres, does not count beside the bound.) Of heights alone
 /// (Axes 1), half the width of the interval that holds the true height with that probability.
 template <int Axes>
 double position_r95_m(const SmoothedArc<Axes>& smoothed, EpochPair window, const ErrorBound& bound);
@@ -68,15 +68,15 @@ struct PositionNoise {
     double correlated_m_s = 0.0;  ///< the time-correlated error
     double motion_m_s = 0.0;      ///< what the craft may have done between measurements
     double model_m_s = 0.0;       ///< half width of what the choice of the motion's model changes
-    /// What a second receiver does not share: the time-correlated error as it is of this receiver alone, at
-    /// its worst correlation time, not as bounded.
+    /// What a second receiver does not share: the time-correlated error as it is of this receiver
+    /// alone, at its worst correlation time, not as bounded.
     double own_correlated_m_s = 0.0;
 };
 
-/// The speed as estimated, and its uncertainty with the time-correlated error bounded: the estimate is a sum
-/// of the measured positions times `weights`, and so are the parts of its error that the positions'
-/// errors make, whatever model the weights came from. What is left of the estimate's own variance
-/// is the motion's.
+/// The speed as estimated, and its uncertainty with the time-correlated error bounded: the estimate
+/// is a sum of the measured positions times `weights`, and so are the parts of its error that the
+/// positions' errors make, whatever model the weights came from. What is left of the estimate's own
+/// variance is the motion's.
 template <int Axes>
 PositionNoise position_noise(const EstimatedWindow<Axes>& at, const SpeedQuantity& quantity,
                              const SpeedWeights<Axes>& weights, const GaussMarkovError& bounding,

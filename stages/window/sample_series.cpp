@@ -104,7 +104,7 @@ std::vector<std::int64_t> obstacles_in(const ScreenedTable& screened,
 }  // namespace
 
 WindowCriteria window_criteria(const Profile& profile, double duration_tolerance_s,
-                       double nominal_interval_s) {
+                               double nominal_interval_s) {
     WindowCriteria rule;
     rule.kind = profile.window_kind;
     rule.definition = profile.definition;

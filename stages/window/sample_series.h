@@ -12,7 +12,7 @@ namespace runcert {
 
 /// The search that a profile asks for. A course is not searched for: see crossings.h.
 WindowCriteria window_criteria(const Profile& profile, double duration_tolerance_s,
-                       double nominal_interval_s);
+                               double nominal_interval_s);
 
 /// The horizontal speed of a velocity, its vertical speed, or its speed in space; the standard
 /// uncertainty of it, first order, empty where one is missing.

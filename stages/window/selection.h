@@ -30,9 +30,11 @@ struct WindowCluster {
 struct SelectionModels {
     EstimationModel estimated;  ///< of the trajectory that the windows were compared on
     bool by_path = false;       ///< compared by path length over time, not by displacement
-    double along = 1.0;         ///< the fitted time-correlated error along the windows, over that of all axes
-    /// The time-correlated error that the certificate allows for: of this size, m, or of that with which it
-    /// wanders as fast as the fitted one, with any correlation time from the one to the other, s.
+    double along =
+        1.0;  ///< the fitted time-correlated error along the windows, over that of all axes
+    /// The time-correlated error that the certificate allows for: of this size, m, or of that with
+    /// which it wanders as fast as the fitted one, with any correlation time from the one to the
+    /// other, s.
     double bound_m = 0.0;
     double tau_min_s = 0.5;
     double tau_max_s = 10.0;
@@ -41,7 +43,8 @@ struct SelectionModels {
 /// The errors that a draw is made with.
 enum class DrawnErrors {
     fitted,  ///< as the noise model has them
-    bounded  ///< with the time-correlated error at its bound, the correlation times spread over their range
+    bounded  ///< with the time-correlated error at its bound, the correlation times spread over
+             ///< their range
 };
 
 /// What choosing the fastest of these windows adds to the speed stated for it (m/s).
@@ -56,9 +59,10 @@ enum class DrawnErrors {
 /// answer too small; the same is done from motions estimated from drawn recordings, and the
 /// difference put on (a bootstrap, calibrated by a second one: [ET93] 18).
 ///
-/// A time-correlated error of the positions looks like motion, so that the recording does not say how much of
-/// it chose the window. The bias lies between that of the errors as fitted and that with the time-correlated error at its bound: both are found, and the middle is the answer, with half their difference as
-/// its limits.
+/// A time-correlated error of the positions looks like motion, so that the recording does not say
+/// how much of it chose the window. The bias lies between that of the errors as fitted and that
+/// with the time-correlated error at its bound: both are found, and the middle is the answer, with
+/// half their difference as its limits.
 ///
 /// `stated_m_s` is the speed of the chosen window, which one of the clusters has, as estimated.
 template <int Axes>

@@ -140,8 +140,8 @@ class SelectionCluster<Axes>::Speeds {
     std::vector<Lane> path_m_;
 };
 
-/// The time-correlated error of several draws, epoch by epoch: steady Gauss-Markov processes, or the fitted
-/// one.
+/// The time-correlated error of several draws, epoch by epoch: steady Gauss-Markov processes, or
+/// the fitted one.
 template <int Axes>
 class SelectionCluster<Axes>::SlowError {
   public:

@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-
 #include <nlohmann/json.hpp>
 #include <regex>
 #include <set>
@@ -66,9 +65,10 @@ std::string expect_complete_audit(const fs::path& run) {
         EXPECT_EQ(listed.breaks, expected.breaks);
         std::istringstream lines(text);
         for (std::string line; std::getline(lines, line);)
-            EXPECT_LE(std::ranges::count_if(
-                          line, [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }),
-                      100)
+            EXPECT_LE(
+                std::ranges::count_if(
+                    line, [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }),
+                100)
                 << line;
     }
     EXPECT_TRUE(listed_in(brief.output).used.empty());

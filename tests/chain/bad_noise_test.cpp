@@ -87,7 +87,7 @@ TEST(BadNoise, AGoodRecordingIsLearntFrom) {
 TEST(BadNoise, ARecordingTooShortToFitSaysHowManyEpochsAreNeeded) {
     const Outcome outcome = certified(on_a_curve(25));
     EXPECT_LE(outcome.exit_status, 1) << outcome.errors;
-    EXPECT_TRUE(outcome.says("has 25 usable epochs where 33 are needed")) << outcome.statements;
+    EXPECT_TRUE(outcome.says("has 25 usable epochs where 33 are required")) << outcome.statements;
     EXPECT_TRUE(outcome.says("a jerk density of")) << outcome.statements;
 }
 

@@ -69,9 +69,8 @@ TEST(BadScreening, NothingUsable) {
         certified(400, steady, "0.010", "parameters: {screen: {allowed_fixes: [float]}}\n");
     EXPECT_EQ(outcome.exit_status, 1) << outcome.errors;
     EXPECT_EQ(outcome.outcome, "not_certifiable");
-    EXPECT_NE(
-        outcome.reason.find("none of the 400 epochs is usable: 400 fix type not allowed"),
-        std::string::npos)
+    EXPECT_NE(outcome.reason.find("none of the 400 epochs is usable: 400 fix type not allowed"),
+              std::string::npos)
         << outcome.reason;
 }
 
@@ -86,9 +85,7 @@ TEST(BadScreening, OneLongGapBetweenTwoShortStretches) {
     });
     EXPECT_EQ(outcome.exit_status, 1) << outcome.errors;
     EXPECT_EQ(outcome.outcome, "not_certifiable");
-    EXPECT_NE(outcome.reason.find("longest arc having 1.9 s"),
-              std::string::npos)
-        << outcome.reason;
+    EXPECT_NE(outcome.reason.find("longest arc having 1.9 s"), std::string::npos) << outcome.reason;
 }
 
 TEST(BadScreening, TwoEpochs) {

@@ -14,7 +14,10 @@ TEST(Certify, LandYachtIsBeatenAndNotGeoreferenced) {
     const ProcessResult result =
         certify(examples / "land_yacht" / "attempt.yaml", folder.path() / "run");
     EXPECT_EQ(result.exit_status, 0) << result.errors;
-    EXPECT_NE(result.output.find("nalsa: Measured speed exceeds the record; 10 requirements still to be attested"), std::string::npos) << result.output;
+    EXPECT_NE(result.output.find(
+                  "nalsa: Measured speed exceeds the record; 10 requirements still to be attested"),
+              std::string::npos)
+        << result.output;
     EXPECT_NE(result.output.find("UNSIGNED"), std::string::npos);
     const YamlValue verdict = read_yaml(folder.path() / "run" / "6-verdict.yaml");
     EXPECT_FALSE(verdict["georeferenced"].boolean());

@@ -40,8 +40,8 @@ TEST_P(CarrierPhase, InnovationsAreWhitenedByTheFittedModel) {
                noise.jerk_density.value);
     if (noise.correlated_error_detected) {
         EXPECT_GT(noise.error_diffusion.value().value, 0.0);
-        fmt::print(", time-correlated error {:.1f} mm over {:.1f} s", noise.error_sigma_m.value().value * 1e3,
-                   noise.error_tau_s.value().value);
+        fmt::print(", time-correlated error {:.1f} mm over {:.1f} s",
+                   noise.error_sigma_m.value().value * 1e3, noise.error_tau_s.value().value);
     }
     fmt::print("\n");
     std::string statements;

@@ -113,7 +113,9 @@ TEST(SpeedSkydive, OfAGoodRecordingScores) {
     const ProfileVerdict verdict =
         judged_skydive(rules, *data / "speed_skydive" / "flysight1_good.csv");
     EXPECT_NEAR(rules.windows().profiles.at(0).indicated->speed_m_s * 3.6, 444.61, 0.05);
-    // 443.47 km/h is the mean of the recorded velocities. The uncertainty is that of the stated standard deviation of the heights, of which positions alone do not show how much is a time-correlated error.
+    // 443.47 km/h is the mean of the recorded velocities. The uncertainty is that of the stated
+    // standard deviation of the heights, of which positions alone do not show how much is a
+    // time-correlated error.
     EXPECT_NEAR(*verdict.speed_m_s * 3.6, 443.47, 0.5);
     EXPECT_LE(*verdict.expanded_uncertainty_m_s * 3.6, 15.0);
     EXPECT_EQ(verdict.window->duration.seconds(), 3.0);

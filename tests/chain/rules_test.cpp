@@ -281,8 +281,10 @@ double two_positions_m_s(const Rules& rules, const WindowSpan& span) {
            span.duration.seconds();
 }
 
-/// How often the true speed of a course is within the certified uncertainty; within that which is estimated of the recording; and within that of the smoothed positions at its lines, which is all
-/// that there is here: the others hold time-correlated errors as well, which the data cannot exclude.
+/// How often the true speed of a course is within the certified uncertainty; within that which is
+/// estimated of the recording; and within that of the smoothed positions at its lines, which is all
+/// that there is here: the others hold time-correlated errors as well, which the data cannot
+/// exclude.
 Covered covered_courses(int seeds) {
     constexpr double duration_s = 24.0, start_m = 101.3, finish_m = 601.3;
     Covered covered;

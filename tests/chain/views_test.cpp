@@ -116,20 +116,22 @@ TEST_F(Views, Day) {
 /// "215.97" and "0.35" of every "215.97 km/h ± 0.35 km/h" or "215.97 ± 0.35 km/h" in a text.
 std::vector<std::pair<std::string, std::string>> measured_in(const std::string& text,
                                                              const std::string& unit) {
-    const std::regex pair("([0-9]+\\.[0-9]+)(?:\\s" + unit + ")?\\s±\\s([0-9]+\\.[0-9]+)\\s" + unit);
+    const std::regex pair("([0-9]+\\.[0-9]+)(?:\\s" + unit + ")?\\s±\\s([0-9]+\\.[0-9]+)\\s" +
+                          unit);
     std::vector<std::pair<std::string, std::string>> found;
     for (std::sregex_iterator at(text.begin(), text.end(), pair), none; at != none; ++at)
         found.emplace_back(at->str(1), at->str(2));
     return found;
 }
 
-// The headline, the tables, the terminal, the pages and the map show the same digits of the measured
-// speed and of its expanded uncertainty. Of the other estimates of the window none is so near in
-// both that it could be taken for it.
+// The headline, the tables, the terminal, the pages and the map show the same digits of the
+// measured speed and of its expanded uncertainty. Of the other estimates of the window none is so
+// near in both that it could be taken for it.
 TEST_F(Views, TheMeasuredSpeedHasTheSameDigitsEverywhere) {
     for (const char* example : {"land_yacht", "rejected", "course", "salt_lake"}) {
         const fs::path folder = run(example);
-        const Verdict verdict = read_verdict(read_file(folder / "6-verdict.yaml"), "6-verdict.yaml");
+        const Verdict verdict =
+            read_verdict(read_file(folder / "6-verdict.yaml"), "6-verdict.yaml");
         const ProcessResult pdf =
             run_process({"pdftotext", "-layout", (folder / "report.pdf").string(), "-"});
         const std::map<std::string, std::string> texts{

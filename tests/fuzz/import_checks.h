@@ -6,7 +6,8 @@
 
 namespace runcert::fuzz {
 
-/// Imports a recording and checks what must hold of every result: rows numbered from 1, geodetic coordinates, figures finite, bad records fewer than good ones. Of some results, chosen by the
+/// Imports a recording and checks what must hold of every result: rows numbered from 1, geodetic
+/// coordinates, figures finite, bad records fewer than good ones. Of some results, chosen by the
 /// recording's length, also that they can be inspected, or written and read again.
 void import_and_check(const Receiver& receiver, std::string_view bytes);
 

@@ -113,8 +113,7 @@ TEST(GoldenAttempt, InAPlane) {
 
 TEST(GoldenAttempt, SignaturesAndAmendment) {
     const Attempt attempt = read_attempt(text_of("v1.0/attempt.yaml"), "f");
-    EXPECT_EQ(attempt.signatures,
-              (std::vector<RoleSignatures>{{"measurer", 1}, {"observer", 2}}));
+    EXPECT_EQ(attempt.signatures, (std::vector<RoleSignatures>{{"measurer", 1}, {"observer", 2}}));
     ASSERT_TRUE(attempt.amends);
     EXPECT_EQ(attempt.amends->report_id, "0123456789abcdef");
     EXPECT_EQ(attempt.amends->sha256,

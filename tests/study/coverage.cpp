@@ -34,7 +34,8 @@ void count_model(Coverage& coverage, const WindowStretch<2>& stretch, const Esti
 }
 
 /// One recording of a cell.
-void study_one(CoverageCell& cell, const CoverageOptions& options, std::uint64_t seed, bool estimate) {
+void study_one(CoverageCell& cell, const CoverageOptions& options, std::uint64_t seed,
+               bool estimate) {
     const SimulatedRecording recording = simulate_recording(cell.run, seed);
     const auto first = static_cast<std::size_t>(std::lround(window_start_s * cell.run.rate_hz));
     const auto last =
@@ -103,7 +104,8 @@ CoverageCell study_coverage(CoverageCell cell, const CoverageOptions& options) {
 std::string coverage_table(const std::vector<CoverageCell>& cells) {
     std::string text =
         "Coverage of 95 % intervals of the 3 s speed; half widths in mm/s (mean, largest)\n"
-        " rate  jerk  white  time-correlated error     stated white    true            fitted          "
+        " rate  jerk  white  time-correlated error     stated white    true            fitted      "
+        "    "
         "certificate\n"
         "   Hz density     mm    mm   tau s    held   half      held   half     held   half     "
         "held   "

@@ -58,9 +58,9 @@ struct PowerLine {
 };
 
 /// Puts errors of the sizes that screening states of an epoch into recordings of the cell: the own
-/// test with the noise estimated from the clean recording, and the whole of screening, which estimates it
-/// from the recording with the errors. Of ramps only one a recording where all is screened, because
-/// it takes the stretches on both sides with it.
+/// test with the noise estimated from the clean recording, and the whole of screening, which
+/// estimates it from the recording with the errors. Of ramps only one a recording where all is
+/// screened, because it takes the stretches on both sides with it.
 std::vector<PowerLine> study_power(const StudyRun& cell, const ScreeningStudyOptions& options);
 
 /// How many of the clean runs have no mark at all. Acceleration and braking, forth and back.

@@ -155,14 +155,16 @@ TEST(Audit, ReasonsWithAFigure) {
         only_entry([](auto& rows) { leave_out(rows[4], Reason::accuracy_absurd, {}, 12.5, 10.0); }),
         "epoch 5 (line 22), 0.400 s: left out: the stated standard deviation of 12.5000 m is not "
         "believable: larger than 10.0000 m");
-    EXPECT_EQ(only_entry(
-                  [](auto& rows) { leave_out(rows[4], Reason::accuracy_absurd, {}, 0.0, 0.0001); }),
-              "epoch 5 (line 22), 0.400 s: left out: the stated standard deviation of 0.0000 m is not "
-              "believable: smaller than 0.0001 m");
+    EXPECT_EQ(
+        only_entry(
+            [](auto& rows) { leave_out(rows[4], Reason::accuracy_absurd, {}, 0.0, 0.0001); }),
+        "epoch 5 (line 22), 0.400 s: left out: the stated standard deviation of 0.0000 m is not "
+        "believable: smaller than 0.0001 m");
     // The determinant of the correlations is written with six decimals, as its threshold is.
     EXPECT_EQ(
         only_entry([](auto& rows) { leave_out(rows[4], Reason::accuracy_absurd, {}, 0.0, 0.0); }),
-        "epoch 5 (line 22), 0.400 s: left out: the stated standard deviations and correlations are not "
+        "epoch 5 (line 22), 0.400 s: left out: the stated standard deviations and correlations are "
+        "not "
         "those of any error");
     EXPECT_EQ(only_entry([](auto& rows) { leave_out(rows[4], Reason::short_arc, {}, 3.0, 6.0); }),
               "epoch 5 (line 22), 0.400 s: left out: in an arc of only 3 usable "
@@ -550,29 +552,33 @@ TEST(Audit, WhatTheTestsRestedOn) {
                        kind(FixType::dgps, 120, 0.25, AccuracyJudgement::pessimistic),
                        kind(FixType::sbas, 110, 1.0, AccuracyJudgement::as_stated),
                        kind(FixType::single, 12, 1.0, AccuracyJudgement::too_few_epochs)};
-    expect_in(unwrapped(audit_text(table, subject, false)),
-              {"rover.pos: 1,587 epochs, 1,586 used, in 1 arc without gap or step. Left "
-               "out: 1 (outlier).",
-               "rested horizontally on noise estimated from the recording: 1.50 times the stated standard deviations and a jerk density of 0.625 m s^-2.5, a time-correlated error of 0.0125 m with "
-               "a correlation time of 2.5 s.",
-               "rested vertically on 1.25 times the stated standard deviations and a jerk density of 0.6 m "
-               "s^-2.5: noise was not estimated from the recording (too few epochs to estimate it).",
-               "at most 3.25 (epoch 10)", "588,235 tests planned", "gone through 3 times",
-               "of 1,000 recordings without an outlier at most one would have anything marked, by "
-               "all 588,235 tests together.",
-               "with a probability of 80.0 %",
-               "fixed, horizontally: errors from epoch to epoch 1.5 times the stated standard "
-               "deviation (1,500 epochs; the errors are larger than stated).",
-               "(DGPS), horizontally: errors from epoch to epoch 0.50 times the stated standard "
-               "deviation (120 epochs; the errors are smaller than stated).",
-               "(SBAS), horizontally: errors from epoch to epoch 1.0 times the stated standard "
-               "deviation (110 epochs; as stated).",
-               "Single, horizontally: too few epochs to decide (12 epochs).",
-               "the largest acceleration is 8.2 m/s^2 (limit of the class 20.0 m/s^2); "
-               "the largest jerk is 40.5 m/s^3 (200.0 m/s^3), the largest vertical rate 0.5 m/s (5.0 "
-               "m/s); 0 epochs beyond them",
-               "Velocities. None", "Other receiver. None",
-               "The hashes (SHA-256) of 2-enu.ecsv are those", "names its hash: 3-screened.ecsv."});
+    expect_in(
+        unwrapped(audit_text(table, subject, false)),
+        {"rover.pos: 1,587 epochs, 1,586 used, in 1 arc without gap or step. Left "
+         "out: 1 (outlier).",
+         "rested horizontally on noise estimated from the recording: 1.50 times the stated "
+         "standard deviations and a jerk density of 0.625 m s^-2.5, a time-correlated error of "
+         "0.0125 m with "
+         "a correlation time of 2.5 s.",
+         "rested vertically on 1.25 times the stated standard deviations and a jerk density of 0.6 "
+         "m "
+         "s^-2.5: noise was not estimated from the recording (too few epochs to estimate it).",
+         "at most 3.25 (epoch 10)", "588,235 tests planned", "gone through 3 times",
+         "of 1,000 recordings without an outlier at most one would have anything marked, by "
+         "all 588,235 tests together.",
+         "with a probability of 80.0 %",
+         "fixed, horizontally: errors from epoch to epoch 1.5 times the stated standard "
+         "deviation (1,500 epochs; the errors are larger than stated).",
+         "(DGPS), horizontally: errors from epoch to epoch 0.50 times the stated standard "
+         "deviation (120 epochs; the errors are smaller than stated).",
+         "(SBAS), horizontally: errors from epoch to epoch 1.0 times the stated standard "
+         "deviation (110 epochs; as stated).",
+         "Single, horizontally: too few epochs to decide (12 epochs).",
+         "the largest acceleration is 8.2 m/s^2 (limit of the class 20.0 m/s^2); "
+         "the largest jerk is 40.5 m/s^3 (200.0 m/s^3), the largest vertical rate 0.5 m/s (5.0 "
+         "m/s); 0 epochs beyond them",
+         "Velocities. None", "Other receiver. None", "The hashes (SHA-256) of 2-enu.ecsv are those",
+         "names its hash: 3-screened.ecsv."});
 }
 
 TEST(Audit, TimeVelocitiesAndTheOtherReceiver) {

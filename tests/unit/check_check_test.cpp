@@ -104,7 +104,8 @@ TEST(Check, TheAccuracySaysWhatOfItTheChoiceOfTheWindowMayHaveLeft) {
             if (requirement.clause == "accuracy") return requirement;
         return Requirement{};
     };
-    EXPECT_TRUE(accuracy().evidence.starts_with("expanded uncertainty 0.58 km/h (k = 2), limit 0.8 km/h;"))
+    EXPECT_TRUE(
+        accuracy().evidence.starts_with("expanded uncertainty 0.58 km/h (k = 2), limit 0.8 km/h;"))
         << accuracy().evidence;
     scene.judged.windows.profiles[0].best->bias_limit_m_s = 0.1;
     EXPECT_EQ(accuracy().status, RequirementStatus::not_met);
@@ -277,8 +278,8 @@ struct TwoReceivers : Scene {
     ProfileVerdict both() const { return verdict(true); }
 
   private:
-    static void fill(ReceiverFindings& receiver, const Circle& course, GpsTime start, double later_s,
-                     std::int64_t interval_ms) {
+    static void fill(ReceiverFindings& receiver, const Circle& course, GpsTime start,
+                     double later_s, std::int64_t interval_ms) {
         receiver.facts.first_epoch =
             start.plus_nanoseconds(static_cast<std::int64_t>(later_s * 1e9));
         receiver.trajectory.clear();

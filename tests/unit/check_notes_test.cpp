@@ -229,11 +229,10 @@ TEST(ComparedRules, SetTheSpeedsBesideOneAnother) {
         return result;
     };
     const std::vector<ProfileVerdict> verdicts{verdict(60.0), verdict(61.0), verdict(20.0)};
-    EXPECT_EQ(
-        compared_rules(scene.profiles, verdicts),
-        "The rules do not measure the same: rule 216.00 km/h (3 s, displacement over time); "
-        "other 219.60 km/h (5 x 2 s, recorded velocities); third 72.00 km/h (3 s, vertical, "
-        "path length over time).");
+    EXPECT_EQ(compared_rules(scene.profiles, verdicts),
+              "The rules do not measure the same: rule 216.00 km/h (3 s, displacement over time); "
+              "other 219.60 km/h (5 x 2 s, recorded velocities); third 72.00 km/h (3 s, vertical, "
+              "path length over time).");
     // A profile without a speed is not among them; of one alone there is nothing to say.
     std::vector<ProfileVerdict> one = verdicts;
     one[1].speed_m_s.reset();

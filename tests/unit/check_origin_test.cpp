@@ -277,9 +277,10 @@ TEST(KindOfSolution, ThatTheAttemptClaimsIsToAttest) {
     claimed.best().bound->floor_fix = FixType::fixed;
     const Requirement requirement = claimed.clause("kind-of-solution");
     EXPECT_EQ(requirement.status, RequirementStatus::attest);
-    for (const char* part : {"the recording does not say", "it is fixed the attempt states",
-                             "in the window: fixed, whose time-correlated errors are taken to be at least "
-                             "0.01 m"})
+    for (const char* part :
+         {"the recording does not say", "it is fixed the attempt states",
+          "in the window: fixed, whose time-correlated errors are taken to be at least "
+          "0.01 m"})
         EXPECT_TRUE(contains(requirement.evidence, part)) << requirement.evidence;
 }
 

@@ -65,9 +65,10 @@ TEST(Statements, OfAGoodFitSayWhatWasLearntAndNothingIsAmiss) {
                            "all of it",
                            "takes the larger of that and what the motion shows there"}),
               1);
-    EXPECT_EQ(scene.count({"time-correlated error of the horizontal positions could not be separated",
-                           "its bound decides"}),
-              1);
+    EXPECT_EQ(
+        scene.count({"time-correlated error of the horizontal positions could not be separated",
+                     "its bound decides"}),
+        1);
     EXPECT_EQ(scene.count({"Stated standard deviations come from the recording."}), 1);
     for (const char* amiss : {"limit of its range", "before it converged", "stay correlated",
                               "changes along the recording", "were repaired", "Not georeferenced",
@@ -112,7 +113,8 @@ TEST(Statements, EveryParameterThatAFitLeftAtALimitIsNamed) {
     scene.noise().error_diffusion->at_bound = true;
     scene.noise().acceleration_time_s = NoiseParameter{1000.0, std::nullopt, true};
     EXPECT_EQ(scene.count({"limit of its range for: jerk density, correlation time of the "
-                           "acceleration, size of the time-correlated error, correlation time of the time-correlated error."}),
+                           "acceleration, size of the time-correlated error, correlation time of "
+                           "the time-correlated error."}),
               1);
     EXPECT_EQ(scene.count({"correlation time of the acceleration 1e+03 s"}), 1);
 }
@@ -279,8 +281,8 @@ TEST(Statements, OnUndetectedErrorsSayWhatTheIntervalHoldsThen) {
     CertifiableWindow& best = *scene.judged.windows.profiles[0].best;
     // U = 2 x 0.0152753 = 0.0305505; Phi(1.05505) - Phi(-5.05505) = 0.8543.
     EXPECT_EQ(
-        scene.count({"Under nalsa, an undetected error changes the speed",
-                     "by at most 0.0200 m/s", "one for all runs", "with a probability of 85 %"}),
+        scene.count({"Under nalsa, an undetected error changes the speed", "by at most 0.0200 m/s",
+                     "one for all runs", "with a probability of 85 %"}),
         1);
     // With 0.01 m/s of a bias beside it Phi(2.05505) = 0.98006.
     best.bias_limit_m_s = 0.01;

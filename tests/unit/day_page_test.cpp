@@ -244,12 +244,14 @@ TEST(DayCsv, HoldsEveryFigureInTheColumnOfItsName) {
     EXPECT_EQ(
         day_csv(results),
         "attempt,source,state,craft,class,profile,rank,tied_up_to_rank,"
-        "tied_down_to_rank,outcome,to_be_attested,signatures_required,speed_m_s,expanded_uncertainty_m_s,coverage_factor,"
+        "tied_down_to_rank,outcome,to_be_attested,signatures_required,speed_m_s,expanded_"
+        "uncertainty_m_s,coverage_factor,"
         "required_speed_m_s,shown_unit,shown_speed,shown_expanded_uncertainty,shown_required_speed,"
         "window_start_utc,window_start_time_s,window_duration_s,reason,replaced_figures,"
         "failed_step,problem,where,remedy,notes,report_id,report\n"
         "a,day.yaml:1,done,craft of a,land-yacht,nalsa,1,,,beaten,0,0,52.250000,0.125000,2.000000,"
-        "50.000000,m/s,52.25,0.13,50.00,2022-03-18T08:51:22.300Z,,,because of a,,,,,,,0123456789abcdef,"
+        "50.000000,m/s,52.25,0.13,50.00,2022-03-18T08:51:22.300Z,,,because of "
+        "a,,,,,,,0123456789abcdef,"
         "a/report.json\n"
         "b,b.yaml,failed,,,,,,,,,,,,,,,,,,,,,,,import,line 7 is cut off,r.pos:7,"
         "Give the whole recording,,,\n");

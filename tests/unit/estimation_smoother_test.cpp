@@ -153,8 +153,8 @@ TEST(Smoother, ErrorKnownToBeSmallChangesNothing) {
     }
 }
 
-/// An arc of one axis whose stated standard deviations, from 10 nm to 1 m, and steps, from 0.1 s to 10 s,
-/// no covariance of doubles can hold together.
+/// An arc of one axis whose stated standard deviations, from 10 nm to 1 m, and steps, from 0.1 s to
+/// 10 s, no covariance of doubles can hold together.
 std::vector<ArcEpoch<1>> extreme_arc(std::uint64_t seed) {
     RandomGenerator random(seed);
     std::vector<ArcEpoch<1>> arc(12);

@@ -67,7 +67,8 @@ TEST(FlysightRecorded, VerticalBestThreeSeconds) {
     EXPECT_NEAR(*read.rows[0].sigma_east_m, 149.252 / std::sqrt(2.0), 1e-9);
 }
 
-/// Stated standard deviations reach 319.54 m in the fall itself, and 435.55 m in the climb before it.
+/// Stated standard deviations reach 319.54 m in the fall itself, and 435.55 m in the climb before
+/// it.
 TEST(FlysightRecorded, BadAccuracyAndGaps) {
     const auto text = skydive("flysight1_bad_accuracy_gaps");
     if (!text) GTEST_SKIP() << "RUNCERT_DATA is not set";

@@ -103,7 +103,8 @@ TEST(Allowances, OfTheWindowAreInTheReportAsInTheWindowsFile) {
         "alone 216.0156 km/h; the choice of the model is taken to change at most 0.0047 km/h");
     // 0.0009, 0.0004, 0.0005 and 0.0013 m/s.
     expect_in(selection["selection_words"],
-              "higher by 0.0018 km/h with the errors as fitted, by 0.0047 km/h with time-correlated errors as "
+              "higher by 0.0018 km/h with the errors as fitted, by 0.0047 km/h with "
+              "time-correlated errors as "
               "large as allowed for; the middle, +0.0032 km/h, is subtracted from the speed, and "
               "half the difference, 0.0014 km/h, added to the expanded uncertainty.");
     expect_in(uncertainty["bound"]["bound_words"],
@@ -226,9 +227,10 @@ TEST(DeviceSigns, AreInFiguresAndWords) {
     EXPECT_EQ(device["held"], 12);
     EXPECT_EQ(device["interpolated"], 675);
     EXPECT_EQ(device["by_chance"], 3.46);
-    EXPECT_EQ(words(),
-              "12 of 1,350 positions recorded in motion repeat the one before, 675 lie in line with "
-              "their neighbours to the last digit; chance makes 3.5");
+    EXPECT_EQ(
+        words(),
+        "12 of 1,350 positions recorded in motion repeat the one before, 675 lie in line with "
+        "their neighbours to the last digit; chance makes 3.5");
     basis.device = DeviceSigns{.moving = 1350};
     EXPECT_EQ(words(), "none in 1,350 positions recorded in motion");
     basis.device = DeviceSigns{};

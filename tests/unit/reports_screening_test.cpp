@@ -141,9 +141,11 @@ TEST(Screening, IsSaidInPlainWords) {
     EXPECT_NE(line(run, "Recorded velocities").find("0.2000 s ± 0.0021 s ahead of the positions"),
               std::string::npos);
     basis_of(run).velocity->delay_s.reset();
-    EXPECT_NE(line(run, "Recorded velocities").find("does not determine their delay"), std::string::npos);
+    EXPECT_NE(line(run, "Recorded velocities").find("does not determine their delay"),
+              std::string::npos);
     basis_of(run).velocity->compared = 0;
-    EXPECT_EQ(line(run, "Recorded velocities"), "too few could be compared with the motion, or they never change");
+    EXPECT_EQ(line(run, "Recorded velocities"),
+              "too few could be compared with the motion, or they never change");
     basis_of(run).models[0].noise = NoiseBasis::too_few_epochs;
     EXPECT_EQ(line(run, "Noise assumed by the tests"),
               "horizontal: 0.95 times the stated one (too few epochs to estimate it); vertical: "
@@ -178,8 +180,8 @@ TEST(Screening, TheMethodIsThatOfTheFiles) {
     std::string text;
     for (const Json& paragraph : report["predicate"]["method"]["description"])
         text += paragraph.get<std::string>() + "\n";
-    for (const char* said : {"Baarda 1968", "Teunissen 2018", "de Jong & Penzer 1998",
-                             "up to 20 outliers in a row"})
+    for (const char* said :
+         {"Baarda 1968", "Teunissen 2018", "de Jong & Penzer 1998", "up to 20 outliers in a row"})
         EXPECT_NE(text.find(said), std::string::npos) << said;
 }
 

@@ -128,7 +128,7 @@ TEST(LearnNoise, AsStatedWhereTheAttemptAsksForIt) {
 TEST(LearnNoise, StatedNoiseIsScaledByTheVarianceFactorAboveOneOnly) {
     const auto scale_of = [](double size) {
         return estimated(record({.epochs = 2000, .size = [=](std::int64_t) { return size; }}),
-                      as_stated());
+                         as_stated());
     };
     // Part of an innovation is the motion's, so that 3 times the noise is seen as a little less.
     EXPECT_NEAR(scale_of(3.0).measurement_scale.value, 2.7, 0.3);

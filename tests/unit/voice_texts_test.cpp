@@ -34,8 +34,8 @@ std::string text_of(const fs::path& file) {
 
 /// The files of these folders and files, but for what others wrote and for data.
 std::vector<fs::path> files_of(const std::vector<std::string>& places) {
-    static const std::set<std::string> kinds{".cpp", ".h", ".yaml", ".html", ".md", ".txt", ".py",
-                                             ".js",  ".sh"};
+    static const std::set<std::string> kinds{".cpp", ".h",  ".yaml", ".html", ".md",
+                                             ".txt", ".py", ".js",   ".sh"};
     std::vector<fs::path> files;
     for (const std::string& place : places) {
         if (fs::is_regular_file(root / place)) {
@@ -79,11 +79,10 @@ void add_literals(const fs::path& file, std::vector<Phrase>& phrases) {
     std::size_t end = 0;
     for (std::sregex_iterator at(text.begin(), text.end(), literal), none; at != none; ++at) {
         const auto begin = static_cast<std::size_t>(at->position());
-        const bool joined =
-            !phrases.empty() && end != 0 &&
-            std::all_of(text.begin() + static_cast<std::ptrdiff_t>(end),
-                        text.begin() + static_cast<std::ptrdiff_t>(begin),
-                        [](char c) { return c == ' ' || c == '\n'; });
+        const bool joined = !phrases.empty() && end != 0 &&
+                            std::all_of(text.begin() + static_cast<std::ptrdiff_t>(end),
+                                        text.begin() + static_cast<std::ptrdiff_t>(begin),
+                                        [](char c) { return c == ' ' || c == '\n'; });
         if (joined)
             phrases.back().text += at->str(1);
         else
@@ -130,9 +129,8 @@ std::vector<Phrase> all_phrases() {
         "(?:description|phrase|about|text|item|source): \"((?:[^\"\\\\]|\\\\.)*)\"");
     static const std::regex shown(">([^<>{}]*[^<>]*)<");
     std::vector<Phrase> phrases;
-    for (const fs::path& file :
-         files_of({"pipeline", "stages", "reports", "schemas", "examples", "README.md",
-                   "REFERENCES.md", "tests/README.md"})) {
+    for (const fs::path& file : files_of({"pipeline", "stages", "reports", "schemas", "examples",
+                                          "README.md", "REFERENCES.md", "tests/README.md"})) {
         const std::string kind = file.extension().string();
         if (kind == ".cpp" || kind == ".h") add_literals(file, phrases);
         if (kind == ".yaml") add_matches(file, text_of(file), described, phrases);
@@ -189,9 +187,8 @@ TEST(Voice, TermsAreTheFields) {
         "DetectableError|Workshop|RareDecision|not_told|ask_witnesses|counted_axes|RowByRow|"
         "TimedRows|probability (?:is )?(?:asked|needed)|\\+/-",
         std::regex::icase | std::regex::optimize);
-    for (const fs::path& file :
-         files_of({"pipeline", "stages", "reports", "schemas", "examples", "cmake", "README.md",
-                   "REFERENCES.md", "tests"})) {
+    for (const fs::path& file : files_of({"pipeline", "stages", "reports", "schemas", "examples",
+                                          "cmake", "README.md", "REFERENCES.md", "tests"})) {
         const std::string path = fs::relative(file, root).generic_string();
         if (path.starts_with("tests/fuzz/") || path == "tests/unit/voice_texts_test.cpp") continue;
         std::istringstream lines(text_of(file));
@@ -250,8 +247,8 @@ TEST(Voice, EveryFailureSaysWhereWhatAndWhatToDo) {
         const std::string text = std::regex_replace(text_of(file), comment, "");
         std::string rows;
         for (std::sregex_iterator at(text.begin(), text.end(), call), none; at != none; ++at) {
-            const auto parts = arguments(
-                text, static_cast<std::size_t>(at->position() + at->length()) - 1);
+            const auto parts =
+                arguments(text, static_cast<std::size_t>(at->position() + at->length()) - 1);
             if (parts.size() == 1) continue;  // a copy
             ++count;
             ASSERT_EQ(parts.size(), 3U) << file << ": " << parts[0];

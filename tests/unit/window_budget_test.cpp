@@ -89,7 +89,8 @@ TEST(Budget, EverySourceHasItsRowAlsoWhereItGivesNothing) {
 }
 
 TEST(Budget, WhatScreeningCouldHaveMissedIsABoundOfTheSpeed) {
-    // Rectangular over +-34.6 mm/s: 34.6 / sqrt(3) = 19.98 mm/s [GUM] 4.3.7. A ramp is the time-correlated error's row already.
+    // Rectangular over +-34.6 mm/s: 34.6 / sqrt(3) = 19.98 mm/s [GUM] 4.3.7. A ramp is the
+    // time-correlated error's row already.
     Scene scene;
     scene.reliability = {{.hypothesis = Hypothesis::ramp, .unit = "m / s", .speed_m_s = 0.4},
                          {.hypothesis = Hypothesis::step,

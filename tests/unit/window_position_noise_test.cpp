@@ -121,7 +121,8 @@ TEST(PositionNoise, WhiteAndCorrelatedPartsAreThoseOfTheSameWeights) {
 }
 
 TEST(PositionNoise, TheRestIsTheMotions) {
-    // The variance is of first degree in the three noises together: what white noise and the time-correlated error leave is its derivative by the logarithm of the motion's variance.
+    // The variance is of first degree in the three noises together: what white noise and the
+    // time-correlated error leave is its derivative by the logarithm of the motion's variance.
     const WindowStretch<2> stretch = irregular_stretch();
     const auto variance = [&](double factor) {
         EstimationModel model = fitted_model();
@@ -175,7 +176,8 @@ TEST(PositionNoise, OfSamplesIsThatOfTwoPositions) {
                         error_covariance(bounding(), start_s, b_s, b_s) -
                         2.0 * error_covariance(bounding(), start_s, a_s, b_s);
     EXPECT_NEAR(noise.correlated_m_s, std::sqrt(slow) / t, 1e-9);
-    // This receiver's own time-correlated error is worst where it forgets soonest: sqrt(2) of its size.
+    // This receiver's own time-correlated error is worst where it forgets soonest: sqrt(2) of its
+    // size.
     EXPECT_NEAR(noise.own_correlated_m_s, 0.02 * std::sqrt(2.0 * (1.0 - std::exp(-t / 0.5))) / t,
                 1e-9);
 }

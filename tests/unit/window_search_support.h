@@ -126,7 +126,7 @@ inline constexpr auto displacement = SpeedDefinition::displacement;
 inline constexpr auto path_length = SpeedDefinition::path_length;
 
 inline WindowCriteria over_time(double duration_s, SpeedDefinition definition,
-                            WindowEnds ends = WindowEnds::epochs) {
+                                WindowEnds ends = WindowEnds::epochs) {
     WindowCriteria rule;
     rule.kind = WindowKind::time;
     rule.definition = definition;
@@ -144,7 +144,7 @@ inline WindowCriteria exactly(double duration_s, SpeedDefinition definition) {
 }
 
 inline WindowCriteria over_distance(double distance_m, SpeedDefinition definition,
-                                WindowEnds ends = WindowEnds::epochs) {
+                                    WindowEnds ends = WindowEnds::epochs) {
     WindowCriteria rule;
     rule.kind = WindowKind::distance;
     rule.definition = definition;

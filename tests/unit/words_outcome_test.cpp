@@ -30,8 +30,7 @@ OutcomeState beaten(Standing standing, bool altered = false) {
 
 TEST(WordsOfOutcomes, TheStandingCountsWhatPeopleMustStillAnswerFor) {
     EXPECT_EQ(standing_text(standing_of(requirements({met, met}), 0)), "complete");
-    EXPECT_EQ(standing_text(standing_of(requirements({met, attest}), 0)),
-              "awaiting 1 attestation");
+    EXPECT_EQ(standing_text(standing_of(requirements({met, attest}), 0)), "awaiting 1 attestation");
     EXPECT_EQ(standing_text(standing_of(requirements({attest, attest}), 2)),
               "awaiting 2 attestations and 2 signatures");
     EXPECT_EQ(standing_text(standing_of(requirements({met}), 1)), "awaiting 1 signature");
@@ -63,8 +62,8 @@ TEST(WordsOfOutcomes, ANegativeOutcomeGivesItsReason) {
 
 TEST(WordsOfOutcomes, EveryOutcomeHasItsOwnMark) {
     std::set<std::string> marks;
-    for (const Outcome outcome : {Outcome::beaten, Outcome::not_beaten, Outcome::not_proven,
-                                  Outcome::not_certifiable})
+    for (const Outcome outcome :
+         {Outcome::beaten, Outcome::not_beaten, Outcome::not_proven, Outcome::not_certifiable})
         marks.insert(outcome_words({.outcome = outcome, .record_named = true}).mark);
     EXPECT_EQ(marks.size(), 4U);
 }

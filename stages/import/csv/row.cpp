@@ -75,7 +75,8 @@ Geodetic read_utm(const Fields& fields, const Receiver& receiver, double height_
     }
 }
 
-/// A position in geodetic or Earth-centred coordinates. All the coordinates that are recorded are there.
+/// A position in geodetic or Earth-centred coordinates. All the coordinates that are recorded are
+/// there.
 Geodetic read_place(const Fields& fields, const Description& description,
                     const Receiver& receiver) {
     if (description.frame == CoordinateFrame::ecef)

@@ -47,9 +47,9 @@ class EpochReader {
     /// The row of an epoch's frame. Failure at `place` for a fix, course, position or time that
     /// cannot be.
     ///
-    /// u-blox does not say in how many dimensions the stated standard deviation of the speed counts. It is
-    /// taken as that of the speed over ground, the only one recorded: of the two readings the one
-    /// that claims less.
+    /// u-blox does not say in how many dimensions the stated standard deviation of the speed
+    /// counts. It is taken as that of the speed over ground, the only one recorded: of the two
+    /// readings the one that claims less.
     TimedRow read(std::string_view frame, const RecordPlace& place);
 
   private:

@@ -91,7 +91,8 @@ class Reader {
                 notes.push_back(fmt::format(
                     "From byte {} on the recorded UTC is {} s behind GPS time where {} s are "
                     "right: "
-                    "the receiver had not estimated the leap seconds. The recorded GPS time is used, "
+                    "the receiver had not estimated the leap seconds. The recorded GPS time is "
+                    "used, "
                     "which this does not touch.",
                     count.from_byte, count.used, count.right));
             else if (leap_counts_.size() > 1)

@@ -170,7 +170,8 @@ class Reader {
              tally.without_time);
         note("Messages that repeat one of the same kind and epoch, and were left out", repeated_);
         note(
-            "Epochs whose UTC is whole seconds off the GPS time of week, because the receiver had yet to receive the leap seconds; the time of week counts",
+            "Epochs whose UTC is whole seconds off the GPS time of week, because the receiver had "
+            "yet to receive the leap seconds; the time of week counts",
             tally.other_second);
         note("Epochs that are two-dimensional solutions, whose height was assumed and not measured",
              tally.in_plane);

@@ -224,7 +224,7 @@ std::string footer() {
         "changed, by SHA-256, or if what it wrote is not there as it was written. Ctrl-C once "
         "finishes\n"
         "what is running, twice stops it; the same command again goes on.\n"
-        "Exit status: 0 all were processed, whatever their verdicts; 2 one could not be.\n\n"
+        "Exit status: 0 all were processed, whatever their outcomes; 2 one could not be.\n\n"
         "A day file (examples/day has one that runs as it is):\n\n"
         "  schema: day/1.0\n"
         "  id: lake-day\n"

@@ -176,7 +176,9 @@ void add_certify(CLI::App& app, Command& chosen) {
     command->add_flag("--no-pdf", options->no_pdf, "report.json and HTML alone");
     command->add_flag("--no-render", options->no_render, "stop after report.json: no HTML, no PDF");
     command->footer(fmt::format(
-        "Exit status: 0 every profile says beaten, 1 one does not, 2 it could not be done.\n"
+        "Exit status: 0 the outcome of every profile is beaten, 1 one is not, 2 no certificate\n"
+        "could be made. It goes by the outcome alone: requirements that remain to be attested and\n"
+        "missing signatures do not change it.\n"
         "RUNCERT_THREADS=N in the environment: no more than N threads (left out: one for each\n"
         "processor). The results are the same.\n\n"
         "An attempt (schema attempt/1.0; examples/ has some that run as they are):\n\n"

@@ -37,8 +37,8 @@ void add_explain(CLI::App& app, Command& chosen) {
     command->footer(
         "Of a clause: its text and source, how its figure is computed and compared, the figures\n"
         "with their uncertainties, the limit, what the attempt replaced, the outcome, and what a\n"
-        "person must do where the data do not decide. `outcome` or `decision` as CLAUSE explains\n"
-        "how the record was compared with. Hashes are checked; nothing is written.");
+        "official must attest where the recording does not decide. `outcome` or `decision` as\n"
+        "CLAUSE explains how the record was compared with. Hashes are checked; nothing is written.");
     command->callback([&chosen, options] { chosen = [options] { return explain(*options); }; });
 }
 

@@ -9,7 +9,8 @@
 namespace runcert {
 
 /// Sums of one forward filter over some arcs. The first measurements of each arc are left out, and
-/// the first after a bridged step, because a vague prior predicts them.
+/// the first after a bridged step, because a vague prior predicts them. Positions are in m, so that
+/// the innovation covariances are in m^2 for each axis.
 struct InnovationSums {
     double statistic = 0.0;        ///< of the innovation statistics
     double log_determinant = 0.0;  ///< of the innovation covariances
@@ -22,6 +23,9 @@ struct InnovationSums {
     double log_likelihood_at_best_scale() const;
 };
 
+/// The sums over all arcs together. The likelihood is that of the innovations, independent and normal
+/// ([YSM22]). What an arc must be is said at `smooth` (smoother.h). Failure, naming the time, where
+/// the covariance of a measurement is not positive definite.
 template <int Axes>
 InnovationSums innovation_sums(std::span<const std::span<const ArcEpoch<Axes>>> arcs,
                                const EstimationModel& model);

@@ -8,7 +8,7 @@
 
 namespace runcert {
 
-/// One number of each of so many recordings.
+/// One number of each of so many recordings: here always a coordinate, in m.
 template <int Lanes>
 using Lane = Eigen::Array<double, Lanes, 1>;
 
@@ -18,7 +18,7 @@ using LanePositions = std::array<Lane<Lanes>, static_cast<std::size_t>(Axes)>;
 
 /// The smoother of one arc as the linear operation it is: with gains computed once, it smooths
 /// any positions measured at the same epochs with the same covariances, at a small part of the
-/// cost of `smooth`.
+/// cost of `smooth`. Positions are in m, along the axes of the arc (east and north, or up alone).
 ///
 /// The forward pass is the filter's; backward go the scores of the measurements from each epoch on
 /// ([JP98], as in `ArcDiagnosis`) in place of the smoothed states: with them each
@@ -27,7 +27,7 @@ using LanePositions = std::array<Lane<Lanes>, static_cast<std::size_t>(Axes)>;
 template <int Axes>
 class LinearSmoother {
   public:
-    /// Every epoch of the arc must have a measurement.
+    /// Every epoch of the arc must have a measurement. Failure as `smooth`.
     LinearSmoother(std::span<const ArcEpoch<Axes>> arc, const EstimationModel& model);
 
     /// The smoothed positions, one for each epoch; after bridged steps without the offsets, so that

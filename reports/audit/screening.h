@@ -26,7 +26,8 @@ struct AuditEntry {
 /// stretch without explanation together.
 std::vector<AuditEntry> audit_entries(const std::vector<ScreenedEpoch>& rows);
 
-/// The detectable sizes of one kind of error over the usable rows.
+/// The minimal detectable biases of one kind of error over the usable rows, in the unit of that kind
+/// (m, m/s or s; schemas/screened).
 struct DetectableSizes {
     std::int64_t epochs = 0;   ///< that have one
     std::int64_t without = 0;  ///< at which no size could be found

@@ -4,7 +4,8 @@
 
 namespace runcert {
 
-/// The horizontal speed that the receiver recorded, at the epochs of the arcs.
+/// The horizontal speed (m/s, over east and north) that the receiver recorded, at the epochs of the
+/// arcs; none at an epoch without a recorded velocity.
 MethodTrack recorded_speed(const ScreenedTable& screened);
 
 /// The filter of [EKF] over the arcs, and what was taken for the accuracy of the recorded velocity

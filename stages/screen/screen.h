@@ -22,7 +22,7 @@ struct ScreenConfig {
     double session_gap_s = 0.0;
     std::int64_t min_arc_epochs = 0;
 
-    double jerk_density = 0.0;  ///< of the craft's class: what its hardest motion needs
+    double jerk_density = 0.0;  ///< m s^-2.5, of the craft's class: what its hardest motion needs
     bool fit_noise = true;
     double noise_scale_min = 0.0;  ///< of the stated standard deviations, in the tests
     double tau_min_s = 0.0;        ///< correlation times that a time-correlated error may have
@@ -39,6 +39,8 @@ struct ScreenConfig {
     std::size_t section_epochs = epochs_of_section;  ///< longer arcs are tested in sections
 };
 
+
+/// The figures that the attempt states, or the schema's own where it states none.
 ScreenConfig screen_config(const Attempt& attempt);
 
 /// Marks the epochs that may not take part in the estimate, and cuts the rest into arcs.
@@ -50,7 +52,8 @@ ScreenConfig screen_config(const Attempt& attempt);
 /// whole; the best supported hypothesis is adapted to, and the tests are repeated until none is
 /// left. All tests together raise a false alarm with the family-wise rate at most. Then the
 /// recorded velocities, and the limits of the craft's class. No row is removed. The header is the
-/// caller's.
+/// caller's. Failure, naming the time, where a
+/// covariance of the estimate stops being positive definite by more than rounding.
 ScreenedTable screen(const EnuTable& table, const ScreenConfig& config);
 
 /// The tables of all receivers of an attempt, in their order: each screened by itself, then the

@@ -1,11 +1,11 @@
 #pragma once
 
 #include <map>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "batch/day_attempts.h"
+#include "files/held_json.h"
 #include "run/attempt_files.h"
 
 namespace runcert {
@@ -18,9 +18,9 @@ struct Claim {
     AttemptSource source;
     std::string text;  ///< of the attempt
     Attempt attempt;
-    nlohmann::ordered_json document;               ///< the attempt as written
-    std::vector<nlohmann::ordered_json> profiles;  ///< the claimed ones as written, in that order
-    FileHashes files;  ///< attempt, profiles, and series of wind and current
+    HeldJson document;               ///< the attempt as written
+    std::vector<HeldJson> profiles;  ///< the claimed ones as written, in that order
+    FileHashes files;                ///< attempt, profiles, and series of wind and current
 };
 
 /// Reads an attempt of a day, which is read again where it has a file of its own. `composed` is

@@ -61,7 +61,7 @@ class EntryReader {
     /// What an entry is known by that is refused as a whole.
     std::string label() const {
         if (!entry_.attempt.empty()) return stem_of(entry_.attempt);
-        if (entry_.keys.contains("id")) return entry_.keys["id"].get<std::string>();
+        if (entry_.keys->contains("id")) return entry_.keys.at("id").get<std::string>();
         const Files files = named_files(entry_.keys);
         return files.empty() ? fmt::format("line-{}", entry_.line) : stem_of(files[0].name);
     }
@@ -120,7 +120,7 @@ class EntryReader {
 
     /// The id as a pattern: without one, the text that the recording's pattern stands for.
     std::string id_pattern() const {
-        return entry_.keys.contains("id") ? entry_.keys["id"].get<std::string>() : "*";
+        return entry_.keys->contains("id") ? entry_.keys.at("id").get<std::string>() : "*";
     }
 
     void check_id(std::size_t matches) const {
@@ -153,7 +153,8 @@ class EntryReader {
     Json filled(const Files& files, const PatternMatch& match) const {
         Json keys = entry_.keys;
         for (const NamedFile& file : files)
-            if (is_pattern(file.name)) keys[file.place] = filled_in(file.name, match.stood_for);
+            if (is_pattern(file.name))
+                keys[Json::json_pointer(file.pointer)] = filled_in(file.name, match.stood_for);
         return keys;
     }
 

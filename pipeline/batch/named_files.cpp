@@ -17,7 +17,7 @@ void add_files(const Json& keys, const char* key, const Json::json_pointer& at,
     if (!keys.is_object() || !keys.contains(key)) return;
     const Json& value = keys[key];
     const auto add = [&](const Json& name, const Json::json_pointer& place) {
-        if (name.is_string()) files.push_back({place, key, name.get<std::string>()});
+        if (name.is_string()) files.push_back({place.to_string(), key, name.get<std::string>()});
     };
     add(value, at / key);
     if (value.is_array())

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -9,8 +9,8 @@ namespace runcert {
 
 /// A file that an attempt's keys name.
 struct NamedFile {
-    nlohmann::ordered_json::json_pointer place;  ///< in the keys
-    std::string key;                             ///< "recording"
+    std::string pointer;  ///< RFC 6901, in the keys
+    std::string key;      ///< "recording"
     std::string name;
 };
 

@@ -20,8 +20,8 @@ std::string text_of(const Json& json) {
 }
 
 Json json_of(const StepRecord& step) {
-    return {{"programs", step.programs}, {"settings", step.settings}, {"inputs", step.inputs},
-            {"outputs", step.outputs},   {"said", step.said},         {"seconds", step.seconds}};
+    return {{"programs", step.programs}, {"settings", *step.settings}, {"inputs", step.inputs},
+            {"outputs", step.outputs},   {"said", step.said},          {"seconds", step.seconds}};
 }
 
 StepRecord step_of(const Json& json) {

@@ -2,19 +2,19 @@
 
 #include <filesystem>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "batch/programs.h"
+#include "files/held_json.h"
 
 namespace runcert {
 
 /// What a step's files were made from, and what they were.
 struct StepRecord {
     StepPrograms programs;
-    nlohmann::ordered_json settings;
+    HeldJson settings;
     std::map<std::string, std::string> inputs;   ///< file to SHA-256
     std::map<std::string, std::string> outputs;  ///< file to SHA-256
     std::vector<std::string> said;               ///< by the program, on standard output

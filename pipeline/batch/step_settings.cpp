@@ -63,7 +63,8 @@ Json window_rules(const Json& document) {
     return rules;
 }
 
-void add_window_settings(Json& settings, const Json& document, const std::vector<Json>& profiles) {
+void add_window_settings(Json& settings, const Json& document,
+                         const std::vector<HeldJson>& profiles) {
     settings["course"] = document.value("course", Json());
     settings["rules"] = window_rules(document);
     for (const Json& receiver : document.at("receivers"))
@@ -71,14 +72,14 @@ void add_window_settings(Json& settings, const Json& document, const std::vector
             {{"lever_arm_m", receiver.value("lever_arm_m", Json())},
              {"rotation_bound_deg", receiver.value("rotation_bound_deg", Json())}});
     settings["profiles"] = Json::array();
-    for (const Json& profile : profiles)
+    for (const HeldJson& profile : profiles)
         settings["profiles"].push_back(without(profile, profile_of_check));
 }
 
 }  // namespace
 
 Json settings_of_step(std::string_view step, const Attempt& attempt, const Json& document,
-                      const std::vector<Json>& profiles, const ReportChoice& choice) {
+                      const std::vector<HeldJson>& profiles, const ReportChoice& choice) {
     if (step == "claim" || step == "report") return Json::object();  // inputs are all they use
     if (step == "sign") return {{"signer", choice.signer}};
     if (step == "render") return {{"pdf", choice.pdf}};

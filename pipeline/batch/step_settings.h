@@ -1,9 +1,10 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <string_view>
 #include <vector>
 
+#include "files/held_json.h"
 #include "run/steps.h"
 
 namespace runcert {
@@ -14,7 +15,7 @@ namespace runcert {
 /// step, so that forgetting one costs time and not a right result.
 nlohmann::ordered_json settings_of_step(std::string_view step, const Attempt& attempt,
                                         const nlohmann::ordered_json& attempt_document,
-                                        const std::vector<nlohmann::ordered_json>& profiles,
+                                        const std::vector<HeldJson>& profiles,
                                         const ReportChoice& choice);
 
 }  // namespace runcert

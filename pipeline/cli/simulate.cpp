@@ -52,7 +52,7 @@ std::string attempt_text(const SimulationDocument& simulation) {
     Json attempt = {{"schema", attempt_schema().name() + "/" + attempt_schema().version()}};
     const auto take = [&](std::initializer_list<const char*> keys) {
         for (const char* key : keys)
-            if (simulation.attempt.contains(key)) attempt[key] = simulation.attempt[key];
+            if (simulation.attempt->contains(key)) attempt[key] = simulation.attempt.at(key);
     };
     take({"id", "craft", "place", "date", "officials"});
     attempt["receivers"] = Json::array({receiver_of(spec)});

@@ -173,14 +173,14 @@ ReportFacts read_report_facts(const fs::path& run_dir) {
     ReportFacts facts;
     facts.text = read_report(where);
     try {
-        facts.json = Json::parse(facts.text, UniqueKeys(where));
-        require_known_version(facts.json, where);
-        const Json& predicate = facts.json.at("predicate");
+        facts.json = std::make_shared<Json>(Json::parse(facts.text, UniqueKeys(where)));
+        require_known_version(*facts.json, where);
+        const Json& predicate = facts.json->at("predicate");
         facts.report_id = read_id(predicate.at("report_id"), "id of a report", where);
         facts.attempt_id = read_id(predicate.at("attempt").at("id"), "id of an attempt", where);
         facts.program_version = predicate.at("program").at("version").get<std::string>();
         facts.source_revision = predicate.at("program").at("source_revision").get<std::string>();
-        Subjects subjects = subjects_of(facts.json, where);
+        Subjects subjects = subjects_of(*facts.json, where);
         facts.subjects = std::move(subjects.sha256);
         facts.subject_names = std::move(subjects.names);
         facts.required = required_of(predicate, where);

@@ -3,7 +3,8 @@
 #include <cstddef>
 #include <filesystem>
 #include <map>
-#include <nlohmann/json.hpp>
+#include <memory>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -17,8 +18,8 @@ struct RequiredSignatures {
 
 /// What is read of a run folder's report.json to check or sign it.
 struct ReportFacts {
-    std::string text{};  ///< its bytes: what is signed
-    nlohmann::json json{};
+    std::string text{};                            ///< its bytes: what is signed
+    std::shared_ptr<const nlohmann::json> json{};  ///< the same, read
     std::string report_id{};
     std::string attempt_id{};
     std::string program_version{};

@@ -80,7 +80,7 @@ std::vector<std::string> extra_files(const fs::path& run_dir, const ReportFacts&
 
 /// The hashes of the predicate's own list of files, which is what the pages show.
 void compare_shown_files(const ReportFacts& report, VerificationStep& step) {
-    const auto& predicate = report.json.at("predicate");
+    const auto& predicate = report.json->at("predicate");
     if (predicate.at("files").size() != report.subjects.size()) {
         step.passed = false;
         step.details.push_back(fmt::format("report.json: shows {} files, it is signed for {}",

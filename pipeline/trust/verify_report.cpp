@@ -135,7 +135,7 @@ void compare_verdict(const fs::path& run_dir, const ReportFacts& report, Compari
     const YamlValue verdict(parse_yaml(read_file(where), where), where);
     compare.equal("the attempt's id", report.attempt_id, verdict["attempt"].text(), verdict_file);
     const auto verdicts = verdict["profiles"].list();
-    const Json& profiles = report.json.at("predicate").at("profiles");
+    const Json& profiles = report.json->at("predicate").at("profiles");
     if (verdicts.size() != profiles.size())
         return compare.fail(fmt::format("report.json: it has results by {} rules, {} has {}",
                                         profiles.size(), verdict_file, verdicts.size()));

@@ -80,9 +80,9 @@ void check_stage_file(const fs::path& file, const ReportFacts& report) {
 /// The predicate follows its own field table; JSON is YAML.
 void check_report(const ReportFacts& report, const std::string& where) {
     const SchemaVersion own = version_of(report_field_table());
-    const auto& predicate = report.json.at("predicate");
+    const auto& predicate = report.json->at("predicate");
     const std::string version = predicate.at("schema").value("version", "");
-    if (report.json.value("predicateType", "") !=
+    if (report.json->value("predicateType", "") !=
         fmt::format("urn:runcert:measurement-report:{}.0", own.model))
         throw Failure(where, "its predicateType is not that of the reports of this model",
                       "Take the original");

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <cstdint>
-#include <nlohmann/json.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -9,6 +9,7 @@
 
 #include "core/failure.h"
 #include "files/document_schema.h"
+#include "files/held_json.h"
 
 namespace runcert {
 
@@ -21,7 +22,7 @@ struct DayEntry {
     std::string attempt{};
     /// What is written here, and the defaults: the keys of an attempt but its schema, receivers
     /// always as a list. The id, where there is one, and names of files may be patterns.
-    nlohmann::ordered_json keys = nlohmann::ordered_json::object();
+    HeldJson keys{};
     bool short_form = false;  ///< written with `recording` in place of `receivers`
     std::optional<Failure> refused = {};
 };

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <string>
 #include <string_view>
 
 #include "files/document_schema.h"
+#include "files/held_json.h"
 #include "simulation/simulate.h"
 
 namespace runcert {
@@ -14,7 +14,7 @@ struct SimulationDocument {
     SimulationSpec spec;
     /// What the attempt to be written says beside its receiver and origin: keys and values of
     /// attempt/1.0, those that a claim cannot do without filled in.
-    nlohmann::ordered_json attempt;
+    HeldJson attempt;
     std::string attempt_place;  ///< "file:line:column" of that part, for messages
 };
 

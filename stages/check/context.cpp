@@ -221,9 +221,11 @@ void set_witnesses(ClauseContext& context) {
             fmt::format("receiver \"{}\" gives {:.3f} km/h over the same time",
                         context.input.secondary->receiver, context.agreement->other_m_s * 3.6));
     if (context.declared && context.declared->agrees())
-        context.witnesses.push_back(fmt::format("the second method ({}) gives {:.3f} km/h",
-                                                context.declared->method,
-                                                context.declared->other_m_s * 3.6));
+        context.witnesses.push_back(fmt::format(
+            "the second method ({}) gives {}", context.declared->method,
+            speed_with_uncertainty_text(context.declared->other_m_s,
+                                        context.declared->other_expanded_uncertainty_m_s,
+                                        speed_unit("km/h"))));
 }
 
 }  // namespace

@@ -159,8 +159,11 @@ Finding computation::window_complete(const Clause&, const ClauseContext& context
     const WindowSpan& span = context.windows.best->span;
     std::string evidence = fmt::format(
         "{:.3f} s from epoch {} to epoch {}, no break and no unusable epoch inside; "
-        "the best of {} such windows",
-        span.duration.seconds(), span.first_epoch, span.last_epoch, context.windows.candidates);
+        "the {}",
+        span.duration.seconds(), span.first_epoch, span.last_epoch,
+        context.windows.candidates == 1
+            ? std::string("only such window")
+            : fmt::format("best of {} such windows", context.windows.candidates));
     if (!context.windows.further.empty())
         evidence += fmt::format("; with {} more the mean", context.windows.further.size());
     std::vector<Figure> figures{

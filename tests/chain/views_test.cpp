@@ -124,6 +124,19 @@ std::vector<std::pair<std::string, std::string>> measured_in(const std::string& 
     return found;
 }
 
+/// Of the window that was refused, a text shows the speed as `speed_beside` writes it, or in full.
+void expect_refused(const std::string& text, const ProfileVerdict& rule) {
+    const std::string& unit = rule.shown->unit;
+    const double speed = rule.indicated->speed_m_s * speed_unit(unit).per_m_s;
+    const std::string shown = speed_beside(rule, rule.indicated->speed_m_s, unit);
+    const std::size_t decimals = shown.find(' ') - shown.find('.') - 1;
+    const std::regex figure(fmt::format("\\b[0-9]+\\.[0-9]{{{}}} {}", decimals, unit));
+    for (std::sregex_iterator at(text.begin(), text.end(), figure), none; at != none; ++at)
+        if (std::abs(std::stod(at->str()) - speed) < 0.02) {
+            EXPECT_EQ(at->str(), shown);
+        }
+}
+
 // The headline, the tables, the terminal, the pages and the map show the same digits of the
 // measured speed and of its expanded uncertainty. Of the other estimates of the window none is so
 // near in both that it could be taken for it.
@@ -159,6 +172,7 @@ TEST_F(Views, TheMeasuredSpeedHasTheSameDigitsEverywhere) {
                     ++same;
                 }
                 EXPECT_GT(same, 0U);
+                if (rule.indicated) expect_refused(text, rule);
             }
         }
     }

@@ -223,7 +223,7 @@ TEST(GoldenSimulation, Spec) {
     EXPECT_EQ(simulation.spec.run.top_speed_m_s, 60.0);
     EXPECT_EQ(simulation.spec.duration_ms, 45'000);
     EXPECT_EQ(simulation.spec.interval_ms, 100);
-    EXPECT_EQ(simulation.attempt["id"], "simulated");
+    EXPECT_EQ(simulation.attempt.at("id"), "simulated");
 }
 
 TEST(GoldenDay, EntriesWithTheirDefaults) {
@@ -234,7 +234,7 @@ TEST(GoldenDay, EntriesWithTheirDefaults) {
         EXPECT_FALSE(entry.refused) << entry.refused->what();
 
     EXPECT_EQ(day.entries[0].attempt, "heats/run-1.yaml");
-    EXPECT_TRUE(day.entries[0].keys.empty());
+    EXPECT_TRUE(day.entries[0].keys->empty());
     EXPECT_EQ(day.entries[0].line, 14);
 
     const Attempt second = read_attempt(attempt_text(day.entries[1].keys, "second"), "f");
@@ -257,7 +257,7 @@ TEST(GoldenDay, EntriesWithTheirDefaults) {
     EXPECT_EQ(third.profiles, (std::vector<std::string>{"fisly"}));
     EXPECT_EQ(third.record->speed, 202.9);
 
-    const auto& heats = day.entries[3].keys;
+    const auto& heats = *day.entries[3].keys;
     EXPECT_EQ(heats["id"], "heat-*");
     EXPECT_EQ(heats["place"], "\xe5\x90\x8d\xe5\x8f\xa4\xe5\xb1\x8b");
     EXPECT_EQ(heats["receivers"][0]["id"], "secondary");

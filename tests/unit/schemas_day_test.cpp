@@ -145,16 +145,16 @@ TEST(DayFile, AShortEntryIsOneReceiver) {
     EXPECT_EQ(day.id, "");
     EXPECT_TRUE(day.entries.at(0).short_form);
     EXPECT_EQ(day.entries[0].place, "f:3:5");
-    EXPECT_EQ(day.entries[0].keys.dump(),
+    EXPECT_EQ(day.entries[0].keys->dump(),
               R"({"id":"x","receivers":[{"id":"primary","recording":"a.csv","format":"csv",)"
               R"("columns":{"time":"1"},"height_m":1.0}]})");
-    EXPECT_EQ(day.entries[1].keys.dump(),
+    EXPECT_EQ(day.entries[1].keys->dump(),
               R"({"receivers":[{"id":"primary","recording":["a","b"]}]})");
     const DayFile other = read_day_file(
         "schema: day/1.0\ndefaults: {receivers: [{id: mast, format: ubx}]}\n"
         "attempts: [{recording: a.ubx}]\n",
         "f");
-    EXPECT_EQ(other.entries.at(0).keys.dump(),
+    EXPECT_EQ(other.entries.at(0).keys->dump(),
               R"({"receivers":[{"id":"mast","format":"ubx","recording":"a.ubx"}]})");
 }
 

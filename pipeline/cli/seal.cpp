@@ -38,7 +38,7 @@ void add_seal(CLI::App& app, Command& chosen) {
     command->add_option("--reason", options->reason, "why it is sealed, shown by PDF readers")
         ->capture_default_str();
     command->footer(
-        "The seal comes last: signing report.json and rendering make the PDF anew, without it. It "
+        "The seal comes last: signing report.json and rendering write a new PDF, without it. It "
         "is\n"
         "one invisible signature, made by PoDoFo and checked by poppler's pdfsig before it "
         "replaces\n"

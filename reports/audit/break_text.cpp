@@ -110,7 +110,8 @@ std::string break_text(const Rows& rows, std::size_t at) {
             return drift(row) + between + parted + arcs;
         case ArcBreak::time_shift:
             return shift(row) + between + ", or the positions by as much along the track" +
-                   way_of_shift(rows, at) + ": at constant speed nobody can tell which; " + arcs;
+                   way_of_shift(rows, at) + ": at constant speed the two cannot be separated; " +
+                   arcs;
     }
     return arcs;
 }

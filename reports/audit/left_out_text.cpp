@@ -86,7 +86,7 @@ std::string stretch(const ScreenedEpoch& row) {
                            rate_components(row.estimated))
              : std::string();
     return fmt::format(
-        "the positions drift{}; where nobody can tell which ones drift, those on "
+        "the positions drift{}; where it cannot be decided which ones drift, those on "
         "both sides are left out",
         drift);
 }

@@ -41,7 +41,7 @@ std::string scale_words(const Observations& observations) {
 std::string accuracy_words(const std::string& source) {
     return source == "recording" ? "as the recording states it, epoch by epoch"
            : source == "attempt" ? "as the attempt states it: the recording states none"
-                                 : "stated by nobody";
+                                 : "not stated";
 }
 
 std::string clock_words(const Observations& observations) {

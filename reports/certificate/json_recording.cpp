@@ -153,8 +153,8 @@ Json frame_json(const ReportInputs& inputs) {
     if (!table.facts.georeferenced)
         facts.push_back(
             fact("Coordinates",
-                 "engineering CRS: nobody has stated its place, orientation and scale on "
-                 "the Earth"));
+                 "engineering CRS: its place, orientation and scale on the Earth are not "
+                 "stated"));
     if (table.origin) {
         const Geodetic& position = table.origin->position;
         json["origin"] = {{"latitude_deg", rounded(position.latitude.degrees(), 11)},

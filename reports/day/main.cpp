@@ -32,7 +32,7 @@ std::string read_listed(const Options& options, const ListedFile& listed, const 
                       fmt::format("the file is not the one that its run wrote: its SHA-256 is {}, "
                                   "expected {}",
                                   found.sha256, listed.sha256),
-                      "Run the batch again, which certifies the attempt anew");
+                      "Run the batch again, which certifies the attempt again");
     header.inputs.push_back({.role = role,
                              .file = listed.file,
                              .sha256 = found.sha256,

@@ -47,11 +47,12 @@ std::string best_words(const BestOfDay& best) {
     return fmt::format(
         "{} a conformance probability of at least {}. {} has {}: {}.",
         alone ? std::string("One attempt was made; it requires")
-              : fmt::format("{} attempts were made; the best of so many requires", best.attempts),
+              : fmt::format("{} attempts were made; the best of that many requires", best.attempts),
         level_text(best.level), best.id, probability_text(best.probability),
-        !best.beaten ? "it may be the luckiest of them, so as the best of so many it is not proven"
-        : alone      ? "it exceeds the record"
-                     : "as the best of so many it exceeds the record too");
+        !best.beaten
+            ? "it may be the luckiest of them, so as the best of that many it is not proven"
+        : alone ? "it exceeds the record"
+                : "as the best of that many it exceeds the record too");
 }
 
 std::string link_to(std::string_view file) {

@@ -184,7 +184,7 @@ Track track_of(const TrackInput& input) {
     const TrajectoryTable& trajectory = *input.trajectory;
     if (!trajectory.facts.georeferenced || !trajectory.origin)
         throw Failure("the run of receiver \"" + trajectory.facts.receiver + "\"",
-                      "its positions are engineering coordinates, and nobody has stated where on "
+                      "its positions are engineering coordinates, and it was not stated where on "
                       "the Earth they lie: there is no map to put them on",
                       "Export the tables instead: --format csv");
     const ToTheEarth earth(trajectory.facts, *trajectory.origin, input.receiver->height_m);

@@ -40,7 +40,7 @@ std::string refused_for_records(const RecordCount& records, const WindowSpan& wi
                 bad.line ? *bad.line : bad.byte, bad.epoch, bad.what);
     if (records.bad > std::ssize(records.bad_records))
         return fmt::format(
-            "{} records could not be read, more than are listed, so nobody can tell whether one is "
+            "{} records could not be read, more than are listed, so it is not known whether one is "
             "inside the window.",
             records.bad);
     return {};
@@ -114,16 +114,17 @@ std::string refusal_of(const ClauseContext& context, const std::vector<Requireme
     return {};
 }
 
-/// What drift of the positions the decision survives, and how that compares with what screening
-/// finds.
+/// What drift of the positions would undo the decision, and which one screening finds there.
 std::string drift_words(const Decision& decision, const ClauseContext& context) {
     if (!decision.drift_survived_m) return {};
     const double duration_s = context.windows.best->span.duration.seconds();
-    std::string words = fmt::format(" It survives a drift of the positions by {:.2f} m in {:.3g} s",
-                                    *decision.drift_survived_m, duration_s);
-    if (decision.drift_found_m_s && *decision.drift_found_m_s > 0.0)
-        words += fmt::format(", {:.2g} times the smallest that screening is sure to find there",
-                             *decision.drift_survived_m / duration_s / *decision.drift_found_m_s);
+    std::string words =
+        fmt::format(" To undo this, the positions would have to drift by {:.2f} m in {:.3g} s",
+                    *decision.drift_survived_m, duration_s);
+    if (decision.drift_found_m_s && context.windows.best->detection_power)
+        words += fmt::format(
+            "; screening finds a drift of {:.2f} m there with a probability of {:.0f} %",
+            *decision.drift_found_m_s * duration_s, 100.0 * *context.windows.best->detection_power);
     return words + ".";
 }
 
@@ -156,8 +157,8 @@ std::string reason_of(const ClauseContext& context, Outcome outcome) {
     return figures;
 }
 
-/// Why a speed below the required speed does not say that the record was not beaten; empty where it
-/// does.
+/// Why a speed below the required speed does not show that the record was not beaten; empty where
+/// it does.
 std::string refused_but_fast_enough(const ClauseContext& context) {
     const auto& indicated = context.windows.indicated;
     if (!indicated || indicated->refusals.empty()) return {};
@@ -166,8 +167,8 @@ std::string refused_but_fast_enough(const ClauseContext& context) {
     const ShownFigures& shown = *context.shown;
     return fmt::format(
         "The recording shows {} {} {:.3f} s after its first epoch, at or above the required {} {}. "
-        "That window cannot be certified (it holds {}). What can be certified, {}, does not say "
-        "that the record was not beaten.",
+        "That window cannot be certified (it holds {}). The fastest certifiable window, {}, "
+        "does not show that the record was not beaten.",
         beside(shown, shown_m_s, SafeSide::down), shown.unit, indicated->span.start.seconds(),
         shown.required_speed, shown.unit, fmt::join(indicated->refusals, ", "),
         measured_speed_text(shown));

@@ -63,9 +63,9 @@ void add_windows(const ClauseContext& context, Notes& notes) {
             speeds.size(), fmt::join(speeds, ", ")));
     }
     if (windows.indicated && windows.indicated->mean_m_s)
-        notes.push_back(
-            fmt::format("The recording as it is shows a mean of {:.3f} km/h over so many windows.",
-                        *windows.indicated->mean_m_s * 3.6));
+        notes.push_back(fmt::format(
+            "The unscreened recording shows a mean of {:.3f} km/h over as many windows.",
+            *windows.indicated->mean_m_s * 3.6));
 }
 
 void add_flow(const ClauseContext& context, Notes& notes) {
@@ -75,7 +75,7 @@ void add_flow(const ClauseContext& context, Notes& notes) {
                         context.current->along_m_s / metres_per_second("kn")));
     for (const auto* flow : {&context.wind, &context.current})
         if (*flow && !(*flow)->missing.empty())
-            notes.push_back(fmt::format("The series of the {} says nothing: {}.",
+            notes.push_back(fmt::format("The series of the {} gives no figure for the window: {}.",
                                         flow == &context.wind ? "wind" : "current",
                                         (*flow)->missing));
 }
@@ -94,7 +94,7 @@ void add_second_method(const ClauseContext& context, Notes& notes) {
                   speed_with_uncertainty_text(
                       second.other_m_s, second.other_expanded_uncertainty_m_s, speed_unit("km/h")),
                   (second.other_m_s - second.judged_m_s) * 3.6, second.normalised_error)
-            : fmt::format("The second method ({}) says nothing: {}.", second.method,
+            : fmt::format("The second method ({}) gives no figure: {}.", second.method,
                           second.missing));
 }
 

@@ -39,8 +39,8 @@ std::vector<std::string> signs_of_filter(const ClauseContext& context) {
         signs.push_back(fmt::format("innovations follow one another (lag 1: {:+.2f})", lag_1));
     if (const Overshoot overshoot = find_overshoot(judged.trajectory); overshoot.found())
         signs.push_back(fmt::format(
-            "after {} of {} changes of acceleration the motion swings with a period of {:.1f} s, "
-            "by {:.0f} % at first",
+            "after {} of {} changes of acceleration the motion overshoots and oscillates with a "
+            "period of {:.1f} s, at first by {:.0f} %",
             overshoot.swings, overshoot.changes, overshoot.period_s, overshoot.part * 100.0));
     return signs;
 }
@@ -69,9 +69,9 @@ Finding computation::time_scale(const Clause&, const ClauseContext& context) {
                 figures};
     if (source == "attempt")
         return {RequirementStatus::attest,
-                what + ": that they are the satellites' time, the attempt states", figures};
+                what + "; the attempt states that they are the satellites' time", figures};
     return {RequirementStatus::attest,
-            what + ": whether its rate is the true one the recording does not tell", figures};
+            what + "; the recording cannot show whether its rate is true", figures};
 }
 
 Finding computation::measured_positions(const Clause&, const ClauseContext& context) {
@@ -102,9 +102,10 @@ Finding computation::measured_positions(const Clause&, const ClauseContext& cont
     if (context.witnesses.empty())
         return {RequirementStatus::attest,
                 signs.empty()
-                    ? std::string("nothing but the positions themselves speaks of it")
-                    : fmt::format("nothing but the positions themselves speaks of it, and: {}",
-                                  fmt::join(signs, "; "))};
+                    ? std::string("only the positions themselves could show it")
+                    : fmt::format(
+                          "only the positions themselves could show it; signs found in them: {}",
+                          fmt::join(signs, "; "))};
     if (!signs.empty())
         return {
             RequirementStatus::attest,
@@ -126,20 +127,19 @@ Finding computation::stated_solution(const Clause&, const ClauseContext& context
         const auto& rows = context.input.judged.epochs_of(context.profile.id);
         const std::string kind =
             rows.empty() ? std::string("the fix type") : std::string(to_text(rows[0].fix));
-        return {RequirementStatus::attest,
-                fmt::format("the recording does not say; that it is {} the attempt "
-                            "states{}",
-                            kind, taken)};
+        return {
+            RequirementStatus::attest,
+            fmt::format("the recording does not state it; the attempt states {}{}", kind, taken)};
     }
     if (source == SolutionSource::recording)
-        return {RequirementStatus::met, "the recording says it" + taken};
+        return {RequirementStatus::met, "the recording states it" + taken};
     if (source == SolutionSource::partly)
         return {RequirementStatus::met,
-                "the recording says it of some positions; the others count as those of one "
+                "the recording states it for some positions; the others count as those of one "
                 "receiver alone" +
                     taken};
     return {RequirementStatus::met,
-            "the recording does not say, so that the positions count as those of one "
+            "the recording does not state it, so the positions count as those of one "
             "receiver alone" +
                 taken};
 }

@@ -135,9 +135,10 @@ void add_accuracy(const ReceiverFindings& judged, Statements& statements) {
         fmt::format("Stated standard deviations come from the {}.", judged.accuracy_source));
     const NoiseSummary& noise = judged.estimation.horizontal.noise;
     if (noise.stated_all_equal && noise.epochs > 1)
-        statements.push_back(fmt::format(
-            "They are equal at all epochs ({:.1f} mm): nothing tells better epochs from worse.",
-            noise.stated_sigma_m * 1e3));
+        statements.push_back(
+            fmt::format("They are equal at all epochs ({:.1f} mm), so better epochs cannot be told "
+                        "from worse ones.",
+                        noise.stated_sigma_m * 1e3));
 }
 
 /// Where [GUM] and [GUM-S1] do not agree.
@@ -246,7 +247,7 @@ void add_baseline(const BaselineComparison& baseline, Statements& statements) {
             : "."));
 }
 
-/// From positions alone a drift cannot be told from motion: what stands against it is said.
+/// From positions alone a slow drift cannot be told from motion: what else checks it is said.
 void add_drift(const ReceiverFindings& judged, Statements& statements) {
     const bool velocities = judged.tests.velocity && judged.tests.velocity->compared > 0;
     for (const ProfileWindows& windows : judged.windows.profiles) {
@@ -254,15 +255,15 @@ void add_drift(const ReceiverFindings& judged, Statements& statements) {
         for (const UndetectedError& error : windows.best->reliability) {
             if (error.hypothesis != Hypothesis::ramp) continue;
             statements.push_back(fmt::format(
-                "Under {}, a drift of the positions beside the window is sure to be found by the "
-                "positions alone only from {:.2f} m/s on; {}.",
-                windows.profile, error.size,
+                "Under {}, screening by positions alone finds a drift beside the window with a "
+                "probability of {:.0f} % only from {:.2f} m/s on. {}.",
+                windows.profile, 100.0 * windows.best->detection_power.value_or(0.0), error.size,
                 velocities
-                    ? fmt::format("the recorded velocities, which agree to {:.3f} m/s per "
-                                  "axis, stand against a slower one",
+                    ? fmt::format("The recorded velocities, which agree to {:.3f} m/s per "
+                                  "axis, check for slower ones",
                                   judged.tests.velocity->scale_m_s)
-                    : std::string("the recording has no velocities to check a slower one: "
-                                  "from the fix type, the budget assumes no drift beyond its "
+                    : std::string("No velocities were recorded to check for slower ones: from the "
+                                  "fix type, the budget assumes no drift beyond its "
                                   "time-correlated error")));
         }
     }
@@ -291,9 +292,9 @@ void add_undetected(const CheckInput& input, Statements& statements) {
                             normal_cdf((-expanded_m_s - error_m_s) / other_m_s);
         statements.push_back(fmt::format(
             "Under {}, an undetected error changes the speed by at most "
-            "{:.4f} m/s. The budget takes it as equally likely anywhere up to that, so that the "
-            "interval is one for all runs; in a run that has the largest of them it holds the true "
-            "speed with a probability of {:.0f} %.",
+            "{:.4f} m/s. The budget takes every size up to that as equally likely, so the coverage "
+            "probability is an average over runs. In a run with the largest such error, the "
+            "interval holds the true speed with a probability of {:.0f} %.",
             windows.profile, error_m_s, std::floor(100.0 * held)));
     }
 }

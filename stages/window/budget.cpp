@@ -133,7 +133,7 @@ BudgetRow clock_row(const BudgetInput& input) {
         unknown ? input.config.clock_rate_bound : 0.0, "1", -input.noise.speed.speed_m_s,
         source == "satellites" ? std::string("the satellites' time, as the format has it")
         : source == "attempt"  ? std::string("the satellites' time, as the attempt states")
-                               : fmt::format("nobody states whose clock it is; bound by parameter "
+                               : fmt::format("whose clock it is was not stated; bound by parameter "
                                               "window.clock_rate_bound, {:g}",
                                              input.config.clock_rate_bound));
     row.estimate = 1.0;
@@ -156,7 +156,8 @@ BudgetRow plane_row(const BudgetInput& input) {
     const bool georeferenced = input.trajectory.facts.georeferenced;
     double half_width = input.config.plane_scale_bound;
     std::string note =
-        "nobody has stated the plane's scale; bound by parameter window.plane_scale_bound";
+        "the scale of the engineering CRS was not stated; bound by parameter "
+        "window.plane_scale_bound";
     if (georeferenced) {
         const TrajectoryEpoch& first = input.trajectory.rows[input.first_row];
         const TrajectoryEpoch& last = input.trajectory.rows[input.last_row];

@@ -84,13 +84,13 @@ std::string refusal_of(const std::vector<Crossing>& starts, const std::vector<Cr
     std::string text;
     if (starts.size() > 1)
         text = fmt::format(
-            "The start line was crossed {} before the finish line, at {}: nobody can tell which "
-            "crossing began the run.",
+            "The start line was crossed {} before the finish line, at {}: it is not known "
+            "which crossing began the run.",
             count_of(starts.size()), times_of(starts));
     if (finishes.size() > 1)
         text += fmt::format(
-            "{}The finish line was crossed {} after the start line, at {}: nobody can tell which "
-            "crossing ended the run.",
+            "{}The finish line was crossed {} after the start line, at {}: it is not known "
+            "which crossing ended the run.",
             text.empty() ? "" : " ", count_of(finishes.size()), times_of(finishes));
     return text;
 }

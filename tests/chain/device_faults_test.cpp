@@ -169,8 +169,7 @@ TEST(DeviceFaults, AFilterThatSwings) {
                                     verdict, "positions-as-measured");
             if (noise_m == white_m && acceleration_m_s2 < 4.0) continue;
             const std::string& said = requirement(verdict, "positions-as-measured").evidence;
-            EXPECT_NE(said.find("the motion swings with a period of 3."), std::string::npos)
-                << said;
+            EXPECT_NE(said.find("oscillates with a period of 3."), std::string::npos) << said;
         }
     }
 }

@@ -52,8 +52,9 @@ TEST_P(RuleInput, IsRefusedWithItsPlaceAndWhatToDo) {
     for (const char* part : {"error: ", "where: ", "what to do: "})
         EXPECT_TRUE(contains(result.errors, part)) << result.errors;
     EXPECT_FALSE(contains(result.errors, "fault of the program")) << result.errors;
+    const std::string errors = lower_case(result.errors);  // a sentence begins with a capital
     for (const std::string& said : given.said)
-        EXPECT_TRUE(contains(result.errors, said)) << said << "\n" << result.errors;
+        EXPECT_TRUE(contains(errors, lower_case(said))) << said << "\n" << result.errors;
     EXPECT_FALSE(fs::exists(rules.run() / "6-verdict.yaml"));
 }
 
@@ -102,7 +103,7 @@ INSTANTIATE_TEST_SUITE_P(
                                           "length_expanded_uncertainty_m: 0, start: {0}, finish: "
                                           "{0}}}\n",
                                           on_earth)),
-                {"the course is on the Earth, the recording in a plane of its own",
+                {"the course is in geodetic coordinates, the recording in engineering coordinates",
                  "attempt.yaml:6:", "Give east_m and north_m"}},
         Refused{"RecordInAnUnknownUnit",
                 plane_attempt("nalsa", "record: {speed: 10, unit: furlongs, source: s}\n"),
@@ -204,7 +205,7 @@ TEST(Gates, ThatAreCrossedTwice) {
     EXPECT_EQ(verdict.outcome, Outcome::not_certifiable);
     EXPECT_FALSE(verdict.speed_m_s.has_value());
     for (const char* part : {"The start line was crossed 3 times before the finish line, at ",
-                             "nobody can tell which crossing began the run"})
+                             "it is not known which crossing began the run"})
         EXPECT_TRUE(contains(verdict.reason, part)) << verdict.reason;
     // Lines that are crossed once.
     const ProfileVerdict once = over_course(recording, lines(300.0, 800.0, 500.0));

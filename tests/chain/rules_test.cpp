@@ -102,8 +102,9 @@ TEST(OneRecording, UnderAllRulesThatFitItShowsHowTheyDiffer) {
         const ProfileVerdict& profile = verdict.profiles[i];
         SCOPED_TRACE(profile.profile);
         EXPECT_NEAR(*profile.speed_m_s, expected[i], *profile.expanded_uncertainty_m_s);
-        EXPECT_TRUE(contains(beside, fmt::format("{} {:.3f} km/h {}", profile.profile,
-                                                 *profile.speed_m_s * 3.6, measured[i])))
+        EXPECT_TRUE(
+            contains(beside, fmt::format("{} {} {} {}", profile.profile, profile.shown->speed,
+                                         profile.shown->unit, measured[i])))
             << beside;
     }
     const ProfileVerdict& wssrc = verdict.profiles[2];

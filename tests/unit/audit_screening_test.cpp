@@ -250,15 +250,16 @@ TEST(Audit, AStretchThatDoesNotFitAndADriftingOne) {
               "stretch together do not fit, and no single error explains why; statistic 61.0 where "
               "55.8 " +
                   chance);
-    EXPECT_EQ(only_entry([](auto& rows) {
-                  leave_out(rows[4], Reason::model, Hypothesis::ramp, 61.0, 41.5);
-                  rows[4].estimated.rate_east_m_s = 0.3;
-                  rows[4].estimated.rate_north_m_s = -0.4;
-              }),
-              "epoch 5 (line 22), 0.400 s: left out: the positions drift, by 0.500 m/s (0.300 m/s "
-              "east, 0.400 m/s south) where that begins; where nobody can tell which ones drift, "
-              "those on both sides are left out; statistic 61.0 where 41.5 " +
-                  chance);
+    EXPECT_EQ(
+        only_entry([](auto& rows) {
+            leave_out(rows[4], Reason::model, Hypothesis::ramp, 61.0, 41.5);
+            rows[4].estimated.rate_east_m_s = 0.3;
+            rows[4].estimated.rate_north_m_s = -0.4;
+        }),
+        "epoch 5 (line 22), 0.400 s: left out: the positions drift, by 0.500 m/s (0.300 m/s "
+        "east, 0.400 m/s south) where that begins; where it cannot be decided which ones drift, "
+        "those on both sides are left out; statistic 61.0 where 41.5 " +
+            chance);
 }
 
 TEST(Audit, WitnessesBesideThePositions) {
@@ -357,7 +358,8 @@ TEST(Audit, BreaksOfTheTests) {
         {ArcBreak::time_shift, Hypothesis::time_shift, shift,
          "the time stamps jump by 0.1000 s (they are late afterwards) between epochs 6 and 7, or "
          "the positions by as much "
-         "along the track: at constant speed nobody can tell which; arc 1 ends, arc 2 begins"}};
+         "along the track: at constant speed the two cannot be separated; arc 1 ends, arc 2 "
+         "begins"}};
     for (const auto& each : cases)
         EXPECT_EQ(only_entry([&](auto& rows) {
                       break_at(rows[6], each.arc_break, each.hypothesis, each.estimated);

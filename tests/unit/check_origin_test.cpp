@@ -62,7 +62,8 @@ TEST(TimeScale, OfACounterOrAnUnknownClockIsToAttest) {
         unknown.judged.tests.time.rate_deviation = rate;
         const Requirement requirement = unknown.clause("time-scale");
         EXPECT_EQ(requirement.status, RequirementStatus::attest) << rate;
-        EXPECT_TRUE(contains(requirement.evidence, "the recording does not tell"));
+        EXPECT_TRUE(
+            contains(requirement.evidence, "the recording cannot show whether its rate is true"));
         EXPECT_NEAR(requirement.figures.at(0).value, rate * 1e6, 1e-9);
     }
     EXPECT_EQ(unknown.verdict().outcome, Outcome::beaten);
@@ -128,7 +129,7 @@ TEST(MeasuredPositions, WithoutAWitnessAreToAttestAndTheReasonSaysPositionsAlone
     const RuleScene alone = scene();
     const Requirement requirement = alone.clause("positions-as-measured");
     EXPECT_EQ(requirement.status, RequirementStatus::attest);
-    EXPECT_EQ(requirement.evidence, "nothing but the positions themselves speaks of it");
+    EXPECT_EQ(requirement.evidence, "only the positions themselves could show it");
     EXPECT_TRUE(alone.verdict().witnesses.empty());
     EXPECT_EQ(alone.verdict().reason.find("By positions alone, the measured speed"), 0U)
         << alone.verdict().reason;
@@ -179,7 +180,7 @@ TEST(MeasuredPositions, HaveAWitnessInASecondMethodThatAgrees) {
                                                     .times = std::nullopt};
     EXPECT_EQ(with.clause("positions-as-measured").status, RequirementStatus::met);
     EXPECT_EQ(with.clause("positions-as-measured").evidence,
-              "the second method (radar) gives 216.036 km/h");
+              "the second method (radar) gives 216.036 km/h ± 0.072 km/h");
 }
 
 TEST(MeasuredPositions, SolvedHereFromRawObservationsAreMet) {
@@ -240,8 +241,9 @@ TEST(MeasuredPositions, ThatLookFilteredAreToAttestWhateverTheWitnesses) {
     // Without a witness the signs are told too.
     for (ScreenedEpoch& row : filtered.rows())
         row.recorded_velocity_north_m_s = {};
-    EXPECT_TRUE(contains(filtered.clause("positions-as-measured").evidence,
-                         "nothing but the positions themselves speaks of it, and: innovations"));
+    EXPECT_TRUE(
+        contains(filtered.clause("positions-as-measured").evidence,
+                 "only the positions themselves could show it; signs found in them: innovations"));
 }
 
 TEST(MeasuredPositions, ThatSwingAfterEveryChangeOfAccelerationAreToAttest) {
@@ -262,9 +264,10 @@ TEST(MeasuredPositions, ThatSwingAfterEveryChangeOfAccelerationAreToAttest) {
     }
     const Requirement requirement = filtered.clause("positions-as-measured");
     EXPECT_EQ(requirement.status, RequirementStatus::attest);
-    EXPECT_TRUE(contains(requirement.evidence,
-                         "after 2 of 2 changes of acceleration the motion swings with a period of "
-                         "3.5 s, by 36 % at first"))
+    EXPECT_TRUE(
+        contains(requirement.evidence,
+                 "after 2 of 2 changes of acceleration the motion overshoots and oscillates "
+                 "with a period of 3.5 s, at first by 36 %"))
         << requirement.evidence;
 }
 
@@ -278,7 +281,7 @@ TEST(KindOfSolution, ThatTheAttemptClaimsIsToAttest) {
     const Requirement requirement = claimed.clause("kind-of-solution");
     EXPECT_EQ(requirement.status, RequirementStatus::attest);
     for (const char* part :
-         {"the recording does not say", "it is fixed the attempt states",
+         {"the recording does not state it", "the attempt states fixed",
           "in the window: fixed, whose time-correlated errors are taken to be at least "
           "0.01 m"})
         EXPECT_TRUE(contains(requirement.evidence, part)) << requirement.evidence;
@@ -287,13 +290,13 @@ TEST(KindOfSolution, ThatTheAttemptClaimsIsToAttest) {
 TEST(KindOfSolution, ThatTheRecordingSaysOrNobodyIsMet) {
     RuleScene said = scene();
     EXPECT_EQ(said.clause("kind-of-solution").status, RequirementStatus::met);
-    EXPECT_EQ(said.clause("kind-of-solution").evidence, "the recording says it");
+    EXPECT_EQ(said.clause("kind-of-solution").evidence, "the recording states it");
     for (const auto& [source, words] :
          {std::pair{SolutionSource::unknown,
-                    "the recording does not say, so that the positions count as those "
+                    "the recording does not state it, so the positions count as those "
                     "of one receiver alone"},
           {SolutionSource::partly,
-           "the recording says it of some positions; the others count as those of one "
+           "the recording states it for some positions; the others count as those of one "
            "receiver alone"}}) {
         said.judged.solution_source = source;
         EXPECT_EQ(said.clause("kind-of-solution").status, RequirementStatus::met)

@@ -48,7 +48,7 @@ TEST(RefusedWindow, ThatReachesTheTargetMakesNotBeatenNotCertifiableAndIsNamed) 
     for (const char* part :
          {"shows 207.000 km/h 31.500 s after its first epoch", "required 203.900 km/h",
           "(it holds a gap, an epoch without a position)", "185.900 km/h",
-          "does not say that the record was not beaten"})
+          "does not show that the record was not beaten"})
         EXPECT_TRUE(contains(reason, part)) << reason;
 }
 
@@ -150,12 +150,13 @@ TEST(Drift, ThatADecisionSurvivesIsSaid) {
     for (ScreenedEpoch& row : scene.rows())
         row.detectable.ramp_m_s = 0.05;
     scene.rows()[12].detectable.ramp_m_s = 0.07;  // where it is hardest to find
+    scene.best().detection_power = 0.8;
     const ProfileVerdict verdict = scene.verdict();
     EXPECT_NEAR(*verdict.decision->drift_survived_m, 0.42, 1e-9);  // 0.14 m/s x 3 s
     EXPECT_EQ(*verdict.decision->drift_found_m_s, 0.07);
     EXPECT_TRUE(contains(verdict.reason,
-                         "It survives a drift of the positions by 0.42 m in 3 s, 2 times the "
-                         "smallest that screening is sure to find there."))
+                         "To undo this, the positions would have to drift by 0.42 m in 3 s; "
+                         "screening finds a drift of 0.21 m there with a probability of 80 %."))
         << verdict.reason;
     scene.best().bias_limit_m_s = 0.04;
     EXPECT_NEAR(*scene.verdict().decision->drift_survived_m, 0.3, 1e-9);

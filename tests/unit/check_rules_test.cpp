@@ -208,7 +208,7 @@ TEST(SeriesOfTheWind, ThatIsNotGivenOrDoesNotCoverTheWindow) {
                          "window is 25.0 s to 28.0 s"))
         << scene.clause("wind_mean").evidence;
     EXPECT_EQ(scene.verdict().outcome, Outcome::not_certifiable);
-    EXPECT_TRUE(contains(scene.verdict().notes.at(0), "The series of the wind says nothing"));
+    EXPECT_TRUE(contains(scene.verdict().notes.at(0), "The series of the wind gives no figure"));
 }
 
 TEST(SeriesOfTheCurrent, ThatIsNotGivenOrDoesNotCoverTheWindow) {

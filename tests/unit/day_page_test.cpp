@@ -93,13 +93,14 @@ TEST(DayPage, WordsOfTheBestOfManyNeverShowCertainty) {
     EXPECT_EQ(
         best_words(
             {.id = "a", .attempts = 40, .probability = 0.99938, .level = 0.999375, .beaten = true}),
-        "40 attempts were made; the best of so many requires a conformance probability of at "
-        "least 99.9375 %. a has 99.9380 %: as the best of so many it exceeds the record too.");
+        "40 attempts were made; the best of that many requires a conformance probability of at "
+        "least 99.9375 %. a has 99.9380 %: as the best of that many it exceeds the record too.");
     EXPECT_EQ(
         best_words(
             {.id = "a", .attempts = 40, .probability = 0.99, .level = 0.999375, .beaten = false}),
-        "40 attempts were made; the best of so many requires a conformance probability of at "
-        "least 99.9375 %. a has 99.00 %: it may be the luckiest of them, so as the best of so many "
+        "40 attempts were made; the best of that many requires a conformance probability of at "
+        "least 99.9375 %. a has 99.00 %: it may be the luckiest of them, so as the best of that "
+        "many "
         "it is not proven.");
     EXPECT_EQ(
         best_words({.id = "a", .attempts = 1, .probability = 0.98, .level = 0.975, .beaten = true}),
@@ -123,10 +124,10 @@ TEST(DayPage, SaysWhatTheBestOfTheDayIs) {
     const std::string page = day_page(
         results_of({beaten_with("a", 53.0, 0.98), attempt("b", Outcome::not_beaten, 49.0, 0.1)}));
     EXPECT_EQ(count_of(page,
-                       "2 attempts were made; the best of so many requires a conformance "
+                       "2 attempts were made; the best of that many requires a conformance "
                        "probability of at least 98.75 %"),
               1U);
-    EXPECT_EQ(count_of(page, "as the best of so many it is not proven"), 1U);
+    EXPECT_EQ(count_of(page, "as the best of that many it is not proven"), 1U);
     EXPECT_EQ(complaints_of(page), "");
     const std::string none = day_page(results_of({attempt("b", Outcome::not_beaten, 49.0, 0.1)}));
     EXPECT_EQ(none.find("attempts were made"), std::string::npos);

@@ -201,7 +201,7 @@ TEST(Passages, AStartLineCrossedBackAndAgainIsRefused) {
     EXPECT_EQ(found[0].start.time, ElapsedTime{2'500'000'000}) << "the one before the finish";
     EXPECT_EQ(found[0].refusal,
               "The start line was crossed 3 times before the finish line, at 0.500 s, 1.500 s and "
-              "2.500 s: nobody can tell which crossing began the run.");
+              "2.500 s: it is not known which crossing began the run.");
 }
 
 TEST(Passages, AStartLineCrossedAgainFromAroundItsEndIsRefused) {
@@ -210,7 +210,7 @@ TEST(Passages, AStartLineCrossedAgainFromAroundItsEndIsRefused) {
     ASSERT_EQ(found.size(), 1u);
     EXPECT_EQ(found[0].refusal,
               "The start line was crossed 2 times before the finish line, at 0.500 s and 4.500 s: "
-              "nobody can tell which crossing began the run.");
+              "it is not known which crossing began the run.");
 }
 
 TEST(Passages, ComingBackOverTheStartLineBeforeARunIsNoRefusal) {
@@ -225,7 +225,7 @@ TEST(Passages, AFinishLineCrossedAgainIsRefused) {
     EXPECT_EQ(found[0].finish.time, ElapsedTime{1'500'000'000}) << "the first";
     EXPECT_EQ(found[0].refusal,
               "The finish line was crossed 3 times after the start line, at 1.500 s, 2.500 s and "
-              "3.500 s: nobody can tell which crossing ended the run.");
+              "3.500 s: it is not known which crossing ended the run.");
 }
 
 TEST(Passages, BothRefusalsAreStated) {

@@ -13,7 +13,7 @@ if(RUNCERT_SANITIZE)
   # GCC 12 takes std::regex for uninitialised when it instruments it (GCC bug 105562).
   target_compile_options(runcert_options INTERFACE
     -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer
-    -Wno-maybe-uninitialized)
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)
   target_link_options(runcert_options INTERFACE -fsanitize=address,undefined)
 endif()
 if(RUNCERT_FUZZ)

@@ -21,6 +21,7 @@
 #include "schemas/attempt/attempt.h"
 #include "schemas/common/product_files.h"
 #include "schemas/verdict/declared.h"
+#include "trust/signature_files.h"
 #include "trust/signing.h"
 
 namespace runcert {
@@ -148,6 +149,7 @@ int certify(const CertifyOptions& options) {
                             .pdf = !options.no_pdf};
         const ProcessOptions unsynced{.environment = {synced_by_caller()}};
         StageDone written = run_step("report", call, unsynced);
+        carry_signatures(run_dir, staging.path());
         if (key) sign_report(staging.path(), read_report_facts(staging.path()), *key, role);
         if (!options.no_render) {
             const StageDone rendered = run_step("render", call, unsynced);

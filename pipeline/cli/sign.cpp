@@ -5,8 +5,16 @@
 
 #include "commands.h"
 #include "core/failure.h"
+#include "core/plain_text.h"
+#include "files/atomic_file.h"
+#include "recompute.h"
+#include "reports/words/figures.h"
+#include "reports/words/outcome.h"
 #include "run/chain.h"
 #include "run/run_lock.h"
+#include "schemas/common/product_files.h"
+#include "schemas/products/products.h"
+#include "schemas/verdict/verdict.h"
 #include "trust/roster.h"
 #include "trust/signature.h"
 #include "trust/signing.h"
@@ -20,6 +28,7 @@ struct SignOptions {
     std::string key;
     std::string role;
     bool no_render = false;
+    bool no_recompute = false;
 };
 
 /// Whoever signs answers for these very files: all of them, and no others.
@@ -48,18 +57,33 @@ int render(const std::filesystem::path& run_dir) {
     return 0;
 }
 
+/// What the signer is about to answer for.
+void show_outcomes(const std::filesystem::path& run_dir) {
+    const std::filesystem::path file = run_dir / products::verdict_file;
+    for (const ProfileVerdict& verdict : read_verdict(read_file(file), file.string()).profiles)
+        fmt::print("signing {}: {}{}\n", plain_text(rule_identity_text(verdict)),
+                   verdict.shown
+                       ? measured_speed_text(*verdict.shown, verdict.coverage_factor) + "; "
+                       : "",
+                   outcome_words(state_of(verdict)).title);
+    std::fflush(stdout);
+}
+
 int sign_run(const SignOptions& options) {
     const std::filesystem::path run_dir = options.run_dir;
     const ReportFacts report = read_report_facts(run_dir);
     require_role(options.role, "--role");
     require_passed(run_dir, verify_files(run_dir, report));
     require_passed(run_dir, verify_chain(run_dir, report));
+    require_passed(run_dir, verify_rules(run_dir));
     require_passed(run_dir, verify_report(run_dir, report));
+    if (!options.no_recompute) require_passed(run_dir, verify_recomputation(run_dir));
+    show_outcomes(run_dir);
     const SecretKey key = load_secret_key(options.key);
     std::string file;
     {
         const RunLock lock(run_dir);
-        file = sign_report(run_dir, report, key, options.role);
+        file = sign_report(run_dir, report, key, options.role, !options.no_recompute);
     }
     fmt::print("signed  report {} of {}, as {}, by the key {}\nfile    {}\n", report.report_id,
                report.attempt_id, options.role, key_id_text(public_key_of(key)),
@@ -83,12 +107,15 @@ void add_sign(CLI::App& app, Command& chosen) {
         ->add_option("--role", options->role,
                      "what the signer answers as: measurer, judge, ... (letters, digits, - and _)")
         ->required();
+    command->add_flag("--no-recompute", options->no_recompute,
+                      "sign without computing every file again; the signature then says so");
     command->add_flag("--no-render", options->no_render,
                       "leave report.html and report.pdf as they are");
     command->footer(
         "Writes report.json.minisig, or report.json.ROLE.minisig where another signer has that; "
         "the same key\nin the same role replaces its own. Refused where a file of the folder is "
-        "missing, changed or not\npart of the report. With an ssh key: in the folder, `ssh-keygen "
+        "missing, changed or not\npart of the report, and where the figures do not follow from the "
+        "recordings. With an ssh key: in the folder, `ssh-keygen "
         "-Y sign -n ROLE@runcert -f KEY\nreport.json`, and with several signers rename "
         "report.json.sig to report.json.ROLE.sig.\n"
         "Exit status: 0 signed, 2 it could not be done.");

@@ -47,6 +47,17 @@ bool VerificationResult::passed() const {
         layers, [](const VerificationStep& step) { return step.passed || !step.checked; });
 }
 
+bool VerificationResult::recomputed() const {
+    return std::ranges::any_of(layers, [](const VerificationStep& step) {
+        return step.what == "recompute" && step.checked && step.passed;
+    });
+}
+
+std::string VerificationResult::verdict() const {
+    if (!passed()) return "NOT VERIFIED";
+    return recomputed() ? "VERIFIED" : "SIGNED, NOT RECOMPUTED";
+}
+
 std::string verification_text(const VerificationResult& result) {
     std::string text;
     for (const VerificationStep& step : result.layers) {
@@ -55,14 +66,22 @@ std::string verification_text(const VerificationResult& result) {
         for (const std::string& detail : step.details)
             text += fmt::format("     {:<13} {}\n", "", plain_text(detail));
     }
-    return text + (result.passed() ? "\nVERIFIED\n" : "\nNOT VERIFIED\n");
+    text += fmt::format("\n{}\n", result.verdict());
+    if (result.passed() && !result.recomputed())
+        text +=
+            "The signatures hold. Whether the figures follow from the recording was not checked: "
+            "add --recompute.\n";
+    return text;
 }
 
 std::string verification_json(const VerificationResult& result) {
     const bool passed = result.passed();
-    Json json{{"verdict", passed ? "VERIFIED" : "NOT VERIFIED"},
+    Json json{{"verdict", result.verdict()},
               {"exit_status", passed ? 0 : 1},
-              {"exit_meaning", passed ? "all of it holds" : "some of it does not hold"},
+              {"exit_meaning", !passed               ? "some of it does not hold"
+                               : result.recomputed() ? "all of it holds"
+                                                     : "all that was checked holds; the figures "
+                                                       "were not computed again"},
               {"layers", Json::array()},
               {"signers", Json::array()}};
     for (const VerificationStep& step : result.layers)

@@ -14,9 +14,13 @@ struct VerificationResult {
 
     /// Every layer that was checked holds, and the signatures were checked.
     bool passed() const;
+    /// The figures were computed again. What a key signs may have been written by hand.
+    bool recomputed() const;
+    /// "VERIFIED", "SIGNED, NOT RECOMPUTED" or "NOT VERIFIED".
+    std::string verdict() const;
 };
 
-/// For people: a line for each layer, its details below, VERIFIED or NOT VERIFIED at the end.
+/// For people: a line for each layer, its details below, the verdict at the end.
 std::string verification_text(const VerificationResult& result);
 
 /// For machines, one JSON document: verdict, exit_status and its meaning, layers (passed is null

@@ -159,8 +159,9 @@ void bring_in_claim(const Attempt& attempt, std::string_view text, const Attempt
                     const fs::path& run_dir) {
     for (const std::string& claimed : attempt.profiles) {
         const std::string profile = find_profile(claimed, source);
-        require_course(with_replaced_figures(read_profile(profile, claimed), attempt), attempt,
-                       source);
+        Profile rule = read_profile(profile, claimed);
+        require_own_id(rule, claimed);
+        require_course(with_replaced_figures(std::move(rule), attempt), attempt, source);
         write_file_atomically(run_dir / profile_copy_name(claimed), profile);
     }
     for (const AttemptFile& file : flow_files(attempt))
@@ -184,6 +185,7 @@ Profile read_claimed_profile(const std::filesystem::path& run_dir, const std::st
                              const Attempt& attempt) {
     const std::filesystem::path path = run_dir / profile_copy_name(claimed);
     Profile profile = read_profile(read_handwritten(path), path.string());
+    require_own_id(profile, path.string());
     if (profile.id != profile_name(claimed))
         throw Failure(path.string(),
                       fmt::format("the profile's id is \"{}\", its file is named \"{}\"",

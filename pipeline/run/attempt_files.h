@@ -72,7 +72,7 @@ void bring_in_claim(const Attempt& attempt, std::string_view text, const Attempt
 Profile with_replaced_figures(Profile profile, const Attempt& attempt);
 
 /// A claimed profile as the run folder holds it, with these figures. Failure where its id is not
-/// its file's name.
+/// its file's name, or that of a rule that comes with the program and has another text.
 Profile read_claimed_profile(const std::filesystem::path& run_dir, const std::string& claimed,
                              const Attempt& attempt);
 

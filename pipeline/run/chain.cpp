@@ -98,11 +98,19 @@ void StagingFolder::publish() {
         return std::pair(is_report(a), a) < std::pair(is_report(b), b);
     });
     std::vector<fs::path> made;
-    for (const std::string& name : names)
+    for (const std::string& name : names) {
+        if (fs::is_directory(path_ / name)) make_directory(run_dir_ / name);
         made.push_back(path_ / name);
+    }
+    // A folder's files join those that are there under other names.
+    for (const auto& entry : fs::recursive_directory_iterator(path_))
+        if (entry.path().parent_path() != path_)
+            names.push_back(fs::relative(entry.path(), path_).string());
+    std::erase_if(names, [&](const std::string& name) { return fs::is_directory(path_ / name); });
+    std::erase_if(made, [](const fs::path& each) { return fs::is_directory(each); });
     sync_files(made);
     std::error_code error;
-    // Signatures, time stamps and queries of the earlier report are void.
+    // What still stands of the earlier report's signatures was brought into this folder.
     std::vector<fs::path> old;
     for (const auto& entry : fs::directory_iterator(run_dir_))
         if (entry.path().filename().string().starts_with("report.json."))

@@ -1,5 +1,7 @@
 #include "trust/signature_files.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "core/failure.h"
@@ -15,6 +17,28 @@ constexpr std::string_view minisign_end = ".minisig";
 constexpr std::string_view ssh_end = ".sig";
 constexpr std::string_view time_stamp_end = ".tsr";
 constexpr std::string_view query_end = ".tsq";
+
+std::vector<std::string> signature_names(const fs::path& run_dir) {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(run_dir))
+        if (belongs_to_signatures(entry.path().filename().string()))
+            names.push_back(entry.path().filename().string());
+    std::ranges::sort(names);
+    return names;
+}
+
+/// A file in `folder`'s folder of what was superseded that neither it nor `other`'s has.
+fs::path free_place(const fs::path& folder, const fs::path& other, const std::string& name) {
+    make_directory(folder / superseded_folder);
+    const auto is_free = [&](const std::string& free) {
+        return !fs::exists(fs::symlink_status(folder / superseded_folder / free)) &&
+               !fs::exists(fs::symlink_status(other / superseded_folder / free));
+    };
+    std::string free = name;
+    for (int number = 2; !is_free(free); ++number)
+        free = fmt::format("{}.{}", name, number);
+    return folder / superseded_folder / free;
+}
 
 }  // namespace
 
@@ -54,18 +78,32 @@ std::vector<SignatureFile> signature_files(const fs::path& run_dir) {
     return files;
 }
 
-void remove_signatures(const fs::path& run_dir) {
-    std::vector<fs::path> old;
-    for (const auto& entry : fs::directory_iterator(run_dir))
-        if (belongs_to_signatures(entry.path().filename().string())) old.push_back(entry.path());
-    for (const fs::path& file : old) {
+void keep_superseded(const fs::path& run_dir, const std::string& name) {
+    if (fs::is_regular_file(fs::symlink_status(run_dir / name)))
+        write_file_atomically(free_place(run_dir, run_dir, name), read_file(run_dir / name));
+}
+
+void supersede_signatures(const fs::path& run_dir) {
+    for (const std::string& name : signature_names(run_dir)) {
+        keep_superseded(run_dir, name);
         std::error_code error;
-        fs::remove(file, error);
+        fs::remove(run_dir / name, error);
         if (error)
             throw Failure(
-                file.string(),
-                "the signature of an earlier report cannot be removed: " + error.message(),
+                (run_dir / name).string(),
+                "the signature of an earlier report cannot be moved away: " + error.message(),
                 "Check that the folder can be written, and run again");
+    }
+}
+
+void carry_signatures(const fs::path& run_dir, const fs::path& made) {
+    const fs::path report = run_dir / "report.json";
+    if (!fs::is_regular_file(fs::symlink_status(report))) return;
+    const bool unchanged = read_file(report) == read_file(made / "report.json");
+    for (const std::string& name : signature_names(run_dir)) {
+        if (!fs::is_regular_file(fs::symlink_status(run_dir / name))) continue;
+        write_file_atomically(unchanged ? made / name : free_place(made, run_dir, name),
+                              read_file(run_dir / name));
     }
 }
 

@@ -30,7 +30,18 @@ std::string time_stamp_query_name(std::string_view signature);
 /// Whether a file of a run folder is, by its name, a signature, its time stamp or the query for it.
 bool belongs_to_signatures(std::string_view name);
 
-/// Removes all of these: a new report makes them void.
-void remove_signatures(const std::filesystem::path& run_dir);
+/// The folder of a run's signatures and time stamps that no longer stand.
+inline constexpr const char* superseded_folder = "superseded";
+
+/// Copies a signature or time stamp that is about to be replaced into that folder, under its own
+/// name or the first with a number that is free. Nothing where there is no such file.
+void keep_superseded(const std::filesystem::path& run_dir, const std::string& name);
+
+/// Moves all of these there: a new report makes them void, and evidence is never deleted.
+void supersede_signatures(const std::filesystem::path& run_dir);
+
+/// Brings a run's signatures into the folder `made` of the same run made again, which has its
+/// report.json: beside it where that is unchanged, byte for byte, else into its superseded/.
+void carry_signatures(const std::filesystem::path& run_dir, const std::filesystem::path& made);
 
 }  // namespace runcert

@@ -159,6 +159,7 @@ Signer judge_minisign(const SignatureCase& one, const ReportFacts& report,
         return broken(std::move(signer), fault);
     if (!tried->check.valid) return broken(std::move(signer), tried->check.reason);
     signer.stated_time = comment.signed_at;
+    signer.not_recomputed = comment.recomputed == "no";
     if (is_role(comment.role)) signer.role = comment.role;
     return apply_roster(std::move(signer), ssh_key_of(tried->key.key), one, rules);
 }

@@ -126,7 +126,7 @@ std::string signing_role(const Attempt& attempt) {
 }
 
 std::string sign_report(const std::filesystem::path& run_dir, const ReportFacts& report,
-                        const SecretKey& key, const std::string& role) {
+                        const SecretKey& key, const std::string& role, bool recomputed) {
     require_role(role, "the role to sign in");
     const PublicKey public_key = public_key_of(key);
     const std::string name = place_for(run_dir, public_key, role);
@@ -135,16 +135,22 @@ std::string sign_report(const std::filesystem::path& run_dir, const ReportFacts&
                                                       .attempt_id = report.attempt_id,
                                                       .role = role,
                                                       .key = public_key_line(public_key),
-                                                      .signed_at = iso_text(now)});
+                                                      .signed_at = iso_text(now),
+                                                      .recomputed = recomputed ? "" : "no"});
     // While a password was typed, another report could have been put in this one's place.
     if (read_file(run_dir / "report.json") != report.text)
         throw Failure((run_dir / "report.json").string(),
                       "the report was changed after it was checked; nothing was signed",
                       "Find out who writes into the folder, and sign again");
-    // What was stamped is the signature that is replaced.
-    std::filesystem::remove(run_dir / time_stamp_name(name));
-    std::filesystem::remove(run_dir / time_stamp_query_name(name));
+    // What was stamped is the signature that is replaced: both are kept, and go only when the new
+    // one is there.
+    const std::vector<std::string> replaced{name, time_stamp_name(name),
+                                            time_stamp_query_name(name)};
+    for (const std::string& each : replaced)
+        keep_superseded(run_dir, each);
     write_file_atomically(run_dir / name, sign(report.text, key, comment));
+    for (std::size_t i = 1; i < replaced.size(); ++i)
+        std::filesystem::remove(run_dir / replaced[i]);
     return name;
 }
 

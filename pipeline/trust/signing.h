@@ -25,10 +25,11 @@ std::string signing_role(const Attempt& attempt);
 /// Signs RUN_DIR/report.json and returns the name of the signature file: report.json.minisig, or
 /// where another signer has that, report.json.ROLE.minisig, report.json.ROLE.2.minisig and so on.
 /// The same key signing in the same role again replaces its own. The trusted comment names the
-/// report, the role and the key of the signer and the time of signing. Failure where the role is
+/// report, the role and the key of the signer, the time of signing, and whether the signer left out
+/// to recompute. What it replaces goes to superseded/. Failure where the role is
 /// none, and where report.json is no longer the `report` that was read, and perhaps checked,
 /// before.
 std::string sign_report(const std::filesystem::path& run_dir, const ReportFacts& report,
-                        const SecretKey& key, const std::string& role);
+                        const SecretKey& key, const std::string& role, bool recomputed = true);
 
 }  // namespace runcert

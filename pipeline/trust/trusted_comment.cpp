@@ -12,12 +12,13 @@ namespace {
 
 constexpr std::string_view mark = "runcert";
 
-constexpr std::array<std::pair<std::string_view, std::string TrustedComment::*>, 5> fields{{
+constexpr std::array<std::pair<std::string_view, std::string TrustedComment::*>, 6> fields{{
     {"report", &TrustedComment::report_id},
     {"attempt", &TrustedComment::attempt_id},
     {"role", &TrustedComment::role},
     {"key", &TrustedComment::key},
     {"signed", &TrustedComment::signed_at},
+    {"recomputed", &TrustedComment::recomputed},
 }};
 
 }  // namespace
@@ -25,7 +26,8 @@ constexpr std::array<std::pair<std::string_view, std::string TrustedComment::*>,
 std::string trusted_comment_text(const TrustedComment& comment) {
     std::string text(mark);
     for (const auto& [name, member] : fields)
-        text += fmt::format(" {}={}", name, comment.*member);
+        if (member != &TrustedComment::recomputed || !comment.recomputed.empty())
+            text += fmt::format(" {}={}", name, comment.*member);
     return text;
 }
 

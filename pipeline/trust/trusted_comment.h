@@ -17,7 +17,8 @@ struct TrustedComment {
     std::string role{};
     std::string key{};  ///< the signer's public key as `minisign -P` takes it
     std::string signed_at{};
-    std::string repeated{};  ///< a field that is there twice, of which programs read one each
+    std::string recomputed{};  ///< "no" where the signer left the recomputation out; else empty
+    std::string repeated{};    ///< a field that is there twice, of which programs read one each
 };
 
 std::string trusted_comment_text(const TrustedComment& comment);

@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 bool is_known_companion(const fs::directory_entry& entry) {
     const std::string name = entry.path().filename().string();
     const fs::file_status status = entry.symlink_status();
-    if (name == "keys") return fs::is_directory(status);
+    if (name == "keys" || name == superseded_folder) return fs::is_directory(status);
     if (name.starts_with(".runcert-")) return true;  // of a run that was killed
     if (!fs::is_regular_file(status)) return false;
     for (const char* known :

@@ -38,6 +38,10 @@ VerificationStep verify_files(const std::filesystem::path& run_dir, const Report
 /// header against the report's subjects, and against what its stage reads.
 VerificationStep verify_chain(const std::filesystem::path& run_dir, const ReportFacts& report);
 
+/// Whether each claimed rule is the published text of its id, or openly the attempt's own, and the
+/// verdict was decided by it: a rule with a body's name and other figures is none of that body's.
+VerificationStep verify_rules(const std::filesystem::path& run_dir);
+
 /// Whether report.json says what the files say that it vouches for: all the files that the attempt
 /// makes and no others, the id that is made of them, the outcome, speeds, limits and requirements
 /// of 6-verdict.yaml, and no fewer signatures than attempt and rules ask for. Who signs vouches for
@@ -69,13 +73,14 @@ struct SignatureRules {
 /// One signature file, as judged.
 struct Signer {
     std::string file{};
-    std::string role{};         ///< "" where the signature states none
-    std::string key{};          ///< one line: base64 as `minisign -P` takes it, or "TYPE BASE64"
-    std::string who{};          ///< as the roster calls the key's holder
-    std::string stated_time{};  ///< when the signer says it was made; nobody else vouches for it
-    std::string time{};         ///< the time that the key's validity is judged by
-    std::string time_source{};  ///< "time stamp", "present" or "given"
-    bool valid = false;         ///< it holds, and counts
+    std::string role{};           ///< "" where the signature states none
+    std::string key{};            ///< one line: base64 as `minisign -P` takes it, or "TYPE BASE64"
+    std::string who{};            ///< as the roster calls the key's holder
+    bool not_recomputed = false;  ///< its signer says that nothing was computed again before
+    std::string stated_time{};    ///< when the signer says it was made; nobody else vouches for it
+    std::string time{};           ///< the time that the key's validity is judged by
+    std::string time_source{};    ///< "time stamp", "present" or "given"
+    bool valid = false;           ///< it holds, and counts
     bool broken = false;   ///< it is not a signature of this report: tampered with, or replayed
     std::string reason{};  ///< why it does not count
 };

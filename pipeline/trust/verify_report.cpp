@@ -88,13 +88,14 @@ void compare_headline(const std::string& rule, const Json& profile, const YamlVa
 void compare_title(const std::string& rule, const Json& profile, const YamlValue& verdict,
                    Comparison& compare) {
     const YamlValue standing = verdict["standing"];
-    const OutcomeState state{
-        .outcome = member::read<Outcome>(verdict["outcome"]),
-        .standing = {.state = member::read<StandingState>(standing["state"]),
-                     .attestations = standing["attestations"].integer(),
-                     .signatures = standing["signatures"].integer()},
-        .record_named = verdict["record"].exists(),
-        .rule_altered = verdict["overrides"].exists() && !verdict["overrides"].list().empty()};
+    const OutcomeState state{.outcome = member::read<Outcome>(verdict["outcome"]),
+                             .standing = {.state = member::read<StandingState>(standing["state"]),
+                                          .attestations = standing["attestations"].integer(),
+                                          .signatures = standing["signatures"].integer()},
+                             .record_named = verdict["record"].exists(),
+                             .rule_altered = !verdict["overrides"].list().empty() ||
+                                             member::read<RuleOrigin>(verdict["rule"]["origin"]) !=
+                                                 RuleOrigin::built_in};
     const OutcomeWords words = outcome_words(state);
     for (const auto& [key, text] : {std::pair("outcome_title", words.title),
                                     {"outcome_mark", words.mark},

@@ -108,8 +108,10 @@ void check_attempt_files(const fs::path& run_dir, Findings& findings) {
     for (const std::string& claimed : attempt->profiles)
         if (const std::string profile = profile_copy_name(claimed);
             fs::is_regular_file(fs::symlink_status(run_dir / profile)))
-            findings.check(profile,
-                           [&] { (void)read_claimed_profile(run_dir, claimed, *attempt); });
+            findings.check(profile, [&, copy = run_dir / profile] {
+                (void)with_replaced_figures(read_profile(read_handwritten(copy), copy.string()),
+                                            *attempt);
+            });
 }
 
 }  // namespace

@@ -87,6 +87,7 @@ std::string time_words(const Signer& signer) {
     if (!signer.stated_time.empty())
         words += fmt::format("; its signer states {}", escape_for_message(signer.stated_time));
     if (signer.time_source == "time stamp") words += fmt::format("; time stamp {}", signer.time);
+    if (signer.not_recomputed) words += "; signed without recomputing";
     return words;
 }
 

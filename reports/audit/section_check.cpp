@@ -18,6 +18,8 @@ std::string status_text(RequirementStatus status) {
 Facts decision_facts(const ProfileVerdict& verdict) {
     Facts facts{{{"Outcome", outcome_words(state_of(verdict)).title},
                  {"Standing", standing_text(verdict.standing)},
+                 {"Rule", fmt::format("{}; SHA-256 of its text {}", rule_identity_text(verdict),
+                                      verdict.rule.sha256)},
                  {"Because", verdict.reason}}};
     const auto add = [&](const char* name, std::string value) {
         facts.facts.push_back({name, std::move(value)});

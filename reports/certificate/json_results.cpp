@@ -110,6 +110,8 @@ Json profile_json(const ReportInputs& inputs, std::size_t index) {
     Json json{{"profile", verdict.profile},
               {"body", verdict.body},
               {"title", verdict.title},
+              {"rule_identity", members_json(verdict.rule)},
+              {"rule_identity_words", rule_identity_text(verdict)},
               {"outcome", to_text(verdict.outcome)},
               {"outcome_title", words.title},
               {"outcome_mark", words.mark},

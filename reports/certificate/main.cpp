@@ -62,9 +62,11 @@ std::vector<SignatureText> signatures_of(const std::filesystem::path& run_dir) {
     return signatures;
 }
 
-/// A new report makes the signatures of an earlier one void.
+/// Signatures of an unchanged report stand; those of another one are void.
 void write_report(const StageRun& run, const std::string& report) {
-    remove_signatures(run.run_dir());
+    const std::filesystem::path file = run.run_dir() / "report.json";
+    if (!std::filesystem::exists(file) || read_file(file) != report)
+        supersede_signatures(run.run_dir());
     run.write("report.json", report);
 }
 

@@ -11,7 +11,7 @@ OutcomeState state_of(const DayResult& result) {
     return {.outcome = result.outcome,
             .standing = result.standing,
             .record_named = result.required_speed_m_s.has_value(),
-            .rule_altered = !result.replaced.empty()};
+            .rule_altered = !result.replaced.empty() || result.rule_origin != RuleOrigin::built_in};
 }
 
 std::string window_words(const DayResult& result) {

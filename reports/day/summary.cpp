@@ -24,7 +24,8 @@ DayResult result_of(const ProfileVerdict& verdict) {
                      .expanded_uncertainty_m_s = verdict.expanded_uncertainty_m_s,
                      .coverage_factor = verdict.coverage_factor,
                      .required_speed_m_s = verdict.required_speed_m_s,
-                     .shown = verdict.shown};
+                     .shown = verdict.shown,
+                     .rule_origin = verdict.rule.origin};
     if (verdict.window) {
         if (verdict.window->start_gps) result.start_utc = to_utc_iso(*verdict.window->start_gps, 3);
         result.start_time_s = verdict.window->start.seconds();

@@ -9,6 +9,11 @@
 namespace runcert {
 namespace {
 
+/// Which no title leaves out: the speed was not judged by the body's rule.
+std::string under(const OutcomeState& state) {
+    return state.rule_altered ? " under altered rules" : "";
+}
+
 std::string beaten_title(const OutcomeState& state) {
     const Standing& standing = state.standing;
     if (standing.state == StandingState::complete && !state.rule_altered) return "Record beaten";
@@ -18,9 +23,8 @@ std::string beaten_title(const OutcomeState& state) {
             fmt::format("{} still to be attested", counted(standing.attestations, "requirement")));
     if (standing.signatures > 0)
         open.push_back(fmt::format("{} required", counted(standing.signatures, "signature")));
-    return fmt::format("Measured speed exceeds the record{}{}{}",
-                       state.rule_altered ? " under altered rules" : "", open.empty() ? "" : "; ",
-                       listed(open));
+    return fmt::format("Measured speed exceeds the record{}{}{}", under(state),
+                       open.empty() ? "" : "; ", listed(open));
 }
 
 }  // namespace
@@ -35,10 +39,11 @@ Standing standing_of(const std::vector<Requirement>& requirements, std::int64_t 
 }
 
 OutcomeState state_of(const ProfileVerdict& verdict) {
-    return {.outcome = verdict.outcome,
-            .standing = verdict.standing,
-            .record_named = verdict.record.has_value(),
-            .rule_altered = !verdict.overrides.empty()};
+    return {
+        .outcome = verdict.outcome,
+        .standing = verdict.standing,
+        .record_named = verdict.record.has_value(),
+        .rule_altered = !verdict.overrides.empty() || verdict.rule.origin != RuleOrigin::built_in};
 }
 
 OutcomeWords outcome_words(const OutcomeState& state) {
@@ -46,16 +51,27 @@ OutcomeWords outcome_words(const OutcomeState& state) {
         case Outcome::beaten:
             return {beaten_title(state), "✓", "yes"};
         case Outcome::not_beaten:
-            return {"Record not beaten: measured speed below the required speed", "✗", "no"};
+            return {
+                "Record not beaten" + under(state) + ": measured speed below the required speed",
+                "✗", "no"};
         case Outcome::not_proven:
-            return state.record_named
-                       ? OutcomeWords{"Not proven: required speed within the uncertainty", "?",
-                                      "open"}
-                       : OutcomeWords{"Speed measured; the attempt names no record", "–", "open"};
+            return state.record_named ? OutcomeWords{"Not proven" + under(state) +
+                                                         ": required speed within the uncertainty",
+                                                     "?", "open"}
+                                      : OutcomeWords{"Speed measured" + under(state) +
+                                                         "; the attempt names no record",
+                                                     "–", "open"};
         case Outcome::not_certifiable:
             break;
     }
-    return {"Not certifiable", "⊘", "refused"};
+    return {"Not certifiable" + under(state), "⊘", "refused"};
+}
+
+std::string rule_identity_text(const ProfileVerdict& verdict) {
+    if (verdict.rule.origin == RuleOrigin::built_in)
+        return fmt::format("rule “{}”, revision {}", verdict.profile, verdict.rule.revision);
+    return fmt::format("the attempt's own rule “{}”, revision {}", verdict.profile,
+                       verdict.rule.revision);
 }
 
 std::string standing_text(const Standing& standing) {

@@ -18,7 +18,7 @@ struct OutcomeState {
     Outcome outcome = Outcome::not_certifiable;
     Standing standing = {};
     bool record_named = false;
-    bool rule_altered = false;  ///< the attempt replaced figures of the rule
+    bool rule_altered = false;  ///< figures replaced by the attempt, or a rule of its own
 };
 OutcomeState state_of(const ProfileVerdict& verdict);
 
@@ -33,6 +33,9 @@ struct OutcomeWords {
 /// left to be attested or signed; else what was measured and what it waits for: "Measured speed
 /// exceeds the record; 5 requirements still to be attested".
 OutcomeWords outcome_words(const OutcomeState& state);
+
+/// "rule “nalsa”, revision 1", "the attempt's own rule “x”, revision 1".
+std::string rule_identity_text(const ProfileVerdict& verdict);
 
 /// "complete", or "awaiting 5 attestations and 2 signatures".
 std::string standing_text(const Standing& standing);

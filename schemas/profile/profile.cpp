@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <set>
+#include <sstream>
 
 #include "core/failure.h"
 #include "core/text.h"
+#include "files/sha256.h"
 #include "schemas/common/document.h"
 
 namespace runcert {
@@ -14,6 +16,7 @@ namespace runcert {
 YamlNode profile_field_table_node();
 std::string_view builtin_profile_text(std::string_view name);
 std::string_view own_clauses_text(std::string_view name);
+std::string_view published_rules_text(std::string_view name);
 std::vector<std::string_view> builtin_profile_text_names();
 
 namespace {
@@ -22,6 +25,18 @@ const DocumentSchema& profile_schema() {
     static const DocumentSchema schema =
         DocumentSchema::read(profile_field_table_node(), "schemas/profile/v1.yaml");
     return schema;
+}
+
+/// Whether this very text is a revision of a rule that this program, or one before it, came with.
+bool is_published(const Profile& profile) {
+    static const std::set<std::string> lines = [] {
+        std::istringstream table{std::string(published_rules_text("published_rules.txt"))};
+        std::set<std::string> all;
+        for (std::string line; std::getline(table, line);)
+            if (!line.starts_with('#')) all.insert(line);
+        return all;
+    }();
+    return lines.contains(fmt::format("{}  {} {}", profile.sha256, profile.id, profile.revision));
 }
 
 /// One of the words that the field table allows.
@@ -253,6 +268,16 @@ std::vector<std::string> builtin_profiles() {
     return names;
 }
 
+void require_own_id(const Profile& profile, const std::string& where) {
+    if (profile.origin == RuleOrigin::built_in || builtin_profile(profile.id).empty()) return;
+    throw Failure(where,
+                  fmt::format("the id \"{}\" is that of a rule that comes with the program, and "
+                              "this text (SHA-256 {}...) is no published revision of it",
+                              profile.id, profile.sha256.substr(0, 16)),
+                  "Claim the program's rule by its id alone; give a rule of your own another id, "
+                  "and its file the same name");
+}
+
 const std::vector<Clause>& own_clauses() {
     static const std::vector<Clause> clauses = [] {
         const char* const file = "own_clauses.yaml";
@@ -266,6 +291,9 @@ Profile read_profile(std::string_view text, const std::string& where) {
     const YamlValue document = read_input(text, where, profile_schema());
     Profile profile;
     profile.id = document["id"].text();
+    profile.revision = document["revision"].exists() ? document["revision"].integer() : 1;
+    profile.sha256 = sha256_hex(text);
+    profile.origin = is_published(profile) ? RuleOrigin::built_in : RuleOrigin::own;
     profile.body = document["body"].text();
     profile.title = document["title"].text();
     read_window(document["window"], profile);

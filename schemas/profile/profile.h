@@ -46,6 +46,9 @@ struct FigureOverride {
 /// A body's rule for one kind of record, `schemas/profile/v1.yaml`. Speeds in m/s.
 struct Profile {
     std::string id;
+    std::int64_t revision = 1;
+    std::string sha256;  ///< of its text
+    RuleOrigin origin = RuleOrigin::own;
     std::string body;
     std::string title;
     WindowKind window_kind = WindowKind::time;
@@ -115,6 +118,10 @@ void override_figure(Profile& profile, FigureOverride figure);
 
 /// Reads and checks a profile; Failure with file, line and column on any deviation.
 Profile read_profile(std::string_view text, const std::string& where);
+
+/// Failure where a profile of one's own has the id of a rule that comes with the program: a title
+/// would then speak of a body's rule that is not the body's.
+void require_own_id(const Profile& profile, const std::string& where);
 
 /// The text of the profile of that name that comes with the program ("nalsa", "fisly"); empty if
 /// there is none.

@@ -239,6 +239,8 @@ ProfileVerdict judge(const CheckInput& input, const Profile& profile) {
         gather_context(input, profile, windows_of(input.judged.windows, profile));
     ProfileVerdict verdict;
     verdict.profile = profile.id;
+    verdict.rule = {
+        .revision = profile.revision, .sha256 = profile.sha256, .origin = profile.origin};
     verdict.body = profile.body;
     verdict.title = profile.title;
     verdict.definition = profile.definition;

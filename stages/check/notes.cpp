@@ -98,6 +98,14 @@ void add_second_method(const ClauseContext& context, Notes& notes) {
                           second.missing));
 }
 
+void add_rule(const ClauseContext& context, Notes& notes) {
+    if (context.profile.origin == RuleOrigin::own)
+        notes.push_back(fmt::format(
+            "The rule {} is the attempt's own. It does not come with the program, and no body's "
+            "authority for it was checked.",
+            context.profile.id));
+}
+
 void add_overrides(const ClauseContext& context, Notes& notes) {
     for (const FigureOverride& one : context.profile.overrides)
         notes.push_back(fmt::format(
@@ -149,6 +157,7 @@ std::vector<std::string> notes_of(const ClauseContext& context) {
     add_windows(context, notes);
     add_flow(context, notes);
     add_second_method(context, notes);
+    add_rule(context, notes);
     add_overrides(context, notes);
     add_unconfirmed(context, notes);
     return notes;

@@ -71,7 +71,8 @@ class SignedRuns : public testing::Test {
     }
 
     ProcessResult sign(const std::string& name, const std::string& role) const {
-        return runcert({"sign", run().string(), "--key", key(name), "--role", role, "--no-render"});
+        return runcert({"sign", run().string(), "--key", key(name), "--role", role, "--no-render",
+                        "--no-recompute"});
     }
     void must_sign(const std::string& name, const std::string& role) const {
         const ProcessResult result = sign(name, role);

@@ -24,7 +24,8 @@ class Signing : public SignedRuns {
     }
     ProcessResult sign_with(const std::string& key_file,
                             const std::string& role = "measurer") const {
-        return runcert({"sign", run().string(), "--key", key_file, "--role", role, "--no-render"});
+        return runcert({"sign", run().string(), "--key", key_file, "--role", role, "--no-render",
+                        "--no-recompute"});
     }
     static constexpr fs::perms owner = fs::perms::owner_read | fs::perms::owner_write;
 };

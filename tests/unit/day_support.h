@@ -19,6 +19,7 @@ inline AttemptResult attempt(const std::string& id, Outcome outcome, double spee
                      .speed_m_s = speed_m_s,
                      .expanded_uncertainty_m_s = expanded_m_s,
                      .required_speed_m_s = 50.0};
+    result.rule_origin = RuleOrigin::built_in;
     result.shown = shown_in({.speed_m_s = speed_m_s,
                              .expanded_uncertainty_m_s = expanded_m_s,
                              .required_speed_m_s = 50.0},

@@ -11,6 +11,7 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "reports/explain/words.h"
+#include "reports/words/outcome.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {
@@ -73,6 +74,7 @@ Profile profile() {
 Verdict verdict(Outcome outcome, RequirementStatus status = RequirementStatus::met) {
     ProfileVerdict entry;
     entry.profile = "rule";
+    entry.rule.origin = RuleOrigin::built_in;
     entry.body = "Body";
     entry.title = "top speed";
     entry.outcome = outcome;
@@ -112,6 +114,7 @@ Verdict verdict(Outcome outcome, RequirementStatus status = RequirementStatus::m
                                                    .unit = "m",
                                                    .expanded_uncertainty = 0.0781,
                                                    .note = "from both ends"}}});
+    entry.standing = standing_of(entry.requirements, 0);
     Verdict verdict;
     verdict.attempt = "run";
     verdict.profiles = {entry};

@@ -170,6 +170,7 @@ TEST(TrackOfAnotherRun, IsRefused) {
     Verdict verdict;
     verdict.receiver = "primary";
     ProfileVerdict profile;
+    profile.rule.origin = RuleOrigin::built_in;
     profile.profile = "nalsa";
     profile.speed_m_s = 60.0;
     profile.window.emplace();

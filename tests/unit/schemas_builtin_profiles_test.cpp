@@ -45,6 +45,29 @@ TEST(BuiltinProfiles, AreThoseOfTheFolderEachNamedAsItsFile) {
     EXPECT_EQ(builtin_profile(""), "");
 }
 
+// A rule that was changed gets another revision, and a line in stages/check/published_rules.txt:
+// sha256sum of its file, two blanks, id, revision. Lines are never removed.
+TEST(BuiltinProfiles, ArePublishedTexts) {
+    for (const std::string& name : builtin_profiles()) {
+        const Profile profile = builtin(name);
+        EXPECT_EQ(profile.origin, RuleOrigin::built_in)
+            << profile.sha256 << "  " << name << " " << profile.revision;
+        EXPECT_NO_THROW(require_own_id(profile, name));
+    }
+}
+
+TEST(BuiltinProfiles, AnotherTextWithTheirIdIsRefused) {
+    std::string text(builtin_profile("nalsa"));
+    text += "# the same but for this line\n";
+    const Profile other = read_profile(text, "nalsa.yaml");
+    EXPECT_EQ(other.origin, RuleOrigin::own);
+    EXPECT_THROW(require_own_id(other, "nalsa.yaml"), Failure);
+    text.replace(text.find("id: nalsa"), 9, "id: club");
+    const Profile own = read_profile(text, "club.yaml");
+    EXPECT_EQ(own.origin, RuleOrigin::own);
+    EXPECT_NO_THROW(require_own_id(own, "club.yaml"));
+}
+
 TEST(BuiltinProfiles, EveryClauseSaysWhereItIsKnownFrom) {
     for (const std::string& name : builtin_profiles()) {
         SCOPED_TRACE(name);

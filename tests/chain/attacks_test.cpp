@@ -1,0 +1,123 @@
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include "rules_support.h"
+
+// Ways to make a false record that verification believed, each by its number: what is handed in,
+// and what is said of it now.
+
+namespace runcert::chain::RUNCERT_FILE {
+namespace {
+
+bool holds(const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+}
+
+void replace_in(const fs::path& file, const std::string& from, const std::string& to) {
+    std::string text = read_file(file);
+    const std::size_t at = text.find(from);
+    ASSERT_NE(at, std::string::npos) << file << ": " << from;
+    write_file_atomically(file, text.replace(at, from.size(), to));
+}
+
+/// A copy of the example, whose record its speed exceeds by the body's own rule.
+class Attacks : public testing::Test {
+  protected:
+    Attacks() { fs::copy(examples / "land_yacht", attempt_folder(), fs::copy_options::recursive); }
+    fs::path attempt_folder() const { return folder_.path() / "attempt"; }
+    fs::path attempt() const { return attempt_folder() / "attempt.yaml"; }
+    fs::path run() const { return folder_.path() / "run"; }
+    fs::path rule_of_the_program() const {
+        return fs::path(RUNCERT_SOURCE_DIR) / "stages/check/profiles/nalsa.yaml";
+    }
+    void claim(const std::string& profiles) const {
+        replace_in(attempt(), "profiles: [nalsa]", "profiles: [" + profiles + "]");
+    }
+    ProcessResult stage(const std::string& name) const {
+        return run_process({RUNCERT_PROGRAMS "/runcert-" + name, "--attempt",
+                            (run() / "attempt.yaml").string(), "--run-dir", run().string()});
+    }
+    /// The copy of the rule in a finished run, edited, and every file after it made again.
+    void edit_the_rule_of_a_run() const {
+        certify(attempt(), run(), {"--no-render"});
+        replace_in(run() / "profile.nalsa.yaml", "duration_s: 3", "duration_s: 1");
+    }
+
+    TemporaryFolder folder_;
+};
+
+TEST_F(Attacks, Rule01ARuleOfOnesOwnWithABodysIdIsRefused) {
+    fs::copy_file(rule_of_the_program(), attempt_folder() / "nalsa.yaml");
+    replace_in(attempt_folder() / "nalsa.yaml", "duration_s: 3", "duration_s: 1");
+    claim("nalsa.yaml");
+    const ProcessResult result = certify(attempt(), run(), {"--no-render"});
+    EXPECT_EQ(result.exit_status, 2) << result.output;
+    EXPECT_TRUE(holds(result.errors, "is that of a rule that comes with the program"))
+        << result.errors;
+    EXPECT_TRUE(holds(result.errors, "Give") || holds(result.errors, "give a rule of your own"))
+        << result.errors;
+    EXPECT_FALSE(fs::exists(run() / "6-verdict.yaml"));
+}
+
+TEST_F(Attacks, Rule01TheProgramsOwnTextFromAFileIsTheProgramsRule) {
+    fs::copy_file(rule_of_the_program(), attempt_folder() / "nalsa.yaml");
+    claim("nalsa.yaml");
+    const ProcessResult result = certify(attempt(), run(), {"--no-render"});
+    EXPECT_EQ(result.exit_status, 0) << result.errors;
+    EXPECT_FALSE(holds(result.output, "altered rules")) << result.output;
+}
+
+TEST_F(Attacks, Rule01AnEditedCopyInTheRunFolderIsRefusedByStagesAndSeenByVerify) {
+    edit_the_rule_of_a_run();
+    for (const char* name : {"window", "check"}) {
+        const ProcessResult result = stage(name);
+        EXPECT_EQ(result.exit_status, 2) << name;
+        EXPECT_TRUE(holds(result.errors, "no published revision of it")) << result.errors;
+    }
+    const ProcessResult verified = runcert({"verify", run().string(), "--recompute"});
+    EXPECT_EQ(verified.exit_status, 1);
+    EXPECT_TRUE(holds(verified.output, "NO   rules")) << verified.output;
+    EXPECT_TRUE(holds(verified.output, "profile.nalsa.yaml")) << verified.output;
+}
+
+TEST_F(Attacks, Rule01AVerdictThatNamesAnotherTextOfTheRuleIsSeen) {
+    certify(attempt(), run(), {"--no-render"});
+    const fs::path verdict = run() / "6-verdict.yaml";
+    const std::string sha256 =
+        read_yaml(verdict)["profiles"].list().front()["rule"]["sha256"].text();
+    std::string text = read_file(verdict);
+    text.replace(text.rfind(sha256), sha256.size(), sha256.size(), 'a');
+    write_file_atomically(verdict, text);
+    const ProcessResult verified = runcert({"verify", run().string()});
+    EXPECT_EQ(verified.exit_status, 1);
+    EXPECT_TRUE(holds(verified.output, "NO   rules")) << verified.output;
+}
+
+TEST_F(Attacks, Rule01ARuleOfOnesOwnNeverBeatsARecord) {
+    write_file_atomically(attempt_folder() / "ours.yaml",
+                          profile_of("ours", "{duration_s: 1, definition: displacement}"));
+    claim("ours.yaml");
+    const ProcessResult result = certify(attempt(), run());
+    EXPECT_TRUE(holds(result.output, "exceeds the record under altered rules")) << result.output;
+    EXPECT_TRUE(holds(result.output, "The rule ours is the attempt's own")) << result.output;
+    EXPECT_FALSE(holds(result.output, "Record beaten")) << result.output;
+    for (const char* file : {"report.html", "report.json"}) {
+        const std::string page = read_file(run() / file);
+        EXPECT_TRUE(holds(page, "under altered rules")) << file;
+        EXPECT_FALSE(holds(page, "Record beaten")) << file;
+    }
+    const ProcessResult verified = runcert({"verify", run().string()});
+    EXPECT_TRUE(holds(verified.output, "yes  rules")) << verified.output;
+    EXPECT_TRUE(holds(verified.output, "the attempt's own, not a body's: ours")) << verified.output;
+}
+
+TEST_F(Attacks, Rule01AReplacedFigureIsSaidInTheHeadline) {
+    replace_in(attempt(), "profiles: [nalsa]",
+               "profiles: [nalsa]\nrules: [{profile: nalsa, figure: window.duration_s, value: 1}]");
+    const ProcessResult result = certify(attempt(), run(), {"--no-render"});
+    EXPECT_TRUE(holds(result.output, "under altered rules")) << result.output << result.errors;
+    EXPECT_FALSE(holds(result.output, "Record beaten")) << result.output;
+}
+
+}  // namespace
+}  // namespace runcert::chain::RUNCERT_FILE

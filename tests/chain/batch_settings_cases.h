@@ -45,6 +45,7 @@ rules:
   time:
     schema: profile/1.0
     id: time
+    revision: 1
     body: a body
     title: a title
     window: {kind: time, duration_s: 3, definition: displacement, dimension: horizontal, source: position, ends: epochs, exact: false, count: 1, repaired_steps: false}
@@ -199,6 +200,7 @@ inline constexpr const char* receiver_changes = R"yaml(
 /// All but those of `window`, `runs`, `opposite_runs` and `uncertainty`, which the window step
 /// depends on key by key.
 inline constexpr const char* profile_changes = R"yaml(
+- {key: revision, set: {/rules/time/revision: 2}}
 - {key: body, set: {/rules/time/body: another body}}
 - {key: title, set: {/rules/time/title: another title}}
 - {key: accuracy.limit, set: {/rules/time/accuracy/limit: 0.9}}

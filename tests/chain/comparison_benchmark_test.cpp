@@ -82,9 +82,10 @@ void expect_status_of_requirements(const Measured& found) {
 
 TEST_F(ComparisonBenchmark, ProgramsAtHandAgree) {
     const fs::path page = folder.path() / "page.md";
-    write_file_atomically(page,
-                          "before\n<!-- comparison: begin -->\nold\n<!-- comparison: end -->\n"
-                          "after\n");
+    write_file_atomically(
+        page,
+        "before\n<!-- comparison: begin -->\nstale page\n<!-- comparison: end -->\n"
+        "after\n");
     const Measured found = measured({"--readme", page.string()});
     ASSERT_LT(found.process.exit_status, 2) << found.process.errors;
     expect_status_of_requirements(found);
@@ -109,7 +110,7 @@ TEST_F(ComparisonBenchmark, ProgramsAtHandAgree) {
     const std::string text = read_file(page);
     EXPECT_TRUE(text.starts_with("before\n<!-- comparison: begin -->\n"));
     EXPECT_TRUE(text.ends_with("<!-- comparison: end -->\nafter\n"));
-    EXPECT_EQ(text.find("old"), std::string::npos);
+    EXPECT_EQ(text.find("stale page"), std::string::npos);
     EXPECT_NE(text.find(found.process.output), std::string::npos) << "the tables that it printed";
     const bool drawn = found.missing().find("gnuplot") == std::string::npos;
     EXPECT_EQ(fs::exists(folder.path() / "comparison.svg"), drawn);

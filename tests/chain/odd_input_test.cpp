@@ -15,7 +15,7 @@ std::string imported(const std::string& recording, const std::string& attempt = 
     write_plainly(folder.path() / "recording.pos", recording);
     const Measured run =
         run_measured({"runcert-import", "--attempt", folder.path() / "attempt.yaml", "--run-dir",
-                         folder.path() / "run"});
+                      folder.path() / "run"});
     EXPECT_EQ(run.exit_status, 0) << run.errors;
     EXPECT_LE(run.seconds, longest_s);
     return run.exit_status == 0 ? read_file(folder.path() / "run" / "1-observations.ecsv") : "";
@@ -85,7 +85,7 @@ TEST(OddInput, ManyFilesThatFollowOneAnother) {
                   replaced(good_attempt, "recording.pos", list + "]"));
     const Measured run =
         run_measured({"runcert-import", "--attempt", folder.path() / "attempt.yaml", "--run-dir",
-                         folder.path() / "run"});
+                      folder.path() / "run"});
     EXPECT_EQ(run.exit_status, 0) << run.errors;
     EXPECT_NE(run.output.find("1200 epochs"), std::string::npos) << run.output;
 }

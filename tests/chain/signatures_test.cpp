@@ -243,14 +243,77 @@ TEST_F(Signatures, AMalformedRosterIsRefusedAtItsLine) {
     EXPECT_NE(result.errors.find("roster, line 2"), std::string::npos) << result.errors;
 }
 
-TEST_F(Signatures, AreVoidAfterANewReport) {
+TEST_F(Signatures, OfAnUnchangedReportStand) {
     must_sign("measurer", "measurer");
     must_sign("judge", "judge");
     write_file_atomically(run() / "report.json.judge.minisig.tsq", "query");
+    const auto before = contents_of(run());
     certify(examples / "salt_lake" / "attempt.yaml", run(), {"--no-render"});
-    for (const auto& [name, bytes] : contents_of(run()))
-        EXPECT_FALSE(name.starts_with("report.json.")) << name;
-    EXPECT_TRUE(fs::exists(run() / "report.json"));
+    auto after = contents_of(run());
+    for (const auto& [name, bytes] : before)
+        if (name.starts_with("report.json")) {
+            EXPECT_EQ(after[name], bytes) << name;
+        }
+    EXPECT_FALSE(fs::exists(run() / "superseded"));
+}
+
+TEST_F(Signatures, OfAnotherReportAreKeptApartAndVoid) {
+    must_sign("measurer", "measurer");
+    must_sign("judge", "judge");
+    write_file_atomically(run() / "report.json.judge.minisig.tsq", "query");
+    const auto before = contents_of(run());
+    const fs::path other = folder_.path() / "other";
+    fs::copy(examples / "salt_lake", other, fs::copy_options::recursive);
+    write_file_atomically(other / "attempt.yaml",
+                          read_file(other / "attempt.yaml") + "attempts_made: 2\n");
+    for (int again = 0; again < 2; ++again)
+        ASSERT_LT(certify(other / "attempt.yaml", run(), {"--no-render"}).exit_status, 2);
+    auto after = contents_of(run());
+    for (const char* name :
+         {"report.json.minisig", "report.json.judge.minisig", "report.json.judge.minisig.tsq"}) {
+        EXPECT_FALSE(after.contains(name)) << name;
+        EXPECT_EQ(after[std::string("superseded/") + name], before.at(name)) << name;
+    }
+    const ProcessResult verified = verify({"--pubkey", public_key("judge")});
+    EXPECT_NE(verified.output.find("yes  files"), std::string::npos) << verified.output;
+    EXPECT_NE(verified.output.find("UNSIGNED"), std::string::npos) << verified.output;
+    fs::remove_all(other);
+}
+
+TEST_F(Signatures, ThatAreMadeAgainLeaveTheEarlierOneAndItsStamp) {
+    must_sign("measurer", "measurer");
+    write_file_atomically(run() / "report.json.minisig.tsr", "stamp");
+    const std::string first = read_file(run() / "report.json.minisig");
+    must_sign("measurer", "measurer");
+    EXPECT_EQ(read_file(run() / "superseded/report.json.minisig"), first);
+    EXPECT_EQ(read_file(run() / "superseded/report.json.minisig.tsr"), "stamp");
+    EXPECT_FALSE(fs::exists(run() / "report.json.minisig.tsr"));
+}
+
+TEST_F(Signatures, SayWhereNothingWasRecomputed) {
+    must_sign("measurer", "measurer");
+    const ProcessResult verified = verify({"--pubkey", public_key("measurer")});
+    EXPECT_NE(verified.output.find("signed without recomputing"), std::string::npos)
+        << verified.output;
+    const ProcessResult again = runcert(
+        {"sign", run().string(), "--key", key("measurer"), "--role", "measurer", "--no-render"});
+    ASSERT_EQ(again.exit_status, 0) << again.errors;
+    EXPECT_NE(again.output.find("signing rule “nalsa”, revision 1: 232."), std::string::npos)
+        << again.output;
+    EXPECT_EQ(verify({"--pubkey", public_key("measurer")}).output.find("without recomputing"),
+              std::string::npos);
+}
+
+// A verdict edited by hand with every hash put right: nobody signs it unseen.
+TEST_F(Signatures, AreNotMadeOfFiguresThatDoNotFollow) {
+    const fs::path trajectory = run() / "4-trajectory.ecsv";
+    std::string text = read_file(trajectory);
+    text[text.rfind("0.")] = '9';
+    write_file_atomically(trajectory, text);
+    const ProcessResult result = runcert(
+        {"sign", run().string(), "--key", key("measurer"), "--role", "measurer", "--no-render"});
+    EXPECT_EQ(result.exit_status, 2) << result.output;
+    EXPECT_FALSE(fs::exists(run() / "report.json.minisig"));
 }
 
 }  // namespace

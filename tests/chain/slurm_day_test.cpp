@@ -46,7 +46,8 @@ class SlurmDay : public testing::Test {
     }
 
     ProcessResult batch(const std::vector<std::string>& more) const {
-        std::vector<std::string> arguments{"batch", day.string(), "--out", out.string(), "--no-render"};
+        std::vector<std::string> arguments{"batch", day.string(), "--out", out.string(),
+                                           "--no-render"};
         arguments.insert(arguments.end(), more.begin(), more.end());
         return runcert(arguments);
     }

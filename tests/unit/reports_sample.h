@@ -358,7 +358,7 @@ inline Verdict verdict(const Options& options, const std::vector<Profile>& profi
     for (const Profile& profile : profiles) {
         ProfileVerdict entry{
             .profile = profile.id,
-            .rule = {.origin = RuleOrigin::built_in},
+            .rule = {.sha256 = std::string(64, 'a'), .origin = RuleOrigin::built_in},
             .body = profile.body,
             .title = profile.title,
             .outcome = options.certified ? Outcome::beaten : Outcome::not_certifiable,

@@ -23,6 +23,7 @@ Verdict verdict_of(const Decision& decision, const std::vector<std::string>& wit
     verdict.receiver = "primary";
     ProfileVerdict profile;
     profile.profile = "nalsa";
+    profile.rule.sha256 = std::string(64, 'a');
     profile.body = "b";
     profile.title = "t";
     profile.outcome = Outcome::beaten;

@@ -21,9 +21,9 @@ constexpr std::array attempt_elsewhere{
     "origin", "course", "rules",   "profiles", "parameters", "attempts_made"};
 
 /// Keys of a profile that only "check" and "report" read.
-constexpr std::array profile_of_check{"schema",  "body",       "title",  "accuracy",
-                                      "margin",  "rounding",   "result", "decision",
-                                      "current", "signatures", "clauses"};
+constexpr std::array profile_of_check{"schema",   "revision", "body",       "title",
+                                      "accuracy", "margin",   "rounding",   "result",
+                                      "decision", "current",  "signatures", "clauses"};
 
 /// Figures of a profile that the attempt may replace and that only "check" and "report" read.
 bool is_figure_of_check(const std::string& figure) {

@@ -108,10 +108,10 @@ TEST_F(TerminalProgressTest, ShowsWhatRunsBelowWhatEnded) {
     progress->attempt_begins(2, "third-" + accented);
     progress->step_begins(1, "smooth");
     progress->step_begins(2, "window");
+    progress->note("a note");  // before what the frame below is known by
     progress->attempt_ends(0, {.id = "first", .state = "failed", .error = "line 7: wrong"});
-    progress->note("a note");
     EXPECT_EQ(without_seconds(terminal.rows_when_last_has("1/9, 1 failed")),
-              (std::vector<std::string>{"[1/9] first  failed  0.0 s", "    line 7: wrong", "a note",
+              (std::vector<std::string>{"a note", "[1/9] first  failed  0.0 s", "    line 7: wrong",
                                         "  second-" + chinese + "  smooth  N s",
                                         "  third-" + accented + "      window  N s",
                                         "[###...........................] 1/9, 1 failed"}));
@@ -119,7 +119,7 @@ TEST_F(TerminalProgressTest, ShowsWhatRunsBelowWhatEnded) {
     progress->attempt_ends(1, {.id = "second", .state = "interrupted"});
     EXPECT_EQ(
         terminal.rows_when_last_has("3/9, 1 failed"),
-        (std::vector<std::string>{"[1/9] first  failed  0.0 s", "    line 7: wrong", "a note",
+        (std::vector<std::string>{"a note", "[1/9] first  failed  0.0 s", "    line 7: wrong",
                                   "[2/9] second  interrupted  0.0 s", "[3/9] third  done  0.0 s",
                                   "[##########....................] 3/9, 1 failed"}));
     progress.reset();

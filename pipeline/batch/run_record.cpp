@@ -1,11 +1,15 @@
 #include "batch/run_record.h"
 
+#include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 
 #include "core/failure.h"
 #include "files/atomic_file.h"
 #include "files/file_sync.h"
 #include "files/sha256.h"
+#include "schemas/products/products.h"
+#include "trust/signature_files.h"
 
 namespace runcert {
 namespace {
@@ -34,6 +38,20 @@ StepRecord step_of(const Json& json) {
             .seconds = json.at("seconds").get<double>()};
 }
 
+/// Whether a batch makes files of that name: no path, no folder, nobody else's file.
+bool is_file_of_a_run(const std::string& name) {
+    if (std::filesystem::path(name).filename() != name) return false;
+    if (is_product_name(name) || belongs_to_signatures(name)) return true;
+    constexpr std::array whole{"attempt.yaml", "wind.csv",    "current.csv",
+                               "report.json",  "report.html", "report.pdf"};
+    constexpr std::array begins{"profile.", "recording.", "base.",    "navigation.",
+                                "rtklib.",  "forward.",   "backward."};
+    return std::ranges::find(whole, name) != whole.end() ||
+           std::ranges::any_of(begins, [&](const char* part) {
+               return name.starts_with(part) && name.size() > std::string_view(part).size();
+           });
+}
+
 /// A record says what need not be made again, and which files are to be taken away: one that is not
 /// what was written is not to be read at all.
 RunRecord record_of(Json json) {
@@ -44,8 +62,8 @@ RunRecord record_of(Json json) {
     for (const auto& [name, step] : json.at("steps").items())
         record.steps[name] = step_of(step);
     for (const std::string name : json.at("published")) {
-        // These are taken away one day: nothing outside of the run folder may be among them.
-        if (std::filesystem::path(name).filename() != name) return {};
+        // These are taken away one day: only what a batch makes may be among them.
+        if (!is_file_of_a_run(name)) return {};
         record.published.push_back(name);
     }
     if (json.contains("failure")) {

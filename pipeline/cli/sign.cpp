@@ -75,6 +75,7 @@ int sign_run(const SignOptions& options) {
     require_role(options.role, "--role");
     require_passed(run_dir, verify_files(run_dir, report));
     require_passed(run_dir, verify_chain(run_dir, report));
+    require_passed(run_dir, verify_schemas(run_dir, report));
     require_passed(run_dir, verify_rules(run_dir));
     require_passed(run_dir, verify_report(run_dir, report));
     if (!options.no_recompute) require_passed(run_dir, verify_recomputation(run_dir));

@@ -6,7 +6,10 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <string_view>
 #include <vector>
+
+#include "core/failure.h"
 
 namespace runcert {
 
@@ -43,6 +46,13 @@ std::string number(const Json& value) {
 /// Points as a block of data, a line end for each null: there the line breaks.
 std::string data_block(const std::string& name, const Json& points) {
     const bool banded = points.contains("lower");
+    for (const char* list : {"y", "lower", "upper"})
+        if ((banded || std::string_view(list) == "y") &&
+            points.at(list).size() != points.at("x").size())
+            throw Failure(fmt::format("report.json, figures, {}", list),
+                          fmt::format("it has {} values for {} of x", points.at(list).size(),
+                                      points.at("x").size()),
+                          "Take the original report, or certify the attempt again");
     std::string block = "$" + name + " << EOD\n";
     for (std::size_t i = 0; i < points["x"].size(); ++i) {
         if (!points["y"][i].is_null()) {

@@ -119,5 +119,45 @@ TEST_F(Attacks, Rule01AReplacedFigureIsSaidInTheHeadline) {
     EXPECT_FALSE(holds(result.output, "Record beaten")) << result.output;
 }
 
+TEST_F(Attacks, Input12AReportWithACurveThatIsTooShortIsRefused) {
+    certify(attempt(), run(), {"--no-render"});
+    auto report = nlohmann::ordered_json::parse(read_file(run() / "report.json"));
+    report["predicate"]["figures"][0]["curves"][0]["y"] = nlohmann::ordered_json::array();
+    write_file_atomically(run() / "report.json", report.dump(2));
+    const ProcessResult rendered = run_process({RUNCERT_PROGRAMS "/runcert-report", "--attempt",
+                                                (run() / "attempt.yaml").string(), "--run-dir",
+                                                run().string(), "--render-only"});
+    EXPECT_EQ(rendered.exit_status, 2) << rendered.output << rendered.errors;
+    EXPECT_TRUE(holds(rendered.errors, "0 values for")) << rendered.errors;
+    EXPECT_FALSE(fs::exists(run() / "report.html"));
+}
+
+TEST_F(Attacks, Input12AReportThatBreaksItsSchemaIsNotSigned) {
+    certify(attempt(), run(), {"--no-render"});
+    auto report = nlohmann::ordered_json::parse(read_file(run() / "report.json"));
+    report["predicate"]["praise"] = "the fastest";
+    write_file_atomically(run() / "report.json", report.dump(2));
+    const std::string key = (folder_.path() / "key").string();
+    ASSERT_EQ(runcert({"keygen", "--out", key, "--no-password"}).exit_status, 0);
+    const ProcessResult result = runcert({"sign", run().string(), "--key", key + ".key", "--role",
+                                          "measurer", "--no-render", "--no-recompute"});
+    EXPECT_EQ(result.exit_status, 2) << result.output;
+    EXPECT_TRUE(holds(result.errors, "praise")) << result.errors;
+}
+
+// What was recomputed before is not evidence of what lies there now.
+TEST_F(Attacks, Recompute04StopsAfterAFaultUnlessAskedToGoOn) {
+    certify(attempt(), run(), {"--no-render"});
+    replace_in(run() / "4-trajectory.ecsv", "0.", "9.");
+    const ProcessResult stopped = runcert({"verify", run().string(), "--recompute"});
+    EXPECT_EQ(stopped.exit_status, 1);
+    EXPECT_TRUE(holds(stopped.output, "not done, because of what was found above"))
+        << stopped.output;
+    const ProcessResult went_on =
+        runcert({"verify", run().string(), "--recompute", "--keep-going"});
+    EXPECT_EQ(went_on.exit_status, 1);
+    EXPECT_TRUE(holds(went_on.output, "NO   recompute")) << went_on.output;
+}
+
 }  // namespace
 }  // namespace runcert::chain::RUNCERT_FILE

@@ -35,6 +35,31 @@ std::string training_center_track() {
            points + "</Track></Lap></Activity></Activities></TrainingCenterDatabase>";
 }
 
+// gpsbabel obeys a gpsbabel.ini in the folder that it is called from: whoever hands one in would
+// change what is read.
+TEST(GpsbabelConvert, ObeysNoPreferencesOfTheFolderItIsCalledFrom) {
+    if (!has_gpsbabel()) GTEST_SKIP() << "gpsbabel is not installed";
+    const std::string text = training_center_track();
+    const RecordingBytes recording{.name = "f.tcx", .bytes = text};
+    const std::string before = gpsbabel::convert("gtrnctr", recording).gpx;
+    const TemporaryFolder folder;
+    write_file_atomically(folder.path() / "gpsbabel.ini",
+                          "[gpx]\nelevprec=0\nsuppresswhite=1\n[gtrnctr]\n");
+    const std::filesystem::path here = std::filesystem::current_path();
+    std::filesystem::current_path(folder.path());
+    const ProcessResult obeyed = run_process(
+        {"sh", "-c", "cat > t.tcx && gpsbabel -t -i gtrnctr -f t.tcx -o gpx,gpxver=1.0 -F -"},
+        {.standard_input = [&] {
+            write_file_atomically(folder.path() / "in.tcx", text);
+            return folder.path() / "in.tcx";
+        }()});
+    const std::string after = gpsbabel::convert("gtrnctr", recording).gpx;
+    std::filesystem::current_path(here);
+    EXPECT_EQ(obeyed.output.find("<ele>10.000"), std::string::npos) << "the file has no effect";
+    const auto track = [](const std::string& gpx) { return gpx.substr(gpx.find("<bounds")); };
+    EXPECT_EQ(track(after), track(before));  // what stands before says when it was converted
+}
+
 TEST(GpsbabelConvert, TrainingCenterTrackComesThroughWhole) {
     if (!has_gpsbabel()) GTEST_SKIP() << "gpsbabel is not installed";
     const std::string text = training_center_track();

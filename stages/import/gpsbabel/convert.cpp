@@ -55,7 +55,7 @@ Converted convert(const std::string& type, const RecordingBytes& recording) {
     const ProcessResult result =
         run_process({"timeout", "--kill-after=5", std::string(seconds), "prlimit",
                      fmt::format("--as={}", bytes), fmt::format("--fsize={}", bytes), "gpsbabel",
-                     "-t", "-i", type, "-f", from, "-o", "gpx,gpxver=1.0", "-F", to},
+                     "-p", "", "-t", "-i", type, "-f", from, "-o", "gpx,gpxver=1.0", "-F", to},
                     {.environment = environment});
     if (result.exit_status != 0) refuse(result, type, recording);
     converted.gpx = read_file(to);

@@ -12,10 +12,26 @@
 #include "files/pattern_list.h"
 
 namespace runcert {
+namespace {
+
+/// A folder of results may come from elsewhere; its own parts must lie in it.
+void refuse_links(const BatchFolders& folders) {
+    refuse_link(folders.own());
+    std::error_code none;
+    for (const auto& entry : std::filesystem::directory_iterator(folders.own(), none)) {
+        refuse_link(entry.path());
+        if (!entry.is_directory()) continue;
+        for (const auto& inner : std::filesystem::directory_iterator(entry.path()))
+            refuse_link(inner.path());
+    }
+}
+
+}  // namespace
 
 std::optional<FolderLock> lock_day(const BatchOrder& order, LockKind kind,
                                    const std::stop_token& stop) {
     const BatchFolders folders(order.context.out);
+    refuse_links(folders);
     make_directory(folders.own());
     if (order.wait)
         return FolderLock::wait_lock(folders.day_lock(), kind, stop, [](const std::string& holder) {

@@ -183,6 +183,7 @@ RunState update_run(const DayAttempt& attempt, const BatchContext& context, cons
                     const std::stop_token& stop) {
     const fs::path run_dir = context.out / attempt.id;
     return guarded(run_dir, [&]() -> RunState {
+        refuse_link(run_dir);
         const auto taken =
             FolderLock::try_lock(BatchFolders(context.out).lock(attempt.id), LockKind::exclusive);
         if (!taken.lock)

@@ -327,6 +327,14 @@ void sync_folder(const fs::path& folder) {
     sync_opened(folder, folder, "this folder cannot be written to the disk");
 }
 
+void refuse_link(const fs::path& path) {
+    std::error_code none;
+    if (fs::is_symlink(fs::symlink_status(path, none)))
+        throw Failure(path.string(),
+                      "this is a symbolic link, and nothing is written or removed through one",
+                      "Remove the link, or name the folder that it leads to");
+}
+
 void make_directory(const fs::path& path) {
     std::error_code error;
     fs::create_directories(path, error);

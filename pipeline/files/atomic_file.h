@@ -92,6 +92,10 @@ void read_pieces(const std::filesystem::path& path,
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes,
                            FileAccess access = FileAccess::by_umask);
 
+/// Failure where a name in a folder that came from elsewhere is a symbolic link: what is written or
+/// removed under it would be so at another place.
+void refuse_link(const std::filesystem::path& path);
+
 /// Makes a folder and those above it; nothing happens where it exists already.
 /// Failure where it cannot be made, e.g. where a file has that name.
 void make_directory(const std::filesystem::path& path);

@@ -119,7 +119,8 @@ bool have_died(const std::string& text) {
 int open_lock_file(const std::string& path) {
     const fs::path folder = fs::path(path).parent_path();
     if (!folder.empty()) make_directory(folder);
-    const int file = open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+    refuse_link(path);
+    const int file = open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0666);
     if (file < 0) refuse(path, errno);
     return file;
 }

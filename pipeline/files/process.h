@@ -62,8 +62,8 @@ struct ProcessResult {
 ProcessResult run_process(const std::vector<std::string>& arguments,
                           const ProcessOptions& options = {});
 
-/// The files that a program's name may stand for, in the order in which they are tried: itself where
-/// it holds a slash, else that name in each folder of PATH.
+/// The files that a program's name may stand for, in the order in which they are tried: itself
+/// where it holds a slash, else that name in each folder of PATH.
 std::vector<std::string> program_candidates(const std::string& name);
 
 /// The folder that holds the running program, where its companions are.

@@ -119,6 +119,38 @@ TEST_F(Attacks, Rule01AReplacedFigureIsSaidInTheHeadline) {
     EXPECT_FALSE(holds(result.output, "Record beaten")) << result.output;
 }
 
+TEST_F(Attacks, Files07NothingIsWrittenOrRemovedThroughALinkInAFolderOfResults) {
+    const fs::path out = folder_.path() / "out";
+    const fs::path victim = folder_.path() / "victim";
+    fs::create_directory(victim);
+    write_file_atomically(victim / "kept.txt", "kept");
+    write_file_atomically(victim / "report.json", "theirs");
+    const auto before = contents_of(victim);
+    for (const char* link : {".runcert", ".runcert/batch.lock", ".runcert/work",
+                             ".runcert/work/land-yacht", ".runcert/records", "land-yacht"}) {
+        SCOPED_TRACE(link);
+        fs::remove_all(out);
+        fs::create_directories((out / link).parent_path());
+        fs::create_symlink(std::string(link).ends_with(".lock") ? victim / "kept.txt" : victim,
+                           out / link);
+        const ProcessResult result =
+            runcert({"batch", attempt().string(), "--out", out.string(), "--no-render"});
+        EXPECT_EQ(result.exit_status, 2) << result.output << result.errors;
+        EXPECT_TRUE(holds(result.output + result.errors, "symbolic link"))
+            << result.output << result.errors;
+        EXPECT_EQ(contents_of(victim), before);
+    }
+}
+
+TEST_F(Attacks, Input11WhatCertifyAcceptsInANameVerifyAcceptsToo) {
+    replace_in(attempt(), "name: simulated land yacht", "name: \"yacht \\x7f one \\ufeff\"");
+    const ProcessResult made = certify(attempt(), run(), {"--no-render"});
+    ASSERT_EQ(made.exit_status, 0) << made.errors;
+    const ProcessResult verified = runcert({"verify", run().string(), "--recompute"});
+    EXPECT_TRUE(holds(verified.output, "yes  schemas")) << verified.output;
+    EXPECT_TRUE(holds(verified.output, "yes  recompute")) << verified.output;
+}
+
 TEST_F(Attacks, Input12AReportWithACurveThatIsTooShortIsRefused) {
     certify(attempt(), run(), {"--no-render"});
     auto report = nlohmann::ordered_json::parse(read_file(run() / "report.json"));

@@ -12,9 +12,9 @@ struct ScreeningNoise {
     ScreeningModel summary;
 };
 
-/// Learns it from the epochs that a first look at the rows leaves: a forward innovation test with
-/// the class's motion and the stated standard deviations times a robust factor, whose only use is
-/// to keep gross errors out of the fit. The jerk density is the larger of the class's and the
+/// Estimates it from the epochs that a first look at the rows leaves: a forward innovation test
+/// with the class's motion and the stated standard deviations times a robust factor, whose only use
+/// is to keep gross errors out of the fit. The jerk density is the larger of the class's and the
 /// fitted one: what the craft can do must not be taken for an error because it did not do it for
 /// long. Nor is the white noise taken to be less than a fraction of what is stated: where a
 /// receiver has filtered its positions they follow one another more smoothly than they are

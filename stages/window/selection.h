@@ -51,7 +51,7 @@ enum class DrawnErrors {
 ///
 /// Where the craft is fast for longer than a window, the fastest of many windows is the one whose
 /// errors point forward. How much that adds is found by doing it again: the motion through each
-/// cluster, and five seconds before and after it, is estimated anew with a jerk density fitted to
+/// cluster, and five seconds before and after it, is estimated again with a jerk density fitted to
 /// that stretch alone, errors are drawn onto it (all windows of a draw share them: their joint
 /// distribution), each draw is smoothed and searched as the recording was, and the speed stated for
 /// its fastest window is compared with that window's true one; what smoothing itself does to the

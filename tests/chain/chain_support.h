@@ -17,6 +17,17 @@ namespace runcert::chain {
 
 namespace fs = std::filesystem;
 
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define RUNCERT_ADDRESS_SANITIZER  // as clang says it
+#endif
+#endif
+#if defined(__SANITIZE_ADDRESS__) || defined(RUNCERT_ADDRESS_SANITIZER)
+inline constexpr double slower = 10.0;  ///< with the sanitizers, in time and memory
+#else
+inline constexpr double slower = 1.0;
+#endif
+
 inline const fs::path examples = fs::path(RUNCERT_SOURCE_DIR) / "examples";
 
 using Environment = std::vector<std::pair<std::string, std::string>>;

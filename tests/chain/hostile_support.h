@@ -19,16 +19,6 @@
 
 namespace runcert::chain {
 
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define RUNCERT_ADDRESS_SANITIZER  // as clang says it
-#endif
-#endif
-#if defined(__SANITIZE_ADDRESS__) || defined(RUNCERT_ADDRESS_SANITIZER)
-inline constexpr double slower = 10.0;  ///< with the sanitizers, in time and memory
-#else
-inline constexpr double slower = 1.0;
-#endif
 inline constexpr double longest_s = 2.0 * slower;  ///< of the processor
 inline constexpr auto hung = std::chrono::minutes(10);
 inline constexpr double most_bytes = 512.0 * 1024 * 1024 * slower;

@@ -11,7 +11,7 @@
 
 namespace runcert {
 
-/// A share of the attempts: those whose place, modulo `of`, is `part`.
+/// A share of the attempts: those whose place, from 0, modulo `of`, is `part`. `of` is at least 1.
 struct Share {
     std::size_t part = 0;
     std::size_t of = 1;
@@ -22,7 +22,9 @@ struct BatchOrder {
     std::vector<std::filesystem::path> day;  ///< a folder, a day file, or attempt files
     BatchContext context;
     ProgressOptions progress = {};
+    /// Runs side by side, at least 1.
     std::size_t jobs = 1;
+    /// What the runs side by side may be expected to need together.
     std::uint64_t memory_bytes = 0;
     std::vector<std::string> only = {};  ///< patterns of ids; empty for all
     bool wait = false;                   ///< for another batch on the same folder to end
@@ -34,19 +36,23 @@ struct BatchOrder {
 int run_batch(const BatchOrder& order);
 
 /// Certifies the attempts of a share, of those whose ids `pending` lists, one a line; no results.
+/// Exit status and Failure as of `run_batch`.
 int run_share(const BatchOrder& order, const Share& share, const std::filesystem::path& pending);
 
 /// Writes the day's results of what is there. Of the runs whose ids `pending` lists, one a line, a
 /// few that their tasks on a cluster left unfinished are made first; empty: none.
+/// The exit status: 0 where all attempts of the day are done, else 2.
 int gather_day(const BatchOrder& order, const std::filesystem::path& pending);
 
 /// Submits what is to be done to a Slurm cluster: an array job, and one after it that gathers.
 /// `task_options` are passed on to their calls. Where nothing is to be done, gathers at once; where
-/// earlier jobs are still under way, says how they stand.
+/// earlier jobs are still under way, says how they stand. The exit status: 0, or 2 where it gathers
+/// and an attempt is not done, or is interrupted while it waits.
 int submit_day(const BatchOrder& order, const std::vector<std::string>& task_options,
                const std::vector<std::string>& slurm_args);
 
 /// Says how the day stands: what is done, failed and to do, and how its jobs on a cluster are.
+/// The exit status: 0 where all are done, else 1.
 int say_status(const BatchOrder& order);
 
 }  // namespace runcert

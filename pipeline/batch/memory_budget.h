@@ -12,11 +12,14 @@ namespace runcert {
 /// that is expected to need more than the whole budget runs alone. For several threads.
 class MemoryBudget {
   public:
+    /// A budget of so many bytes.
     explicit MemoryBudget(std::uint64_t bytes) : budget_(bytes) {}
 
     /// Waits until a run of that need fits; false where a stop is requested first. Runs are let in
     /// in the order in which they come: a large one is not passed by small ones for ever.
     bool acquire(std::uint64_t bytes, const std::stop_token& stop);
+    /// Gives back what a run acquired: call it once for each `acquire` that returned true, with the
+    /// same number of bytes.
     void release(std::uint64_t bytes);
 
   private:
@@ -44,7 +47,8 @@ class MemoryBudget {
 /// So smoothing takes 9 to 15 KiB for each epoch, and decides from some 10,000 on.
 std::uint64_t expected_memory(std::uint64_t epochs);
 
-/// Four fifths of the memory that the computer has available now.
+/// Four fifths of the memory that the computer has available now (bytes), by MemAvailable of
+/// /proc/meminfo; 1 GiB where that cannot be read.
 std::uint64_t available_memory();
 
 }  // namespace runcert

@@ -9,21 +9,25 @@
 
 namespace runcert {
 
+/// An attempt that is being run, and the step that it is at.
 struct RunningAttempt {
     std::string id;
     std::string step;
     double seconds = 0.0;  ///< since the step began
 };
 
+/// What the frame says of the day: counts of attempts, and the pace where it is known.
 struct FrameContents {
     std::vector<RunningAttempt> running = {};
     std::size_t total = 0;
     std::size_t ended = 0;  ///< done, failed, interrupted or skipped
     std::size_t failed = 0;
     std::optional<double> runs_per_minute = {};
+    /// Until all attempts have ended, as expected.
     std::optional<double> seconds_left = {};
 };
 
+/// The size of the terminal, in characters.
 struct TerminalSize {
     std::size_t columns = 80;
     std::size_t rows = 24;

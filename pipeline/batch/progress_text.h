@@ -9,10 +9,13 @@
 
 namespace runcert {
 
+/// How the lines of a finished attempt are written.
 struct AttemptTextOptions {
+    /// The attempt's place in the day, from 0 (shown from 1), of `total`.
     std::size_t index = 0;
     std::size_t total = 0;
     std::size_t columns = 80;  ///< the first line is cut to these
+    /// Says why each step ran or was kept.
     bool explain = false;
     bool colour = false;  ///< of the state, by ANSI sequences
 };
@@ -33,6 +36,7 @@ std::string summary_text(const DaySummary& summary);
 /// The closing lines alone.
 std::string closing_text(const DaySummary& summary);
 
+/// Seconds as text, rounded to the last unit shown; negative ones as 0.
 /// 8.31 as "8.3 s", 754 as "12 min 34 s", 7500 as "2 h 5 min".
 std::string duration_text(double seconds);
 

@@ -24,7 +24,9 @@ class RunMaking {
     RunMaking(const DayAttempt& given, const BatchContext& context, const StepWatch& watch,
               const std::stop_token& stop);
 
+    /// Does what `update_run` says, for who holds the lock of the run.
     RunState update();
+    /// Does what `inspect_run` says, and writes nothing.
     RunState inspect();
 
   private:

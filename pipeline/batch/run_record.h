@@ -44,6 +44,8 @@ struct RunRecord {
 /// none: the run is then recomputed.
 RunRecord read_run_record(const std::filesystem::path& file);
 
+/// Writes a record with a checksum of its own, by which `read_run_record` knows it. Atomically
+/// where files were published. Failure where it cannot be written.
 void write_run_record(const std::filesystem::path& file, const RunRecord& record);
 
 }  // namespace runcert

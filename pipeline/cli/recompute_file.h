@@ -6,6 +6,7 @@
 
 namespace runcert {
 
+/// The name of the measurement report in a run folder.
 inline constexpr const char* report_file = "report.json";
 
 /// How a file of a run folder stands to the same one made again.
@@ -15,6 +16,7 @@ struct FileComparison {
     bool identical = false;
     /// The first difference that is not tolerated: where, and both values.
     std::optional<std::string> first = std::nullopt;
+    /// Of the tolerated differences the largest ratio, no unit, and the place of that value.
     double largest_ratio = 0.0;  ///< of what is: to its standard uncertainty
     std::string where_largest = {};
     std::string maker = {};  ///< of the folder's file; empty where it is this program
@@ -24,7 +26,8 @@ struct FileComparison {
 };
 
 /// Compares a product, or report.json, of two folders. What says who made it from which bytes is
-/// not compared.
+/// not compared. A file that is missing in one folder, or cannot be understood, is a difference and
+/// no Failure; one that cannot be opened is a Failure.
 FileComparison compare_file(const std::filesystem::path& run_dir,
                             const std::filesystem::path& recomputed, const std::string& name);
 

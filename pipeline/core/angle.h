@@ -5,6 +5,7 @@
 
 namespace runcert {
 
+/// One radian in degrees, 180 / pi.
 inline constexpr double degrees_per_radian = 180.0 / std::numbers::pi;
 
 /// A plane angle. Made only through a function that names the unit, so that degrees and radians
@@ -14,12 +15,13 @@ inline constexpr double degrees_per_radian = 180.0 / std::numbers::pi;
 /// read from text, keeps its exact value; radians are rounded once, to within 1 ulp.
 class Angle {
   public:
+    /// The zero angle.
     constexpr Angle() = default;
 
-    /// The angle of so many radians.
+    /// The angle of so many radians. No range is checked and nothing is reduced to one turn.
     static constexpr Angle from_radians(double radians) { return Angle(radians * (180.0 / pi)); }
 
-    /// The angle of so many degrees.
+    /// The angle of so many degrees, kept as they are.
     static constexpr Angle from_degrees(double degrees) { return Angle(degrees); }
 
     /// The angle of `degrees`, `minutes` and `seconds` of arc, all non-negative, with the sign of
@@ -30,7 +32,9 @@ class Angle {
         return Angle(sign < 0 ? -magnitude : magnitude);
     }
 
+    /// The angle in radians, not reduced to one turn.
     constexpr double radians() const { return degrees_ * (pi / 180.0); }
+    /// The angle in degrees, as it is kept.
     constexpr double degrees() const { return degrees_; }
 
     friend constexpr bool operator==(Angle, Angle) = default;

@@ -19,8 +19,11 @@ class Failure : public std::runtime_error {
           what_(std::move(what)),
           remedy_(std::move(remedy)) {}
 
+    /// The file, and where known the line, column or byte.
     const std::string& where() const { return where_; }
+    /// The constructor's `what`: what was found and what was expected. what() has all three.
     const std::string& problem() const { return what_; }
+    /// What the user can do about it.
     const std::string& remedy() const { return remedy_; }
 
   private:

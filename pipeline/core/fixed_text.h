@@ -12,12 +12,14 @@ inline constexpr std::size_t fixed_text_room = 48;
 inline constexpr std::uint64_t fixed_text_limit = 10'000'000'000'000'000;
 
 /// Writes `count` times ten to the power of minus `decimals`: "-1.250" for 1250, 3 and `negative`.
-/// `count` is below fixed_text_limit, `decimals` 0 to 12. Returns the end of the text.
+/// `count` is below fixed_text_limit, `decimals` 0 to 12; neither is checked. Exact. Returns the
+/// end of the text, which no zero byte follows.
 char* write_scaled(char* to, std::uint64_t count, int decimals, bool negative);
 
 /// Writes a number as format_fixed (core/text.h) does, or returns null where this quick way cannot
 /// be sure of the last digit: where the number lies too near the middle between two neighbours, is
-/// large, is not finite, or has more than 12 decimals. Returns the end of the text.
+/// large (2^52 or more in units of the last decimal) or not finite, or where `decimals` is not 0 to
+/// 12. What rounds to zero has no minus sign. Returns the end of the text.
 char* write_fixed_quickly(char* to, double value, int decimals);
 
 }  // namespace runcert

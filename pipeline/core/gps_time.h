@@ -34,6 +34,7 @@ class GpsTime {
     /// The GPS epoch.
     constexpr GpsTime() = default;
 
+    /// The instant so many nanoseconds after the GPS epoch, exact; negative before it.
     static constexpr GpsTime from_nanoseconds(std::int64_t nanoseconds) {
         return GpsTime(nanoseconds);
     }
@@ -47,6 +48,7 @@ class GpsTime {
     /// (month 13, 30 February, second 60) or the instant out of span.
     static GpsTime from_calendar(const CalendarTime& gps);
 
+    /// Nanoseconds since the GPS epoch, negative before it.
     constexpr std::int64_t nanoseconds() const { return nanoseconds_; }
 
     /// Full week number, negative before the epoch.
@@ -61,13 +63,15 @@ class GpsTime {
         return remainder < 0 ? remainder + nanoseconds_per_week : remainder;
     }
 
-    /// The calendar time on the GPS time scale.
+    /// The calendar time on the GPS time scale, exact.
     CalendarTime calendar() const;
 
-    /// This instant minus `earlier`, exact, in nanoseconds. Failure on overflow.
+    /// This instant minus `earlier`, exact, in nanoseconds. Failure where the two are more than 292
+    /// years apart.
     std::int64_t nanoseconds_since(GpsTime earlier) const;
 
-    /// This instant minus `earlier` in seconds: the exact difference, to within 1 ulp.
+    /// This instant minus `earlier` in seconds: the exact difference, to within 1 ulp. Failure as
+    /// of `nanoseconds_since`.
     double seconds_since(GpsTime earlier) const;
 
     /// The instant `nanoseconds` later. Failure where it is out of span.
@@ -84,7 +88,8 @@ class GpsTime {
 
 /// ISO 8601 text of an instant on the GPS time scale, as "2022-03-18T08:51:22.300", with 0 to 9
 /// decimals, rounded to nearest (a half goes up, to the later instant), carries included.
-/// It has no suffix, because ISO 8601 has none for GPS time.
+/// It has no suffix, because ISO 8601 has none for GPS time. Failure where rounding leaves the
+/// span.
 std::string to_iso(GpsTime time, int decimals = 3);
 
 /// The instant written "YYYY-MM-DDTHH:MM:SS[.fffffffff]" on the GPS time scale. A blank may stand

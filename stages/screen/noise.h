@@ -5,7 +5,8 @@
 
 namespace runcert {
 
-/// The noise that the tests rest on, and what screening says of it.
+/// The noise that the tests rest on, and what screening says of it. Jerk densities in m s^-2.5,
+/// the time-correlated error in m and s, scales in units of the stated standard deviations.
 struct ScreeningNoise {
     EstimationModel model;   ///< what the tests take it to be
     EstimationModel fitted;  ///< what the recording shows
@@ -22,6 +23,14 @@ struct ScreeningNoise {
 /// velocities are recorded, which then settle what seem to be drifts.) Fitted to at most 3,000
 /// epochs, in stretches over the whole recording, so that it costs the same for a long one. Figures
 /// are rounded to the decimals of the file.
+///
+/// Noise is not fitted where `config.fit_noise` is false or the fit does not succeed. The model is
+/// then the class's jerk density and the stated standard deviations times a robust factor. That
+/// factor is the root of the median innovation statistic over the median of chi squared with Axes
+/// degrees of freedom, and at least 1.
+///
+/// Axes is 2 for east and north of the local frame, 1 for heights. The smallest fraction of the
+/// stated noise is `config.noise_scale_min`. Figures have 6 decimals.
 template <int Axes>
 ScreeningNoise estimate_screening_noise(const ScreenedTable& first_look,
                                         const ScreenConfig& config);

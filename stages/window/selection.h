@@ -16,11 +16,12 @@ inline constexpr double selection_width = 4.0;
 /// stands has no speed to take a bias off.
 double less_bias(double speed_m_s, double bias_m_s);
 
-/// Windows of one arc that could have been the best, close enough to one another to be estimated
-/// together.
+/// Windows of one arc (Axes 2: east and north; 1: heights alone) that could have been the best,
+/// close enough to one another to be estimated together.
 template <int Axes>
 struct WindowCluster {
     const Arc<Axes>* arc = nullptr;
+    /// Indices of the first and last epoch into the epochs of `arc`.
     std::vector<EpochPair> windows;  ///< in the order of their beginning
     /// Which of them is the chosen window; empty where it is in another cluster.
     std::optional<std::size_t> chosen = std::nullopt;
@@ -65,6 +66,10 @@ enum class DrawnErrors {
 /// half their difference as its limits.
 ///
 /// `stated_m_s` is the speed of the chosen window, which one of the clusters has, as estimated.
+/// `samples` is the number of draws for each of the two kinds of errors, at least 2. The same
+/// `seed` gives the same answer, whatever the number of threads. Neither bias is below 0, and the
+/// bounded one not below the fitted one. `bias_uncertainty_m_s` is the larger standard uncertainty
+/// of their means, from the finite number of draws. `treatment` is left to the caller.
 template <int Axes>
 SelectionBias selection_bias(const std::vector<WindowCluster<Axes>>& clusters,
                              const SelectionModels& models, double stated_m_s, std::int64_t samples,

@@ -45,7 +45,7 @@ void RunMaking::withdraw_void() {
             if (const std::string name = entry.path().filename().string();
                 belongs_to_signatures(name))
                 names.push_back(name);
-        if (names.size() > 3) supersede_signatures(files_.run_dir());
+        supersede_signatures(files_.run_dir());
     }
     for (const std::string& name : record_.published)
         if (!current_.contains(name) && !is_report(name)) names.push_back(name);

@@ -92,22 +92,21 @@ StagingFolder::~StagingFolder() {
 
 void StagingFolder::publish() {
     std::vector<std::string> names;
-    for (const auto& entry : fs::directory_iterator(path_))
-        names.push_back(entry.path().filename().string());
+    for (const auto& entry : fs::recursive_directory_iterator(path_)) {
+        const fs::path name = fs::relative(entry.path(), path_);
+        if (entry.is_directory()) {
+            refuse_link(run_dir_ / name);
+            make_directory(run_dir_ / name);
+        } else {
+            names.push_back(name.string());
+        }
+    }
     std::sort(names.begin(), names.end(), [](const std::string& a, const std::string& b) {
         return std::pair(is_report(a), a) < std::pair(is_report(b), b);
     });
     std::vector<fs::path> made;
-    for (const std::string& name : names) {
-        if (fs::is_directory(path_ / name)) make_directory(run_dir_ / name);
+    for (const std::string& name : names)
         made.push_back(path_ / name);
-    }
-    // A folder's files join those that are there under other names.
-    for (const auto& entry : fs::recursive_directory_iterator(path_))
-        if (entry.path().parent_path() != path_)
-            names.push_back(fs::relative(entry.path(), path_).string());
-    std::erase_if(names, [&](const std::string& name) { return fs::is_directory(path_ / name); });
-    std::erase_if(made, [](const fs::path& each) { return fs::is_directory(each); });
     sync_files(made);
     std::error_code error;
     // What still stands of the earlier report's signatures was brought into this folder.

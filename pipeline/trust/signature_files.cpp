@@ -29,6 +29,7 @@ std::vector<std::string> signature_names(const fs::path& run_dir) {
 
 /// A file in `folder`'s folder of what was superseded that neither it nor `other`'s has.
 fs::path free_place(const fs::path& folder, const fs::path& other, const std::string& name) {
+    refuse_link(folder / superseded_folder);
     make_directory(folder / superseded_folder);
     const auto is_free = [&](const std::string& free) {
         return !fs::exists(fs::symlink_status(folder / superseded_folder / free)) &&

@@ -142,6 +142,20 @@ TEST_F(Attacks, Files07NothingIsWrittenOrRemovedThroughALinkInAFolderOfResults) 
     }
 }
 
+TEST_F(Attacks, Files07SignaturesAreNotMovedThroughALink) {
+    const std::string key = (folder_.path() / "key").string();
+    ASSERT_EQ(runcert({"keygen", "--out", key, "--no-password"}).exit_status, 0);
+    certify(attempt(), run(), {"--no-render", "--key", key + ".key"});
+    const std::string signature = read_file(run() / "report.json.minisig");
+    fs::create_directory(folder_.path() / "elsewhere");
+    fs::create_symlink(folder_.path() / "elsewhere", run() / "superseded");
+    const ProcessResult again = certify(attempt(), run(), {"--no-render", "--key", key + ".key"});
+    EXPECT_EQ(again.exit_status, 2) << again.output;
+    EXPECT_TRUE(holds(again.errors, "symbolic link")) << again.errors;
+    EXPECT_TRUE(fs::is_empty(folder_.path() / "elsewhere"));
+    EXPECT_EQ(read_file(run() / "report.json.minisig"), signature);
+}
+
 TEST_F(Attacks, Input11WhatCertifyAcceptsInANameVerifyAcceptsToo) {
     replace_in(attempt(), "name: simulated land yacht", "name: \"yacht \\x7f one \\ufeff\"");
     const ProcessResult made = certify(attempt(), run(), {"--no-render"});

@@ -7,11 +7,11 @@
 
 #include "core/failure.h"
 #include "core/plain_text.h"
+#include "files/arithmetic.h"
 #include "files/atomic_file.h"
 #include "files/process.h"
 #include "files/program.h"
 #include "recompute_file.h"
-#include "recompute_pages.h"
 #include "run/chain.h"
 #include "schemas/products/products.h"
 
@@ -79,17 +79,17 @@ void add(Comparisons& all, FileComparison file) {
 }
 
 /// The report is made in `own`.
-Comparisons compare_all(const fs::path& run_dir, const fs::path& recomputed, const fs::path& own) {
+Comparisons compare_all(const fs::path& run_dir, const fs::path& recomputed, const fs::path& own,
+                        bool same_arithmetic) {
     Comparisons all;
     for (const std::string& name : products_of(recomputed, run_dir))
-        add(all, compare_file(run_dir, recomputed, name));
-    if (!fs::exists(run_dir / report_file)) return all;
+        add(all, compare_file(run_dir, recomputed, name, same_arithmetic));
     if (const auto failed = recompute_report(run_dir, own))
         add(all, {.file = report_file,
                   .stage = "report",
                   .first = "cannot be made from the folder's files: " + *failed});
     else
-        add(all, compare_file(run_dir, own, report_file));
+        add(all, compare_file(run_dir, own, report_file, same_arithmetic));
     return all;
 }
 
@@ -110,7 +110,7 @@ std::string finding_of(const Comparisons& all) {
 
 }  // namespace
 
-VerificationStep verify_recomputation(const fs::path& run_dir) {
+VerificationStep verify_recomputation(const fs::path& run_dir, const ReportFacts& report) {
     VerificationStep step{.passed = true, .what = "recompute", .finding = {}, .details = {}};
     const TemporaryFolder folder;
     if (const auto failed = recompute(run_dir, folder.path())) {
@@ -120,7 +120,8 @@ VerificationStep verify_recomputation(const fs::path& run_dir) {
         return step;
     }
     const TemporaryFolder own;
-    const Comparisons all = compare_all(run_dir, folder.path(), own.path());
+    const bool same_arithmetic = report.arithmetic == arithmetic_fingerprint();
+    const Comparisons all = compare_all(run_dir, folder.path(), own.path(), same_arithmetic);
     step.passed = all.different.empty();
     step.finding = plain_text(finding_of(all));
     for (std::size_t i = 1; i < all.different.size(); ++i)
@@ -129,18 +130,16 @@ VerificationStep verify_recomputation(const fs::path& run_dir) {
         step.details.push_back(fmt::format("{} of {} files are identical, {} within the tolerance",
                                            all.identical, all.files,
                                            all.files - all.identical - all.different.size()));
+    if (!same_arithmetic)
+        step.details.push_back(
+            plain_text(fmt::format("note: the mathematical library or the processor that computed "
+                                   "({}) is another than here ({})",
+                                   report.arithmetic, arithmetic_fingerprint())));
     for (const std::string& maker : all.makers)
         step.details.push_back(plain_text(
             fmt::format("note: the folder's files were made by {}, recomputed by runcert {}, "
                         "source {}",
                         maker, program_version(), source_revision())));
-    PageComparison pages = compare_pages(run_dir, own.path());
-    if (!pages.passed && step.passed) {
-        step.passed = false;
-        step.finding = "the files are as recomputed, the page is not";
-    }
-    for (std::string& detail : pages.details)
-        step.details.push_back(std::move(detail));
     return step;
 }
 

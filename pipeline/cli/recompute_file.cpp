@@ -9,6 +9,7 @@
 #include "files/atomic_file.h"
 #include "files/program.h"
 #include "reports/diff/table_comparison.h"
+#include "schemas/products/products.h"
 
 namespace runcert {
 namespace {
@@ -54,25 +55,29 @@ void judge_values(FileComparison& file, const std::vector<ValueDifference>& valu
         if (value.tolerated)
             widen(file, value.ratio, fmt::format("{}, {}{}", file.file, in, value.path));
         else if (!file.first)
-            file.first = fmt::format("{}{}: {}", in, value.path, values_text(value.a, value.b));
+            file.first = fmt::format("{}{}: {}", in, value.path, values_text(value.b, value.a));
     }
 }
 
+/// The first table is the recomputed one.
 std::optional<std::string> missing_part(const TableComparison& table) {
-    if (!table.columns_only_a.empty())
-        return fmt::format("column {}: not there when recomputed", table.columns_only_a.front());
     if (!table.columns_only_b.empty())
-        return fmt::format("column {}: not there in the folder", table.columns_only_b.front());
+        return fmt::format("column {}: not there when recomputed", table.columns_only_b.front());
+    if (!table.columns_only_a.empty())
+        return fmt::format("column {}: not there in the folder", table.columns_only_a.front());
+    if (!table.columns_otherwise.empty())
+        return fmt::format("column {}: its header states another type, unit or format",
+                           table.columns_otherwise.front());
     const auto& cell = table.first_not_tolerated;
     const auto comes_first = [&](const std::optional<std::size_t>& line, std::size_t of_cell) {
         return line && (!cell || *line < of_cell);
     };
-    if (comes_first(table.only_a_line, cell ? cell->row.line_a : 0))
-        return fmt::format("line {}, column time: no row of that time when recomputed",
-                           *table.only_a_line);
     if (comes_first(table.only_b_line, cell ? cell->row.line_b : 0))
-        return fmt::format("column time: no row in the folder like line {} recomputed",
+        return fmt::format("line {}, column time: no row of that time when recomputed",
                            *table.only_b_line);
+    if (comes_first(table.only_a_line, cell ? cell->row.line_a : 0))
+        return fmt::format("column time: no row in the folder like line {} recomputed",
+                           *table.only_a_line);
     return std::nullopt;
 }
 
@@ -81,13 +86,28 @@ void judge_table(FileComparison& file, const TableComparison& table) {
         const CellDifference& cell = column.largest;
         if (cell.tolerated)
             widen(file, cell.ratio,
-                  fmt::format("{}, line {}, column {}", file.file, cell.row.line_a, cell.column));
+                  fmt::format("{}, line {}, column {}", file.file, cell.row.line_b, cell.column));
     }
     file.first = missing_part(table);
     if (const auto& cell = table.first_not_tolerated; cell && !file.first)
-        file.first = fmt::format("line {}, column {}: {}", cell->row.line_a, cell->column,
-                                 values_text(cell->a, cell->b));
+        file.first = fmt::format("line {}, column {}: {}", cell->row.line_b, cell->column,
+                                 values_text(cell->b, cell->a));
     judge_values(file, table.header, "header ");
+}
+
+/// What must be the same to the letter: parameters are given, and a report follows from its files.
+void judge_exact(FileComparison& file, const Json& recomputed, const Json& in_folder,
+                 const std::string& in) {
+    for (ValueDifference& value : value_differences(recomputed, in_folder)) {
+        value.tolerated = false;
+        judge_values(file, {value}, in);
+    }
+}
+
+bool is_of_this_program(const Json& predicate) {
+    const Json program = predicate.value("program", Json::object());
+    return program.value("version", "") == program_version() &&
+           program.value("source_revision", "") == source_revision();
 }
 
 /// What the report says of the measurement, without what names programs and bytes.
@@ -96,8 +116,11 @@ Json measurement_of(const std::string& text, const std::string& where) {
     if (!report.is_object() || !report.contains("predicate") || !report["predicate"].is_object())
         throw Failure(where, "this is not a measurement report", "Take the original");
     Json predicate = report["predicate"];
+    const bool made_here = is_of_this_program(predicate);
     for (const char* member : {"program", "report_id", "files"})
         predicate.erase(member);
+    // The pages of another program are of other parts; those here are compared as they are shown.
+    if (!made_here) predicate.erase("page");
     if (predicate.contains("certificate") && predicate["certificate"].is_object())
         for (const char* member : {"unique_identifier", "software"})
             predicate["certificate"].erase(member);
@@ -122,44 +145,35 @@ Json parameters_of(const Json& header) {
     return header.value("parameters", Json::object());
 }
 
-/// Whether observations name the whole attempt as what they were made from and repeat nothing of
-/// it, as programs before this one wrote them.
-bool names_the_attempt_instead(const Json& header) {
-    const Json inputs = header.value("inputs", Json::array());
-    return header.value("stage", Json::object()).value("name", "") == "import" &&
-           parameters_of(header).empty() &&
-           std::any_of(inputs.begin(), inputs.end(),
-                       [](const Json& input) { return input.value("role", "") == "attempt"; });
+/// Windows and verdict hold the figures that decide.
+ComparisonRules rules_for(const std::string& name, bool same_arithmetic) {
+    return {.declared = &product_fields(name),
+            .deciding = same_arithmetic && name.ends_with(".yaml")};
 }
 
 void judge(FileComparison& file, const std::string& old_text, const std::string& new_text,
-           const std::string& old_where, const std::string& new_where) {
+           const std::string& old_where, const std::string& new_where, bool same_arithmetic) {
     if (file.file == report_file)
-        return judge_values(file,
-                            value_differences(measurement_of(old_text, old_where),
-                                              measurement_of(new_text, new_where)),
-                            "");
+        return judge_exact(file, measurement_of(new_text, new_where),
+                           measurement_of(old_text, old_where), "");
     file.maker = maker_of(old_text, old_where);
+    const ComparisonRules rules = rules_for(file.file, same_arithmetic);
     if (file.file.ends_with(".ecsv"))
-        judge_table(file, compare_tables(old_text, new_text, old_where, new_where));
+        judge_table(file, compare_tables(new_text, old_text, new_where, old_where, rules));
     else
-        judge_values(
-            file,
-            value_differences(results_of(old_text, old_where), results_of(new_text, new_where)),
-            "");
+        judge_values(file,
+                     value_differences(results_of(new_text, new_where),
+                                       results_of(old_text, old_where), rules),
+                     "");
     // Who made it does not count; by which parameters does.
-    const Json old_header = header_of(old_text, old_where);
-    if (names_the_attempt_instead(old_header)) return;
-    judge_values(
-        file,
-        value_differences(parameters_of(old_header), parameters_of(header_of(new_text, new_where))),
-        "parameter ");
+    judge_exact(file, parameters_of(header_of(new_text, new_where)),
+                parameters_of(header_of(old_text, old_where)), "parameter ");
 }
 
 }  // namespace
 
 FileComparison compare_file(const fs::path& run_dir, const fs::path& recomputed,
-                            const std::string& name) {
+                            const std::string& name, bool same_arithmetic) {
     FileComparison file{.file = name, .stage = stage_of(name)};
     if (!fs::exists(run_dir / name)) {
         file.first = "missing in the folder";
@@ -174,7 +188,8 @@ FileComparison compare_file(const fs::path& run_dir, const fs::path& recomputed,
     file.identical = old_text == new_text;
     if (file.identical) return file;
     try {
-        judge(file, old_text, new_text, (run_dir / name).string(), (recomputed / name).string());
+        judge(file, old_text, new_text, (run_dir / name).string(), (recomputed / name).string(),
+              same_arithmetic);
     } catch (const Failure& failure) {
         file.first = fmt::format("cannot be read: {}", failure.problem());
     }

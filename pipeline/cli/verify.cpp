@@ -66,16 +66,18 @@ bool found_a_fault(const VerificationResult& result) {
            std::ranges::any_of(result.signers, &Signer::broken);
 }
 
-VerificationStep recompute(const VerifyOptions& options, const std::filesystem::path& run_dir,
-                           const VerificationResult& result) {
-    if (options.keep_going || !found_a_fault(result)) return verify_recomputation(run_dir);
-    return {.passed = false,
-            .what = "recompute",
-            .finding =
-                "not done, because of what was found above (--keep-going does it all the "
-                "same)",
-            .details = {},
-            .checked = false};
+/// A layer that computes for long, which is left out after a fault unless asked for.
+template <class Layer>
+void add_long_layer(VerificationResult& result, bool keep_going, const char* what, Layer&& layer) {
+    if (keep_going || !found_a_fault(result))
+        result.layers.push_back(layer());
+    else
+        result.layers.push_back({.passed = false,
+                                 .what = what,
+                                 .finding = "not done, because of what was found above "
+                                            "(--keep-going does it all the same)",
+                                 .details = {},
+                                 .checked = false});
 }
 
 int verify(const VerifyOptions& options) {
@@ -98,8 +100,11 @@ int verify(const VerifyOptions& options) {
     result.layers.push_back(std::move(signatures.signatures));
     result.layers.push_back(std::move(signatures.time_stamps));
     result.signers = std::move(signatures.signers);
-    result.layers.push_back(verify_pages(run_dir, report));
-    if (options.recompute) result.layers.push_back(recompute(options, run_dir, result));
+    add_long_layer(result, options.keep_going, "pages",
+                   [&] { return verify_pages(run_dir, report); });
+    if (options.recompute)
+        add_long_layer(result, options.keep_going, "recompute",
+                       [&] { return verify_recomputation(run_dir, report); });
     fmt::print("{}", options.json ? verification_json(result) : verification_text(result));
     return result.passed() ? 0 : 1;
 }
@@ -132,7 +137,7 @@ void add_options(CLI::App& command, VerifyOptions& options) {
     command.add_flag("--recompute", options.recompute,
                      "run every stage again and compare every file");
     command.add_flag("--keep-going", options.keep_going,
-                     "recompute even where another layer found a fault");
+                     "render pages and recompute even where another layer found a fault");
     command.add_flag("--json", options.json, "print one JSON document instead");
 }
 

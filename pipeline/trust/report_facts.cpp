@@ -180,6 +180,7 @@ ReportFacts read_report_facts(const fs::path& run_dir) {
         facts.attempt_id = read_id(predicate.at("attempt").at("id"), "id of an attempt", where);
         facts.program_version = predicate.at("program").at("version").get<std::string>();
         facts.source_revision = predicate.at("program").at("source_revision").get<std::string>();
+        facts.arithmetic = predicate.at("program").at("arithmetic").get<std::string>();
         Subjects subjects = subjects_of(*facts.json, where);
         facts.subjects = std::move(subjects.sha256);
         facts.subject_names = std::move(subjects.names);

@@ -53,7 +53,9 @@ VerificationStep verify_report(const std::filesystem::path& run_dir, const Repor
 /// wrote.
 VerificationStep verify_schemas(const std::filesystem::path& run_dir, const ReportFacts& report);
 
-/// Whether report.html and report.pdf, where they are there, carry this very report.json.
+/// Whether report.html and report.pdf, where they are there, are what this report.json and the
+/// signatures that the page names render to. They are rendered again, which takes a second or two;
+/// those of another program, and where they cannot be rendered, are not passed.
 VerificationStep verify_pages(const std::filesystem::path& run_dir, const ReportFacts& report);
 
 /// Clocks of signers, authorities and of who verifies may differ by that much.

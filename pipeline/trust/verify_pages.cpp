@@ -1,12 +1,18 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "core/failure.h"
 #include "core/text.h"
 #include "files/atomic_file.h"
 #include "files/process.h"
+#include "files/program.h"
+#include "run/attempt_files.h"
+#include "run/chain.h"
+#include "trust/page_comparison.h"
 #include "trust/seal.h"
+#include "trust/signature_files.h"
 #include "trust/verification.h"
 
 namespace runcert {
@@ -14,123 +20,94 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view script_begin = "<script type=\"application/json\" id=\"report-json\">";
-constexpr std::string_view script_end = "</script";
-constexpr std::string_view script_id = "id=\"report-json\"";
+constexpr const char* html_file = "report.html";
+constexpr const char* pdf_file = "report.pdf";
+constexpr const char* report_json_file = "report.json";
 
-const char* const render_again = "render the page again from report.json";
-
-/// What a look at one page found.
-struct PageFinding {
-    bool passed = false;
-    bool checked = true;
-    std::string words{};
-};
-
-std::size_t count_of(std::string_view text, std::string_view part) {
-    std::size_t count = 0;
-    for (std::size_t at = text.find(part); at != std::string_view::npos;
-         at = text.find(part, at + part.size()))
-        ++count;
-    return count;
+/// What stands in the script that carries the names and texts of the signatures shown.
+std::string signatures_shown(const std::string& page) {
+    constexpr std::string_view begin = "<script type=\"application/json\" id=\"signature-files\">";
+    const std::size_t at = page.find(begin);
+    if (at == std::string::npos) return {};
+    const std::size_t from = at + begin.size();
+    return page.substr(from, page.find("</script>", from) - from);
 }
 
-PageFinding check_html(const fs::path& file, const ReportFacts& report) {
-    const std::string page = read_file(file);
-    const std::size_t begin = page.find(script_begin);
-    if (begin == std::string::npos)
-        return {.words = fmt::format("it does not carry the report, as pages of an earlier version "
-                                     "of the program: {}",
-                                     render_again)};
-    // A browser would take the first of several, whichever of them is checked here; it ends a
-    // comment where this program looks for none.
-    const std::string_view before = std::string_view(page).substr(0, begin);
-    if (count_of(before, "<!--") > 0 || count_of(before, "<plaintext") > 0)
-        return {.words = fmt::format("what it carries stands in a comment: {}", render_again)};
-    if (count_of(page, script_id) != 1 || count_of(lower_case(before), "report-json") > 0)
-        return {.words = fmt::format("it carries more than one report: {}", render_again)};
-    const std::size_t text = begin + script_begin.size();
-    const std::size_t end = page.find(script_end, text);
-    if (end == std::string::npos || page.compare(text, end - text, report.text) != 0)
-        return {.words =
-                    fmt::format("the report that it carries is not report.json: {}", render_again)};
-    // What ends a script or begins a comment would make a browser read on elsewhere.
-    if (report.text.find_first_of("<>&") != std::string::npos)
-        return {.words = "report.json holds <, > or &, which a page cannot carry as they are"};
-    return {.passed = true,
-            .words =
-                "it carries report.json, byte for byte; what it shows was not compared "
-                "(--recompute does)"};
+/// The names of the signature files that a page was made with: others may have come later.
+std::vector<std::string> signatures_in(const std::string& page) {
+    const auto list = nlohmann::json::parse(signatures_shown(page), nullptr, false);
+    std::vector<std::string> names;
+    if (!list.is_array()) return names;
+    for (const auto& entry : list)
+        if (entry.is_object() && entry.contains("file") && entry["file"].is_string())
+            names.push_back(entry["file"].get<std::string>());
+    return names;
 }
 
-PageFinding check_pdf(const fs::path& file, const ReportFacts& report) {
-    const TemporaryFolder folder;
-    const fs::path saved = folder.path() / "report.json";
-    // As an absolute name, which cannot be taken for an option.
-    const std::string pdf = fs::absolute(file).string();
-    ProcessResult list;
+/// The folder's report, with those of its signatures that the page was made with, or all of them.
+void take_report(const fs::path& run_dir, const fs::path& folder,
+                 const std::optional<std::vector<std::string>>& shown) {
+    write_file_atomically(folder / report_json_file, read_file(run_dir / report_json_file));
+    for (const SignatureFile& signature : signature_files(run_dir))
+        if (!shown || std::ranges::find(*shown, signature.name) != shown->end())
+            write_file_atomically(folder / signature.name, signature.text);
+}
+
+/// The pages of the run folder's report, made in `folder`. Nothing where they are; else why not.
+std::optional<std::string> render_again(const fs::path& run_dir, const fs::path& folder,
+                                        const ReportFacts& report, bool with_pdf) {
     try {
-        list = run_process({"pdfdetach", "-list", pdf}, {.environment = {{"LC_ALL", "C"}}});
-    } catch (const Failure&) {
-        return {.checked = false,
-                .words = "not checked: pdfdetach is missing (install poppler-utils)"};
+        run_step("render",
+                 {.attempt = run_dir / attempt_copy_name, .run_dir = folder, .pdf = with_pdf});
+    } catch (const StageFailed& failed) {
+        if (report.program_version != program_version() ||
+            report.source_revision != source_revision())
+            return fmt::format("not checked: made by runcert {}, source {}, and this is {}, {}",
+                               escape_for_message(report.program_version),
+                               escape_for_message(report.source_revision), program_version(),
+                               source_revision());
+        // "error: WHAT", then where, then what to do.
+        const std::string_view said = failed.errors;
+        return "not checked: they cannot be rendered again. " +
+               escape_for_message(trim(said.substr(said.find(' ') + 1, said.find('\n') - 7)), 600);
     }
-    // "1 embedded files", then a line "1: report.json" for each.
-    if (list.exit_status != 0)
-        return {.words = fmt::format("it cannot be read as a PDF: {}",
-                                     escape_for_message(trim(list.errors), 100))};
-    const std::size_t named = count_of(list.output, ": report.json\n");
-    if (named == 1 && !list.output.starts_with("1 embedded files\n"))
-        return {.words = fmt::format("there are other files attached to it beside report.json: {}",
-                                     render_again)};
-    if (named == 0)
-        return {.words = fmt::format("report.json is not attached to it, as in pages of an earlier "
-                                     "version of the program: {}",
-                                     render_again)};
-    if (named > 1)
-        return {.words =
-                    fmt::format("more than one report.json is attached to it: {}", render_again)};
-    const std::size_t at = list.output.find(": report.json\n");
-    const std::size_t line = list.output.rfind('\n', at) + 1;
-    const std::string number = list.output.substr(line, at - line);
-    const ProcessResult save =
-        run_process({"pdfdetach", "-save", number, "-o", saved.string(), pdf},
-                    {.environment = {{"LC_ALL", "C"}}});
-    if (save.exit_status != 0 || !fs::exists(saved) || read_file(saved) != report.text)
-        return {.words =
-                    fmt::format("the report attached to it is not report.json: {}", render_again)};
-    std::string words =
-        "report.json is attached to it, byte for byte; what it shows was not compared";
-    const SealCheck seal = check_seal(file);
-    if (seal.present) words += "; " + seal.words;
-    return {.passed = !seal.present || seal.holds(), .words = std::move(words)};
+    return std::nullopt;
 }
 
 }  // namespace
 
 VerificationStep verify_pages(const fs::path& run_dir, const ReportFacts& report) {
     VerificationStep step{
-        .passed = true, .what = "pages", .finding = {}, .details = {}, .checked = false};
-    const auto look = [&](const char* name,
-                          PageFinding (*check)(const fs::path&, const ReportFacts&)) {
-        const fs::path file = run_dir / name;
-        if (!fs::is_regular_file(fs::symlink_status(file))) return;
-        const PageFinding found = check(file, report);
-        step.details.push_back(fmt::format("{}: {}", name, found.words));
-        if (!found.checked) return;
-        step.checked = true;
-        step.passed = step.passed && found.passed;
+        .passed = true, .what = "pages", .finding = {}, .details = {}, .checked = true};
+    const auto is_there = [&](const char* name) {
+        return fs::is_regular_file(fs::symlink_status(run_dir / name));
     };
-    look("report.html", check_html);
-    look("report.pdf", check_pdf);
-    if (!step.checked) {
-        step.passed = false;
-        step.finding = step.details.empty() ? "there are none" : "not checked";
-    } else {
-        step.finding = step.passed ? "they carry the report that is signed"
-                                   : "they do not carry the report that is signed";
-        step.details.emplace_back("pages are for reading; what is signed is report.json");
+    const bool html = is_there(html_file);
+    const bool pdf = is_there(pdf_file);
+    if (!html && !pdf) {
+        step.passed = step.checked = false;
+        step.finding = "there are none";
+        return step;
     }
+    const TemporaryFolder folder;
+    take_report(run_dir, folder.path(),
+                html ? std::optional(signatures_in(read_file(run_dir / html_file))) : std::nullopt);
+    if (const auto failed = render_again(run_dir, folder.path(), report, pdf)) {
+        step.passed = false;
+        step.finding = *failed;
+        step.details.emplace_back(
+            "Render them again with the program that made the report, or move them away.");
+        return step;
+    }
+    const auto add = [&](const char* name, const PageComparison& compared) {
+        step.passed = step.passed && compared.same;
+        step.details.push_back(fmt::format("{}: {}", name, compared.words));
+    };
+    if (html) add(html_file, compare_bytes(run_dir / html_file, folder.path() / html_file));
+    if (pdf) add(pdf_file, compare_pdf(run_dir / pdf_file, folder.path() / pdf_file, report.text));
+    step.finding = step.passed ? "they are what the report renders to"
+                               : "not all are what the report renders to";
+    step.details.emplace_back("Pages are for reading; what is signed is report.json.");
     return step;
 }
 

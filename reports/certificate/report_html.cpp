@@ -163,9 +163,18 @@ TemplateData page_data(const Json& report, bool is_signed) {
     return data;
 }
 
-/// What runs in the reader's browser: libraries first, then the page's own script.
+std::string page_style() {
+    return std::string(report_text("template/report.css")) +
+           std::string(report_text("uPlot.min.css")) + std::string(report_text("page.css"));
+}
+
+/// What runs in the reader's browser: what the page is made of, so that it can make itself again;
+/// libraries; then the page's own script.
 std::string page_script() {
-    std::string script;
+    const Json parts{{"page", report_text("template/page.html")},
+                     {"content", report_text("template/report.html")},
+                     {"style", page_style()}};
+    std::string script = "\"use strict\";\nconst pageParts = " + report_text_of(parts) + ";\n";
     for (const std::string_view name : page_scripts)
         script += std::string(report_text(name)) + "\n";
     return script;
@@ -191,25 +200,25 @@ ReportSigner read_signer(const SignatureText& signature) {
             .trusted_comment = claims.trusted_comment};
 }
 
+Json page_parts_json() {
+    return {{"template_sha256", sha256_hex(std::string(report_text("template/page.html")) +
+                                           std::string(report_text("template/report.html")))},
+            {"style_sha256", sha256_hex(page_style())},
+            {"script_sha256", sha256_hex(page_script())}};
+}
+
 std::string report_page(const std::string& report_text_bytes, const Json& report,
                         const std::vector<std::string>& drawings,
                         const std::vector<SignatureText>& signatures) {
     Json files = Json::array();
     for (const SignatureText& signature : signatures)
         files.push_back({{"file", signature.file}, {"text", signature.text}});
-    Json hashes = Json::array();
-    for (const std::string& drawing : drawings)
-        if (!drawing.empty()) hashes.push_back(sha256_hex(image_source(drawing)));
     const std::string script = page_script();
     TemplateData data = page_data(report, !signatures.empty());
-    data.set("style", std::string(report_text("template/report.css")) +
-                          std::string(report_text("uPlot.min.css")) +
-                          std::string(report_text("page.css")));
+    data.set("style", page_style());
     data.set("content", content_of(report, drawings, signatures, on_screen));
     data.set("report_json", report_text_bytes);
     data.set("signature_files", report_text_of(files));
-    data.set("drawing_hashes", report_text_of(hashes));
-    data.set("template", std::string(report_text("template/report.html")));
     data.set("script", script);
     data.set("script_hash", base64_of_hex(sha256_hex(script)));
     return rendered("template/page.html", data);

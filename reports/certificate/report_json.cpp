@@ -5,12 +5,15 @@
 #include <nlohmann/json.hpp>
 
 #include "core/failure.h"
+#include "files/arithmetic.h"
 #include "files/program.h"
 #include "files/sha256.h"
 #include "files/yaml_output.h"
+#include "reports/certificate/figures.h"
 #include "reports/certificate/json_certificate.h"
 #include "reports/certificate/json_parts.h"
 #include "reports/certificate/json_text.h"
+#include "reports/certificate/report_html.h"
 #include "schemas/common/document.h"
 #include "schemas/products/products.h"
 
@@ -96,7 +99,8 @@ Json report_json(const ReportInputs& inputs) {
     predicate["report_id"] = report_id(inputs.subjects);
     predicate["program"] = {{"name", "runcert"},
                             {"version", program_version()},
-                            {"source_revision", source_revision()}};
+                            {"source_revision", source_revision()},
+                            {"arithmetic", arithmetic_fingerprint()}};
     predicate["signatures_required"] = signatures_required_json(inputs);
     predicate["certificate"] = certificate_json(inputs, predicate["report_id"].get<std::string>());
     if (Json amends = amends_json(inputs.attempt); !amends.is_null())
@@ -115,6 +119,10 @@ Json report_json(const ReportInputs& inputs) {
     predicate["method"] = method_json(inputs);
     round_to_table(predicate, report_field_table());
     predicate["figures"] = figures_json(inputs, predicate["profiles"]);
+    const std::vector<std::string> drawings = draw_figures(predicate);
+    for (std::size_t i = 0; i < drawings.size(); ++i)
+        predicate["figures"][i]["drawing_sha256"] = sha256_hex(drawings[i]);
+    predicate["page"] = page_parts_json();
     predicate["files"] = files_json(inputs.subjects);
     check_predicate(predicate, "report");
 

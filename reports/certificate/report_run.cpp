@@ -1,6 +1,13 @@
 #include "reports/certificate/report_run.h"
 
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "core/failure.h"
+#include "core/text.h"
 #include "files/atomic_file.h"
+#include "files/sha256.h"
 #include "reports/certificate/figures.h"
 #include "reports/certificate/json_text.h"
 #include "reports/certificate/report_json.h"
@@ -8,14 +15,42 @@
 
 namespace runcert {
 
+using Json = nlohmann::ordered_json;
+
 std::string write_report_json(const ReportInputs& inputs) {
     return report_text_of(report_json(inputs));
 }
+
+namespace {
+
+/// A page of other parts, or with other drawings, would call itself altered.
+void require_own_page(const Json& predicate, const std::vector<std::string>& drawings,
+                      const std::string& where) {
+    if (predicate["page"] != page_parts_json())
+        throw Failure(
+            where,
+            fmt::format(
+                "its pages are of other parts than those of this program: it was "
+                "made by runcert {}, source {}",
+                escape_for_message(predicate["program"]["version"].get<std::string>()),
+                escape_for_message(predicate["program"]["source_revision"].get<std::string>())),
+            "Make its pages with that program");
+    for (std::size_t i = 0; i < drawings.size(); ++i)
+        if (predicate["figures"][i]["drawing_sha256"] != sha256_hex(drawings[i]))
+            throw Failure(where,
+                          fmt::format("the drawing of figure {} comes out other than the report "
+                                      "names it, as another version of gnuplot makes it",
+                                      i + 1),
+                          "Make its pages on the computer that made the report");
+}
+
+}  // namespace
 
 void render_report(const std::filesystem::path& run_folder, const std::string& report_text,
                    const RenderOptions& options) {
     const auto report = parse_report(report_text, (run_folder / "report.json").string());
     const std::vector<std::string> drawings = draw_figures(report["predicate"]);
+    require_own_page(report["predicate"], drawings, (run_folder / "report.json").string());
     const std::string on_paper = report_print_page(report, drawings, options.signatures);
     write_file_atomically(run_folder / "report.html",
                           report_page(report_text, report, drawings, options.signatures));

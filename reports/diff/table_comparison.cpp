@@ -30,6 +30,11 @@ bool is_uncertainty_column(const std::string& column) {
            column == "statistic" || column == "local_variance_factor";
 }
 
+bool is_written_alike(const EcsvColumn& a, const EcsvColumn& b) {
+    return a.type == b.type && a.unit == b.unit &&
+           (a.type != CellType::real || a.decimals == b.decimals);
+}
+
 /// A column that both tables have.
 struct JoinedColumn {
     std::size_t a = 0;
@@ -140,25 +145,29 @@ void compare_rows(TableComparison& found, EcsvReader& a, EcsvReader& b,
 }  // namespace
 
 bool TableComparison::equal() const {
-    return columns_only_a.empty() && columns_only_b.empty() && joined == rows_a &&
-           joined == rows_b && columns.empty() && header.empty();
+    return columns_only_a.empty() && columns_only_b.empty() && columns_otherwise.empty() &&
+           joined == rows_a && joined == rows_b && columns.empty() && header.empty();
 }
 
 bool TableComparison::tolerated() const {
-    return columns_only_a.empty() && columns_only_b.empty() && joined == rows_a &&
-           joined == rows_b && !first_not_tolerated &&
+    return columns_only_a.empty() && columns_only_b.empty() && columns_otherwise.empty() &&
+           joined == rows_a && joined == rows_b && !first_not_tolerated &&
            std::ranges::all_of(header,
                                [](const ValueDifference& value) { return value.tolerated; });
 }
 
 TableComparison compare_tables(std::string_view a, std::string_view b, const std::string& where_a,
-                               const std::string& where_b) {
+                               const std::string& where_b, const ComparisonRules& rules) {
     EcsvReader table_a(a, where_a);
     EcsvReader table_b(b, where_b);
     TableComparison found;
-    for (const EcsvColumn& column : table_a.columns())
-        if (!find_column(table_b.columns(), column.name))
+    for (const EcsvColumn& column : table_a.columns()) {
+        const auto other = find_column(table_b.columns(), column.name);
+        if (!other)
             found.columns_only_a.push_back(column.name);
+        else if (!is_written_alike(column, table_b.columns()[*other]))
+            found.columns_otherwise.push_back(column.name);
+    }
     for (const EcsvColumn& column : table_b.columns())
         if (!find_column(table_a.columns(), column.name))
             found.columns_only_b.push_back(column.name);
@@ -169,7 +178,7 @@ TableComparison compare_tables(std::string_view a, std::string_view b, const std
     found.rows_a = std::ssize(times_a);
     found.rows_b = std::ssize(times_b);
     found.joined = std::ssize(pairs);
-    found.header = value_differences(results_of(a, where_a), results_of(b, where_b));
+    found.header = value_differences(results_of(a, where_a), results_of(b, where_b), rules);
     compare_rows(found, table_a, table_b, pairs);
     return found;
 }

@@ -44,6 +44,7 @@ struct ColumnDifference {
 
 struct TableComparison {
     std::vector<std::string> columns_only_a, columns_only_b;
+    std::vector<std::string> columns_otherwise;  ///< of another type, unit or format
     std::int64_t rows_a = 0, rows_b = 0, joined = 0;
     /// Lines of the first row that only one of them has.
     std::optional<std::size_t> only_a_line, only_b_line;
@@ -59,9 +60,10 @@ struct TableComparison {
 /// Compares two tables (ECSV), whose names in messages are given. Rows are joined by their time, on
 /// the GPS time scale where both say when their first epoch was, equal times in their order;
 /// columns by name. The uncertainty of column X is sigma_X of the same row; the speeds by other
-/// methods share sigma_speed, robust_X is of sigma_X. Failure where one is not a table.
+/// methods share sigma_speed, robust_X is of sigma_X. Resolutions and uncertainties are those of
+/// the first; `rules` are for what the header holds. Failure where one is not a table.
 TableComparison compare_tables(std::string_view a, std::string_view b, const std::string& where_a,
-                               const std::string& where_b);
+                               const std::string& where_b, const ComparisonRules& rules = {});
 
 /// The meta of a table or the whole of a document (YAML), by the name's end, without what says who
 /// made it from what: stage, inputs, parameters.

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/text.h"
+#include "files/document_schema.h"
 
 namespace runcert {
 namespace {
@@ -102,8 +103,31 @@ bool is_same_prose(std::string_view a, std::string_view b) {
     return a.empty() && b.empty();
 }
 
+/// "profiles.0.best.speed_m_s" as a field table has it: "profiles[].best.speed_m_s".
+std::string declared_path(std::string_view path) {
+    std::string declared;
+    for (std::size_t begin = 0; begin <= path.size();) {
+        const std::size_t end = std::min(path.find('.', begin), path.size());
+        const std::string_view name = path.substr(begin, end - begin);
+        if (parse_integer(name))
+            declared += "[]";
+        else
+            declared += (declared.empty() ? "" : ".") + std::string(name);
+        begin = end + 1;
+    }
+    return declared;
+}
+
+/// The declaration of a value, where there is one: of free members (`map.*`) that of them all.
+const FieldRule* declaration_of(const DocumentSchema& schema, std::string_view path) {
+    const std::string declared = declared_path(path);
+    if (const FieldRule* rule = schema.find(declared)) return rule;
+    return schema.find(declared.substr(0, declared.rfind('.')) + ".*");
+}
+
 class Comparison {
   public:
+    explicit Comparison(const ComparisonRules& rules) : rules_(rules) {}
     void compare(const Json& a, const Json& b, const std::string& path,
                  std::optional<double> uncertainty_m_s) {
         if (a.is_object() && b.is_object())
@@ -116,7 +140,8 @@ class Comparison {
             found_.push_back({.path = path,
                               .a = text_of(a),
                               .b = text_of(b),
-                              .tolerated = a.is_string() && b.is_string() &&
+                              .tolerated = rules_.declared == nullptr && a.is_string() &&
+                                           b.is_string() &&
                                            is_same_prose(a.get_ref<const std::string&>(),
                                                          b.get_ref<const std::string&>())});
     }
@@ -172,24 +197,45 @@ class Comparison {
     }
 
     /// By how much two numbers may differ.
-    static double allowed(const Json& a, const Json& b, const std::string& path,
-                          double uncertainty) {
+    double allowed(const Json& a, const Json& b, const std::string& path,
+                   double uncertainty) const {
         const double value = std::abs(a.get<double>());
-        const std::string name = path.substr(path.rfind('.') + 1);
+        if (rules_.deciding)
+            return std::max(deciding_part_of_uncertainty * uncertainty,
+                            deciding_part_of_value * value);
+        const std::optional<int> decimals = decimals_written(a, b, path);
+        if (!decimals) return 0.0;
         if (is_of_search(path)) return part_of_search * value + least;
-        if (a.is_number_integer() && b.is_number_integer()) return 0.0;
+        const std::string name = path.substr(path.rfind('.') + 1);
         if (is_uncertainty(name)) uncertainty = std::max(uncertainty, value);
         if (name == "probability") uncertainty = std::max(uncertainty, largest_normal_density);
-        const int decimals = std::max(decimals_of(value), decimals_of(b.get<double>()));
-        return std::max(last_digit_tolerance(decimals),
+        return std::max(last_digit_tolerance(*decimals),
                         tolerated_fraction_of_uncertainty * uncertainty);
     }
 
+    /// The decimals of a real number; none of a whole one.
+    std::optional<int> decimals_written(const Json& a, const Json& b,
+                                        const std::string& path) const {
+        if (rules_.declared != nullptr) {
+            const FieldRule* rule = declaration_of(*rules_.declared, path);
+            if (rule == nullptr || std::ranges::find(rule->types, "real") == rule->types.end())
+                return std::nullopt;
+            return rule->decimals;
+        }
+        if (a.is_number_integer() && b.is_number_integer() && !is_of_search(path))
+            return std::nullopt;
+        return std::max(decimals_of(std::abs(a.get<double>())),
+                        decimals_of(std::abs(b.get<double>())));
+    }
+
+    static constexpr double deciding_part_of_uncertainty = 1e-6;
+    static constexpr double deciding_part_of_value = 1e-9;
     static constexpr double part_of_search = 0.01;
     static constexpr double least = 1e-8;  ///< what is zero but for rounding
     /// By how much a probability changes where the speed does by a standard uncertainty.
     static constexpr double largest_normal_density = 0.4;
 
+    ComparisonRules rules_;
     std::vector<ValueDifference> found_;
     std::optional<double> own_;  ///< standard uncertainty of the value compared next
 };
@@ -207,8 +253,9 @@ double last_digit_tolerance(int decimals) {
     return unit_and_its_own_rounding * std::pow(10.0, -decimals);
 }
 
-std::vector<ValueDifference> value_differences(const Json& a, const Json& b) {
-    Comparison comparison;
+std::vector<ValueDifference> value_differences(const Json& a, const Json& b,
+                                               const ComparisonRules& rules) {
+    Comparison comparison(rules);
     comparison.compare(a, b, {}, std::nullopt);
     return std::move(comparison).take();
 }

@@ -7,9 +7,22 @@
 
 namespace runcert {
 
+class DocumentSchema;
+
 /// The part of a stated uncertainty by which two computations of the same may differ: another
 /// processor's sines do not make other results.
 inline constexpr double tolerated_fraction_of_uncertainty = 1e-3;
+
+/// By what a value may differ from that of another computation.
+struct ComparisonRules {
+    /// Declares types and resolutions of the first document, which was computed here, so that the
+    /// other has no say in how it is judged. Without it the values themselves show how they are
+    /// written, as people compare two runs that they trust.
+    const DocumentSchema* declared = nullptr;
+    /// Whether these figures decide: then a millionth of the standard uncertainty, or 1e-9 of the
+    /// value, is all that is tolerated.
+    bool deciding = false;
+};
 
 /// A value that two documents do not have in common.
 struct ValueDifference {
@@ -30,9 +43,12 @@ struct ValueDifference {
 /// of a `value` the one that stands beside it. Tolerated are: a thousandth of it; of what is itself
 /// an uncertainty a thousandth of itself; of a probability what a thousandth makes of one; of what
 /// the search for the noise found 1 %, because likelihoods are flat; and one unit of the last digit
-/// written, in texts too. Other texts, whole numbers, and what only one document has, never.
+/// written, in texts too. Other texts, whole numbers, and what only one document has, never. By
+/// declared rules no text is tolerated, nor a number that is declared to be whole, and the last
+/// digit is that of the declaration.
 std::vector<ValueDifference> value_differences(const nlohmann::ordered_json& a,
-                                               const nlohmann::ordered_json& b);
+                                               const nlohmann::ordered_json& b,
+                                               const ComparisonRules& rules = {});
 
 /// The number of that name in a map, where there is one.
 std::optional<double> number_in(const nlohmann::ordered_json& map, const std::string& key);

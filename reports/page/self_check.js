@@ -1,5 +1,6 @@
 "use strict";
-// The page checks itself: signatures, shown text and drawings, and says at the top what came out.
+// The page checks itself: it is made again from the signed JSON, compared with what was loaded, and
+// shown in its place; at the top it says what came out, and what the signatures are.
 
 const checkStates = {
   valid: { mark: "✓", title: "This page shows what was signed." },
@@ -37,21 +38,35 @@ function embeddedList(id) {
   }
 }
 
-/** Everything that the page shows and that was not signed, in words. Leaves the page as it is. */
-function faultsOfPage(predicate, signatureFiles) {
-  const main = document.querySelector("main#report");
-  if (!main) throw new PageFault("the page has no report");
-  const signed = renderSigned(embeddedText("page-template"), predicate, signersOf(signatureFiles));
-  return [firstDifference(main, signed), besideReport(document.body)]
-    .filter((fault) => fault !== null)
-    .concat(changedDrawings(main, embeddedList("drawing-hashes")));
+/** The page as it was made, and all in which the loaded one differs from it, in words: {made, faults}. */
+function comparePage(json, predicate, signatureFiles) {
+  const page = document.documentElement;
+  const script = embeddedText("page-script");
+  const { sources, faults } = signedPictures(page, predicate.figures);
+  const made = renderPage(predicate, signersOf(signatureFiles), sources,
+    { report_json: json, signature_files: embeddedText("signature-files"), script });
+  if (hexOf(nobleHashes.sha256(utf8Bytes(script))) !== predicate.page.script_sha256)
+    faults.unshift("the script of this page is not the one that the report names");
+  const [first, ...beside] = document.childNodes;
+  if (first?.nodeType !== Node.DOCUMENT_TYPE_NODE || document.compatMode !== "CSS1Compat" ||
+      document.characterSet !== "UTF-8" || beside.length !== 1)
+    faults.push("the file holds more than the page that was made, or begins otherwise");
+  const difference = firstDifference(page, made.documentElement);
+  return { made, faults: difference === null ? faults : [difference, ...faults] };
 }
 
-/** The state of the page with its faults and what is known of each signature. */
+/** Shows the page as it was made in place of the loaded one. Returns what was hidden in that. */
+function showAsMade(made) {
+  const loaded = document.documentElement;
+  document.replaceChild(document.adoptNode(made.documentElement), loaded);
+  return hiddenTrees(loaded);
+}
+
+/** The state of the page with its faults and what is known of each signature. Shows it as it was made. */
 async function findingsOfPage() {
   const { json, predicate } = embeddedReport();
   const signatureFiles = embeddedList("signature-files");
-  const faults = faultsOfPage(predicate, signatureFiles);
+  const { made, faults } = comparePage(json, predicate, signatureFiles);
   const canVerify = await browserKnowsEd25519();
   const identity = { report: predicate.report_id, attempt: predicate.attempt.id };
   const signatures = canVerify
@@ -64,6 +79,7 @@ async function findingsOfPage() {
   if (!canVerify && signatureFiles.length > 0)
     notes.push("This browser cannot verify Ed25519 signatures (WebCrypto). Open the page in a newer " +
       "one, or use runcert verify.");
+  faults.push(...showAsMade(made));
   const valid = signatures.filter(({ state }) => state === "valid");
   const state = faults.length > 0 ? "tampered" : signatureFiles.length === 0 ? "unsigned"
     : valid.length > 0 ? "valid" : "unchecked";

@@ -47,28 +47,39 @@ function missingSignatures(required, signers) {
   return missing;
 }
 
-/** The data of the whole template: the report's predicate, who signed, and a picture in each figure. */
-function pageData(predicate, signers) {
+/** The data of the content's template: the report's predicate, who signed, and the picture of each figure. */
+function contentData(predicate, signers, pictures) {
   const data = templateData({ ...predicate, signed: signers.length > 0, signers,
     missing_signatures: missingSignatures(predicate.signatures_required || [], signers) });
   data.two_receivers = (data.receivers || []).length > 1;
-  for (const figure of data.figures || [])
-    if (figure.curves) figure.image = `<img alt="${escapeHtml(figure.figure_title)}">`;  // its source is checked by its hash
+  (data.figures || []).forEach((figure, index) => {
+    figure.image = `<img src="${pictures[index]}" alt="${escapeHtml(figure.figure_title)}">`;
+  });
   return data;
 }
 
-/** The inside of <main> as it was signed, in a document of its own in which nothing runs. */
-function renderSigned(template, predicate, signers) {
-  const inside = Mustache.render(template, pageData(predicate, signers), undefined, { escape: escapeHtml });
-  const parsed = new DOMParser().parseFromString(`<!DOCTYPE html><main>${inside}</main>`, "text/html");
-  return parsed.querySelector("main");
+/**
+ * The whole page as it was made, in a document of its own in which nothing runs: rendered from the
+ * signed JSON with the templates and the style of this script. `carried` are the texts that it
+ * carries: report_json, signature_files and script.
+ */
+function renderPage(predicate, signers, pictures, carried) {
+  const escape = { escape: escapeHtml };
+  const content = Mustache.render(pageParts.content, contentData(predicate, signers, pictures), undefined, escape);
+  const { report_id, program, attempt, page } = predicate;
+  const html = Mustache.render(pageParts.page, {
+    ...carried, content, style: pageParts.style, signed: signers.length > 0,
+    report_id: withoutControls(report_id), version: withoutControls(program.version),
+    title: withoutControls(`Measurement report ${report_id}: ${attempt.id}`),
+    script_hash: base64Of(bytesOfHex(page.script_sha256)),
+  }, undefined, escape);
+  return new DOMParser().parseFromString(html, "text/html");
 }
 
 /**
- * What of a tree can be read, as a list of {text} and {element}: of a drawing only the words
- * for it (its hash is checked apart), without <wbr> and without white space that is not seen.
+ * All of a tree, as a list of {text} and {element}: without <wbr> and white space that is not seen.
  */
-function readableParts(root) {
+function partsOf(root) {
   const parts = [];
   const addText = (text) => {
     const last = parts[parts.length - 1];
@@ -77,15 +88,15 @@ function readableParts(root) {
   };
   const walk = (node) => {
     if (node.nodeType === Node.TEXT_NODE) return addText(node.data);
-    if (node.nodeType !== Node.ELEMENT_NODE || node.localName === "wbr") return;
+    if (node.nodeType !== Node.ELEMENT_NODE) return parts.push({ element: `<!--${node.data ?? node.nodeName}-->` });
+    if (node.localName === "wbr" && node.attributes.length === 0) return;
     const attributes = Array.from(node.attributes,
       (attribute) => `${attribute.name}="${attribute.value.replaceAll("<wbr>", "")}"`).sort();
-    const alt = node.matches(".drawing") ? `: ${node.querySelector("img")?.alt}` : "";
-    parts.push({ element: `<${[node.localName, ...attributes].join(" ")}>${alt}` });
-    if (alt === "") node.childNodes.forEach(walk);
+    parts.push({ element: `<${[node.localName, ...attributes].join(" ")}>` });
+    node.childNodes.forEach(walk);
     parts.push({ element: `</${node.localName}>` });
   };
-  root.childNodes.forEach(walk);
+  walk(root);
   for (const part of parts)
     if (part.text !== undefined) part.text = part.text.replace(/[ \t\n\f\r]+/g, " ").trim();
   return parts.filter((part) => part.text !== "");
@@ -100,46 +111,48 @@ function aroundDifference(text, other) {
   return (begin > 0 ? "…" : "") + text.slice(begin, end) + (end < text.length ? "…" : "");
 }
 
-/** Where what is shown first differs from what was signed, in words; null where it does not. */
-function firstDifference(shownRoot, signedRoot) {
-  const shown = readableParts(shownRoot);
-  const signed = readableParts(signedRoot);
+/** Where a page first differs from the one that was made, in words; null where it does not. */
+function firstDifference(shownPage, madePage) {
+  const shown = partsOf(shownPage);
+  const made = partsOf(madePage);
   const same = (a, b) => a && b && a.text === b.text && a.element === b.element;
   let at = 0;
-  while (at < shown.length && same(shown[at], signed[at])) ++at;
-  if (at === shown.length && at === signed.length) return null;
-  const words = (part, other) => part === undefined ? "nothing"
-    : part.text !== undefined ? `“${aroundDifference(part.text, other?.text ?? "")}”`
-    : part.element;
-  return `the page shows other text than was signed: ${words(shown[at], signed[at])}, ` +
-    `where ${words(signed[at], shown[at])} was signed`;
+  while (at < shown.length && same(shown[at], made[at])) ++at;
+  if (at === shown.length && at === made.length) return null;
+  const wordsAt = (parts) => parts.slice(at, at + 2).map(({ text, element }) => text ?? element).join(" ");
+  const quoted = (parts, others) => at === parts.length ? "nothing"
+    : `“${aroundDifference(wordsAt(parts), wordsAt(others))}”`;
+  return `the page is other than it was made: ${quoted(shown, made)}, where ${quoted(made, shown)} was signed`;
 }
 
-/** Whatever stands on the page beside the report and what checks it, in words; null where nothing. */
-function besideReport(body) {
-  const known = (node) => node.nodeType === Node.COMMENT_NODE ||
-    (node.nodeType === Node.TEXT_NODE && node.data.trim() === "") ||
-    (node.nodeType === Node.ELEMENT_NODE && (node.matches("script, noscript, main#report") ||
-      (node.matches("div#self-check") && node.childNodes.length === 0)));
-  const stranger = Array.from(body.childNodes).find((node) => !known(node));
-  if (!stranger)
-    return body.querySelector("main").attributes.length === 1 ? null
-      : "the report as a whole is shown otherwise than it was made";
-  const text = (stranger.textContent || "").trim() || `<${stranger.localName}>`;
-  return `something stands beside the report that was not signed: “${text.slice(0, 60)}”`;
+/**
+ * The pictures of the page, {sources, faults}: a source for each figure of the report, empty where
+ * the page has not just the drawing whose hash the report names.
+ */
+function signedPictures(page, figures) {
+  const shown = Array.from(page.querySelectorAll(".drawing"), (drawing) => drawing.querySelector("img"));
+  const begin = "data:image/svg+xml;base64,";
+  const sources = figures.map(({ drawing_sha256: hash }, index) => {
+    const source = shown[index]?.getAttribute("src") ?? "";
+    if (!source.startsWith(begin)) return "";
+    const bytes = bytesOfBase64(source.slice(begin.length), "drawing");
+    return hexOf(nobleHashes.sha256(bytes)) === hash ? source : "";
+  });
+  return { sources, faults: sources.flatMap((source, index) => source === "" ? [`drawing ${index + 1} was changed`] : []) };
 }
 
-/** What is wrong with the drawings, in words: each must be the one picture with its hash. */
-function changedDrawings(main, hashes) {
-  const drawings = Array.from(main.querySelectorAll(".drawing"));
-  if (drawings.length !== hashes.length)
-    return [`the page has ${drawings.length} drawings, but ${hashes.length} were made`];
-  const holds = (drawing, index) => {
-    const [picture, ...others] = drawing.children;
-    if (!picture || others.length > 0 || drawing.textContent.trim() !== "") return false;
-    if (picture.localName !== "img" || picture.srcset !== "") return false;
-    return hexOf(nobleHashes.sha256(utf8Bytes(picture.getAttribute("src") || ""))) === hashes[index];
-  };
-  return drawings.flatMap((drawing, index) => holds(drawing, index) ? []
-    : [`drawing ${index + 1} was changed`]);
+/** Trees that are shown in place of an element's own children (declarative shadow roots), in words. Spoils the page. */
+function hiddenTrees(page) {
+  const hosts = Array.from(page.querySelectorAll("*")).filter((element) => {
+    if (element.shadowRoot) return true;
+    try {
+      element.attachShadow({ mode: "open" });
+      return false;
+    } catch (error) {
+      return hostNames.has(element.localName);  // others can have none
+    }
+  });
+  return hosts.slice(0, 1).map((host) => `<${host.localName}> showed something else than what stands in it`);
 }
+const hostNames = new Set(["article", "aside", "blockquote", "body", "div", "footer", "h1", "h2", "h3", "h4", "h5",
+  "h6", "header", "main", "nav", "p", "section", "span"]);

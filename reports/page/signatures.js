@@ -20,6 +20,8 @@ const asciiText = (bytes) => String.fromCharCode(...bytes);
 const base64Of = (bytes) => btoa(asciiText(bytes));
 const hexOf = (bytes) => Array.from(bytes, (byte) => byte.toString(16).padStart(2, "0")).join("");
 
+const bytesOfHex = (text) => Uint8Array.from(text.match(/[0-9a-f]{2}/g) || [], (byte) => parseInt(byte, 16));
+
 /** The bytes of a line of base64 (RFC 4648 section 4, padded, no unused bits set). */
 function bytesOfBase64(text, what) {
   let binary = "";

@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 
 #include "core/failure.h"
 #include "core/text.h"
 #include "files/ecsv.h"
 #include "files/yaml_input.h"
 #include "schemas/common/product_files.h"
+#include "schemas/common/table.h"
 #include "schemas/enu/enu.h"
 #include "schemas/observations/observations.h"
 #include "schemas/screened/screened.h"
@@ -32,22 +34,23 @@ namespace {
 /// One product: what its file's name begins with, its field table, and its reader.
 struct Product {
     std::string_view stem;
+    bool is_table;
     YamlNode (*field_table)();
     void (*read)(std::string_view, const std::string&);
 };
 
 constexpr std::array<Product, 6> known_products{{
-    {products::observations.stem, observations_field_table_node,
+    {products::observations.stem, true, observations_field_table_node,
      [](std::string_view text, const std::string& where) { (void)read_observations(text, where); }},
-    {products::enu.stem, enu_field_table_node,
+    {products::enu.stem, true, enu_field_table_node,
      [](std::string_view text, const std::string& where) { (void)read_enu(text, where); }},
-    {products::screened.stem, screened_field_table_node,
+    {products::screened.stem, true, screened_field_table_node,
      [](std::string_view text, const std::string& where) { (void)read_screened(text, where); }},
-    {products::trajectory.stem, trajectory_field_table_node,
+    {products::trajectory.stem, true, trajectory_field_table_node,
      [](std::string_view text, const std::string& where) { (void)read_trajectory(text, where); }},
-    {products::windows.stem, windows_field_table_node,
+    {products::windows.stem, false, windows_field_table_node,
      [](std::string_view text, const std::string& where) { (void)read_windows(text, where); }},
-    {products::verdict.stem, verdict_field_table_node,
+    {products::verdict.stem, false, verdict_field_table_node,
      [](std::string_view text, const std::string& where) { (void)read_verdict(text, where); }},
 }};
 
@@ -81,6 +84,23 @@ void check_product(std::string_view text, std::string_view file, const std::stri
 std::string product_version(std::string_view file) {
     return YamlValue(product_of(file, std::string(file)).field_table(), "field table")["version"]
         .text();
+}
+
+const DocumentSchema& product_fields(std::string_view file) {
+    static const auto all = [] {
+        std::map<std::string_view, DocumentSchema> fields;
+        for (const Product& product : known_products) {
+            const std::string where(product.stem);
+            if (product.is_table)
+                fields.emplace(product.stem,
+                               TableSchema::read(product.field_table(), where).meta());
+            else
+                fields.emplace(product.stem, DocumentSchema::read(product.field_table(), where,
+                                                                  &header_schema()));
+        }
+        return fields;
+    }();
+    return all.at(product_of(file, std::string(file)).stem);
 }
 
 const DocumentSchema& report_field_table() {

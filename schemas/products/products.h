@@ -23,6 +23,9 @@ void check_product(std::string_view text, std::string_view file, const std::stri
 /// The version of that product's schema which this program writes.
 std::string product_version(std::string_view file);
 
+/// The fields of that product which stand outside a table's rows, as this program declares them.
+const DocumentSchema& product_fields(std::string_view file);
+
 /// The field table of a report's predicate.
 const DocumentSchema& report_field_table();
 

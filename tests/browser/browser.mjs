@@ -17,9 +17,10 @@ export const stopBrowser = () => browser?.close();
 /**
  * Opens a page file and hands it to `look(page)` once it has checked itself. Options are those of a
  * browser context, and `before` is a script that runs first. A request that is not to the disk, an
- * error on the console or a dialog fails.
+ * error on the console or a dialog fails; what the page's own policy refused does not where it is
+ * `refusing`.
  */
-export async function withPage(file, look, { before, ...options } = {}) {
+export async function withPage(file, look, { before, refusing = false, ...options } = {}) {
   const context = await browser.newContext({ offline: true, viewport: { width: 1000, height: 900 }, ...options });
   const trouble = [];
   try {
@@ -28,7 +29,8 @@ export async function withPage(file, look, { before, ...options } = {}) {
       if (!/^(file|data):/.test(request.url())) trouble.push(`asked for ${request.url()}`);
     });
     page.on("console", (message) => {
-      if (message.type() === "error") trouble.push(`console: ${message.text()}`);
+      const refused = refusing && message.text().includes("Content Security Policy");
+      if (message.type() === "error" && !refused) trouble.push(`console: ${message.text()}`);
     });
     page.on("pageerror", (error) => trouble.push(`error: ${error.message}`));
     page.on("dialog", (dialog) => {
@@ -38,7 +40,7 @@ export async function withPage(file, look, { before, ...options } = {}) {
     if (before) await page.addInitScript(before);
     await page.goto(pathToFileURL(file).href);
     if (options.javaScriptEnabled !== false) {
-      await page.waitForSelector("html[data-check]", { timeout: 20000 });
+      await page.waitForSelector(refusing ? "#self-check *" : "html[data-check]", { timeout: 20000 });
       // One turn more: charts are laid out after the check.
       await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => setTimeout(done, 50))));
     }

@@ -1,5 +1,6 @@
 // The pages that the tests open: made by the program from the examples, then changed where a test says so.
 import assert from "node:assert/strict";
+import { createHash } from "node:crypto";
 import fs from "node:fs";
 import path from "node:path";
 import { run, runcert, sources, workFolder } from "./programs.mjs";
@@ -135,3 +136,55 @@ export function anotherLetter(letter) {
   if (/\d/.test(letter)) return String((Number(letter) + 1) % 10);
   return letter === "x" ? "y" : "x";
 }
+
+/** What `verify` says of a run folder that has this page. */
+export function verifyWithPage(folder, page, status = 1) {
+  const copy = copyOf(folder, "verified");
+  fs.copyFileSync(page, pageOf(copy));
+  return runcert(["runcert", "verify", copy, "--pubkey", key("measurer").public], [status]);
+}
+
+const inHead = (markup) => (text) => text.replace("</head>", `${markup}</head>`);
+const inMain = (from, to) => (text) => changeMain(text, (main) => main.replace(from, to));
+const falseSpeed = "<p class=\"speed\">299.99 ± 0.01 km/h</p>";
+/** Replaces in a page's script, and the hash that its policy names with it. */
+const inScript = (from, to) => (text) => {
+  const changed = changePart(text, "page-script", (script) => script.replace(from, to));
+  const hash = createHash("sha256").update(partOf(changed, "page-script")).digest("base64");
+  return changed.replace(/sha256-[^']*/, `sha256-${hash}`);
+};
+
+/** Ways of showing something else without a change of the report in the page or of its signature. */
+export const lies = {
+  "a rule of style in the style sheet": (text) => text.replace("</style>", ".speed { visibility: hidden }</style>"),
+  "text made by the style sheet": (text) => text.replace("</style>", ".outcome::before { content: \"RECORD BEATEN\" }</style>"),
+  "a second style sheet": inHead("<style>.notes { display: none }</style>"),
+  "a style sheet in the body": inMain("<header>", "<style>.speed::after { content: \"9\" }</style><header>"),
+  "another medium of the style sheet": (text) => text.replace("<style>", "<style media=\"print\">"),
+  "a style sheet from elsewhere": inHead("<link rel=\"stylesheet\" href=\"data:text/css,.speed{display:none}\">"),
+  "a style at one element": inMain("<p class=\"speed\"", "<p style=\"display: none\" class=\"speed\""),
+  "a style at the page": (text) => text.replace("<html lang=\"en\"", "<html lang=\"en\" style=\"color: white\""),
+  "a class at the body": (text) => text.replace("<body>", "<body class=\"yes\">"),
+  "a page that follows": inHead("<meta http-equiv=\"refresh\" content=\"3600; url=other.html\">"),
+  "another base": inHead("<base href=\"https://example.org/\">"),
+  "another title": (text) => text.replace(/<title>[^<]*/, "<title>Record beaten"),
+  "another policy": (text) => text.replace("default-src 'none'", "default-src data:"),
+  "the page in another mode": (text) => text.replace("<!DOCTYPE html>", ""),
+  "a comment beside it": (text) => text.replace("<main", "<!-- checked --><main"),
+  "a comment behind it": (text) => `${text}<!-- checked -->`,
+  "a tree in place of the report": (text) => text.replace("<main id=\"report\">",
+    `<main id="report"><template shadowrootmode="closed">${falseSpeed}</template>`),
+  "an open tree in place of a paragraph": inMain(/(<p class="speed"[^>]*>)/,
+    "$1<template shadowrootmode=\"open\">299.99 km/h</template>"),
+  "a frame over it": (text) => text.replace("</main>", "</main><iframe srcdoc=\"beaten\"></iframe>"),
+  "a dialogue over it": (text) => text.replace("</main>", "</main><dialog open>Record beaten</dialog>"),
+  "the content's template": inScript("Measurement report", "Checked report"),
+  "the style sheet in the script": inScript(".speed", ".fast"),
+  "another script beside it": inHead("<script>document.title = 'other'</script>"),
+  "a drawing with other lines": inMain(/(src="data:image\/svg\+xml;base64,)[^"]*/, `$1${btoa("<svg xmlns=\"http://www.w3.org/2000/svg\"/>")}`),
+  "a drawing of another size": inMain("<img ", "<img width=\"1\" "),
+  "two drawings exchanged": (text) => {
+    const [one, other] = [...text.matchAll(/src="(data:image[^"]*)"/g)].map(([, source]) => source);
+    return text.replace(one, "first of both").replace(other, one).replace("first of both", other);
+  },
+};

@@ -150,28 +150,43 @@ TEST_F(TamperedRun, OfABundleTheListItselfIsChecked) {
     EXPECT_TRUE(says(layer(found(), "bundle"), "keys/b is not named"));
 }
 
-TEST_F(TamperedRun, APageMustCarryTheReport) {
-    const std::string report = read_file(run() / "report.json");
-    const std::string begin = "<script type=\"application/json\" id=\"report-json\">";
-    const auto page = [&](const std::string& text) {
-        write_file_atomically(run() / "report.html",
-                              "<!DOCTYPE html><title>r</title>" + text + "<p>end</p>\n");
-        return layer(found(), "pages");
-    };
-    EXPECT_EQ(layer(found(), "pages")["passed"], nullptr);
-    EXPECT_EQ(page(begin + report + "</script>")["passed"], true);
-    const std::string forged = "{\"outcome\": \"beaten\"}\n";
-    EXPECT_TRUE(says(page(begin + forged + "</script>"), "is not report.json"));
-    EXPECT_TRUE(says(page(begin + forged + "</script>" + begin + report + "</script>"),
-                     "more than one report"));
-    EXPECT_TRUE(says(page(begin + report), "is not report.json"));
-    EXPECT_TRUE(says(page(""), "earlier version"));
+/// Pages of the run, as the program renders them.
+class TamperedPages : public TamperedRun {
+  protected:
+    void SetUp() override {
+        TamperedRun::SetUp();
+        const ProcessResult rendered =
+            run_process({RUNCERT_PROGRAMS "/runcert-report", "--render-only", "--attempt",
+                         (run() / "attempt.yaml").string(), "--run-dir", run().string()});
+        ASSERT_EQ(rendered.exit_status, 0) << rendered.errors;
+    }
+    nlohmann::json pages() const { return layer(found(), "pages"); }
+    nlohmann::json page(const std::string& text) const {
+        write_file_atomically(run() / "report.html", text);
+        return pages();
+    }
+};
+
+TEST_F(TamperedPages, AreRenderedAgainEachTime) {
+    EXPECT_EQ(pages()["passed"], true) << pages();
+    EXPECT_TRUE(says(pages(), "report.html: identical")) << pages();
+    EXPECT_TRUE(says(pages(), "report.pdf: identical")) << pages();
+    const std::string whole = read_file(run() / "report.html");
+    for (const std::string& changed :
+         {whole + "\n", "<!-- -->" + whole, whole.substr(0, whole.size() - 1), std::string("")}) {
+        const auto said = page(changed);
+        EXPECT_EQ(said["passed"], false) << said;
+        EXPECT_TRUE(says(said, "it is not what the report renders to")) << said;
+    }
+    fs::remove(run() / "report.html");
+    fs::remove(run() / "report.pdf");
+    EXPECT_EQ(pages()["passed"], nullptr);
 }
 
-TEST_F(TamperedRun, APdfMustHaveTheReportAttached) {
-    // A blank page, and the report attached by another program.
-    write_file_atomically(path("page.html"), "<p>page</p>");
-    const auto render = [&](const std::vector<std::string>& attached) {
+TEST_F(TamperedPages, APdfIsComparedByWhatItCarriesAndShows) {
+    const std::string json = (run() / "report.json").string();
+    const auto render = [&](const std::string& html, const std::vector<std::string>& attached) {
+        write_file_atomically(path("page.html"), html);
         std::vector<std::string> command{"weasyprint"};
         for (const std::string& file : attached)
             command.insert(command.end(), {"-a", file});
@@ -179,19 +194,63 @@ TEST_F(TamperedRun, APdfMustHaveTheReportAttached) {
                        {path("page.html").string(), (run() / "report.pdf").string()});
         const ProcessResult made = run_process(command);
         EXPECT_EQ(made.exit_status, 0) << made.errors;
-        return layer(found(), "pages");
+        const auto said = pages();
+        EXPECT_EQ(said["passed"], false) << said;
+        return said;
     };
-    EXPECT_EQ(render({(run() / "report.json").string()})["passed"], true);
-    EXPECT_TRUE(says(render({}), "not attached"));
+    EXPECT_TRUE(says(render("<p>page</p>", {json}), "its title is"));
+    EXPECT_TRUE(says(render("<p>page</p>", {}), "does not carry report.json"));
     fs::create_directory(path("b"));
-    write_file_atomically(path("b") / "report.json", read_file(run() / "report.json") + " ");
-    EXPECT_TRUE(says(render({(path("b") / "report.json").string()}), "is not report.json"));
-    EXPECT_TRUE(
-        says(render({(path("b") / "report.json").string(), (run() / "report.json").string()}),
-             "more than one"));
+    const std::string other = (path("b") / "report.json").string();
+    write_file_atomically(other, read_file(json) + " ");
+    EXPECT_TRUE(says(render("<p>page</p>", {other}), "attached to it is not report.json"));
+    EXPECT_TRUE(says(render("<p>page</p>", {other, json}), "no other file"));
+    EXPECT_TRUE(says(render("<p>page</p>", {json, path("page.html")}), "no other file"));
     write_file_atomically(run() / "report.pdf", "hello");
-    EXPECT_TRUE(says(layer(found(), "pages"), "cannot be read as a PDF"));
-    EXPECT_EQ(layer(found(), "pages")["passed"], false);
+    EXPECT_TRUE(says(pages(), "cannot be read as a PDF"));
+    EXPECT_EQ(pages()["passed"], false);
+}
+
+TEST_F(TamperedPages, APdfOfTheSameTextAndAnotherLookIsNotThePage) {
+    // The page that is printed, which the report's own renderer keeps to itself, is near enough to
+    // the one for screens: its text is then another, and so is its look.
+    const auto with_words = [&](const std::string& from, const std::string& to) {
+        std::string pdf = read_file(run() / "report.pdf");
+        const ProcessResult plain =
+            run_process({"qpdf", "--qdf", "--object-streams=disable",
+                         (run() / "report.pdf").string(), path("plain.pdf").string()});
+        EXPECT_EQ(plain.exit_status, 0) << plain.errors;
+        std::string text = read_file(path("plain.pdf"));
+        const std::size_t at = text.find(from);
+        EXPECT_NE(at, std::string::npos);
+        text.replace(at, from.size(), to);
+        write_file_atomically(run() / "report.pdf", text);
+        return pages();
+    };
+    // Rewritten by another program, unchanged in what it shows.
+    EXPECT_EQ(with_words("%PDF", "%PDF")["passed"], true);
+    EXPECT_TRUE(says(pages(), "it shows what is rendered again, page by page"));
+    // A colour.
+    const auto recoloured = with_words(" rg\n", " RG\n");
+    EXPECT_EQ(recoloured["passed"], false) << recoloured;
+    EXPECT_TRUE(says(recoloured, "does not look as it is rendered")) << recoloured;
+}
+
+TEST_F(TamperedPages, OfAnotherProgramAreNotChecked) {
+    // As its own signer may write it: nothing else tells that another program made the report.
+    for (const char* file : {"1-observations.ecsv", "2-enu.ecsv", "3-screened.ecsv",
+                             "4-trajectory.ecsv", "5-windows.yaml", "6-verdict.yaml"}) {
+        change(file, "source_revision: ", "source_revision: f");
+        fix_hash(file);
+    }
+    change("report.json", "\"source_revision\": \"", "\"source_revision\": \"f");
+    change("report.json", "\"template_sha256\": \"", "\"template_sha256\": \"f");
+    const auto result =
+        nlohmann::json::parse(runcert({"verify", run().string(), "--json", "--keep-going"}).output);
+    const auto said = layer(result, "pages");
+    EXPECT_EQ(said["passed"], false);
+    EXPECT_TRUE(says(said, "not checked: made by runcert")) << said;
+    EXPECT_EQ(result["exit_status"], 1);
 }
 
 }  // namespace

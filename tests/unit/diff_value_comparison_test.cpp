@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "files/document_schema.h"
 #include "reports/diff/value_comparison.h"
 
 namespace runcert::RUNCERT_FILE {
@@ -74,6 +75,40 @@ TEST(ValueComparison, WithoutUncertaintyTheLastDigitDecides) {
     // An uncertainty to a thousandth of itself.
     EXPECT_TRUE(only_difference({{"sigma_m", 0.018281}}, {{"sigma_m", 0.018295}}).tolerated);
     EXPECT_FALSE(only_difference({{"sigma_m", 0.018281}}, {{"sigma_m", 0.018381}}).tolerated);
+}
+
+TEST(ValueComparison, ADeclarationDecidesWhatAValueIsWrittenTo) {
+    const DocumentSchema declared = DocumentSchema::parse(
+        "schema: x\nversion: \"1.0\"\nfields:\n"
+        "  runs: {type: list, description: runs}\n"
+        "  runs[]: {type: map, description: run}\n"
+        "  runs[].probability: {type: real, decimals: 4, description: p}\n"
+        "  runs[].duration_s: {type: real, decimals: 3, description: d}\n"
+        "  runs[].count: {type: integer, description: n}\n"
+        "  runs[].words: {type: text, description: w}\n",
+        "x.yaml");
+    const auto tolerated = [&](const Json& from, const Json& to, bool deciding) {
+        const Json a{{"runs", {from}}};
+        const Json b{{"runs", {to}}};
+        const auto found = value_differences(a, b, {.declared = &declared, .deciding = deciding});
+        EXPECT_EQ(found.size(), 1U) << a << b;
+        return found.size() == 1 && found.front().tolerated;
+    };
+    // Whole where they are written, and real where they are declared.
+    EXPECT_FALSE(tolerated({{"probability", 1}}, {{"probability", 0}}, false));
+    EXPECT_FALSE(tolerated({{"probability", 1.0}}, {{"probability", 0.0}}, false));
+    EXPECT_FALSE(tolerated({{"duration_s", 3.0}}, {{"duration_s", 2.0}}, false));
+    EXPECT_TRUE(tolerated({{"duration_s", 3.0}}, {{"duration_s", 3.001}}, false));
+    EXPECT_FALSE(tolerated({{"duration_s", 3.0}}, {{"duration_s", 3.001}}, true));
+    EXPECT_TRUE(tolerated({{"duration_s", 3.0}}, {{"duration_s", 3.000000001}}, true));
+    EXPECT_FALSE(tolerated({{"count", 3}}, {{"count", 4}}, false));
+    EXPECT_FALSE(tolerated({{"words", "62.1 km/h"}}, {{"words", "62.2 km/h"}}, false));
+    // A millionth of the uncertainty that was computed here, not of the one in the other document.
+    const Json speed{{"speed_m_s", 62.130472}, {"standard_uncertainty_m_s", 0.02}};
+    EXPECT_TRUE(
+        tolerated(speed, {{"speed_m_s", 62.13047201}, {"standard_uncertainty_m_s", 0.02}}, true));
+    EXPECT_FALSE(
+        tolerated(speed, {{"speed_m_s", 62.130473}, {"standard_uncertainty_m_s", 0.02}}, true));
 }
 
 TEST(ValueComparison, TextsByTheirNumbers) {

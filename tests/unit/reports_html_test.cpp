@@ -184,9 +184,13 @@ TEST(ReportHtml, TheScreensPageCarriesTheReportByteForByte) {
 
 // The browser runs the page's own script and no other, and loads nothing.
 TEST(ReportHtml, ThePolicyNamesTheScriptByItsHash) {
-    const std::string html = screen_page(report_json(sample::make_run().inputs));
-    const std::string script = between(html, "<script>", "</script>");
+    const auto report = report_json(sample::make_run().inputs);
+    const std::string html = screen_page(report);
+    const std::string script = between(html, "<script id=\"page-script\">", "</script>");
     EXPECT_GT(script.size(), 1000U);
+    EXPECT_EQ(report["predicate"]["page"]["script_sha256"], sha256_hex(script));
+    EXPECT_EQ(report["predicate"]["page"]["style_sha256"],
+              sha256_hex(between(html, "<style>", "</style>")));
     EXPECT_EQ(between(html, "script-src 'sha256-", "'"), base64_of_hex(sha256_hex(script)));
     EXPECT_NE(html.find("default-src 'none'"), std::string::npos);
 }

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace runcert {
+
+/// What comparing a page with the one that was rendered again gave.
+struct PageComparison {
+    bool same = false;  ///< whether it shows just what was rendered
+    std::string words{};
+};
+
+/// Byte for byte.
+PageComparison compare_bytes(const std::filesystem::path& page, const std::filesystem::path& own);
+
+/// Byte for byte; a PDF that is not so (a seal was put on it) must carry the same report and
+/// nothing else, run no script, hold the same text and show the same pictures, page by page
+/// (poppler, 100 dots per inch), and its seal must hold. One of another renderer is not the same.
+/// Failure where poppler-utils is missing.
+PageComparison compare_pdf(const std::filesystem::path& pdf, const std::filesystem::path& own,
+                           const std::string& report_text);
+
+}  // namespace runcert

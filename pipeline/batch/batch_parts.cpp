@@ -8,22 +8,23 @@
 #include "batch/day_results.h"
 #include "core/failure.h"
 #include "core/text.h"
-#include "files/atomic_file.h"
+#include "files/folder.h"
 #include "files/pattern_list.h"
 
 namespace runcert {
 namespace {
 
-/// A folder of results may come from elsewhere; its own parts must lie in it.
-void refuse_links(const BatchFolders& folders) {
-    refuse_link(folders.own());
-    std::error_code none;
-    for (const auto& entry : std::filesystem::directory_iterator(folders.own(), none)) {
-        refuse_link(entry.path());
-        if (!entry.is_directory()) continue;
-        for (const auto& inner : std::filesystem::directory_iterator(entry.path()))
-            refuse_link(inner.path());
-    }
+void refuse_inner(const Folder& folder, const std::string& name) {
+    const Folder inner = folder.open(name);
+    for (const std::string& each : inner.names())
+        if (inner.kind_of(each) == EntryKind::link) (void)inner.open(each);  // which refuses it
+}
+
+/// A folder of results may come from elsewhere: its own parts must lie in it.
+void refuse_links(const Folder& folder) {
+    for (const std::string& name : folder.names())
+        if (folder.kind_of(name) == EntryKind::folder || folder.kind_of(name) == EntryKind::link)
+            refuse_inner(folder, name);
 }
 
 }  // namespace
@@ -31,13 +32,14 @@ void refuse_links(const BatchFolders& folders) {
 std::optional<FolderLock> lock_day(const BatchOrder& order, LockKind kind,
                                    const std::stop_token& stop) {
     const BatchFolders folders(order.context.out);
-    refuse_links(folders);
-    make_directory(folders.own());
+    const Folder own = make_below(folders.out, folders.own().filename());
+    refuse_links(own);
+    const std::string lock = folders.day_lock().filename().string();
     if (order.wait)
-        return FolderLock::wait_lock(folders.day_lock(), kind, stop, [](const std::string& holder) {
+        return FolderLock::wait_lock(own, lock, kind, stop, [](const std::string& holder) {
             fmt::print(stderr, "waiting for another batch on this folder: {}\n", holder);
         });
-    auto taken = FolderLock::try_lock(folders.day_lock(), kind);
+    auto taken = FolderLock::try_lock(own, lock, kind);
     if (!taken.lock)
         throw Failure(order.context.out.string(),
                       "another batch is at work on this folder: " + taken.holder,

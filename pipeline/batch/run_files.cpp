@@ -4,44 +4,22 @@
 
 #include "core/failure.h"
 #include "files/atomic_file.h"
-#include "files/file_sync.h"
 #include "files/sha256.h"
+#include "run/run_lock.h"
+#include "run/staging_folder.h"
 
 namespace runcert {
 namespace {
 
 namespace fs = std::filesystem;
 
-// The names of files half written, those of write_file_atomically and of `place`.
+// The names of files half written, those of write_file_atomically and of Folder::place.
 constexpr std::string_view temporary_prefix = ".runcert-";
 constexpr std::string_view temporary_suffix = ".tmp";
 
 bool is_regular(const fs::path& file) {
     std::error_code error;
     return fs::is_regular_file(fs::symlink_status(file, error)) && !error;
-}
-
-[[noreturn]] void fail(const fs::path& file, const std::error_code& error) {
-    throw Failure(file.string(), "the file could not be put in place: " + error.message(),
-                  "Check that the folder can be written and has space, and run again");
-}
-
-/// Gives `to` the contents of `from`, at once: a link under a temporary name, renamed; a copy where
-/// the file system has no links.
-void place(const fs::path& from, const fs::path& to) {
-    const fs::path temporary =
-        to.parent_path() /
-        fmt::format("{}{}{}", temporary_prefix, to.filename().string(), temporary_suffix);
-    std::error_code error;
-    fs::remove(temporary, error);
-    fs::create_hard_link(from, temporary, error);
-    if (error) {
-        write_file_atomically(to, FileView(from).bytes());
-        return;
-    }
-    fs::rename(temporary, to, error);
-    if (error) fail(to, error);
-    fs::remove(temporary, error);  // rename does nothing where both are the same file already
 }
 
 }  // namespace
@@ -55,8 +33,11 @@ void remove_temporaries(const fs::path& folder) {
     }
 }
 
-RunFiles::RunFiles(fs::path run_dir, fs::path work_dir)
-    : run_dir_(std::move(run_dir)), work_dir_(std::move(work_dir)) {}
+RunFiles::RunFiles(fs::path results, const fs::path& run, fs::path work)
+    : results_(std::move(results)),
+      run_dir_(results_ / run),
+      work_(std::move(work)),
+      work_dir_(results_ / work_) {}
 
 std::optional<std::string> RunFiles::hash_of(const fs::path& file) {
     const auto known = hashes_.find(file.string());
@@ -81,12 +62,17 @@ bool RunFiles::exists(const std::string& name) const {
 }
 
 void RunFiles::remove_left() const {
-    for (const fs::path& folder : {run_dir_, work_dir_})
-        remove_temporaries(folder);
+    if (!fs::is_directory(results_)) return;
+    const Folder results(results_);
+    const std::string run = run_dir_.filename().string();
+    if (results.kind_of(run) == EntryKind::link) (void)results.open(run);  // which refuses it
+    const RunLock lock(results, run);
+    clear_abandoned(results, run);
+    remove_temporaries(work_dir_);
 }
 
 void RunFiles::open_work() {
-    make_directory(work_dir_);
+    (void)make_below(results_, work_);
 }
 
 void RunFiles::bring_to_work(const std::string& name, const std::string& sha256) {
@@ -95,7 +81,7 @@ void RunFiles::bring_to_work(const std::string& name, const std::string& sha256)
         throw Failure((run_dir_ / name).string(), "the file changed while the run was made",
                       "Run the batch again");
     if (*found == work_dir_ / name) return;
-    place(*found, work_dir_ / name);
+    Folder(run_dir_).place(name, make_below(results_, work_));
     hashes_[(work_dir_ / name).string()] = sha256;
 }
 
@@ -108,37 +94,19 @@ std::string RunFiles::written(const std::string& name) {
     return *hash;
 }
 
-void RunFiles::publish(const std::vector<std::string>& names) {
-    make_directory(run_dir_);
-    std::vector<std::string> changed;
-    std::vector<fs::path> files;
-    for (const std::string& name : names) {
-        const auto hash = hash_of(work_dir_ / name);
-        if (!hash || hash_of(run_dir_ / name) == hash) continue;
-        changed.push_back(name);
-        files.push_back(work_dir_ / name);
-    }
-    sync_files(files);  // the steps did not
-    for (const std::string& name : changed) {
-        place(work_dir_ / name, run_dir_ / name);
-        hashes_[(run_dir_ / name).string()] = hash_of(work_dir_ / name);
-    }
-    sync_folder(run_dir_);
-}
-
-void RunFiles::withdraw(const std::vector<std::string>& names) {
-    for (const std::string& name : names) {
-        std::error_code error;
-        fs::remove(run_dir_ / name, error);
-        if (error) fail(run_dir_ / name, error);
-        hashes_.erase((run_dir_ / name).string());
+void RunFiles::place(const std::map<std::string, std::string>& files, const Folder& to) {
+    for (const auto& [name, hash] : files) {
+        const auto found = find(name, hash);
+        if (!found)
+            throw Failure((run_dir_ / name).string(), "the file changed while the run was made",
+                          "Run the batch again");
+        Folder(found->parent_path()).place(name, to);
     }
 }
 
 void RunFiles::close_work() {
-    std::error_code ignored;
-    fs::remove_all(work_dir_, ignored);
-    hashes_.clear();
+    make_below(results_, work_.parent_path()).remove_tree(work_dir_.filename().string());
+    forget();
 }
 
 }  // namespace runcert

@@ -4,7 +4,8 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <vector>
+
+#include "files/folder.h"
 
 namespace runcert {
 
@@ -13,8 +14,9 @@ namespace runcert {
 /// contents alone: whatever a name promises, it is hashed before it is used.
 class RunFiles {
   public:
-    /// Neither folder need exist.
-    RunFiles(std::filesystem::path run_dir, std::filesystem::path work_dir);
+    /// Both are in the folder of results, by their names there, and neither need exist.
+    RunFiles(std::filesystem::path results, const std::filesystem::path& run,
+             std::filesystem::path work);
 
     const std::filesystem::path& run_dir() const { return run_dir_; }
     const std::filesystem::path& work_dir() const { return work_dir_; }
@@ -28,7 +30,8 @@ class RunFiles {
     /// Whether either folder holds a regular file of that name.
     bool exists(const std::string& name) const;
 
-    /// Takes away what a killed program left half written in either folder.
+    /// Takes away what a killed program left half written in either folder, and beside the run's.
+    /// Failure where another program writes in the run folder.
     void remove_left() const;
 
     /// Makes the work folder.
@@ -42,12 +45,11 @@ class RunFiles {
     /// not there.
     std::string written(const std::string& name);
 
-    /// Puts files of the work folder into the run folder, each whole or not at all, in the order
-    /// given; those that are there already with the same contents stay.
-    void publish(const std::vector<std::string>& names);
+    /// Has the files of these names and SHA-256 in a folder, of which each is in one of the two.
+    void place(const std::map<std::string, std::string>& files, const Folder& to);
 
-    /// Takes files out of the run folder; one that is not there is passed over.
-    void withdraw(const std::vector<std::string>& names);
+    /// Forgets what was hashed: another run was put in the run folder's place.
+    void forget() { hashes_.clear(); }
 
     /// Takes the work folder away.
     void close_work();
@@ -55,7 +57,9 @@ class RunFiles {
   private:
     std::optional<std::string> hash_of(const std::filesystem::path& file);
 
+    std::filesystem::path results_;
     std::filesystem::path run_dir_;
+    std::filesystem::path work_;
     std::filesystem::path work_dir_;
     std::map<std::string, std::optional<std::string>> hashes_;
 };

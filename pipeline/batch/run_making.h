@@ -47,7 +47,6 @@ class RunMaking {
     /// run_publishing.cpp: the way from and into the run folder.
     FileHashes standing_signatures() const;
     void bring_signatures();
-    void withdraw_void();
     void publish();
     void write_record() const;
 

@@ -1,10 +1,9 @@
-#include <algorithm>
-
 #include "batch/run_making.h"
 #include "files/atomic_file.h"
+#include "files/folder.h"
 #include "files/sha256.h"
-#include "run/run_lock.h"
 #include "run/run_times.h"
+#include "run/staging_folder.h"
 #include "trust/signature_files.h"
 
 namespace runcert {
@@ -12,10 +11,6 @@ namespace {
 
 constexpr const char* report_file = "report.json";
 constexpr const char* times_file = "run.yaml";
-
-bool is_report(const std::string& name) {
-    return name.starts_with("report.");
-}
 
 }  // namespace
 
@@ -34,35 +29,15 @@ void RunMaking::bring_signatures() {
         files_.bring_to_work(name, hash);
 }
 
-/// Takes out of the run folder what is not of the run any more: another report with its pages,
-/// signatures and time stamps, and files that the run had before and has no longer.
-void RunMaking::withdraw_void() {
-    std::vector<std::string> names;
-    if (!files_.is_published(report_file, current_.at(report_file))) {
-        names = {report_file, "report.html", "report.pdf"};
-        std::error_code none;
-        for (const auto& entry : std::filesystem::directory_iterator(files_.run_dir(), none))
-            if (const std::string name = entry.path().filename().string();
-                belongs_to_signatures(name))
-                names.push_back(name);
-        supersede_signatures(files_.run_dir());
-    }
-    for (const std::string& name : record_.published)
-        if (!current_.contains(name) && !is_report(name)) names.push_back(name);
-    files_.withdraw(names);
-}
-
-/// The reports go out first and in last: a run folder with one is never half old and half new.
+/// The run is whole beside the earlier one before it takes that one's place.
 void RunMaking::publish() {
     std::vector<std::string> names;
     for (const auto& [name, hash] : current_)
         names.push_back(name);
-    std::stable_partition(names.begin(), names.end(),
-                          [](const std::string& name) { return !is_report(name); });
     if (!is_published()) {
-        make_directory(files_.run_dir());
-        const RunLock lock(files_.run_dir());
-        withdraw_void();
+        StagingFolder staging(Folder(folders_.out), given_.id);
+        files_.place(current_, staging.folder());
+        carry_over(staging.earlier(), staging.folder());
         std::vector<StageDone> stages;
         for (const Step& step : steps())
             if (const auto done = record_.steps.find(step.name);
@@ -70,8 +45,9 @@ void RunMaking::publish() {
                 stages.push_back({.name = step.name,
                                   .said = done->second.said,
                                   .seconds = done->second.seconds});
-        write_file_atomically(files_.run_dir() / times_file, run_times_text(started_, stages));
-        files_.publish(names);
+        staging.folder().write(times_file, run_times_text(started_, stages));
+        staging.publish();
+        files_.forget();
     }
     if (record_.published != names || record_.failure) {
         record_.published = names;

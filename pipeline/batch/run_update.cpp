@@ -9,6 +9,7 @@
 #include "batch/step_reason.h"
 #include "batch/step_settings.h"
 #include "core/failure.h"
+#include "files/folder.h"
 #include "files/folder_lock.h"
 #include "trust/signature_files.h"
 
@@ -54,7 +55,7 @@ RunMaking::RunMaking(const DayAttempt& given, const BatchContext& context, const
       watch_(watch),
       stop_(stop),
       folders_(context.out),
-      files_(folders_.run(given.id), folders_.work(given.id)),
+      files_(folders_.out, given.id, BatchFolders("").work(given.id)),
       record_(read_run_record(folders_.record(given.id))),
       started_(std::time(nullptr)) {}
 
@@ -183,9 +184,9 @@ RunState update_run(const DayAttempt& attempt, const BatchContext& context, cons
                     const std::stop_token& stop) {
     const fs::path run_dir = context.out / attempt.id;
     return guarded(run_dir, [&]() -> RunState {
-        refuse_link(run_dir);
-        const auto taken =
-            FolderLock::try_lock(BatchFolders(context.out).lock(attempt.id), LockKind::exclusive);
+        const fs::path lock = BatchFolders("").lock(attempt.id);
+        const auto taken = FolderLock::try_lock(make_below(context.out, lock.parent_path()),
+                                                lock.filename().string(), LockKind::exclusive);
         if (!taken.lock)
             return {.failure =
                         RunFailure{.step = steps().front().name,

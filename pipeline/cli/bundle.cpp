@@ -9,6 +9,7 @@
 #include "core/failure.h"
 #include "core/plain_text.h"
 #include "files/atomic_file.h"
+#include "run/run_lock.h"
 
 namespace runcert {
 namespace {
@@ -27,7 +28,10 @@ int bundle(const BundleOptions& options) {
     input.public_keys.assign(options.public_keys.begin(), options.public_keys.end());
     if (!options.roster.empty()) input.roster = options.roster;
     if (!options.tsa_ca.empty()) input.tsa_ca = options.tsa_ca;
-    const Bundle made = make_bundle(input);
+    const Bundle made = [&input] {
+        const RunLock lock(input.run_dir);  // else its files could be those of two runs
+        return make_bundle(input);
+    }();
     const std::filesystem::path out = options.out.empty() ? made.attempt + ".tar.zst" : options.out;
     if (std::filesystem::exists(std::filesystem::symlink_status(out)) && !options.force)
         throw Failure(out.string(), "the file exists already",

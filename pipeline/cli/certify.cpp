@@ -18,6 +18,7 @@
 #include "run/attempt_files.h"
 #include "run/chain.h"
 #include "run/run_times.h"
+#include "run/staging_folder.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/common/product_files.h"
 #include "schemas/verdict/declared.h"
@@ -100,9 +101,13 @@ bool print_verdict(const ProfileVerdict& verdict, const fs::path& run_dir) {
     return verdict.outcome == Outcome::beaten;
 }
 
-bool print_verdicts(const fs::path& run_dir, bool signed_report, bool rendered) {
+Verdict verdict_in(const fs::path& run_dir) {
     const fs::path file = run_dir / products::verdict_file;
-    const Verdict verdict = read_verdict(read_file(file), file.string());
+    return read_verdict(read_file(file), file.string());
+}
+
+bool print_verdicts(const Verdict& verdict, const fs::path& run_dir, bool signed_report,
+                    bool rendered) {
     bool all_beaten = true;
     for (const ProfileVerdict& profile : verdict.profiles)
         all_beaten = print_verdict(profile, run_dir) && all_beaten;
@@ -149,7 +154,7 @@ int certify(const CertifyOptions& options) {
                             .pdf = !options.no_pdf};
         const ProcessOptions unsynced{.environment = {synced_by_caller()}};
         StageDone written = run_step("report", call, unsynced);
-        carry_signatures(run_dir, staging.path());
+        carry_over(staging.earlier(), staging.folder());
         if (key) sign_report(staging.path(), read_report_facts(staging.path()), *key, role);
         if (!options.no_render) {
             const StageDone rendered = run_step("render", call, unsynced);
@@ -162,8 +167,10 @@ int certify(const CertifyOptions& options) {
         return 2;
     }
     write_file_unsynced(staging.path() / "run.yaml", run_times_text(started, stages));
+    const Verdict verdict = verdict_in(staging.path());
+    const bool is_signed = !signature_files(staging.path()).empty();
     staging.publish();
-    return print_verdicts(run_dir, key.has_value(), !options.no_render) ? 0 : 1;
+    return print_verdicts(verdict, run_dir, is_signed, !options.no_render) ? 0 : 1;
 }
 
 }  // namespace

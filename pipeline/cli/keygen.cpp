@@ -19,6 +19,12 @@ struct KeygenOptions {
     bool no_password = false;
 };
 
+void write_new_file(const std::string& name, const std::string& text, FileAccess access) {
+    AtomicFile file(name, access);
+    file.write(text);
+    file.commit_as_new();
+}
+
 int make_keys(const KeygenOptions& options) {
     const std::string secret = options.name + ".key";
     const std::string open = options.name + ".pub";
@@ -30,8 +36,15 @@ int make_keys(const KeygenOptions& options) {
     std::optional<std::string> password;
     if (!options.no_password) password = ask_new_password();
     const KeyPair pair = generate_key_pair();
-    write_file_atomically(secret, secret_key_file(pair, password), FileAccess::owner_only);
-    write_file_atomically(open, public_key_file(pair.public_key));
+    // The secret key first: who has its name has the pair's. Alone it says that it is half a pair,
+    // and one of another is never replaced.
+    write_new_file(secret, secret_key_file(pair, password), FileAccess::owner_only);
+    try {
+        write_new_file(open, public_key_file(pair.public_key), FileAccess::by_umask);
+    } catch (const Failure&) {
+        std::filesystem::remove(secret);
+        throw;
+    }
     fmt::print(
         "secret key  {}  (keep it; nobody else may have it)\n"
         "public key  {}  (give it to everybody who is to verify)\n"

@@ -17,6 +17,7 @@
 #include "schemas/verdict/verdict.h"
 #include "trust/roster.h"
 #include "trust/signature.h"
+#include "trust/signature_files.h"
 #include "trust/signing.h"
 #include "trust/verification.h"
 
@@ -42,9 +43,13 @@ void require_passed(const std::filesystem::path& run_dir, const VerificationStep
                   "nothing was signed");
 }
 
-/// The pages name the signatures, so they are recomputed.
+/// The pages name the signatures, so they are recomputed; a seal is of the page as it was.
 int render(const std::filesystem::path& run_dir) {
     try {
+        {
+            const RunLock lock(run_dir);
+            keep_sealed_page(run_dir);
+        }
         run_step("render", {.attempt = run_dir / "attempt.yaml", .run_dir = run_dir});
     } catch (const StageFailed& failed) {
         fmt::print(stderr,

@@ -98,12 +98,12 @@ int take_reply(const fs::path& run_dir, const std::vector<SignatureFile>& signat
 
 int timestamp(const TimestampOptions& options) {
     const fs::path run_dir = options.run_dir;
+    const RunLock lock(run_dir);
     (void)read_report_facts(run_dir);
     const std::vector<SignatureFile> signatures = signature_files(run_dir);
     if (signatures.empty())
         throw Failure(run_dir.string(), "the report is not signed: there is nothing to stamp",
                       "Sign it first: runcert sign");
-    const RunLock lock(run_dir);
     return options.reply.empty() ? write_queries(run_dir, signatures)
                                  : take_reply(run_dir, signatures, options);
 }

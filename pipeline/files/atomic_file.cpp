@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cerrno>
+#include <cstdio>
 #include <cstdlib>
 #include <deque>
 #include <memory>
@@ -16,7 +17,9 @@
 #include <vector>
 
 #include "core/failure.h"
+#include "files/descriptor.h"
 #include "files/file_sync.h"
+#include "files/folder.h"
 
 namespace runcert {
 namespace {
@@ -65,109 +68,105 @@ std::string remedy_for(int error) {
     }
 }
 
-[[noreturn]] void fail(const fs::path& path, const std::string& attempted, int error) {
+}  // namespace
+
+void fail_of_system(const fs::path& path, const std::string& attempted, int error) {
     throw Failure(path.string(), attempted + ": " + std::generic_category().message(error),
                   remedy_for(error));
 }
-
-}  // namespace
 
 fs::path folder_of(const fs::path& file) {
     return file.has_parent_path() ? file.parent_path() : fs::path(".");
 }
 
-/// A file descriptor that is closed when it goes out of scope.
-class FileDescriptor {
-  public:
-    explicit FileDescriptor(int number) : number_(number) {}
-    FileDescriptor(const FileDescriptor&) = delete;
-    FileDescriptor& operator=(const FileDescriptor&) = delete;
-    ~FileDescriptor() {
-        if (number_ >= 0) ::close(number_);
-    }
-
-    int number() const { return number_; }
-    bool is_open() const { return number_ >= 0; }
-
-    /// Closes it and gives the error, 0 where there is none: some file systems report a full
-    /// disk only here.
-    int close() { return ::close(std::exchange(number_, -1)) == 0 ? 0 : errno; }
-
-  private:
-    int number_;
-};
-
 /// A new file of an unused name in a folder, removed again unless it is kept.
 class TemporaryFile {
   public:
-    TemporaryFile(const fs::path& target, mode_t mode) : target_(target), file_(create(mode)) {}
+    TemporaryFile(Folder folder, std::string target, mode_t mode)
+        : folder_(std::move(folder)),
+          target_(std::move(target)),
+          path_(folder_.path() / target_),
+          file_(create(mode)) {}
     TemporaryFile(const TemporaryFile&) = delete;
     TemporaryFile& operator=(const TemporaryFile&) = delete;
     ~TemporaryFile() {
-        if (!kept_) ::unlink(name_.c_str());
+        if (!kept_) ::unlinkat(folder_.number(), name_.c_str(), 0);
     }
 
     void write(std::string_view bytes) {
         while (!bytes.empty()) {
             const ssize_t count = ::write(file_.number(), bytes.data(), bytes.size());
             if (count < 0 && errno == EINTR) continue;
-            if (count < 0) fail(target_, "cannot write this file", errno);
+            if (count < 0) fail_of_system(path_, "cannot write this file", errno);
             bytes.remove_prefix(static_cast<std::size_t>(count));
         }
     }
 
-    void rename_to_target(Sync sync) {
+    /// Gives it its name. Where one that is there already is to stay, that is a Failure.
+    void commit(Sync sync, bool replace) {
         if (sync == Sync::now && ::fsync(file_.number()) != 0)
-            fail(target_, "cannot write this file to the disk", errno);
+            fail_of_system(path_, "cannot write this file to the disk", errno);
         if (const int error = file_.close(); error != 0)
-            fail(target_, "cannot write this file", error);
-        if (::rename(name_.c_str(), target_.c_str()) != 0)
-            fail(target_, "cannot give the new file its name", errno);
-        kept_ = true;
+            fail_of_system(path_, "cannot write this file", error);
+        rename_to_target(replace);
+        if (sync == Sync::later) return;
+        try {
+            folder_.sync();
+        } catch (const Failure& failure) {
+            throw Failure(path_.string(), "the new file is in place, but " + failure.problem(),
+                          failure.remedy());
+        }
     }
 
   private:
+    void rename_to_target(bool replace) {
+        const int folder = folder_.number();
+        const unsigned how = replace ? 0 : RENAME_NOREPLACE;
+        kept_ = ::renameat2(folder, name_.c_str(), folder, target_.c_str(), how) == 0;
+        if (kept_) return;
+        int error = errno;
+        // Network file systems know no such rename, but a link replaces nothing either.
+        if (!replace && (error == EINVAL || error == ENOSYS)) {
+            if (::linkat(folder, name_.c_str(), folder, target_.c_str(), 0) == 0) return;
+            error = errno;
+        }
+        fail_of_system(path_, "cannot give the new file its name", error);
+    }
+
     int create(mode_t mode) {
         // The counter keeps threads apart, the process number processes, and O_EXCL machines
         // that share the folder and what killed runs left behind.
         static std::atomic<unsigned> counter{0};
         for (;;) {
-            name_ = target_;
-            name_.replace_filename(".runcert-" + std::to_string(::getpid()) + "-" +
-                                   std::to_string(counter++) + ".tmp");
-            const int number = ::open(name_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
+            name_ =
+                ".runcert-" + std::to_string(::getpid()) + "-" + std::to_string(counter++) + ".tmp";
+            const int number = ::openat(folder_.number(), name_.c_str(),
+                                        O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
             if (number >= 0) return number;
             if (errno != EEXIST && errno != EINTR)
-                fail(target_, "cannot create a file in this folder", errno);
+                fail_of_system(path_, "cannot create a file in this folder", errno);
         }
     }
 
-    fs::path target_;
-    fs::path name_;
+    Folder folder_;
+    std::string target_;
+    fs::path path_;
+    std::string name_;
     FileDescriptor file_;
     bool kept_ = false;
 };
 
 namespace {
 
-void sync_opened(const fs::path& folder, const fs::path& path, const char* failure) {
-    const FileDescriptor opened(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-    // A folder that may be written but not listed cannot be opened, and some network file
-    // systems cannot sync one: there the file is as safe as that place allows.
-    if (!opened.is_open() || ::fsync(opened.number()) == 0 || errno == EINVAL || errno == ENOTSUP)
-        return;
-    fail(path, failure, errno);
-}
-
 /// Opens a regular file to read. Without O_NONBLOCK, opening a pipe would wait for its writer.
 int open_regular(const fs::path& path) {
     const int number = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
-    if (number < 0) fail(path, "cannot open this file", errno);
+    if (number < 0) fail_of_system(path, "cannot open this file", errno);
     struct stat status {};
     const int error = ::fstat(number, &status) == 0 ? 0 : errno;
     if (error == 0 && S_ISREG(status.st_mode)) return number;
     ::close(number);
-    if (error != 0) fail(path, "cannot open this file", error);
+    if (error != 0) fail_of_system(path, "cannot open this file", error);
     throw Failure(path.string(),
                   S_ISDIR(status.st_mode) ? "this is a folder, not a file"
                                           : "this is a pipe or a device, not a file",
@@ -186,7 +185,7 @@ std::size_t size_of(int file) {
 FileView::FileView(const fs::path& path) {
     const FileDescriptor file(open_regular(path));
     struct stat status {};
-    if (::fstat(file.number(), &status) != 0) fail(path, "cannot read this file", errno);
+    if (::fstat(file.number(), &status) != 0) fail_of_system(path, "cannot read this file", errno);
     size_ = static_cast<std::size_t>(status.st_size);
     void* mapped =
         size_ == 0 ? MAP_FAILED : ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file.number(), 0);
@@ -229,7 +228,7 @@ void read_pieces(const fs::path& path, const std::function<void(std::string_view
     for (;;) {
         const ssize_t count = ::read(file.number(), buffer.get(), size);
         if (count < 0 && errno == EINTR) continue;
-        if (count < 0) fail(path, "cannot read this file", errno);
+        if (count < 0) fail_of_system(path, "cannot read this file", errno);
         if (count == 0) return;
         take({buffer.get(), static_cast<std::size_t>(count)});
     }
@@ -268,22 +267,39 @@ void require_file_name(const fs::path& path) {
                       "Name a file");
 }
 
-std::unique_ptr<TemporaryFile> temporary_for(const fs::path& path, FileAccess access) {
-    require_file_name(path);
-    return std::make_unique<TemporaryFile>(path, access == FileAccess::owner_only ? 0600 : 0666);
+mode_t mode_of(FileAccess access) {
+    return access == FileAccess::owner_only ? 0600 : 0666;
 }
 
-void commit(TemporaryFile& file, const fs::path& path, Sync sync) {
-    file.rename_to_target(sync);
-    if (sync == Sync::now)
-        sync_opened(folder_of(path), path,
-                    "the new file is in place, but its folder cannot be written to the disk");
+Folder folder_for(const fs::path& path) {
+    require_file_name(path);
+    try {
+        return Folder(folder_of(path));
+    } catch (const Failure& failure) {
+        throw Failure(path.string(), "cannot create a file in this folder: " + failure.problem(),
+                      failure.remedy());
+    }
+}
+
+std::unique_ptr<TemporaryFile> temporary_for(const fs::path& path, FileAccess access) {
+    return std::make_unique<TemporaryFile>(folder_for(path), path.filename().string(),
+                                           mode_of(access));
 }
 
 }  // namespace
 
 AtomicFile::AtomicFile(const fs::path& path, FileAccess access)
-    : path_(path), file_(temporary_for(path, access)) {}
+    : file_(temporary_for(path, access)) {}
+
+AtomicFile::AtomicFile(const Folder& folder, const std::string& name)
+    : file_(std::make_unique<TemporaryFile>(folder.again(), name, mode_of(FileAccess::by_umask))) {
+    const EntryKind kind = folder.kind_of(name);
+    if (kind == EntryKind::folder || kind == EntryKind::other)
+        throw Failure((folder.path() / name).string(),
+                      kind == EntryKind::folder ? "a folder has that name"
+                                                : "this is a pipe or a device, not a file",
+                      "Name a file");
+}
 
 AtomicFile::~AtomicFile() = default;
 
@@ -292,7 +308,11 @@ void AtomicFile::write(std::string_view piece) {
 }
 
 void AtomicFile::commit() {
-    runcert::commit(*file_, path_, sync_of_environment());
+    file_->commit(sync_of_environment(), true);
+}
+
+void AtomicFile::commit_as_new() {
+    file_->commit(sync_of_environment(), false);
 }
 
 void write_file_atomically(const fs::path& path, std::string_view bytes, FileAccess access) {
@@ -304,7 +324,7 @@ void write_file_atomically(const fs::path& path, std::string_view bytes, FileAcc
 void write_file_unsynced(const fs::path& path, std::string_view bytes) {
     const auto file = temporary_for(path, FileAccess::by_umask);
     file->write(bytes);
-    commit(*file, path, Sync::later);
+    file->commit(Sync::later, true);
 }
 
 std::pair<std::string, std::string> synced_by_caller() {
@@ -320,26 +340,14 @@ void sync_files(const std::vector<fs::path>& files) {
     }
     for (std::size_t i = 0; i < files.size(); ++i)
         if (::fsync(opened[i].number()) != 0)
-            fail(files[i], "cannot write this file to the disk", errno);
-}
-
-void sync_folder(const fs::path& folder) {
-    sync_opened(folder, folder, "this folder cannot be written to the disk");
-}
-
-void refuse_link(const fs::path& path) {
-    std::error_code none;
-    if (fs::is_symlink(fs::symlink_status(path, none)))
-        throw Failure(path.string(),
-                      "this is a symbolic link, and nothing is written or removed through one",
-                      "Remove the link, or name the folder that it leads to");
+            fail_of_system(files[i], "cannot write this file to the disk", errno);
 }
 
 void make_directory(const fs::path& path) {
     std::error_code error;
     fs::create_directories(path, error);
-    if (error) fail(path, "cannot make this folder", error.value());
-    if (!fs::is_directory(path, error)) fail(path, "cannot make this folder", EEXIST);
+    if (error) fail_of_system(path, "cannot make this folder", error.value());
+    if (!fs::is_directory(path, error)) fail_of_system(path, "cannot make this folder", EEXIST);
 }
 
 }  // namespace runcert

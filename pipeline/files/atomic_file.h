@@ -55,6 +55,7 @@ class FileView {
     std::string text_;
 };
 
+class Folder;
 class TemporaryFile;
 
 /// A file that is written piece by piece, and has its name only when it is whole: as
@@ -63,6 +64,8 @@ class AtomicFile {
   public:
     explicit AtomicFile(const std::filesystem::path& path,
                         FileAccess access = FileAccess::by_umask);
+    /// In an open folder (files/folder.h): no link is followed.
+    AtomicFile(const Folder& folder, const std::string& name);
     ~AtomicFile();
     AtomicFile(const AtomicFile&) = delete;
     AtomicFile& operator=(const AtomicFile&) = delete;
@@ -70,9 +73,11 @@ class AtomicFile {
     void write(std::string_view piece);
     /// Syncs the file and gives it its name. Nothing can be written after that.
     void commit();
+    /// The same where there is no file of that name yet; Failure, and what is there stays, where
+    /// there is one.
+    void commit_as_new();
 
   private:
-    std::filesystem::path path_;
     std::unique_ptr<TemporaryFile> file_;
 };
 
@@ -91,10 +96,6 @@ void read_pieces(const std::filesystem::path& path,
 /// says so.
 void write_file_atomically(const std::filesystem::path& path, std::string_view bytes,
                            FileAccess access = FileAccess::by_umask);
-
-/// Failure where a name in a folder that came from elsewhere is a symbolic link: what is written or
-/// removed under it would be so at another place.
-void refuse_link(const std::filesystem::path& path);
 
 /// Makes a folder and those above it; nothing happens where it exists already.
 /// Failure where it cannot be made, e.g. where a file has that name.

@@ -24,7 +24,4 @@ void write_file_unsynced(const std::filesystem::path& path, std::string_view byt
 /// Syncs files, each begun before any is waited for. Failure where one cannot be written.
 void sync_files(const std::vector<std::filesystem::path>& files);
 
-/// Syncs a folder, so that a rename in it outlives a power cut. Failure where it cannot be written.
-void sync_folder(const std::filesystem::path& folder);
-
 }  // namespace runcert

@@ -22,6 +22,7 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "files/atomic_file.h"
+#include "files/folder.h"
 
 namespace runcert {
 namespace {
@@ -116,43 +117,52 @@ bool have_died(const std::string& text) {
                        : "Check that the folder is there and that you may write in it");
 }
 
-int open_lock_file(const std::string& path) {
-    const fs::path folder = fs::path(path).parent_path();
-    if (!folder.empty()) make_directory(folder);
-    refuse_link(path);
-    const int file = open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0666);
-    if (file < 0) refuse(path, errno);
+int open_lock_file(const Folder& folder, const std::string& name) {
+    if (folder.kind_of(name) == EntryKind::link)
+        throw Failure((folder.path() / name).string(),
+                      "this is a symbolic link, and nothing is locked through one",
+                      "Remove the link");
+    const int file = openat(folder.number(), name.c_str(),
+                            O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0666);
+    if (file < 0) refuse((folder.path() / name).string(), errno);
     return file;
 }
 
 /// Whether the name is still that of the open file, and not of one that replaced it.
-bool is_still_named(int file, const std::string& path) {
+bool is_still_named(int file, const Folder& folder, const std::string& name) {
     struct stat open_one {};
     struct stat named {};
-    return fstat(file, &open_one) == 0 && stat(path.c_str(), &named) == 0 &&
+    return fstat(file, &open_one) == 0 &&
+           fstatat(folder.number(), name.c_str(), &named, AT_SYMLINK_NOFOLLOW) == 0 &&
            open_one.st_dev == named.st_dev && open_one.st_ino == named.st_ino;
 }
 
 }  // namespace
 
 FolderLock::Attempt FolderLock::try_lock(const fs::path& file, LockKind kind) {
+    make_directory(folder_of(file));
+    return try_lock(Folder(folder_of(file)), file.filename().string(), kind);
+}
+
+FolderLock::Attempt FolderLock::try_lock(const Folder& folder, const std::string& name,
+                                         LockKind kind) {
     const int operation = kind == LockKind::exclusive ? LOCK_EX : LOCK_SH;
     const auto last_try = std::chrono::steady_clock::now() + longest_inheritance;
     while (true) {
-        const int number = open_lock_file(file.string());
+        const int number = open_lock_file(folder, name);
         FolderLock lock(number);
         if (flock(number, operation | LOCK_NB) != 0) {
             const int error = errno;
             if (error == EINTR) continue;
-            if (error != EWOULDBLOCK) refuse(file.string(), error);
+            if (error != EWOULDBLOCK) refuse((folder.path() / name).string(), error);
             const std::string text = text_of(number);
             if (!have_died(text) || std::chrono::steady_clock::now() > last_try)
                 return {.lock = {}, .holder = holder_in(text)};
             std::this_thread::sleep_for(inheritance_interval);
             continue;
         }
-        // Whoever held it may have removed the folder meanwhile.
-        if (!is_still_named(number, file.string())) continue;
+        // Whoever held it may have removed the file meanwhile.
+        if (!is_still_named(number, folder, name)) continue;
         lock.sign(kind);
         return {.lock = std::move(lock), .holder = {}};
     }
@@ -161,10 +171,17 @@ FolderLock::Attempt FolderLock::try_lock(const fs::path& file, LockKind kind) {
 std::optional<FolderLock> FolderLock::wait_lock(
     const fs::path& file, LockKind kind, const std::stop_token& stop,
     const std::function<void(const std::string& holder)>& waits) {
+    make_directory(folder_of(file));
+    return wait_lock(Folder(folder_of(file)), file.filename().string(), kind, stop, waits);
+}
+
+std::optional<FolderLock> FolderLock::wait_lock(
+    const Folder& folder, const std::string& name, LockKind kind, const std::stop_token& stop,
+    const std::function<void(const std::string& holder)>& waits) {
     std::mutex mutex;
     std::condition_variable_any wakes;
     for (bool told = false; !stop.stop_requested(); told = true) {
-        Attempt attempt = try_lock(file, kind);
+        Attempt attempt = try_lock(folder, name, kind);
         if (attempt.lock) return std::move(attempt.lock);
         if (!told && waits) waits(attempt.holder);
         // A wait for the lock itself could not be stopped.

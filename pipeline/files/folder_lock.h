@@ -8,6 +8,8 @@
 
 namespace runcert {
 
+class Folder;
+
 /// Alone, or with others that share.
 enum class LockKind { exclusive, shared };
 
@@ -26,11 +28,16 @@ class FolderLock {
     /// second for what they were just starting. The file and its folder are made where they are
     /// missing. Failure where the file cannot be made, and where the file system has no locks.
     static Attempt try_lock(const std::filesystem::path& file, LockKind kind);
+    /// The same of a file in an open folder (files/folder.h). Failure too where it is a link.
+    static Attempt try_lock(const Folder& folder, const std::string& name, LockKind kind);
 
     /// Waits until the lock is free and takes it; nothing where a stop is requested first. `waits`
     /// is told who has it, once, when there is something to wait for. Failures as for try_lock.
     static std::optional<FolderLock> wait_lock(
         const std::filesystem::path& file, LockKind kind, const std::stop_token& stop,
+        const std::function<void(const std::string& holder)>& waits = {});
+    static std::optional<FolderLock> wait_lock(
+        const Folder& folder, const std::string& name, LockKind kind, const std::stop_token& stop,
         const std::function<void(const std::string& holder)>& waits = {});
 
     ~FolderLock();

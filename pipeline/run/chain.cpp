@@ -1,14 +1,11 @@
 #include "run/chain.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <algorithm>
 #include <chrono>
 
 #include "core/failure.h"
 #include "core/text.h"
-#include "files/atomic_file.h"
 #include "files/file_sync.h"
 #include "files/process.h"
 #include "run/attempt_files.h"
@@ -17,23 +14,6 @@ namespace runcert {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::string_view staging_prefix = ".runcert-";
-
-/// Removes staging folders of runs that were killed: whoever makes one holds the lock of the run
-/// folder.
-void remove_abandoned(const fs::path& run_dir) {
-    for (const auto& entry : fs::directory_iterator(run_dir)) {
-        if (!entry.path().filename().string().starts_with(staging_prefix) || !entry.is_directory())
-            continue;
-        std::error_code ignored;
-        fs::remove_all(entry.path(), ignored);
-    }
-}
-
-bool is_report(const std::string& name) {
-    return name.starts_with("report.");
-}
 
 }  // namespace
 
@@ -73,59 +53,6 @@ void run_stages(const fs::path& attempt, const fs::path& run_dir, const fs::path
         // for its author to find in the original.
         call.attempt = copy;
     }
-}
-
-StagingFolder::StagingFolder(fs::path run_dir)
-    : run_dir_(std::move(run_dir)), created_run_dir_(!fs::exists(run_dir_)) {
-    make_directory(run_dir_);
-    lock_.emplace(run_dir_);
-    remove_abandoned(run_dir_);
-    path_ = run_dir_ / fmt::format("{}{}", staging_prefix, getpid());
-    make_directory(path_);
-}
-
-StagingFolder::~StagingFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-    if (created_run_dir_ && fs::is_empty(run_dir_, ignored)) fs::remove(run_dir_, ignored);
-}
-
-void StagingFolder::publish() {
-    std::vector<std::string> names;
-    for (const auto& entry : fs::recursive_directory_iterator(path_)) {
-        const fs::path name = fs::relative(entry.path(), path_);
-        if (entry.is_directory()) {
-            refuse_link(run_dir_ / name);
-            make_directory(run_dir_ / name);
-        } else {
-            names.push_back(name.string());
-        }
-    }
-    std::sort(names.begin(), names.end(), [](const std::string& a, const std::string& b) {
-        return std::pair(is_report(a), a) < std::pair(is_report(b), b);
-    });
-    std::vector<fs::path> made;
-    for (const std::string& name : names)
-        made.push_back(path_ / name);
-    sync_files(made);
-    std::error_code error;
-    // What still stands of the earlier report's signatures was brought into this folder.
-    std::vector<fs::path> old;
-    for (const auto& entry : fs::directory_iterator(run_dir_))
-        if (entry.path().filename().string().starts_with("report.json."))
-            old.push_back(entry.path());
-    for (const char* name : {"report.json", "report.html", "report.pdf"})
-        old.push_back(run_dir_ / name);
-    for (const fs::path& file : old)
-        fs::remove(file, error);
-    for (const std::string& name : names) {
-        fs::rename(path_ / name, run_dir_ / name, error);
-        if (error)
-            throw Failure((run_dir_ / name).string(),
-                          "the file could not be put in place: " + error.message(),
-                          "Check that the folder can be written, and run again");
-    }
-    sync_folder(run_dir_);
 }
 
 }  // namespace runcert

@@ -2,13 +2,11 @@
 
 #include <filesystem>
 #include <functional>
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "files/process.h"
-#include "run/run_lock.h"
 #include "run/steps.h"
 
 namespace runcert {
@@ -36,28 +34,5 @@ StageDone run_step(std::string_view step, const StepCall& call, const ProcessOpt
 void run_stages(const std::filesystem::path& attempt, const std::filesystem::path& run_dir,
                 const std::filesystem::path& earlier_run,
                 const std::function<void(const StageDone&)>& done);
-
-/// A folder inside a run folder in which new results are made, so that earlier ones stay whole
-/// until all new ones are. Removed at the end with what is left in it, and the run folder too if it
-/// did not exist before and holds nothing. Meanwhile it holds the run folder's lock.
-class StagingFolder {
-  public:
-    explicit StagingFolder(std::filesystem::path run_dir);
-    ~StagingFolder();
-    StagingFolder(const StagingFolder&) = delete;
-    StagingFolder& operator=(const StagingFolder&) = delete;
-
-    const std::filesystem::path& path() const { return path_; }
-
-    /// Moves every file into the run folder. The report goes first out and last in, so that a run
-    /// folder with a report is never half old and half new.
-    void publish();
-
-  private:
-    std::filesystem::path run_dir_;
-    std::filesystem::path path_;
-    bool created_run_dir_ = false;
-    std::optional<RunLock> lock_;  ///< of the run folder
-};
 
 }  // namespace runcert

@@ -2,11 +2,13 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <chrono>
 #include <thread>
+#include <utility>
 
 #include "core/failure.h"
 
@@ -17,18 +19,41 @@ namespace {
 constexpr std::chrono::seconds longest_inheritance{1};
 constexpr std::chrono::milliseconds poll_interval{5};
 
+/// Whether a name is still that of an open folder, and not of one that was exchanged for it.
+bool still_names(int parent, const std::filesystem::path& name, bool follow, int folder) {
+    struct stat open_one {};
+    struct stat named {};
+    return fstat(folder, &open_one) == 0 &&
+           fstatat(parent, name.c_str(), &named, follow ? 0 : AT_SYMLINK_NOFOLLOW) == 0 &&
+           open_one.st_dev == named.st_dev && open_one.st_ino == named.st_ino;
+}
+
 }  // namespace
 
-RunLock::RunLock(const std::filesystem::path& run_dir)
-    : folder_(open(run_dir.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
-    if (folder_ < 0) return;  // what is written there then fails with its own reason
+RunLock::RunLock(const std::filesystem::path& run_dir) {
+    take(AT_FDCWD, run_dir, true, run_dir);
+}
+
+RunLock::RunLock(const Folder& parent, const std::string& name) {
+    take(parent.number(), name, false, parent.path() / name);
+}
+
+void RunLock::take(int parent, const std::filesystem::path& name, bool follow,
+                   const std::filesystem::path& shown) {
+    const int how = O_RDONLY | O_DIRECTORY | O_CLOEXEC | (follow ? 0 : O_NOFOLLOW);
     const auto last_try = std::chrono::steady_clock::now() + longest_inheritance;
-    while (flock(folder_, LOCK_EX | LOCK_NB) != 0 && (errno == EWOULDBLOCK || errno == EINTR)) {
-        if (std::chrono::steady_clock::now() > last_try) {
-            close(folder_);
-            throw Failure(run_dir.string(), "another program is writing in this run folder",
+    while (true) {
+        folder_ = openat(parent, name.c_str(), how);
+        if (folder_ < 0) return;  // what is written there then fails with its own reason
+        const bool taken = flock(folder_, LOCK_EX | LOCK_NB) == 0;
+        const int error = taken ? 0 : errno;
+        if (taken && still_names(parent, name, follow, folder_)) return;
+        if (!taken && error != EWOULDBLOCK && error != EINTR) return;
+        close(std::exchange(folder_, -1));
+        if (taken) continue;
+        if (std::chrono::steady_clock::now() > last_try)
+            throw Failure(shown.string(), "another program is writing in this run folder",
                           "Wait until it has ended, and run this again");
-        }
         std::this_thread::sleep_for(poll_interval);
     }
 }

@@ -3,9 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
+#include <set>
 
 #include "core/failure.h"
 #include "files/atomic_file.h"
+#include "files/sha256.h"
+#include "trust/report_facts.h"
 
 namespace runcert {
 namespace {
@@ -17,28 +21,91 @@ constexpr std::string_view minisign_end = ".minisig";
 constexpr std::string_view ssh_end = ".sig";
 constexpr std::string_view time_stamp_end = ".tsr";
 constexpr std::string_view query_end = ".tsq";
+constexpr const char* sealed_file = "report.pdf";
 
-std::vector<std::string> signature_names(const fs::path& run_dir) {
-    std::vector<std::string> names;
-    for (const auto& entry : fs::directory_iterator(run_dir))
-        if (belongs_to_signatures(entry.path().filename().string()))
-            names.push_back(entry.path().filename().string());
-    std::ranges::sort(names);
-    return names;
+/// Has a file of `from` among what `to` superseded, unless it is there already under that name.
+void supersede(const Folder& from, const std::string& name, const Folder& to) {
+    const Folder kept = to.make(superseded_folder);
+    const std::string bytes = from.read(name);
+    std::string free = name;
+    for (int number = 2; kept.kind_of(free) != EntryKind::none; ++number) {
+        if (kept.kind_of(free) == EntryKind::file && kept.read(free) == bytes) return;
+        free = fmt::format("{}.{}", name, number);
+    }
+    kept.write(free, bytes);
 }
 
-/// A file in `folder`'s folder of what was superseded that neither it nor `other`'s has.
-fs::path free_place(const fs::path& folder, const fs::path& other, const std::string& name) {
-    refuse_link(folder / superseded_folder);
-    make_directory(folder / superseded_folder);
-    const auto is_free = [&](const std::string& free) {
-        return !fs::exists(fs::symlink_status(folder / superseded_folder / free)) &&
-               !fs::exists(fs::symlink_status(other / superseded_folder / free));
-    };
-    std::string free = name;
-    for (int number = 2; !is_free(free); ++number)
-        free = fmt::format("{}.{}", name, number);
-    return folder / superseded_folder / free;
+bool is_file(const Folder& folder, const std::string& name) {
+    return folder.kind_of(name) == EntryKind::file;
+}
+
+bool same_in_both(const Folder& one, const Folder& other, const std::string& name) {
+    return is_file(one, name) && is_file(other, name) && one.read(name) == other.read(name);
+}
+
+/// The name of the signature that a time stamp or a query is of; that of a signature is its own.
+std::string signature_of(const std::string& name) {
+    for (const std::string_view end : {time_stamp_end, query_end})
+        if (name.ends_with(end)) return name.substr(0, name.size() - end.size());
+    return name;
+}
+
+void carry_signatures(const Folder& run, const Folder& made) {
+    const bool unchanged = same_in_both(run, made, std::string(signed_file));
+    for (const std::string& name : run.names()) {
+        if (!belongs_to_signatures(name) || !is_file(run, name)) continue;
+        const std::string signature = signature_of(name);
+        const bool replaced = made.kind_of(signature) != EntryKind::none &&
+                              is_file(run, signature) && !same_in_both(run, made, signature);
+        if (!unchanged || replaced)
+            supersede(run, name, made);
+        else if (made.kind_of(name) == EntryKind::none)
+            run.place(name, made);
+        else if (!same_in_both(run, made, name))
+            supersede(run, name, made);
+    }
+}
+
+bool is_sealed(const fs::path& pdf) {
+    const FileView view(pdf);
+    return view.bytes().find("/ByteRange") != std::string_view::npos;
+}
+
+/// The files that a run's report names, with their SHA-256; none where it cannot be read.
+std::map<std::string, std::string> named_by_report(const Folder& run) {
+    try {
+        return read_report_facts(run.path()).subjects;
+    } catch (const Failure&) {
+        return {};
+    }
+}
+
+/// Files in a folder of a run that `made` has not.
+void carry_folder(const Folder& run, const Folder& made, const std::string& name) {
+    if (run.kind_of(name) == EntryKind::none) return;
+    const Folder from = run.open(name);
+    const Folder to = made.make(name);
+    for (const std::string& each : from.names())
+        if (to.kind_of(each) == EntryKind::none && from.kind_of(each) != EntryKind::folder)
+            from.place(each, to);
+}
+
+/// Files of the user's. A file that the earlier report names is not, where it is still that file.
+void carry_own_files(const Folder& run, const Folder& made) {
+    static const std::set<std::string> remade{"report.json", "report.html", "report.pdf",
+                                              "run.yaml"};
+    const auto named = named_by_report(run);
+    for (const std::string& name : run.names()) {
+        const EntryKind kind = run.kind_of(name);
+        if (remade.contains(name) || name.starts_with(".runcert-") || kind == EntryKind::folder ||
+            made.kind_of(name) != EntryKind::none || belongs_to_signatures(name))
+            continue;
+        const auto of_run = named.find(name);
+        if (of_run != named.end() && kind == EntryKind::file &&
+            digest_file(run.path() / name).sha256 == of_run->second)
+            continue;
+        run.place(name, made);
+    }
 }
 
 }  // namespace
@@ -80,32 +147,33 @@ std::vector<SignatureFile> signature_files(const fs::path& run_dir) {
 }
 
 void keep_superseded(const fs::path& run_dir, const std::string& name) {
-    if (fs::is_regular_file(fs::symlink_status(run_dir / name)))
-        write_file_atomically(free_place(run_dir, run_dir, name), read_file(run_dir / name));
+    const Folder run(run_dir);
+    if (is_file(run, name)) supersede(run, name, run);
+}
+
+void keep_sealed_page(const fs::path& run_dir) {
+    const Folder run(run_dir);
+    if (is_file(run, sealed_file) && is_sealed(run_dir / sealed_file))
+        supersede(run, sealed_file, run);
 }
 
 void supersede_signatures(const fs::path& run_dir) {
-    for (const std::string& name : signature_names(run_dir)) {
-        keep_superseded(run_dir, name);
-        std::error_code error;
-        fs::remove(run_dir / name, error);
-        if (error)
-            throw Failure(
-                (run_dir / name).string(),
-                "the signature of an earlier report cannot be moved away: " + error.message(),
-                "Check that the folder can be written, and run again");
+    const Folder run(run_dir);
+    for (const std::string& name : run.names()) {
+        if (!belongs_to_signatures(name)) continue;
+        if (is_file(run, name)) supersede(run, name, run);
+        run.remove(name);
     }
 }
 
-void carry_signatures(const fs::path& run_dir, const fs::path& made) {
-    const fs::path report = run_dir / "report.json";
-    if (!fs::is_regular_file(fs::symlink_status(report))) return;
-    const bool unchanged = read_file(report) == read_file(made / "report.json");
-    for (const std::string& name : signature_names(run_dir)) {
-        if (!fs::is_regular_file(fs::symlink_status(run_dir / name))) continue;
-        write_file_atomically(unchanged ? made / name : free_place(made, run_dir, name),
-                              read_file(run_dir / name));
-    }
+void carry_over(const Folder& run, const Folder& made) {
+    for (const char* name : {superseded_folder, "keys"})
+        carry_folder(run, made, name);
+    carry_signatures(run, made);
+    if (is_file(run, sealed_file) && is_sealed(run.path() / sealed_file) &&
+        !same_in_both(run, made, sealed_file))
+        supersede(run, sealed_file, made);
+    carry_own_files(run, made);
 }
 
 }  // namespace runcert

@@ -148,9 +148,10 @@ std::string sign_report(const std::filesystem::path& run_dir, const ReportFacts&
                                             time_stamp_query_name(name)};
     for (const std::string& each : replaced)
         keep_superseded(run_dir, each);
-    write_file_atomically(run_dir / name, sign(report.text, key, comment));
+    const Folder run(run_dir);
+    run.write(name, sign(report.text, key, comment));
     for (std::size_t i = 1; i < replaced.size(); ++i)
-        std::filesystem::remove(run_dir / replaced[i]);
+        run.remove(replaced[i]);
     return name;
 }
 

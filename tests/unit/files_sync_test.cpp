@@ -6,6 +6,7 @@
 #include "core/failure.h"
 #include "files/atomic_file.h"
 #include "files/file_sync.h"
+#include "files/folder.h"
 #include "files/process.h"
 #include "files_test_support.h"
 
@@ -39,7 +40,7 @@ TEST(FileSync, NamesTheFileThatIsNotThere) {
     write_file_unsynced(folder.path() / "a", "1");
     sync_files({folder.path() / "a"});
     sync_files({});
-    sync_folder(folder.path());
+    Folder(folder.path()).sync();
     const auto said = failure_of([&] {
         sync_files({folder.path() / "a", folder.path() / "missing"});
     });

@@ -1,0 +1,336 @@
+// kill -9 at 200 moments, always the same ones, over all that writes a run folder: never a lost
+// signature, a mixed folder, or a report without its files.
+#include <set>
+
+#include "batch_crash_support.h"
+#include "core/random.h"
+#include "files/sha256.h"
+#include "signatures_support.h"
+
+namespace runcert::chain::RUNCERT_FILE {
+namespace {
+
+std::chrono::duration<double> seconds_of(const Words& command) {
+    const auto begin = std::chrono::steady_clock::now();
+    const ProcessResult result = run_process(command);
+    EXPECT_LT(result.exit_status, 2) << result.errors;
+    return std::chrono::steady_clock::now() - begin;
+}
+
+bool is_evidence(const std::string& name) {
+    return name.starts_with("report.json.") &&
+           (name.ends_with(".minisig") || name.ends_with(".tsr"));
+}
+
+/// What must be true of a run folder at every moment, and the evidence that it once held.
+class Watched {
+  public:
+    explicit Watched(fs::path run) : run_(std::move(run)) {}
+
+    /// Takes note of the signatures and time stamps that there are, none of which may ever go.
+    void note() {
+        for (const auto& [name, bytes] : contents_of(run_))
+            if (is_evidence(name)) evidence_.insert(bytes);
+    }
+
+    void expect_whole() {
+        const auto files = contents_of(run_);
+        ASSERT_TRUE(files.contains("report.json"));
+        const auto report = nlohmann::json::parse(files.at("report.json"));
+        std::set<std::string> named{"report.json", "run.yaml", "report.html", "report.pdf"};
+        for (const auto& subject : report.at("subject")) {
+            const std::string name = subject.at("name");
+            ASSERT_TRUE(files.contains(name)) << name;
+            EXPECT_EQ(sha256_hex(files.at(name)), subject.at("digest").at("sha256")) << name;
+            named.insert(name);
+        }
+        for (const auto& [name, bytes] : files) {
+            const bool known = named.contains(name) || name.starts_with("report.json.") ||
+                               name.starts_with("superseded/") || name.starts_with(".runcert-");
+            EXPECT_TRUE(known) << name;
+        }
+        expect_evidence();
+    }
+
+    void expect_evidence() const {
+        std::set<std::string> kept;
+        for (const auto& [name, bytes] : contents_of(run_))
+            kept.insert(bytes);
+        for (const std::string& each : evidence_)
+            EXPECT_TRUE(kept.contains(each)) << "a signature or time stamp is lost: " << each;
+    }
+
+  private:
+    fs::path run_;
+    std::set<std::string> evidence_;
+};
+
+class Kills : public SignedRuns {
+  protected:
+    /// Starts a program and kills it at a random moment, or soon after `when`. False where it had
+    /// ended before.
+    bool kill_once(const Words& command, std::chrono::duration<double> longest,
+                   const std::function<bool()>& when = {}) {
+        Started program(command, path("log"));
+        if (when) {
+            while (!program.has_ended() && !when())
+                std::this_thread::sleep_for(std::chrono::microseconds(100));
+            longest = std::chrono::milliseconds(6);
+        }
+        std::this_thread::sleep_for(longest * random_.uniform());
+        if (program.has_ended()) return false;
+        if (++kills_ % 2 == 0)
+            program.send_to_group(SIGKILL);
+        else
+            program.send(SIGKILL);
+        EXPECT_NE(program.exit_status(10), -1) << "it hangs";
+        return true;
+    }
+    /// A time stamp authority that openssl is: ca.pem is its root.
+    void make_authority() const {
+        write_file_atomically(path("ext"), "extendedKeyUsage=critical,timeStamping\n");
+        write_file_atomically(path("serial"), "1000\n");
+        write_file_atomically(path("cnf"),
+                              fmt::format("[authority]\nserial={}\nsigner_digest=sha256\n"
+                                          "default_policy=1.2.3.4\ndigests=sha512\n",
+                                          path("serial").string()));
+        const ProcessResult made = run_process(
+            {"sh", "-c",
+             fmt::format("cd '{}' && ec='-newkey ec -pkeyopt ec_paramgen_curve:P-256 -nodes' && "
+                         "openssl req -x509 $ec -keyout ca.key -out ca.pem -subj /CN=root && "
+                         "openssl req $ec -keyout tsa.key -out tsa.csr -subj /CN=stamps && "
+                         "openssl x509 -req -in tsa.csr -CA ca.pem -CAkey ca.key -CAcreateserial "
+                         "-extfile ext -out tsa.pem",
+                         folder_.path().string())});
+        ASSERT_EQ(made.exit_status, 0) << made.errors;
+    }
+    /// Its answer to a query, in the file "reply".
+    void answer(const fs::path& query) const {
+        const ProcessResult answered = run_process(
+            {"openssl", "ts", "-reply", "-config", path("cnf").string(), "-section", "authority",
+             "-queryfile", query.string(), "-signer", path("tsa.pem").string(), "-inkey",
+             path("tsa.key").string(), "-out", path("reply").string()});
+        ASSERT_EQ(answered.exit_status, 0) << answered.errors;
+    }
+    /// Each signature beside the report holds.
+    void expect_signatures_hold() {
+        const auto found =
+            verify_json({"--pubkey", public_key("measurer"), "--pubkey", public_key("judge")});
+        EXPECT_EQ(layer(found, "files")["passed"], true) << found.dump(1);
+        for (const auto& one : found["signers"])
+            EXPECT_EQ(one["valid"], true) << one.dump(1);
+    }
+    static Words program(Words words) {
+        words.insert(words.begin(), RUNCERT_PROGRAMS "/runcert");
+        return words;
+    }
+    void expect_done(const Words& command) const {
+        const ProcessResult result = run_process(command);
+        EXPECT_LT(result.exit_status, 2) << command[1] << ": " << result.errors;
+        for (const fs::path& folder : {run(), run().parent_path()})
+            for (const auto& entry : fs::directory_iterator(folder))
+                EXPECT_FALSE(entry.path().filename().string().starts_with(".runcert-")) << entry;
+    }
+
+    RandomGenerator random_{20260317};
+    int kills_ = 0;
+};
+
+TEST_F(Kills, Files08OfCertifyLeaveTheEarlierRunOrTheNewOne) {
+    fs::copy(examples / "salt_lake", path("other"), fs::copy_options::recursive);
+    write_file_atomically(path("other") / "attempt.yaml",
+                          read_file(path("other") / "attempt.yaml") + "attempts_made: 2\n");
+    const std::array<std::string, 2> attempts{(examples / "salt_lake/attempt.yaml").string(),
+                                              (path("other") / "attempt.yaml").string()};
+    const auto command = [&](int i) {
+        return program({"certify", attempts[static_cast<std::size_t>(i / 2 % 2)], "--out",
+                        run().string(), "--no-render", "--key", key("measurer")});
+    };
+    Watched watched(run());
+    must_sign("judge", "judge");
+    const auto longest = seconds_of(command(0));
+    watched.note();
+    const auto about_to_publish = [&] {
+        for (const auto& entry : fs::directory_iterator(run().parent_path()))
+            if (entry.path().filename().string().starts_with(".runcert-") &&
+                fs::exists(entry.path() / "run/run.yaml"))
+                return true;
+        return false;
+    };
+    std::set<std::string> reports;
+    for (int i = 0; kills_ < 70 && i < 200; ++i) {
+        SCOPED_TRACE(i);
+        if (i % 2 == 0)
+            kill_once(command(i), longest);
+        else
+            kill_once(command(i), longest, about_to_publish);
+        watched.expect_whole();
+        watched.note();
+        expect_signatures_hold();
+        reports.insert(read_file(run() / "report.json"));
+        if (i % 4 == 3) {
+            expect_done(command(i));
+            watched.expect_whole();
+        }
+    }
+    EXPECT_EQ(kills_, 70);
+    EXPECT_EQ(reports.size(), 2U);
+}
+
+// With the user's own folder in it, a run folder is not exchanged.
+TEST_F(Kills, Files08OfCertifyInPlaceLoseNothing) {
+    must_sign("judge", "judge");
+    fs::create_directory(run() / "photos");
+    fs::copy(examples / "salt_lake", path("other"), fs::copy_options::recursive);
+    const std::string text = read_file(path("other") / "attempt.yaml");
+    const Words command = program({"certify", (path("other") / "attempt.yaml").string(), "--out",
+                                   run().string(), "--no-render", "--key", key("measurer")});
+    Watched watched(run());
+    watched.note();
+    int without_report = 0;
+    for (int i = 0; kills_ < 10 && i < 40; ++i) {
+        SCOPED_TRACE(i);
+        write_file_atomically(path("other") / "attempt.yaml",
+                              fmt::format("{}attempts_made: {}\n", text, 2 + i));
+        kill_once(command, {}, [this] { return fs::exists(run() / ".runcert-ready"); });
+        if (fs::exists(run() / "report.json"))
+            watched.expect_whole();
+        else
+            ++without_report;
+        watched.expect_evidence();
+        watched.note();
+        expect_done(command);
+        watched.expect_whole();
+    }
+    EXPECT_EQ(kills_, 10);
+    EXPECT_GE(without_report, 2);
+}
+
+TEST_F(Kills, Files08OfSignLoseNoSignatureAndNoStamp) {
+    const auto sign_words = [&](const std::string& name) {
+        return program({"sign", run().string(), "--key", key(name), "--role", name, "--no-render",
+                        "--no-recompute"});
+    };
+    Watched watched(run());
+    must_sign("measurer", "measurer");
+    const auto longest = seconds_of(sign_words("judge"));
+    const fs::path stamp = run() / "report.json.judge.minisig.tsr";
+    for (int i = 0; kills_ < 40 && i < 200; ++i) {
+        SCOPED_TRACE(i);
+        // A stamp goes with the signature that it is of.
+        if (!fs::exists(stamp)) write_file_atomically(stamp, fmt::format("stamp {}", i));
+        watched.note();
+        const Words command = sign_words(i % 3 == 0 ? "measurer" : "judge");
+        if (i % 2 == 0)
+            kill_once(command, longest);
+        else
+            kill_once(command, longest, [this] { return fs::exists(run() / "superseded"); });
+        watched.expect_whole();
+        watched.note();
+        expect_signatures_hold();
+        if (i % 5 == 4) expect_done(sign_words("judge"));
+        watched.expect_whole();
+    }
+    EXPECT_EQ(kills_, 40);
+}
+
+TEST_F(Kills, Files08OfTimestampLeaveTheWholeStampOrNone) {
+    make_authority();
+    must_sign("measurer", "measurer");
+    const fs::path query = run() / "report.json.minisig.tsq";
+    const fs::path stamp = run() / "report.json.minisig.tsr";
+    const Words asks = program({"timestamp", run().string()});
+    const Words takes = program({"timestamp", run().string(), "--reply", path("reply").string(),
+                                 "--ca", path("ca.pem").string()});
+    Watched watched(run());
+    watched.note();
+    const auto longest = seconds_of(asks);
+    answer(query);
+    const auto longest_taking = seconds_of(takes);
+    for (int i = 0; kills_ < 30 && i < 200; ++i) {
+        SCOPED_TRACE(i);
+        fs::remove(stamp);
+        if (i % 2 == 0) {
+            fs::remove(query);
+            kill_once(asks, longest);
+            expect_done(asks);
+            answer(query);
+        } else {
+            kill_once(takes, longest_taking);
+        }
+        if (fs::exists(stamp)) {
+            EXPECT_EQ(read_file(stamp), read_file(path("reply")));
+        }
+        watched.expect_whole();
+        expect_done(takes);
+        EXPECT_EQ(read_file(stamp), read_file(path("reply")));
+    }
+    EXPECT_EQ(kills_, 30);
+}
+
+TEST_F(Kills, Files08OfBundleLeaveTheEarlierBundleOrTheNewOne) {
+    must_sign("measurer", "measurer");
+    const auto before = contents_of(run());
+    const std::string bundle = path("run.tar.zst").string();
+    const Words command = program({"bundle", run().string(), "--out", bundle, "--force"});
+    const auto longest = seconds_of(command);
+    const std::string whole = read_file(bundle);
+    for (int i = 0; kills_ < 20 && i < 100; ++i) {
+        SCOPED_TRACE(i);
+        if (i % 2 == 0) fs::remove(bundle);
+        kill_once(command, longest);
+        EXPECT_EQ(contents_of(run()), before);
+        if (fs::exists(bundle)) {
+            EXPECT_EQ(read_file(bundle), whole);
+        }
+        if (i % 4 == 3) {
+            EXPECT_EQ(run_process(command).exit_status, 0);
+            EXPECT_EQ(read_file(bundle), whole);
+        }
+    }
+    EXPECT_EQ(kills_, 20);
+}
+
+TEST_F(Kills, Files08OfBatchLeaveEachRunAsItWasOrNew) {
+    DisturbedDay day(2, 60, {"--no-render", "--key", key("measurer")});
+    const Words command = day.command(day.programs.runcert(), day.out, {"--jobs", "2"});
+    auto longest = seconds_of(command);
+    std::vector<Watched> runs;
+    for (const char* id : {"run-0001", "run-0002"})
+        runs.emplace_back(day.out / id).note();
+    const auto about_to_publish = [&] {
+        for (const auto& entry : fs::directory_iterator(day.out))
+            if (entry.path().filename().string().starts_with(".runcert-")) return true;
+        return false;
+    };
+    const std::string text = read_file(day.day / "day.yaml");
+    for (int i = 0; kills_ < 40 && i < 160; ++i) {
+        SCOPED_TRACE(i);
+        std::string changed = text;
+        changed.replace(changed.find("202.9"), 5, i / 2 % 2 == 0 ? "190.5" : "202.9");
+        write_file_atomically(day.day / "day.yaml", changed);
+        if (i % 2 == 0)
+            kill_once(command, longest);
+        else
+            kill_once(command, longest, about_to_publish);
+        for (Watched& run : runs) {
+            run.expect_whole();
+            run.note();
+        }
+        if (i % 4 != 3) continue;
+        const ProcessResult done = run_process(command);
+        EXPECT_EQ(done.exit_status, 0) << done.output << done.errors;
+        for (const auto& entry : fs::recursive_directory_iterator(day.out))
+            EXPECT_FALSE(entry.path().filename().string().starts_with(".runcert-")) << entry;
+        for (Watched& run : runs)
+            run.expect_whole();
+    }
+    EXPECT_EQ(kills_, 40);
+    for (const char* id : {"run-0001", "run-0002"})
+        EXPECT_EQ(runcert({"verify", (day.out / id).string(), "--pubkey", public_key("measurer")})
+                      .exit_status,
+                  0);
+}
+
+}  // namespace
+}  // namespace runcert::chain::RUNCERT_FILE

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/failure.h"
 #include "files/atomic_file.h"
 #include "files/file_sync.h"
@@ -85,8 +87,19 @@ void RunFiles::remove_left() const {
         remove_temporaries(folder);
 }
 
-void RunFiles::open_work() {
+void RunFiles::open_work(const std::multimap<std::string, std::string>& known) {
     make_directory(work_dir_);
+    for (const auto& entry : fs::directory_iterator(work_dir_)) {
+        const std::string name = entry.path().filename().string();
+        const auto [begin, end] = known.equal_range(name);
+        if (std::any_of(begin, end,
+                        [&](const auto& file) { return hash_of(entry.path()) == file.second; }))
+            continue;
+        std::error_code error;
+        fs::remove_all(entry.path(), error);
+        if (error) fail(entry.path(), error);
+        hashes_.erase(entry.path().string());
+    }
 }
 
 void RunFiles::bring_to_work(const std::string& name, const std::string& sha256) {

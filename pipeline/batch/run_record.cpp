@@ -17,6 +17,8 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* form = "runcert-record/2";
 constexpr const char* seal = "seal";
+/// A record of a run with 20 receivers has some 50 kB.
+constexpr std::uintmax_t longest_record = std::uintmax_t{4} << 20;
 
 std::string text_of(const Json& json) {
     return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -87,6 +89,9 @@ RunRecord record_of(Json json, const RecordPlace& place) {
 
 RunRecord read_run_record(const RecordPlace& place) {
     if (!std::filesystem::exists(place.file)) return {};
+    std::error_code error;
+    if (std::filesystem::file_size(place.file, error) > longest_record && !error)
+        return foreign_record();
     try {
         return record_of(Json::parse(read_file(place.file)), place);
     } catch (const Json::exception&) {

@@ -9,6 +9,7 @@
 #include "reports/words/outcome.h"
 #include "schemas/common/product_files.h"
 #include "schemas/verdict/verdict.h"
+#include "trust/bundle.h"
 #include "trust/signature_files.h"
 #include "trust/signing.h"
 #include "trust/trusted_comment.h"
@@ -29,6 +30,16 @@ void require_signable(const std::filesystem::path& folder, const ReportFacts& re
         throw Failure(folder.string(), step.finding + details,
                       "Nothing was signed. Make the run again with --force");
     }
+}
+
+/// A run folder with other files in it does not verify, whoever signs its report.
+void require_no_strangers(const std::filesystem::path& run_dir) {
+    std::vector<std::string> strangers = unknown_files(run_dir);
+    std::erase(strangers, superseded_folder);
+    if (strangers.empty()) return;
+    throw Failure((run_dir / strangers.front()).string(),
+                  "this is no part of the run; nothing was signed",
+                  "Move it out of the folder, and run the batch again");
 }
 
 /// What is signed of each rule: its text, speed, uncertainty and outcome.
@@ -75,6 +86,8 @@ std::string RunMaking::sign() {
                       "the report changed while the run was made; nothing was signed",
                       "Find out who writes into the folder, and run the batch again");
     require_signable(folder, report);
+    if (files_.is_published("report.json", current_.at("report.json")))
+        require_no_strangers(files_.run_dir());
     const std::string role = signing_role(claim_.attempt);
     if (auto standing = own_signature(folder, report, public_key_of(*context_.key), role))
         return *standing;

@@ -134,6 +134,26 @@ TEST_F(Attacks, BatchTakesNoFileOfAWorkFolderThatItDidNotWrite) {
     EXPECT_EQ(files, first_made("one"));
 }
 
+TEST_F(Attacks, BatchReadsNoRecordWithoutEnd) {
+    fs::resize_file(record(), std::uintmax_t{1} << 40);
+    const BatchSaid said = again();
+    EXPECT_EQ(said.exit_status, 0) << said.errors;
+    EXPECT_TRUE(holds(said.text, "1 run was recomputed")) << said.text;
+    EXPECT_EQ(made("one"), first_made("one"));
+}
+
+TEST_F(Attacks, BatchSignsNoFolderThatHoldsMoreThanTheRun) {
+    write_file_atomically(out() / "one/7-more.ecsv", "more");
+    const std::vector<std::string> with_key{"--no-render", "--key", key("measurer").string()};
+    const BatchSaid refused = again(with_key);
+    EXPECT_EQ(refused.exit_status, 2);
+    EXPECT_TRUE(holds(refused.problems.at("one"), "7-more.ecsv")) << refused.text;
+    EXPECT_EQ(refused.states.at("two"), "done");
+    EXPECT_FALSE(fs::exists(out() / "one/report.json.minisig"));
+    fs::remove(out() / "one/7-more.ecsv");
+    EXPECT_EQ(again(with_key).steps_of("one"), "sign");
+}
+
 // Without the secret a run is computed again; the signature of the same report stays, and what
 // stamps it.
 TEST_F(Attacks, BatchReplacesNoSignatureOfTheSameReport) {

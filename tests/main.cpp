@@ -2,6 +2,7 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <string>
 #include <utility>
 
@@ -54,10 +55,28 @@ class Skipped : public testing::EmptyTestEventListener {
     bool tool_missing_ = false;
 };
 
+/// Programs keep their user's state, as the secret of a batch's records, in a folder of this
+/// process's own, and not in that of who runs the tests.
+class OwnState : public testing::Environment {
+    void SetUp() override {
+        std::string name =
+            (std::filesystem::temp_directory_path() / "runcert-test-XXXXXX").string();
+        ASSERT_NE(mkdtemp(name.data()), nullptr);
+        folder_ = name;
+        ASSERT_EQ(setenv("XDG_STATE_HOME", name.c_str(), 1), 0);
+    }
+    void TearDown() override {
+        std::error_code ignored;
+        if (!folder_.empty()) std::filesystem::remove_all(folder_, ignored);
+    }
+    std::filesystem::path folder_;
+};
+
 }  // namespace
 
 int main(int argc, char** argv) {
     testing::InitGoogleTest(&argc, argv);
+    testing::AddGlobalTestEnvironment(new OwnState);
     auto* skipped = new Skipped;
     testing::UnitTest::GetInstance()->listeners().Append(new FailedSetUp);
     testing::UnitTest::GetInstance()->listeners().Append(skipped);

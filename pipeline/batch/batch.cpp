@@ -48,6 +48,16 @@ DaySummary summary_of(const std::vector<AttemptOutcome>& outcomes,
     return summary;
 }
 
+/// Of the runs that were made again for want of a record of this user's; empty where there are
+/// none.
+std::string foreign_records_words(const std::vector<AttemptOutcome>& outcomes) {
+    const auto count = std::ranges::count_if(outcomes, &AttemptOutcome::foreign_record);
+    if (count == 0) return {};
+    return fmt::format("{} recomputed: {} not written by this user's batches, or not as written.",
+                       count == 1 ? "1 run was" : fmt::format("{} runs were", count),
+                       count == 1 ? "its record was" : "their records were");
+}
+
 /// Whether the results are to be written.
 enum class Results { written, left };
 
@@ -86,6 +96,7 @@ int run_selected(const BatchOrder& order, const Day& day, const std::vector<bool
     if (lock_kind == LockKind::exclusive) remove_half_written(BatchFolders(order.context.out));
     for (const std::string& note : day.notes)
         progress->note(note);
+    if (!order.passing_key.empty()) progress->note(order.passing_key);
     BatchContext context = order.context;
     // Runs side by side use the processors already; their steps need not share one out again.
     context.threads = std::max(1U, threads_allowed() / static_cast<unsigned>(order.jobs));
@@ -96,6 +107,8 @@ int run_selected(const BatchOrder& order, const Day& day, const std::vector<bool
                                                           .stop = interrupts.stop()},
                                                          *progress);
     DaySummary summary = summary_of(outcomes, selected);
+    if (std::string words = foreign_records_words(outcomes); !words.empty())
+        summary.closing.push_back(std::move(words));
     ResultsWritten written;
     if (results == Results::written && !interrupts.stop().stop_requested())
         written = results_written(order, day, outcomes);
@@ -141,6 +154,9 @@ int run_batch(const BatchOrder& order) {
 }
 
 int run_share(const BatchOrder& order, const Share& share, const fs::path& pending) {
+    if (!order.passing_key.empty())
+        throw Failure("--share", order.passing_key,
+                      "Set XDG_STATE_HOME to a folder of this user's that the computers share");
     const Day day = read_day(order.day, order.context.out);
     const std::set<std::string> listed = lines_in(pending);
     std::vector<bool> selected(day.attempts.size());

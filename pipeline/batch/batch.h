@@ -28,6 +28,8 @@ struct BatchOrder {
     std::uint64_t memory_bytes = 0;
     std::vector<std::string> only = {};  ///< patterns of ids; empty for all
     bool wait = false;                   ///< for another batch on the same folder to end
+    /// A sentence where the secret of records holds for this call alone; else empty.
+    std::string passing_key = {};
 };
 
 /// Certifies the attempts of a day on this computer, and writes its results. The exit status: 0

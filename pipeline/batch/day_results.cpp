@@ -75,7 +75,9 @@ void make_day_results(const Day& day, const std::vector<AttemptOutcome>& outcome
                    .inputs = {{"list", sha256_hex(list)}},
                    .outputs = {},
                    .said = {}};
-    RunRecord record = read_run_record(folders.results_record());
+    const RecordPlace place{
+        .file = folders.results_record(), .of = "day", .key = context.record_key};
+    RunRecord record = read_run_record(place);
     const auto known = record.steps.find(results_step);
     if (known != record.steps.end() && what_changed(known->second, now).empty() &&
         are_as_written(context.out, known->second.outputs))
@@ -91,7 +93,7 @@ void make_day_results(const Day& day, const std::vector<AttemptOutcome>& outcome
     for (const char* name : {"day.yaml", "day.csv", "day.html"})
         now.outputs[name] = digest_file(context.out / name).sha256;
     record.steps[results_step] = std::move(now);
-    write_run_record(folders.results_record(), record);
+    write_run_record(place, record);
 }
 
 }  // namespace runcert

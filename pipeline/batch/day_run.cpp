@@ -74,6 +74,7 @@ class AttemptRun {
             outcome_of(attempt_, state, "the batch was interrupted while it ran");
         for (const StepReport& step : state.steps)
             ++(step.ran ? outcome.steps_run : outcome.steps_kept);
+        outcome.foreign_record = state.foreign_record;
         return outcome;
     }
 
@@ -104,6 +105,7 @@ class AttemptRun {
                                                           : "failed",
                              .steps = state.steps,
                              .said = state.said,
+                             .signs = state.signs,
                              .error = state.failure ? error_text(*state.failure) : "",
                              .seconds = seconds};
         progress_.attempt_ends(index_, report);

@@ -28,6 +28,7 @@ struct AttemptOutcome {
     std::string reason = {};  ///< why it was not processed
     FileHashes files = {};    ///< report, pages and verdict, where done
     std::size_t steps_run = 0, steps_kept = 0;
+    bool foreign_record = false;  ///< its record was not this user's
 };
 
 /// Takes away what killed programs left half written beside the run folders. Only for who holds the

@@ -30,8 +30,9 @@ struct AttemptReport {
     std::string source = {};  ///< its file
     std::string state;        ///< "done", "failed", "interrupted"
     std::vector<StepReport> steps = {};
-    std::vector<std::string> said = {};  ///< a line for each profile
-    std::string error = {};              ///< lines
+    std::vector<std::string> said = {};   ///< a line for each profile
+    std::vector<std::string> signs = {};  ///< what was signed, a line for each profile
+    std::string error = {};               ///< lines
     double seconds = 0.0;
 };
 

@@ -39,6 +39,7 @@ Json attempt_event(std::size_t index, const AttemptReport& attempt) {
             {"steps_run", ran},
             {"steps_kept", attempt.steps.size() - ran},
             {"said", attempt.said},
+            {"signs", attempt.signs},
             {"error", attempt.error},
             {"seconds", in_milliseconds(attempt.seconds)}};
 }

@@ -81,6 +81,8 @@ std::size_t steps_run(const AttemptReport& attempt) {
 std::string attempt_text(const AttemptReport& attempt, const AttemptTextOptions& options) {
     std::string text = first_line(attempt, options);
     text += lines_below(attempt.error, indent);
+    for (const std::string& line : attempt.signs)
+        text += fmt::format("{}signed {}\n", indent, plain_text(line));
     if (options.explain)
         for (const StepReport& step : attempt.steps)
             text += step_text(step);

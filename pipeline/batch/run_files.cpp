@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/failure.h"
 #include "files/atomic_file.h"
 #include "files/sha256.h"
@@ -71,8 +73,16 @@ void RunFiles::remove_left() const {
     remove_temporaries(work_dir_);
 }
 
-void RunFiles::open_work() {
-    (void)make_below(results_, work_);
+void RunFiles::open_work(const std::multimap<std::string, std::string>& known) {
+    const Folder work = make_below(results_, work_);
+    for (const std::string& name : work.names()) {
+        const fs::path file = work_dir_ / name;
+        const auto [begin, end] = known.equal_range(name);
+        if (std::any_of(begin, end, [&](const auto& each) { return hash_of(file) == each.second; }))
+            continue;
+        work.remove_tree(name);
+        hashes_.erase(file.string());
+    }
 }
 
 void RunFiles::bring_to_work(const std::string& name, const std::string& sha256) {

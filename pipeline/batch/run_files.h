@@ -34,8 +34,9 @@ class RunFiles {
     /// Failure where another program writes in the run folder.
     void remove_left() const;
 
-    /// Makes the work folder.
-    void open_work();
+    /// Makes the work folder, and takes out of it what is none of these files: whoever filled it,
+    /// a step reads there what is known by its hash. `known` may have several hashes of a name.
+    void open_work(const std::multimap<std::string, std::string>& known);
 
     /// Has the file of that SHA-256 in the work folder, as a link to the run folder's where the
     /// file system has links. It must be in one of the two.

@@ -39,15 +39,20 @@ class RunMaking {
 
     /// run_steps.cpp: doing one.
     void prepare();
+    std::multimap<std::string, std::string> known_files() const;
     void do_step(const std::string& step, StepRecord record);
     void execute(const std::string& step, StepRecord& record);
     void require_as_hashed(const std::string& step, const StepRecord& record);
     void run_program(const std::string& step, StepRecord& record);
 
+    /// run_signing.cpp
+    std::string sign();
+
     /// run_publishing.cpp: the way from and into the run folder.
     FileHashes standing_signatures() const;
     void bring_signatures();
     void publish();
+    RecordPlace record_place() const;
     void write_record() const;
 
     const DayAttempt& given_;

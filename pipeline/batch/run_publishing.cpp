@@ -59,7 +59,7 @@ void RunMaking::publish() {
 
 void RunMaking::write_record() const {
     make_directory(folders_.record(given_.id).parent_path());
-    write_run_record(folders_.record(given_.id), record_);
+    write_run_record(record_place(), record_);
 }
 
 }  // namespace runcert

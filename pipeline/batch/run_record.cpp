@@ -7,7 +7,6 @@
 #include "core/failure.h"
 #include "files/atomic_file.h"
 #include "files/file_sync.h"
-#include "files/sha256.h"
 #include "schemas/products/products.h"
 #include "trust/signature_files.h"
 
@@ -16,8 +15,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* form = "runcert-record/1";
-constexpr const char* checksum = "sha256";
+constexpr const char* form = "runcert-record/2";
+constexpr const char* seal = "seal";
+/// A record of a run with 20 receivers has some 50 kB.
+constexpr std::uintmax_t longest_record = std::uintmax_t{4} << 20;
 
 std::string text_of(const Json& json) {
     return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -52,18 +53,26 @@ bool is_file_of_a_run(const std::string& name) {
            });
 }
 
-/// A record says what need not be made again, and which files are to be taken away: one that is not
-/// what was written is not to be read at all.
-RunRecord record_of(Json json) {
+RunRecord foreign_record() {
     RunRecord record;
-    const std::string written = json.at(checksum).get<std::string>();
-    json.erase(checksum);
-    if (json.at("form") != form || sha256_hex(text_of(json)) != written) return record;
+    record.foreign = true;
+    return record;
+}
+
+/// A record says what need not be made again, and which files are to be taken away: one that this
+/// user's program did not write is not to be read at all.
+RunRecord record_of(Json json, const RecordPlace& place) {
+    RunRecord record;
+    const std::string written = json.at(seal).get<std::string>();
+    json.erase(seal);
+    if (!place.key.sealed(text_of(json), written) || json.at("form") != form ||
+        json.at("of") != place.of)
+        return foreign_record();
     for (const auto& [name, step] : json.at("steps").items())
         record.steps[name] = step_of(step);
     for (const std::string name : json.at("published")) {
         // These are taken away one day: only what a batch makes may be among them.
-        if (!is_file_of_a_run(name)) return {};
+        if (!is_file_of_a_run(name)) return foreign_record();
         record.published.push_back(name);
     }
     if (json.contains("failure")) {
@@ -78,17 +87,23 @@ RunRecord record_of(Json json) {
 
 }  // namespace
 
-RunRecord read_run_record(const std::filesystem::path& file) {
-    if (!std::filesystem::exists(file)) return {};
+RunRecord read_run_record(const RecordPlace& place) {
+    if (!std::filesystem::exists(place.file)) return {};
+    std::error_code error;
+    if (std::filesystem::file_size(place.file, error) > longest_record && !error)
+        return foreign_record();
     try {
-        return record_of(Json::parse(read_file(file)));
+        return record_of(Json::parse(read_file(place.file)), place);
     } catch (const Json::exception&) {
-        return {};
+        return foreign_record();
     }
 }
 
-void write_run_record(const std::filesystem::path& file, const RunRecord& record) {
-    Json json{{"form", form}, {"steps", Json::object()}, {"published", record.published}};
+void write_run_record(const RecordPlace& place, const RunRecord& record) {
+    Json json{{"form", form},
+              {"of", place.of},
+              {"steps", Json::object()},
+              {"published", record.published}};
     for (const auto& [name, step] : record.steps)
         json["steps"][name] = json_of(step);
     if (record.failure)
@@ -96,13 +111,13 @@ void write_run_record(const std::filesystem::path& file, const RunRecord& record
                            {"problem", record.failure->problem},
                            {"where", record.failure->where},
                            {"remedy", record.failure->remedy}};
-    json[checksum] = sha256_hex(text_of(json));
+    json[seal] = place.key.seal(text_of(json));
     // Lost by a power cut, it costs making the run anew; but what was published must be known, to
     // be taken away when it is the run's no longer.
     if (record.published.empty())
-        write_file_unsynced(file, text_of(json));
+        write_file_unsynced(place.file, text_of(json));
     else
-        write_file_atomically(file, text_of(json));
+        write_file_atomically(place.file, text_of(json));
 }
 
 }  // namespace runcert

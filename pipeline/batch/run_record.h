@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "batch/programs.h"
+#include "batch/record_key.h"
 #include "files/held_json.h"
 
 namespace runcert {
@@ -38,14 +39,23 @@ struct RunRecord {
     /// Files of the run folder that were put there and are to be taken away when they are no longer
     /// part of the run.
     std::vector<std::string> published;
+    /// Whether a record is there that the key did not seal; nothing of it was read.
+    bool foreign = false;
 };
 
-/// Reads a record. One that is missing, or is not, byte for byte, what was written, is as good as
-/// none: the run is then recomputed.
-RunRecord read_run_record(const std::filesystem::path& file);
+/// Where a record is, whose it is, and by whom it was made.
+struct RecordPlace {
+    std::filesystem::path file;
+    std::string of;  ///< "run ID", "day": what it is of counts, not the name of its file
+    const RecordKey& key;
+};
 
-/// Writes a record with a checksum of its own, by which `read_run_record` knows it. Atomically
-/// where files were published. Failure where it cannot be written.
-void write_run_record(const std::filesystem::path& file, const RunRecord& record);
+/// Reads a record. One that is missing is none. One that the key did not seal, byte for byte and of
+/// this very thing, says nothing: anyone could have written it, and the run is recomputed.
+RunRecord read_run_record(const RecordPlace& place);
+
+/// Writes a record and seals it. Atomically where files were published. Failure where it cannot be
+/// written.
+void write_run_record(const RecordPlace& place, const RunRecord& record);
 
 }  // namespace runcert

@@ -8,16 +8,23 @@
 #include "files/atomic_file.h"
 #include "files/file_sync.h"
 #include "files/process.h"
-#include "trust/signing.h"
 
 namespace runcert {
+
+/// Every file that a step made before, whether it can stay or not.
+std::multimap<std::string, std::string> RunMaking::known_files() const {
+    std::multimap<std::string, std::string> known(current_.begin(), current_.end());
+    for (const auto& [step, record] : record_.steps)
+        known.insert(record.outputs.begin(), record.outputs.end());
+    return known;
+}
 
 /// Opens the work folder, and has all files there that were made or kept so far: the next step
 /// reads them there.
 void RunMaking::prepare() {
     if (!prepared_) {
         if (!watch_.admitted(estimated_epochs(claim_))) throw Interrupted{};
-        files_.open_work();
+        files_.open_work(known_files());
         prepared_ = true;
     }
     // Steps between two that are done may have been kept.
@@ -64,9 +71,7 @@ void RunMaking::execute(const std::string& step, StepRecord& record) {
         }
         bring_in_claim(claim_.attempt, claim_.text, claim_.source, files_.work_dir());
     } else if (step == "sign") {
-        bring_signatures();
-        outputs = {sign_report(files_.work_dir(), read_report_facts(files_.work_dir()),
-                               *context_.key, signing_role(claim_.attempt))};
+        outputs = {sign()};
     } else {
         if (step == "render") bring_signatures();
         run_program(step, record);

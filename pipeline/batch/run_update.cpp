@@ -56,8 +56,15 @@ RunMaking::RunMaking(const DayAttempt& given, const BatchContext& context, const
       stop_(stop),
       folders_(context.out),
       files_(folders_.out, given.id, BatchFolders("").work(given.id)),
-      record_(read_run_record(folders_.record(given.id))),
-      started_(std::time(nullptr)) {}
+      record_(read_run_record(record_place())),
+      started_(std::time(nullptr)) {
+    state_.foreign_record = record_.foreign;
+}
+
+RecordPlace RunMaking::record_place() const {
+    return {
+        .file = folders_.record(given_.id), .of = "run " + given_.id, .key = context_.record_key};
+}
 
 /// What a step would now be made from.
 StepRecord RunMaking::expected(const std::string& step) const {
@@ -87,7 +94,8 @@ std::string RunMaking::why(const std::string& step, const StepRecord& now) {
             std::ranges::find(steps(), context_.from, &Step::name))
         return "--from " + context_.from;
     const auto known = record_.steps.find(step);
-    if (known == record_.steps.end()) return "not done yet";
+    if (known == record_.steps.end())
+        return state_.foreign_record ? "its record is not this user's" : "not done yet";
     if (std::string reason = what_changed(known->second, now); !reason.empty()) return reason;
     for (const auto& [name, hash] : known->second.outputs)
         if (!files_.find(name, hash))

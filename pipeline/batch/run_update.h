@@ -29,6 +29,8 @@ struct BatchContext {
     std::string from = {};                        ///< this step and all after it again
     std::chrono::milliseconds time_limit = std::chrono::minutes(10);  ///< of a step
     unsigned threads = 1;                                             ///< that a step may use
+    /// Seals the records of the runs. A record that it did not seal is as if it were not there.
+    RecordKey record_key = {};
 };
 
 /// What became of a run.
@@ -36,9 +38,12 @@ struct RunState {
     bool complete = false;     ///< all its files are in the run folder, and of now
     bool interrupted = false;  ///< a stop was requested before the end
     std::vector<StepReport> steps = {};
-    std::vector<std::string> said = {};  ///< the check's line for each profile
+    std::vector<std::string> said = {};   ///< the check's line for each profile
+    std::vector<std::string> signs = {};  ///< what was signed now, a line for each profile
     std::optional<RunFailure> failure = std::nullopt;
     FileHashes files = {};  ///< of the run folder, where it is complete
+    /// Whether its record is not this user's: it tells nothing, and the run is made again.
+    bool foreign_record = false;
 };
 
 /// Asked before the first step of a run that is done, with about how many epochs its recordings

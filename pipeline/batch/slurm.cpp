@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::string_view run_here = "run the day on this machine with --engine local";
 
-std::vector<std::string_view> lines_of(std::string_view text) {
+std::vector<std::string_view> line_views_of(std::string_view text) {
     std::vector<std::string_view> lines;
     while (!text.empty()) {
         const std::size_t end = std::min(text.find('\n'), text.size());
@@ -33,7 +33,7 @@ std::vector<std::string_view> lines_of(std::string_view text) {
 std::string words_of(const ProcessResult& result) {
     const bool has_errors = !trim(result.errors).empty();
     std::string words;
-    for (const std::string_view line : lines_of(has_errors ? result.errors : result.output))
+    for (const std::string_view line : line_views_of(has_errors ? result.errors : result.output))
         words += (words.empty() ? "" : "; ") + plain_text(line);
     if (words.empty()) words = fmt::format("exit status {}, no words", result.exit_status);
     while (words.ends_with('.'))
@@ -61,7 +61,7 @@ ProcessResult run_slurm(const std::vector<std::string>& arguments) {
 
 /// The value in a line "Name      = value" of `scontrol show config`.
 std::optional<std::string_view> configured(std::string_view configuration, std::string_view name) {
-    for (const std::string_view line : lines_of(configuration)) {
+    for (const std::string_view line : line_views_of(configuration)) {
         const std::size_t sign = line.find('=');
         if (sign != std::string_view::npos && trim(line.substr(0, sign)) == name)
             return trim(line.substr(sign + 1));
@@ -133,7 +133,7 @@ Submitted run_sbatch(const std::vector<std::string>& words) {
                       fmt::format("Correct it, e.g. by --slurm-args, or {}", run_here));
     };
     if (result.exit_status != 0) refuse();
-    const std::vector<std::string_view> lines = lines_of(result.output);
+    const std::vector<std::string_view> lines = line_views_of(result.output);
     if (lines.empty()) refuse();
     const std::string_view answer = lines.back();
     const std::size_t end = std::min(answer.find(';'), answer.size());
@@ -285,7 +285,7 @@ JobState job_state(const std::string& id, const std::string& cluster, std::size_
     if (result.exit_status != 0) {
         if (result.errors.find("Invalid job id") == std::string::npos) no_answer(result);
     } else {
-        for (const std::string_view line : lines_of(result.output))
+        for (const std::string_view line : line_views_of(result.output))
             if (!line.starts_with("CLUSTER:")) count_task(line, state);
     }
     state.over = tasks - std::min(tasks, state.pending + state.running);

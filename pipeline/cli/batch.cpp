@@ -81,6 +81,9 @@ BatchOrder order_of(const BatchOptions& options) {
         context.key = load_secret_key(options.key);
         context.report.signer = key_id_text({.key_id = context.key->key_id()});
     }
+    KeptRecordKey kept = record_key_in(state_folder());
+    context.record_key = kept.key;
+    order.passing_key = std::move(kept.passing);
     context.force = options.force;
     context.from = options.from;
     context.time_limit = std::chrono::milliseconds(std::llround(options.time_limit_s * 1e3));
@@ -185,7 +188,8 @@ void add_choices(CLI::App* command, BatchOptions& options) {
         ->allow_extra_args(false);
     command->add_flag("--no-pdf", options.no_pdf, "report.json and HTML alone");
     command->add_flag("--no-render", options.no_render, "stop after report.json: no HTML, no PDF");
-    command->add_option("--key", options.key, "secret key to sign the reports with");
+    command->add_option("--key", options.key,
+                        "secret key to sign the reports with, once their files are verified");
 }
 
 void add_display(CLI::App* command, BatchOptions& options) {
@@ -221,9 +225,14 @@ std::string footer() {
         "day.yaml\n"
         "in OUT have the ranking. A step runs again only if its program, its parameters or its "
         "inputs\n"
-        "changed, by SHA-256, or if what it wrote is not there as it was written. Ctrl-C once "
-        "finishes\n"
-        "what is running, twice stops it; the same command again goes on.\n"
+        "changed, by SHA-256, or if what it wrote is not there as it was written. What each run "
+        "was\n"
+        "made from is recorded in OUT/.runcert, and sealed with a secret of yours, which\n"
+        "$XDG_STATE_HOME/runcert/records.key keeps (else ~/.local/state/runcert/records.key). A "
+        "run\n"
+        "without a record that you sealed is recomputed. So --key signs only what this call or an\n"
+        "earlier one of yours computed. Ctrl-C once finishes what is running, twice stops it; the\n"
+        "same command again goes on.\n"
         "Exit status: 0 all were processed, whatever their outcomes; 2 one could not be.\n\n"
         "A day file (examples/day has one that runs as it is):\n\n"
         "  schema: day/1.0\n"

@@ -1,0 +1,163 @@
+#include "batch/record_key.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <pwd.h>
+#include <sodium.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+
+#include "core/failure.h"
+#include "files/atomic_file.h"
+
+namespace runcert {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* key_file = "records.key";
+
+void start_sodium() {
+    if (sodium_init() < 0)
+        throw Failure("libsodium", "the library could not be started",
+                      "Install it again (Debian: libsodium23)");
+}
+
+std::optional<fs::path> absolute_folder(const char* text) {
+    // By the XDG base directory specification a relative one counts as none.
+    if (text == nullptr || !fs::path(text).is_absolute()) return std::nullopt;
+    return fs::path(text);
+}
+
+std::optional<fs::path> home() {
+    if (auto named = absolute_folder(std::getenv("HOME"))) return named;
+    const passwd* user = getpwuid(getuid());
+    return user == nullptr ? std::nullopt : absolute_folder(user->pw_dir);
+}
+
+std::string hexadecimal(const RecordKey::Bytes& bytes) {
+    std::string text(2 * bytes.size() + 1, '\0');
+    sodium_bin2hex(text.data(), text.size(), bytes.data(), bytes.size());
+    text.pop_back();
+    return text;
+}
+
+class OpenFile {
+  public:
+    explicit OpenFile(const fs::path& path)
+        : descriptor_(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK)) {}
+    ~OpenFile() {
+        if (descriptor_ >= 0) close(descriptor_);
+    }
+    OpenFile(const OpenFile&) = delete;
+    OpenFile& operator=(const OpenFile&) = delete;
+    int descriptor() const { return descriptor_; }
+
+  private:
+    int descriptor_;
+};
+
+[[noreturn]] void refuse_key(const fs::path& path, const std::string& problem) {
+    throw Failure(path.string(), problem,
+                  "Remove the file: a new secret is made, and every run is recomputed once");
+}
+
+RecordKey read_key(const fs::path& path) {
+    const OpenFile file(path);
+    struct stat status {};
+    if (file.descriptor() < 0 || fstat(file.descriptor(), &status) != 0)
+        refuse_key(path,
+                   std::string("the secret of records cannot be read: ") + std::strerror(errno));
+    if (!S_ISREG(status.st_mode) || status.st_uid != geteuid() ||
+        (status.st_mode & (S_IRWXG | S_IRWXO)) != 0)
+        refuse_key(path, "others than its owner can use the secret of records");
+    std::array<char, 2 * RecordKey::size + 2> text{};
+    const ssize_t length = read(file.descriptor(), text.data(), text.size());
+    RecordKey::Bytes bytes{};
+    std::size_t read_bytes = 0;
+    const bool whole = length == 2 * static_cast<ssize_t>(RecordKey::size) + 1 &&
+                       text[2 * RecordKey::size] == '\n' &&
+                       sodium_hex2bin(bytes.data(), bytes.size(), text.data(), 2 * bytes.size(),
+                                      nullptr, &read_bytes, nullptr) == 0 &&
+                       read_bytes == bytes.size();
+    sodium_memzero(text.data(), text.size());
+    if (!whole) refuse_key(path, "the secret of records is not as it was written");
+    return RecordKey(bytes);
+}
+
+/// Writes a new secret under another name and links it to its own: the first of several that do so
+/// at once has made it.
+void make_key(const fs::path& path) {
+    RecordKey::Bytes bytes{};
+    randombytes_buf(bytes.data(), bytes.size());
+    const fs::path draft =
+        fmt::format("{}.{}.{:08x}", path.string(), getpid(), randombytes_random());
+    write_file_atomically(draft, hexadecimal(bytes) + "\n", FileAccess::owner_only);
+    const int linked = link(draft.c_str(), path.c_str());
+    const int error = errno;
+    std::error_code ignored;
+    if (linked != 0 && error != EEXIST && error != EPERM && error != EOPNOTSUPP) {
+        fs::remove(draft, ignored);
+        throw Failure(
+            path.string(),
+            std::string("the secret of records could not be made: ") + std::strerror(error),
+            "Check that the folder can be written and has space");
+    }
+    // A file system without links has one writer at a time: the name is taken if it is free.
+    if (linked != 0 && error != EEXIST && !fs::exists(path)) fs::rename(draft, path, ignored);
+    fs::remove(draft, ignored);
+}
+
+}  // namespace
+
+RecordKey::RecordKey() {
+    start_sodium();
+    randombytes_buf(bytes_.data(), bytes_.size());
+}
+
+std::string RecordKey::seal(std::string_view text) const {
+    start_sodium();
+    Bytes hash{};
+    crypto_generichash(hash.data(), hash.size(),
+                       reinterpret_cast<const unsigned char*>(text.data()), text.size(),
+                       bytes_.data(), bytes_.size());
+    return hexadecimal(hash);
+}
+
+bool RecordKey::sealed(std::string_view text, std::string_view seal) const {
+    const std::string own = this->seal(text);
+    return seal.size() == own.size() && sodium_memcmp(own.data(), seal.data(), own.size()) == 0;
+}
+
+std::optional<fs::path> state_folder() {
+    if (auto named = absolute_folder(std::getenv("XDG_STATE_HOME"))) return *named / "runcert";
+    if (auto own = home()) return *own / ".local/state/runcert";
+    return std::nullopt;
+}
+
+KeptRecordKey record_key_in(const std::optional<fs::path>& folder) {
+    constexpr const char* again = "the next call recomputes every run";
+    if (!folder)
+        return {.passing = fmt::format("This user has no folder to keep the secret of records in: "
+                                       "{}.",
+                                       again)};
+    start_sodium();
+    const fs::path path = *folder / key_file;
+    std::error_code ignored;
+    if (!fs::exists(fs::symlink_status(path, ignored))) {
+        try {
+            make_directory(*folder);
+            make_key(path);
+        } catch (const Failure& failure) {
+            return {.passing = fmt::format("The secret of records cannot be kept in {}: {}.",
+                                           folder->string(), again)};
+        }
+    }
+    return {.key = read_key(path)};
+}
+
+}  // namespace runcert

@@ -78,18 +78,10 @@ void add(Comparisons& all, FileComparison file) {
         all.widest = std::move(file);
 }
 
-/// The report is made in `own`.
-Comparisons compare_all(const fs::path& run_dir, const fs::path& recomputed, const fs::path& own,
-                        bool same_arithmetic) {
+Comparisons compare_all(const fs::path& run_dir, const fs::path& recomputed, bool same_arithmetic) {
     Comparisons all;
     for (const std::string& name : products_of(recomputed, run_dir))
         add(all, compare_file(run_dir, recomputed, name, same_arithmetic));
-    if (const auto failed = recompute_report(run_dir, own))
-        add(all, {.file = report_file,
-                  .stage = "report",
-                  .first = "cannot be made from the folder's files: " + *failed});
-    else
-        add(all, compare_file(run_dir, own, report_file, same_arithmetic));
     return all;
 }
 
@@ -119,9 +111,8 @@ VerificationStep verify_recomputation(const fs::path& run_dir, const ReportFacts
         step.details.push_back(*failed);
         return step;
     }
-    const TemporaryFolder own;
     const bool same_arithmetic = report.arithmetic == arithmetic_fingerprint();
-    const Comparisons all = compare_all(run_dir, folder.path(), own.path(), same_arithmetic);
+    const Comparisons all = compare_all(run_dir, folder.path(), same_arithmetic);
     step.passed = all.different.empty();
     step.finding = plain_text(finding_of(all));
     for (std::size_t i = 1; i < all.different.size(); ++i)
@@ -140,6 +131,25 @@ VerificationStep verify_recomputation(const fs::path& run_dir, const ReportFacts
             fmt::format("note: the folder's files were made by {}, recomputed by runcert {}, "
                         "source {}",
                         maker, program_version(), source_revision())));
+    return step;
+}
+
+VerificationStep verify_report_text(const fs::path& run_dir, const ReportFacts& report) {
+    VerificationStep step{.passed = true, .what = "contents", .finding = {}, .details = {}};
+    const TemporaryFolder folder;
+    if (const auto failed = recompute_report(run_dir, folder.path())) {
+        step.passed = false;
+        step.finding = "report.json cannot be made from the folder's files";
+        step.details.push_back(plain_text(*failed));
+        return step;
+    }
+    const FileComparison compared = compare_file(run_dir, folder.path(), report_file,
+                                                 report.arithmetic == arithmetic_fingerprint());
+    step.passed = !compared.first;
+    step.finding = compared.identical ? "report.json is what its files make, byte for byte"
+                   : step.passed      ? "report.json says what its files make"
+                                      : "report.json is not what its files make";
+    if (compared.first) step.details.push_back(plain_text(compared.sentence()));
     return step;
 }
 

@@ -6,8 +6,13 @@
 
 namespace runcert {
 
+/// Makes report.json again from the folder's stage files: it must be the same, byte for byte; of
+/// another program, or with another mathematical library, in all that it says of the measurement.
+VerificationStep verify_report_text(const std::filesystem::path& run_dir,
+                                    const ReportFacts& report);
+
 /// Runs all stages again, from the run folder's own copies of attempt, profiles and recordings, and
-/// makes report.json again from the folder's stage files; compares every file with the folder's.
+/// compares every stage file with the folder's.
 /// The finding is one of three: identical; equal within a thousandth of the stated uncertainty
 /// (where there is none: one unit of the last declared digit), windows and verdict much closer
 /// unless the library or the processor is another than the report states, which is then said;

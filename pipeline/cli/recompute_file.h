@@ -28,9 +28,11 @@ struct FileComparison {
 /// Compares a product, or report.json, of two folders. Types, resolutions and uncertainties are the
 /// recomputed file's and this program's declarations. Figures of the windows and of the verdict
 /// must agree to a millionth of their uncertainty or 1e-9 of themselves where the folder's were
-/// computed by `same_arithmetic`; a report, which follows from its files, to the letter. What says
-/// who made it from which bytes is not compared. A file that is missing in one folder, or cannot be
-/// understood, is a difference and no Failure; one that cannot be opened is a Failure.
+/// computed by `same_arithmetic`; a report, which follows from its files, to the letter. Where the
+/// folder's file says that this very program made it, with the same arithmetic, every byte must be
+/// the same. What says who made it from which bytes is not compared. A file that is missing in one
+/// folder, or cannot be understood, is a difference and no Failure; one that cannot be opened is a
+/// Failure.
 FileComparison compare_file(const std::filesystem::path& run_dir,
                             const std::filesystem::path& recomputed, const std::string& name,
                             bool same_arithmetic);

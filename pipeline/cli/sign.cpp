@@ -83,6 +83,7 @@ int sign_run(const SignOptions& options) {
     require_passed(run_dir, verify_schemas(run_dir, report));
     require_passed(run_dir, verify_rules(run_dir));
     require_passed(run_dir, verify_report(run_dir, report));
+    require_passed(run_dir, verify_report_text(run_dir, report));
     if (!options.no_recompute) require_passed(run_dir, verify_recomputation(run_dir, report));
     show_outcomes(run_dir);
     const SecretKey key = load_secret_key(options.key);

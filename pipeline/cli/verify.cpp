@@ -96,6 +96,8 @@ int verify(const VerifyOptions& options) {
     result.layers.push_back(verify_schemas(run_dir, report));
     result.layers.push_back(verify_rules(run_dir));
     result.layers.push_back(verify_report(run_dir, report));
+    add_long_layer(result, options.keep_going, "contents",
+                   [&] { return verify_report_text(run_dir, report); });
     SignatureLayers signatures = verify_signatures(run_dir, report, rules);
     result.layers.push_back(std::move(signatures.signatures));
     result.layers.push_back(std::move(signatures.time_stamps));

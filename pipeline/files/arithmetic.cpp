@@ -10,6 +10,12 @@
 namespace runcert {
 namespace {
 
+#ifdef __FMA__
+constexpr const char* compiler = __VERSION__ ", fused multiply-add";
+#else
+constexpr const char* compiler = __VERSION__;
+#endif
+
 void append_bits(std::string& bytes, double value) {
     char raw[sizeof value];
     std::memcpy(raw, &value, sizeof value);
@@ -21,7 +27,7 @@ void append_bits(std::string& bytes, double value) {
 std::string arithmetic_fingerprint() {
     static const std::string fingerprint = [] {
         constexpr int arguments = 4000;
-        std::string bytes;
+        std::string bytes = compiler;
         for (int i = 1; i <= arguments; ++i) {
             // Irrational steps reach all binades of what the stages ask for.
             const volatile double step = 0.017453292519943295 * i;

@@ -5,9 +5,10 @@
 namespace runcert {
 
 /// What the mathematical library gives on this processor, as the first 12 hexadecimal digits of a
-/// SHA-256: of the bits of sin, cos, tan, atan2, exp, log, log1p, pow, erfc and lgamma for fixed
-/// arguments. glibc takes other code for them where a processor has fused multiply-add, whose last
-/// bits differ; where two computers agree in this, they give the same results.
+/// SHA-256: of the compiler's name, and the bits of sin, cos, tan, atan2, exp, log, log1p, pow,
+/// erfc and lgamma for fixed arguments. glibc takes other code for them where a processor has fused
+/// multiply-add, whose last bits differ; where two computers agree in this, they give the same
+/// results.
 std::string arithmetic_fingerprint();
 
 }  // namespace runcert

@@ -1,5 +1,6 @@
 #include "trust/signature.h"
 
+#include <fmt/format.h>
 #include <sodium.h>
 
 #include <algorithm>
@@ -17,7 +18,9 @@ using namespace signature_text;
 constexpr std::size_t signature_size = 64;
 constexpr std::size_t signature_record_size = 74;  // "ED", id (8), signature (64)
 constexpr std::size_t longest_trusted_comment = 8000;
-constexpr std::size_t longest_untrusted_comment = 1000;
+constexpr std::string_view known_untrusted_comments[] = {"signature from runcert secret key",
+                                                         "signature from minisign secret key",
+                                                         "signature from rsign secret key"};
 
 /// A signature file taken apart.
 struct SignatureFile {
@@ -34,16 +37,20 @@ std::array<unsigned char, 64> blake2b_512(std::string_view message) {
     return hash;
 }
 
-void require_comment(std::string_view comment, std::size_t longest, const std::string& kind) {
-    if (comment.size() > longest || !is_printable_line(comment))
-        throw Failure(
-            "the " + kind + " comment of a signature",
-            "it is not one line of printable text of at most " + std::to_string(longest) + " bytes",
-            "Leave out line breaks and control characters, or shorten it");
+void require_comment(std::string_view comment) {
+    if (comment.size() > longest_trusted_comment || !is_printable_line(comment))
+        throw Failure("the trusted comment of a signature",
+                      fmt::format("it is not one line of printable text of at most {} bytes",
+                                  longest_trusted_comment),
+                      "Leave out line breaks and control characters, or shorten it");
 }
 
 SignatureFile parse_signature_file(std::string_view text, const std::string& where) {
     const std::string remedy = "Name the .minisig file that belongs to the signed file";
+    if (text.find('\r') != std::string_view::npos || text.ends_with("\n\n") ||
+        !text.ends_with('\n'))
+        throw Failure(where, "its lines do not end as a signer writes them",
+                      "Take the original: four lines that end with a line feed alone");
     const std::vector<std::string_view> lines = lines_of(text);
     if (lines.size() != 4)
         throw Failure(where,
@@ -53,6 +60,12 @@ SignatureFile parse_signature_file(std::string_view text, const std::string& whe
     if (!lines[0].starts_with(untrusted_prefix))
         throw Failure(where + ", line 1",
                       "it does not begin with \"" + std::string(untrusted_prefix) + "\"", remedy);
+    // Nobody signs this line, so that no word of a signer's own may stand in it.
+    if (std::ranges::find(known_untrusted_comments, lines[0].substr(untrusted_prefix.size())) ==
+        std::end(known_untrusted_comments))
+        throw Failure(where + ", line 1", "it is not the comment of runcert, minisign or rsign",
+                      fmt::format("Nobody signs this line. Write \"{}{}\" in its place",
+                                  untrusted_prefix, known_untrusted_comments[1]));
     if (!lines[2].starts_with(trusted_prefix))
         throw Failure(where + ", line 3",
                       "it does not begin with \"" + std::string(trusted_prefix) + "\"", remedy);
@@ -100,10 +113,9 @@ std::string find_fault(std::string_view message, const SignatureFile& file,
 }  // namespace
 
 std::string sign(std::string_view message, const SecretKey& secret_key,
-                 std::string_view trusted_comment, std::string_view untrusted_comment) {
+                 std::string_view trusted_comment) {
     start_libsodium();
-    require_comment(trusted_comment, longest_trusted_comment, "trusted");
-    require_comment(untrusted_comment, longest_untrusted_comment, "untrusted");
+    require_comment(trusted_comment);
 
     const std::array<unsigned char, 64> hash = blake2b_512(message);
     std::array<unsigned char, signature_record_size> record{'E', 'D'};
@@ -118,7 +130,7 @@ std::string sign(std::string_view message, const SecretKey& secret_key,
                          signed_comment.size(), secret_key.bytes().data());
 
     std::string text;
-    text.append(untrusted_prefix).append(untrusted_comment) += '\n';
+    text.append(untrusted_prefix).append(known_untrusted_comments[0]) += '\n';
     text.append(base64_of(record.data(), record.size())) += '\n';
     text.append(trusted_prefix).append(trusted_comment) += '\n';
     text.append(base64_of(comment_signature.data(), comment_signature.size())) += '\n';

@@ -79,11 +79,11 @@ SecretKey parse_secret_key(std::string_view text, std::optional<std::string_view
                            const std::string& where);
 
 /// Signs `message` and gives the text of its signature file (`FILE.minisig`). The trusted comment
-/// is signed too. Failure where a comment is not one line of printable text (UTF-8, no control
-/// characters) or is longer than minisign reads (trusted 8000 bytes, untrusted 1000).
+/// is signed too; the untrusted one is always the same, since nobody answers for it. Failure where
+/// the comment is not one line of printable text (UTF-8, no control characters) or is longer than
+/// minisign reads (8000 bytes).
 std::string sign(std::string_view message, const SecretKey& secret_key,
-                 std::string_view trusted_comment,
-                 std::string_view untrusted_comment = "signature from runcert secret key");
+                 std::string_view trusted_comment);
 
 /// What checking a signature found.
 struct SignatureCheck {

@@ -27,7 +27,10 @@ namespace fs = std::filesystem;
 bool is_known_companion(const fs::directory_entry& entry) {
     const std::string name = entry.path().filename().string();
     const fs::file_status status = entry.symlink_status();
-    if (name == "keys" || name == superseded_folder) return fs::is_directory(status);
+    // Keys are those of a bundle, whose SHA256SUMS names each.
+    if (name == bundle_keys_folder)
+        return fs::is_directory(status) && fs::exists(entry.path().parent_path() / "SHA256SUMS");
+    if (name == superseded_folder) return fs::is_directory(status);
     if (name.starts_with(".runcert-")) return true;  // of a run that was killed
     if (!fs::is_regular_file(status)) return false;
     for (const char* known :

@@ -59,7 +59,7 @@ TEST_F(HostileText, IsTextOnThePage) {
         EXPECT_TRUE(holds(shown, tag + long_word)) << tag;
     EXPECT_TRUE(holds(shown, without_blanks(hostile_recording)));
     // No element or attribute came of it: the page's own scripts are its only ones.
-    EXPECT_EQ(found_in(page, "count(//script)"), "5");
+    EXPECT_EQ(found_in(page, "count(//script)"), "3");
     EXPECT_EQ(found_in(page, "count(//main//script | //b | //main//style | //@onmouseover)"), "0");
     EXPECT_EQ(found_in(page, "count(//title)"), "1");
     EXPECT_TRUE(holds(found_in(page, "string(//title)"), "Measurement report "));

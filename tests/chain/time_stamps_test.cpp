@@ -225,12 +225,6 @@ TEST_F(TimeStamps, WithoutTheProgramsThatCheckItIsSaidWhatToInstall) {
             << result.errors;
     };
     expect_said({"--tsa-ca", ca()}, "openssl");
-    write_file_atomically(run() / "report.pdf", "%PDF-1.7\n");
-    const ProcessResult result = runcert({"verify", run().string(), "--roster", roster()}, without);
-    EXPECT_EQ(result.exit_status, 0) << result.output << result.errors;
-    EXPECT_NE(result.output.find("report.pdf: not checked: pdfdetach is missing"),
-              std::string::npos)
-        << result.output;
     must({"ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-f", path("k").string()});
     must({"ssh-keygen", "-q", "-Y", "sign", "-n", "judge@runcert", "-f", path("k").string(),
           (run() / "report.json").string()});

@@ -65,8 +65,7 @@ TEST_F(WithMinisign, ReadsTheLongestCommentsWeWrite) {
     const KeyPair pair = generate_key_pair();
     write("k.pub", public_key_file(pair.public_key));
     for (const std::size_t length : {std::size_t{0}, std::size_t{8000}}) {
-        write("f.minisig", sign(message, pair.secret_key, std::string(length, 't'),
-                                std::string(length == 0 ? 0 : 1000, 'u')));
+        write("f.minisig", sign(message, pair.secret_key, std::string(length, 't')));
         EXPECT_EQ(run("minisign -Vm f -p k.pub"), 0) << length;
     }
 }

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 
 #include "commands.h"
+#include "core/text.h"
 #include "files/external_program.h"
 #include "files/program.h"
 #include "run/stage_main.h"
@@ -18,7 +19,7 @@ int main(int argc, char** argv) {
             "--version",
             [] {
                 return fmt::format("runcert {} {}\n{}", program_version(), source_revision(),
-                                   external_programs_text());
+                                   trim(external_programs_text()));
             },
             "Print the version, and which external programs there are");
         app.footer("Exit status: 0 success or yes, 1 no, 2 error.");

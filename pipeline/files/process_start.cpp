@@ -14,6 +14,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <string_view>
 
 #include "core/failure.h"
 
@@ -119,6 +120,7 @@ struct Child {
     pid_t parent;
     bool own_group;
     bool no_network;
+    std::string_view user_map, group_map;
 };
 
 /// Signals that the caller handles would run its handlers in the child, and those it blocks would
@@ -139,15 +141,25 @@ void reset_signals() {
     sigprocmask(SIG_SETMASK, &none, nullptr);
 }
 
+bool put(const char* file, std::string_view text) {
+    const int number = open(file, O_WRONLY | O_CLOEXEC);
+    if (number < 0) return false;
+    const bool put = ::write(number, text.data(), text.size()) == std::ssize(text);
+    ::close(number);
+    return put;
+}
+
 /// A network namespace of its own has no way out. Who may not make one by right may in a user
-/// namespace of its own, where the system has those.
-bool leave_network() {
-    return unshare(CLONE_NEWUSER | CLONE_NEWNET) == 0 || unshare(CLONE_NEWNET) == 0;
+/// namespace of its own, where the system has those; there the user has to be named again.
+bool leave_network(const Child& child) {
+    if (unshare(CLONE_NEWNET) == 0) return true;
+    return unshare(CLONE_NEWUSER | CLONE_NEWNET) == 0 && put("/proc/self/setgroups", "deny") &&
+           put("/proc/self/uid_map", child.user_map) && put("/proc/self/gid_map", child.group_map);
 }
 
 /// The folder, network and limits of the program; false, with errno, where they cannot be had.
 bool confine(const Child& child) {
-    if (child.no_network && !leave_network()) return false;
+    if (child.no_network && !leave_network(child)) return false;
     if (child.folder != nullptr && chdir(child.folder) != 0) return false;
     for (std::size_t i = 0; i < child.limit_count; ++i)
         if (setrlimit(child.limits[i].resource, &child.limits[i].value) != 0) return false;
@@ -222,6 +234,8 @@ StartedProgram start_program(const ProgramStart& program) {
     const std::vector<char*> file_list = pointers(files);
     const std::vector<char*> argument_list = pointers(arguments);
     const std::vector<char*> environment_list = pointers(environment);
+    const auto same = [](auto id) { return std::to_string(id) + ' ' + std::to_string(id) + " 1"; };
+    const std::string user_map = same(geteuid()), group_map = same(getegid());
     const std::vector<Limit> limits = limits_of(program);
     const Descriptor input = open_standard_input(program.standard_input);
     Pipe output = make_pipe();
@@ -241,7 +255,9 @@ StartedProgram start_program(const ProgramStart& program) {
                       .problem = problem.write_end.number(),
                       .parent = getpid(),
                       .own_group = program.own_group,
-                      .no_network = program.no_network});
+                      .no_network = program.no_network,
+                      .user_map = user_map,
+                      .group_map = group_map});
     // Both do it, so that the group is there for whoever comes first.
     if (program.own_group) setpgid(started.process, started.process);
     started.ended = open_pidfd(started.process);

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/failure.h"
-#include "files/process.h"
+#include "files/external_program.h"
 #include "files/sha256.h"
 #include "run/steps.h"
 
@@ -19,9 +19,10 @@ constexpr const char* not_installed = "none";
 }  // namespace
 
 std::string program_hash(const std::string& program) {
-    for (const std::string& file : program_candidates(program))
-        if (fs::is_regular_file(file) && access(file.c_str(), X_OK) == 0)
-            return digest_file(file).sha256;
+    const fs::path file =
+        program.find('/') == std::string::npos ? external_program_file(program) : fs::path(program);
+    if (fs::is_regular_file(file) && access(file.c_str(), X_OK) == 0)
+        return digest_file(file).sha256;
     return not_installed;
 }
 

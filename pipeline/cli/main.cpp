@@ -3,6 +3,8 @@
 #include <CLI/CLI.hpp>
 
 #include "commands.h"
+#include "core/text.h"
+#include "files/external_program.h"
 #include "files/program.h"
 #include "run/stage_main.h"
 
@@ -13,8 +15,13 @@ int main(int argc, char** argv) {
         CLI::App app("Certifies speed-record attempts from recorded satellite positions",
                      "runcert");
         app.require_subcommand(1);
-        app.set_version_flag("--version",
-                             fmt::format("runcert {} {}", program_version(), source_revision()));
+        app.set_version_flag(
+            "--version",
+            [] {
+                return fmt::format("runcert {} {}\n{}", program_version(), source_revision(),
+                                   trim(external_programs_text()));
+            },
+            "Print the version, and which external programs there are");
         app.footer("Exit status: 0 success or yes, 1 no, 2 error.");
         Command chosen;
         add_certify(app, chosen);

@@ -7,6 +7,7 @@
 
 #include "core/failure.h"
 #include "files/atomic_file.h"
+#include "files/external_program.h"
 #include "files/program.h"
 #include "reports/diff/table_comparison.h"
 #include "schemas/products/products.h"
@@ -117,14 +118,17 @@ Json predicate_of(const std::string& text, const std::string& where) {
     return std::move(report["predicate"]);
 }
 
-/// What the report says of the measurement, without what names programs and bytes.
-Json measurement_of(const std::string& text, const std::string& where) {
-    Json predicate = predicate_of(text, where);
-    const bool made_here = is_of_this_program(predicate);
+/// What the report says of the measurement, without what names programs and bytes; of the page and
+/// its drawings only where the report that is judged has them from this very program and gnuplot.
+Json measurement_of(Json predicate, bool made_here, bool drawn_here) {
     for (const char* member : {"program", "report_id", "files"})
         predicate.erase(member);
-    // The pages of another program are of other parts; those here are compared as they are shown.
     if (!made_here) predicate.erase("page");
+    if (predicate.contains("page") && predicate["page"].is_object())
+        predicate["page"].erase("drawn_by_sha256");
+    if (!drawn_here && predicate.contains("figures"))
+        for (Json& figure : predicate["figures"])
+            figure.erase("drawing_sha256");
     if (predicate.contains("certificate") && predicate["certificate"].is_object())
         for (const char* member : {"unique_identifier", "software"})
             predicate["certificate"].erase(member);
@@ -149,6 +153,17 @@ Json parameters_of(const Json& header) {
     return header.value("parameters", Json::object());
 }
 
+void judge_report(FileComparison& file, const std::string& old_text, const std::string& new_text,
+                  const std::string& where) {
+    const Json old_report = predicate_of(old_text, where);
+    const bool made_here = is_of_this_program(old_report);
+    const bool drawn_here = old_report.value("page", Json::object()).value("drawn_by_sha256", "") ==
+                            external_program_sha256("gnuplot");
+    if (!made_here || !drawn_here) file.maker = "another program";
+    judge_exact(file, measurement_of(predicate_of(new_text, where), made_here, drawn_here),
+                measurement_of(old_report, made_here, drawn_here), "");
+}
+
 /// Windows and verdict hold the figures that decide.
 ComparisonRules rules_for(const std::string& name, bool same_arithmetic) {
     return {.declared = &product_fields(name),
@@ -157,11 +172,7 @@ ComparisonRules rules_for(const std::string& name, bool same_arithmetic) {
 
 void judge(FileComparison& file, const std::string& old_text, const std::string& new_text,
            const std::string& old_where, const std::string& new_where, bool same_arithmetic) {
-    if (file.file == report_file) {
-        if (!is_of_this_program(predicate_of(old_text, old_where))) file.maker = "another program";
-        return judge_exact(file, measurement_of(new_text, new_where),
-                           measurement_of(old_text, old_where), "");
-    }
+    if (file.file == report_file) return judge_report(file, old_text, new_text, old_where);
     file.maker = maker_of(old_text, old_where);
     const ComparisonRules rules = rules_for(file.file, same_arithmetic);
     if (file.file.ends_with(".ecsv"))

@@ -193,8 +193,13 @@ ProcessResult run_process(const std::vector<std::string>& arguments,
     const std::stop_callback wake(options.stop, [&stop] { eventfd_write(stop.number(), 1); });
     Watch watch(start_program({.arguments = arguments,
                                .environment = options.environment,
+                               .closed_environment = options.closed_environment,
+                               .folder = options.folder.string(),
                                .standard_input = options.standard_input.string(),
-                               .own_group = own_group}),
+                               .own_group = own_group,
+                               .most_memory = options.most_memory,
+                               .longest_file = options.longest_file,
+                               .no_network = options.no_network}),
                 own_group, options.most_output);
     const ProcessResult result = watch.to_end(deadline, stop.number());
     if (const int error = watch.problem(); error != 0)

@@ -15,6 +15,10 @@ namespace runcert {
 struct ProcessOptions {
     /// Added to the caller's environment, or in place of what has the same name there.
     std::vector<std::pair<std::string, std::string>> environment = {};
+    /// Whether `environment` is all the program gets, and nothing of the caller's.
+    bool closed_environment = false;
+    /// The program's working directory; the caller's for an empty one.
+    std::filesystem::path folder = {};
     /// The file that is the program's standard input; none for an empty one.
     std::filesystem::path standard_input = {};
     /// After this time the program is ended.
@@ -26,6 +30,12 @@ struct ProcessOptions {
     /// Runs the program in a process group of its own, so that the terminal's Ctrl-C does not reach
     /// it and what it leaves running is ended after it. Always so with a limit or a stop.
     bool own_group = false;
+    /// The most memory, as address space, in bytes: the program gets no more. It leaves no core.
+    std::optional<std::uint64_t> most_memory = {};
+    /// The longest file it may write, in bytes: a signal ends it that writes a longer one.
+    std::optional<std::uint64_t> longest_file = {};
+    /// Starts the program without a network. Failure where the system does not allow that.
+    bool no_network = false;
 };
 
 /// Why a program ended.
@@ -61,10 +71,6 @@ struct ProcessResult {
 /// more, but for no longer than a second after its end, whoever still holds it open.
 ProcessResult run_process(const std::vector<std::string>& arguments,
                           const ProcessOptions& options = {});
-
-/// The files that a program's name may stand for, in the order in which they are tried: itself
-/// where it holds a slash, else that name in each folder of PATH.
-std::vector<std::string> program_candidates(const std::string& name);
 
 /// The folder that holds the running program, where its companions are.
 std::filesystem::path program_folder();

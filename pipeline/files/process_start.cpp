@@ -1,8 +1,10 @@
 #include "files/process_start.h"
 
 #include <fcntl.h>
+#include <sched.h>
 #include <signal.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -12,9 +14,9 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <string_view>
 
 #include "core/failure.h"
-#include "files/process.h"
 
 namespace runcert {
 
@@ -60,9 +62,9 @@ Descriptor open_pidfd(pid_t process) {
 }
 
 std::vector<std::string> merged_environment(
-    const std::vector<std::pair<std::string, std::string>>& additions) {
+    const std::vector<std::pair<std::string, std::string>>& additions, bool closed) {
     std::vector<std::string> merged;
-    for (char** entry = environ; *entry != nullptr; ++entry) {
+    for (char** entry = environ; !closed && *entry != nullptr; ++entry) {
         const std::string text = *entry;
         const bool replaced = std::any_of(
             additions.begin(), additions.end(),
@@ -82,14 +84,43 @@ std::vector<char*> pointers(std::vector<std::string>& texts) {
     return list;
 }
 
+/// A limit to set in the child: of those that the caller has itself, none is raised.
+struct Limit {
+    __rlimit_resource_t resource;
+    rlimit value;
+};
+
+void limit(std::vector<Limit>& limits, __rlimit_resource_t resource, std::uint64_t most) {
+    rlimit value{};
+    if (getrlimit(resource, &value) != 0) fail_to_start(errno);
+    value.rlim_max = std::min<rlim_t>(value.rlim_max, most);
+    value.rlim_cur = std::min(value.rlim_cur, value.rlim_max);
+    limits.push_back({resource, value});
+}
+
+std::vector<Limit> limits_of(const ProgramStart& program) {
+    std::vector<Limit> limits;
+    if (program.most_memory) {
+        limit(limits, RLIMIT_AS, *program.most_memory);
+        limit(limits, RLIMIT_CORE, 0);
+    }
+    if (program.longest_file) limit(limits, RLIMIT_FSIZE, *program.longest_file);
+    return limits;
+}
+
 /// What the child needs between fork and exec, made before: there it may not even ask for memory.
 struct Child {
     char* const* files;  ///< to try one after the other, ended by a null pointer
     char* const* arguments;
     char* const* environment;
+    const char* folder;  ///< null: stays where it is
+    const Limit* limits;
+    std::size_t limit_count;
     int input, output, errors, problem;
     pid_t parent;
     bool own_group;
+    bool no_network;
+    std::string_view user_map, group_map;
 };
 
 /// Signals that the caller handles would run its handlers in the child, and those it blocks would
@@ -110,10 +141,43 @@ void reset_signals() {
     sigprocmask(SIG_SETMASK, &none, nullptr);
 }
 
+bool put(const char* file, std::string_view text) {
+    const int number = open(file, O_WRONLY | O_CLOEXEC);
+    if (number < 0) return false;
+    const bool put = ::write(number, text.data(), text.size()) == std::ssize(text);
+    ::close(number);
+    return put;
+}
+
+/// A network namespace of its own has no way out. Who may not make one by right may in a user
+/// namespace of its own, where the system has those; there the user has to be named again.
+bool leave_network(const Child& child) {
+    if (unshare(CLONE_NEWNET) == 0) return true;
+    return unshare(CLONE_NEWUSER | CLONE_NEWNET) == 0 && put("/proc/self/setgroups", "deny") &&
+           put("/proc/self/uid_map", child.user_map) && put("/proc/self/gid_map", child.group_map);
+}
+
+/// The folder, network and limits of the program; false, with errno, where they cannot be had.
+bool confine(const Child& child) {
+    if (child.no_network && !leave_network(child)) return false;
+    if (child.folder != nullptr && chdir(child.folder) != 0) return false;
+    for (std::size_t i = 0; i < child.limit_count; ++i)
+        if (setrlimit(child.limits[i].resource, &child.limits[i].value) != 0) return false;
+    return true;
+}
+
+[[noreturn]] void report(const Child& child, int error) {
+    [[maybe_unused]] const ssize_t written = ::write(child.problem, &error, sizeof error);
+    _exit(127);
+}
+
 /// What the child does between fork and exec: only calls that are safe there.
 [[noreturn]] void become(const Child& child) {
-    prctl(PR_SET_PDEATHSIG, SIGTERM);
+    const bool confined = confine(child);
+    const int obstacle = errno;
+    prctl(PR_SET_PDEATHSIG, SIGTERM);  // after confine: another namespace may take it away
     if (getppid() != child.parent) _exit(127);
+    if (!confined) report(child, obstacle);
     if (child.own_group) setpgid(0, 0);
     dup2(child.input, STDIN_FILENO);
     dup2(child.output, STDOUT_FILENO);
@@ -127,8 +191,7 @@ void reset_signals() {
         if (!absent) error = errno;
         if (!absent && errno != EACCES) break;
     }
-    [[maybe_unused]] const ssize_t written = ::write(child.problem, &error, sizeof error);
-    _exit(127);
+    report(child, error);
 }
 
 /// Forks with every signal blocked, so that no handler of the caller runs in the child.
@@ -145,8 +208,8 @@ pid_t fork_quietly(const Child& child) {
     return process;
 }
 
-}  // namespace
-
+/// The files that a program's name may stand for, in the order in which they are tried: itself
+/// where it holds a slash, else that name in each folder of PATH.
 std::vector<std::string> program_candidates(const std::string& name) {
     if (name.find('/') != std::string::npos) return {name};
     const char* variable = std::getenv("PATH");
@@ -161,27 +224,40 @@ std::vector<std::string> program_candidates(const std::string& name) {
     return files;
 }
 
+}  // namespace
+
 StartedProgram start_program(const ProgramStart& program) {
     std::vector<std::string> files = program_candidates(program.arguments[0]);
     std::vector<std::string> arguments = program.arguments;
-    std::vector<std::string> environment = merged_environment(program.environment);
+    std::vector<std::string> environment =
+        merged_environment(program.environment, program.closed_environment);
     const std::vector<char*> file_list = pointers(files);
     const std::vector<char*> argument_list = pointers(arguments);
     const std::vector<char*> environment_list = pointers(environment);
+    const auto same = [](auto id) { return std::to_string(id) + ' ' + std::to_string(id) + " 1"; };
+    const std::string user_map = same(geteuid()), group_map = same(getegid());
+    const std::vector<Limit> limits = limits_of(program);
     const Descriptor input = open_standard_input(program.standard_input);
     Pipe output = make_pipe();
     Pipe errors = make_pipe();
     Pipe problem = make_pipe();
     StartedProgram started;
-    started.process = fork_quietly({.files = file_list.data(),
-                                    .arguments = argument_list.data(),
-                                    .environment = environment_list.data(),
-                                    .input = input.number(),
-                                    .output = output.write_end.number(),
-                                    .errors = errors.write_end.number(),
-                                    .problem = problem.write_end.number(),
-                                    .parent = getpid(),
-                                    .own_group = program.own_group});
+    started.process =
+        fork_quietly({.files = file_list.data(),
+                      .arguments = argument_list.data(),
+                      .environment = environment_list.data(),
+                      .folder = program.folder.empty() ? nullptr : program.folder.c_str(),
+                      .limits = limits.data(),
+                      .limit_count = limits.size(),
+                      .input = input.number(),
+                      .output = output.write_end.number(),
+                      .errors = errors.write_end.number(),
+                      .problem = problem.write_end.number(),
+                      .parent = getpid(),
+                      .own_group = program.own_group,
+                      .no_network = program.no_network,
+                      .user_map = user_map,
+                      .group_map = group_map});
     // Both do it, so that the group is there for whoever comes first.
     if (program.own_group) setpgid(started.process, started.process);
     started.ended = open_pidfd(started.process);

@@ -2,6 +2,8 @@
 
 #include <sys/types.h>
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -38,8 +40,13 @@ struct Pipe {
 struct ProgramStart {
     std::vector<std::string> arguments;
     std::vector<std::pair<std::string, std::string>> environment;
+    bool closed_environment = false;
+    std::string folder;
     std::string standard_input;
     bool own_group = false;
+    std::optional<std::uint64_t> most_memory;
+    std::optional<std::uint64_t> longest_file;
+    bool no_network = false;
 };
 
 /// A program that was started, and the read ends of what it writes. `problem` brings the error

@@ -11,6 +11,7 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "files/atomic_file.h"
+#include "files/external_program.h"
 #include "files/process.h"
 #include "files/sha256.h"
 #include "trust/seal.h"
@@ -25,38 +26,45 @@ constexpr const char* differs =
     "it is not what the report renders to: do not go by what it shows, render it again";
 constexpr const char* dots_per_inch = "100";
 
-std::string poppler(std::vector<std::string> command) {
-    const std::string name = command.front();
-    const ProcessResult result =
-        run_process(command, {.environment = {{"LC_ALL", "C"}, {"TZ", "UTC"}}});
+/// Pages of a report take a hundredth of this.
+constexpr ExternalLimits reading_pages{.memory_bytes = std::uint64_t{1} << 30,
+                                       .file_bytes = std::uint64_t{16} << 20};
+
+/// What a program of poppler says of a PDF, whose name stands behind the options and before `more`;
+/// what it writes goes into `folder`.
+std::string poppler(std::vector<std::string> command, const fs::path& pdf,
+                    const std::vector<std::string>& more = {}, const fs::path& folder = {}) {
+    const fs::path input = external_input(pdf);
+    command.push_back(input.string());
+    command.insert(command.end(), more.begin(), more.end());
+    const ExternalCall call{.command = std::move(command),
+                            .folder = folder,
+                            .inputs = {input},
+                            .limits = reading_pages};
+    const ProcessResult result = run_external(call);
     if (result.exit_status != 0)
-        throw Failure(name, escape_for_message(trim(result.errors), 100),
+        throw Failure(call.command.front(), external_problem(call, result),
                       "Render the page again from report.json");
     return result.output;
-}
-
-/// As an absolute name, which cannot be taken for an option.
-std::string argument(const fs::path& path) {
-    return fs::absolute(path).string();
 }
 
 /// Why a PDF does not carry this report alone, or nothing. `pdfdetach -list` says "1 embedded
 /// files", then "1: report.json" for each.
 std::optional<std::string> fault_of_attachment(const fs::path& pdf, const std::string& report) {
-    const std::string list = poppler({"pdfdetach", "-list", argument(pdf)});
+    const std::string list = poppler({"pdfdetach", "-list"}, pdf);
     if (list != "1 embedded files\n1: report.json\n")
         return "it does not carry report.json and no other file";
     const TemporaryFolder folder;
-    const fs::path saved = folder.path() / "report.json";
-    (void)poppler({"pdfdetach", "-save", "1", "-o", saved.string(), argument(pdf)});
-    if (read_file(saved) != report) return "the report attached to it is not report.json";
+    (void)poppler({"pdfdetach", "-save", "1", "-o", "report.json"}, pdf, {}, folder.path());
+    if (read_file(folder.path() / "report.json") != report)
+        return "the report attached to it is not report.json";
     return std::nullopt;
 }
 
 /// What `pdfinfo` says of a file: "Pages" is "14".
 std::map<std::string, std::string> facts_of(const fs::path& pdf) {
     std::map<std::string, std::string> facts;
-    const std::string said = poppler({"pdfinfo", argument(pdf)});
+    const std::string said = poppler({"pdfinfo"}, pdf);
     for (std::size_t begin = 0; begin < said.size();) {
         const std::size_t end = std::min(said.find('\n', begin), said.size());
         const std::string line = said.substr(begin, end - begin);
@@ -69,14 +77,13 @@ std::map<std::string, std::string> facts_of(const fs::path& pdf) {
 }
 
 std::string text_of(const fs::path& pdf) {
-    return poppler({"pdftotext", "-layout", argument(pdf), "-"});
+    return poppler({"pdftotext", "-layout"}, pdf, {"-"});
 }
 
 /// The hash of each page's picture, in their order.
 std::vector<std::string> pictures_of(const fs::path& pdf) {
     const TemporaryFolder folder;
-    (void)poppler(
-        {"pdftoppm", "-r", dots_per_inch, argument(pdf), (folder.path() / "page").string()});
+    (void)poppler({"pdftoppm", "-r", dots_per_inch}, pdf, {"page"}, folder.path());
     std::set<fs::path> files;
     for (const auto& entry : fs::directory_iterator(folder.path()))
         files.insert(entry.path());

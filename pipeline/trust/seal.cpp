@@ -6,7 +6,7 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "files/atomic_file.h"
-#include "files/process.h"
+#include "files/external_program.h"
 
 namespace runcert {
 namespace {
@@ -19,24 +19,25 @@ constexpr int exit_no_signature = 2;  // of pdfsig
 constexpr const char* render_pdf =
     "Render again: `runcert-report --render-only --run-dir RUN_DIR --attempt RUN_DIR/attempt.yaml`";
 
-/// A path that no program takes for an option.
-std::string argument(const fs::path& path) {
-    return fs::absolute(path).string();
-}
-
 /// The first line of what a program said.
 std::string first_words(const std::string& said) {
     const std::string_view text = trim(said);
     return escape_for_message(text.substr(0, text.find('\n')), 200);
 }
 
-ProcessResult run_words(const std::vector<std::string>& command) {
-    return run_process(command, {.environment = {{"LC_ALL", "C"}, {"TZ", "UTC"}}});
-}
+/// Programs that read a PDF take far less than this for one of ours.
+constexpr ExternalLimits reading_pdf{.time = std::chrono::seconds(60),
+                                     .memory_bytes = std::uint64_t{1} << 30,
+                                     .file_bytes = std::uint64_t{256} << 20};
 
-std::string require_openssl(const std::vector<std::string>& command, const fs::path& file,
-                            const std::string& what, const std::string& remedy) {
-    const ProcessResult result = run_words(command);
+/// Runs `openssl SUBCOMMAND -in FILE OPTIONS`.
+std::string require_openssl(const std::string& subcommand, const fs::path& file,
+                            const std::vector<std::string>& options, const std::string& what,
+                            const std::string& remedy) {
+    const fs::path input = external_input(file);
+    ExternalCall call{.command = {"openssl", subcommand, "-in", input.string()}, .inputs = {input}};
+    call.command.insert(call.command.end(), options.begin(), options.end());
+    const ProcessResult result = run_external(call);
     if (result.exit_status != 0) throw Failure(file.string(), what, remedy);
     return result.output;
 }
@@ -63,7 +64,7 @@ void require_plain_private(const fs::path& key) {
 /// The public half of the key, which must be of a kind that PDFs can be signed with.
 std::string public_half(const fs::path& key) {
     const std::string described = require_openssl(
-        {"openssl", "pkey", "-in", argument(key), "-passin", "pass:", "-noout", "-text_pub"}, key,
+        "pkey", key, {"-passin", "pass:", "-noout", "-text_pub"},
         "openssl cannot read this private key", "Give an RSA or ECDSA key in PEM form");
     if (described.find("Modulus:") == std::string::npos &&
         described.find("ASN1 OID:") == std::string::npos)
@@ -72,8 +73,8 @@ std::string public_half(const fs::path& key) {
                                   first_words(described)),
                       "Make one: `openssl ecparam -name prime256v1 -genkey -noout -out KEY.pem`, "
                       "and have it certified. (Ed25519 keys sign report.json.)");
-    return require_openssl({"openssl", "pkey", "-in", argument(key), "-passin", "pass:", "-pubout"},
-                           key, "openssl cannot read this private key",
+    return require_openssl("pkey", key, {"-passin", "pass:", "-pubout"},
+                           "openssl cannot read this private key",
                            "Give an RSA or ECDSA key in PEM form");
 }
 
@@ -81,25 +82,31 @@ void require_pair(const fs::path& key, const fs::path& certificate) {
     const std::string give = "Give the certificate in PEM form";
     read_handwritten(certificate);
     const std::string certified =
-        require_openssl({"openssl", "x509", "-in", argument(certificate), "-noout", "-pubkey"},
-                        certificate, "openssl cannot read a certificate in this file", give);
+        require_openssl("x509", certificate, {"-noout", "-pubkey"},
+                        "openssl cannot read a certificate in this file", give);
     if (certified != public_half(key))
         throw Failure(
             key.string(),
             fmt::format("this key does not belong to the certificate {}", certificate.string()),
             "Give the key and the certificate that was made for it");
-    require_openssl({"openssl", "x509", "-in", argument(certificate), "-noout", "-checkend", "0"},
-                    certificate, "the certificate has expired", "Have it renewed");
+    require_openssl("x509", certificate, {"-noout", "-checkend", "0"},
+                    "the certificate has expired", "Have it renewed");
 }
 
 /// Whether a PDF's one attachment is a report.json of these bytes.
 bool carries(const fs::path& pdf, const std::string& report) {
-    const ProcessResult list = run_words({"pdfdetach", "-list", argument(pdf)});
+    const fs::path input = external_input(pdf);
+    const ProcessResult list = run_external({.command = {"pdfdetach", "-list", input.string()},
+                                             .inputs = {input},
+                                             .limits = reading_pdf});
     if (list.exit_status != 0 || !list.output.starts_with("1 embedded files\n1: report.json\n"))
         return false;
     const TemporaryFolder folder;
     const fs::path copy = folder.path() / "report.json";
-    run_words({"pdfdetach", "-save", "1", "-o", copy.string(), argument(pdf)});
+    run_external({.command = {"pdfdetach", "-save", "1", "-o", "report.json", input.string()},
+                  .folder = folder.path(),
+                  .inputs = {input},
+                  .limits = reading_pdf});
     return fs::exists(copy) && read_file(copy) == report;
 }
 
@@ -133,16 +140,21 @@ SealCheck check_seal(const std::filesystem::path& pdf) {
     const FileView view(pdf);
     if (!view.bytes().starts_with("%PDF-"))
         throw Failure(pdf.string(), "this is not a PDF", "Render the report again");
-    const ProcessResult result = run_words({"pdfsig", "-nocert", "-no-ocsp", argument(pdf)});
+    const fs::path input = external_input(pdf);
+    const ExternalCall call{.command = {"pdfsig", "-nocert", "-no-ocsp", input.string()},
+                            .inputs = {input},
+                            .limits = reading_pdf};
+    const ProcessResult result = run_external(call);
     // The file's own name stands in the words: the last component of its path is no choice of
     // whoever made the PDF.
     if (result.exit_status == exit_no_signature &&
         result.output.ends_with("does not contain any signatures\n"))
         return {.words = "the PDF carries no seal"};
     if (result.exit_status != 0 && result.output.empty())
-        throw Failure(pdf.string(),
-                      fmt::format("pdfsig cannot read this PDF: {}", first_words(result.errors)),
-                      "Render the report again");
+        throw Failure(
+            pdf.string(),
+            fmt::format("pdfsig cannot read this PDF: {}", external_problem(call, result)),
+            "Render the report again");
     return seal_from_words(result.output, view.bytes().size());
 }
 
@@ -156,10 +168,14 @@ SealCheck seal_report(const std::filesystem::path& run_dir, const std::filesyste
     require_sealable(pdf, report);
     const TemporaryFolder folder;
     const fs::path sealed = folder.path() / "report.pdf";
+    const std::vector<fs::path> inputs{external_input(pdf), external_input(certificate),
+                                       external_input(key)};
     const ProcessResult signing =
-        run_words({"podofosign", "-in", argument(pdf), "-out", sealed.string(), "-cert",
-                   argument(certificate), "-pkey", argument(key), "-reason", reason, "-sigsize",
-                   room_for_signature});
+        run_external({.command = {"podofosign", "-in", inputs[0].string(), "-out", "report.pdf",
+                                  "-cert", inputs[1].string(), "-pkey", inputs[2].string(),
+                                  "-reason", reason, "-sigsize", room_for_signature},
+                      .folder = folder.path(),
+                      .inputs = inputs});
     if (signing.exit_status != 0 || !fs::exists(sealed))
         throw Failure(pdf.string(),
                       fmt::format("podofosign could not seal it: {}", first_words(signing.errors)),

@@ -7,7 +7,7 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "files/atomic_file.h"
-#include "files/process.h"
+#include "files/external_program.h"
 #include "trust/signature_text.h"
 
 namespace runcert {
@@ -75,23 +75,21 @@ SshCheck check_ssh_signature(const std::filesystem::path& signed_file,
                              std::string_view allowed_signers, const std::string& principal,
                              const std::string& name_space, UtcSecond time) {
     const TemporaryFolder folder;
-    const std::filesystem::path allowed = folder.path() / "allowed_signers";
-    write_file_atomically(allowed, allowed_signers);
-    // The signature is given as a copy: its own name may be one that ssh-keygen takes for an
-    // option.
-    const std::filesystem::path copy = folder.path() / "signature";
-    write_file_atomically(copy, read_handwritten(signature_file));
+    write_file_atomically(folder.path() / "allowed_signers", allowed_signers);
+    write_file_atomically(folder.path() / "signature", read_handwritten(signature_file));
     ProcessResult result;
     try {
-        result = run_process(
-            {"ssh-keygen", "-Y", "verify", "-f", allowed.string(), "-I", principal, "-n",
-             name_space, "-Overify-time=" + compact_text(time), "-s", copy.string()},
-            {.environment = {{"LC_ALL", "C"}}, .standard_input = signed_file});
+        result =
+            run_external({.command = {"ssh-keygen", "-Y", "verify", "-f", "allowed_signers", "-I",
+                                      principal, "-n", name_space,
+                                      "-Overify-time=" + compact_text(time), "-s", "signature"},
+                          .folder = folder.path(),
+                          .standard_input = signed_file});
     } catch (const Failure& failure) {
         throw Failure(signature_file.string(),
                       "ssh signatures are checked by ssh-keygen, which cannot be started: " +
                           failure.problem(),
-                      "Install the package openssh-client");
+                      failure.remedy());
     }
     if (result.exit_status == 0) return {.valid = true};
     const std::string_view said = trim(result.errors.empty() ? result.output : result.errors);

@@ -8,7 +8,7 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "files/atomic_file.h"
-#include "files/process.h"
+#include "files/external_program.h"
 #include "trust/signature_text.h"
 
 namespace runcert {
@@ -16,15 +16,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-ProcessResult openssl_ts(std::vector<std::string> arguments) {
+/// Runs `openssl ts` in a folder, on files that lie elsewhere.
+ProcessResult openssl_ts(std::vector<std::string> arguments, const fs::path& folder,
+                         const std::vector<fs::path>& inputs = {}) {
     arguments.insert(arguments.begin(), {"openssl", "ts"});
     try {
-        return run_process(arguments, {.environment = {{"LC_ALL", "C"}}});
+        return run_external({.command = std::move(arguments), .folder = folder, .inputs = inputs});
     } catch (const Failure& failure) {
         throw Failure(
             "time stamps",
             "they are made and checked by openssl, which cannot be started: " + failure.problem(),
-            "Install the package openssl");
+            failure.remedy());
     }
 }
 
@@ -96,12 +98,12 @@ std::optional<UtcSecond> read_openssl_time(std::string_view text) {
 /// signed, and could hold lines that look like its.
 std::string token_of(const fs::path& reply, const fs::path& folder) {
     (void)read_handwritten(reply);  // says where it is missing, or far too long
-    const fs::path token = folder / "token";
+    const fs::path given = external_input(reply);
     const ProcessResult taken = openssl_ts(
-        {"-reply", "-in", fs::absolute(reply).string(), "-token_out", "-out", token.string()});
-    if (taken.exit_status == 0 && fs::exists(token)) return token.string();
+        {"-reply", "-in", given.string(), "-token_out", "-out", "token"}, folder, {given});
+    if (taken.exit_status == 0 && fs::exists(folder / "token")) return "token";
     const ProcessResult shown =
-        openssl_ts({"-reply", "-in", fs::absolute(reply).string(), "-text"});
+        openssl_ts({"-reply", "-in", given.string(), "-text"}, folder, {given});
     const std::string status = value_of(shown.output, "Status:");
     if (shown.exit_status != 0 || status.empty())
         throw Failure(reply.string(), "this is not a reply of a time stamp authority",
@@ -115,8 +117,8 @@ std::string token_of(const fs::path& reply, const fs::path& folder) {
         "Send the query again, or to another authority");
 }
 
-TimeStamp read_token(const std::string& token, const fs::path& reply) {
-    const ProcessResult shown = openssl_ts({"-reply", "-in", token, "-token_in", "-text"});
+TimeStamp read_token(const std::string& token, const fs::path& reply, const fs::path& folder) {
+    const ProcessResult shown = openssl_ts({"-reply", "-in", token, "-token_in", "-text"}, folder);
     TimeStamp stamp{.hash = hash_of(shown.output)};
     const auto time = read_openssl_time(value_of(shown.output, "Time stamp:"));
     if (shown.exit_status != 0 || stamp.hash.imprint.empty() || !time)
@@ -144,28 +146,28 @@ std::string joined_certificates(const std::vector<fs::path>& cas, const fs::path
                           "Give the certificate of the time stamp authority's root (PEM)");
         certificates += text + "\n";
     }
-    const fs::path file = folder / "ca.pem";
-    write_file_atomically(file, certificates);
-    return file.string();
+    write_file_atomically(folder / "ca.pem", certificates);
+    return "ca.pem";
 }
 
 }  // namespace
 
 std::string make_time_stamp_query(const fs::path& file) {
     const TemporaryFolder folder;
-    const fs::path query = folder.path() / "query";
-    const ProcessResult made = openssl_ts({"-query", "-data", fs::absolute(file).string(),
-                                           "-sha512", "-cert", "-out", query.string()});
+    const fs::path data = external_input(file);
+    const ProcessResult made =
+        openssl_ts({"-query", "-data", data.string(), "-sha512", "-cert", "-out", "query"},
+                   folder.path(), {data});
     if (made.exit_status != 0)
         throw Failure(file.string(), "no time stamp query can be made: " + said_by_openssl(made),
                       "Check that the file can be read, and openssl's configuration");
-    return read_file(query);
+    return read_file(folder.path() / "query");
 }
 
 StampedHash read_time_stamp_query(const fs::path& query) {
     (void)read_handwritten(query);
-    const ProcessResult shown =
-        openssl_ts({"-query", "-in", fs::absolute(query).string(), "-text"});
+    const fs::path given = external_input(query);
+    const ProcessResult shown = openssl_ts({"-query", "-in", given.string(), "-text"}, {}, {given});
     const StampedHash hash = hash_of(shown.output);
     if (shown.exit_status != 0 || hash.imprint.empty())
         throw Failure(query.string(), "this is not a time stamp query",
@@ -175,7 +177,7 @@ StampedHash read_time_stamp_query(const fs::path& query) {
 
 TimeStamp read_time_stamp_reply(const fs::path& reply) {
     const TemporaryFolder folder;
-    return read_token(token_of(reply, folder.path()), reply);
+    return read_token(token_of(reply, folder.path()), reply, folder.path());
 }
 
 TimeStampCheck check_time_stamp(const fs::path& file, const fs::path& reply,
@@ -185,16 +187,18 @@ TimeStampCheck check_time_stamp(const fs::path& file, const fs::path& reply,
     TimeStampCheck check;
     try {
         const std::string token = token_of(reply, folder.path());
-        const TimeStamp stamp = read_token(token, reply);
+        const TimeStamp stamp = read_token(token, reply, folder.path());
         check.time = stamp.time;
         if (!is_strong(stamp.hash.algorithm)) {
             check.reason = fmt::format("it is over a {} hash, which another file can share",
                                        escape_for_message(stamp.hash.algorithm));
             return check;
         }
+        const fs::path data = external_input(file);
         const ProcessResult verified = openssl_ts(
-            {"-verify", "-data", fs::absolute(file).string(), "-in", token, "-token_in", "-CAfile",
-             certificates, "-attime", std::to_string(check.time.time_since_epoch().count())});
+            {"-verify", "-data", data.string(), "-in", token, "-token_in", "-CAfile", certificates,
+             "-attime", std::to_string(check.time.time_since_epoch().count())},
+            folder.path(), {data});
         check.valid = verified.exit_status == 0 && verified.output == "Verification: OK\n";
         if (!check.valid) check.reason = said_by_openssl(verified);
     } catch (const Failure& failure) {

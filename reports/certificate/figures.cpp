@@ -10,7 +10,7 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "files/atomic_file.h"
-#include "files/process.h"
+#include "files/external_program.h"
 #include "reports/certificate/gnuplot_script.h"
 
 namespace runcert {
@@ -75,16 +75,16 @@ std::string finished(std::string svg, const std::string& title) {
     return svg;
 }
 
-void run_gnuplot(const std::filesystem::path& script) {
-    const ProcessResult result =
-        run_process({"gnuplot", "-d", script.string()},
-                    {.environment = {{"LC_ALL", "C.UTF-8"}, {"GNUTERM", "svg"}, {"TZ", "UTC"}}});
+void run_gnuplot(const std::filesystem::path& folder) {
+    const ExternalCall call{.command = {"gnuplot", "-d", "figures.gp"},
+                            .folder = folder,
+                            .environment = {{"GNUTERM", "svg"}}};
+    const ProcessResult result = run_external(call);
     if (result.exit_status != 0)
         throw Failure(
             "gnuplot",
-            fmt::format("the figures could not be drawn (exit status {}): {}", result.exit_status,
-                        escape_for_message(trim(result.errors), 2000)),
-            "Install the package gnuplot-nox, or leave the figures out with --no-render");
+            fmt::format("the figures could not be drawn: {}", external_problem(call, result)),
+            "Install the package gnuplot-nox again, or leave the figures out with --no-render");
 }
 
 }  // namespace
@@ -93,16 +93,16 @@ std::vector<std::string> draw_figures(const Json& predicate) {
     const Json& figures = predicate["figures"];
     if (figures.empty()) return {};
     const TemporaryFolder folder;
-    const auto svg_of = [&](std::size_t i) { return folder.path() / fmt::format("{}.svg", i); };
+    const auto svg_of = [](std::size_t i) { return fmt::format("{}.svg", i); };
     std::string script(report_text("gnuplot/common.gp"));
     for (std::size_t i = 0; i < figures.size(); ++i)
-        script += gnuplot_script(figures[i], svg_of(i).string());
+        script += gnuplot_script(figures[i], svg_of(i));
     write_file_atomically(folder.path() / "figures.gp", script);
-    run_gnuplot(folder.path() / "figures.gp");
+    run_gnuplot(folder.path());
     std::vector<std::string> drawn;
     for (std::size_t i = 0; i < figures.size(); ++i)
-        drawn.push_back(
-            finished(read_file(svg_of(i)), figures[i]["figure_title"].get<std::string>()));
+        drawn.push_back(finished(read_file(folder.path() / svg_of(i)),
+                                 figures[i]["figure_title"].get<std::string>()));
     return drawn;
 }
 

@@ -48,19 +48,31 @@ Json result_json(const ProfileVerdict& verdict, const Profile& profile) {
             {"distribution", "Student's t with the effective degrees of freedom of the budget"}};
 }
 
+Json called_json(const CalledProgram& program) {
+    Json entry{{"name", program.name}};
+    if (!program.version.empty()) entry["release"] = program.version;
+    entry["sha256"] = program.sha256;
+    return entry;
+}
+
 Json software_json(const ReportInputs& inputs) {
     Json list = Json::array();
-    const auto add = [&](const std::string& name, const std::string& release,
-                         const std::string& revision) {
-        Json entry{{"name", name}, {"release", release}, {"source_revision", revision}};
+    const auto add = [&](const Json& entry) {
         if (std::find(list.begin(), list.end(), entry) == list.end()) list.push_back(entry);
+    };
+    const auto ours = [](const std::string& name, const std::string& release,
+                         const std::string& revision) {
+        return Json{{"name", name}, {"release", release}, {"source_revision", revision}};
     };
     for (const ReceiverResults& results : inputs.receivers)
         for (const Header* header :
              {&results.observations.header, &results.enu_header, &results.screened.header,
-              &results.trajectory.header, &results.windows.header, &inputs.verdict.header})
-            add(header->stage, header->program_version, header->source_revision);
-    add("runcert-report", program_version(), source_revision());
+              &results.trajectory.header, &results.windows.header, &inputs.verdict.header}) {
+            add(ours(header->stage, header->program_version, header->source_revision));
+            for (const CalledProgram& program : header->programs)
+                add(called_json(program));
+        }
+    add(ours("runcert-report", program_version(), source_revision()));
     return list;
 }
 

@@ -6,6 +6,7 @@
 
 #include "core/failure.h"
 #include "files/arithmetic.h"
+#include "files/external_program.h"
 #include "files/program.h"
 #include "files/sha256.h"
 #include "files/yaml_output.h"
@@ -123,6 +124,7 @@ Json report_json(const ReportInputs& inputs) {
     for (std::size_t i = 0; i < drawings.size(); ++i)
         predicate["figures"][i]["drawing_sha256"] = sha256_hex(drawings[i]);
     predicate["page"] = page_parts_json();
+    predicate["page"]["drawn_by_sha256"] = external_program_sha256("gnuplot");
     predicate["files"] = files_json(inputs.subjects);
     check_predicate(predicate, "report");
 

@@ -26,6 +26,12 @@ Json header_json(const Header& header) {
     json["stage"] = {{"name", header.stage},
                      {"version", header.program_version},
                      {"source_revision", header.source_revision}};
+    for (const CalledProgram& program : header.programs) {
+        Json entry = {{"name", program.name}};
+        if (!program.version.empty()) entry["version"] = program.version;
+        entry["sha256"] = program.sha256;
+        json["stage"]["programs"].push_back(std::move(entry));
+    }
     json["inputs"] = Json::array();
     for (const InputFile& input : header.inputs) {
         Json entry = {{"role", input.role},
@@ -46,6 +52,10 @@ Header read_header(const YamlValue& document) {
     header.stage = document["stage"]["name"].text();
     header.program_version = document["stage"]["version"].text();
     header.source_revision = document["stage"]["source_revision"].text();
+    for (const YamlValue& program : document["stage"]["programs"].list())
+        header.programs.push_back({.name = program["name"].text(),
+                                   .version = program["version"].text_or(""),
+                                   .sha256 = program["sha256"].text()});
     for (const YamlValue& input : document["inputs"].list())
         header.inputs.push_back({.role = input["role"].text(),
                                  .file = input["file"].text(),

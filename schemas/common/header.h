@@ -21,6 +21,15 @@ struct InputFile {
     std::string original;  ///< the name it was handed in under; empty where it is the same
 };
 
+/// A program of others that a stage called.
+struct CalledProgram {
+    std::string name;
+    std::string version;  ///< as it states it; empty where it states none
+    std::string sha256;   ///< of its file
+
+    bool operator==(const CalledProgram&) const = default;
+};
+
 /// What every stage file says about itself: `schemas/common/v1.yaml`.
 struct Header {
     std::string schema_name;
@@ -28,6 +37,7 @@ struct Header {
     std::string stage;
     std::string program_version;
     std::string source_revision;
+    std::vector<CalledProgram> programs;
     std::vector<InputFile> inputs;
     HeldJson parameters = {};
 };

@@ -116,7 +116,9 @@ Observations join(std::vector<Observations> parts, const std::vector<RecordingBy
     for (std::size_t i = 0; i < parts.size(); ++i)
         require_alike(parts.front(), parts[i], recordings[i]);
     const Observations& first = parts.front();
-    Observations all{.header = {},
+    Header header;
+    header.programs = first.header.programs;
+    Observations all{.header = std::move(header),
                      .facts = first.facts,
                      .format = first.format,
                      .variant = first.variant,

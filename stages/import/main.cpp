@@ -132,7 +132,9 @@ void import_receiver(StageRun& run, const Receiver& receiver, const AttemptSourc
                        std::filesystem::path(file.original).filename().string());
         one.write(file.name, open.views[i]);
     }
+    std::vector<CalledProgram> programs = std::move(observations.head.header.programs);
     observations.head.header = one.header();
+    observations.head.header.programs = std::move(programs);
     write_rows(one, one.file_of(products::observations, receiver), observations);
     run.say(fmt::format("{} epochs from {} ({})", observations.rows, recording_names(receiver),
                         observations.head.format));

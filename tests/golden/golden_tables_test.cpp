@@ -11,6 +11,9 @@ TEST(GoldenTables, Observations) {
     const Observations table = read_observations(text_of("v1.0/1-observations.ecsv"), "f");
     EXPECT_EQ(table.header.stage, "import");
     EXPECT_EQ(table.header.source_revision, "0123456789ab");
+    EXPECT_EQ(table.header.programs,
+              (std::vector<CalledProgram>{{"gpsbabel", "1.8.0", std::string(64, 'd')},
+                                          {"rnx2rtkp", "", std::string(64, 'e')}}));
     ASSERT_EQ(table.header.inputs.size(), 2U);
     EXPECT_EQ(table.header.inputs[1].original, "rover.pos");
     EXPECT_EQ(table.header.parameters.at("format"), "auto");

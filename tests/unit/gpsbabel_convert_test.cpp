@@ -66,7 +66,7 @@ TEST(GpsbabelConvert, TrainingCenterTrackComesThroughWhole) {
     const RecordingBytes recording{.name = "f.tcx", .bytes = text};
     const std::string type = gpsbabel::type_of(pos_receiver(), recording);
     const gpsbabel::Converted converted = gpsbabel::convert(type, recording);
-    EXPECT_EQ(converted.version.find_first_not_of("0123456789."), std::string::npos);
+    EXPECT_EQ(converted.program.version.find_first_not_of("0123456789."), std::string::npos);
     const Observations read = gpsbabel::read_converted(pos_receiver(), recording, type, converted);
     EXPECT_EQ(read.variant, "gtrnctr");
     ASSERT_EQ(read.rows.size(), 200u);
@@ -115,11 +115,28 @@ TEST(GpsbabelConvert, ItsWordsAreInTheMessage) {
 }
 
 TEST(GpsbabelConvert, WithoutItThePackageIsNamed) {
-    const std::string path = std::getenv("PATH");
-    setenv("PATH", "/nowhere", 1);
+    setenv("RUNCERT_EXTERNAL_PATH", "/nowhere", 1);
     const std::string what = failure_of_converting("kml", "<kml/>");
+    unsetenv("RUNCERT_EXTERNAL_PATH");
+    EXPECT_NE(what.find("Install the package gpsbabel"), std::string::npos) << what;
+}
+
+TEST(GpsbabelConvert, NoProgramOfThatNameInPathOrFolderIsRun) {
+    if (!has_gpsbabel()) GTEST_SKIP() << "gpsbabel is not installed";
+    const TemporaryFolder folder;
+    write_file_atomically(folder.path() / "gpsbabel", "#!/bin/sh\necho 9.9.9\n");
+    std::filesystem::permissions(folder.path() / "gpsbabel", std::filesystem::perms::owner_all);
+    const std::string path = std::getenv("PATH");
+    const std::filesystem::path here = std::filesystem::current_path();
+    setenv("PATH", (folder.path().string() + ":" + path).c_str(), 1);
+    std::filesystem::current_path(folder.path());
+    const std::string text = training_center_track();
+    const auto converted = gpsbabel::convert("gtrnctr", {.name = "f.tcx", .bytes = text});
+    std::filesystem::current_path(here);
     setenv("PATH", path.c_str(), 1);
-    EXPECT_NE(what.find("Install the Debian package gpsbabel"), std::string::npos) << what;
+    EXPECT_NE(converted.program.version, "9.9.9");
+    EXPECT_EQ(converted.program.sha256,
+              run_process({"sha256sum", "/usr/bin/gpsbabel"}).output.substr(0, 64));
 }
 
 }  // namespace

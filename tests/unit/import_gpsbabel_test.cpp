@@ -40,7 +40,7 @@ TEST(Gpsbabel, WhatItMakesIsReadAndMarked) {
             "<gpx version=\"1.0\" creator=\"GPSBabel\"><trkpt lat=\"1\" lon=\"2\"><ele>3</ele>"
             "<time>2019-04-12T00:39:56Z</time><course>90</course><speed>3.5</speed></trkpt>"
             "<trkpt lat=\"1\" lon=\"x\"><time>2019-04-12T00:39:56Z</time></trkpt></gpx>",
-        .version = "1.8.0"};
+        .program = {.name = "gpsbabel", .version = "1.8.0", .sha256 = "05"}};
     const Observations read = gpsbabel::read_converted(
         pos_receiver(), {.name = "f.fit", .bytes = fit}, "garmin_fit", converted);
     EXPECT_EQ(read.format, "gpsbabel");
@@ -53,7 +53,7 @@ TEST(Gpsbabel, WhatItMakesIsReadAndMarked) {
     EXPECT_EQ(read.records.bad, 1);
     ASSERT_FALSE(read.notes.empty());
     EXPECT_TRUE(read.notes.front().starts_with(
-        "The recording was read through gpsbabel 1.8.0, as its format garmin_fit"));
+        "The recording was read through gpsbabel, as its format garmin_fit"));
 }
 
 }  // namespace

@@ -69,6 +69,7 @@ inline Header header(const std::string& stage, nlohmann::ordered_json parameters
             .stage = stage,
             .program_version = program_version(),
             .source_revision = source_revision(),
+            .programs = {},
             .inputs = {},
             .parameters = std::move(parameters)};
 }

@@ -104,9 +104,10 @@ Observations read_converted(const Receiver& receiver, const RecordingBytes& reco
     observations.notes.insert(
         observations.notes.begin(),
         fmt::format(
-            "The recording was read through gpsbabel {}, as its format {}: no accuracy that "
-            "it may state was passed on, and rows are not traced to its bytes.",
-            escape_for_message(converted.version), type));
+            "The recording was read through gpsbabel, as its format {}: no accuracy that it may "
+            "state was passed on, and rows are not traced to its bytes.",
+            type));
+    observations.header.programs = {converted.program};
     if (observations.records.bad > 0)
         observations.notes.push_back(
             "Places of track points that could not be read are those in gpsbabel's GPX.");

@@ -14,7 +14,7 @@ namespace runcert::gpsbabel {
 /// What gpsbabel made of a recording.
 struct Converted {
     std::string gpx;
-    std::string version;  ///< of gpsbabel, "1.8.0"
+    CalledProgram program;  ///< gpsbabel, version "1.8.0"
 };
 
 /// Whether the beginning of a recording is one of a well-known format that goes through gpsbabel:
@@ -26,8 +26,8 @@ bool recognises(std::string_view bytes);
 /// with tracks, that gpsbabel 1.8.0 reads: names of devices, and options after a comma, are none.
 std::string type_of(const Receiver& receiver, const RecordingBytes& recording);
 
-/// The recording as observations, out of what gpsbabel made of it; the header is left for the
-/// caller. Rows say no line or byte, because those are not of the recording. Failure as of GPX.
+/// The recording as observations, out of what gpsbabel made of it; of the header it has the
+/// program. Rows say no line or byte, because those are not of the recording. Failure as of GPX.
 Observations read_converted(const Receiver& receiver, const RecordingBytes& recording,
                             const std::string& type, const Converted& converted);
 

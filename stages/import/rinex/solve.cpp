@@ -10,7 +10,7 @@
 #include "core/statistics.h"
 #include "core/text.h"
 #include "files/atomic_file.h"
-#include "files/process.h"
+#include "files/external_program.h"
 #include "stages/import/rinex/rinex.h"
 #include "stages/import/rtklib_pos/rtklib_pos.h"
 
@@ -21,8 +21,10 @@ std::string_view rtklib_configuration(std::string_view name);
 namespace rinex {
 namespace {
 
-constexpr const char* cpu_seconds = "--cpu=600";
-constexpr const char* address_space = "--as=4294967296";
+constexpr const char* solver = "rnx2rtkp";
+constexpr ExternalLimits solving{.time = std::chrono::minutes(20),
+                                 .memory_bytes = std::uint64_t{4} << 30,
+                                 .output_bytes = std::size_t{256} << 20};  // it says much
 
 std::string configuration_of(const Receiver& receiver, std::string_view pass) {
     std::string text(rtklib_configuration("rinex/rtklib.conf"));
@@ -47,19 +49,14 @@ std::string configuration_of(const Receiver& receiver, std::string_view pass) {
 std::string run(const std::filesystem::path& folder, const std::string& configuration,
                 const std::vector<std::string>& inputs, const RecordingBytes& rover) {
     write_file_atomically(folder / "rtklib.conf", configuration);
-    std::vector<std::string> arguments{
-        "prlimit",  cpu_seconds, address_space, "env", "-C",          folder.string(),
-        "rnx2rtkp", "-k",        "rtklib.conf", "-o",  "solution.pos"};
-    arguments.insert(arguments.end(), inputs.begin(), inputs.end());
-    const ProcessResult result = run_process(arguments);
-    if (result.exit_status == 127)
-        refuse(rover, "rnx2rtkp, which solves RINEX recordings, is not installed",
-               "Install the package rtklib");
+    ExternalCall call{.command = {solver, "-k", "rtklib.conf", "-o", "solution.pos"},
+                      .folder = folder,
+                      .limits = solving};
+    call.command.insert(call.command.end(), inputs.begin(), inputs.end());
+    const ProcessResult result = run_external(call);
     const std::filesystem::path solution = folder / "solution.pos";
     if (result.exit_status != 0 || !std::filesystem::exists(solution))
-        refuse(rover,
-               fmt::format("rnx2rtkp ended with status {} and no solution: {}", result.exit_status,
-                           escape_for_message(result.errors, 200)),
+        refuse(rover, fmt::format("rnx2rtkp found no solution: {}", external_problem(call, result)),
                "Check that rover, base and navigation are RINEX 2.11 or 3 of the same day");
     std::string text = read_file(solution);
     std::filesystem::remove(solution);
@@ -134,6 +131,9 @@ Solution solve(const Receiver& receiver, const RecordingBytes& rover, const Reco
     solution.configuration = configuration_of(receiver, "forward");
     solution.forward = run(folder.path(), solution.configuration, inputs, rover);
     solution.backward = run(folder.path(), configuration_of(receiver, "backward"), inputs, rover);
+    solution.program = {.name = solver,
+                        .version = program_of(solution.forward),
+                        .sha256 = external_program_sha256(solver)};
     return solution;
 }
 
@@ -145,6 +145,7 @@ Observations read(const Receiver& receiver, const Solution& solution,
     const RecordingBytes other{.name = "the other solution",
                                .bytes = forward ? solution.backward : solution.forward};
     Observations observations = rtklib_pos::read(receiver, chosen);
+    observations.header.programs = {solution.program};
     observations.format = "rinex";
     observations.variant = fmt::format("solved by {}, {}", program_of(solution.forward),
                                        forward ? "forward" : "backward");

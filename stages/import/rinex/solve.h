@@ -13,12 +13,13 @@ namespace runcert::rinex {
 struct Solution {
     std::string configuration;      ///< rnx2rtkp's, of the forward pass
     std::string forward, backward;  ///< .pos files; their header names the program's version
+    CalledProgram program;
 };
 
 /// Solves the recording by rnx2rtkp of RTKLIB (Debian package rtklib) with the configuration of
 /// this program, forwards and backwards in time apart: RTKLIB's own combination counts each epoch's
-/// data twice. `base` and `navigation` are RINEX too. The program may take ten minutes and 4 GiB.
-/// Failure where it is missing, ends with an error, or finds no position.
+/// data twice. `base` and `navigation` are RINEX too. The program may take twenty minutes and 4
+/// GiB. Failure where it is missing, ends with an error, or finds no position.
 Solution solve(const Receiver& receiver, const RecordingBytes& rover, const RecordingBytes& base,
                const std::vector<RecordingBytes>& navigation);
 

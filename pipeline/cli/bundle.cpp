@@ -29,7 +29,8 @@ int bundle(const BundleOptions& options) {
     if (!options.roster.empty()) input.roster = options.roster;
     if (!options.tsa_ca.empty()) input.tsa_ca = options.tsa_ca;
     const Bundle made = [&input] {
-        const RunLock lock(input.run_dir);  // else its files could be those of two runs
+        const RunLock lock(input.run_dir,
+                           RunUse::reads);  // else its files could be those of two runs
         return make_bundle(input);
     }();
     const std::filesystem::path out = options.out.empty() ? made.attempt + ".tar.zst" : options.out;

@@ -28,27 +28,45 @@ bool still_names(int parent, const std::filesystem::path& name, bool follow, int
            open_one.st_dev == named.st_dev && open_one.st_ino == named.st_ino;
 }
 
+/// Removes what killed programs left half written in a run folder, and among what it superseded.
+/// What cannot be removed stays: it is no part of the run.
+void remove_half_written(const Folder& run) {
+    try {
+        for (const std::string& name : run.names()) {
+            const EntryKind kind = run.kind_of(name);
+            if (kind == EntryKind::folder && name == "superseded")
+                remove_half_written(run.open(name));
+            else if (kind == EntryKind::file && name.starts_with(".runcert-") &&
+                     name.ends_with(".tmp"))
+                run.remove(name);
+        }
+    } catch (const Failure&) {
+    }
+}
+
 }  // namespace
 
-RunLock::RunLock(const std::filesystem::path& run_dir) {
-    take(AT_FDCWD, run_dir, true, run_dir);
+RunLock::RunLock(const std::filesystem::path& run_dir, RunUse use) {
+    if (take(AT_FDCWD, run_dir, true, run_dir) && use == RunUse::writes)
+        remove_half_written(Folder(run_dir));
 }
 
 RunLock::RunLock(const Folder& parent, const std::string& name) {
-    take(parent.number(), name, false, parent.path() / name);
+    if (take(parent.number(), name, false, parent.path() / name))
+        remove_half_written(parent.open(name));
 }
 
-void RunLock::take(int parent, const std::filesystem::path& name, bool follow,
+bool RunLock::take(int parent, const std::filesystem::path& name, bool follow,
                    const std::filesystem::path& shown) {
     const int how = O_RDONLY | O_DIRECTORY | O_CLOEXEC | (follow ? 0 : O_NOFOLLOW);
     const auto last_try = std::chrono::steady_clock::now() + longest_inheritance;
     while (true) {
         folder_ = openat(parent, name.c_str(), how);
-        if (folder_ < 0) return;  // what is written there then fails with its own reason
+        if (folder_ < 0) return false;  // what is written there then fails with its own reason
         const bool taken = flock(folder_, LOCK_EX | LOCK_NB) == 0;
         const int error = taken ? 0 : errno;
-        if (taken && still_names(parent, name, follow, folder_)) return;
-        if (!taken && error != EWOULDBLOCK && error != EINTR) return;
+        if (taken && still_names(parent, name, follow, folder_)) return true;
+        if (!taken && error != EWOULDBLOCK && error != EINTR) return false;
         close(std::exchange(folder_, -1));
         if (taken) continue;
         if (std::chrono::steady_clock::now() > last_try)

@@ -7,18 +7,22 @@
 
 namespace runcert {
 
+/// What is done in a run folder under its lock.
+enum class RunUse { writes, reads };
+
 /// The lock of a run folder, which every program holds while it writes there: certify, a batch that
 /// publishes, a stage, sign, timestamp, seal, and bundle while it reads. It ends with the object's
 /// life or with the process, however that ends; programs that are started do not inherit it.
-/// Readers need none: each file is put in place whole.
+/// Other readers need none: each file is put in place whole.
 ///
 /// A new run is exchanged for the old folder, and the lock is that of the folder under the name:
 /// who waited for the old folder's goes on to wait for the new one's.
 class RunLock {
   public:
-    /// Takes the lock of the folder that a user named. Failure where another program has it. On a
-    /// file system that has no locks, nothing is locked.
-    explicit RunLock(const std::filesystem::path& run_dir);
+    /// Takes the lock of the folder that a user named, and to write there removes what killed
+    /// programs left half written. Failure where another program has it. On a file system that has
+    /// no locks, nothing is locked.
+    explicit RunLock(const std::filesystem::path& run_dir, RunUse use = RunUse::writes);
     /// The same of a folder in another, where it is no symbolic link.
     RunLock(const Folder& parent, const std::string& name);
     ~RunLock();
@@ -26,7 +30,7 @@ class RunLock {
     RunLock& operator=(const RunLock&) = delete;
 
   private:
-    void take(int parent, const std::filesystem::path& name, bool follow,
+    bool take(int parent, const std::filesystem::path& name, bool follow,
               const std::filesystem::path& shown);
 
     int folder_ = -1;

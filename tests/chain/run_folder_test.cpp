@@ -296,6 +296,18 @@ TEST_F(RunFolders, Files08AFullDiskLosesNoSignatureAndNoStamp) {
     EXPECT_GE(went, 1);
 }
 
+TEST_F(RunFolders, Files08WhatAKilledProgramHalfWroteIsRemovedByTheNext) {
+    must_sign("measurer", "measurer");
+    must_sign("measurer", "measurer");
+    write_file_atomically(run() / ".runcert-4711-0.tmp", "half");
+    write_file_atomically(run() / "superseded/.runcert-4711-1.tmp", "half");
+    write_file_atomically(run() / ".runcert-notes", "mine");
+    must_sign("judge", "judge");
+    EXPECT_FALSE(fs::exists(run() / ".runcert-4711-0.tmp"));
+    EXPECT_FALSE(fs::exists(run() / "superseded/.runcert-4711-1.tmp"));
+    EXPECT_TRUE(fs::exists(run() / ".runcert-notes"));
+}
+
 TEST_F(RunFolders, Files08ACertificateThatDoesNotFitLeavesTheEarlierOne) {
     must_sign("measurer", "measurer");
     const auto before = contents_of(run());

@@ -5,7 +5,8 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "files/atomic_file.h"
-#include "files/process.h"
+#include "files/external_program.h"
+#include "trust/bundle_limits.h"
 #include "trust/seal.h"
 #include "trust/verification.h"
 
@@ -66,19 +67,23 @@ PageFinding check_html(const fs::path& file, const ReportFacts& report) {
 PageFinding check_pdf(const fs::path& file, const ReportFacts& report) {
     const TemporaryFolder folder;
     const fs::path saved = folder.path() / "report.json";
-    // As an absolute name, which cannot be taken for an option.
-    const std::string pdf = fs::absolute(file).string();
+    require_readable_pdf(file);
+    const fs::path pdf = external_input(file);
+    ExternalCall call{.command = {"pdfdetach", "-list", pdf.string()},
+                      .folder = folder.path(),
+                      .inputs = {pdf},
+                      .limits = reading_pdf};
     ProcessResult list;
     try {
-        list = run_process({"pdfdetach", "-list", pdf}, {.environment = {{"LC_ALL", "C"}}});
+        list = run_external(call);
     } catch (const Failure&) {
         return {.checked = false,
                 .words = "not checked: pdfdetach is missing (install poppler-utils)"};
     }
     // "1 embedded files", then a line "1: report.json" for each.
     if (list.exit_status != 0)
-        return {.words = fmt::format("it cannot be read as a PDF: {}",
-                                     escape_for_message(trim(list.errors), 100))};
+        return {.words =
+                    fmt::format("it cannot be read as a PDF: {}", external_problem(call, list))};
     const std::size_t named = count_of(list.output, ": report.json\n");
     if (named == 1 && !list.output.starts_with("1 embedded files\n"))
         return {.words = fmt::format("there are other files attached to it beside report.json: {}",
@@ -93,9 +98,8 @@ PageFinding check_pdf(const fs::path& file, const ReportFacts& report) {
     const std::size_t at = list.output.find(": report.json\n");
     const std::size_t line = list.output.rfind('\n', at) + 1;
     const std::string number = list.output.substr(line, at - line);
-    const ProcessResult save =
-        run_process({"pdfdetach", "-save", number, "-o", saved.string(), pdf},
-                    {.environment = {{"LC_ALL", "C"}}});
+    call.command = {"pdfdetach", "-save", number, "-o", "report.json", pdf.string()};
+    const ProcessResult save = run_external(call);
     if (save.exit_status != 0 || !fs::exists(saved) || read_file(saved) != report.text)
         return {.words =
                     fmt::format("the report attached to it is not report.json: {}", render_again)};

@@ -10,6 +10,7 @@
 #include "core/plain_text.h"
 #include "files/atomic_file.h"
 #include "run/run_lock.h"
+#include "trust/bundle_limits.h"
 
 namespace runcert {
 namespace {
@@ -64,11 +65,15 @@ void add_bundle(CLI::App& app, Command& chosen) {
                         "root certificate of the time stamps' authority, PEM");
     command->add_flag("--force", options->force, "replace the file if it exists");
     command->footer(
-        "In it: one folder, named as the attempt, with the run's files, keys/, VERIFY.txt (how a\n"
-        "stranger checks it) and SHA256SUMS. The same folder and keys give the same bytes. "
-        "run.yaml\n"
-        "(clock and durations of the computation, on which nothing depends) stays out. A folder\n"
-        "that is not whole, or holds unknown files, is refused.");
+        std::string(
+            "In it: one folder, named as the attempt, with the run's files, keys/, VERIFY.txt (how "
+            "a\n"
+            "stranger checks it) and SHA256SUMS. The same folder and keys give the same bytes. "
+            "run.yaml\n"
+            "(clock and durations of the computation, on which nothing depends) stays out. A "
+            "folder\n"
+            "that is not whole, or holds unknown files, is refused.\n") +
+        bundle_limits_words());
     command->callback([&chosen, options] { chosen = [options] { return bundle(*options); }; });
 }
 

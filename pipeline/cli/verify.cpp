@@ -11,6 +11,7 @@
 #include "files/atomic_file.h"
 #include "recompute.h"
 #include "trust/bundle.h"
+#include "trust/bundle_limits.h"
 #include "trust/roster.h"
 #include "trust/verification.h"
 #include "verification_text.h"
@@ -87,6 +88,7 @@ int verify(const VerifyOptions& options) {
         bundle = unpack_bundle(run_dir);
         run_dir = bundle->run_dir;
     }
+    require_within_limits(run_dir);
     const SignatureRules rules = read_rules(options);
     const ReportFacts report = read_report_facts(run_dir);
     VerificationResult result;
@@ -152,6 +154,7 @@ void add_verify(CLI::App& app, Command& chosen) {
         "Check a run folder: every hash, the whole chain, schemas, rules, signatures, pages");
     add_options(*command, *options);
     command->footer(
+        std::string() +
         "A roster has a line for each key, as `runcert keygen` prints it:\n"
         "  measurer,observer namespaces=\"*@runcert\",valid-after=\"20260101Z\","
         "valid-before=\"20280101Z\" ssh-ed25519 AAAA... WHO\n"
@@ -163,8 +166,10 @@ void add_verify(CLI::App& app, Command& chosen) {
         "the signer\nstates is shown, and must lie within the key's validity too. A key counts for "
         "one role. Whether a\ncertificate of an authority was revoked is not looked at.\n"
         "Without --recompute the verdict is at best \"signed, not recomputed\": whoever signs may "
-        "have\nwritten the figures by hand.\n"
-        "Exit status: 0 verified, or signed and not recomputed; 1 not verified, 2 not checkable.");
+        "have\nwritten the figures by hand.\n" +
+        bundle_limits_words() +
+        "\nExit status: 0 verified, or signed and not recomputed; 1 not verified, 2 not "
+        "checkable.");
     command->callback([&chosen, options] { chosen = [options] { return verify(*options); }; });
 }
 

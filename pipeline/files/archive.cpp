@@ -142,6 +142,10 @@ class Unpacking {
         if (!seen_.insert(name).second)
             refuse(fmt::format("it holds \"{}\" twice: which one counts?", shown));
         const la_int64_t size = archive_entry_size(entry);
+        if (limits_.bytes_of && size > 0 &&
+            static_cast<std::uint64_t>(size) > limits_.bytes_of(name))
+            refuse(fmt::format("\"{}\" in it is longer than {} bytes, the most for one of its kind",
+                               shown, limits_.bytes_of(name)));
         if (size < 0 || static_cast<std::uint64_t>(size) > limits_.bytes - unpacked_)
             refuse(
                 fmt::format("with \"{}\" it would unpack to more than {} bytes, the most that "
@@ -164,7 +168,9 @@ class Unpacking {
             if (count < 0)
                 refuse(fmt::format("\"{}\" in it is damaged: {}", name, said_by(a_.get())));
             if (count == 0) break;
-            size -= std::min(size, static_cast<std::uint64_t>(count));
+            if (static_cast<std::uint64_t>(count) > size)
+                refuse(fmt::format("\"{}\" in it is longer than it says", name));
+            size -= static_cast<std::uint64_t>(count);
             out.write(buffer.data(), count);
         }
         out.close();

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -29,7 +30,9 @@ bool is_plain_name(std::string_view name);
 /// How much an archive may unpack to.
 struct UnpackLimits {
     std::uint64_t bytes = std::uint64_t{4} << 30;  ///< of all files together: 4 GiB
-    std::uint64_t files = 10'000;
+    std::uint64_t files = 10'000;                  ///< folders among them
+    /// The most bytes of one file by its name; no limit of its own where there is none.
+    std::function<std::uint64_t(std::string_view name)> bytes_of = {};
 };
 
 /// Unpacks a .tar.zst into an empty folder, and returns the names of its files in their order.
@@ -37,7 +40,8 @@ struct UnpackLimits {
 /// Made for archives from strangers. Failure, with the entry's name, where it is damaged or another
 /// kind of file; where an entry is anything but a plain file or a folder (links, devices, sparse
 /// files), has a name that is not plain or that was there before, or more than `limits` would be
-/// unpacked. Modes, owners and times in it are not taken over. `where` names it in messages.
+/// unpacked: by the sizes that it states before a file is written, by its bytes while it is. Modes,
+/// owners and times in it are not taken over. `where` names it in messages.
 std::vector<std::string> unpack_tar_zst(std::string_view bytes, const std::string& where,
                                         const std::filesystem::path& folder,
                                         const UnpackLimits& limits = {});

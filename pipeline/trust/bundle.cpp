@@ -11,6 +11,7 @@
 #include "files/archive.h"
 #include "files/atomic_file.h"
 #include "files/sha256.h"
+#include "trust/bundle_limits.h"
 #include "trust/bundle_text.h"
 #include "trust/report_facts.h"
 #include "trust/roster.h"
@@ -189,7 +190,8 @@ std::map<std::string, PackedFile> chosen_files(const BundleInput& input, const B
 UnpackedBundle unpack_bytes(std::string_view bytes, const std::string& where) {
     UnpackedBundle bundle{.folder = std::make_unique<TemporaryFolder>(), .run_dir = {}};
     std::set<std::string> tops;
-    for (const std::string& name : unpack_tar_zst(bytes, where, bundle.folder->path()))
+    for (const std::string& name :
+         unpack_tar_zst(bytes, where, bundle.folder->path(), bundle_limits(bytes.size())))
         tops.insert(name.substr(0, name.find('/')));
     if (tops.size() != 1 ||
         !fs::is_regular_file(bundle.folder->path() / *tops.begin() / "report.json"))
@@ -210,14 +212,17 @@ Bundle make_bundle(const BundleInput& input) {
     if (!fs::is_directory(input.run_dir))
         throw Failure(input.run_dir.string(), "there is no such run folder",
                       "Name a folder that `runcert certify` wrote");
+    require_within_limits(input.run_dir);
     const BundledReport facts = bundled_report(input.run_dir);
     const FolderContents contents = contents_of(input.run_dir, facts.subjects);
     require_whole(input.run_dir, contents);
     std::string sums;
+    std::uint64_t unpacked = 0;
     std::vector<PackedFile> packed;
     for (auto& [name, file] : chosen_files(input, facts, contents)) {
         sums += sums_line(
             file.source.empty() ? sha256_hex(file.text) : digest_file(file.source).sha256, name);
+        unpacked += file.source.empty() ? file.text.size() : fs::file_size(file.source);
         packed.push_back(file);
         packed.back().name = facts.attempt + "/" + name;
     }
@@ -227,6 +232,11 @@ Bundle make_bundle(const BundleInput& input) {
                   .files = packed.size(),
                   .left_out = contents.leftovers};
     if (fs::exists(input.run_dir / timing_file)) bundle.left_out.emplace_back(timing_file);
+    if (unpacked + sums.size() > bundle_limits(bundle.bytes.size()).bytes)
+        throw Failure(input.run_dir.string(),
+                      "its files repeat themselves so much that a bundle of them would be refused "
+                      "as one made to fill a disk",
+                      "Hand over the folder itself");
     // A file that changed between its hash and its packing is found here.
     const UnpackedBundle again = unpack_bytes(bundle.bytes, "the bundle just made");
     if (const auto problems = check_sums(again.run_dir); !problems.empty())

@@ -38,8 +38,8 @@ struct Bundle {
 /// depends) and what killed runs left (`.runcert-*`) stay out; of a folder that is a bundle
 /// unpacked, the keys in it are kept.
 ///
-/// Failure where the folder is not whole (`verify_files`, `check_sums`), holds unknown files, or a
-/// key is no public key.
+/// Failure where the folder is over the limits (`require_within_limits`), is not whole
+/// (`verify_files`, `check_sums`), holds unknown files, or a key is no public key.
 Bundle make_bundle(const BundleInput& input);
 
 /// Files and folders in a run folder that neither its report names nor this program writes, sorted.
@@ -65,8 +65,8 @@ struct UnpackedBundle {
     std::filesystem::path run_dir;
 };
 
-/// Unpacks a bundle as `unpack_tar_zst` does, to at most 4 GiB. Failure also where it does not hold
-/// exactly one folder with a report.json in it.
+/// Unpacks a bundle as `unpack_tar_zst` does, within `bundle_limits`. Failure also where it does
+/// not hold exactly one folder with a report.json in it.
 UnpackedBundle unpack_bundle(const std::filesystem::path& file);
 
 }  // namespace runcert

@@ -14,6 +14,7 @@
 #include "files/external_program.h"
 #include "files/process.h"
 #include "files/sha256.h"
+#include "trust/bundle_limits.h"
 #include "trust/seal.h"
 
 namespace runcert {
@@ -26,10 +27,6 @@ constexpr const char* differs =
     "it is not what the report renders to: do not go by what it shows, render it again";
 constexpr const char* dots_per_inch = "100";
 
-/// Pages of a report take a hundredth of this.
-constexpr ExternalLimits reading_pages{.memory_bytes = std::uint64_t{1} << 30,
-                                       .file_bytes = std::uint64_t{16} << 20};
-
 /// What a program of poppler says of a PDF, whose name stands behind the options and before `more`;
 /// what it writes goes into `folder`.
 std::string poppler(std::vector<std::string> command, const fs::path& pdf,
@@ -37,10 +34,8 @@ std::string poppler(std::vector<std::string> command, const fs::path& pdf,
     const fs::path input = external_input(pdf);
     command.push_back(input.string());
     command.insert(command.end(), more.begin(), more.end());
-    const ExternalCall call{.command = std::move(command),
-                            .folder = folder,
-                            .inputs = {input},
-                            .limits = reading_pages};
+    const ExternalCall call{
+        .command = std::move(command), .folder = folder, .inputs = {input}, .limits = reading_pdf};
     const ProcessResult result = run_external(call);
     if (result.exit_status != 0)
         throw Failure(call.command.front(), external_problem(call, result),
@@ -125,6 +120,7 @@ PageComparison compare_bytes(const fs::path& page, const fs::path& own) {
 PageComparison compare_pdf(const fs::path& pdf, const fs::path& own,
                            const std::string& report_text) {
     try {
+        require_readable_pdf(pdf);
         if (compare_bytes(pdf, own).same) return {.same = true, .words = identical};
         auto fault = fault_of_attachment(pdf, report_text);
         if (!fault) fault = difference_shown(pdf, own);

@@ -11,6 +11,7 @@
 #include "files/atomic_file.h"
 #include "schemas/common/revision.h"
 #include "schemas/products/products.h"
+#include "trust/bundle_limits.h"
 #include "trust/roster.h"
 
 namespace runcert {
@@ -19,7 +20,6 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-constexpr std::size_t longest_report = std::size_t{64} << 20U;  // bytes
 constexpr std::size_t most_subjects = 10'000;
 constexpr std::string_view statement_type = "https://in-toto.io/Statement/v1";
 constexpr std::string_view predicate_prefix = "urn:runcert:measurement-report:";
@@ -30,7 +30,7 @@ std::string read_report(const fs::path& file) {
     if (!fs::exists(file))
         throw Failure(file.string(), "there is no report in this folder",
                       "Give the folder that runcert certify wrote");
-    if (fs::is_regular_file(file) && fs::file_size(file) > longest_report)
+    if (fs::is_regular_file(file) && fs::file_size(file) > most_bytes_of("report.json"))
         throw Failure(file.string(), "the file is longer than any report", take_original);
     std::string text = read_file(file);
     // Some programs read past a byte order mark, others refuse the file.

@@ -7,6 +7,7 @@
 #include "core/text.h"
 #include "files/atomic_file.h"
 #include "files/external_program.h"
+#include "trust/bundle_limits.h"
 
 namespace runcert {
 namespace {
@@ -24,11 +25,6 @@ std::string first_words(const std::string& said) {
     const std::string_view text = trim(said);
     return escape_for_message(text.substr(0, text.find('\n')), 200);
 }
-
-/// Programs that read a PDF take far less than this for one of ours.
-constexpr ExternalLimits reading_pdf{.time = std::chrono::seconds(60),
-                                     .memory_bytes = std::uint64_t{1} << 30,
-                                     .file_bytes = std::uint64_t{256} << 20};
 
 /// Runs `openssl SUBCOMMAND -in FILE OPTIONS`.
 std::string require_openssl(const std::string& subcommand, const fs::path& file,
@@ -137,6 +133,7 @@ void require_sealable(const fs::path& pdf, const std::string& report) {
 }  // namespace
 
 SealCheck check_seal(const std::filesystem::path& pdf) {
+    require_readable_pdf(pdf);
     const FileView view(pdf);
     if (!view.bytes().starts_with("%PDF-"))
         throw Failure(pdf.string(), "this is not a PDF", "Render the report again");

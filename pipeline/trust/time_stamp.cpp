@@ -9,7 +9,7 @@
 #include "core/text.h"
 #include "files/atomic_file.h"
 #include "files/external_program.h"
-#include "trust/signature_text.h"
+#include "trust/time_stamp_words.h"
 
 namespace runcert {
 namespace {
@@ -30,70 +30,6 @@ ProcessResult openssl_ts(std::vector<std::string> arguments, const fs::path& fol
     }
 }
 
-/// The line of openssl's errors that says what was wrong.
-std::string said_by_openssl(const ProcessResult& result) {
-    std::string said = "openssl gives no reason";
-    for (const std::string_view line : signature_text::lines_of(result.errors))
-        // PROCESS:error:CODE:LIBRARY:FUNCTION:REASON:FILE:LINE:DETAILS
-        if (line.find(":error:") != std::string_view::npos) {
-            std::vector<std::string_view> fields;
-            for (std::string_view rest = line; fields.size() < 8;) {
-                const std::size_t end = std::min(rest.find(':'), rest.size());
-                fields.push_back(rest.substr(0, end));
-                rest.remove_prefix(std::min(end + 1, rest.size()));
-                if (fields.size() == 8) fields.push_back(rest);
-            }
-            said = escape_for_message(fields[5], 100);
-            if (!fields[8].empty()) said += ": " + escape_for_message(fields[8], 150);
-            break;
-        }
-    return said;
-}
-
-/// What follows "NAME: " on a line of openssl's text; empty where there is none.
-std::string value_of(std::string_view text, std::string_view name) {
-    for (const std::string_view line : signature_text::lines_of(text))
-        if (line.starts_with(name)) return std::string(trim(line.substr(name.size())));
-    return {};
-}
-
-/// The hash in openssl's dump: "    0000 - e7 c2 ... d9 cf-2b 48 ...   text".
-std::string imprint_of(std::string_view text) {
-    constexpr std::size_t digits_begin = 11;
-    constexpr std::size_t digits_end = digits_begin + 16 * 3;
-    std::string imprint;
-    bool inside = false;
-    for (const std::string_view line : signature_text::lines_of(text)) {
-        if (inside && !line.starts_with("    ")) break;
-        if (inside && line.size() > digits_begin)
-            for (const char c : line.substr(digits_begin, digits_end - digits_begin))
-                if ((c >= '0' && c <= '9') || (c >= 'a' && c <= 'f')) imprint += c;
-        inside = inside || line.starts_with("Message data:");
-    }
-    return imprint;
-}
-
-StampedHash hash_of(std::string_view text) {
-    return {.algorithm = value_of(text, "Hash Algorithm:"),
-            .imprint = imprint_of(text),
-            .nonce = value_of(text, "Nonce:")};
-}
-
-/// "Nov 21 20:59:25 2026 GMT", seconds with or without decimals.
-std::optional<UtcSecond> read_openssl_time(std::string_view text) {
-    constexpr std::array<std::string_view, 12> months{"Jan", "Feb", "Mar", "Apr", "May", "Jun",
-                                                      "Jul", "Aug", "Sep", "Oct", "Nov", "Dec"};
-    std::string plain(text);
-    if (const std::size_t point = plain.find('.'); point != std::string::npos)
-        plain.erase(point, std::min(plain.find(' ', point), plain.size()) - point);
-    if (plain.size() != 24 || !plain.ends_with(" GMT")) return std::nullopt;
-    const auto month = std::ranges::find(months, plain.substr(0, 3));
-    std::string day = plain.substr(4, 2);
-    if (day[0] == ' ') day[0] = '0';
-    return parse_iso_utc(fmt::format("{}-{:02}-{}T{}Z", plain.substr(16, 4),
-                                     month - months.begin() + 1, day, plain.substr(7, 8)));
-}
-
 /// The signed part of a reply. Only of this may the text be read: the status around it is not
 /// signed, and could hold lines that look like its.
 std::string token_of(const fs::path& reply, const fs::path& folder) {
@@ -104,7 +40,7 @@ std::string token_of(const fs::path& reply, const fs::path& folder) {
     if (taken.exit_status == 0 && fs::exists(folder / "token")) return "token";
     const ProcessResult shown =
         openssl_ts({"-reply", "-in", given.string(), "-text"}, folder, {given});
-    const std::string status = value_of(shown.output, "Status:");
+    const std::string status = value_in_words(shown.output, "Status:");
     if (shown.exit_status != 0 || status.empty())
         throw Failure(reply.string(), "this is not a reply of a time stamp authority",
                       "Give the file that the authority answered with (application/"
@@ -112,21 +48,19 @@ std::string token_of(const fs::path& reply, const fs::path& folder) {
     throw Failure(
         reply.string(),
         fmt::format("the authority gave no time stamp: {} {} {}", escape_for_message(status),
-                    escape_for_message(value_of(shown.output, "Status description:"), 100),
-                    escape_for_message(value_of(shown.output, "Failure info:"), 100)),
+                    escape_for_message(value_in_words(shown.output, "Status description:"), 100),
+                    escape_for_message(value_in_words(shown.output, "Failure info:"), 100)),
         "Send the query again, or to another authority");
 }
 
 TimeStamp read_token(const std::string& token, const fs::path& reply, const fs::path& folder) {
     const ProcessResult shown = openssl_ts({"-reply", "-in", token, "-token_in", "-text"}, folder);
-    TimeStamp stamp{.hash = hash_of(shown.output)};
-    const auto time = read_openssl_time(value_of(shown.output, "Time stamp:"));
-    if (shown.exit_status != 0 || stamp.hash.imprint.empty() || !time)
+    const auto stamp = stamp_from_words(shown.output);
+    if (shown.exit_status != 0 || !stamp)
         throw Failure(reply.string(),
-                      "the time stamp in it cannot be read: " + said_by_openssl(shown),
+                      "the time stamp in it cannot be read: " + said_by_openssl(shown.errors),
                       "Give the file as the authority sent it, whole");
-    stamp.time = *time;
-    return stamp;
+    return *stamp;
 }
 
 /// Whether nobody can make two files with one hash of that kind.
@@ -159,7 +93,8 @@ std::string make_time_stamp_query(const fs::path& file) {
         openssl_ts({"-query", "-data", data.string(), "-sha512", "-cert", "-out", "query"},
                    folder.path(), {data});
     if (made.exit_status != 0)
-        throw Failure(file.string(), "no time stamp query can be made: " + said_by_openssl(made),
+        throw Failure(file.string(),
+                      "no time stamp query can be made: " + said_by_openssl(made.errors),
                       "Check that the file can be read, and openssl's configuration");
     return read_file(folder.path() / "query");
 }
@@ -168,7 +103,7 @@ StampedHash read_time_stamp_query(const fs::path& query) {
     (void)read_handwritten(query);
     const fs::path given = external_input(query);
     const ProcessResult shown = openssl_ts({"-query", "-in", given.string(), "-text"}, {}, {given});
-    const StampedHash hash = hash_of(shown.output);
+    const StampedHash hash = stamped_hash_from_words(shown.output);
     if (shown.exit_status != 0 || hash.imprint.empty())
         throw Failure(query.string(), "this is not a time stamp query",
                       "Remove it, and let runcert timestamp write a new one");
@@ -200,7 +135,7 @@ TimeStampCheck check_time_stamp(const fs::path& file, const fs::path& reply,
              "-attime", std::to_string(check.time.time_since_epoch().count())},
             folder.path(), {data});
         check.valid = verified.exit_status == 0 && verified.output == "Verification: OK\n";
-        if (!check.valid) check.reason = said_by_openssl(verified);
+        if (!check.valid) check.reason = said_by_openssl(verified.errors);
     } catch (const Failure& failure) {
         if (failure.where() != reply.string()) throw;
         check.reason = failure.problem();

@@ -157,7 +157,7 @@ VerificationStep verify_chain(const fs::path& run_dir, const ReportFacts& report
         // Those that are not there are said by verify_files.
         if (!is_product_name(name) || !fs::is_regular_file(fs::symlink_status(file))) continue;
         try {
-            const Header header = read_product_header(read_file(file), name, file.string());
+            const Header header = read_product_header(FileView(file).bytes(), name, file.string());
             parameters_of[name] = header.parameters;
             for (const InputFile& input : header.inputs) {
                 inputs_of[name].insert(input.file);

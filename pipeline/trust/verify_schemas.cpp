@@ -69,7 +69,8 @@ void refuse_other_program(const Header& header, const ReportFacts& report,
 
 void check_stage_file(const fs::path& file, const ReportFacts& report) {
     const std::string name = file.filename().string();
-    const std::string text = read_file(file);
+    const FileView view(file);
+    const std::string_view text = view.bytes();
     const Header header = read_product_header(text, name, file.string());
     // Before the fields, which would be refused in other words.
     refuse_other_revision(header, name);

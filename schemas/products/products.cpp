@@ -39,15 +39,28 @@ struct Product {
     void (*read)(std::string_view, const std::string&);
 };
 
+/// Each row is checked, and none kept.
+template <class Table>
+void read_rows(OpenTable<Table> table) {
+    for (typename OpenTable<Table>::Row row; table.rows.next(row);) {
+    }
+}
+
 constexpr std::array<Product, 6> known_products{{
     {products::observations.stem, true, observations_field_table_node,
-     [](std::string_view text, const std::string& where) { (void)read_observations(text, where); }},
+     [](std::string_view text, const std::string& where) {
+         read_rows(open_observations(text, where));
+     }},
     {products::enu.stem, true, enu_field_table_node,
-     [](std::string_view text, const std::string& where) { (void)read_enu(text, where); }},
+     [](std::string_view text, const std::string& where) { read_rows(open_enu(text, where)); }},
     {products::screened.stem, true, screened_field_table_node,
-     [](std::string_view text, const std::string& where) { (void)read_screened(text, where); }},
+     [](std::string_view text, const std::string& where) {
+         read_rows(open_screened(text, where));
+     }},
     {products::trajectory.stem, true, trajectory_field_table_node,
-     [](std::string_view text, const std::string& where) { (void)read_trajectory(text, where); }},
+     [](std::string_view text, const std::string& where) {
+         read_rows(open_trajectory(text, where));
+     }},
     {products::windows.stem, false, windows_field_table_node,
      [](std::string_view text, const std::string& where) { (void)read_windows(text, where); }},
     {products::verdict.stem, false, verdict_field_table_node,

@@ -215,7 +215,7 @@ TEST_F(TimeStamps, AnyChangedByteOfAStampIsFound) {
 
 TEST_F(TimeStamps, WithoutTheProgramsThatCheckItIsSaidWhatToInstall) {
     must_stamp("report.json.minisig");
-    const Environment without{{"PATH", "/nonexistent"}, {"RUNCERT_EXTERNAL_PATH", "/nonexistent"}};
+    const Environment without{{"RUNCERT_EXTERNAL_PATH", "/nonexistent"}};
     const auto expect_said = [&](const std::vector<std::string>& more, const std::string& package) {
         std::vector<std::string> arguments{"verify", run().string(), "--roster", roster()};
         arguments.insert(arguments.end(), more.begin(), more.end());

@@ -5,6 +5,7 @@
 #include "files/archive.h"
 #include "handover_support.h"
 #include "trust/bundle.h"
+#include "trust/bundle_limits.h"
 
 // Bundles that strangers may send.
 
@@ -123,6 +124,81 @@ TEST(Unpack, RefusesWhatWouldFillTheDisk) {
         const std::string said = refusal(read_file(there.path() / name));
         EXPECT_TRUE(holds(said, "sparse") || holds(said, "more than")) << said;
     }
+}
+
+TEST(Unpack, RefusesAFileLongerThanOneOfItsKind) {
+    const std::string bytes =
+        archive_of({{"run/report.json", std::string(700, 'a')}, {"run/b", std::string(900, 'b')}});
+    const auto most = [](std::uint64_t report) {
+        return UnpackLimits{.bytes_of = [report](std::string_view name) {
+            return name == "run/report.json" ? report : std::uint64_t{900};
+        }};
+    };
+    EXPECT_EQ(refusal(bytes, most(700)), "");
+    EXPECT_TRUE(holds(refusal(bytes, most(699)), "\"run/report.json\" in it is longer than 699"));
+}
+
+// 395 kB took 1.8 GB of disk and 2.1 GB of memory.
+TEST(BundleLimits, ABundleMadeToFillTheDiskIsRefusedBeforeItDoes) {
+    const TemporaryFolder there;
+    ASSERT_EQ(shell(there.path(),
+                    "mkdir -p a/run b/run t; echo {} > a/run/report.json; head -c 400000000 "
+                    "/dev/zero > a/run/recording.primary.csv; head -c 17000000 /dev/zero > "
+                    "b/run/report.json; for x in a b; do tar --zstd -C $x -cf $x.tar.zst run; done")
+                  .exit_status,
+              0);
+    const Environment own{{"TMPDIR", (there.path() / "t").string()}};
+    const auto verified = [&](const char* name) {
+        const ProcessResult result = runcert({"verify", (there.path() / name).string()}, own);
+        EXPECT_LT(result.peak_memory_bytes, std::uint64_t{200} << 20);
+        EXPECT_TRUE(fs::is_empty(there.path() / "t"));
+        return result;
+    };
+    ASSERT_LT(fs::file_size(there.path() / "a.tar.zst"), 100'000U);
+    expect_refused(verified("a.tar.zst"), {"recording.primary.csv", "more than 268435456 bytes"});
+    expect_refused(verified("b.tar.zst"), {"report.json", "the most for one of its kind"});
+}
+
+TEST(BundleLimits, AreInTheHelpOfWhoeverUsesThem) {
+    for (const char* command : {"bundle", "verify"})
+        EXPECT_TRUE(holds(runcert({command, "--help"}).output, bundle_limits_words())) << command;
+    EXPECT_EQ(most_bytes_of("keys/roster"), std::uint64_t{1} << 20);
+    EXPECT_EQ(most_bytes_of("report.json.minisig"), std::uint64_t{1} << 20);
+    EXPECT_EQ(most_bytes_of("report.pdf"), longest_pdf);
+    EXPECT_EQ(most_bytes_of("6-verdict.yaml"), std::uint64_t{16} << 20);
+    EXPECT_EQ(most_bytes_of("4-trajectory.ecsv"), std::uint64_t{2} << 30);
+}
+
+TEST(BundleLimits, WhatVerifyWouldRefuseIsNotBundled) {
+    const SignedRun made("salt_lake", true);
+    fs::resize_file(made.run() / "report.pdf", longest_pdf + 1);
+    for (const char* command : {"bundle", "verify"}) {
+        const ProcessResult result = runcert({command, made.run().string()});
+        expect_refused(result, {"report.pdf", "longer than 33554432 bytes"});
+    }
+    fs::resize_file(made.run() / "report.pdf", longest_pdf);
+    // All zeros but its beginning: more than 200 times as long as it packs to, and under 256 MiB.
+    EXPECT_EQ(
+        runcert({"bundle", made.run().string(), "--out", (made.path() / "b").string()}).exit_status,
+        0);
+    EXPECT_EQ(runcert({"verify", (made.path() / "b").string()}).exit_status, 1);
+}
+
+TEST(BundleLimits, APdfMadeToFillMemoryAndDiskDoesNot) {
+    if (!has_program("qpdf")) GTEST_SKIP() << "qpdf is not installed";
+    const SignedRun made("salt_lake", true);
+    ASSERT_EQ(shell(made.path(),
+                    "head -c 1000000000 /dev/zero > report.json; qpdf --empty --add-attachment "
+                    "report.json -- run/report.pdf; rm report.json; mkdir t")
+                  .exit_status,
+              0);
+    ASSERT_LT(fs::file_size(made.run() / "report.pdf"), 4'000'000U);
+    const ProcessResult result =
+        runcert({"verify", made.run().string()}, {{"TMPDIR", (made.path() / "t").string()}});
+    EXPECT_EQ(result.exit_status, 1) << result.errors;
+    EXPECT_TRUE(holds(result.output, "NO   pages")) << result.output;
+    EXPECT_LT(result.peak_memory_bytes, static_cast<std::uint64_t>(slower * 600e6));
+    EXPECT_TRUE(fs::is_empty(made.path() / "t"));
 }
 
 TEST(Unpack, RefusesOtherFilesAndDamage) {

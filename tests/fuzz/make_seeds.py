@@ -242,5 +242,65 @@ def flows():
     save("flow", "seconds", "time_s,speed_km_h,direction_deg\r\n-1.5,36,0\r\n0,40,10\r\n2.5,1e1,359.9\r\n")
 
 
-for make in (rtklib_pos, nmea, ubx, vbo, flysight, oao, sbp, sbn, gpx, igc, csv, golden, documents, signatures, flows):
+def edits():
+    # What `edit` of run_fuzz.cpp takes: file, kind, place (3 bytes), length, bytes.
+    import struct
+    def one(file, kind, at, piece=b"", length=None):
+        return struct.pack(">BBBHB", file, kind, at >> 16, at & 0xffff, len(piece) if length is None else length) + piece
+    for name in ("run", "report", "page"):
+        save(name, "unchanged", b"")
+        save(name, "overwrite", one(0, 0, 500, b"x") + one(4, 0, 5000, b"\0"))
+        save(name, "insert", one(1, 1, 40, b"[[[") + one(5, 1, 900, b"- {a: b}\n"))
+        save(name, "erase", one(2, 2, 1000, length=9))
+        save(name, "cut", one(3, 3, 3000, length=0))
+        save(name, "values", one(0, 4, 2000, b"-1e400") + one(6, 4, 300, b"null") + one(7, 4, 60000, b"\"\\u0000\""))
+        save(name, "repeat", one(8, 5, 100, length=200))
+
+
+def tars():
+    import io, subprocess, tarfile
+    def tar(entries, format=tarfile.USTAR_FORMAT):
+        out = io.BytesIO()
+        with tarfile.open(fileobj=out, mode="w", format=format) as file:
+            for name, text, kind in entries:
+                info = tarfile.TarInfo(name)
+                info.size, info.type, info.linkname = len(text) if kind == tarfile.REGTYPE else 0, kind, "report.json"
+                file.addfile(info, io.BytesIO(text) if kind == tarfile.REGTYPE else None)
+        return out.getvalue()
+    plain = [("run/report.json", b"{}\n", tarfile.REGTYPE), ("run/keys/0.pub", b"key", tarfile.REGTYPE)]
+    save("bundle", "plain", tar(plain))
+    save("bundle", "packed", subprocess.run(["zstd", "-q", "-c"], input=tar(plain), stdout=subprocess.PIPE, check=True).stdout)
+    for name, entry in (("link", tarfile.SYMTYPE), ("hard", tarfile.LNKTYPE), ("pipe", tarfile.FIFOTYPE), ("folder", tarfile.DIRTYPE)):
+        save("bundle", name, tar(plain + [("run/x", b"", entry)]))
+    save("bundle", "outside", tar([("../x", b"x", tarfile.REGTYPE)]))
+    save("bundle", "pax", tar([("run/" + "a" * 150, b"x", tarfile.REGTYPE)], tarfile.PAX_FORMAT))
+    save("bundle", "gnu", tar([("run/" + "a" * 150, b"x", tarfile.REGTYPE)], tarfile.GNU_FORMAT))
+    save("bundle", "sums", tar([("SHA256SUMS", b"0" * 64 + b"  a\n", tarfile.REGTYPE), ("a", b"a", tarfile.REGTYPE)]))
+
+
+def stamps():
+    dump = "".join(f"    {row * 16:04x} - " + "e7 c2 55 19 80 01 aa d9-cf 2b 48 11 22 33 44 55   ..U.....+H.\"3DU\n" for row in range(4))
+    text = (f"Version: 1\nPolicy OID: 1.2.3.4.1\nHash Algorithm: sha512\nMessage data:\n{dump}Serial number: 0x04\n"
+            "Time stamp: Nov 21 20:59:25 2026 GMT\nAccuracy: unspecified\nOrdering: no\nNonce: 0x9A0E\nTSA: unspecified\nExtensions:\n")
+    save("time_stamp", "token", text)
+    save("time_stamp", "fraction", text.replace("25 2026", "25.123 2026").replace("Nov 21", "Nov  1"))
+    save("time_stamp", "error", "40B7A:error:1780067:time stamp routines:ts_check_imprints:message imprint mismatch:../crypto/ts/ts_rsp_verify.c:661:a: b\n")
+    save("time_stamp", "seal", "Digital Signature Info of: report.pdf\nSignature #1:\n  - Signature Field Name: runcert\n"
+         "  - Signer Certificate Common Name: A\n  - Signer full Distinguished Name: CN=A\n  - Signing Time: Jan 01 2026 00:00:00\n"
+         "  - Signing Hash Algorithm: SHA-256\n  - Signature Type: ETSI.CAdES.detached\n  - Signed Ranges: [0 - 100], [200 - 1000]\n"
+         "  - Total document signed\n  - Signature Validation: Signature is Valid.\n")
+
+
+def rosters():
+    import base64, struct
+    wire = lambda *parts: b"".join(struct.pack(">I", len(part)) + part for part in parts)
+    public = bytes.fromhex("d75a980182b10ab7d54bfed3c964073a0ee172f3daa62325af021a68f707511a")
+    key = "ssh-ed25519 " + base64.b64encode(wire(b"ssh-ed25519", public)).decode()
+    save("roster", "plain", f"measurer {key} A. Person\n")
+    save("roster", "options", f'# two\nmeasurer,!judge,obs*r?er namespaces="*@runcert,file",valid-after="20260101Z",valid-before="202801010000" {key} w\n\n"a b" {key}\n')
+    save("roster", "authority", f"judge cert-authority {key}\n")
+
+
+for make in (rtklib_pos, nmea, ubx, vbo, flysight, oao, sbp, sbn, gpx, igc, csv, golden, documents, signatures, flows, edits,
+             tars, stamps, rosters):
     make()

@@ -13,6 +13,7 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "files/atomic_file.h"
+#include "files/sha256.h"
 
 namespace runcert {
 namespace {
@@ -49,6 +50,13 @@ void require_packed(archive* a, la_ssize_t status) {
 la_ssize_t append(archive*, void* out, const void* bytes, std::size_t count) {
     static_cast<std::string*>(out)->append(static_cast<const char*>(bytes), count);
     return static_cast<la_ssize_t>(count);
+}
+
+/// A skippable frame of zstd with the hash of some bytes in hexadecimal: magic number, length, both
+/// little-endian.
+std::string hash_frame(std::string_view bytes) {
+    constexpr std::string_view magic_and_length("\x50\x2a\x4d\x18\x40\0\0\0", 8);
+    return std::string(magic_and_length) + sha256_hex(bytes);
 }
 
 void pack_one(archive* a, const PackedFile& file) {
@@ -219,7 +227,41 @@ std::string pack_tar_zst(const std::vector<PackedFile>& files) {
         pack_one(a, file);
     }
     require_packed(a, archive_write_close(a));
-    return bytes;
+    return bytes + hash_frame(bytes);
+}
+
+bool ends_with_its_hash(std::string_view bytes) {
+    const std::size_t length = hash_frame({}).size();
+    return bytes.size() > length && bytes.substr(bytes.size() - length) ==
+                                        hash_frame(bytes.substr(0, bytes.size() - length));
+}
+
+std::string unpacked_sha256(std::string_view bytes, const std::string& where, std::uint64_t most) {
+    const Reader reader(archive_read_new());
+    archive_read_support_filter_zstd(reader.get());
+    archive_read_support_format_raw(reader.get());
+    const auto require = [&](la_ssize_t status) {
+        if (status < 0)
+            throw Failure(where, "it is damaged: " + said_by(reader.get()), take_the_original);
+    };
+    require(archive_read_open_memory(reader.get(), bytes.data(), bytes.size()));
+    archive_entry* entry = nullptr;
+    require(archive_read_next_header(reader.get(), &entry));
+    const FileDigest digest = digest_of_pieces([&](const auto& add) {
+        std::uint64_t unpacked = 0;
+        std::array<char, 65536> buffer{};
+        for (;;) {
+            const la_ssize_t count = archive_read_data(reader.get(), buffer.data(), buffer.size());
+            require(count);
+            if (count == 0) return;
+            unpacked += static_cast<std::uint64_t>(count);
+            if (unpacked > most)
+                throw Failure(where, fmt::format("it unpacks to more than {} bytes", most),
+                              take_the_original);
+            add({buffer.data(), static_cast<std::size_t>(count)});
+        }
+    });
+    return digest.sha256;
 }
 
 std::vector<std::string> unpack_tar_zst(std::string_view bytes, const std::string& where,

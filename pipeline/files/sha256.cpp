@@ -59,6 +59,13 @@ FileDigest digest_of(const FileView& file) {
     return hash.digest();
 }
 
+FileDigest digest_of_pieces(
+    const std::function<void(const std::function<void(std::string_view)>& add)>& give) {
+    Sha256 hash;
+    give([&hash](std::string_view piece) { hash.add(piece); });
+    return hash.digest();
+}
+
 FileDigest digest_file(const std::filesystem::path& path) {
     Sha256 hash;
     read_pieces(path, [&hash](std::string_view piece) { hash.add(piece); });

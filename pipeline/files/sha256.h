@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 
@@ -25,6 +26,10 @@ FileDigest digest_of(std::string_view bytes);
 
 /// Hash and length of an open file, whose memory is released behind what is hashed.
 FileDigest digest_of(const FileView& file);
+
+/// Hash and length of bytes that come in pieces: `give` hands over one after the other.
+FileDigest digest_of_pieces(
+    const std::function<void(const std::function<void(std::string_view)>& add)>& give);
 
 /// Hash and length of a file, read in pieces: any size in constant memory.
 /// Failure where the file is missing, unreadable, or not a regular file.

@@ -16,6 +16,7 @@
 #include "trust/report_facts.h"
 #include "trust/roster.h"
 #include "trust/signature.h"
+#include "trust/signature_files.h"
 #include "trust/verification.h"
 
 namespace runcert {
@@ -75,7 +76,8 @@ FolderContents contents_of(const fs::path& run_dir, const std::set<std::string>&
          entry != fs::recursive_directory_iterator(); ++entry) {
         const std::string name = entry->path().lexically_relative(run_dir).generic_string();
         const fs::file_type type = entry->symlink_status().type();
-        if (entry.depth() == 0 && name.starts_with(program_leftover)) {
+        const bool superseded = type == fs::file_type::directory && name == superseded_folder;
+        if (superseded || (entry.depth() == 0 && name.starts_with(program_leftover))) {
             contents.leftovers.push_back(name);
             entry.disable_recursion_pending();
         } else if (type == fs::file_type::directory && name == bundle_keys_folder) {
@@ -249,6 +251,25 @@ Bundle make_bundle(const BundleInput& input) {
 UnpackedBundle unpack_bundle(const std::filesystem::path& file) {
     const FileView view(file);
     return unpack_bytes(view.bytes(), file.string());
+}
+
+std::optional<std::string> deviation_of_bundle(const std::filesystem::path& file,
+                                               const std::filesystem::path& unpacked_run_dir) {
+    const FileView view(file);
+    const std::string_view bytes = view.bytes();
+    try {
+        if (!ends_with_its_hash(bytes)) return "it does not end with the hash of its bytes";
+        const Bundle again = make_bundle({.run_dir = unpacked_run_dir});
+        if (again.bytes == bytes) return std::nullopt;
+        const std::uint64_t most = bundle_limits(bytes.size()).bytes;
+        if (unpacked_sha256(again.bytes, "the bundle made again", most) !=
+            unpacked_sha256(bytes, file.string(), most))
+            return "it is not the bundle that is made of what it holds: names, order, owners, "
+                   "times, VERIFY.txt";
+        return std::nullopt;
+    } catch (const Failure& failure) {
+        return failure.problem();
+    }
 }
 
 }  // namespace runcert

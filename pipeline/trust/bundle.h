@@ -33,9 +33,14 @@ struct Bundle {
     std::vector<std::string> left_out = {};  ///< names in the run folder that are not in it
 };
 
+/// In what a bundle is otherwise than `make_bundle` writes one of what it holds, in words; nothing
+/// where it is not: its bytes, or with another version of libzstd those of the tar inside.
+std::optional<std::string> deviation_of_bundle(const std::filesystem::path& file,
+                                               const std::filesystem::path& unpacked_run_dir);
+
 /// The run folder, the keys, VERIFY.txt and SHA256SUMS as a .tar.zst: the same bytes for the same
 /// files, whatever their order, times and owners. run.yaml (clock and durations, on which nothing
-/// depends) and what killed runs left (`.runcert-*`) stay out; of a folder that is a bundle
+/// depends), superseded signatures and what killed runs left (`.runcert-*`) stay out; of a folder that is a bundle
 /// unpacked, the keys in it are kept.
 ///
 /// Failure where the folder is over the limits (`require_within_limits`), is not whole

@@ -177,7 +177,9 @@ void add_verify(CLI::App& app, Command& chosen) {
         "the signer\nstates is shown, and must lie within the key's validity too. A key counts for "
         "one role. Whether a\ncertificate of an authority was revoked is not looked at.\n"
         "Without --recompute the verdict is at best \"signed, not recomputed\": whoever signs may "
-        "have\nwritten the figures by hand.\n" +
+        "have\nwritten the figures by hand. Pages are rendered again each time, by this very "
+        "program "
+        "alone.\n" +
         bundle_limits_words() +
         "\nExit status: 0 verified, or signed and not recomputed; 1 not verified, 2 not "
         "checkable.");

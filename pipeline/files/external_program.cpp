@@ -187,12 +187,12 @@ std::string_view words_of(Isolation isolation) {
 
 const std::vector<ExternalProgram>& external_programs() {
     static const std::vector<ExternalProgram> all{
-        {"gpsbabel", "gpsbabel"},          {"rnx2rtkp", "rtklib"},
-        {"gnuplot", "gnuplot-nox"},        {"weasyprint", "weasyprint"},
-        {"pdfdetach", "poppler-utils"},    {"pdfsig", "poppler-utils"},
-        {"pdftotext", "poppler-utils"},    {"pdftoppm", "poppler-utils"},
-        {"podofosign", "libpodofo-utils"}, {"openssl", "openssl"},
-        {"ssh-keygen", "openssh-client"}};
+        {"gpsbabel", "gpsbabel"},       {"rnx2rtkp", "rtklib"},
+        {"gnuplot", "gnuplot-nox"},     {"weasyprint", "weasyprint"},
+        {"pdfdetach", "poppler-utils"}, {"pdfsig", "poppler-utils"},
+        {"pdfinfo", "poppler-utils"},   {"pdftotext", "poppler-utils"},
+        {"pdftoppm", "poppler-utils"},  {"podofosign", "libpodofo-utils"},
+        {"openssl", "openssl"},         {"ssh-keygen", "openssh-client"}};
     return all;
 }
 

@@ -126,9 +126,12 @@ PageComparison compare_pdf(const fs::path& pdf, const fs::path& own,
         if (!fault) fault = difference_shown(pdf, own);
         if (fault) return {.words = fmt::format("{}: {}", *fault, differs)};
         const SealCheck seal = check_seal(pdf);
-        std::string words = "it shows what is rendered again, page by page";
-        if (seal.present) words += "; " + seal.words;
-        return {.same = !seal.present || seal.holds(), .words = std::move(words)};
+        if (!seal.present)
+            return {.words =
+                        "it shows what is rendered again, but is not that file, and no seal "
+                        "covers its bytes: render it again"};
+        return {.same = seal.holds(),
+                .words = "it shows what is rendered again, page by page; " + seal.words};
     } catch (const Failure& failure) {
         return {.words = fmt::format("it cannot be read as a PDF: {}", failure.problem())};
     }

@@ -14,10 +14,10 @@ struct PageComparison {
 /// Byte for byte.
 PageComparison compare_bytes(const std::filesystem::path& page, const std::filesystem::path& own);
 
-/// Byte for byte; a PDF that is not so (a seal was put on it) must carry the same report and
-/// nothing else, run no script, hold the same text and show the same pictures, page by page
-/// (poppler, 100 dots per inch), and its seal must hold. One of another renderer is not the same.
-/// Failure where poppler-utils is missing.
+/// Byte for byte; a PDF that a seal was put on must carry the same report and nothing else, run no
+/// script, hold the same text and show the same pictures, page by page (poppler, 100 dots per
+/// inch), and its seal must hold for every byte. Where one is not the same, the words say in what,
+/// and that another renderer made it where one did.
 PageComparison compare_pdf(const std::filesystem::path& pdf, const std::filesystem::path& own,
                            const std::string& report_text);
 

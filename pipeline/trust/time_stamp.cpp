@@ -30,10 +30,30 @@ ProcessResult openssl_ts(std::vector<std::string> arguments, const fs::path& fol
     }
 }
 
+/// Whether bytes are one DER element (ITU-T X.690, 8.1.3) and nothing behind it, where openssl
+/// would not look.
+bool is_one_der_element(std::string_view bytes) {
+    const auto byte_at = [&](std::size_t i) { return static_cast<unsigned char>(bytes[i]); };
+    if (bytes.size() < 2) return false;
+    std::size_t header = 2;
+    std::uint64_t length = byte_at(1);
+    if (length >= 0x80) {
+        const std::size_t count = length & 0x7FU;
+        if (count == 0 || count > 4 || bytes.size() < 2 + count) return false;
+        length = 0;
+        for (std::size_t i = 0; i < count; ++i)
+            length = length << 8U | byte_at(2 + i);
+        header += count;
+    }
+    return bytes.size() == header + length;
+}
+
 /// The signed part of a reply. Only of this may the text be read: the status around it is not
 /// signed, and could hold lines that look like its.
 std::string token_of(const fs::path& reply, const fs::path& folder) {
-    (void)read_handwritten(reply);  // says where it is missing, or far too long
+    if (!is_one_der_element(read_handwritten(reply)))
+        throw Failure(reply.string(), "this is not a reply of a time stamp authority",
+                      "Give the file as the authority sent it, whole and nothing behind it");
     const fs::path given = external_input(reply);
     const ProcessResult taken = openssl_ts(
         {"-reply", "-in", given.string(), "-token_out", "-out", "token"}, folder, {given});

@@ -108,6 +108,54 @@ TEST_F(BundleTest, ABundleUnpackedAndBundledAgainIsTheSame) {
     EXPECT_THROW(make_bundle({.run_dir = unpacked.run_dir}), Failure);
 }
 
+TEST_F(BundleTest, OfAnotherFormIsSeenWhateverItHolds) {
+    const auto says = [](const fs::path& bundle, const std::string& what) {
+        const ProcessResult result =
+            runcert({"verify", bundle.string(), "--pubkey", signed_->public_key()});
+        EXPECT_EQ(result.exit_status, 1) << what;
+        EXPECT_NE(result.output.find("NO   bundle"), std::string::npos) << result.output;
+        EXPECT_NE(result.output.find(what), std::string::npos) << result.output;
+    };
+    const std::string whole = read_file(file());
+    const TemporaryFolder there;
+    const fs::path other = there.path() / "other.tar.zst";
+    const std::string skippable("\x50\x2a\x4d\x18\x04\0\0\0text", 12);
+    for (const std::string& changed : {skippable + whole, whole + skippable}) {
+        write_file_atomically(other, changed);
+        says(other, "does not end with the hash of its bytes");
+    }
+    // Made by other programs of the same files, with a last frame that fits.
+    const auto repacked = [&](const std::string& edit, const std::string& options) {
+        const ProcessResult made = shell(
+            there.path(),
+            "rm -rf salt-lake && tar --zstd -xf '" + file().string() + "' && cd salt-lake && " +
+                edit + " && find . -type f ! -name SHA256SUMS | sed 's,^./,,' | LC_ALL=C sort | " +
+                "xargs sha256sum > SHA256SUMS && cd .. && rm -f other.tar other.tar.zst && tar " +
+                options + " -cf other.tar salt-lake/* && zstd -q other.tar && " +
+                "printf '\\120\\052\\115\\030\\100\\000\\000\\000' > frame && "
+                "sha256sum other.tar.zst | cut -c1-64 | tr -d '\\n' >> frame && "
+                "cat frame >> other.tar.zst");
+        EXPECT_EQ(made.exit_status, 0) << made.errors;
+        return other;
+    };
+    const std::string as_here = "--format=ustar --owner=0 --group=0 --numeric-owner --mtime=@0";
+    says(repacked("true", ""), "not the bundle that is made of what it holds");
+    says(repacked("true", as_here + " --sort=name"), "not the bundle that is made");
+    says(repacked("echo 'All of it was verified.' >> VERIFY.txt", as_here), "VERIFY.txt");
+}
+
+TEST_F(BundleTest, SupersededSignaturesStayBehind) {
+    const TemporaryFolder there;
+    const fs::path run = there.path() / "run";
+    copy_run(run);
+    fs::create_directory(run / "superseded");
+    write_file_atomically(run / "superseded" / "report.json.minisig", "old");
+    const ProcessResult made = bundle(run, there.path() / "b.tar.zst");
+    EXPECT_EQ(made.exit_status, 0) << made.errors;
+    EXPECT_NE(made.output.find("left out  superseded"), std::string::npos) << made.output;
+    EXPECT_TRUE(read_file(there.path() / "b.tar.zst") == read_file(file()));
+}
+
 TEST_F(BundleTest, RosterAndAuthorityGoAlong) {
     const TemporaryFolder there;
     ASSERT_EQ(shell(there.path(),

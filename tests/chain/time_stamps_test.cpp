@@ -211,6 +211,9 @@ TEST_F(TimeStamps, AnyChangedByteOfAStampIsFound) {
         }
     }
     EXPECT_GT(refused, tried * 3 / 4);
+    // What stands behind it openssl would not look at.
+    write_file_atomically(file, bytes + "\n");
+    EXPECT_FALSE(check_time_stamp(run() / "report.json.minisig", file, {ca()}).valid);
 }
 
 TEST_F(TimeStamps, WithoutTheProgramsThatCheckItIsSaidWhatToInstall) {

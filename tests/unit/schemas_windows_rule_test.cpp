@@ -43,6 +43,7 @@ Windows windows(const ProfileWindows& profile) {
                       .stage = "window",
                       .program_version = "1.0.0",
                       .source_revision = "unknown",
+                      .programs = {},
                       .inputs = {}};
     windows.receiver = "primary";
     windows.profiles = {profile};

@@ -1,0 +1,130 @@
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "chain_support.h"
+#include "files/external_program.h"
+
+// Programs of others as a user meets them: what is said of them, and that it does not matter where
+// they run.
+
+namespace runcert::chain::RUNCERT_FILE {
+namespace {
+
+const std::string runcert_program = RUNCERT_PROGRAMS "/runcert";
+
+bool holds(const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+}
+
+std::string sha256_of(const fs::path& file) {
+    return run_process({"sha256sum", file.string()}).output.substr(0, 64);
+}
+
+/// An attempt whose recording only gpsbabel reads.
+std::string converted_attempt(const fs::path& folder) {
+    std::string points;
+    for (int i = 0; i < 60; ++i)
+        points += fmt::format(
+            "<Trackpoint><Time>2019-04-12T00:{:02}:{:02}Z</Time><Position><LatitudeDegrees>{:.7f}"
+            "</LatitudeDegrees><LongitudeDegrees>-1.3000000</LongitudeDegrees></Position>"
+            "<AltitudeMeters>10.0</AltitudeMeters></Trackpoint>",
+            39 + i / 60, i % 60, 54.3 + i * 1e-4);
+    write_file_atomically(
+        folder / "track.tcx",
+        "<?xml version=\"1.0\"?><TrainingCenterDatabase><Activities><Activity Sport=\"Other\">"
+        "<Id>2019-04-12T00:39:00Z</Id><Lap StartTime=\"2019-04-12T00:39:00Z\"><Track>" +
+            points + "</Track></Lap></Activity></Activities></TrainingCenterDatabase>");
+    write_file_atomically(
+        folder / "attempt.yaml",
+        "schema: attempt/1.0\nid: converted\ncraft: {name: y, class: land-yacht}\n"
+        "receivers:\n  - {id: primary, recording: track.tcx, accuracy: "
+        "{horizontal_m: 0.5, vertical_m: 1.0}}\nprofiles: [nalsa]\n");
+    return (folder / "attempt.yaml").string();
+}
+
+TEST(ExternalPrograms, WhoConvertedARecordingStandsInTheReportByHash) {
+    if (external_program_file("gpsbabel").empty()) GTEST_SKIP() << "gpsbabel is not installed";
+    const TemporaryFolder folder;
+    const fs::path run = folder.path() / "run";
+    const ProcessResult made = certify(converted_attempt(folder.path()), run, {"--no-render"});
+    ASSERT_LT(made.exit_status, 2) << made.errors;
+    const auto report = nlohmann::json::parse(read_file(run / "report.json"));
+    const std::string hash = sha256_of("/usr/bin/gpsbabel");
+    std::size_t named = 0;
+    for (const auto& program : report["predicate"]["certificate"]["software"])
+        if (program["name"] == "gpsbabel") {
+            ++named;
+            EXPECT_EQ(program["sha256"], hash);
+            EXPECT_TRUE(program.contains("release"));
+        }
+    EXPECT_EQ(named, 1U);
+}
+
+// It is who made the table, and no result.
+TEST(ExternalPrograms, AnotherBuildOfAConverterIsNoFaultWhereItReadsTheSame) {
+    if (external_program_file("gpsbabel").empty()) GTEST_SKIP() << "gpsbabel is not installed";
+    const TemporaryFolder folder;
+    const fs::path run = folder.path() / "run";
+    const fs::path other = folder.path() / "programs" / "gpsbabel";
+    fs::create_directory(other.parent_path());
+    write_file_atomically(other, "#!/bin/sh\nexec /usr/bin/gpsbabel \"$@\"\n");
+    fs::permissions(other, fs::perms::owner_all);
+    const ProcessResult made = certify(converted_attempt(folder.path()), run, {"--no-render"},
+                                       {{"RUNCERT_EXTERNAL_PATH", other.parent_path().string()}});
+    ASSERT_LT(made.exit_status, 2) << made.errors;
+    EXPECT_TRUE(holds(read_file(run / "1-observations.ecsv"), sha256_of(other)));
+    const ProcessResult verified = runcert({"verify", run.string(), "--recompute"});
+    EXPECT_TRUE(holds(verified.output, "yes  recompute")) << verified.output;
+}
+
+TEST(ExternalPrograms, VersionSaysWhichThereAreAndWhatCouldNotBeHad) {
+    const std::string said = runcert({"--version"}).output;
+    for (const ExternalProgram& program : external_programs())
+        EXPECT_TRUE(holds(said, fmt::format("\n{:<11} ", program.name))) << said;
+    EXPECT_EQ(holds(said, "The sandbox is not in force"), isolation() != Isolation::full) << said;
+    const std::string without =
+        runcert({"--version"}, {{"RUNCERT_EXTERNAL_PATH", "/nonexistent"}}).output;
+    EXPECT_TRUE(holds(without, "gpsbabel    missing: install the package gpsbabel\n")) << without;
+}
+
+// In a container there may be neither bubblewrap nor namespaces.
+TEST(ExternalPrograms, TheSameBytesComeFromInsideAndOutsideOfTheSandbox) {
+    const std::string hidden = "mount --bind /dev/null /usr/bin/bwrap; ";
+    if (run_process({"unshare", "-m", "sh", "-c", hidden + "true"}).exit_status != 0 ||
+        isolation() != Isolation::full)
+        GTEST_SKIP() << "bubblewrap cannot be hidden here";
+    const TemporaryFolder folder;
+    const std::string attempt = (examples / "land_yacht" / "attempt.yaml").string();
+    const auto certified = [&](const std::string& name, const std::vector<std::string>& before,
+                               const std::string& script) {
+        std::vector<std::string> command = before;
+        command.insert(command.end(),
+                       {"sh", "-c", script + "\"$0\" --version; \"$0\" certify \"$1\" --out \"$2\"",
+                        runcert_program, attempt, (folder.path() / name).string()});
+        return run_process(command);
+    };
+    const ProcessResult inside = certified("inside", {}, "");
+    const ProcessResult no_network = certified("no_network", {"unshare", "-m"}, hidden);
+    const ProcessResult limits =
+        certified("limits",
+                  {"unshare", "-Ur", "sh", "-c",
+                   "echo 0 > /proc/sys/user/max_user_namespaces; exec setpriv --bounding-set=-all "
+                   "--inh-caps=-all \"$0\" \"$@\""},
+                  "");
+    EXPECT_FALSE(holds(inside.output, "not in force")) << inside.output;
+    EXPECT_TRUE(holds(no_network.output,
+                      "bubblewrap is not installed). These programs can read "
+                      "your files."))
+        << no_network.output << no_network.errors;
+    EXPECT_TRUE(holds(limits.output, "and may reach the network.")) << limits.output;
+    for (const char* file : {"report.json", "report.html", "report.pdf"})
+        for (const char* other : {"no_network", "limits"})
+            EXPECT_EQ(sha256_of(folder.path() / "inside" / file),
+                      sha256_of(folder.path() / other / file))
+                << other << " " << file;
+}
+
+}  // namespace
+}  // namespace runcert::chain::RUNCERT_FILE

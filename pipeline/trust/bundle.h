@@ -40,8 +40,8 @@ std::optional<std::string> deviation_of_bundle(const std::filesystem::path& file
 
 /// The run folder, the keys, VERIFY.txt and SHA256SUMS as a .tar.zst: the same bytes for the same
 /// files, whatever their order, times and owners. run.yaml (clock and durations, on which nothing
-/// depends), superseded signatures and what killed runs left (`.runcert-*`) stay out; of a folder that is a bundle
-/// unpacked, the keys in it are kept.
+/// depends), superseded signatures and what killed runs left (`.runcert-*`) stay out; of a folder
+/// that is a bundle unpacked, the keys in it are kept.
 ///
 /// Failure where the folder is over the limits (`require_within_limits`), is not whole
 /// (`verify_files`, `check_sums`), holds unknown files, or a key is no public key.

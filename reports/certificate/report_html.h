@@ -24,9 +24,9 @@ struct ReportSigner {
 /// What the text of a signature file says of its signer. Failure where it is not a signature file.
 ReportSigner read_signer(const SignatureText& signature);
 
-/// The member `page` of a report: SHA-256 of the templates, the style and the script that every page
-/// of this program is made of. The script holds the other two, and its own hash is the one that a
-/// page's Content-Security-Policy admits.
+/// The member `page` of a report: SHA-256 of the templates, the style and the script that every
+/// page of this program is made of. The script holds the other two, and its own hash is the one
+/// that a page's Content-Security-Policy admits.
 nlohmann::ordered_json page_parts_json();
 
 /// The report as one self-contained page for the screen: it carries `report_text`, the bytes of

@@ -71,8 +71,9 @@ TEST(ExternalPrograms, AnotherBuildOfAConverterIsNoFaultWhereItReadsTheSame) {
     fs::create_directory(other.parent_path());
     write_file_atomically(other, "#!/bin/sh\nexec /usr/bin/gpsbabel \"$@\"\n");
     fs::permissions(other, fs::perms::owner_all);
-    const ProcessResult made = certify(converted_attempt(folder.path()), run, {"--no-render"},
-                                       {{"RUNCERT_EXTERNAL_PATH", other.parent_path().string()}});
+    const ProcessResult made =
+        certify(converted_attempt(folder.path()), run, {"--no-render"},
+                {{"RUNCERT_EXTERNAL_PATH", other.parent_path().string() + ":/usr/bin"}});
     ASSERT_LT(made.exit_status, 2) << made.errors;
     EXPECT_TRUE(holds(read_file(run / "1-observations.ecsv"), sha256_of(other)));
     const ProcessResult verified = runcert({"verify", run.string(), "--recompute"});

@@ -62,10 +62,16 @@ class ForgedReport : public SignedRuns {
     }
 };
 
-TEST_F(ForgedReport, AsItWasMadeIsVerified) {
-    forge(report());
-    const auto result = found();
+TEST_F(ForgedReport, AsItWasMadeIsVerifiedAndOtherwiseWrittenIsNot) {
+    must_sign("measurer", "measurer");
+    auto result = found();
     EXPECT_EQ(result["exit_status"], 0) << result.dump(1);
+    // The same values, without the white space that the program writes.
+    forge(report());
+    result = found();
+    EXPECT_EQ(result["exit_status"], 1);
+    EXPECT_TRUE(says(layer(result, "contents"), "other text than recomputed, of the same values"))
+        << result.dump(1);
     EXPECT_EQ(layer(result, "report")["passed"], true);
 }
 

@@ -94,6 +94,7 @@ TEST_F(RunFolders, Files08AreExchangedWholeWithWhatIsTheUsers) {
     const std::string report = read_file(run() / "report.json");
     fs::create_directory(run() / "keys");
     write_file_atomically(run() / "keys/a.pub", read_file(public_key("measurer")));
+    write_file_atomically(run() / "SHA256SUMS", "");  // of a bundle, as the keys
     ASSERT_EQ(chmod(run().c_str(), 0750), 0);
     const ino_t before = inode();
     ASSERT_LT(run_process(certify_words(true, run())).exit_status, 2);

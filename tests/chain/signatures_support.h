@@ -115,7 +115,16 @@ class SignedRuns : public testing::Test {
         ASSERT_NE(at, std::string::npos) << file << ": " << from;
         write_file_atomically(run() / file, text.replace(at, from.size(), to));
     }
-    /// Lets the report ask for these signatures.
+    /// A run in place of this one, whose attempt asks for these signatures.
+    void certify_asking_for(const std::string& entries) const {
+        fs::copy(examples / "salt_lake", path("asking"), fs::copy_options::recursive);
+        const fs::path attempt = path("asking") / "attempt.yaml";
+        write_file_atomically(attempt, read_file(attempt) + "signatures: [" + entries + "]\n");
+        fs::remove_all(run());
+        certify(attempt, run(), {"--no-render"});
+        ASSERT_TRUE(fs::exists(run() / "report.json"));
+    }
+    /// Lets the report alone ask for these signatures.
     void require_signatures(const std::string& entries) const {
         change("report.json", "\"signatures_required\": []",
                "\"signatures_required\": [" + entries + "]");

@@ -55,7 +55,7 @@ TEST_F(Signatures, MinisignAcceptsEach) {
 }
 
 TEST_F(Signatures, ThatTheReportNeedsAreCountedByRole) {
-    require_signatures(R"({"role": "measurer", "count": 1}, {"role": "judge", "count": 2})");
+    certify_asking_for(R"({"role": "measurer", "count": 1}, {"role": "judge", "count": 2})");
     must_sign("measurer", "measurer");
     auto found = layer(verify_json({"--roster", roster()}), "signatures");
     EXPECT_EQ(found["passed"], false);
@@ -88,7 +88,7 @@ TEST_F(Signatures, RequiredInAWayThatMakesNoSenseAreRefused) {
 }
 
 TEST_F(Signatures, AKeyCountsForOneRole) {
-    require_signatures(R"({"role": "measurer", "count": 1}, {"role": "judge", "count": 1})");
+    certify_asking_for(R"({"role": "measurer", "count": 1}, {"role": "judge", "count": 1})");
     must_sign("measurer", "measurer");
     must_sign("measurer", "judge");
     const std::string both = line_for("measurer", "measurer,judge");

@@ -210,8 +210,8 @@ TEST(ReportText, LooksTheSameToAJsonReaderAndHoldsNothingThatEndsAScript) {
 
 TEST(ReportSigner, IsReadFromASignatureFile) {
     const KeyPair pair = generate_key_pair();
-    const ReportSigner signer = read_signer(
-        {"r.minisig", sign("text", pair.secret_key, "runcert role=measurer a=b")});
+    const ReportSigner signer =
+        read_signer({"r.minisig", sign("text", pair.secret_key, "runcert role=measurer a=b")});
     EXPECT_EQ(signer.key_id, key_id_text(pair.public_key));
     EXPECT_EQ(signer.trusted_comment, "runcert role=measurer a=b");
     EXPECT_EQ(signer.role, "measurer");

@@ -99,10 +99,10 @@ void judge_table(FileComparison& file, const TableComparison& table) {
 /// What must be the same to the letter: parameters are given, and a report follows from its files.
 void judge_exact(FileComparison& file, const Json& recomputed, const Json& in_folder,
                  const std::string& in) {
-    for (ValueDifference& value : value_differences(recomputed, in_folder)) {
+    auto differences = value_differences(recomputed, in_folder);
+    for (ValueDifference& value : differences)
         value.tolerated = false;
-        judge_values(file, {value}, in);
-    }
+    judge_values(file, differences, in);
 }
 
 bool is_of_this_program(const Json& predicate) {

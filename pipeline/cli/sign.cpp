@@ -4,22 +4,14 @@
 #include <filesystem>
 
 #include "commands.h"
-#include "core/failure.h"
-#include "core/plain_text.h"
-#include "files/atomic_file.h"
 #include "recompute.h"
-#include "reports/words/figures.h"
-#include "reports/words/outcome.h"
 #include "run/chain.h"
 #include "run/run_lock.h"
-#include "schemas/common/product_files.h"
-#include "schemas/products/products.h"
-#include "schemas/verdict/verdict.h"
 #include "trust/roster.h"
+#include "trust/signable.h"
 #include "trust/signature.h"
 #include "trust/signature_files.h"
 #include "trust/signing.h"
-#include "trust/verification.h"
 
 namespace runcert {
 namespace {
@@ -32,16 +24,8 @@ struct SignOptions {
     bool no_recompute = false;
 };
 
-/// Whoever signs answers for these very files: all of them, and no others.
-void require_passed(const std::filesystem::path& run_dir, const VerificationStep& step) {
-    if (step.passed) return;
-    std::string details;
-    for (const std::string& detail : step.details)
-        details += (details.empty() ? "" : "; ") + detail;
-    throw Failure(run_dir.string(), fmt::format("{}: {}", step.finding, details),
-                  "Bring back the original files and move others away, or certify again; "
-                  "nothing was signed");
-}
+constexpr const char* bring_back =
+    "Bring back the original files and move others away, or certify again";
 
 /// The pages name the signatures, so they are recomputed; a seal is of the page as it was.
 int render(const std::filesystem::path& run_dir) {
@@ -62,30 +46,17 @@ int render(const std::filesystem::path& run_dir) {
     return 0;
 }
 
-/// What the signer is about to answer for.
-void show_outcomes(const std::filesystem::path& run_dir) {
-    const std::filesystem::path file = run_dir / products::verdict_file;
-    for (const ProfileVerdict& verdict : read_verdict(read_file(file), file.string()).profiles)
-        fmt::print("signing {}: {}{}\n", plain_text(rule_identity_text(verdict)),
-                   verdict.shown
-                       ? measured_speed_text(*verdict.shown, verdict.coverage_factor) + "; "
-                       : "",
-                   outcome_words(state_of(verdict)).title);
-    std::fflush(stdout);
-}
-
 int sign_run(const SignOptions& options) {
     const std::filesystem::path run_dir = options.run_dir;
     const ReportFacts report = read_report_facts(run_dir);
     require_role(options.role, "--role");
-    require_passed(run_dir, verify_files(run_dir, report));
-    require_passed(run_dir, verify_chain(run_dir, report));
-    require_passed(run_dir, verify_schemas(run_dir, report));
-    require_passed(run_dir, verify_rules(run_dir));
-    require_passed(run_dir, verify_report(run_dir, report));
-    require_passed(run_dir, verify_report_text(run_dir, report));
-    if (!options.no_recompute) require_passed(run_dir, verify_recomputation(run_dir, report));
-    show_outcomes(run_dir);
+    require_signable(run_dir, report, bring_back);
+    require_passed(run_dir, verify_report_text(run_dir, report), bring_back);
+    if (!options.no_recompute)
+        require_passed(run_dir, verify_recomputation(run_dir, report), bring_back);
+    for (const std::string& line : what_is_signed(run_dir))
+        fmt::print("signing {}\n", line);
+    std::fflush(stdout);
     const SecretKey key = load_secret_key(options.key);
     std::string file;
     {

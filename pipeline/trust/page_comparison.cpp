@@ -43,19 +43,6 @@ std::string poppler(std::vector<std::string> command, const fs::path& pdf,
     return result.output;
 }
 
-/// Why a PDF does not carry this report alone, or nothing. `pdfdetach -list` says "1 embedded
-/// files", then "1: report.json" for each.
-std::optional<std::string> fault_of_attachment(const fs::path& pdf, const std::string& report) {
-    const std::string list = poppler({"pdfdetach", "-list"}, pdf);
-    if (list != "1 embedded files\n1: report.json\n")
-        return "it does not carry report.json and no other file";
-    const TemporaryFolder folder;
-    (void)poppler({"pdfdetach", "-save", "1", "-o", "report.json"}, pdf, {}, folder.path());
-    if (read_file(folder.path() / "report.json") != report)
-        return "the report attached to it is not report.json";
-    return std::nullopt;
-}
-
 /// What `pdfinfo` says of a file: "Pages" is "14".
 std::map<std::string, std::string> facts_of(const fs::path& pdf) {
     std::map<std::string, std::string> facts;
@@ -111,6 +98,18 @@ std::optional<std::string> difference_shown(const fs::path& pdf, const fs::path&
 }
 
 }  // namespace
+
+// `pdfdetach -list` says "1 embedded files", then "1: report.json" for each.
+std::optional<std::string> fault_of_attachment(const fs::path& pdf, const std::string& report) {
+    const std::string list = poppler({"pdfdetach", "-list"}, pdf);
+    if (list != "1 embedded files\n1: report.json\n")
+        return "it does not carry report.json and no other file";
+    const TemporaryFolder folder;
+    (void)poppler({"pdfdetach", "-save", "1", "-o", "report.json"}, pdf, {}, folder.path());
+    if (read_file(folder.path() / "report.json") != report)
+        return "the report attached to it is not report.json";
+    return std::nullopt;
+}
 
 PageComparison compare_bytes(const fs::path& page, const fs::path& own) {
     if (read_file(page) != read_file(own)) return {.words = differs};

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
 namespace runcert {
@@ -10,6 +11,11 @@ struct PageComparison {
     bool same = false;  ///< whether it shows just what was rendered
     std::string words{};
 };
+
+/// Why a PDF does not carry this report.json and no other file, in words; nothing where it does.
+/// Failure where it cannot be read, or poppler-utils is missing.
+std::optional<std::string> fault_of_attachment(const std::filesystem::path& pdf,
+                                               const std::string& report_text);
 
 /// Byte for byte.
 PageComparison compare_bytes(const std::filesystem::path& page, const std::filesystem::path& own);

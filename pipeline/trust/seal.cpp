@@ -8,6 +8,7 @@
 #include "files/atomic_file.h"
 #include "files/external_program.h"
 #include "trust/bundle_limits.h"
+#include "trust/page_comparison.h"
 
 namespace runcert {
 namespace {
@@ -89,23 +90,6 @@ void require_pair(const fs::path& key, const fs::path& certificate) {
                     "the certificate has expired", "Have it renewed");
 }
 
-/// Whether a PDF's one attachment is a report.json of these bytes.
-bool carries(const fs::path& pdf, const std::string& report) {
-    const fs::path input = external_input(pdf);
-    const ProcessResult list = run_external({.command = {"pdfdetach", "-list", input.string()},
-                                             .inputs = {input},
-                                             .limits = reading_pdf});
-    if (list.exit_status != 0 || !list.output.starts_with("1 embedded files\n1: report.json\n"))
-        return false;
-    const TemporaryFolder folder;
-    const fs::path copy = folder.path() / "report.json";
-    run_external({.command = {"pdfdetach", "-save", "1", "-o", "report.json", input.string()},
-                  .folder = folder.path(),
-                  .inputs = {input},
-                  .limits = reading_pdf});
-    return fs::exists(copy) && read_file(copy) == report;
-}
-
 void require_reason(const std::string& reason) {
     bool printable = !reason.empty() && reason.size() <= longest_reason;
     for (const char c : reason)
@@ -124,7 +108,7 @@ void require_sealable(const fs::path& pdf, const std::string& report) {
             pdf.string(),
             fmt::format("the PDF is sealed already, and takes one seal: {}", before.words),
             render_pdf);
-    if (!carries(pdf, report))
+    if (fault_of_attachment(pdf, report))
         throw Failure(pdf.string(),
                       "the PDF does not carry this folder's report.json as its one attachment",
                       render_pdf);
@@ -178,7 +162,7 @@ SealCheck seal_report(const std::filesystem::path& run_dir, const std::filesyste
                       fmt::format("podofosign could not seal it: {}", first_words(signing.errors)),
                       "The PDF is as it was. Try another key, or render the report again");
     SealCheck check = check_seal(sealed);
-    if (!check.holds() || !carries(sealed, report))
+    if (!check.holds() || fault_of_attachment(sealed, report))
         throw Failure(pdf.string(),
                       fmt::format("the seal that podofosign made does not hold: {}", check.words),
                       "The PDF is as it was. Try another key, or render the report again");

@@ -54,6 +54,24 @@ Json robust_json(const RobustSpeed& robust, const UncertaintyScale& scale) {
     return json;
 }
 
+Json witnesses_json(const std::vector<WitnessedSpeed>& witnesses, const UncertaintyScale& scale) {
+    Json json = Json::array();
+    for (const WitnessedSpeed& one : witnesses) {
+        json.push_back(members_json(one));
+        json.back()["witness_words"] = fmt::format(
+            "{}: {}, by positions {}; the two {} (normalised error {:.2f}, at most 1). An error of "
+            "the positions of any kind that neither would have shown changes the speed by {} at "
+            "most",
+            words_of(one.kind),
+            speed_with_uncertainty_text(
+                one.speed_m_s, scale.coverage_factor * one.standard_uncertainty_m_s, scale.unit),
+            difference_text(one.difference_m_s, scale),
+            one.normalised_error <= 1.0 ? "agree" : "contradict one another", one.normalised_error,
+            uncertainty_with_unit(one.undetected_m_s, scale));
+    }
+    return json;
+}
+
 std::string decided_words(const ErrorBound& bound) {
     if (bound.decided_by == BoundSource::fitted) return "the size fitted to the recording";
     if (bound.decided_by == BoundSource::stated)
@@ -155,6 +173,9 @@ Json comparison_facts(const Json& uncertainty) {
         if (uncertainty.contains(part))
             facts.push_back(fact(label, uncertainty[part][words].get<std::string>()));
     };
+    if (uncertainty.contains("witnesses"))
+        for (const Json& one : uncertainty["witnesses"])
+            facts.push_back(fact("A second measurement", one["witness_words"].get<std::string>()));
     add("With the fitted noise alone", "fitted", "fitted_words");
     add("Robust estimate", "robust", "robust_words");
     add("Other models of the motion", "estimates", "estimates_words");
@@ -183,6 +204,7 @@ Json uncertainty_json(const ProfileVerdict& verdict, const ProfileWindows& windo
     json["bias_limit_m_s"] = rounded(best.bias_limit_m_s, 6);
     if (best.own_standard_uncertainty_m_s)
         json["own_standard_uncertainty_m_s"] = rounded(*best.own_standard_uncertainty_m_s, 6);
+    if (!best.witnesses.empty()) json["witnesses"] = witnesses_json(best.witnesses, scale);
     if (best.estimates) json["estimates"] = estimates_json(*best.estimates, scale);
     if (best.robust) json["robust"] = robust_json(*best.robust, scale);
     if (best.bound) json["bound"] = bound_json(*best.bound, scale);

@@ -151,6 +151,14 @@ std::string seconds_text(ElapsedTime time) {
     return format_fixed(time.seconds(), 3) + " s";
 }
 
+std::string beginning_text(const WindowSpan& span) {
+    if (!span.start_gps) return format_fixed(span.start.seconds(), 3) + " s after the first epoch";
+    // "YYYY-MM-DDTHH:MM:SS.s": the time of day.
+    const std::string iso = to_utc_iso(*span.start_gps, 1);
+    const std::size_t day = iso.find('T') + 1;
+    return "at " + iso.substr(day, iso.find_first_not_of("0123456789:.", day) - day) + " UTC";
+}
+
 std::string utc_text(GpsTime time) {
     return without_letters(to_utc_iso(time, 3));
 }

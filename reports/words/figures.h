@@ -103,6 +103,10 @@ std::string seconds_text(ElapsedTime time);
 
 /// "2022-03-18 08:51:04.300" of a GPS time, in UTC.
 std::string utc_text(GpsTime time);
+
+/// When a window begins, by time of day where it is known: "at 14:03:22.1 UTC", "53.800 s after the
+/// first epoch".
+std::string beginning_text(const WindowSpan& span);
 /// The same instant on the GPS time scale.
 std::string gps_text(GpsTime time);
 

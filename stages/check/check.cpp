@@ -61,12 +61,23 @@ std::string refused_for_robust(const std::optional<RobustSpeed>& robust,
     return {};
 }
 
+/// Why a window that a witness contradicts forbids a certificate; empty where none does.
+std::string refused_for_witnesses(const std::vector<WitnessedSpeed>& witnesses) {
+    const auto one = std::ranges::find_if(
+        witnesses, [](const WitnessedSpeed& witness) { return witness.normalised_error > 1.0; });
+    if (one == witnesses.end()) return {};
+    return fmt::format(
+        "The {} give {:+.3f} km/h against the positions over the window, in size or direction more "
+        "than both uncertainties allow (normalised error {:.2f}): one of the two is wrong.",
+        words_of(one->kind), -one->difference_m_s * 3.6, one->normalised_error);
+}
+
 /// The first refusal of the windows that the speed is made of: the best, then the further ones.
 template <class Refuse>
 std::string first_refusal(const ProfileWindows& windows, Refuse refuse) {
-    std::string refused = refuse(windows.best->span, windows.best->robust);
+    std::string refused = refuse(*windows.best);
     for (const FurtherWindow& further : windows.further)
-        if (refused.empty()) refused = refuse(further.span, further.robust);
+        if (refused.empty()) refused = refuse(further);
     return refused;
 }
 
@@ -77,9 +88,9 @@ std::string refusal_of(const ClauseContext& context, const std::vector<Requireme
     // What cannot be read makes every other finding doubtful.
     if (best)
         if (std::string refused = first_refusal(context.windows,
-                                                [&](const WindowSpan& span, const auto&) {
+                                                [&](const auto& window) {
                                                     return refused_for_records(
-                                                        context.input.judged.records, span);
+                                                        context.input.judged.records, window.span);
                                                 });
             !refused.empty())
             return refused;
@@ -91,10 +102,15 @@ std::string refusal_of(const ClauseContext& context, const std::vector<Requireme
                      "current: in the attempt, with a series that covers it."
                    : "There are too few certifiable windows for the mean that the rule takes.";
     if (std::string refused = first_refusal(context.windows,
-                                            [&](const WindowSpan&, const auto& robust) {
+                                            [&](const auto& window) {
                                                 return refused_for_robust(
-                                                    robust, context.input.judged.estimation);
+                                                    window.robust, context.input.judged.estimation);
                                             });
+        !refused.empty())
+        return refused;
+    if (std::string refused = first_refusal(
+            context.windows,
+            [](const auto& window) { return refused_for_witnesses(window.witnesses); });
         !refused.empty())
         return refused;
     if (context.agreement && context.agreement->contradicts())
@@ -128,6 +144,15 @@ std::string drift_words(const Decision& decision, const ClauseContext& context) 
     return words + ".";
 }
 
+/// Whether the fastest window, which proves less than the certified one, could have reached the
+/// required speed.
+bool fastest_might_reach(const ClauseContext& context) {
+    const auto& fastest = context.windows.fastest;
+    return fastest &&
+           fastest->speed_m_s + expanded_uncertainty_m_s(*fastest, context.coverage_factor) >=
+               context.required_speed->speed_m_s;
+}
+
 /// The outcome by probability, in one sentence.
 std::string reason_of(const ClauseContext& context, Outcome outcome) {
     const ShownFigures& shown = *context.shown;
@@ -150,7 +175,11 @@ std::string reason_of(const ClauseContext& context, Outcome outcome) {
             return beginning(
                 "he measured speed is below the required speed beyond its uncertainty");
         case Outcome::not_proven:
-            return beginning("he required speed lies within the uncertainty of the measured speed");
+            return beginning(fastest_might_reach(context)
+                                 ? "he window of the best proof is below the required speed, but a "
+                                   "faster one, which proves less, may reach it"
+                                 : "he required speed lies within the uncertainty of the measured "
+                                   "speed");
         case Outcome::not_certifiable:
             break;
     }
@@ -182,8 +211,9 @@ void set_outcome(const ClauseContext& context, ProfileVerdict& verdict) {
         verdict.outcome = Outcome::not_proven;
         verdict.reason = "The attempt names no record to beat.";
     } else {
-        const Outcome outcome =
-            decide(*context.speed, *context.required_speed, context.decision->level);
+        Outcome outcome = decide(*context.speed, *context.required_speed, context.decision->level);
+        if (outcome == Outcome::not_beaten && fastest_might_reach(context))
+            outcome = Outcome::not_proven;
         if (outcome == Outcome::not_beaten)
             if (std::string doubt = refused_but_fast_enough(context); !doubt.empty()) {
                 verdict.outcome = Outcome::not_certifiable;

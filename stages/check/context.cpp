@@ -175,47 +175,16 @@ void set_second_methods(ClauseContext& context) {
             *input.attempt.secondary_method, input.attempt.course);
 }
 
-/// What the recorded velocities say of the window, where all its epochs have one: their mean over
-/// it, the delay behind the positions taken off, against the displacement over time.
-std::optional<std::string> velocity_witness(const ClauseContext& context) {
-    const ReceiverFindings& judged = context.input.judged;
-    const auto& rows = judged.epochs_of(context.profile.id);
-    if (context.profile.dimension != Dimension::horizontal ||
-        context.profile.speed_source != SpeedSource::position || rows.size() < 2 ||
-        !judged.tests.velocity)
-        return std::nullopt;
-    Eigen::Vector2d path = Eigen::Vector2d::Zero();
-    std::optional<Eigen::Vector2d> before;
-    std::optional<Eigen::Vector2d> first;
-    double before_s = 0.0;
-    for (const ScreenedEpoch& row : rows) {
-        if (!row.recorded_velocity_east_m_s || !row.recorded_velocity_north_m_s)
-            return std::nullopt;
-        const Eigen::Vector2d velocity(*row.recorded_velocity_east_m_s,
-                                       *row.recorded_velocity_north_m_s);
-        const double time_s = row.time.seconds();
-        if (before) path += 0.5 * (time_s - before_s) * (*before + velocity);
-        if (!first) first = velocity;
-        before = velocity;
-        before_s = time_s;
-    }
-    const double duration_s = before_s - rows.front().time.seconds();
-    const VelocityComparison& velocity = *judged.tests.velocity;
-    path += velocity.delay_s.value_or(0.0) * (*before - *first);
-    const double other_m_s = path.norm() / duration_s;
-    const CertifiableWindow& best = *context.windows.best;
-    const double difference_m_s = other_m_s - best.definitions.displacement_m_s;
-    const double allowed_m_s = 2.0 * best.standard_uncertainty_m_s + velocity.scale_m_s;
-    if (std::abs(difference_m_s) > allowed_m_s) return std::nullopt;
-    return fmt::format(
-        "the recorded velocities give {:.3f} km/h over the window, {:+.3f} km/h against the "
-        "positions (displacement over time)",
-        other_m_s * 3.6, difference_m_s * 3.6);
-}
-
 /// What else than the positions speaks for the window.
 void set_witnesses(ClauseContext& context) {
-    if (auto words = velocity_witness(context)) context.witnesses.push_back(std::move(*words));
+    for (const WitnessedSpeed& one : context.windows.best->witnesses)
+        if (one.normalised_error <= 1.0)
+            context.witnesses.push_back(fmt::format(
+                "the {} give {} over the window, {:+.3f} km/h against the positions",
+                words_of(one.kind),
+                speed_with_uncertainty_text(one.speed_m_s, 2.0 * one.standard_uncertainty_m_s,
+                                            speed_unit("km/h")),
+                -one.difference_m_s * 3.6));
     if (context.agreement && context.agreement->agrees())
         context.witnesses.push_back(
             fmt::format("receiver \"{}\" gives {:.3f} km/h over the same time",

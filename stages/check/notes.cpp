@@ -53,6 +53,15 @@ void add_windows(const ClauseContext& context, Notes& notes) {
     const ProfileWindows& windows = context.windows;
     if (!windows.missing.empty() && !windows.best)
         notes.push_back("There is no window because " + windows.missing + ".");
+    if (windows.fastest)
+        notes.push_back(fmt::format(
+            "Another window is faster and proves less: {}, {}. Certified is the window of the "
+            "highest speed that can be claimed, its expanded uncertainty taken off.",
+            speed_with_uncertainty_text(
+                windows.fastest->speed_m_s,
+                expanded_uncertainty_m_s(*windows.fastest, context.coverage_factor),
+                speed_unit("km/h")),
+            beginning_text(windows.fastest->span)));
     if (windows.best && !windows.further.empty() && figure_of(windows)) {
         std::vector<std::string> speeds{fmt::format("{:.3f}", windows.best->speed_m_s * 3.6)};
         for (const FurtherWindow& one : windows.further)

@@ -7,6 +7,9 @@
 #include <limits>
 
 #include "core/statistics.h"
+#include "core/uncertainty.h"
+#include "estimation/tables/recorded_velocities.h"
+#include "estimation/tables/window_ends.h"
 #include "estimation/velocity_delay.h"
 #include "schemas/enu/measured_position.h"
 #include "schemas/observations/stated_covariance.h"
@@ -22,11 +25,6 @@ using namespace velocities;
 /// have bent the smoothed motion.
 constexpr std::size_t neighbours = 10;
 constexpr std::size_t least_neighbours = 8;
-
-std::optional<Vector2d> recorded_velocity(const ScreenedEpoch& row) {
-    if (!row.recorded_velocity_east_m_s || !row.recorded_velocity_north_m_s) return std::nullopt;
-    return Vector2d(*row.recorded_velocity_east_m_s, *row.recorded_velocity_north_m_s);
-}
 
 /// A recorded velocity less another at one row (m/s), what is known of its variance without the
 /// recorded velocity's part, and the statistic that the test made of it.
@@ -199,7 +197,8 @@ void mark_drifting(std::vector<ScreenedEpoch>& rows, const Differences& differen
     }
 }
 
-Gathered gather(const std::vector<ScreenedEpoch>& rows, const Motion& motion) {
+Gathered gather(const std::vector<ScreenedEpoch>& rows, const Motion& motion,
+                const Directions& directions) {
     Gathered gathered;
     for (std::size_t i = 0; i < rows.size(); ++i) {
         if (!rows[i].arc || !motion[i]) continue;
@@ -210,7 +209,7 @@ Gathered gather(const std::vector<ScreenedEpoch>& rows, const Motion& motion) {
                   .acceleration = motion[i]->acceleration,
                   .covariance = motion[i]->velocity_covariance};
         gathered.smoothed.push_back(knot);
-        const auto recorded = recorded_velocity(rows[i]);
+        const auto recorded = recorded_velocity<2>(rows[i], directions[i]);
         if (!rows[i].usable || !recorded) continue;
         gathered.comparisons.push_back({gathered.smoothed.size() - 1, *recorded});
         knot.velocity = *recorded;
@@ -219,35 +218,172 @@ Gathered gather(const std::vector<ScreenedEpoch>& rows, const Motion& motion) {
     return gathered;
 }
 
-/// Whether the receiver fills the field: the velocities of a real one never stay the same.
-bool recorded_velocities_change(const std::vector<ScreenedEpoch>& rows) {
-    std::optional<Vector2d> first;
-    for (const ScreenedEpoch& row : rows) {
-        const auto recorded = recorded_velocity(row);
-        if (first && recorded && *recorded != *first) return true;
-        if (!first) first = recorded;
+Directions directions_of(const Motion& motion) {
+    Directions directions(motion.size());
+    for (std::size_t i = 0; i < motion.size(); ++i)
+        if (motion[i])
+            directions[i] = direction_of(motion[i]->velocity, motion[i]->velocity_covariance);
+    return directions;
+}
+
+bool is_speed_only(const std::vector<ScreenedEpoch>& rows) {
+    return std::ranges::none_of(
+        rows, [](const ScreenedEpoch& row) { return row.recorded_velocity_east_m_s.has_value(); });
+}
+
+/// The velocities as a witness, with the delay alone in their errors; nothing where there are none.
+template <int Axes>
+std::optional<VelocityWitness<Axes>> undisturbed_witness(const std::vector<ScreenedEpoch>& rows,
+                                                         const Directions& directions,
+                                                         const Delay& delay,
+                                                         const VelocityCheckOptions& options) {
+    auto samples = timed_velocities<Axes>(rows, directions, options.nominal_interval_s);
+    if (samples.size() < least_comparisons) return std::nullopt;
+    // Of a filter that lags, by another amount in every motion; one that is not told lies anywhere
+    // in the range.
+    constexpr double of_motion = 0.2;
+    const double sigma_s = delay.delay_s ? std::hypot(delay.sigma_s, of_motion * *delay.delay_s)
+                                         : rectangular_uncertainty(options.delay_max_s);
+    VelocityErrorModel delay_alone;
+    delay_alone.delay_s = delay.delay_s.value_or(0.0);
+    delay_alone.sigma_delay_s = sigma_s;
+    delay_alone.density = 0.0;
+    return VelocityWitness<Axes>(std::move(samples), delay_alone, options.jerk_density);
+}
+
+template <int Axes>
+std::optional<VelocityErrors> errors_of(const VelocityWitness<Axes>& witness,
+                                        const std::vector<ScreenedEpoch>& rows) {
+    const EstimatedVelocityErrors<Axes> estimated = estimate_velocity_errors<Axes>(
+        witness, timed_positions<Axes>(rows), stated_velocity_sigma<Axes>(rows));
+    const VelocityErrorModel& model = estimated.model;
+    if (!model.is_known()) return std::nullopt;
+    VelocityErrors errors;
+    errors.axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal;
+    errors.speed_only = Axes == 2 && is_speed_only(rows);
+    errors.delay_s = model.delay_s;
+    errors.sigma_delay_s = model.sigma_delay_s;
+    if (std::isfinite(model.density)) errors.density = model.density;
+    if (model.stated_m_s) errors.stated_m_s = *model.stated_m_s;
+    errors.shown_m_s = model.shown_m_s;
+    errors.correlation_time_s = model.correlation_time_s;
+    for (const DisplacementSpread& one : estimated.spreads)
+        errors.spreads.push_back({.span_s = one.span_s,
+                                  .spans = one.spans,
+                                  .sd_m = one.sd_m,
+                                  .sd_upper_m = one.sd_upper_m});
+    return errors;
+}
+
+/// A span whose displacement the velocities contradict: its rows, the direction of the difference
+/// and the statistic.
+struct ContradictedSpan {
+    std::size_t first = 0;
+    std::size_t last = 0;
+    Vector2d difference_m = Vector2d::Zero();
+    double statistic = 0.0;
+};
+
+/// What the positions moved more than the velocities, from one row to another.
+std::optional<Vector2d> unwitnessed(const std::vector<ScreenedEpoch>& rows, std::size_t from,
+                                    std::size_t to, const VelocityWitness<2>& witness) {
+    const auto moved = witness.between(rows[from].time.seconds(), rows[to].time.seconds());
+    if (!moved) return std::nullopt;
+    return Vector2d(measured_position<2>(rows[to]) - measured_position<2>(rows[from]) -
+                    moved->displacement_m);
+}
+
+std::vector<ContradictedSpan> contradicted_spans(const std::vector<ScreenedEpoch>& rows,
+                                                 const std::vector<std::size_t>& usable,
+                                                 const VelocityWitness<2>& witness,
+                                                 const VelocitySpread& spread, double threshold) {
+    std::vector<ContradictedSpan> spans;
+    std::size_t to = 0;
+    for (std::size_t from = 0; from < usable.size(); ++from) {
+        const ScreenedEpoch& begin = rows[usable[from]];
+        while (to < usable.size() &&
+               rows[usable[to]].time.seconds() < begin.time.seconds() + spread.span_s - 1e-6)
+            ++to;
+        if (to == usable.size()) break;
+        if (rows[usable[to]].arc != begin.arc) continue;
+        const auto moved = witness.between(begin.time.seconds(), rows[usable[to]].time.seconds());
+        if (!moved) continue;
+        const Vector2d difference = measured_position<2>(rows[usable[to]]) -
+                                    measured_position<2>(begin) - moved->displacement_m;
+        // What positions themselves state, or a delay not well known does where the velocity
+        // changes, is no drift.
+        const Matrix2d covariance =
+            spread.sd_upper_m * spread.sd_upper_m * Matrix2d::Identity() + moved->covariance_m2 +
+            stated_covariance<2>(begin) + stated_covariance<2>(rows[usable[to]]);
+        const double statistic = difference.dot(covariance.inverse() * difference);
+        if (statistic > threshold) spans.push_back({from, to, difference, statistic});
     }
-    return false;
+    return spans;
+}
+
+/// The part of the span in which its difference comes about: from the last row before at which a
+/// tenth of it is there to the first at which nine tenths are.
+EpochPair core_of(const ContradictedSpan& span, const std::vector<ScreenedEpoch>& rows,
+                  const std::vector<std::size_t>& usable, const VelocityWitness<2>& witness) {
+    const Vector2d along = span.difference_m / span.difference_m.squaredNorm();
+    EpochPair core{span.first, span.last};
+    for (std::size_t k = span.first + 1; k <= span.last; ++k) {
+        const auto there = unwitnessed(rows, usable[span.first], usable[k], witness);
+        if (!there) continue;
+        const double part = along.dot(*there);
+        if (part <= 0.1) core.first = k;
+        if (part >= 0.9) {
+            core.last = k;
+            break;
+        }
+    }
+    return core;
+}
+
+/// Marks what drifts slowly, or stepped, and ends the arc behind it.
+void mark_spans(std::vector<ScreenedEpoch>& rows, const VelocityWitness<2>& witness,
+                const VelocityErrors& errors, double threshold) {
+    constexpr double longest_s = 10.0;
+    std::vector<std::size_t> usable;
+    for (std::size_t i = 0; i < rows.size(); ++i)
+        if (rows[i].usable && rows[i].arc) usable.push_back(i);
+    std::vector<std::pair<EpochPair, double>> cores;
+    for (const VelocitySpread& spread : errors.spreads) {
+        if (spread.span_s > longest_s) break;
+        for (const ContradictedSpan& span :
+             contradicted_spans(rows, usable, witness, spread, threshold))
+            cores.emplace_back(core_of(span, rows, usable, witness), span.statistic);
+    }
+    for (const auto& [core, statistic] : cores) {
+        for (std::size_t k = core.first + 1; k < core.last; ++k)
+            mark(rows[usable[k]], statistic, threshold);
+        ScreenedEpoch& after = rows[usable[core.last]];
+        if (core.last == core.first + 1) mark(after, statistic, threshold);
+        if (!after.break_before || *after.break_before == ArcBreak::bridged)
+            after.break_before = ArcBreak::ramp;
+    }
 }
 
 }  // namespace
 
-std::optional<VelocityComparison> check_velocities(std::vector<ScreenedEpoch>& rows,
-                                                   const Motion& motion,
-                                                   const VelocityCheckOptions& options) {
+VelocityFindings check_velocities(std::vector<ScreenedEpoch>& rows, const Motion& motion,
+                                  const VelocityCheckOptions& options) {
     assert(rows.size() == motion.size());
-    const auto recorded = std::count_if(rows.begin(), rows.end(), [](const ScreenedEpoch& row) {
-        return recorded_velocity(row).has_value();
+    const Directions directions = directions_of(motion);
+    VelocityFindings findings;
+    const auto recorded = std::ranges::count_if(rows, [](const ScreenedEpoch& row) {
+        return (row.recorded_velocity_east_m_s && row.recorded_velocity_north_m_s) ||
+               row.recorded_speed_m_s;
     });
-    if (recorded < static_cast<std::ptrdiff_t>(least_comparisons)) return std::nullopt;
-    VelocityComparison comparison;
-    if (!recorded_velocities_change(rows)) return comparison;
+    if (recorded < static_cast<std::ptrdiff_t>(least_comparisons)) return findings;
+    VelocityComparison& comparison = findings.comparison.emplace();
+    if (!recorded_velocities_change(rows)) return findings;
 
-    const Gathered gathered = gather(rows, motion);
+    const Gathered gathered = gather(rows, motion, directions);
     const Delay delay = estimate_delay(gathered.smoothed, motion, gathered.comparisons,
                                        options.delay_max_s, options.nominal_interval_s);
     Differences differences = smoothed_differences(gathered, delay);
-    if (differences.size() < least_comparisons) return comparison;
+    if (differences.size() < least_comparisons) return findings;
     Differences displacements = displacement_differences(rows, gathered.recorded, delay);
     comparison.compared = static_cast<std::int64_t>(differences.size());
     comparison.delay_s = delay.delay_s;
@@ -258,9 +394,18 @@ std::optional<VelocityComparison> check_velocities(std::vector<ScreenedEpoch>& r
     const double threshold = chi_squared_upper_quantile(options.test_size, 2);
     const auto displaced = mark_displaced(rows, displacements, threshold);
     mark_drifting(rows, differences, displaced, threshold);
-    comparison.rejected = std::count_if(gathered.recorded.begin(), gathered.recorded.end(),
-                                        [&](const Knot& knot) { return !rows[knot.row].usable; });
-    return comparison;
+    if (const auto witness = undisturbed_witness<2>(rows, directions, delay, options))
+        if (auto errors = errors_of<2>(*witness, rows)) {
+            if (displaced.empty()) mark_spans(rows, *witness, *errors, threshold);
+            findings.errors.push_back(std::move(*errors));
+        }
+    if (options.vertical_measured)
+        if (const auto witness = undisturbed_witness<1>(rows, directions, delay, options))
+            if (auto errors = errors_of<1>(*witness, rows))
+                findings.errors.push_back(std::move(*errors));
+    comparison.rejected = std::ranges::count_if(
+        gathered.recorded, [&](const Knot& knot) { return !rows[knot.row].usable; });
+    return findings;
 }
 
 }  // namespace runcert

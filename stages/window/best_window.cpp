@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <tuple>
 
 #include "core/failure.h"
@@ -83,7 +84,8 @@ WindowSearch all_windows(const std::vector<SummedSeries>& sums, const WindowCrit
 
 /// The fastest of what is allowed (`left`).
 WindowSearch fastest_of(WindowSearch left, const std::vector<SummedSeries>& sums,
-                        const WindowCriteria& rule, std::size_t count) {
+                        const WindowCriteria& rule, std::size_t count,
+                        const Allowance& allowance = {}) {
     std::vector<FoundWindow> found;
     while (found.size() < count && !left.windows.empty()) {
         left.steps += static_cast<std::int64_t>(left.windows.size());
@@ -91,7 +93,10 @@ WindowSearch fastest_of(WindowSearch left, const std::vector<SummedSeries>& sums
         if (found.size() == count) break;
         std::erase_if(left.windows,
                       [&](const FoundWindow& window) { return overlap(window, found.back()); });
-        if (rule.ends == WindowEnds::any) append(free_beside(sums, rule, found), left);
+        if (rule.ends != WindowEnds::any) continue;
+        WindowSearch beside = free_beside(sums, rule, found);
+        make_allowances(beside.windows, allowance);
+        append(beside, left);
     }
     return {found, left.steps};
 }
@@ -99,7 +104,7 @@ WindowSearch fastest_of(WindowSearch left, const std::vector<SummedSeries>& sums
 }  // namespace
 
 bool preferred(const FoundWindow& one, const FoundWindow& other) {
-    if (one.speed_m_s != other.speed_m_s) return one.speed_m_s > other.speed_m_s;
+    if (one.claim_m_s() != other.claim_m_s()) return one.claim_m_s() > other.claim_m_s();
     return std::tie(one.series, one.start, one.end) <
            std::tie(other.series, other.start, other.end);
 }
@@ -122,16 +127,25 @@ std::vector<FoundWindow> allowed_windows(const std::vector<SampleSeries>& series
     return all_windows(summed_all(series), rule).windows;
 }
 
+void make_allowances(std::vector<FoundWindow>& windows, const Allowance& allowance) {
+    if (!allowance) return;
+    for (FoundWindow& window : windows)
+        window.allowance_m_s = allowance(window);
+    std::erase_if(windows,
+                  [](const FoundWindow& window) { return !std::isfinite(window.allowance_m_s); });
+}
+
 AllowedWindows allowed_and_best(const std::vector<SampleSeries>& series, const WindowCriteria& rule,
-                                std::size_t count) {
+                                std::size_t count, const Allowance& allowance) {
     check_rule(rule);
     const std::vector<SummedSeries> sums = summed_all(series);
     AllowedWindows windows{.all = all_windows(sums, rule).windows, .best = {}};
+    make_allowances(windows.all, allowance);
     // Without a copy of all where only one is wanted.
     if (count == 1 && !windows.all.empty())
         windows.best = {*std::ranges::min_element(windows.all, preferred)};
     else
-        windows.best = fastest_of({windows.all, 0}, sums, rule, count).windows;
+        windows.best = fastest_of({windows.all, 0}, sums, rule, count, allowance).windows;
     return windows;
 }
 

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "schemas/common/table.h"
@@ -54,7 +55,14 @@ struct FoundWindow {
     ElapsedTime start, end;  ///< rounded to the nanosecond
     double length_m = 0.0;   ///< by the definition; of a mean, the mean speed times the duration
     double speed_m_s = 0.0;  ///< length over duration, before the ends are rounded
+    /// What is to be taken off the speed before windows are compared: so much less can be claimed.
+    double allowance_m_s = 0.0;
+
+    double claim_m_s() const { return speed_m_s - allowance_m_s; }
 };
+
+/// What is to be taken off a window's speed; infinite where nothing can be claimed of it.
+using Allowance = std::function<double(const FoundWindow&)>;
 
 /// What a search found, and how many samples and pairs of samples it looked at.
 struct WindowSearch {
@@ -62,7 +70,7 @@ struct WindowSearch {
     std::int64_t steps = 0;
 };
 
-/// Whether the first window is to be preferred: the faster one, the earlier of equals.
+/// Whether the first window is to be preferred: the one of the higher claim, the earlier of equals.
 bool preferred(const FoundWindow& one, const FoundWindow& other);
 
 /// Whether a window from a sample to another holds no obstacle and may begin and end there.
@@ -114,12 +122,15 @@ WindowSearch search_windows(const std::vector<SampleSeries>& series, const Windo
 std::vector<FoundWindow> allowed_windows(const std::vector<SampleSeries>& series,
                                          const WindowCriteria& rule);
 
-/// Both of them from one search.
+/// Both of them from one search; with an allowance the best are those of the highest claims.
 struct AllowedWindows {
     std::vector<FoundWindow> all;
     std::vector<FoundWindow> best;
 };
 AllowedWindows allowed_and_best(const std::vector<SampleSeries>& series, const WindowCriteria& rule,
-                                std::size_t count);
+                                std::size_t count, const Allowance& allowance = {});
+
+/// Sets the allowance of each window, and removes those of which nothing can be claimed.
+void make_allowances(std::vector<FoundWindow>& windows, const Allowance& allowance);
 
 }  // namespace runcert

@@ -35,6 +35,8 @@ struct BudgetInput {
     std::vector<UndetectedError> reliability = {};  ///< largest first
     /// Probability with which the tests find an error as large as `reliability` states, 0 to 1.
     double detection_power = 0.0;
+    /// By how much the rows of the positions count beside a witness (`condition_on`).
+    double position_share = 1.0;
 };
 
 /// What a row says of its correlation where there is none.

@@ -17,6 +17,7 @@
 #include "stages/window/robust.h"
 #include "stages/window/selection.h"
 #include "stages/window/trajectory_part.h"
+#include "stages/window/witnesses.h"
 
 namespace runcert {
 namespace {
@@ -39,7 +40,7 @@ std::vector<WindowCluster<Axes>> clusters_of(const AxesEstimate<Axes>& estimate,
                                              const WindowChoice& choice, double least_m_s) {
     std::vector<FoundWindow> near;
     for (const FoundWindow& window : choice.all)
-        if (window.speed_m_s >= least_m_s) near.push_back(window);
+        if (window.claim_m_s() >= least_m_s) near.push_back(window);
     std::ranges::stable_sort(near, [](const FoundWindow& a, const FoundWindow& b) {
         return std::tie(a.series, a.first, a.last) < std::tie(b.series, b.first, b.last);
     });
@@ -48,7 +49,7 @@ std::vector<WindowCluster<Axes>> clusters_of(const AxesEstimate<Axes>& estimate,
     for (const FoundWindow& window : near) {
         const Arc<Axes>* const arc = &estimate.arcs[window.series];
         if (clusters.empty() || clusters.back().arc != arc || window.first > reach) {
-            clusters.push_back({arc, {}, std::nullopt});
+            clusters.push_back({.arc = arc, .windows = {}, .allowances_m_s = {}});
             reach = window.last;
         }
         WindowCluster<Axes>& cluster = clusters.back();
@@ -57,6 +58,7 @@ std::vector<WindowCluster<Axes>> clusters_of(const AxesEstimate<Axes>& estimate,
             window.end == choice.found.end)
             cluster.chosen = cluster.windows.size();
         cluster.windows.push_back({window.first, window.last});
+        cluster.allowances_m_s.push_back(window.allowance_m_s);
     }
     return clusters;
 }
@@ -97,7 +99,7 @@ SelectionBias selection_of(const AxesEstimate<Axes>& estimate, const WindowChoic
         bound.along * estimate.model.error.process_density / std::sqrt(duration_s);
     const double slow_m_s = std::max(std::numbers::sqrt2 * bound.sigma_m / duration_s, fitted_m_s);
     const double least_m_s =
-        choice.found.speed_m_s - selection_width * std::hypot(search_uncertainty_m_s, slow_m_s);
+        choice.found.claim_m_s() - selection_width * std::hypot(search_uncertainty_m_s, slow_m_s);
     const bool by_path = choice.profile.definition != SpeedDefinition::displacement &&
                          choice.profile.definition != SpeedDefinition::elapsed_time;
     SelectionBias selection =
@@ -165,33 +167,78 @@ void set_bound(const ErrorBound& bound, const PositionNoise& noise, CertifiableW
     window.length_m = noise.speed.speed_m_s * window.span.duration.seconds();
 }
 
+template <int Axes>
+BudgetInput budget_input(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
+                         const PositionNoise& noise, double duration_s,
+                         const CertifiableWindow& window) {
+    const Arc<Axes>& arc = estimate.arcs[choice.found.series];
+    return {.trajectory = estimate.trajectory,
+            .config = estimate.config,
+            .noise = noise,
+            .bound = *window.bound,
+            .selection = *window.selection,
+            .first_row = arc.rows[choice.found.first],
+            .last_row = arc.rows[choice.found.last],
+            .duration_s = duration_s,
+            .vertical = Axes == 1,
+            .length = choice.profile.window_kind == WindowKind::course
+                          ? std::optional(SurveyedLength{choice.quantity.length_m,
+                                                         choice.length_standard_uncertainty_m})
+                          : std::nullopt,
+            .reliability = window.reliability,
+            .detection_power = window.detection_power.value_or(0.0)};
+}
+
+/// What the recorded velocities say of the window; and, as far as they agree, what they leave of
+/// the position's uncertainty and of the bias of the choice, which is one of the positions' errors.
+template <int Axes>
+void hear_witnesses(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
+                    const EstimatedWindow<Axes>& at, const PositionNoise& noise,
+                    CertifiableWindow& window) {
+    if (!estimate.velocities) return;
+    const SpeedDefinition definition = choice.profile.definition;
+    PositionFigures<Axes> figures{
+        .start_s = choice.found.start.seconds(),
+        .end_s = choice.found.end.seconds(),
+        .by_path = counts_path(definition),
+        .displacement_m = displacement(at.smoothed, at.window.first, at.window.last),
+        .standard_uncertainty_m_s = position_uncertainty(window.budget, Undetected::left_out),
+        .with_undetected_m_s = position_uncertainty(window.budget, Undetected::counted)};
+    figures.speed_m_s = figures.by_path ? window.definitions.path_length_m_s
+                        : definition == SpeedDefinition::displacement
+                            ? noise.speed.speed_m_s
+                            : window.definitions.displacement_m_s;
+    std::optional<WitnessedSpeed> witnessed = witnessed_speed<Axes>(*estimate.velocities, figures);
+    if (!witnessed) return;
+    if (!window.reliability.empty())
+        witnessed->undetected_m_s = undetected_beside(
+            *witnessed, window.reliability.front().speed_m_s,
+            noncentrality(estimate.screened.basis.test_size, estimate.screened.basis.power, 1));
+    if (witnessed->share > 0.0) {
+        const double rest = 1.0 - witnessed->share;
+        const SelectionBias& selection = *window.selection;
+        window.bias_limit_m_s *= rest;
+        if (selection.treatment == SelectionTreatment::subtracted)
+            window.speed_m_s = less_bias(noise.speed.speed_m_s, rest * selection.bias_m_s);
+        condition_on(*witnessed, window.budget);
+    }
+    window.witnesses.push_back(*witnessed);
+}
+
 /// The budget of the window's speed, and what follows from it.
 template <int Axes>
 void set_budget(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
-                const PositionNoise& noise, double duration_s, CertifiableWindow& window) {
-    const Arc<Axes>& arc = estimate.arcs[choice.found.series];
-    const BudgetInput input{
-        .trajectory = estimate.trajectory,
-        .config = estimate.config,
-        .noise = noise,
-        .bound = *window.bound,
-        .selection = *window.selection,
-        .first_row = arc.rows[choice.found.first],
-        .last_row = arc.rows[choice.found.last],
-        .duration_s = duration_s,
-        .vertical = Axes == 1,
-        .length = choice.profile.window_kind == WindowKind::course
-                      ? std::optional(SurveyedLength{choice.quantity.length_m,
-                                                     choice.length_standard_uncertainty_m})
-                      : std::nullopt,
-        .reliability = window.reliability,
-        .detection_power = window.detection_power.value_or(0.0)};
+                const EstimatedWindow<Axes>& at, const PositionNoise& noise,
+                CertifiableWindow& window) {
+    BudgetInput input = budget_input(estimate, choice, noise, at.duration_s, window);
     window.budget = budget_of(input);
+    window.own_standard_uncertainty_m_s = own_uncertainty(noise, window.budget);
+    hear_witnesses(estimate, choice, at, noise, window);
+    if (!window.witnesses.empty()) input.position_share = 1.0 - window.witnesses.front().share;
     const CombinedUncertainty combined = combine(window.budget);
     window.standard_uncertainty_m_s = combined.standard_uncertainty;
     window.effective_degrees_of_freedom = combined.effective_degrees_of_freedom;
     window.monte_carlo = monte_carlo(input, window.budget, window.speed_m_s);
-    window.own_standard_uncertainty_m_s = own_uncertainty(noise, window.budget);
 }
 
 /// Position and time of the window.
@@ -221,15 +268,17 @@ template <int Axes>
 AxesEstimate<Axes> estimate_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                                const WindowConfig& config) {
     const NoiseSummary& noise = noise_of<Axes>(trajectory);
-    AxesEstimate<Axes> estimate{.screened = screened,
-                                .trajectory = trajectory,
-                                .config = config,
-                                .noise = noise,
-                                .model = model_of(noise),
-                                .models = posterior_of(noise),
-                                .arcs = arcs_of<Axes>(screened, trajectory),
-                                .rows = arcs_in(trajectory),
-                                .times = {}};
+    AxesEstimate<Axes> estimate{
+        .screened = screened,
+        .trajectory = trajectory,
+        .config = config,
+        .noise = noise,
+        .model = model_of(noise),
+        .models = posterior_of(noise),
+        .arcs = arcs_of<Axes>(screened, trajectory),
+        .rows = arcs_in(trajectory),
+        .times = {},
+        .velocities = velocity_witness<Axes>(screened, directions_of(trajectory))};
     const auto same_steps = [&](const Arc<Axes>& arc) {
         for (std::size_t k = 0; k < arc.rows.size(); ++k)
             if (arc.epochs[k].step_before != begins_after_step(trajectory.rows[arc.rows[k]]))
@@ -304,7 +353,7 @@ CertifiableWindow certified(const AxesEstimate<Axes>& estimate, const WindowChoi
     } else {
         window.bias_limit_m_s = selection.bounded_bias_m_s;
     }
-    set_budget(estimate, choice, noise, stretch.duration_s, window);
+    set_budget(estimate, choice, estimated, noise, window);
     return window;
 }
 

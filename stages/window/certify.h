@@ -5,6 +5,7 @@
 #include "estimation/tables/arcs.h"
 #include "estimation/tables/certifiable.h"
 #include "estimation/tables/noise_models.h"
+#include "estimation/tables/recorded_velocities.h"
 #include "stages/window/best_window.h"
 #include "stages/window/speed_by_definition.h"
 #include "stages/window/window.h"
@@ -23,6 +24,8 @@ struct AxesEstimate {
     std::vector<Arc<Axes>> arcs;
     std::vector<ArcRows> rows;                    ///< of each arc, in the trajectory
     std::vector<std::vector<ElapsedTime>> times;  ///< of each arc's epochs
+    std::optional<VelocityWitness<Axes>>
+        velocities;  ///< the recorded ones, where they bound anything
 };
 
 /// Failure where the trajectory does not have the arcs of the screened epochs, or does not say what
@@ -35,7 +38,7 @@ AxesEstimate<Axes> estimate_of(const ScreenedTable& screened, const TrajectoryTa
 struct WindowChoice {
     const Profile& profile;
     const FoundWindow& found;
-    const std::vector<FoundWindow>& all;  ///< that it is the fastest of, and itself
+    const std::vector<FoundWindow>& all;  ///< that it is the best of, and itself
     SpeedQuantity quantity;
     double length_standard_uncertainty_m = 0.0;  ///< of quantity.length_m, of a course
 };
@@ -45,8 +48,9 @@ struct WindowChoice {
 SpeedQuantity quantity_of(const Profile& profile);
 
 /// The measured speed of a window with all sources of uncertainty; a vertical one is of heights
-/// above the ellipsoid. Failure where the trajectory
-/// is not the estimate from these screened epochs.
+/// above the ellipsoid. What witnesses say of it stands beside it, and where they agree the budget
+/// holds what they leave (`condition_on`). Failure where the trajectory is not the estimate from
+/// these screened epochs.
 template <int Axes>
 CertifiableWindow certified(const AxesEstimate<Axes>& estimate, const WindowChoice& choice);
 

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 
@@ -56,13 +57,14 @@ OppositeRuns best_opposite_runs(const TrajectoryTable& trajectory, const std::ve
     const auto found = fastest_of_runs(trajectory, arcs, all, runs);
     const double opposite = -std::cos(std::numbers::pi / 4.0);
     OppositeRuns best;
-    double best_mean_m_s = -1.0;
+    double best_mean_m_s = -std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < found.size(); ++i)
         for (std::size_t j = i + 1; j < found.size(); ++j) {
             const double apart_s = found[j].window.end.seconds() - found[i].window.start.seconds();
             if (apart_s > *profile.opposite_runs_within_s) break;
             if (found[i].direction.dot(found[j].direction) > opposite) continue;
-            const double mean_m_s = 0.5 * (found[i].window.speed_m_s + found[j].window.speed_m_s);
+            const double mean_m_s =
+                0.5 * (found[i].window.claim_m_s() + found[j].window.claim_m_s());
             if (mean_m_s <= best_mean_m_s) continue;
             best_mean_m_s = mean_m_s;
             best.windows = {found[i].window, found[j].window};

@@ -23,6 +23,8 @@ struct WindowCluster {
     const Arc<Axes>* arc = nullptr;
     /// Indices of the first and last epoch into the epochs of `arc`.
     std::vector<EpochPair> windows;  ///< in the order of their beginning
+    /// What is taken off the speed of each before they are compared, m/s; empty: nothing.
+    std::vector<double> allowances_m_s;
     /// Which of them is the chosen window; empty where it is in another cluster.
     std::optional<std::size_t> chosen = std::nullopt;
 };
@@ -48,7 +50,8 @@ enum class DrawnErrors {
              ///< their range
 };
 
-/// What choosing the fastest of these windows adds to the speed stated for it (m/s).
+/// What choosing the fastest of these windows, or the one of the highest claim where allowances are
+/// made, adds to the speed stated for it (m/s).
 ///
 /// Where the craft is fast for longer than a window, the fastest of many windows is the one whose
 /// errors point forward. How much that adds is found by doing it again: the motion through each

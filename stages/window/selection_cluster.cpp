@@ -41,10 +41,12 @@ MeasuredStretch<Axes> stretch_of(const WindowCluster<Axes>& cluster) {
         step = false;
         jerk_factor = 0.0;
     }
+    stretch.allowances_m_s = cluster.allowances_m_s;
     for (const EpochPair& window : cluster.windows) {
         stretch.windows.push_back({index[window.first - from], index[window.last - from]});
         stretch.durations_s.push_back(epochs[window.last].time_s - epochs[window.first].time_s);
     }
+    stretch.allowances_m_s.resize(stretch.windows.size(), 0.0);
     return stretch;
 }
 
@@ -106,21 +108,21 @@ class SelectionCluster<Axes>::Speeds {
         return (path_m_[last] - path_m_[first]) / duration_s;
     }
 
-    /// The fastest window of each draw, the first of equals, and its speed.
+    /// The window of the highest claim of each draw, the first of equals, and that claim.
     struct Fastest {
-        Lane speed_m_s;
+        Lane claim_m_s;
         std::array<std::size_t, selection_lanes> window{};
     };
     Fastest fastest() const {
         Fastest fastest;
-        fastest.speed_m_s.setConstant(-1.0);
+        fastest.claim_m_s.setConstant(-std::numeric_limits<double>::infinity());
         for (std::size_t w = 0; w < stretch_.windows.size(); ++w) {
-            const Lane speed = (*this)[w];
-            if (!(speed > fastest.speed_m_s).any()) continue;
+            const Lane claim = (*this)[w] - stretch_.allowances_m_s[w];
+            if (!(claim > fastest.claim_m_s).any()) continue;
             for (std::size_t l = 0; l < selection_lanes; ++l) {
                 const auto lane = static_cast<Eigen::Index>(l);
-                if (!(speed[lane] > fastest.speed_m_s[lane])) continue;
-                fastest.speed_m_s[lane] = speed[lane];
+                if (!(claim[lane] > fastest.claim_m_s[lane])) continue;
+                fastest.claim_m_s[lane] = claim[lane];
                 fastest.window[l] = w;
             }
         }
@@ -263,7 +265,7 @@ std::array<FastestWindow, selection_lanes> SelectionCluster<Axes>::search(
     for (std::size_t l = 0; l < selection_lanes; ++l) {
         const std::size_t window = fastest.window[l];
         const auto lane = static_cast<Eigen::Index>(l);
-        result[l] = {.searched_m_s = fastest.speed_m_s[lane],
+        result[l] = {.searched_m_s = fastest.claim_m_s[lane],
                      .error_m_s = stated[window][lane] - truth[window][lane],
                      .chosen_error_m_s = chosen[lane]};
     }
@@ -303,7 +305,8 @@ std::array<ClusterDraw, selection_lanes> SelectionCluster<Axes>::draw(
     const auto found_again = search(again);
     const Lane chosen_once = chosen_errors(still);
     const Lane chosen_again = chosen_errors(moved);
-    const Lane fastest_true = Speeds(*this, moved.motion).fastest().speed_m_s;
+    const Speeds true_speeds(*this, moved.motion);
+    const auto fastest_true = true_speeds.fastest();
     std::array<ClusterDraw, selection_lanes> draws;
     for (std::size_t l = 0; l < selection_lanes; ++l) {
         const auto lane = static_cast<Eigen::Index>(l);
@@ -311,7 +314,7 @@ std::array<ClusterDraw, selection_lanes> SelectionCluster<Axes>::draw(
                     .again = found_again[l],
                     .chosen_without_noise_once_m_s = chosen_once[lane],
                     .chosen_without_noise_again_m_s = chosen_again[lane],
-                    .fastest_true_m_s = std::max(0.0, fastest_true[lane])};
+                    .fastest_true_m_s = std::max(0.0, true_speeds[fastest_true.window[l]][lane])};
     }
     return draws;
 }

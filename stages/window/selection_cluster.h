@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -16,7 +17,7 @@ inline constexpr std::size_t selection_lanes = 4;
 /// The fastest window of a drawn recording, its speed in the search, and the error of the speed
 /// stated for it.
 struct FastestWindow {
-    double searched_m_s = -1.0;
+    double searched_m_s = -std::numeric_limits<double>::infinity();  ///< less its allowance
     double error_m_s = 0.0;
     double chosen_error_m_s = 0.0;  ///< of the window chosen in the recording, if it is here
 };
@@ -38,6 +39,7 @@ struct MeasuredStretch {
     std::vector<ArcEpoch<Axes>> epochs;
     std::vector<EpochPair> windows;   ///< indices into the epochs
     std::vector<double> durations_s;  ///< of each window
+    std::vector<double> allowances_m_s;
 };
 
 /// One cluster: draws errors, smooths and searches.

@@ -10,6 +10,7 @@
 
 #include "core/failure.h"
 #include "core/parallel.h"
+#include "stages/window/allowance.h"
 #include "stages/window/arc_part.h"
 #include "stages/window/certify.h"
 #include "stages/window/certify_velocity.h"
@@ -37,6 +38,14 @@ class Certifier {
     }
 
     const std::vector<ArcRows>& rows() const { return horizontal_.rows; }
+
+    /// What other windows are expected to be certified with, by one that is.
+    Allowance allowance(const Profile& profile, const Reference& reference) const {
+        return expected_allowance(
+            screened_, trajectory_, rows(), profile, reference,
+            horizontal_.velocities ? &*horizontal_.velocities : nullptr,
+            vertical_ && vertical_->velocities ? &*vertical_->velocities : nullptr);
+    }
     bool has_heights() const { return trajectory_.estimation.vertical.has_value(); }
 
     CertifiableWindow certify(const Profile& profile, FoundWindow found,
@@ -123,33 +132,66 @@ struct Choice {
     std::string missing;
 };
 
-Choice choose(const ScreenedTable& screened, const TrajectoryTable& trajectory,
-              const std::vector<ArcRows>& rows, const Profile& profile, const WindowConfig& config,
-              const std::optional<CourseGates>& gates) {
-    const auto series = certifiable_series(screened, trajectory, rows, profile);
-    const WindowCriteria rule =
-        window_criteria(profile, config.duration_tolerance_s, trajectory.facts.nominal_interval_s);
-    const auto wanted = static_cast<std::size_t>(profile.windows);
+/// What a profile's windows are chosen among.
+struct Candidates {
+    const ScreenedTable& screened;
+    const TrajectoryTable& trajectory;
+    const std::vector<ArcRows>& rows;
+    const Profile& profile;
+    const std::optional<CourseGates>& gates;
+    WindowCriteria rule;
+    std::vector<SampleSeries> series;
+};
+
+Candidates candidates_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
+                         const std::vector<ArcRows>& rows, const Profile& profile,
+                         const WindowConfig& config, const std::optional<CourseGates>& gates) {
+    return {.screened = screened,
+            .trajectory = trajectory,
+            .rows = rows,
+            .profile = profile,
+            .gates = gates,
+            .rule = window_criteria(profile, config.duration_tolerance_s,
+                                    trajectory.facts.nominal_interval_s),
+            .series = certifiable_series(screened, trajectory, rows, profile)};
+}
+
+/// Those over a course, the highest claims chosen.
+Choice choose_passages(const Candidates& among, const Allowance& allowance) {
+    const auto wanted = static_cast<std::size_t>(among.profile.windows);
     Choice choice;
-    if (rule.kind == WindowKind::course) {
-        choice.all = course_windows(series, *gates);
-        if (choice.all.empty()) choice.missing = why_no_course_window(series, *gates);
-        choice.chosen.assign(
-            choice.all.begin(),
-            choice.all.begin() + static_cast<std::ptrdiff_t>(std::min(wanted, choice.all.size())));
+    choice.all = course_windows(among.series, *among.gates);
+    if (choice.all.empty()) choice.missing = why_no_course_window(among.series, *among.gates);
+    make_allowances(choice.all, allowance);
+    std::ranges::stable_sort(choice.all, preferred);
+    choice.chosen.assign(
+        choice.all.begin(),
+        choice.all.begin() + static_cast<std::ptrdiff_t>(std::min(wanted, choice.all.size())));
+    return choice;
+}
+
+/// The fastest windows; with an allowance, those of the highest claims.
+Choice choose(const Candidates& among, const Allowance& allowance = {}) {
+    const Profile& profile = among.profile;
+    Choice choice;
+    if (among.rule.kind == WindowKind::course) {
+        choice = choose_passages(among, allowance);
     } else {
-        AllowedWindows windows = allowed_and_best(series, rule, wanted);
+        AllowedWindows windows = allowed_and_best(
+            among.series, among.rule, static_cast<std::size_t>(profile.windows), allowance);
         choice.all = std::move(windows.all);
         choice.chosen = std::move(windows.best);
     }
     if (profile.opposite_runs_within_s) {
-        const OppositeRuns pair = best_opposite_runs(trajectory, rows, choice.all, profile);
+        const OppositeRuns pair =
+            best_opposite_runs(among.trajectory, among.rows, choice.all, profile);
         choice.chosen = pair.windows;
         choice.missing = pair.missing;
     }
     if (profile.speed_source == SpeedSource::velocity && !choice.chosen.empty())
         for (const FoundWindow& found : choice.chosen)
-            if (!states_velocity_accuracy(screened, rows[found.series], profile, found)) {
+            if (!states_velocity_accuracy(among.screened, among.rows[found.series], profile,
+                                          found)) {
                 choice.chosen.clear();
                 choice.missing = "the recording does not state how accurate its velocities are";
                 break;
@@ -157,16 +199,88 @@ Choice choose(const ScreenedTable& screened, const TrajectoryTable& trajectory,
     return choice;
 }
 
-void add_window(const CertifiableWindow& window, ProfileWindows& entry) {
-    if (!entry.best)
-        entry.best = window;
-    else
-        entry.further.push_back({.span = window.span,
-                                 .arc = window.arc,
-                                 .speed_m_s = window.speed_m_s,
-                                 .standard_uncertainty_m_s = window.standard_uncertainty_m_s,
-                                 .bias_limit_m_s = window.bias_limit_m_s,
-                                 .robust = window.robust});
+FurtherWindow beside(const CertifiableWindow& window) {
+    return {.span = window.span,
+            .arc = window.arc,
+            .speed_m_s = window.speed_m_s,
+            .standard_uncertainty_m_s = window.standard_uncertainty_m_s,
+            .bias_limit_m_s = window.bias_limit_m_s,
+            .robust = window.robust,
+            .witnesses = window.witnesses};
+}
+
+/// Each of a choice, certified among those that do not overlap one chosen before it.
+std::vector<CertifiableWindow> certified_windows(const Certifier& certifier, const Profile& profile,
+                                                 Choice choice,
+                                                 const std::optional<CourseGates>& gates) {
+    std::vector<CertifiableWindow> certified;
+    for (const FoundWindow& found : choice.chosen) {
+        certified.push_back(certifier.certify(profile, found, choice.all, gates));
+        std::erase_if(choice.all, [&](const FoundWindow& one) { return overlap(one, found); });
+    }
+    return certified;
+}
+
+bool contradicted(const std::vector<CertifiableWindow>& windows) {
+    return std::ranges::any_of(windows, [](const CertifiableWindow& window) {
+        return std::ranges::any_of(
+            window.witnesses, [](const WitnessedSpeed& one) { return one.normalised_error > 1.0; });
+    });
+}
+
+/// Mean over windows of the speed that each proves: less its expanded uncertainty.
+double proven_m_s(const std::vector<CertifiableWindow>& windows, const Profile& profile) {
+    double sum = 0.0;
+    for (const CertifiableWindow& window : windows)
+        sum += window.speed_m_s - expanded_uncertainty_by_rule_m_s(window, profile.coverage_factor);
+    return sum / static_cast<double>(windows.size());
+}
+
+double mean_claim_m_s(const std::vector<FoundWindow>& windows, const Allowance& allowance) {
+    double sum = 0.0;
+    for (const FoundWindow& window : windows)
+        sum += window.speed_m_s - allowance(window);
+    return sum / static_cast<double>(windows.size());
+}
+
+/// The windows of the highest claims, where they can be expected to prove more than the fastest by
+/// more than a tenth of what is stated with these: expectations are no closer. None otherwise.
+Choice better_proof(const Candidates& among, const Choice& fastest,
+                    const std::vector<CertifiableWindow>& certified, const Allowance& allowance) {
+    constexpr double worth_it = 0.1;
+    Choice proof = choose(among, allowance);
+    if (proof.chosen.size() < fastest.chosen.size()) return {};
+    if (contradicted(certified)) return proof;
+    const double stated_m_s =
+        certified.front().speed_m_s - proven_m_s({certified.front()}, among.profile);
+    const double gained_m_s =
+        mean_claim_m_s(proof.chosen, allowance) - mean_claim_m_s(fastest.chosen, allowance);
+    return gained_m_s > worth_it * stated_m_s ? proof : Choice{};
+}
+
+/// The fastest windows are not always the best proof: certifies those too that promise the highest
+/// speed that can be claimed, and takes what proves more. The fastest then stands beside.
+void certify_best(const Certifier& certifier, const Candidates& among, const Choice& fastest,
+                  ProfileWindows& entry) {
+    if (fastest.chosen.empty()) return;
+    const Profile& profile = among.profile;
+    std::vector<CertifiableWindow> windows =
+        certified_windows(certifier, profile, fastest, among.gates);
+    const Allowance allowance =
+        certifier.allowance(profile, {.window = windows.front(), .found = fastest.chosen.front()});
+    const Choice proof = better_proof(among, fastest, windows, allowance);
+    if (!proof.chosen.empty()) {
+        std::vector<CertifiableWindow> proving =
+            certified_windows(certifier, profile, proof, among.gates);
+        if (!contradicted(proving) && (contradicted(windows) || proven_m_s(proving, profile) >
+                                                                    proven_m_s(windows, profile))) {
+            entry.fastest = beside(windows.front());
+            windows = std::move(proving);
+        }
+    }
+    entry.best = std::move(windows.front());
+    for (std::size_t i = 1; i < windows.size(); ++i)
+        entry.further.push_back(beside(windows[i]));
 }
 
 ProfileWindows windows_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
@@ -177,24 +291,23 @@ ProfileWindows windows_of(const ScreenedTable& screened, const TrajectoryTable& 
                          .candidates = 0,
                          .missing = {},
                          .best = std::nullopt,
+                         .fastest = std::nullopt,
                          .further = {},
                          .indicated = fastest_indicated(screened, profile, config, gates)};
     if (profile.dimension != Dimension::horizontal && !certifier.has_heights()) {
         entry.missing = "the recording has no heights that could be estimated";
         return entry;
     }
-    Choice choice = choose(screened, trajectory, certifier.rows(), profile, config, gates);
+    const Candidates among =
+        candidates_of(screened, trajectory, certifier.rows(), profile, config, gates);
+    const Choice choice = choose(among);
     entry.candidates = std::ssize(choice.all);
     entry.missing = choice.missing;
     if (profile.window_kind == WindowKind::course && choice.chosen.empty() && entry.indicated)
         entry.missing =
             "as recorded the track passes over the course, but not within one stretch of usable "
             "epochs";
-    // Each is certified among those that do not overlap one chosen before it.
-    for (const FoundWindow& found : choice.chosen) {
-        add_window(certifier.certify(profile, found, choice.all, gates), entry);
-        std::erase_if(choice.all, [&](const FoundWindow& one) { return overlap(one, found); });
-    }
+    certify_best(certifier, among, choice, entry);
     return entry;
 }
 

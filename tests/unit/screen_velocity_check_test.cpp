@@ -108,7 +108,8 @@ TEST(VelocityCheck, FindsTheDelay) {
             for (const std::uint64_t seed : {1U, 2U, 3U}) {
                 Recording recording = smoothed({}, 1200, interval_s, delay_s, seed);
                 const auto found =
-                    check_velocities(recording.rows, recording.motion, recording.options());
+                    check_velocities(recording.rows, recording.motion, recording.options())
+                        .comparison;
                 ASSERT_TRUE(found && found->delay_s && found->sigma_delay_s);
                 EXPECT_NEAR(*found->delay_s, delay_s, 3.0 * *found->sigma_delay_s);
                 EXPECT_NEAR(*found->delay_s, delay_s, 0.01);
@@ -133,7 +134,7 @@ TEST(VelocityCheck, TheDelaysUncertaintyIsTheSpread) {
             }
             smooth_positions(recording);
             const auto found =
-                check_velocities(recording.rows, recording.motion, recording.options());
+                check_velocities(recording.rows, recording.motion, recording.options()).comparison;
             delays.push_back(found->delay_s.value());
             sigmas.push_back(found->sigma_delay_s.value());
         }
@@ -152,15 +153,17 @@ TEST(VelocityCheck, OutliersDoNotDecideTheDelay) {
         if (k % 20 == 7) *recording.rows[k].north_m += 0.2 * random.normal();
     }
     smooth_positions(recording);
-    const auto found = check_velocities(recording.rows, recording.motion, recording.options());
+    const auto found =
+        check_velocities(recording.rows, recording.motion, recording.options()).comparison;
     EXPECT_NEAR(found->delay_s.value(), 0.12, 0.01);
 }
 
 TEST(VelocityCheck, AnUnheededDelayLooksLikeErrors) {
     Recording recording = smoothed({}, 1200, 0.1, 0.12);
     auto rows = recording.rows;
-    const auto with = check_velocities(rows, recording.motion, recording.options());
-    const auto without = check_velocities(rows, recording.motion, recording.options(0.0));
+    const auto with = check_velocities(rows, recording.motion, recording.options()).comparison;
+    const auto without =
+        check_velocities(rows, recording.motion, recording.options(0.0)).comparison;
     EXPECT_FALSE(without->delay_s);
     // Between the recorded velocity's noise and both, the smoothed one's at most as stated.
     const double smoothed_sigma_m_s = std::sqrt(recording.motion[600]->velocity_covariance(0, 0));
@@ -171,7 +174,8 @@ TEST(VelocityCheck, AnUnheededDelayLooksLikeErrors) {
 
 TEST(VelocityCheck, SteadyMotionDoesNotTellTheDelay) {
     Recording recording = smoothed({.steady_m_s = 20.0, .sway_m_s = 0.0}, 1200, 0.1, 0.12);
-    const auto found = check_velocities(recording.rows, recording.motion, recording.options());
+    const auto found =
+        check_velocities(recording.rows, recording.motion, recording.options()).comparison;
     ASSERT_TRUE(found);
     EXPECT_FALSE(found->delay_s);
     EXPECT_FALSE(found->sigma_delay_s);
@@ -182,14 +186,16 @@ TEST(VelocityCheck, SteadyMotionDoesNotTellTheDelay) {
 // What lies beyond the range is not reported as its limit.
 TEST(VelocityCheck, ADelayBeyondTheRangeIsNotTold) {
     Recording recording = smoothed({}, 1200, 0.1, 0.5);
-    const auto found = check_velocities(recording.rows, recording.motion, recording.options(0.3));
+    const auto found =
+        check_velocities(recording.rows, recording.motion, recording.options(0.3)).comparison;
     EXPECT_FALSE(found->delay_s);
     EXPECT_TRUE(marked(recording).empty());
 }
 
 TEST(VelocityCheck, CleanDataStayAsTheyAre) {
     Recording recording = smoothed({}, 10'000, 0.1, 0.12, 9);
-    const auto found = check_velocities(recording.rows, recording.motion, recording.options());
+    const auto found =
+        check_velocities(recording.rows, recording.motion, recording.options()).comparison;
     EXPECT_GT(found->compared, 9990);
     EXPECT_EQ(found->rejected, 0);
     for (const ScreenedEpoch& row : recording.rows) {
@@ -219,7 +225,8 @@ TEST(VelocityCheck, HeavyTailsAndParkedStretchesMarkNothing) {
         }
     }
     smooth_positions(recording);
-    const auto found = check_velocities(recording.rows, recording.motion, recording.options());
+    const auto found =
+        check_velocities(recording.rows, recording.motion, recording.options()).comparison;
     EXPECT_LT(found->scale_m_s, velocity_sigma_m_s);
     EXPECT_NEAR(found->delay_s.value(), 0.12, 3.0 * found->sigma_delay_s.value());
     EXPECT_TRUE(marked(recording).empty());
@@ -230,7 +237,8 @@ TEST(VelocityCheck, AWrongPositionIsMarkedAndOnlyIt) {
         Recording recording = record({}, 600, interval_s, 0.12, 3);
         *recording.rows[300].east_m += 3.0 * interval_s;  // 3 m/s wrong on both sides
         smooth_positions(recording);
-        const auto found = check_velocities(recording.rows, recording.motion, recording.options());
+        const auto found =
+            check_velocities(recording.rows, recording.motion, recording.options()).comparison;
         EXPECT_EQ(marked(recording), std::vector<std::int64_t>{301}) << interval_s;
         EXPECT_EQ(found->rejected, 1);
         const ScreenedEpoch& row = recording.rows[300];
@@ -241,7 +249,7 @@ TEST(VelocityCheck, AWrongPositionIsMarkedAndOnlyIt) {
         EXPECT_GT(row.statistic.value(), *row.threshold);
         // Smoothed again without it, nothing more is found.
         smooth_positions(recording);
-        check_velocities(recording.rows, recording.motion, recording.options());
+        check_velocities(recording.rows, recording.motion, recording.options()).comparison;
         EXPECT_EQ(marked(recording), std::vector<std::int64_t>{301}) << interval_s;
     }
 }
@@ -253,7 +261,8 @@ TEST(VelocityCheck, DisplacementsHeedTheDelay) {
     *recording.rows[300].east_m += 0.15;
     smooth_positions(recording);
     auto rows = recording.rows;
-    EXPECT_EQ(check_velocities(rows, recording.motion, recording.options(0.0))->rejected, 0);
+    EXPECT_EQ(check_velocities(rows, recording.motion, recording.options(0.0)).comparison->rejected,
+              0);
     check_velocities(recording.rows, recording.motion, recording.options());
     EXPECT_EQ(marked(recording), std::vector<std::int64_t>{301});
 }
@@ -273,7 +282,7 @@ TEST(VelocityCheck, ADriftIsMarked) {
             *recording.rows[k].north_m +=
                 c.interval_s * static_cast<double>(std::min(k, last) - first);
         smooth_positions(recording);
-        check_velocities(recording.rows, recording.motion, recording.options());
+        check_velocities(recording.rows, recording.motion, recording.options()).comparison;
         std::size_t inside = 0;
         for (std::size_t k = 0; k < recording.rows.size(); ++k) {
             if (recording.rows[k].usable) continue;
@@ -292,7 +301,8 @@ TEST(VelocityCheck, OnlyUsableRowsAreMarked) {
     recording.rows[300].usable = false;
     recording.rows[300].reason = Reason::outlier;
     smooth_positions(recording);
-    const auto found = check_velocities(recording.rows, recording.motion, recording.options());
+    const auto found =
+        check_velocities(recording.rows, recording.motion, recording.options()).comparison;
     EXPECT_EQ(found->rejected, 0);
     EXPECT_EQ(recording.rows[300].reason, Reason::outlier);
 }
@@ -308,7 +318,8 @@ TEST(VelocityCheck, ArcsAreNeverJoined) {
             *row.recorded_velocity_east_m_s += 10.0;
         }
         smooth_positions(recording);
-        const auto found = check_velocities(recording.rows, recording.motion, recording.options());
+        const auto found =
+            check_velocities(recording.rows, recording.motion, recording.options()).comparison;
         EXPECT_TRUE(marked(recording).empty());
         EXPECT_NEAR(found->delay_s.value(), delay_s, 0.01);
         // Two epochs at one end of each arc look out of it.
@@ -321,7 +332,8 @@ TEST(VelocityCheck, ReceiversThatDoNotFillTheField) {
     for (const double constant : {0.0, 7.0}) {
         for (ScreenedEpoch& row : recording.rows)
             row.recorded_velocity_east_m_s = row.recorded_velocity_north_m_s = constant;
-        const auto found = check_velocities(recording.rows, recording.motion, recording.options());
+        const auto found =
+            check_velocities(recording.rows, recording.motion, recording.options()).comparison;
         ASSERT_TRUE(found);
         EXPECT_EQ(found->compared, 0);
         EXPECT_FALSE(found->delay_s);
@@ -334,12 +346,12 @@ TEST(VelocityCheck, TooFewToCompare) {
     auto few = recording.rows;
     for (std::size_t k = 29; k < few.size(); ++k)
         few[k].recorded_velocity_north_m_s.reset();
-    EXPECT_FALSE(check_velocities(few, recording.motion, recording.options()));
+    EXPECT_FALSE(check_velocities(few, recording.motion, recording.options()).comparison);
 
     auto unusable = recording.rows;
     for (std::size_t k = 29; k < unusable.size(); ++k)
         unusable[k].usable = false;
-    const auto found = check_velocities(unusable, recording.motion, recording.options());
+    const auto found = check_velocities(unusable, recording.motion, recording.options()).comparison;
     ASSERT_TRUE(found);
     EXPECT_EQ(found->compared, 0);
 }

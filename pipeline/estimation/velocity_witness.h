@@ -1,0 +1,126 @@
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "estimation/witness.h"
+
+namespace runcert {
+
+/// A velocity as recorded (m/s). Those with the same `stretch` follow one another without a hole.
+template <int Axes>
+struct TimedVelocity {
+    double time_s = 0.0;
+    PositionVector<Axes> velocity = PositionVector<Axes>::Zero();
+    std::int64_t stretch = 0;
+};
+
+/// The errors of recorded velocities.
+///
+/// What they leave in a displacement over a time T is known from two sides. The recording shows by
+/// how much displacements by velocities and by positions differ, over spans of many lengths L. Of
+/// errors that are not negatively correlated the variance of a displacement grows at least as L and
+/// at most as its square. So that of any longer span times T / L bounds it from above: `density` is
+/// the least sd / sqrt(L) over all spans. And what a span shows beyond all that the positions' own
+/// errors can explain bounds it from below, by (T / L)^2: `shown_m_s` is the largest such sd / L.
+/// Between the two the stated accuracy holds, taken as one error that lasts for
+/// `correlation_time_s`. No velocity is taken to be better than `least_velocity_sigma_m_s`.
+inline constexpr double least_velocity_sigma_m_s = 0.03;  ///< as good receivers were seen to be
+struct VelocityErrorModel {
+    double delay_s = 0.0;        ///< of the recorded velocity behind the position
+    double sigma_delay_s = 0.0;  ///< its standard uncertainty
+    double density = std::numeric_limits<double>::infinity();  ///< m s^-1/2, each axis
+    std::optional<double> stated_m_s;                          ///< standard deviation, each axis
+    double shown_m_s = 0.0;                                    ///< of one that lasts, each axis
+    double correlation_time_s = 10.0;
+
+    /// Whether anything bounds the errors.
+    bool is_known() const { return std::isfinite(density) || stated_m_s.has_value(); }
+
+    /// Variance (m^2), each axis, of a displacement over `time_s`, without that of the delay.
+    double displacement_variance(double time_s) const;
+};
+
+/// Variance of the integral, over `time_s`, of a first-order Gauss-Markov process with unit
+/// variance and this correlation time: 2 tau (T - tau (1 - exp(-T / tau))), s^2.
+double integrated_gauss_markov(double time_s, double tau_s);
+
+/// Recorded velocities as a witness: their integral, between samples by cubic Hermite polynomials
+/// whose slopes are the differences of neighbours, taken a delay later. The covariance is that of
+/// the error model, of the delay (by what the velocity changes between the two instants), and of
+/// what the craft may do between samples with a white jerk of `jerk_density` (m s^-2.5).
+template <int Axes>
+class VelocityWitness final : public Witness<Axes> {
+  public:
+    /// `samples` with increasing times within each stretch, stretches one after the other.
+    VelocityWitness(std::vector<TimedVelocity<Axes>> samples, const VelocityErrorModel& errors,
+                    double jerk_density);
+
+    std::optional<WitnessedMotion<Axes>> between(double from_s, double to_s) const override;
+
+    const VelocityErrorModel& errors() const { return errors_; }
+    void set_errors(const VelocityErrorModel& errors) { errors_ = errors; }
+    std::span<const TimedVelocity<Axes>> samples() const { return samples_; }
+
+  private:
+    /// An instant: the sample before it, and the part of the step after that sample, 0 to 1.
+    struct Place {
+        std::size_t sample = 0;
+        double part = 0.0;
+    };
+    std::optional<Place> place_of(double time_s) const;
+    double step_s(std::size_t k) const { return samples_[k + 1].time_s - samples_[k].time_s; }
+    PositionVector<Axes> velocity_at(const Place& place) const;
+    /// From a sample to a part of the step after it.
+    PositionVector<Axes> moved_in_step(std::size_t k, double part) const;
+    double path_in_step(std::size_t k, double part) const;
+
+    std::vector<TimedVelocity<Axes>> samples_;
+    std::vector<PositionVector<Axes>> slopes_;
+    std::vector<PositionVector<Axes>> moved_;  ///< up to each sample
+    std::vector<double> path_;
+    std::vector<double> unseen_;  ///< sum of the fifth powers of the steps up to each sample, s^5
+    VelocityErrorModel errors_;
+    double jerk_density_;
+};
+
+/// A measured position (m) with its standard deviation of each axis.
+template <int Axes>
+struct TimedPosition {
+    double time_s = 0.0;
+    PositionVector<Axes> position = PositionVector<Axes>::Zero();
+    double sigma_m = 0.0;
+    std::int64_t stretch = 0;  ///< positions of different ones are never compared
+};
+
+/// How displacements by velocities and by positions differ over spans of one length.
+struct DisplacementSpread {
+    double span_s = 0.0;
+    std::int64_t spans = 0;    ///< compared; they overlap
+    double independent = 0.0;  ///< so many lengths of span are covered
+    double sd_m = 0.0;         ///< robust standard deviation, each axis
+    double sd_upper_m = 0.0;   ///< not exceeded with a probability of 95 %, for normal errors
+};
+
+/// The spread over spans of `span_s`, of those during which the craft moved at half the speed of
+/// its fastest tenth or more; nothing where these cover less than five times the length.
+template <int Axes>
+std::optional<DisplacementSpread> displacement_spread(
+    const VelocityWitness<Axes>& witness, std::span<const TimedPosition<Axes>> positions,
+    double span_s);
+
+/// The error model of velocities that lag by `delay_s`, with the spreads over 3, 10, 30, 100 and
+/// 300 s that it comes from. `witness` needs the delay alone in its errors.
+template <int Axes>
+struct EstimatedVelocityErrors {
+    VelocityErrorModel model;
+    std::vector<DisplacementSpread> spreads;
+};
+template <int Axes>
+EstimatedVelocityErrors<Axes> estimate_velocity_errors(
+    const VelocityWitness<Axes>& witness, std::span<const TimedPosition<Axes>> positions,
+    std::optional<double> stated_m_s);
+
+}  // namespace runcert

@@ -1,0 +1,247 @@
+#include "stages/window/allowance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "stages/window/sample_series.h"
+#include "stages/window/witnesses.h"
+
+namespace runcert {
+namespace {
+
+constexpr double nothing_to_claim = std::numeric_limits<double>::infinity();
+
+/// The largest of consecutive values, from any one to any other, in constant time.
+class RangeMaximum {
+  public:
+    explicit RangeMaximum(std::vector<double> values) : tables_{std::move(values)} {
+        for (std::size_t length = 1; 2 * length <= tables_.front().size(); length *= 2) {
+            const std::vector<double>& shorter = tables_.back();
+            std::vector<double> longer(shorter.size() - length);
+            for (std::size_t i = 0; i < longer.size(); ++i)
+                longer[i] = std::max(shorter[i], shorter[i + length]);
+            tables_.push_back(std::move(longer));
+        }
+    }
+
+    /// Of the values first to last, both included.
+    double operator()(std::size_t first, std::size_t last) const {
+        std::size_t power = 0;
+        while ((std::size_t{2} << power) <= last - first + 1)
+            ++power;
+        const std::vector<double>& table = tables_[power];
+        return std::max(table[first], table[last + 1 - (std::size_t{1} << power)]);
+    }
+
+  private:
+    std::vector<std::vector<double>> tables_;
+};
+
+/// Running sums over rows: `sum(first, last)` is of both and all between.
+class RunningSum {
+  public:
+    void add(double value) { sums_.push_back(sums_.back() + value); }
+    double operator()(std::size_t first, std::size_t last) const {
+        return sums_[last + 1] - sums_[first];
+    }
+
+  private:
+    std::vector<double> sums_{0.0};
+};
+
+double squared(const OptionalReal& value) {
+    return value ? *value * *value : 0.0;
+}
+
+/// The stated variance of an epoch's position, as the profile counts it.
+double stated_variance(const ScreenedEpoch& row, Dimension dimension) {
+    const double level = 0.5 * (squared(row.sigma_east_m) + squared(row.sigma_north_m));
+    const double upright = squared(row.sigma_up_m);
+    if (dimension == Dimension::horizontal) return level;
+    return dimension == Dimension::vertical ? upright : std::max(level, upright);
+}
+
+/// The largest single error at an epoch that screening could have missed, m.
+double missed_at(const ScreenedEpoch& row, Dimension dimension) {
+    const MinimalDetectableBias& level = row.detectable;
+    const double horizontal = std::max(level.outlier_m.value_or(0.0), level.step_m.value_or(0.0));
+    const double vertical =
+        std::max(level.outlier_up_m.value_or(0.0), level.step_up_m.value_or(0.0));
+    if (dimension == Dimension::horizontal) return horizontal;
+    return dimension == Dimension::vertical ? vertical : std::max(horizontal, vertical);
+}
+
+/// What of an uncertainty of the reference goes with what; m/s.
+struct ReferenceFigures {
+    double positions = 0.0;  ///< without undetected errors
+    double undetected = 0.0;
+    double others = 0.0;  ///< what is the same everywhere
+    double bias_limit = 0.0;
+    double stated_m = 0.0;
+    double missed_m = 0.0;
+    double duration_s = 0.0;
+};
+
+double contribution(const std::vector<BudgetRow>& rows, std::string_view symbol) {
+    const auto row = std::ranges::find(rows, symbol, &BudgetRow::symbol);
+    return row == rows.end() ? 0.0 : row->contribution_m_s;
+}
+
+/// A recording's epochs, ready to be asked for any window of it.
+class Expectation {
+  public:
+    Expectation(const ScreenedTable& screened, const TrajectoryTable& trajectory,
+                const std::vector<ArcRows>& arcs, const Profile& profile,
+                const Reference& reference, const Witness<2>* velocities, const Witness<1>* rates)
+        : trajectory_(trajectory),
+          arcs_(arcs),
+          profile_(profile),
+          velocities_(velocities),
+          rates_(rates),
+          missed_(missed_of(screened, profile.dimension)) {
+        for (const ScreenedEpoch& row : screened.rows) {
+            stated_.add(row.usable ? stated_variance(row, profile.dimension) : 0.0);
+            usable_.add(row.usable ? 1.0 : 0.0);
+            if (profile.speed_source != SpeedSource::velocity) continue;
+            const auto speed = recorded_speed(row, profile.dimension);
+            const bool stated = speed && speed->standard_uncertainty_m_s;
+            velocity_.add(stated ? *speed->standard_uncertainty_m_s : 0.0);
+            silent_.add(stated ? 0.0 : 1.0);
+        }
+        floor_m_ = reference.window.bound
+                       ? std::max(reference.window.bound->floor_m, reference.window.bound->fitted_m)
+                       : 0.0;
+        scale_ = 1.0;
+        set_reference(reference);
+    }
+
+    double operator()(const FoundWindow& found) const {
+        const auto [first, last] = rows_of(found);
+        if (profile_.speed_source == SpeedSource::velocity) {
+            if (silent_(first, last) > 0.5) return nothing_to_claim;
+            return profile_.coverage_factor * velocity_(first, last) /
+                   static_cast<double>(last - first + 1);
+        }
+        const double duration_s = found.end.seconds() - found.start.seconds();
+        const double shorter = reference_.duration_s / duration_s;
+        const double positions =
+            reference_.positions * shorter * error_m(first, last) / reference_.stated_m;
+        const double undetected =
+            reference_.missed_m > 0.0
+                ? reference_.undetected * shorter * missed_(first, last) / reference_.missed_m
+                : 0.0;
+        double square = positions * positions + undetected * undetected;
+        double rest = 1.0;
+        if (const auto witnessed = witnessed_at(found, positions, std::sqrt(square))) {
+            if (witnessed->normalised_error > 1.0) return nothing_to_claim;
+            const double share = witnessed->share;
+            rest = 1.0 - share;
+            square =
+                rest * rest * square +
+                share * share *
+                    (witnessed->standard_uncertainty_m_s * witnessed->standard_uncertainty_m_s +
+                     witnessed->difference_m_s * witnessed->difference_m_s);
+        }
+        const double bias = reference_.positions > 0.0
+                                ? rest * reference_.bias_limit * positions / reference_.positions
+                                : 0.0;
+        return profile_.coverage_factor *
+                   std::sqrt(square + reference_.others * reference_.others) +
+               bias;
+    }
+
+  private:
+    static RangeMaximum missed_of(const ScreenedTable& screened, Dimension dimension) {
+        std::vector<double> missed;
+        missed.reserve(screened.rows.size());
+        for (const ScreenedEpoch& row : screened.rows)
+            missed.push_back(missed_at(row, dimension));
+        return RangeMaximum(std::move(missed));
+    }
+
+    EpochPair rows_of(const FoundWindow& found) const {
+        const std::vector<std::size_t>& rows = arcs_[found.series].rows;
+        return {rows[found.first], rows[found.last]};
+    }
+
+    /// Size of the positions' errors in a window, as `error_bound` has it.
+    double error_m(std::size_t first, std::size_t last) const {
+        const double stated = std::sqrt(stated_(first, last) / std::max(1.0, usable_(first, last)));
+        return std::max(scale_ * stated, floor_m_);
+    }
+
+    void set_reference(const Reference& reference) {
+        const CertifiableWindow& window = reference.window;
+        const auto [first, last] = rows_of(reference.found);
+        const double stated = std::sqrt(stated_(first, last) / std::max(1.0, usable_(first, last)));
+        if (window.bound && stated > 0.0) scale_ = window.bound->stated_m / stated;
+        const double share = window.witnesses.empty() ? 0.0 : window.witnesses.front().share;
+        const double rest = std::max(1.0 - share, 1e-9);
+        reference_.positions = position_uncertainty(window.budget, Undetected::left_out) / rest;
+        reference_.undetected = contribution(window.budget, "d") / rest;
+        for (const char* symbol : {"k", "m", "c", "a"})
+            reference_.others = std::hypot(reference_.others, contribution(window.budget, symbol));
+        reference_.bias_limit = window.bias_limit_m_s / rest;
+        reference_.stated_m = std::max(error_m(first, last), 1e-9);
+        reference_.missed_m = missed_(first, last);
+        reference_.duration_s = window.span.duration.seconds();
+    }
+
+    std::optional<WitnessedSpeed> witnessed_at(const FoundWindow& found, double positions,
+                                               double with_undetected) const {
+        const bool vertical = profile_.dimension == Dimension::vertical;
+        if (vertical ? rates_ == nullptr : velocities_ == nullptr) return std::nullopt;
+        const auto [first, last] = rows_of(found);
+        const TrajectoryEpoch& from = trajectory_.rows[first];
+        const TrajectoryEpoch& to = trajectory_.rows[last];
+        // Between epochs that enclose it: the window itself may begin and end at any instant.
+        const double start_s = from.time.seconds();
+        const double end_s = to.time.seconds();
+        const auto filled = [&](auto figures) {
+            figures.start_s = start_s;
+            figures.end_s = end_s;
+            figures.by_path = false;
+            figures.speed_m_s = figures.displacement_m.norm() / (end_s - start_s);
+            figures.standard_uncertainty_m_s = positions;
+            figures.with_undetected_m_s = with_undetected;
+            return figures;
+        };
+        if (vertical)
+            return witnessed_speed<1>(
+                *rates_, filled(PositionFigures<1>{.displacement_m =
+                                                       SpeedVector<1>(*to.up_m - *from.up_m)}));
+        return witnessed_speed<2>(
+            *velocities_, filled(PositionFigures<2>{
+                              .displacement_m = SpeedVector<2>(*to.east_m - *from.east_m,
+                                                               *to.north_m - *from.north_m)}));
+    }
+
+    const TrajectoryTable& trajectory_;
+    const std::vector<ArcRows>& arcs_;
+    const Profile& profile_;
+    const Witness<2>* velocities_;
+    const Witness<1>* rates_;
+    RangeMaximum missed_;
+    RunningSum stated_;
+    RunningSum usable_;
+    RunningSum velocity_;  ///< stated standard uncertainties of recorded speeds
+    RunningSum silent_;    ///< rows that state none
+    double floor_m_ = 0.0;
+    double scale_ = 1.0;
+    ReferenceFigures reference_;
+};
+
+}  // namespace
+
+Allowance expected_allowance(const ScreenedTable& screened, const TrajectoryTable& trajectory,
+                             const std::vector<ArcRows>& arcs, const Profile& profile,
+                             const Reference& reference, const Witness<2>* velocities,
+                             const Witness<1>* rates) {
+    const auto expectation = std::make_shared<const Expectation>(
+        screened, trajectory, arcs, profile, reference, velocities, rates);
+    return [expectation](const FoundWindow& found) { return (*expectation)(found); };
+}
+
+}  // namespace runcert

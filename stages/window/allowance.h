@@ -1,0 +1,31 @@
+#pragma once
+
+#include <vector>
+
+#include "estimation/tables/certifiable.h"
+#include "stages/window/certify.h"
+
+namespace runcert {
+
+/// What a window is expected to be certified with, from one that has been certified, so that the
+/// one of the highest claim can be looked for before each is.
+struct Reference {
+    const CertifiableWindow& window;
+    const FoundWindow& found;
+};
+
+/// For any window of the recording, the expanded uncertainty that it is expected to have under the
+/// profile: that of the reference, by source, in proportion. What positions' errors make goes with
+/// the stated standard deviation of the window's epochs over its duration; what an undetected error
+/// makes, with the largest that screening could have missed in it; and of the witnesses what they
+/// say of this very window. Infinite where a witness contradicts the window: nothing can be
+/// claimed.
+///
+/// `velocities` are the recorded ones as a witness, or null. Linear to set up; a window costs the
+/// logarithm of the rows.
+Allowance expected_allowance(const ScreenedTable& screened, const TrajectoryTable& trajectory,
+                             const std::vector<ArcRows>& arcs, const Profile& profile,
+                             const Reference& reference, const Witness<2>* velocities,
+                             const Witness<1>* rates);
+
+}  // namespace runcert

@@ -7,6 +7,7 @@
 #include "false_records.h"
 #include "identification_study.h"
 #include "motion_study.h"
+#include "people.h"
 #include "selection_study.h"
 
 using namespace runcert;
@@ -125,6 +126,18 @@ int main(int argc, char** argv) {
     false_records->add_option("--threads", records.threads, "0: as many as there are")
         ->capture_default_str();
 
+    PeopleOptions people;
+    bool people_as_csv = false;
+    CLI::App* of_people = app.add_subcommand("people", "Recordings of people's own devices");
+    of_people->add_option("--runs", people.runs, "of each kind")->capture_default_str();
+    of_people->add_option("--seed", people.seed)->capture_default_str();
+    of_people->add_option("--threads", people.threads, "0: as many as there are")
+        ->capture_default_str();
+    of_people->add_flag("--faults", people.faults,
+                        "each with an error that the device does not tell, of 3 minutes");
+    of_people->add_option("--only", people.only, "kinds whose name holds this");
+    of_people->add_flag("--csv", people_as_csv, "a line for each run");
+
     MotionStudyOptions motion_options;
     std::string only;
     bool budget = false;
@@ -150,6 +163,10 @@ int main(int argc, char** argv) {
                 std::fflush(stdout);
             }
     if (screening->parsed()) print_screening(study);
+    if (of_people->parsed()) {
+        const auto studied = study_people(people);
+        fmt::print("{}", people_as_csv ? people_csv(studied) : people_table(studied));
+    }
     if (false_records->parsed())
         fmt::print("{}", false_records_table(study_false_records(records)));
 }

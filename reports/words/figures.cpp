@@ -151,12 +151,33 @@ std::string seconds_text(ElapsedTime time) {
     return format_fixed(time.seconds(), 3) + " s";
 }
 
-std::string beginning_text(const WindowSpan& span) {
-    if (!span.start_gps) return format_fixed(span.start.seconds(), 3) + " s after the first epoch";
-    // "YYYY-MM-DDTHH:MM:SS.s": the time of day.
-    const std::string iso = to_utc_iso(*span.start_gps, 1);
+namespace {
+
+/// The time of day of "YYYY-MM-DDTHH:MM:SS.s".
+std::string time_of_day(GpsTime time) {
+    const std::string iso = to_utc_iso(time, 1);
     const std::size_t day = iso.find('T') + 1;
     return "at " + iso.substr(day, iso.find_first_not_of("0123456789:.", day) - day) + " UTC";
+}
+
+std::string after_first_epoch(ElapsedTime time) {
+    return format_fixed(time.seconds(), 1) + " s after the first epoch";
+}
+
+}  // namespace
+
+std::string instant_text(const std::optional<GpsTime>& first_epoch, ElapsedTime time) {
+    return first_epoch ? time_of_day(first_epoch->plus_nanoseconds(time.nanoseconds))
+                       : after_first_epoch(time);
+}
+
+std::string beginning_text(const WindowSpan& span) {
+    return span.start_gps ? time_of_day(*span.start_gps) : after_first_epoch(span.start);
+}
+
+std::string seconds_text(double duration_s) {
+    constexpr double long_s = 100.0;
+    return format_fixed(duration_s, duration_s < long_s ? 1 : 0) + " s";
 }
 
 std::string utc_text(GpsTime time) {

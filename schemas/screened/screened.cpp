@@ -46,6 +46,7 @@ void ScreeningSummary::add(const ScreenedEpoch& row) {
     usable += row.usable ? 1 : 0;
     if (row.arc) arcs = std::max(arcs, *row.arc);
     ++reasons[row.reason];
+    first_of.try_emplace(row.reason, row.epoch, row.time);
     if (row.hypothesis && rejected_by_test(row.reason)) ++decisions[*row.hypothesis];
     if (const auto hypothesis = decided_for(row.break_before)) ++decisions[*hypothesis];
 }

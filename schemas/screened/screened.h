@@ -1,6 +1,7 @@
 #pragma once
 
 #include <map>
+#include <utility>
 
 #include "schemas/screened/declared.h"
 
@@ -23,6 +24,8 @@ struct ScreeningSummary {
     std::int64_t usable = 0;
     std::int64_t arcs = 0;
     std::map<Reason, std::int64_t> reasons;
+    std::map<Reason, std::pair<std::int64_t, ElapsedTime>>
+        first_of;  ///< epoch and time of the first
     std::map<Hypothesis, std::int64_t> decisions;
 
     void add(const ScreenedEpoch& row);

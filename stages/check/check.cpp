@@ -135,8 +135,8 @@ std::string drift_words(const Decision& decision, const ClauseContext& context) 
     if (!decision.drift_survived_m) return {};
     const double duration_s = context.windows.best->span.duration.seconds();
     std::string words =
-        fmt::format(" To undo this, the positions would have to drift by {:.2f} m in {:.3g} s",
-                    *decision.drift_survived_m, duration_s);
+        fmt::format(" To undo this, the positions would have to drift by {:.2f} m in {}",
+                    *decision.drift_survived_m, seconds_text(duration_s));
     if (decision.drift_found_m_s && context.windows.best->detection_power)
         words += fmt::format(
             "; screening finds a drift of {:.2f} m there with a probability of {:.0f} %",
@@ -195,10 +195,10 @@ std::string refused_but_fast_enough(const ClauseContext& context) {
     if (shown_m_s < context.required_speed->speed_m_s) return {};
     const ShownFigures& shown = *context.shown;
     return fmt::format(
-        "The recording shows {} {} {:.3f} s after its first epoch, at or above the required {} {}. "
+        "The recording shows {} {} {}, at or above the required {} {}. "
         "That window cannot be certified (it holds {}). The fastest certifiable window, {}, "
         "does not show that the record was not beaten.",
-        beside(shown, shown_m_s, SafeSide::down), shown.unit, indicated->span.start.seconds(),
+        beside(shown, shown_m_s, SafeSide::down), shown.unit, beginning_text(indicated->span),
         shown.required_speed, shown.unit, fmt::join(indicated->refusals, ", "),
         measured_speed_text(shown));
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "reports/words/figures.h"
 #include "stages/check/against_limit.h"
 
 namespace runcert {
@@ -98,11 +99,11 @@ Finding computation::sample_accuracy(const Clause& clause, const ClauseContext& 
         {.name = "worst accuracy of a sample in the window",
          .value = (stated ? std::max(of_positions, of_velocities) : of_positions) / unit,
          .expanded_uncertainty = std::nullopt,
-         .note =
-             fmt::format("of two positions over the window {:.3g} {}; of the recorded velocity {}",
-                         of_positions / unit, clause.unit,
-                         stated ? fmt::format("{:.3g} {}", of_velocities / unit, clause.unit)
-                                : std::string("not stated throughout"))},
+         .note = fmt::format(
+             "of two positions over the window {} {}; of the recorded velocity {}",
+             significant_text(of_positions / unit, 3), clause.unit,
+             stated ? fmt::format("{} {}", significant_text(of_velocities / unit, 3), clause.unit)
+                    : std::string("not stated throughout"))},
         clause);
 }
 
@@ -139,12 +140,15 @@ Finding computation::fastest_certifiable(const Clause&, const ClauseContext& con
                 "the fastest window that the recording shows could be certified"};
     const double least_m_s = best->speed_m_s + 2.0 * best->standard_uncertainty_m_s;
     const std::string words =
-        fmt::format("the recording shows {:.3f} km/h in a window that cannot be certified ({})",
-                    indicated->speed_m_s * 3.6, fmt::join(indicated->refusals, ", "));
+        fmt::format("the recording{} {:.3f} km/h {} in a window that cannot be certified ({})",
+                    indicated->source == SpeedSource::velocity ? "'s velocities show" : " shows",
+                    indicated->speed_m_s * 3.6, beginning_text(indicated->span),
+                    fmt::join(indicated->refusals, ", "));
     std::vector<Figure> figures{
         {.name = "fastest as recorded", .value = indicated->speed_m_s, .unit = "m/s"}};
-    if (indicated->speed_m_s <= least_m_s)
-        return {RequirementStatus::met, words + ", which is no faster than the certified one",
+    // What its own epochs state makes so much of it worthless.
+    if (indicated->speed_m_s - indicated->stated_expanded_uncertainty_m_s <= least_m_s)
+        return {RequirementStatus::met, words + ", which shows no more than the certified one",
                 std::move(figures)};
     return {RequirementStatus::not_met, words + ": what the score would be is not known",
             std::move(figures)};

@@ -20,9 +20,36 @@ Figure speed_figure(std::string name, double speed_m_s, const std::string& unit,
             .shown = std::move(shown)};
 }
 
-/// Why not one epoch may take part: "none of the 400 epochs is usable: 398 ambiguities not fixed, 2
-/// no solution".
-std::string nothing_usable(const ScreeningSummary& screening) {
+/// Which key of the attempt decides what a reason rules out, and how to answer it; empty where
+/// none.
+std::string_view what_decides(Reason reason) {
+    switch (reason) {
+        case Reason::float_ambiguities:
+        case Reason::other_fix:
+            return "screen.allowed_fixes decides which fix types may be used";
+        case Reason::accuracy_missing:
+            return "state it in the attempt, accuracy: {horizontal_m: ...}";
+        case Reason::accuracy_absurd:
+            return "screen.accuracy_max_m decides";
+        case Reason::few_satellites:
+            return "screen.satellites_min decides";
+        case Reason::low_ratio:
+            return "screen.ratio_min decides";
+        case Reason::old_corrections:
+            return "screen.correction_age_max_s decides";
+        case Reason::short_arc:
+            return "screen.min_arc_epochs decides";
+        case Reason::no_position:
+            return "where heights alone are missing, give height_m";
+        default:
+            return {};
+    }
+}
+
+/// Why not one epoch may take part: the three commonest reasons with the first epoch of each.
+std::string nothing_usable(const ReceiverFindings& judged) {
+    constexpr std::size_t named = 3;
+    const ScreeningSummary& screening = judged.screening;
     std::int64_t epochs = 0;
     std::vector<std::pair<std::int64_t, Reason>> reasons;
     for (const auto& [reason, count] : screening.reasons) {
@@ -32,9 +59,16 @@ std::string nothing_usable(const ScreeningSummary& screening) {
     std::stable_sort(reasons.begin(), reasons.end(),
                      [](const auto& a, const auto& b) { return a.first > b.first; });
     std::vector<std::string> words;
-    for (const auto& [count, reason] : reasons)
-        words.push_back(fmt::format("{} {}", count, words_of(reason)));
-    return fmt::format("none of the {} epochs is usable: {}", epochs, fmt::join(words, ", "));
+    for (std::size_t i = 0; i < std::min(named, reasons.size()); ++i) {
+        const auto [count, reason] = reasons[i];
+        const auto& [epoch, time] = screening.first_of.at(reason);
+        const std::string_view decides = what_decides(reason);
+        words.push_back(fmt::format("{} {} (first epoch {}, {}{}{})", count, words_of(reason),
+                                    epoch, instant_text(judged.facts.first_epoch, time),
+                                    decides.empty() ? "" : "; ", decides));
+    }
+    return fmt::format("none of the {} epochs is usable: {}{}", epochs, fmt::join(words, ", "),
+                       reasons.size() > named ? ", and other reasons" : "");
 }
 
 double longest_stretch_s(const std::vector<TrajectoryEpoch>& rows) {
@@ -51,14 +85,14 @@ double longest_stretch_s(const std::vector<TrajectoryEpoch>& rows) {
 /// Why there is no certifiable window.
 std::string no_window(const ClauseContext& context) {
     const ReceiverFindings& judged = context.input.judged;
-    if (judged.screening.usable == 0) return nothing_usable(judged.screening);
+    if (judged.screening.usable == 0) return nothing_usable(judged);
     const std::string wanted = window_words(context.profile);
     std::string evidence =
         context.windows.missing.empty()
             ? fmt::format(
                   "no {} of the recording are without a break and without an unusable "
-                  "epoch, the longest arc having {:.3g} s",
-                  wanted, longest_stretch_s(judged.trajectory))
+                  "epoch, the longest arc having {}",
+                  wanted, seconds_text(longest_stretch_s(judged.trajectory)))
             : context.windows.missing;
     if (const auto& indicated = context.windows.indicated;
         indicated && !indicated->refusals.empty())

@@ -216,6 +216,7 @@ ScreenConfig screen_config(const Attempt& attempt) {
     config.ratio_min = parameters.at("ratio_min");
     config.correction_age_max_s = parameters.at("correction_age_max_s");
     config.gap_factor = parameters.at("gap_factor");
+    config.gap_max_s = parameters.at("gap_max_s");
     config.session_gap_s = parameters.at("session_gap_s");
     config.min_arc_epochs = parameters.at("min_arc_epochs");
     config.jerk_density = parameters.at("jerk_density");

@@ -19,6 +19,7 @@ struct ScreenConfig {
     double ratio_min = 0.0;
     double correction_age_max_s = 0.0;
     double gap_factor = 0.0;
+    double gap_max_s = 0.0;
     double session_gap_s = 0.0;
     std::int64_t min_arc_epochs = 0;
 

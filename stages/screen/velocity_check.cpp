@@ -312,9 +312,9 @@ std::vector<ContradictedSpan> contradicted_spans(const std::vector<ScreenedEpoch
                                     measured_position<2>(begin) - moved->displacement_m;
         // What positions themselves state, or a delay not well known does where the velocity
         // changes, is no drift.
-        const Matrix2d covariance =
-            spread.sd_upper_m * spread.sd_upper_m * Matrix2d::Identity() + moved->covariance_m2 +
-            stated_covariance<2>(begin) + stated_covariance<2>(rows[usable[to]]);
+        const Matrix2d covariance = spread.sd_upper_m * spread.sd_upper_m * Matrix2d::Identity() +
+                                    moved->covariance_m2 + stated_covariance<2>(begin) +
+                                    stated_covariance<2>(rows[usable[to]]);
         const double statistic = difference.dot(covariance.inverse() * difference);
         if (statistic > threshold) spans.push_back({from, to, difference, statistic});
     }

@@ -1,5 +1,6 @@
 #include "stages/window/sample_series.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/tangent_plane.h"
@@ -88,15 +89,18 @@ SampleSeries arc_series(const ScreenedTable& screened, const TrajectoryTable& tr
 /// that belongs to no arc, as a repeated time stamp.
 std::vector<std::int64_t> obstacles_in(const ScreenedTable& screened,
                                        const TrajectoryTable& trajectory, const Profile& profile) {
+    const auto longest_s = longest_step_of(profile, trajectory.facts.nominal_interval_s);
     std::vector<std::int64_t> obstacles;
     obstacles.reserve(trajectory.rows.size());
     for (std::size_t i = 0; i < trajectory.rows.size(); ++i) {
         const TrajectoryEpoch& row = trajectory.rows[i];
         const bool step = !profile.repaired_steps && begins_after_step(row);
+        const bool gap = longest_s && i > 0 &&
+                         row.time.seconds() - trajectory.rows[i - 1].time.seconds() > *longest_s;
         const bool silent = profile.speed_source == SpeedSource::velocity &&
                             !recorded_speed(screened.rows[i], profile.dimension);
         obstacles.push_back((obstacles.empty() ? 0 : obstacles.back()) +
-                            (!row.usable || step || silent ? 1 : 0));
+                            (!row.usable || step || gap || silent ? 1 : 0));
     }
     return obstacles;
 }
@@ -119,9 +123,28 @@ WindowCriteria window_criteria(const Profile& profile, double duration_tolerance
     return rule;
 }
 
+std::optional<double> longest_step_of(const Profile& profile, double nominal_interval_s) {
+    constexpr double regular = 1.5;
+    constexpr double rounding_s = 1e-6;
+    std::optional<double> longest_s;
+    for (const Clause& clause : profile.clauses)
+        if (clause.decided_by == Computation::sampling_rate && clause.limit && *clause.limit > 0.0)
+            longest_s = 1.0 / *clause.limit + rounding_s;
+    const bool mean = profile.definition == SpeedDefinition::mean_n ||
+                      profile.definition == SpeedDefinition::mean_n_plus_1;
+    if (mean)
+        longest_s = std::min(longest_s.value_or(regular * nominal_interval_s),
+                             regular * nominal_interval_s);
+    return longest_s;
+}
+
 std::optional<RecordedSpeed> recorded_speed(const RecordedVelocity& velocity, Dimension dimension) {
     const bool level = dimension != Dimension::vertical;
     const bool upright = dimension != Dimension::horizontal;
+    // Horizontally a speed without a course is as good.
+    if (!upright && !velocity.recorded_velocity_east_m_s && velocity.recorded_speed_m_s)
+        return RecordedSpeed{.speed_m_s = *velocity.recorded_speed_m_s,
+                             .standard_uncertainty_m_s = velocity.sigma_recorded_speed_m_s};
     if (level && !(velocity.recorded_velocity_east_m_s && velocity.recorded_velocity_north_m_s))
         return std::nullopt;
     if (upright && !velocity.recorded_velocity_up_m_s) return std::nullopt;

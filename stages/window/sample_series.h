@@ -14,6 +14,12 @@ namespace runcert {
 WindowCriteria window_criteria(const Profile& profile, double duration_tolerance_s,
                                double nominal_interval_s);
 
+/// The longest step of time (s) that a window of the profile may hold beside what screening joins:
+/// by the rule's rate of epochs, where a clause asks for one; and regular steps where the speed is
+/// a mean of the epochs' speeds, which gaps would weight wrongly. Empty where there is no such
+/// limit.
+std::optional<double> longest_step_of(const Profile& profile, double nominal_interval_s);
+
 /// The horizontal speed of a velocity, its vertical speed, or its speed in space; the standard
 /// uncertainty of it, first order, empty where one is missing.
 struct RecordedSpeed {

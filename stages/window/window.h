@@ -21,6 +21,7 @@ struct WindowConfig {
     std::int64_t monte_carlo_trials_max = 1'000'000;
     double plane_scale_bound = 0.001;
     double clock_rate_bound = 1e-4;  ///< of a clock that is not known to be the satellites'
+    double gap_max_s = 2.0;          ///< a longer gap ended the arc, in screening
     std::optional<Eigen::Vector3d> lever_arm = std::nullopt;  ///< m
     std::optional<double> rotation_bound_deg = std::nullopt;
 };
@@ -31,9 +32,11 @@ WindowConfig window_config(const Attempt& attempt, const Receiver& receiver);
 /// with all sources of uncertainty, and the fastest that the recording indicates.
 ///
 /// A certifiable window lies in one arc, holds no unusable epoch, spans no bridged step unless the
-/// profile allows repaired ones, and is as long as the rule says. Windows are compared on the
-/// trajectory, or on the recorded velocities where the profile takes these. The speed of the best
-/// is then stated as estimated with the position error bounded by the profile's rule
+/// profile allows repaired ones, has no step of time longer than the rule's rate allows, and is as
+/// long as the rule says. Windows are compared on the trajectory, or on the recorded velocities
+/// where the profile takes these: the fastest, and those of the highest speed that can be claimed,
+/// where these prove more. The speed of the best is then stated as estimated with the position
+/// error bounded by the profile's rule
 /// (`error_bound`), with the budget's combined uncertainty; the speed with the fitted noise, and
 /// that of the robust batch, stand beside it.
 ///
@@ -45,9 +48,9 @@ Windows find_windows(const ScreenedTable& screened, const TrajectoryTable& traje
 
 struct CourseGates;
 
-/// The fastest window of the recording as it is, offsets of bridged steps included, certifiable or
-/// not, with a sentence for each reason why it cannot be certified. A bridged step is one where
-/// such steps are refused.
+/// The window of the recording as it is, offsets of bridged steps included, that shows most by its
+/// positions or its recorded velocities and what these state of themselves, certifiable or not, with a sentence for each reason why it
+/// cannot be certified. A bridged step is one where such steps are refused.
 std::optional<IndicatedWindow> fastest_indicated(const ScreenedTable& screened,
                                                  const Profile& profile, const WindowConfig& config,
                                                  const std::optional<CourseGates>& gates);

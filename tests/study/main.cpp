@@ -77,8 +77,9 @@ void print_people(const PeopleStudyOptions& options, bool faults, const std::str
     for (PeopleKind kind : people_kinds()) {
         if (length_s > 0.0) kind.shortest_s = kind.longest_s = length_s;
         if (faults || kind.name.find(only) == std::string::npos) continue;
-        std::ranges::move(study_people(kind, options), std::back_inserter(results));
-        fmt::print(stderr, "{}\n", kind.name);
+        std::vector<PeopleResult> of_kind = study_people(kind, options);
+        fmt::print(stderr, "{}", people_table(of_kind));
+        std::ranges::move(of_kind, std::back_inserter(results));
     }
     fmt::print("{}", faults ? people_faults_table(results) : people_table(results));
     if (!csv_file.empty()) std::ofstream(csv_file) << people_csv(results);

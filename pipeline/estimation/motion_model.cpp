@@ -34,6 +34,22 @@ Eigen::Vector3d acceleration_response(double alpha, double s) {
     return {s * s * decay_second_mean(x), s * decay_mean(x), std::exp(-x)};
 }
 
+/// What white-noise jerk of density 1 does in a step of length 1: the integral over the step of the
+/// response times its transpose, by Gauss-Legendre quadrature with 15 points.
+Eigen::Matrix3d jerk_noise(double alpha) {
+    using Quadrature = boost::math::quadrature::gauss<double, 15>;
+    const auto at = [&](double s) -> Eigen::Matrix3d {
+        const Eigen::Vector3d one = acceleration_response(alpha, s);
+        return one * one.transpose();
+    };
+    const auto& points = Quadrature::abscissa();
+    const auto& weights = Quadrature::weights();
+    Eigen::Matrix3d sum = weights[0] * at(0.5);
+    for (std::size_t i = 1; i < points.size(); ++i)
+        sum += weights[i] * (at(0.5 + 0.5 * points[i]) + at(0.5 - 0.5 * points[i]));
+    return 0.5 * sum;
+}
+
 /// Spreads a 3x3 matrix and the scalar of the error over the state of all axes.
 template <int Axes>
 StateMatrix<Axes> on_all_axes(const Eigen::Matrix3d& motion, double error) {
@@ -92,16 +108,7 @@ AxisStep axis_step(const EstimationModel& model, double dt_s) {
     // In units of the step: position 1, velocity 1/dt, acceleration 1/dt^2.
     const double alpha = dt_s / model.motion.acceleration_time_s;
     const Eigen::Vector3d response = acceleration_response(alpha, 1.0);
-    Eigen::Matrix3d noise;
-    for (int row = 0; row < 3; ++row)
-        for (int column = row; column < 3; ++column)
-            noise(row, column) = noise(column, row) =
-                boost::math::quadrature::gauss<double, 15>::integrate(
-                    [&](double s) {
-                        const Eigen::Vector3d one = acceleration_response(alpha, s);
-                        return one(row) * one(column);
-                    },
-                    0.0, 1.0);
+    const Eigen::Matrix3d noise = jerk_noise(alpha);
     const double q = model.motion.jerk_density * model.motion.jerk_density;
     const Eigen::Vector3d unit(dt_s * dt_s, dt_s, 1.0);
     AxisStep step;

@@ -1,13 +1,15 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cstdlib>
+#include <fstream>
 #include <map>
 
 #include "coverage.h"
 #include "false_records.h"
 #include "identification_study.h"
 #include "motion_study.h"
-#include "people.h"
+#include "people_study.h"
 #include "selection_study.h"
 
 using namespace runcert;
@@ -64,6 +66,23 @@ void print_motion(const MotionStudyOptions& options, const std::string& only, bo
             if (!one.failure.empty()) fmt::print("    {}\n", one.failure);
         std::fflush(stdout);
     }
+}
+
+void print_people(const PeopleStudyOptions& options, bool faults, const std::string& only,
+                  double length_s, const std::string& csv_file) {
+    // Each run is one thread's, so that its processor time is what it takes on one core.
+    setenv("RUNCERT_THREADS", "1", 1);
+    std::vector<PeopleResult> results;
+    if (faults) results = study_people_faults(options);
+    for (PeopleKind kind : people_kinds()) {
+        if (length_s > 0.0) kind.shortest_s = kind.longest_s = length_s;
+        if (faults || kind.name.find(only) == std::string::npos) continue;
+        std::vector<PeopleResult> of_kind = study_people(kind, options);
+        fmt::print(stderr, "{}", people_table(of_kind));
+        std::ranges::move(of_kind, std::back_inserter(results));
+    }
+    fmt::print("{}", faults ? people_faults_table(results) : people_table(results));
+    if (!csv_file.empty()) std::ofstream(csv_file) << people_csv(results);
 }
 
 }  // namespace
@@ -126,18 +145,6 @@ int main(int argc, char** argv) {
     false_records->add_option("--threads", records.threads, "0: as many as there are")
         ->capture_default_str();
 
-    PeopleOptions people;
-    bool people_as_csv = false;
-    CLI::App* of_people = app.add_subcommand("people", "Recordings of people's own devices");
-    of_people->add_option("--runs", people.runs, "of each kind")->capture_default_str();
-    of_people->add_option("--seed", people.seed)->capture_default_str();
-    of_people->add_option("--threads", people.threads, "0: as many as there are")
-        ->capture_default_str();
-    of_people->add_flag("--faults", people.faults,
-                        "each with an error that the device does not tell, of 3 minutes");
-    of_people->add_option("--only", people.only, "kinds whose name holds this");
-    of_people->add_flag("--csv", people_as_csv, "a line for each run");
-
     MotionStudyOptions motion_options;
     std::string only;
     bool budget = false;
@@ -150,9 +157,29 @@ int main(int argc, char** argv) {
     double motion_rate_hz = 10.0;
     motion->add_option("--rate", motion_rate_hz, "Hz")->capture_default_str();
     motion->add_option("--only", only, "cells whose name holds this");
+
+    PeopleStudyOptions people_options;
+    bool faults = false;
+    std::string people_only;
+    std::string csv_file;
+    CLI::App* people =
+        app.add_subcommand("people", "What people's own devices record, certified or refused");
+    people->add_option("--runs", people_options.runs, "a kind; with --faults, altogether")
+        ->capture_default_str();
+    people->add_option("--seed", people_options.seed)->capture_default_str();
+    people->add_option("--threads", people_options.threads, "0: as many as there are")
+        ->capture_default_str();
+    people->add_flag("--faults", faults, "with steps, spikes, ramps and multipath");
+    people->add_option("--only", people_only, "kinds whose name holds this");
+    double people_length_s = 0.0;
+    people->add_option("--length", people_length_s, "s, of every recording; 0: as of its kind")
+        ->capture_default_str();
+    people->add_option("--csv", csv_file, "a file for a line a run, with its budget");
     CLI11_PARSE(app, argc, argv);
 
     if (coverage->parsed()) print_coverage(options, rates_hz, jerk_density);
+    if (people->parsed())
+        print_people(people_options, faults, people_only, people_length_s, csv_file);
     if (motion->parsed()) print_motion(motion_options, only, budget, motion_rate_hz);
     if (selection->parsed())
         for (const double rate_hz : selection_rates_hz)
@@ -163,10 +190,6 @@ int main(int argc, char** argv) {
                 std::fflush(stdout);
             }
     if (screening->parsed()) print_screening(study);
-    if (of_people->parsed()) {
-        const auto studied = study_people(people);
-        fmt::print("{}", people_as_csv ? people_csv(studied) : people_table(studied));
-    }
     if (false_records->parsed())
         fmt::print("{}", false_records_table(study_false_records(records)));
 }

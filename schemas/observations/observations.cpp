@@ -2,7 +2,7 @@
 
 namespace runcert {
 
-static_assert(sizeof(Observation) <= 192, "recordings of millions of epochs are held whole");
+static_assert(sizeof(Observation) <= 208, "recordings of millions of epochs are held whole");
 
 template <int Axes>
 Eigen::Matrix<double, Axes, Axes> stated_covariance(const StatedAccuracy& accuracy) {

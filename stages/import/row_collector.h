@@ -101,6 +101,7 @@ void set_rows(Observations& observations, RowCollector timed);
 struct RowChanges {
     std::optional<double> height_m;  ///< of every position
     std::optional<double> sigma_horizontal_m, sigma_up_m;
+    std::optional<double> sigma_velocity_m_s;  ///< of what is recorded and states none
 
     void apply(Observation& row) const;
 };

@@ -10,6 +10,7 @@
 #include "core/text.h"
 #include "stages/import/cell.h"
 #include "stages/import/earth.h"
+#include "stages/import/unfilled.h"
 
 namespace runcert {
 namespace {
@@ -228,6 +229,7 @@ RowChanges apply_attempt(Observations& head, const RowSummary& rows, const Recei
 }
 
 void apply_attempt(Observations& observations, const Receiver& receiver, bool start_is_used) {
+    drop_unfilled_velocities(observations);
     RowSummary summary;
     for (const Observation& row : observations.rows)
         summary.add(row);

@@ -99,12 +99,12 @@ Facts declared(const Receiver& receiver) {
     const auto metres = [](const std::optional<double>& value) {
         return value ? quantity_text(*value) + " m" : std::string();
     };
-    if (receiver.accuracy)
-        add("Accuracy, by the attempt",
-            fmt::format("{} horizontal{}", metres(receiver.accuracy->horizontal_m),
-                        receiver.accuracy->vertical_m
-                            ? ", " + metres(receiver.accuracy->vertical_m) + " vertical"
-                            : ""));
+    if (receiver.accuracy) {
+        add("Horizontal accuracy, by the attempt", metres(receiver.accuracy->horizontal_m));
+        add("Vertical accuracy, by the attempt", metres(receiver.accuracy->vertical_m));
+        if (const auto& velocity = receiver.accuracy->velocity_m_s)
+            add("Accuracy of velocities, by the attempt", quantity_text(*velocity) + " m/s");
+    }
     if (receiver.lever_arm)
         add("Lever arm, by the attempt", fmt::format("{} m forward, {} m right, {} m down",
                                                      quantity_text((*receiver.lever_arm)[0]),

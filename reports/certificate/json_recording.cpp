@@ -35,9 +35,10 @@ Json stated_json(const Receiver& receiver) {
     Json json = Json::object();
     if (receiver.antenna_height_m) json["antenna_height_m"] = *receiver.antenna_height_m;
     if (receiver.accuracy) {
-        json["accuracy_horizontal_m"] = receiver.accuracy->horizontal_m;
-        if (receiver.accuracy->vertical_m)
-            json["accuracy_vertical_m"] = *receiver.accuracy->vertical_m;
+        const AttemptAccuracy& accuracy = *receiver.accuracy;
+        if (accuracy.horizontal_m) json["accuracy_horizontal_m"] = *accuracy.horizontal_m;
+        if (accuracy.vertical_m) json["accuracy_vertical_m"] = *accuracy.vertical_m;
+        if (accuracy.velocity_m_s) json["accuracy_velocity_m_s"] = *accuracy.velocity_m_s;
     }
     return json;
 }
@@ -78,6 +79,9 @@ Json recording_facts(const ReceiverResults& results, const Json& recording) {
     if (stated.contains("accuracy_vertical_m"))
         facts.push_back(
             fact("Vertical accuracy stated", stated["accuracy_vertical_m"].dump() + " m"));
+    if (stated.contains("accuracy_velocity_m_s"))
+        facts.push_back(fact("Accuracy of velocities stated by the attempt",
+                             stated["accuracy_velocity_m_s"].dump() + " m/s"));
     if (stated.contains("antenna_height_m"))
         facts.push_back(fact("Antenna above the ground", stated["antenna_height_m"].dump() + " m"));
     return facts;

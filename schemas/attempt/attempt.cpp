@@ -118,6 +118,17 @@ nlohmann::ordered_json reading_of(const YamlValue& entry) {
     return stated;
 }
 
+/// Of positions, of velocities, or of both.
+AttemptAccuracy read_accuracy(const YamlValue& entry) {
+    const AttemptAccuracy accuracy{.horizontal_m = entry["horizontal_m"].optional_real(),
+                                   .vertical_m = entry["vertical_m"].optional_real(),
+                                   .velocity_m_s = entry["velocity_mps"].optional_real()};
+    if (!accuracy.horizontal_m && (accuracy.vertical_m || !accuracy.velocity_m_s))
+        entry.fail("\"horizontal_m\" is missing",
+                   "Add horizontal_m; only velocity_mps may stand without it");
+    return accuracy;
+}
+
 Receiver read_receiver(const YamlValue& entry) {
     Receiver receiver;
     receiver.id = read_id(entry["id"]);
@@ -142,8 +153,7 @@ Receiver read_receiver(const YamlValue& entry) {
     receiver.start_gps = read_gps_time(entry["start_gps"]);
     receiver.height_m = entry["height_m"].optional_real();
     if (const YamlValue accuracy = entry["accuracy"]; accuracy.exists())
-        receiver.accuracy = AttemptAccuracy{.horizontal_m = accuracy["horizontal_m"].real(),
-                                            .vertical_m = accuracy["vertical_m"].optional_real()};
+        receiver.accuracy = read_accuracy(accuracy);
     receiver.solution = entry["solution"].text_or("");
     receiver.time_source = entry["time_source"].text_or("");
     receiver.antenna_height_m = entry["antenna_height_m"].optional_real();

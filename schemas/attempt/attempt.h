@@ -25,10 +25,11 @@ struct Official {
 enum class CoordinateFrame { geodetic, ecef, utm, local_plane };
 std::string_view to_text(CoordinateFrame frame);
 
-/// Standard deviation of each coordinate (m), as the attempt states it.
+/// Standard deviation of each coordinate (m) or component, as the attempt states it.
 struct AttemptAccuracy {
-    double horizontal_m = 0.0;
-    std::optional<double> vertical_m;
+    std::optional<double> horizontal_m = std::nullopt;
+    std::optional<double> vertical_m = std::nullopt;
+    std::optional<double> velocity_m_s = std::nullopt;  ///< of recorded velocities or speeds
 };
 
 struct Receiver {

@@ -71,6 +71,8 @@ EnuEpoch carried_over(const Observation& row) {
     static_cast<EpochQuality&>(epoch) = row;
     epoch.epoch = row.epoch;
     epoch.time = row.time;
+    epoch.recorded_speed_m_s = row.recorded_speed_m_s;
+    epoch.sigma_recorded_speed_m_s = row.sigma_recorded_speed_m_s;
     return epoch;
 }
 

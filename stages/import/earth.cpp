@@ -6,6 +6,7 @@
 
 #include "core/failure.h"
 #include "core/text.h"
+#include "stages/import/row_summary.h"
 
 namespace runcert {
 namespace {
@@ -97,9 +98,28 @@ void set_velocity(RecordedVelocity& row, double east_m_s, double north_m_s) {
     row.recorded_velocity_north_m_s = north_m_s;
 }
 
-void set_velocity(RecordedVelocity& row, double speed_m_s, Angle course) {
-    set_velocity(row, speed_m_s * std::sin(course.radians()),
-                 speed_m_s * std::cos(course.radians()));
+std::optional<Angle> course_of(const std::optional<double>& degrees) {
+    return degrees ? std::optional(Angle::from_degrees(*degrees)) : std::nullopt;
+}
+
+void set_speed(RecordedVelocity& row, double speed_m_s, const std::optional<Angle>& course) {
+    if (!(speed_m_s >= 0.0) || !std::isfinite(speed_m_s)) return;
+    if (speed_m_s == 0.0) return set_velocity(row, 0.0, 0.0);
+    const bool known = course && course->degrees() >= 0.0 && course->degrees() <= 360.0;
+    if (known)
+        set_velocity(row, speed_m_s * std::sin(course->radians()),
+                     speed_m_s * std::cos(course->radians()));
+    else
+        row.recorded_speed_m_s = speed_m_s;
+}
+
+void set_component_accuracy(RecordedVelocity& row, double sigma_m_s) {
+    if (has_velocity_accuracy(row)) return;
+    if (row.recorded_speed_m_s) row.sigma_recorded_speed_m_s = sigma_m_s;
+    if (!has_velocity(row)) return;
+    row.sigma_recorded_velocity_east_m_s = row.sigma_recorded_velocity_north_m_s = sigma_m_s;
+    if (row.recorded_velocity_up_m_s && !row.sigma_recorded_velocity_up_m_s)
+        row.sigma_recorded_velocity_up_m_s = sigma_m_s;
 }
 
 void set_velocity_accuracy(RecordedVelocity& row, double speed_sigma_m_s, int axes) {
@@ -107,6 +127,7 @@ void set_velocity_accuracy(RecordedVelocity& row, double speed_sigma_m_s, int ax
     const double each_m_s = speed_sigma_m_s / std::sqrt(static_cast<double>(axes));
     if (row.recorded_velocity_east_m_s) row.sigma_recorded_velocity_east_m_s = each_m_s;
     if (row.recorded_velocity_north_m_s) row.sigma_recorded_velocity_north_m_s = each_m_s;
+    if (row.recorded_speed_m_s) row.sigma_recorded_speed_m_s = each_m_s;
     if (row.recorded_velocity_up_m_s && axes == 3) row.sigma_recorded_velocity_up_m_s = each_m_s;
 }
 

@@ -35,12 +35,25 @@ void set_radial_accuracy(StatedAccuracy& row, double radial_m);
 
 /// Puts a recorded velocity (m/s) into a row.
 void set_velocity(RecordedVelocity& row, double east_m_s, double north_m_s);
-/// From speed over ground (m/s) and course, clockwise from true north.
-void set_velocity(RecordedVelocity& row, double speed_m_s, Angle course);
+
+/// The course of so many degrees clockwise from true north, where there is one.
+std::optional<Angle> course_of(const std::optional<double>& degrees);
+
+/// Puts a recorded speed over ground (m/s) into a row: with its course, clockwise from true north,
+/// from 0 to 360 degrees, as a velocity; without one, or with another, as a speed alone, because a
+/// component must not be made up. A speed of zero is a velocity of zero in any direction. A speed
+/// below zero or not finite is how devices, telephones first, write that they know none; so is a
+/// course below zero.
+void set_speed(RecordedVelocity& row, double speed_m_s, const std::optional<Angle>& course);
+
+/// Puts the accuracy of each component (m/s) of a recorded velocity, or of a recorded speed, into a
+/// row, where none is stated yet.
+void set_component_accuracy(RecordedVelocity& row, double sigma_m_s);
 
 /// Puts the accuracy of a recorded velocity into a row: of its length in `axes` (2 or 3)
 /// dimensions, root sum square of the coordinates', of which each is given 1/sqrt(axes). Only
-/// velocities that are there are given one. Not positive or not finite is unknown.
+/// velocities that are there are given one; so is a speed alone. Not positive or not finite is
+/// unknown.
 void set_velocity_accuracy(RecordedVelocity& row, double speed_sigma_m_s, int axes);
 
 /// Standard deviations and correlations of a covariance (m^2, towards east, north, up). A

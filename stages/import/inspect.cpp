@@ -17,12 +17,8 @@ constexpr double gap_factor = 1.5;
 constexpr std::int64_t shortest_window_ns = 2'999'000'000;
 constexpr std::int64_t window_ns = 3'000'000'000;
 
-bool has_velocity(const Observation& row) {
-    return row.recorded_velocity_east_m_s && row.recorded_velocity_north_m_s;
-}
-
-double horizontal_speed(const Observation& row) {
-    return std::hypot(*row.recorded_velocity_east_m_s, *row.recorded_velocity_north_m_s);
+bool has_speed(const Observation& row) {
+    return horizontal_speed(row).has_value();
 }
 
 Geodetic place_of(const Observation& row) {
@@ -139,7 +135,8 @@ double vertical_speed(const Observation& row) {
 /// The bests of a recording, and when they begin.
 void find_bests(const Observations& observations, Inspection& inspection) {
     inspection.best_by_position = best_by_position(observations);
-    inspection.best_by_velocity = best_mean(observations, has_velocity, horizontal_speed);
+    inspection.best_by_velocity = best_mean(
+        observations, has_speed, [](const Observation& row) { return *horizontal_speed(row); });
     inspection.best_vertical_by_position = best_vertical_by_position(observations);
     inspection.best_vertical_by_velocity =
         best_mean(observations, has_vertical_velocity, vertical_speed);
@@ -184,12 +181,16 @@ void count_rows(const Observations& observations, Inspection& inspection) {
     for (const Observation& row : observations.rows) {
         ++count[static_cast<std::size_t>(row.fix)];
         inspection.without_position += has_position(row) ? 0 : 1;
-        inspection.with_velocity += has_velocity(row) ? 1 : 0;
+        inspection.with_velocity += has_speed(row) ? 1 : 0;
+        inspection.speeds_alone += row.recorded_speed_m_s ? 1 : 0;
+        inspection.velocities_stated += has_velocity_accuracy(row) ? 1 : 0;
         if (row.sigma_east_m && row.sigma_north_m)
             horizontal_m.push_back(std::hypot(*row.sigma_east_m, *row.sigma_north_m));
         if (row.sigma_recorded_velocity_east_m_s && row.sigma_recorded_velocity_north_m_s)
             velocity_m_s.push_back(std::hypot(*row.sigma_recorded_velocity_east_m_s,
                                               *row.sigma_recorded_velocity_north_m_s));
+        else if (row.sigma_recorded_speed_m_s)
+            velocity_m_s.push_back(*row.sigma_recorded_speed_m_s);
     }
     for (std::size_t kind = 0; kind < kinds; ++kind)
         if (count[kind] > 0) inspection.fixes.emplace_back(static_cast<FixType>(kind), count[kind]);
@@ -248,6 +249,7 @@ Inspection inspect(const Observations& observations) {
     count_rows(observations, inspection);
     count_steps(observations, inspection);
     inspection.velocity_delay_s = raw_velocity_delay_s(observations);
+    inspection.velocity_origin = raw_velocity_origin(observations);
     find_bests(observations, inspection);
     return inspection;
 }

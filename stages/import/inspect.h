@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "estimation/velocity_origin.h"
 #include "schemas/observations/observations.h"
 
 namespace runcert {
@@ -41,7 +42,10 @@ struct Inspection {
     double longest_gap_s = 0.0;
     std::size_t repeated_times = 0;  ///< steps of zero
     std::size_t backward_times = 0;
-    std::size_t with_velocity = 0;
+    std::size_t with_velocity = 0;      ///< epochs with a recorded velocity or speed
+    std::size_t speeds_alone = 0;       ///< those of them without a course
+    std::size_t velocities_stated = 0;  ///< those of them that state their accuracy
+    velocities::Origin velocity_origin = velocities::Origin::unclear;
     std::optional<double> velocity_delay_s;  ///< behind the positions
     /// Stated, as median_horizontal_m.
     std::optional<double> median_velocity_m_s, worst_velocity_m_s;

@@ -109,6 +109,10 @@ std::string accuracy_text(const Inspection& it) {
 std::string velocity_text(const Inspection& it) {
     if (it.with_velocity == 0) return "not recorded";
     std::string text = fmt::format("in {} epochs", it.with_velocity);
+    if (it.speeds_alone == it.with_velocity)
+        text = "speed without a course " + text;
+    else if (it.speeds_alone > 0)
+        text += fmt::format(", in {} of them without a course", it.speeds_alone);
     text += it.velocity_delay_s
                 ? fmt::format(", {} s {} the positions", fixed(std::abs(*it.velocity_delay_s), 2),
                               *it.velocity_delay_s < 0.0 ? "ahead of" : "behind")
@@ -172,6 +176,15 @@ void add_quality_concerns(const Inspection& it, std::vector<std::string>& concer
         concerns.push_back("Some stated standard deviations are implausible.");
     if (it.velocity_delay_s && std::abs(*it.velocity_delay_s) > notable_delay_s)
         concerns.push_back("The recorded velocity is late: it shows the speed of a moment before.");
+    if (it.velocity_origin == velocities::Origin::positions)
+        concerns.push_back(
+            "The recorded velocities were computed from the positions: they are no evidence "
+            "beside them.");
+    else if (it.with_velocity > it.velocities_stated)
+        concerns.push_back(
+            fmt::format("{} recorded velocities state no accuracy: the attempt may give one "
+                        "(accuracy: {{velocity_mps: ...}}).",
+                        it.with_velocity - it.velocities_stated));
 }
 
 void add_time_concerns(const Inspection& it, std::vector<std::string>& concerns) {

@@ -7,6 +7,7 @@
 #include "core/geodesy.h"
 #include "core/statistics.h"
 #include "estimation/velocity_delay.h"
+#include "stages/import/row_summary.h"
 
 namespace runcert {
 namespace {
@@ -44,17 +45,12 @@ std::vector<Point> points_of(const Observations& observations) {
     return points;
 }
 
-double recorded_speed(const Observation& row) {
-    if (!row.recorded_velocity_east_m_s || !row.recorded_velocity_north_m_s) return 0.0;
-    return std::hypot(*row.recorded_velocity_east_m_s, *row.recorded_velocity_north_m_s);
-}
-
 /// The points about the fastest recorded velocity, as many as are looked at.
 std::vector<Point> chosen(std::vector<Point> points) {
     if (points.size() <= most_rows) return points;
     const auto fastest =
         std::max_element(points.begin(), points.end(), [](const Point& a, const Point& b) {
-            return recorded_speed(*a.row) < recorded_speed(*b.row);
+            return horizontal_speed(*a.row) < horizontal_speed(*b.row);
         });
     const auto centre = static_cast<std::size_t>(fastest - points.begin());
     const std::size_t from =
@@ -106,6 +102,22 @@ bool changes(const std::vector<velocities::Comparison>& comparisons) {
 }
 
 }  // namespace
+
+std::optional<double> horizontal_speed(const RecordedVelocity& row) {
+    if (!has_velocity(row)) return row.recorded_speed_m_s;
+    return std::hypot(*row.recorded_velocity_east_m_s, *row.recorded_velocity_north_m_s);
+}
+
+velocities::Origin raw_velocity_origin(const Observations& observations) {
+    std::vector<velocities::SpeedBesidePosition> rows;
+    for (const Point& point : chosen(points_of(observations)))
+        rows.push_back({.time_s = point.time_s,
+                        .position_m = point.place,
+                        .speed_m_s = horizontal_speed(*point.row)});
+    return velocities::origin_of_speeds(rows,
+                                        observations.facts.position_resolution_m.value_or(0.0))
+        .origin;
+}
 
 std::optional<double> raw_velocity_delay_s(const Observations& observations) {
     const double interval_s = observations.facts.nominal_interval_s;

@@ -9,6 +9,8 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "stages/import/cell.h"
+#include "stages/import/earth.h"
+#include "stages/import/unfilled.h"
 
 namespace runcert {
 namespace {
@@ -73,35 +75,63 @@ std::optional<double> set_heights(Observations& observations, const RowSummary& 
 void set_accuracy(Observations& observations, const RowSummary& rows, const Receiver& receiver,
                   RowChanges& changes) {
     observations.accuracy_source = rows.any_horizontal ? "recording" : "none";
-    if (!rows.any_horizontal && receiver.accuracy) {
+    const auto& stated = receiver.accuracy;
+    if (!rows.any_horizontal && stated && stated->horizontal_m) {
         observations.accuracy_source = "attempt";
         observations.notes.push_back(fmt::format(
             "The recording states no accuracy; the attempt's is used: {} m for each horizontal "
             "coordinate.",
-            receiver.accuracy->horizontal_m));
-        changes.sigma_horizontal_m = receiver.accuracy->horizontal_m;
+            *stated->horizontal_m));
+        changes.sigma_horizontal_m = stated->horizontal_m;
     }
-    if (!rows.any_vertical && observations.facts.vertical_measured && receiver.accuracy &&
-        receiver.accuracy->vertical_m) {
+    if (!rows.any_vertical && observations.facts.vertical_measured && stated &&
+        stated->vertical_m) {
         observations.notes.push_back(
             fmt::format("The recording states no accuracy of height; the attempt's is used: {} m.",
-                        *receiver.accuracy->vertical_m));
-        changes.sigma_up_m = receiver.accuracy->vertical_m;
+                        *stated->vertical_m));
+        changes.sigma_up_m = stated->vertical_m;
     }
     if (rows.any_horizontal && rows.without_horizontal > 0)
         observations.notes.push_back(
             fmt::format("{} of {} epochs state no usable horizontal accuracy.",
                         rows.without_horizontal, rows.rows));
-    if (rows.any_horizontal && receiver.accuracy)
+    if (rows.any_horizontal && stated && stated->horizontal_m)
         observations.notes.push_back(
             "The recording states its own accuracy, which is used; the attempt's is not, where the "
             "recording has one.");
+}
+
+void note_speeds_alone(Observations& observations, const RowSummary& rows) {
+    if (rows.speeds_alone > 0)
+        observations.notes.push_back(
+            fmt::format("{} of {} recorded velocities come without a course, and are used as "
+                        "speeds.",
+                        rows.speeds_alone, rows.with_velocity));
+}
+
+/// Says how accurate the recorded velocities are by the attempt's word.
+void set_velocity_accuracy(Observations& observations, const RowSummary& rows,
+                           const Receiver& receiver, RowChanges& changes) {
+    if (!receiver.accuracy || !receiver.accuracy->velocity_m_s) return;
+    if (rows.with_velocity == 0)
+        observations.notes.push_back(
+            "The attempt's accuracy of velocities is not used: no velocities are recorded.");
+    else if (rows.velocity_unstated == 0)
+        observations.notes.push_back(
+            "The recording states how accurate its velocities are, which is used; the attempt's "
+            "accuracy of velocities is not.");
+    else
+        observations.notes.push_back(fmt::format(
+            "{} of {} recorded velocities state no accuracy; the attempt's is used: {} m/s.",
+            rows.velocity_unstated, rows.with_velocity, *receiver.accuracy->velocity_m_s));
+    changes.sigma_velocity_m_s = receiver.accuracy->velocity_m_s;
 }
 
 }  // namespace
 
 void RowChanges::apply(Observation& row) const {
     if (height_m && row.latitude_deg) row.height_m = *height_m;
+    if (sigma_velocity_m_s) set_component_accuracy(row, *sigma_velocity_m_s);
     if (!has_position(row)) return;
     if (sigma_horizontal_m) {
         row.sigma_east_m = row.sigma_north_m = *sigma_horizontal_m;
@@ -193,10 +223,13 @@ RowChanges apply_attempt(Observations& head, const RowSummary& rows, const Recei
         head.notes.push_back(
             "The attempt's start_gps is not used: the recording has times of its own.");
     set_accuracy(head, rows, receiver, changes);
+    note_speeds_alone(head, rows);
+    set_velocity_accuracy(head, rows, receiver, changes);
     return changes;
 }
 
 void apply_attempt(Observations& observations, const Receiver& receiver, bool start_is_used) {
+    drop_unfilled_velocities(observations);
     RowSummary summary;
     for (const Observation& row : observations.rows)
         summary.add(row);

@@ -101,6 +101,7 @@ void set_rows(Observations& observations, RowCollector timed);
 struct RowChanges {
     std::optional<double> height_m;  ///< of every position
     std::optional<double> sigma_horizontal_m, sigma_up_m;
+    std::optional<double> sigma_velocity_m_s;  ///< of what is recorded and states none
 
     void apply(Observation& row) const;
 };
@@ -110,7 +111,8 @@ double median_step_s(const std::vector<Observation>& rows);
 
 /// What the attempt says of a recording that has been read: the receiver's id; heights, where the
 /// recording has none at all (without height_m they stay empty, and its positions cannot be used
-/// until the attempt states it); accuracy, where the recording states none. Notes say what was
+/// until the attempt states it); accuracy, where the recording states none. Velocities that the
+/// device did not fill in are taken out (`drop_unfilled_velocities`). Notes say what was
 /// used, and that start_gps was not, unless `start_is_used`.
 void apply_attempt(Observations& observations, const Receiver& receiver,
                    bool start_is_used = false);

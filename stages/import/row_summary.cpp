@@ -12,6 +12,15 @@ bool has_position(const Observation& row) {
     return row.latitude_deg || row.plane_east_m;
 }
 
+bool has_velocity(const RecordedVelocity& row) {
+    return row.recorded_velocity_east_m_s && row.recorded_velocity_north_m_s;
+}
+
+bool has_velocity_accuracy(const RecordedVelocity& row) {
+    if (!has_velocity(row)) return row.recorded_speed_m_s && row.sigma_recorded_speed_m_s;
+    return row.sigma_recorded_velocity_east_m_s && row.sigma_recorded_velocity_north_m_s;
+}
+
 void StepCount::add(std::int64_t step_ns) {
     ++count_[step_ns];
     ++steps_;
@@ -49,6 +58,10 @@ void RowSummary::add(const Observation& row) {
     any_horizontal = any_horizontal || horizontal;
     any_vertical = any_vertical || row.sigma_up_m;
     without_horizontal += has_position(row) && !horizontal ? 1 : 0;
+    if (!has_velocity(row) && !row.recorded_speed_m_s) return;
+    ++with_velocity;
+    speeds_alone += has_velocity(row) ? 0 : 1;
+    velocity_unstated += has_velocity_accuracy(row) ? 0 : 1;
 }
 
 }  // namespace runcert

@@ -41,6 +41,9 @@ class RowSummary {
     bool any_horizontal = false;          ///< accuracy
     bool any_vertical = false;            ///< accuracy
     std::int64_t without_horizontal = 0;  ///< rows that have a position, and no accuracy of it
+    std::int64_t with_velocity = 0;       ///< rows with a recorded velocity or speed
+    std::int64_t speeds_alone = 0;        ///< those of them that have no course
+    std::int64_t velocity_unstated = 0;   ///< those of them that state no accuracy of it
 
   private:
     void add_time(const Observation& row);
@@ -50,5 +53,9 @@ class RowSummary {
 
 bool has_horizontal_accuracy(const Observation& row);
 bool has_position(const Observation& row);
+/// Whether the horizontal components of the recorded velocity are there.
+bool has_velocity(const RecordedVelocity& row);
+/// Whether the accuracy of the recorded velocity, or speed, is stated.
+bool has_velocity_accuracy(const RecordedVelocity& row);
 
 }  // namespace runcert

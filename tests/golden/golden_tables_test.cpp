@@ -42,6 +42,10 @@ TEST(GoldenTables, Observations) {
     EXPECT_EQ(table.rows[2].fix, FixType::float_ambiguities);
     EXPECT_EQ(table.rows[4].fix, FixType::none);
     EXPECT_FALSE(table.rows[4].latitude_deg);
+    EXPECT_FALSE(row.recorded_speed_m_s || row.sigma_recorded_speed_m_s);
+    EXPECT_FALSE(table.rows[3].recorded_velocity_east_m_s);
+    EXPECT_EQ(table.rows[3].recorded_speed_m_s, 20.3125);
+    EXPECT_EQ(table.rows[3].sigma_recorded_speed_m_s, 0.125);
 }
 
 TEST(GoldenTables, RecordsThatCouldNotBeRead) {

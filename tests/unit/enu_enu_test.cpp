@@ -77,6 +77,17 @@ TEST(ToEnu, AwayFromTheOriginTheyTurnWithTheMeridian) {
     EXPECT_GT(std::abs(after(0, 0) - before(0, 0)), 1e-7);
 }
 
+TEST(ToEnu, ASpeedWithoutACourseIsCarriedOver) {
+    Observations observations = at(35.0, 137.0, 100.0);
+    static_cast<RecordedVelocity&>(observations.rows[0]) = {};
+    observations.rows[0].recorded_speed_m_s = 22.5;
+    observations.rows[0].sigma_recorded_speed_m_s = 0.25;
+    const EnuTable table = to_enu(observations, origin_at(35.01, 137.0, 100.0));
+    EXPECT_EQ(table.rows[0].recorded_speed_m_s, 22.5);
+    EXPECT_EQ(table.rows[0].sigma_recorded_speed_m_s, 0.25);
+    EXPECT_FALSE(table.rows[0].recorded_velocity_east_m_s);
+}
+
 TEST(ToEnu, LocalPlaneCoordinatesPassThrough) {
     Observations observations;
     observations.facts.georeferenced = false;

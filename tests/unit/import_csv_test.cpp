@@ -317,7 +317,7 @@ TEST(CsvRefused, ByTheAttempt) {
         {[](Receiver& r) { r.time_format = "seconds_of_week"; }, "\"week\", which time_format"},
         {[](Receiver& r) { r.time_format = "time_of_day"; }, "\"date\", which time_format"},
         {[](Receiver& r) { r.columns["sigma_east"] = "h"; }, "only one is named"},
-        {[](Receiver& r) { r.columns["speed"] = "h"; }, "no member \"speed\""},
+        {[](Receiver& r) { r.columns["heading"] = "h"; }, "no member \"heading\""},
         {[](Receiver& r) { r.format = "kml"; }, "the format \"kml\" is not read"},
         {[](Receiver& r) { r.delimiter = "pipe"; }, "delimiter \"pipe\""},
     };

@@ -94,7 +94,8 @@ TEST(Igc, FurtherExtensions) {
     EXPECT_FALSE(row.sigma_east_m);  // 999: the field is full
     EXPECT_EQ(*read.facts.first_epoch, gps_from_utc({2001, 7, 16, 16, 2, 40, 250'000'000}));
     EXPECT_EQ(read.rows[1].time.nanoseconds, 250'000'000);
-    EXPECT_FALSE(read.rows[1].recorded_velocity_east_m_s || read.rows[1].sigma_up_m);
+    EXPECT_EQ(read.rows[1].recorded_velocity_east_m_s, 0.0);  // what stands needs no track
+    EXPECT_FALSE(read.rows[1].sigma_up_m);
     EXPECT_EQ(*read.facts.time_resolution_s, 0.001);
     EXPECT_NEAR(*read.facts.position_resolution_m, 0.185, 0.001);  // of the latitude, 0.0001 min
     EXPECT_EQ(read.records.bad, 0);

@@ -90,7 +90,11 @@ TEST(Vbo, AnySetOfChannels) {
     const Observations unheaded =
         import_vbo(replaced(replaced(header, "heading\r\n", "x\r\n"), " heading ", " x ") + row);
     EXPECT_FALSE(unheaded.rows[0].recorded_velocity_east_m_s);
-    EXPECT_TRUE(has_note(unheaded, "without headings"));
+    EXPECT_NEAR(*unheaded.rows[0].recorded_speed_m_s,
+                std::hypot(*import_vbo(header + row).rows[0].recorded_velocity_east_m_s,
+                           *import_vbo(header + row).rows[0].recorded_velocity_north_m_s),
+                1e-12);
+    EXPECT_TRUE(has_note(unheaded, "without a course"));
     const Observations degrees = import_vbo(
         replaced(replaced(header, "latitude", "latitude deg"), "longitude", "longitude deg") +
         replaced(replaced(row, "+03119.09973", "51.5"), "+00058.49277", "1.25"));

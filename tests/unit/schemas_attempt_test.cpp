@@ -122,10 +122,10 @@ TEST(Attempt, EveryMemberOfAReceiverIsKept) {
     delimiter: semicolon
     start_gps: "2022-03-18T08:51:22.300"
     height_m: 12.5
-    accuracy: {horizontal_m: 0.01, vertical_m: 0.02}
+    accuracy: {horizontal_m: 0.01, vertical_m: 0.02, velocity_mps: 0.05}
     antenna_height_m: 1.5
     lever_arm_m: {forward: 0.5, right: -0.25, down: -1.2}
-  - {id: secondary, recording: s.pos, frame: local_plane, accuracy: {horizontal_m: 0.5}}
+  - {id: secondary, recording: s.pos, frame: local_plane, accuracy: {velocity_mps: 0.5}}
 )"),
                                          "f");
     ASSERT_EQ(attempt.receivers.size(), 2U);
@@ -143,6 +143,7 @@ TEST(Attempt, EveryMemberOfAReceiverIsKept) {
     EXPECT_EQ(first.height_m, 12.5);
     EXPECT_EQ(first.accuracy->horizontal_m, 0.01);
     EXPECT_EQ(first.accuracy->vertical_m, 0.02);
+    EXPECT_EQ(first.accuracy->velocity_m_s, 0.05);
     EXPECT_EQ(first.antenna_height_m, 1.5);
     ASSERT_TRUE(first.lever_arm);
     EXPECT_EQ(*first.lever_arm, (std::array<double, 3>{0.5, -0.25, -1.2}));
@@ -205,6 +206,8 @@ TEST(Attempt, BadInputIsNamedWithItsPlace) {
         {"r.csv}", "r.csv, start_gps: 2022-02-30T00:00:00}", "f:5:48", "the day 30"},
         {"r.csv}", "r.csv, accuracy: {horizontal_m: 0}}", "f:5:62", "is below 0.0001 m"},
         {"r.csv}", "r.csv, accuracy: {vertical_m: 1}}", "f:5:47", "\"horizontal_m\" is missing"},
+        {"r.csv}", "r.csv, accuracy: {}}", "f:5:47", "\"horizontal_m\" is missing"},
+        {"r.csv}", "r.csv, accuracy: {velocity_mps: 0}}", "f:5:62", "is below 0.001 m / s"},
         {"r.csv}", "r.csv, accuracy: 0.01}", "f:5:47", "not a map"},
         {"r.csv}", "r.csv, height_m: high}", "f:5:47", "\"high\" is not a number"},
         {"r.csv}", "r.csv, height_m: \"12\"}", "f:5:47", "\"12\" is not a number"},

@@ -33,6 +33,9 @@ constexpr EnumWords<Column, static_cast<std::size_t>(Column::count)> column_word
      {Column::velocity_east, "velocity_east"},
      {Column::velocity_north, "velocity_north"},
      {Column::velocity_up, "velocity_up"},
+     {Column::speed, "speed"},
+     {Column::course, "course"},
+     {Column::sigma_speed, "sigma_speed"},
      {Column::fix, "fix"},
      {Column::satellites, "satellites"}}};
 
@@ -127,6 +130,11 @@ void check_pair(const Receiver& receiver, Column a, Column b) {
 void check_accuracy(const Receiver& receiver) {
     check_pair(receiver, Column::sigma_east, Column::sigma_north);
     check_pair(receiver, Column::velocity_east, Column::velocity_north);
+    if (maps(receiver, Column::velocity_east) && maps(receiver, Column::speed))
+        fail(receiver, "both velocity_east and speed are named", "Name the one to be used");
+    if (maps(receiver, Column::course)) require_column(receiver, Column::speed, "course");
+    if (maps(receiver, Column::sigma_speed) && !maps(receiver, Column::velocity_east))
+        require_column(receiver, Column::speed, "sigma_speed");
     if (maps(receiver, Column::quality_2d) && maps(receiver, Column::sigma_east))
         fail(receiver, "both quality_2d and sigma_east are named", "Name the one to be used");
     if (maps(receiver, Column::quality_height) && maps(receiver, Column::sigma_up))

@@ -32,6 +32,9 @@ enum class Column : std::size_t {
     velocity_east,
     velocity_north,
     velocity_up,
+    speed,
+    course,
+    sigma_speed,
     fix,
     satellites,
     count

@@ -193,6 +193,11 @@ TimedRow read_row(std::span<const Cell> cells, const Layout& layout, const Descr
     observation.recorded_velocity_east_m_s = fields.optional_real(Column::velocity_east);
     observation.recorded_velocity_north_m_s = fields.optional_real(Column::velocity_north);
     observation.recorded_velocity_up_m_s = fields.optional_real(Column::velocity_up);
+    if (fields.has(Column::speed))
+        set_speed(observation, fields.real(Column::speed),
+                  course_of(fields.optional_real(Column::course)));
+    if (const auto sigma = fields.deviation(Column::sigma_speed))
+        set_component_accuracy(observation, *sigma);
     if (!has_position(fields, description)) {
         observation.fix = FixType::none;
         return row;

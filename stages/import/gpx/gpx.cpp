@@ -140,10 +140,6 @@ class Reader {
             notes.push_back(
                 fmt::format("{} times do not say in which zone they are, and were taken as UTC.",
                             counts.without_zone));
-        if (counts.speed_without_course > 0)
-            notes.push_back(
-                fmt::format("{} speeds are recorded without a course, and so give no velocity.",
-                            counts.speed_without_course));
         if (std::any_of(observations.rows.begin(), observations.rows.end(),
                         [](const Observation& row) { return row.height_m.has_value(); }))
             notes.push_back(

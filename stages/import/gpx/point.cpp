@@ -173,18 +173,13 @@ void PointReader::read_position(const Piece& piece, pugi::xml_node point, const 
     row.written.coordinates = {latitude_cell.text, longitude_cell.text};
 }
 
-/// Telephones write a speed or course of -1 where they know none.
 void PointReader::read_velocity(const Piece& piece, const Texts& texts, Observation& row) {
     if (!texts.speed) return;
     const auto speed_m_s = unless_empty(cell(piece, texts.speed), read_real, "speed");
-    if (!speed_m_s || *speed_m_s < 0.0) return;
+    if (!speed_m_s) return;
     std::optional<double> course_deg;
     if (texts.course) course_deg = unless_empty(cell(piece, texts.course), read_real, "course");
-    if (!course_deg || *course_deg < 0.0) {
-        ++counts_.speed_without_course;
-        return;
-    }
-    set_velocity(row, *speed_m_s, Angle::from_degrees(*course_deg));
+    set_speed(row, *speed_m_s, course_of(course_deg));
 }
 
 TimedRow PointReader::read(const Piece& piece) {

@@ -128,8 +128,7 @@ void read_accuracy(const Cell& record, const Layout& layout, Observation& row) {
 void read_velocity(const Cell& record, const Layout& layout, Observation& row) {
     const auto speed_kmh = extension(record, layout, Extension::speed, 3, "ground speed");
     const auto track_deg = extension(record, layout, Extension::track, 3, "true track");
-    if (speed_kmh && track_deg)
-        set_velocity(row, *speed_kmh / 3.6, Angle::from_degrees(*track_deg));
+    if (speed_kmh) set_speed(row, *speed_kmh / 3.6, course_of(track_deg));
 }
 
 }  // namespace

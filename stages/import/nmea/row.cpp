@@ -74,11 +74,7 @@ void RowMaker::set_ground_velocity(Observation& row, const Epoch& epoch) {
     const WrittenNumber& speed_m_s = disagree ? rmc.speed_m_s : finer(vtg.speed_m_s, rmc.speed_m_s);
     const WrittenNumber& course_deg =
         disagree ? rmc.course_deg : finer(vtg.course_deg, rmc.course_deg);
-    if (!speed_m_s.value) return;
-    if (*speed_m_s.value == 0.0)
-        set_velocity(row, 0.0, 0.0);  // a craft that stands needs no course
-    else if (course_deg.value)
-        set_velocity(row, *speed_m_s.value, Angle::from_degrees(*course_deg.value));
+    if (speed_m_s.value) set_speed(row, *speed_m_s.value, course_of(course_deg.value));
 }
 
 void RowMaker::set_errors(Observation& row, const ErrorStatistics& errors) {

@@ -93,8 +93,8 @@ void read_solution(std::string_view frame, const RecordingBytes& recording,
     if (course > full_circle)
         refuse(recording, place,
                fmt::format("a course of {} degrees is impossible", course * 1e-5));
-    set_velocity(row, little_endian<std::uint32_t>(frame, speed_at) * 1e-3,
-                 Angle::from_degrees(course * 1e-5));
+    set_speed(row, little_endian<std::uint32_t>(frame, speed_at) * 1e-3,
+              Angle::from_degrees(course * 1e-5));
     if (const auto sigma_m = deviation(frame, horizontal_sigma_at))
         set_radial_accuracy(row, *sigma_m);
     row.sigma_up_m = deviation(frame, vertical_sigma_at);

@@ -110,8 +110,8 @@ std::optional<std::int64_t> leap_seconds_of(std::string_view payload, GpsTime in
 }
 
 void read_velocity(std::string_view payload, RecordedVelocity& velocity) {
-    set_velocity(velocity, number<std::uint16_t>(payload, field::speed) * 0.01,
-                 Angle::from_degrees(number<std::uint16_t>(payload, field::course) * 0.01));
+    set_speed(velocity, number<std::uint16_t>(payload, field::speed) * 0.01,
+              Angle::from_degrees(number<std::uint16_t>(payload, field::course) * 0.01));
     velocity.recorded_velocity_up_m_s = number<std::int16_t>(payload, field::climb) * 0.01;
     // EHVE is of the vector; Locosys receivers leave it at zero and state SDOP, of the speed alone.
     if (const auto error = error_estimate<std::uint16_t>(payload, field::velocity_error)) {

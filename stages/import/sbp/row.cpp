@@ -55,8 +55,8 @@ GpsTime read_instant(std::string_view record, const RecordingBytes& recording,
 }
 
 void read_velocity(std::string_view record, bool has_sdop, RecordedVelocity& velocity) {
-    set_velocity(velocity, little_endian<std::uint16_t>(record, field::speed) * 0.01,
-                 Angle::from_degrees(little_endian<std::uint16_t>(record, field::course) * 0.01));
+    set_speed(velocity, little_endian<std::uint16_t>(record, field::speed) * 0.01,
+              Angle::from_degrees(little_endian<std::uint16_t>(record, field::course) * 0.01));
     velocity.recorded_velocity_up_m_s = little_endian<std::int16_t>(record, field::climb) * 0.01;
     if (!has_sdop) return;
     const auto error = little_endian<std::uint8_t>(record, field::speed_error);

@@ -52,23 +52,29 @@ void read_quality(const Row& fields, const Layout& layout, EpochQuality& quality
         quality.fix = FixType::dgps;
 }
 
+/// From 0 to 360 degrees; loggers write some from -180 on.
+std::optional<Angle> read_heading(const Row& fields) {
+    if (!fields.has(Column::heading)) return std::nullopt;
+    const double degrees = fields.real(Column::heading, "heading");
+    if (!(std::abs(degrees) <= 360.0))
+        fields.cell(Column::heading)
+            .fail(fmt::format("a heading of {} degrees is impossible", degrees),
+                  "Take the recording as the logger wrote it");
+    return Angle::from_degrees(degrees < 0.0 ? degrees + 360.0 : degrees);
+}
+
 void read_velocity(const Row& fields, const Layout& layout, RecordedVelocity& velocity) {
     if (layout.vertical_velocity_m_s)
         velocity.recorded_velocity_up_m_s =
             fields.real(Column::vertical_velocity, "vertical velocity") *
             *layout.vertical_velocity_m_s;
-    if (!layout.velocity_m_s || !layout[Column::heading]) return;
+    if (!layout.velocity_m_s) return;
     const double speed = fields.real(Column::velocity, "velocity");
     if (speed < 0.0)
         fields.cell(Column::velocity)
             .fail(fmt::format("a velocity of {} is impossible", speed),
                   "Take the recording as the logger wrote it");
-    const double heading_deg = fields.real(Column::heading, "heading");
-    if (!(std::abs(heading_deg) <= 360.0))
-        fields.cell(Column::heading)
-            .fail(fmt::format("a heading of {} degrees is impossible", heading_deg),
-                  "Take the recording as the logger wrote it");
-    set_velocity(velocity, speed * *layout.velocity_m_s, Angle::from_degrees(heading_deg));
+    set_speed(velocity, speed * *layout.velocity_m_s, read_heading(fields));
 }
 
 }  // namespace

@@ -57,9 +57,6 @@ RowCollector read_rows(LineReader lines, const RecordingBytes& recording, const 
 
 void note_columns(Observations& observations, const Layout& layout) {
     if (layout[Column::height]) observations.notes.emplace_back(note_heights_above_sea_level);
-    if (layout.velocity_m_s && !layout[Column::heading])
-        observations.notes.push_back(
-            "Speeds are recorded without headings, and are not used: a velocity needs both.");
     if (layout[Column::vertical_velocity] && !layout.vertical_velocity_m_s)
         observations.notes.push_back(
             "The vertical velocity is recorded in a unit that the header does not name, and is not "

@@ -48,6 +48,7 @@ std::string fix_type_errors_text(const FixTypeErrors& errors) {
 }
 
 std::string velocity_comparison_text(const VelocityComparison& velocity) {
+    if (velocity.origin == VelocityOrigin::positions) return std::string(words_of(velocity.origin));
     if (velocity.compared == 0)
         return "too few could be compared with the motion, or they never change";
     return fmt::format("{}; compared at {}, they differ by {} m/s and contradict {}",

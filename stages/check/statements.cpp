@@ -214,6 +214,12 @@ void add_time(const TimeStampSummary& time, Statements& statements) {
 }
 
 void add_velocity(const VelocityComparison& velocity, Statements& statements) {
+    if (velocity.origin == VelocityOrigin::positions) {
+        statements.push_back(
+            "The device computed the recorded velocities from its positions: they witness "
+            "nothing, and were not used.");
+        return;
+    }
     if (velocity.compared == 0) {
         statements.push_back("The recorded velocities could not be compared with the positions.");
         return;

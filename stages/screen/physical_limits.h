@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "schemas/screened/screened.h"
 #include "estimation/epoch_motion.h"
+#include "schemas/screened/screened.h"
 
 namespace runcert {
 
@@ -31,6 +31,6 @@ struct PhysicalLimits {
 /// Returns the limits, the largest figures among the epochs kept (jerk being that tested) and how
 /// many epochs were marked. `motion` has one entry for each row.
 LimitComparison check_limits(std::vector<ScreenedEpoch>& rows, const Motion& motion,
-                           const PhysicalLimits& limits);
+                             const PhysicalLimits& limits);
 
 }  // namespace runcert

@@ -125,13 +125,14 @@ Motion check_velocities_and_limits(ScreenedTable& screened, const ScreeningNoise
     for (int round = 0; round < rounds; ++round) {
         finish_arcs(screened.rows, config.burst_epochs_max, config.min_arc_epochs);
         const Motion motion = examine_arcs(screened, noises, plan, config.section_epochs);
-        VelocityFindings by_velocity =
-            check_velocities(screened.rows, motion,
-                             {.delay_max_s = config.velocity_delay_max_s,
-                              .nominal_interval_s = screened.facts.nominal_interval_s,
-                              .jerk_density = noises.horizontal.model.motion.jerk_density,
-                              .vertical_measured = screened.facts.vertical_measured,
-                              .test_size = plan.size()});
+        VelocityFindings by_velocity = check_velocities(
+            screened.rows, motion,
+            {.delay_max_s = config.velocity_delay_max_s,
+             .nominal_interval_s = screened.facts.nominal_interval_s,
+             .jerk_density = noises.horizontal.model.motion.jerk_density,
+             .vertical_measured = screened.facts.vertical_measured,
+             .position_resolution_m = screened.facts.position_resolution_m.value_or(0.0),
+             .test_size = plan.size()});
         basis.velocity = by_velocity.comparison;
         basis.velocity_errors = std::move(by_velocity.errors);
         const std::int64_t marked = basis.velocity ? basis.velocity->rejected : 0;

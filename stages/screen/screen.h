@@ -40,7 +40,6 @@ struct ScreenConfig {
     std::size_t section_epochs = epochs_of_section;  ///< longer arcs are tested in sections
 };
 
-
 /// The figures that the attempt states, or the schema's own where it states none.
 ScreenConfig screen_config(const Attempt& attempt);
 

@@ -11,6 +11,7 @@
 #include "estimation/tables/recorded_velocities.h"
 #include "estimation/tables/window_ends.h"
 #include "estimation/velocity_delay.h"
+#include "estimation/velocity_origin.h"
 #include "schemas/enu/measured_position.h"
 #include "schemas/observations/stated_covariance.h"
 
@@ -226,6 +227,34 @@ Directions directions_of(const Motion& motion) {
     return directions;
 }
 
+/// Whether the device computed the velocities from the positions beside them.
+VelocityOrigin origin_of(const std::vector<ScreenedEpoch>& rows, const Directions& directions,
+                         double position_resolution_m) {
+    std::vector<SpeedBesidePosition> beside;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const ScreenedEpoch& row = rows[i];
+        if (!row.east_m || !row.north_m || row.reason == Reason::duplicate_time ||
+            row.reason == Reason::backward_time)
+            continue;
+        SpeedBesidePosition& one = beside.emplace_back();
+        one.time_s = row.time.seconds();
+        one.position_m = measured_position<2>(row);
+        if (row.recorded_speed_m_s)
+            one.speed_m_s = *row.recorded_speed_m_s;
+        else if (const auto velocity = recorded_velocity<2>(row, directions[i]))
+            one.speed_m_s = velocity->norm();
+    }
+    switch (origin_of_speeds(beside, position_resolution_m).origin) {
+        case Origin::independent:
+            return VelocityOrigin::independent;
+        case Origin::positions:
+            return VelocityOrigin::positions;
+        case Origin::unclear:
+            break;
+    }
+    return VelocityOrigin::unclear;
+}
+
 bool is_speed_only(const std::vector<ScreenedEpoch>& rows) {
     return std::ranges::none_of(
         rows, [](const ScreenedEpoch& row) { return row.recorded_velocity_east_m_s.has_value(); });
@@ -378,6 +407,8 @@ VelocityFindings check_velocities(std::vector<ScreenedEpoch>& rows, const Motion
     if (recorded < static_cast<std::ptrdiff_t>(least_comparisons)) return findings;
     VelocityComparison& comparison = findings.comparison.emplace();
     if (!recorded_velocities_change(rows)) return findings;
+    comparison.origin = origin_of(rows, directions, options.position_resolution_m);
+    if (comparison.origin == VelocityOrigin::positions) return findings;
 
     const Gathered gathered = gather(rows, motion, directions);
     const Delay delay = estimate_delay(gathered.smoothed, motion, gathered.comparisons,

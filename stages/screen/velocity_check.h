@@ -14,6 +14,7 @@ struct VelocityCheckOptions {
     double nominal_interval_s = 0.0;  ///< between epochs
     double jerk_density = 0.0;        ///< m s^-2.5, of the motion between velocities
     bool vertical_measured = false;
+    double position_resolution_m = 0.0;
     /// Bound on the probability that one good epoch is marked, for normal errors.
     double test_size = 1e-9;
 };

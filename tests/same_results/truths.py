@@ -110,7 +110,7 @@ def freeway(folder):
     for row in rows_of(folder / "freeway_pose" / "pose.csv"):
         time_s = 2012 * 604800 + 404106.397 + float(row["host_time_s"]) - 46408.547498
         rows.append((time_s, [float(row[f"{axis}_ecef_m"]) for axis in "xyz"],
-                     [float(row[f"v{axis}_ecef_mps"]) for axis in "xyz"]))
+                     [float(row[column]) for column in row if column.startswith("v")]))
     return Track(rows)
 
 

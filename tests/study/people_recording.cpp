@@ -133,13 +133,13 @@ std::string add_fault(PeopleFault fault, const PeopleKind& kind, const TruePath&
                        from_s, along ? " along the motion" : "");
 }
 
-/// A device's first minutes: no fix for a third of it, then stated accuracies that fall.
+/// A device's first minutes: no fix for a third of it, then stated standard deviations that fall.
 struct ColdStart {
     double lasts_s = 0.0;
     double stated_m = 1.0;  ///< at its end
 
     bool is_blind(double time_s) const { return time_s < lasts_s / 3.0; }
-    /// By what its errors and stated accuracies are larger.
+    /// By what its errors and stated standard deviations are larger.
     double factor(double time_s) const {
         if (time_s >= lasts_s) return 1.0;
         const double left = (lasts_s - time_s) / (lasts_s * 2.0 / 3.0);

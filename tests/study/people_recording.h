@@ -21,7 +21,7 @@ struct PeopleKind {
     double shortest_s = 300.0;
     double longest_s = 1800.0;
     PeopleVelocities velocities = PeopleVelocities::none;
-    bool cold_start = false;  ///< no fix, then stated accuracies that fall from 1000 m
+    bool cold_start = false;  ///< no fix, then stated standard deviations that fall from 1000 m
     bool drops = false;       ///< 1 to 5 % of the samples are not there, up to 3 s in a row
     bool crash = false;       ///< a sudden stop at the end, with a jump by multipath
     bool filtered = false;    ///< the device smooths its positions
@@ -55,11 +55,12 @@ struct PeopleRecording {
     std::string fault;  ///< in words; empty where there is none
 };
 
-/// Slow errors of 0.5 to 2 m (5 to 60 s), white noise of 0.05 to 0.3 m; stated accuracies of 1 to 3
-/// m in the plane, one in four wrong by a factor of 2; velocities late by 0 to 0.5 s, with white
-/// noise of 0.03 to 0.1 m/s and slow errors of 0.02 to 0.1 m/s (5 to 30 s). One to three faults of
-/// one kind: steps of 2 to 30 m, spikes of 3 to 100 m, ramps of 0.05 to 2 m/s for 3 to 30 s, and
-/// multipath that rises to 1 to 30 m and falls within 1 to 30 s; half of them along the motion.
+/// Time-correlated errors of 0.5 to 2 m (5 to 60 s), white noise of 0.05 to 0.3 m; stated standard
+/// deviations of 1 to 3 m in the plane, one in four wrong by a factor of 2; velocities late by 0 to
+/// 0.5 s, with white noise of 0.03 to 0.1 m/s and time-correlated errors of 0.02 to 0.1 m/s (5 to
+/// 30 s). One to three faults of one kind: steps of 2 to 30 m, spikes of 3 to 100 m, ramps of 0.05
+/// to 2 m/s for 3 to 30 s, and multipath that rises to 1 to 30 m and falls within 1 to 30 s; half
+/// of them along the motion.
 PeopleRecording record_people(const PeopleKind& kind, PeopleFault fault, std::uint64_t seed);
 
 }  // namespace runcert

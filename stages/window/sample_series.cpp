@@ -122,8 +122,9 @@ WindowCriteria window_criteria(const Profile& profile, double duration_tolerance
 std::optional<RecordedSpeed> recorded_speed(const RecordedVelocity& velocity, Dimension dimension) {
     const bool level = dimension != Dimension::vertical;
     const bool upright = dimension != Dimension::horizontal;
-    if (level && !(velocity.recorded_velocity_east_m_s && velocity.recorded_velocity_north_m_s))
-        return std::nullopt;
+    const bool components =
+        velocity.recorded_velocity_east_m_s && velocity.recorded_velocity_north_m_s;
+    if (level && !components && !velocity.recorded_speed_m_s) return std::nullopt;
     if (upright && !velocity.recorded_velocity_up_m_s) return std::nullopt;
     Eigen::Vector3d v = Eigen::Vector3d::Zero();
     Eigen::Vector3d variance = Eigen::Vector3d::Zero();
@@ -133,7 +134,10 @@ std::optional<RecordedSpeed> recorded_speed(const RecordedVelocity& velocity, Di
         stated = stated && sigma.has_value();
         if (sigma) variance(axis) = *sigma * *sigma;
     };
-    if (level) {
+    if (level && !components) {
+        // Its length is all that counts here.
+        take(0, velocity.recorded_speed_m_s, velocity.sigma_recorded_speed_m_s);
+    } else if (level) {
         take(0, velocity.recorded_velocity_east_m_s, velocity.sigma_recorded_velocity_east_m_s);
         take(1, velocity.recorded_velocity_north_m_s, velocity.sigma_recorded_velocity_north_m_s);
     }

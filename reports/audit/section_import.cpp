@@ -100,10 +100,15 @@ Facts declared(const Receiver& receiver) {
         return value ? quantity_text(*value) + " m" : std::string();
     };
     if (receiver.accuracy) {
-        add("Horizontal accuracy, by the attempt", metres(receiver.accuracy->horizontal_m));
-        add("Vertical accuracy, by the attempt", metres(receiver.accuracy->vertical_m));
-        if (const auto& velocity = receiver.accuracy->velocity_m_s)
-            add("Accuracy of velocities, by the attempt", quantity_text(*velocity) + " m/s");
+        std::string stated;
+        const auto append = [&](const std::string& figure, const char* of) {
+            if (!figure.empty()) stated += (stated.empty() ? "" : ", ") + figure + of;
+        };
+        append(metres(receiver.accuracy->horizontal_m), " horizontal");
+        append(metres(receiver.accuracy->vertical_m), " vertical");
+        if (const auto& velocity_m_s = receiver.accuracy->velocity_m_s)
+            append(quantity_text(*velocity_m_s) + " m/s", " of velocities");
+        add("Accuracy, by the attempt", stated);
     }
     if (receiver.lever_arm)
         add("Lever arm, by the attempt", fmt::format("{} m forward, {} m right, {} m down",

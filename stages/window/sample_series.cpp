@@ -141,12 +141,9 @@ std::optional<double> longest_step_of(const Profile& profile, double nominal_int
 std::optional<RecordedSpeed> recorded_speed(const RecordedVelocity& velocity, Dimension dimension) {
     const bool level = dimension != Dimension::vertical;
     const bool upright = dimension != Dimension::horizontal;
-    // Horizontally a speed without a course is as good.
-    if (!upright && !velocity.recorded_velocity_east_m_s && velocity.recorded_speed_m_s)
-        return RecordedSpeed{.speed_m_s = *velocity.recorded_speed_m_s,
-                             .standard_uncertainty_m_s = velocity.sigma_recorded_speed_m_s};
-    if (level && !(velocity.recorded_velocity_east_m_s && velocity.recorded_velocity_north_m_s))
-        return std::nullopt;
+    const bool components =
+        velocity.recorded_velocity_east_m_s && velocity.recorded_velocity_north_m_s;
+    if (level && !components && !velocity.recorded_speed_m_s) return std::nullopt;
     if (upright && !velocity.recorded_velocity_up_m_s) return std::nullopt;
     Eigen::Vector3d v = Eigen::Vector3d::Zero();
     Eigen::Vector3d variance = Eigen::Vector3d::Zero();
@@ -156,7 +153,10 @@ std::optional<RecordedSpeed> recorded_speed(const RecordedVelocity& velocity, Di
         stated = stated && sigma.has_value();
         if (sigma) variance(axis) = *sigma * *sigma;
     };
-    if (level) {
+    if (level && !components) {
+        // Its length is all that counts here.
+        take(0, velocity.recorded_speed_m_s, velocity.sigma_recorded_speed_m_s);
+    } else if (level) {
         take(0, velocity.recorded_velocity_east_m_s, velocity.sigma_recorded_velocity_east_m_s);
         take(1, velocity.recorded_velocity_north_m_s, velocity.sigma_recorded_velocity_north_m_s);
     }

@@ -27,7 +27,8 @@ struct RecordedSpeed {
     std::optional<double> standard_uncertainty_m_s;
 };
 
-/// What an epoch's recorded velocity says of the speed; empty where a component is missing.
+/// What an epoch's recorded velocity says of the speed, or its recorded speed where it has no
+/// course; empty where one is missing.
 std::optional<RecordedSpeed> recorded_speed(const RecordedVelocity& velocity, Dimension dimension);
 
 /// The arcs of a trajectory as the profile counts them, in order: positions without the offsets of

@@ -27,16 +27,20 @@ void check_row(const Observation& row, std::size_t size) {
     for (const OptionalReal& value :
          {row.height_m, row.plane_east_m, row.plane_north_m, row.plane_up_m,
           row.recorded_velocity_east_m_s, row.recorded_velocity_north_m_s,
-          row.recorded_velocity_up_m_s, row.age_s, row.ratio})
+          row.recorded_velocity_up_m_s, row.recorded_speed_m_s, row.age_s, row.ratio})
         require(in_range(value, 1e300), "finite figures");
     for (const OptionalReal& sigma :
          {row.sigma_east_m, row.sigma_north_m, row.sigma_up_m, row.sigma_recorded_velocity_east_m_s,
-          row.sigma_recorded_velocity_north_m_s, row.sigma_recorded_velocity_up_m_s})
+          row.sigma_recorded_velocity_north_m_s, row.sigma_recorded_velocity_up_m_s,
+          row.sigma_recorded_speed_m_s})
         require(is_deviation(sigma), "standard deviations not negative");
     // What cannot be, as a correlation above 1, is for screening to mark.
     for (const OptionalReal& correlation :
          {row.correlation_east_north, row.correlation_east_up, row.correlation_north_up})
         require(in_range(correlation, 1e300), "finite correlations");
+    require(!(row.recorded_speed_m_s && row.recorded_velocity_east_m_s),
+            "a speed or its components");
+    require(!row.recorded_speed_m_s || *row.recorded_speed_m_s > 0.0, "a speed above zero");
     require(!row.source_line || *row.source_line >= 1, "lines counted from 1");
     require(!row.source_byte ||
                 (*row.source_byte >= 0 && *row.source_byte < static_cast<std::int64_t>(size)),

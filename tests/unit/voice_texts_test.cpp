@@ -183,7 +183,8 @@ TEST(Voice, TermsAreTheFields) {
         "\\btoo (?:good|bad)\\b|slow error|\\blearnt\\b|smallest error|could have missed|"
         "wrong positions?\\b|wrong epochs?\\b|kinds? of solution|stretch(?:es)? without a break|"
         "positions on the earth|local plane|heights above the ellipsoid|data do not tell|"
-        "data cannot tell|made anew|no surer|_mps\\b|target_(?:speed|m_s|km)|\\blearn_|told_by|"
+        "data cannot tell|made anew|no "
+        "surer|\\b(?!velocity_mps\\b)\\w*_mps\\b|target_(?:speed|m_s|km)|\\blearn_|told_by|"
         "DetectableError|Workshop|RareDecision|not_told|ask_witnesses|counted_axes|RowByRow|"
         "TimedRows|probability (?:is )?(?:asked|needed)|\\+/-",
         std::regex::icase | std::regex::optimize);

@@ -10,8 +10,12 @@ namespace runcert {
 namespace {
 
 constexpr double newton_below = 1e-4;  // of the cost: what a reweighted step still gains
-constexpr double nothing_gained = 1e-14;
 constexpr double rounding_of_cost = 1e-13;
+/// What the linear part of the cost falls by is the squared length of the step in standard
+/// deviations of the estimate, all states taken together: no state moves by more than its root.
+constexpr double square_of_a_last_step = 1e-12;
+constexpr double square_left_to_rounding = 1e-6;
+constexpr int halvings = 4;  // of a Newton step that is too long, before a reweighted one
 /// Newton's curvature of a far measurement is negative. Where little else is known of the state it
 /// would be left with less than this part of its information: there the step is a reweighted one.
 constexpr double least_information = 0.05;
@@ -238,29 +242,46 @@ void RobustChain<Axes>::take_changes() {
     }
 }
 
+/// The cost after the changes, which a Newton step that would raise it is shortened for: its
+/// direction lowers the cost, but not from wherever it begins by its whole length.
+template <int Axes>
+double RobustChain<Axes>::cost_after_shortened(Curvature curvature, double allowed) {
+    double then = cost_after();
+    for (int i = 0; curvature == Curvature::newton && i < halvings && !(then <= allowed); ++i) {
+        for (Link& link : links_)
+            link.change *= 0.5;
+        then = cost_after();
+    }
+    return then;
+}
+
 template <int Axes>
 bool RobustChain<Axes>::solve(std::int64_t iterations_allowed) {
     Curvature curvature = Curvature::reweighted;
+    bool newton_refused = false;  // where the iteration stands
     double stands = cost();
     while (iterations_ < iterations_allowed) {
         ++iterations_;
         set_gradients();
         pass_along(curvature);
         const double falls = pass_back();
-        const double then = cost_after();
+        const double allowed = stands * (1.0 + rounding_of_cost);
+        const double then = cost_after_shortened(curvature, allowed);
         if (!std::isfinite(then) || !std::isfinite(falls)) return false;
-        if (then > stands * (1.0 + rounding_of_cost)) {
-            // Too far for Newton's: the reweighted step of the same place cannot be.
-            if (curvature == Curvature::reweighted) return false;
+        const bool near = falls <= square_of_a_last_step;
+        if (then > allowed) {
+            // A reweighted step cannot raise the cost: that is rounding, or nothing to go on with.
+            if (curvature == Curvature::reweighted) return falls <= square_left_to_rounding;
+            newton_refused = true;
             curvature = Curvature::reweighted;
             continue;
         }
         take_changes();
-        const bool done = falls <= nothing_gained * stands;
-        curvature =
-            stands - then < newton_below * stands ? Curvature::newton : Curvature::reweighted;
+        if (near && (curvature == Curvature::newton || newton_refused)) return true;
+        newton_refused = false;
+        curvature = near || stands - then < newton_below * stands ? Curvature::newton
+                                                                  : Curvature::reweighted;
         stands = then;
-        if (done) return true;
     }
     return false;
 }

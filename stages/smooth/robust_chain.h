@@ -31,8 +31,9 @@ class RobustChain {
     RobustChain(std::span<const ArcEpoch<Axes>> stretch, const EstimationModel& model,
                 std::span<const StateVector<Axes>> start, double scale);
 
-    /// Iterates until a step gains less than 1e-14 of the cost, or rounding hides what it gains;
-    /// whether that came about within so many steps.
+    /// Iterates until a whole Newton step, or a reweighted one where rounding hides what Newton's
+    /// gains, moves no state by more than 1e-6 of its standard deviation, or rounding hides what a
+    /// step of 1e-3 gains; whether that came about within so many steps.
     bool solve(std::int64_t iterations_allowed);
 
     std::int64_t iterations() const { return iterations_; }
@@ -75,6 +76,7 @@ class RobustChain {
     double defect_cost(std::size_t k, const State& defect) const;
     double cost() const;
     double cost_after() const;
+    double cost_after_shortened(Curvature curvature, double allowed);
     void take_changes();
 
     std::span<const ArcEpoch<Axes>> stretch_;

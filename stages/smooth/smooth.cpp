@@ -18,6 +18,9 @@
 namespace runcert {
 namespace {
 
+/// Batch and smoother agree to this part of the smoothed standard deviation, or to the absolute
+/// figures, below which rounding of coordinates may decide.
+constexpr double agreement_of_sigma = 1e-4;
 constexpr double agreement_position_m = 1e-6;
 constexpr double agreement_velocity_m_s = 1e-5;
 
@@ -40,15 +43,35 @@ std::int64_t offsets_told(const Arc<2>& arc) {
     return told;
 }
 
+struct AgreementLimits {
+    double position_m = agreement_position_m;
+    double velocity_m_s = agreement_velocity_m_s;
+};
+
+/// How near the two must be at a row that is smoothed: along the best known axis.
+template <int Axes>
+AgreementLimits limits_at(const TrajectoryEpoch& row) {
+    const auto limit = [](double floor, double sigma) {
+        return std::max(floor, agreement_of_sigma * sigma);
+    };
+    if constexpr (Axes == 1)
+        return {limit(agreement_position_m, *row.sigma_up_m),
+                limit(agreement_velocity_m_s, *row.sigma_velocity_up_m_s)};
+    else
+        return {limit(agreement_position_m, std::min(*row.sigma_east_m, *row.sigma_north_m)),
+                limit(agreement_velocity_m_s,
+                      std::min(*row.sigma_velocity_east_m_s, *row.sigma_velocity_north_m_s))};
+}
+
 /// How well batch and smoother agree.
 struct Agreement {
     std::int64_t stretches = 0;  ///< of the batch
     double largest_position_difference_m = 0.0;
     double largest_velocity_difference_m_s = 0.0;
 
-    bool within(double position_m, double velocity_m_s) const {
-        return largest_position_difference_m <= position_m &&
-               largest_velocity_difference_m_s <= velocity_m_s;
+    bool within(const AgreementLimits& limits, double part = 1.0) const {
+        return largest_position_difference_m <= part * limits.position_m &&
+               largest_velocity_difference_m_s <= part * limits.velocity_m_s;
     }
 
     void add(const Agreement& other) {
@@ -77,14 +100,15 @@ Agreement compare_batch(const Arc<Axes>& arc, const SmoothedMeans<Axes>& smoothe
     for (std::size_t k = 0; k < batch.states.size(); ++k) {
         const Agreement here = agreement_at(smoothed, batch, k);
         agreement.add(here);
-        if (!here.within(agreement_position_m, agreement_velocity_m_s))
+        const AgreementLimits limits = limits_at<Axes>(rows[arc.rows[k]]);
+        if (!here.within(limits))
             throw Failure(
                 fmt::format("epoch {}, {:.3f} s", rows[arc.rows[k]].epoch, arc.epochs[k].time_s),
                 fmt::format("smoother and batch least squares differ by {:.2e} m and {:.2e} m/s, "
-                            "more than {:.0e} m and {:.0e} m/s",
+                            "more than {:.1e} m and {:.1e} m/s",
                             here.largest_position_difference_m,
-                            here.largest_velocity_difference_m_s, agreement_position_m,
-                            agreement_velocity_m_s),
+                            here.largest_velocity_difference_m_s, limits.position_m,
+                            limits.velocity_m_s),
                 "The estimate cannot be trusted here; check stated standard deviations and time "
                 "steps, and "
                 "report it with the run folder");
@@ -112,7 +136,8 @@ bool forgets_soon(const Arc<Axes>& arc, const SmoothedMeans<Axes>& smoothed,
 /// ones, and at last as a whole, so that no difference is the cuts'.
 template <int Axes>
 BatchSolution<Axes> solve_in_stretches(const Arc<Axes>& arc, const SmoothedMeans<Axes>& smoothed,
-                                       const EstimationModel& model) {
+                                       const EstimationModel& model,
+                                       const std::vector<TrajectoryEpoch>& rows) {
     std::vector<BatchOptions> cuts{BatchOptions{}};
     if (forgets_soon(arc, smoothed, model)) cuts.insert(cuts.begin(), short_stretches);
     for (const BatchOptions& options : cuts) {
@@ -120,8 +145,7 @@ BatchSolution<Axes> solve_in_stretches(const Arc<Axes>& arc, const SmoothedMeans
         bool near = true;
         for (std::size_t k = 0; k < batch.states.size() && near; ++k)
             near = agreement_at(smoothed, batch, k)
-                       .within(near_the_smoother * agreement_position_m,
-                               near_the_smoother * agreement_velocity_m_s);
+                       .within(limits_at<Axes>(rows[arc.rows[k]]), near_the_smoother);
         if (near || batch.stretches == 1) return batch;
     }
     return solve_batch<Axes>(arc.epochs, model, {.epochs_at_once = arc.epochs.size()});
@@ -157,7 +181,8 @@ Agreement check_by_batch(const AxesResult<Axes>& result, const EstimationModel& 
     Agreement agreement;
     for (std::size_t a = 0; a < result.arcs.size(); ++a) {
         const Arc<Axes>& arc = result.arcs[a];
-        const BatchSolution<Axes> batch = solve_in_stretches<Axes>(arc, result.smoothed[a], model);
+        const BatchSolution<Axes> batch =
+            solve_in_stretches<Axes>(arc, result.smoothed[a], model, rows);
         agreement.add(compare_batch(arc, result.smoothed[a], batch, rows));
         if constexpr (Axes == 2)
             for (std::size_t k = 0; k < batch.states.size(); ++k)

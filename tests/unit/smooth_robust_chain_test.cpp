@@ -174,5 +174,32 @@ TEST(RobustChain, DoesNotEndBeforeItsSolution) {
     EXPECT_GT(chain.iterations(), 4);
 }
 
+/// Standing and running with hardly any noise for what is stated, written to a centimetre, with
+/// outliers of many metres.
+std::vector<ArcEpoch<2>> coarse_arc(std::size_t epochs, double interval_s, double sigma_m) {
+    RandomGenerator random(61);
+    std::vector<ArcEpoch<2>> arc(epochs);
+    double east_m = 0.0;
+    for (std::size_t k = 0; k < epochs; ++k) {
+        arc[k].time_s = static_cast<double>(k) * interval_s;
+        if (k % 600 > 400) east_m += 10.0 * interval_s;
+        Eigen::Vector2d position(std::round(100.0 * east_m) / 100.0, 0.0);
+        if (random.uniform() < 0.03) position(0) += 100.0 * (random.uniform() - 0.5);
+        arc[k].measurement = {position, sigma_m * sigma_m * Eigen::Matrix2d::Identity()};
+    }
+    return arc;
+}
+
+TEST(RobustChain, EndsWhereThereIsHardlyAnyNoise) {
+    for (const NamedModel& one : models())
+        for (const double sigma_m : {0.001, 0.1, 5.0})
+            for (const double interval_s : {0.1, 1.0}) {
+                const auto arc = coarse_arc(3000, interval_s, sigma_m);
+                RobustChain<2> chain(arc, one.model, smoothed_states<2>(arc, one.model), scale);
+                EXPECT_TRUE(chain.solve(robust_iterations_allowed))
+                    << one.name << " " << sigma_m << " " << interval_s;
+            }
+}
+
 }  // namespace
 }  // namespace runcert::RUNCERT_FILE

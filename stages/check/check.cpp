@@ -81,6 +81,21 @@ std::string first_refusal(const ProfileWindows& windows, Refuse refuse) {
     return refused;
 }
 
+/// Why one decision of screening forbids a certificate: it took too much of the recording.
+std::string refused_for_decision(const ClauseContext& context) {
+    const ReceiverFindings& judged = context.input.judged;
+    const auto& largest = judged.tests.largest_decision;
+    const double share_max =
+        context.input.attempt.parameters.at("screen").at("decision_share_max").get<double>();
+    if (!largest || largest->share <= share_max) return {};
+    return fmt::format(
+        "One decision of screening left out {:.0f} % of all epochs, more than {:.0f} % "
+        "(screen.decision_share_max): {} {} (statistic {:.1f}, threshold {:.1f}).",
+        100.0 * largest->share, 100.0 * share_max, words_of(largest->hypothesis),
+        instant_text(judged.facts.first_epoch, ElapsedTime{std::llround(largest->time_s * 1e9)}),
+        largest->statistic, largest->threshold);
+}
+
 /// Why nothing can be certified; empty where something can.
 std::string refusal_of(const ClauseContext& context, const std::vector<Requirement>& requirements) {
     const auto failed = failed_clauses(requirements);
@@ -94,6 +109,8 @@ std::string refusal_of(const ClauseContext& context, const std::vector<Requireme
                                                 });
             !refused.empty())
             return refused;
+    // What made the other requirements fail comes first.
+    if (std::string refused = refused_for_decision(context); !refused.empty()) return refused;
     if (!failed.empty()) return "Not met: " + failed.front();
     if (!best) return "There is no certifiable window.";
     if (!context.speed)

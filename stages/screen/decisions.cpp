@@ -3,6 +3,8 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 namespace runcert {
 namespace {
@@ -15,12 +17,14 @@ void record(ScreenedEpoch& row, const ScreeningDecision& decision, TestedAxes ax
     row.estimated = decision.estimated;
 }
 
-void leave_out(ScreenedEpoch& row, const ScreeningDecision& decision, Reason reason,
+/// Whether it was usable until then.
+bool leave_out(ScreenedEpoch& row, const ScreeningDecision& decision, Reason reason,
                TestedAxes axes) {
-    if (!row.usable) return;
+    if (!row.usable) return false;
     row.usable = false;
     row.reason = reason;
     record(row, decision, axes);
+    return true;
 }
 
 ArcBreak break_of(Hypothesis hypothesis, bool bridge_steps) {
@@ -108,75 +112,197 @@ std::optional<Eigen::Vector3d> unrecorded_velocity(const std::vector<ScreenedEpo
            sum / static_cast<double>(part.last - part.first + 1);
 }
 
+/// The two sides of a ramp's beginning, as far as they are asked for what velocities say.
+struct Sides {
+    EpochRange before;
+    EpochRange after;
+    TestedAxes axes = TestedAxes::horizontal;
+    Eigen::Vector3d rate = Eigen::Vector3d::Zero();
+};
+
+double away_s(const std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> arc_rows,
+              std::size_t k, std::size_t from) {
+    return std::abs(rows[arc_rows[k]].time.seconds() - rows[arc_rows[from]].time.seconds());
+}
+
+/// The epochs from one on to both sides, within so many seconds.
+EpochRange around(const std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> arc_rows,
+                  std::size_t from, double reach_s) {
+    EpochRange range{from, from};
+    while (range.first > 0 && away_s(rows, arc_rows, range.first - 1, from) <= reach_s)
+        --range.first;
+    while (range.last + 1 < arc_rows.size() &&
+           away_s(rows, arc_rows, range.last + 1, from) <= reach_s)
+        ++range.last;
+    return range;
+}
+
+/// Heights of a craft on the ground that the recording has no vertical velocities for are a witness
+/// of the horizontal positions, and so are asked about these.
+Sides sides_of(const std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> arc_rows,
+               const ScreeningDecision& ramp, TestedAxes tested, bool on_the_ground) {
+    constexpr double reach_s = 2.0;
+    const bool level = tested == TestedAxes::vertical && on_the_ground &&
+                       !rows[arc_rows[ramp.first]].recorded_velocity_up_m_s;
+    const EpochRange near = around(rows, arc_rows, ramp.first, reach_s);
+    const EstimatedError& by = ramp.estimated;
+    return {.before = {near.first, ramp.first},
+            .after = {ramp.first, near.last},
+            .axes = level ? TestedAxes::horizontal : tested,
+            .rate = {by.rate_east_m_s.value_or(0.0), by.rate_north_m_s.value_or(0.0),
+                     by.rate_up_m_s.value_or(0.0)}};
+}
+
 /// Whether the recorded velocities change with the positions where these seem to begin to drift:
 /// the craft then moved so, harder than the class's motion has it. A drift of the positions alone
-/// would be missing from them. They may lag behind by up to half a second. Heights of a craft on
-/// the ground that the recording has no vertical velocities for are a witness of the horizontal
-/// positions, and so are asked about these.
+/// would be missing from them. They may lag behind by up to half a second.
 bool is_recorded_motion(const std::vector<ScreenedEpoch>& rows,
                         std::span<const std::size_t> arc_rows, const ScreeningDecision& ramp,
                         TestedAxes tested, bool on_the_ground) {
-    constexpr double reach_s = 2.0;
     constexpr double longest_lag_s = 0.5;
-    const bool level = tested == TestedAxes::vertical && on_the_ground &&
-                       !rows[arc_rows[ramp.first]].recorded_velocity_up_m_s;
-    const TestedAxes axes = level ? TestedAxes::horizontal : tested;
-    const auto away_s = [&](std::size_t k) {
-        return std::abs(rows[arc_rows[k]].time.seconds() -
-                        rows[arc_rows[ramp.first]].time.seconds());
-    };
-    std::size_t begin = ramp.first;
-    while (begin > 0 && away_s(begin - 1) <= reach_s)
-        --begin;
-    std::size_t end = ramp.first;
-    while (end + 1 < arc_rows.size() && away_s(end + 1) <= reach_s)
-        ++end;
-    const EstimatedError& by = ramp.estimated;
-    const Eigen::Vector3d rate(by.rate_east_m_s.value_or(0.0), by.rate_north_m_s.value_or(0.0),
-                               by.rate_up_m_s.value_or(0.0));
-    for (std::size_t lag = 0;
-         ramp.first + lag < arc_rows.size() && away_s(ramp.first + lag) <= longest_lag_s; ++lag) {
-        const auto before = unrecorded_velocity(rows, arc_rows, {begin, ramp.first}, lag, axes);
-        const auto after = unrecorded_velocity(rows, arc_rows, {ramp.first, end}, lag, axes);
-        if (before && after && (*after - *before).norm() < 0.5 * rate.norm()) return true;
+    const Sides sides = sides_of(rows, arc_rows, ramp, tested, on_the_ground);
+    for (std::size_t lag = 0; ramp.first + lag < arc_rows.size() &&
+                              away_s(rows, arc_rows, ramp.first + lag, ramp.first) <= longest_lag_s;
+         ++lag) {
+        const auto before = unrecorded_velocity(rows, arc_rows, sides.before, lag, sides.axes);
+        const auto after = unrecorded_velocity(rows, arc_rows, sides.after, lag, sides.axes);
+        if (before && after && (*after - *before).norm() < 0.5 * sides.rate.norm()) return true;
     }
     return false;
 }
 
+/// Whether the recorded velocities vouch for one side of a ramp: its positions move as they say, to
+/// less than half the rate, whatever the lag.
+bool is_vouched_for(const std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> arc_rows,
+                    EpochRange side, const Sides& sides) {
+    const auto moved = unrecorded_velocity(rows, arc_rows, side, 0, sides.axes);
+    return moved && moved->norm() < 0.5 * sides.rate.norm();
+}
+
+/// Whether the positions stand still for some seconds from an epoch on, in the direction of the arc
+/// or against it: they move by less than a quarter of the rate. What drifts does not.
+bool stands_still(const std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> arc_rows,
+                  std::size_t from, int direction, const Sides& sides) {
+    constexpr double long_s = 5.0;
+    const auto position = [&](std::size_t k) -> Eigen::Vector3d {
+        const ScreenedEpoch& row = rows[arc_rows[k]];
+        if (sides.axes == TestedAxes::vertical) return {0.0, 0.0, row.up_m.value_or(0.0)};
+        return {row.east_m.value_or(0.0), row.north_m.value_or(0.0), 0.0};
+    };
+    const double allowed_m_s = 0.25 * sides.rate.norm();
+    std::size_t k = from;
+    while (away_s(rows, arc_rows, k, from) < long_s) {
+        if (direction > 0 ? k + 1 == arc_rows.size() : k == 0) return false;
+        k = direction > 0 ? k + 1 : k - 1;
+        if ((position(k) - position(from)).norm() > allowed_m_s * long_s) return false;
+    }
+    return (position(k) - position(from)).norm() <= allowed_m_s * away_s(rows, arc_rows, k, from);
+}
+
+/// How far a drift that begins or ends at a ramp can reach. It does not reach over another break,
+/// nor to a side that the recorded velocities vouch for. Epochs first to last - 1.
+EpochRange reach_of(const std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> arc_rows,
+                    const ArcDecisions& decisions, const ScreeningDecision& ramp, TestedAxes axes,
+                    const MarkOptions& options) {
+    constexpr double largest_error_m = 100.0;
+    const Sides sides = sides_of(rows, arc_rows, ramp, axes, options.on_the_ground);
+    const double rate = sides.rate.norm();
+    const double reach_s =
+        rate > 0.0 ? largest_error_m / rate : std::numeric_limits<double>::infinity();
+    const bool before_holds = is_vouched_for(rows, arc_rows, sides.before, sides);
+    const bool after_holds = is_vouched_for(rows, arc_rows, sides.after, sides);
+    const auto goes_on = [&](std::size_t k, int direction) {
+        return away_s(rows, arc_rows, k, ramp.first) <= reach_s &&
+               !stands_still(rows, arc_rows, k, direction, sides);
+    };
+    EpochRange reach{ramp.first, ramp.first};
+    if (!before_holds || after_holds) {
+        while (reach.first > 0 && !decisions.breaks[reach.first - 1] &&
+               goes_on(reach.first - 1, -1))
+            --reach.first;
+        if (reach.first > 0 && decisions.breaks[reach.first - 1]) --reach.first;
+    }
+    if (!after_holds || before_holds)
+        while (++reach.last < arc_rows.size() && !decisions.breaks[reach.last] &&
+               goes_on(reach.last, 1)) {
+        }
+    return reach;
+}
+
+/// What a decision left out, in the words of the table's header.
+class Losses {
+  public:
+    explicit Losses(TestedAxes axes) : axes_(axes) {}
+
+    void add(const ScreeningDecision& decision, const ScreenedEpoch& first,
+             const ScreenedEpoch& last, std::int64_t epochs) {
+        if (epochs == 0 || (largest_ && largest_->epochs >= epochs)) return;
+        LargestDecision& largest = largest_.emplace();
+        largest.hypothesis = decision.hypothesis;
+        largest.axes = axes_;
+        largest.first_epoch = first.epoch;
+        largest.last_epoch = last.epoch;
+        largest.time_s = first.time.seconds();
+        largest.epochs = epochs;
+        largest.statistic = decision.statistic;
+        largest.threshold = decision.threshold;
+    }
+    std::optional<LargestDecision> largest() const { return largest_; }
+
+  private:
+    TestedAxes axes_;
+    std::optional<LargestDecision> largest_;
+};
+
+/// Leaves out epochs first to last - 1 of the arc.
+void leave_out_range(std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> arc_rows,
+                     EpochRange range, const ScreeningDecision& decision, TestedAxes axes,
+                     Losses& losses) {
+    std::int64_t lost = 0;
+    for (std::size_t k = range.first; k < range.last; ++k)
+        lost += leave_out(rows[arc_rows[k]], decision, Reason::model, axes) ? 1 : 0;
+    if (range.last > range.first)
+        losses.add(decision, rows[arc_rows[range.first]], rows[arc_rows[range.last - 1]], lost);
+}
+
 void leave_out_drifting(std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> arc_rows,
-                        const ArcDecisions& decisions, TestedAxes axes, bool on_the_ground) {
+                        const ArcDecisions& decisions, TestedAxes axes, const MarkOptions& options,
+                        Losses& losses) {
     for (const Excursion& excursion : excursions_of(rows, arc_rows, decisions)) {
-        std::size_t first = excursion.ramps.front()->first;
-        std::size_t last = excursion.ramps.back()->first;
         if (std::ranges::all_of(excursion.ramps, [&](const ScreeningDecision* ramp) {
-                return is_recorded_motion(rows, arc_rows, *ramp, axes, on_the_ground);
+                return is_recorded_motion(rows, arc_rows, *ramp, axes, options.on_the_ground);
             }))
             continue;
-        if (!excursion.ends()) {
-            while (first > 0 && !decisions.breaks[first - 1])
-                --first;
-            if (first > 0) --first;
-            while (++last < arc_rows.size() && !decisions.breaks[last]) {
-            }
-        }
-        for (std::size_t k = first; k < last; ++k)
-            leave_out(rows[arc_rows[k]], *excursion.ramps.front(), Reason::model, axes);
+        const ScreeningDecision& first = *excursion.ramps.front();
+        const ScreeningDecision& last = *excursion.ramps.back();
+        leave_out_range(rows, arc_rows, {first.first, last.first}, first, axes, losses);
+        if (excursion.ends()) continue;
+        for (const ScreeningDecision* ramp : excursion.ramps)
+            leave_out_range(rows, arc_rows,
+                            reach_of(rows, arc_rows, decisions, *ramp, axes, options), *ramp, axes,
+                            losses);
     }
 }
 
 }  // namespace
 
-void mark_rows(std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> arc_rows,
-               const ArcDecisions& decisions, TestedAxes axes, const MarkOptions& options) {
-    leave_out_drifting(rows, arc_rows, decisions, axes, options.on_the_ground);
+std::optional<LargestDecision> mark_rows(std::vector<ScreenedEpoch>& rows,
+                                         std::span<const std::size_t> arc_rows,
+                                         const ArcDecisions& decisions, TestedAxes axes,
+                                         const MarkOptions& options) {
+    Losses losses(axes);
+    leave_out_drifting(rows, arc_rows, decisions, axes, options, losses);
+    std::int64_t lost = 0;
     for (std::size_t k = 0; k < arc_rows.size(); ++k) {
         ScreenedEpoch& row = rows[arc_rows[k]];
-        if (const auto& decision = decisions.left_out[k]) {
-            const Reason reason = decision->hypothesis == Hypothesis::outlier ? Reason::outlier
-                                  : decision->hypothesis == Hypothesis::burst ? Reason::burst
-                                                                              : Reason::model;
-            leave_out(row, *decision, reason, axes);
-        }
+        const auto& decision = decisions.left_out[k];
+        if (!decision) continue;
+        const Reason reason = decision->hypothesis == Hypothesis::outlier ? Reason::outlier
+                              : decision->hypothesis == Hypothesis::burst ? Reason::burst
+                                                                          : Reason::model;
+        if (k == decision->first) lost = 0;
+        lost += leave_out(row, *decision, reason, axes) ? 1 : 0;
+        if (k == decision->last) losses.add(*decision, rows[arc_rows[decision->first]], row, lost);
     }
     const auto manoeuvre = axes == TestedAxes::vertical ? &ScreenedEpoch::manoeuvre_up_m_s2
                                                         : &ScreenedEpoch::manoeuvre_m_s2;
@@ -197,6 +323,7 @@ void mark_rows(std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> ar
         row.break_before = break_of(decision->hypothesis, options.bridge_steps);
         record(row, *decision, axes);
     }
+    return losses.largest();
 }
 
 void finish_arcs(std::vector<ScreenedEpoch>& rows, std::int64_t longest_hole,

@@ -15,12 +15,18 @@ struct MarkOptions {
 /// Writes what was decided of an arc into its rows (`arc_rows` are their indices). Rows already
 /// marked keep their mark. A step ends the arc, or is bridged. Positions that drift are left out:
 /// between a ramp and the one that ends it (their rates add up to none), or, where it does not end,
-/// on both sides of the ramp up to the next break, because nobody can tell whether the positions
-/// before or after it drift. Where the recorded velocities change with the positions (to half the
-/// rate, in the means of two seconds before and after), it is motion, and nothing is left out; the
-/// arc ends there all the same.
-void mark_rows(std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> arc_rows,
-               const ArcDecisions& decisions, TestedAxes axes, const MarkOptions& options);
+/// on both sides of the ramp, because nobody can tell whether the positions before or after it
+/// drift: not beyond the next break, not beyond where the positions stand still (they do not drift
+/// there), and no longer than an error takes at this rate to grow to a hundred metres. A side that
+/// the recorded velocities vouch for (its positions move as they say, to half the rate) loses
+/// nothing. Where the recorded velocities change with the positions (to half the rate, in the means
+/// of two seconds before and after), it is motion, and nothing is left out; the arc ends there all
+/// the same. What the decision left out that cost the arc most epochs is returned; its share is
+/// left to the caller.
+std::optional<LargestDecision> mark_rows(std::vector<ScreenedEpoch>& rows,
+                                         std::span<const std::size_t> arc_rows,
+                                         const ArcDecisions& decisions, TestedAxes axes,
+                                         const MarkOptions& options);
 
 /// Numbers the arcs anew from 1 after rows have been marked: an arc begins and ends with a usable
 /// row, and ends where more than `longest_hole` rows of it are left out one after the other. Those

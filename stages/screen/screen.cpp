@@ -79,7 +79,14 @@ void mark_arcs(ScreenedTable& screened, const AdaptedArcs<Axes>& adapted,
     for (std::size_t a = 0; a < adapted.arcs.size(); ++a) {
         const ArcDecisions& decisions = adapted.decisions[a];
         basis.passes = std::max(basis.passes, decisions.passes);
-        mark_rows(screened.rows, adapted.arcs[a].rows, decisions, axes, options);
+        const auto largest =
+            mark_rows(screened.rows, adapted.arcs[a].rows, decisions, axes, options);
+        if (largest &&
+            (!basis.largest_decision || largest->epochs > basis.largest_decision->epochs)) {
+            basis.largest_decision = largest;
+            basis.largest_decision->share =
+                static_cast<double>(largest->epochs) / static_cast<double>(screened.rows.size());
+        }
     }
 }
 

@@ -4,6 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "core/prose.h"
 #include "reports/words/figures.h"
@@ -90,8 +92,9 @@ std::string refused_for_decision(const ClauseContext& context) {
     if (!largest || largest->share <= share_max) return {};
     return fmt::format(
         "One decision of screening left out {:.0f} % of all epochs, more than {:.0f} % "
-        "(screen.decision_share_max): {} {} (statistic {:.1f}, threshold {:.1f}).",
+        "(screen.decision_share_max): {}, from epoch {} {} (statistic {:.1f}, threshold {:.1f}).",
         100.0 * largest->share, 100.0 * share_max, words_of(largest->hypothesis),
+        largest->first_epoch,
         instant_text(judged.facts.first_epoch, ElapsedTime{std::llround(largest->time_s * 1e9)}),
         largest->statistic, largest->threshold);
 }

@@ -74,6 +74,8 @@ Series series_of(const std::vector<ReceiverPair>& pairs,
                  const std::array<const ScreenedTable*, 2>& receivers, const ScreenConfig& config) {
     Series series;
     series.table.facts.vertical_measured = Axes == 1;
+    series.table.facts.nominal_interval_s =
+        std::max(receivers[0]->facts.nominal_interval_s, receivers[1]->facts.nominal_interval_s);
     const std::array breaks{breaks_up_to(receivers[0]->rows), breaks_up_to(receivers[1]->rows)};
     std::int64_t arc = 0;
     for (std::size_t p = 0; p < pairs.size(); ++p) {
@@ -96,7 +98,8 @@ Series series_of(const std::vector<ReceiverPair>& pairs,
         row.arc = arc;
         series.pairs.push_back(p);
     }
-    finish_arcs(series.table.rows, config.burst_epochs_max, config.min_arc_epochs);
+    finish_arcs(series.table.rows, config.bridged_s(series.table.facts.nominal_interval_s),
+                config.min_arc_epochs);
     return series;
 }
 
@@ -117,7 +120,8 @@ EstimationModel estimate_model(const Series& series, double length_m, const Test
     for (const Arc<Axes>& arc : arcs_of<Axes>(series.table))
         mark_rows(first_look.rows, arc.rows, adapt<Axes>(arc.epochs, stated, plan), axes,
                   MarkOptions{});
-    finish_arcs(first_look.rows, config.burst_epochs_max, config.min_arc_epochs);
+    finish_arcs(first_look.rows, config.bridged_s(first_look.facts.nominal_interval_s),
+                config.min_arc_epochs);
     config.fit_noise = true;
     const ScreeningNoise fitted = estimate_screening_noise<Axes>(first_look, config);
     return fitted.summary.noise == NoiseBasis::fitted ? fitted.model : stated;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <optional>
 
 namespace runcert {
@@ -113,7 +114,7 @@ std::optional<Eigen::Vector3d> unrecorded_velocity(const std::vector<ScreenedEpo
 }
 
 /// The two sides of a ramp's beginning, as far as they are asked for what velocities say.
-struct Sides {
+struct RampSides {
     EpochRange before;
     EpochRange after;
     TestedAxes axes = TestedAxes::horizontal;
@@ -139,8 +140,9 @@ EpochRange around(const std::vector<ScreenedEpoch>& rows, std::span<const std::s
 
 /// Heights of a craft on the ground that the recording has no vertical velocities for are a witness
 /// of the horizontal positions, and so are asked about these.
-Sides sides_of(const std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> arc_rows,
-               const ScreeningDecision& ramp, TestedAxes tested, bool on_the_ground) {
+RampSides ramp_sides_of(const std::vector<ScreenedEpoch>& rows,
+                        std::span<const std::size_t> arc_rows, const ScreeningDecision& ramp,
+                        TestedAxes tested, bool on_the_ground) {
     constexpr double reach_s = 2.0;
     const bool level = tested == TestedAxes::vertical && on_the_ground &&
                        !rows[arc_rows[ramp.first]].recorded_velocity_up_m_s;
@@ -160,7 +162,7 @@ bool is_recorded_motion(const std::vector<ScreenedEpoch>& rows,
                         std::span<const std::size_t> arc_rows, const ScreeningDecision& ramp,
                         TestedAxes tested, bool on_the_ground) {
     constexpr double longest_lag_s = 0.5;
-    const Sides sides = sides_of(rows, arc_rows, ramp, tested, on_the_ground);
+    const RampSides sides = ramp_sides_of(rows, arc_rows, ramp, tested, on_the_ground);
     for (std::size_t lag = 0; ramp.first + lag < arc_rows.size() &&
                               away_s(rows, arc_rows, ramp.first + lag, ramp.first) <= longest_lag_s;
          ++lag) {
@@ -171,25 +173,51 @@ bool is_recorded_motion(const std::vector<ScreenedEpoch>& rows,
     return false;
 }
 
-/// Whether the recorded velocities vouch for one side of a ramp: its positions move as they say, to
-/// less than half the rate, whatever the lag.
-bool is_vouched_for(const std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> arc_rows,
-                    EpochRange side, const Sides& sides) {
-    const auto moved = unrecorded_velocity(rows, arc_rows, side, 0, sides.axes);
-    return moved && moved->norm() < 0.5 * sides.rate.norm();
+/// Which side of a ramp the recorded velocities vouch for.
+enum class VouchedSide { neither, before, after };
+
+/// The velocities vouch for a side whose positions move as they say, where those of the other do
+/// not: to a quarter of the rate against three quarters, at whichever lag of up to half a second
+/// suits each best, and only where the positions' stated noise leaves that much to be told.
+VouchedSide vouched_side(const std::vector<ScreenedEpoch>& rows,
+                         std::span<const std::size_t> arc_rows, const ScreeningDecision& ramp,
+                         const RampSides& sides) {
+    constexpr double longest_lag_s = 0.5;
+    constexpr double apart_s = 2.0;
+    const double rate = sides.rate.norm();
+    const ScreenedEpoch& at = rows[arc_rows[ramp.first]];
+    const double sigma_m = (sides.axes == TestedAxes::vertical ? at.sigma_up_m : at.sigma_east_m)
+                               .value_or(std::numeric_limits<double>::infinity());
+    if (std::numbers::sqrt2 * sigma_m / apart_s > 0.25 * rate) return VouchedSide::neither;
+    const auto least = [&](EpochRange side) {
+        double least_m_s = std::numeric_limits<double>::infinity();
+        for (std::size_t lag = 0;
+             ramp.first + lag < arc_rows.size() &&
+             away_s(rows, arc_rows, ramp.first + lag, ramp.first) <= longest_lag_s;
+             ++lag)
+            if (const auto moved = unrecorded_velocity(rows, arc_rows, side, lag, sides.axes))
+                least_m_s = std::min(least_m_s, moved->norm());
+        return least_m_s;
+    };
+    const double before = least(sides.before);
+    const double after = least(sides.after);
+    if (!std::isfinite(before) || !std::isfinite(after)) return VouchedSide::neither;
+    if (before < 0.25 * rate && after > 0.75 * rate) return VouchedSide::before;
+    if (after < 0.25 * rate && before > 0.75 * rate) return VouchedSide::after;
+    return VouchedSide::neither;
 }
 
 /// Whether the positions stand still for some seconds from an epoch on, in the direction of the arc
-/// or against it: they move by less than a quarter of the rate. What drifts does not.
+/// or against it: they move by less than a tenth of the rate. What drifts does not.
 bool stands_still(const std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> arc_rows,
-                  std::size_t from, int direction, const Sides& sides) {
-    constexpr double long_s = 5.0;
+                  std::size_t from, int direction, const RampSides& sides) {
+    constexpr double long_s = 10.0;
     const auto position = [&](std::size_t k) -> Eigen::Vector3d {
         const ScreenedEpoch& row = rows[arc_rows[k]];
         if (sides.axes == TestedAxes::vertical) return {0.0, 0.0, row.up_m.value_or(0.0)};
         return {row.east_m.value_or(0.0), row.north_m.value_or(0.0), 0.0};
     };
-    const double allowed_m_s = 0.25 * sides.rate.norm();
+    const double allowed_m_s = 0.1 * sides.rate.norm();
     std::size_t k = from;
     while (away_s(rows, arc_rows, k, from) < long_s) {
         if (direction > 0 ? k + 1 == arc_rows.size() : k == 0) return false;
@@ -205,24 +233,23 @@ EpochRange reach_of(const std::vector<ScreenedEpoch>& rows, std::span<const std:
                     const ArcDecisions& decisions, const ScreeningDecision& ramp, TestedAxes axes,
                     const MarkOptions& options) {
     constexpr double largest_error_m = 100.0;
-    const Sides sides = sides_of(rows, arc_rows, ramp, axes, options.on_the_ground);
+    const RampSides sides = ramp_sides_of(rows, arc_rows, ramp, axes, options.on_the_ground);
     const double rate = sides.rate.norm();
     const double reach_s =
         rate > 0.0 ? largest_error_m / rate : std::numeric_limits<double>::infinity();
-    const bool before_holds = is_vouched_for(rows, arc_rows, sides.before, sides);
-    const bool after_holds = is_vouched_for(rows, arc_rows, sides.after, sides);
+    const VouchedSide vouched = vouched_side(rows, arc_rows, ramp, sides);
     const auto goes_on = [&](std::size_t k, int direction) {
         return away_s(rows, arc_rows, k, ramp.first) <= reach_s &&
                !stands_still(rows, arc_rows, k, direction, sides);
     };
     EpochRange reach{ramp.first, ramp.first};
-    if (!before_holds || after_holds) {
+    if (vouched != VouchedSide::before) {
         while (reach.first > 0 && !decisions.breaks[reach.first - 1] &&
                goes_on(reach.first - 1, -1))
             --reach.first;
         if (reach.first > 0 && decisions.breaks[reach.first - 1]) --reach.first;
     }
-    if (!after_holds || before_holds)
+    if (vouched != VouchedSide::after)
         while (++reach.last < arc_rows.size() && !decisions.breaks[reach.last] &&
                goes_on(reach.last, 1)) {
         }
@@ -293,6 +320,7 @@ std::optional<LargestDecision> mark_rows(std::vector<ScreenedEpoch>& rows,
     Losses losses(axes);
     leave_out_drifting(rows, arc_rows, decisions, axes, options, losses);
     std::int64_t lost = 0;
+    std::size_t begun = arc_rows.size();  // first epoch of the decision that is counted
     for (std::size_t k = 0; k < arc_rows.size(); ++k) {
         ScreenedEpoch& row = rows[arc_rows[k]];
         const auto& decision = decisions.left_out[k];
@@ -300,9 +328,11 @@ std::optional<LargestDecision> mark_rows(std::vector<ScreenedEpoch>& rows,
         const Reason reason = decision->hypothesis == Hypothesis::outlier ? Reason::outlier
                               : decision->hypothesis == Hypothesis::burst ? Reason::burst
                                                                           : Reason::model;
-        if (k == decision->first) lost = 0;
+        // Epochs of a span that were decided for before belong to what was decided then.
+        if (decision->first != begun) lost = 0;
+        begun = decision->first;
         lost += leave_out(row, *decision, reason, axes) ? 1 : 0;
-        if (k == decision->last) losses.add(*decision, rows[arc_rows[decision->first]], row, lost);
+        losses.add(*decision, rows[arc_rows[decision->first]], row, lost);
     }
     const auto manoeuvre = axes == TestedAxes::vertical ? &ScreenedEpoch::manoeuvre_up_m_s2
                                                         : &ScreenedEpoch::manoeuvre_m_s2;
@@ -326,15 +356,17 @@ std::optional<LargestDecision> mark_rows(std::vector<ScreenedEpoch>& rows,
     return losses.largest();
 }
 
-void finish_arcs(std::vector<ScreenedEpoch>& rows, std::int64_t longest_hole,
+void finish_arcs(std::vector<ScreenedEpoch>& rows, double longest_hole_s,
                  std::int64_t min_arc_epochs) {
+    constexpr double rounding_s = 1e-6;
     struct Stretch {
         std::vector<ScreenedEpoch*> members;
         std::int64_t usable = 0;
     };
     std::vector<Stretch> stretches;
     std::optional<ArcBreak> pending;
-    std::vector<ScreenedEpoch*> hole;  // left out since the last usable row
+    std::vector<ScreenedEpoch*> hole;       // left out since the last usable row
+    const ScreenedEpoch* usable = nullptr;  // the last
     for (ScreenedEpoch& row : rows) {
         if (!row.arc) continue;
         if (row.break_before && (!pending || *pending == ArcBreak::bridged))
@@ -345,7 +377,10 @@ void finish_arcs(std::vector<ScreenedEpoch>& rows, std::int64_t longest_hole,
             hole.push_back(&row);
             continue;
         }
-        const bool long_hole = std::ssize(hole) > longest_hole;
+        const bool long_hole =
+            usable && !hole.empty() &&
+            row.time.seconds() - usable->time.seconds() > longest_hole_s + rounding_s;
+        usable = &row;
         if (long_hole && (!pending || *pending == ArcBreak::bridged)) pending = ArcBreak::gap;
         if (stretches.empty() && !pending) pending = ArcBreak::start;
         const bool begins = stretches.empty() || (pending && *pending != ArcBreak::bridged);

@@ -18,20 +18,20 @@ struct MarkOptions {
 /// on both sides of the ramp, because nobody can tell whether the positions before or after it
 /// drift: not beyond the next break, not beyond where the positions stand still (they do not drift
 /// there), and no longer than an error takes at this rate to grow to a hundred metres. A side that
-/// the recorded velocities vouch for (its positions move as they say, to half the rate) loses
-/// nothing. Where the recorded velocities change with the positions (to half the rate, in the means
-/// of two seconds before and after), it is motion, and nothing is left out; the arc ends there all
-/// the same. What the decision left out that cost the arc most epochs is returned; its share is
-/// left to the caller.
+/// the recorded velocities vouch for (its positions move as they say, to a quarter of the rate,
+/// those of the other not to three quarters) loses nothing. Where the recorded velocities change
+/// with the positions (to half the rate, in the means of two seconds before and after), it is
+/// motion, and nothing is left out; the arc ends there all the same. What the decision left out
+/// that cost the arc most epochs is returned; its share is left to the caller.
 std::optional<LargestDecision> mark_rows(std::vector<ScreenedEpoch>& rows,
                                          std::span<const std::size_t> arc_rows,
                                          const ArcDecisions& decisions, TestedAxes axes,
                                          const MarkOptions& options);
 
 /// Numbers the arcs anew from 1 after rows have been marked: an arc begins and ends with a usable
-/// row, and ends where more than `longest_hole` rows of it are left out one after the other. Those
-/// of fewer than `min_arc_epochs` usable rows are taken out (reason short_arc).
-void finish_arcs(std::vector<ScreenedEpoch>& rows, std::int64_t longest_hole,
+/// row, and ends where rows are left out for longer than `longest_hole_s`, from a usable one to the
+/// next. Those of fewer than `min_arc_epochs` usable rows are taken out (reason short_arc).
+void finish_arcs(std::vector<ScreenedEpoch>& rows, double longest_hole_s,
                  std::int64_t min_arc_epochs);
 
 }  // namespace runcert

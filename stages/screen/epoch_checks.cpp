@@ -107,8 +107,7 @@ void check_epochs(std::vector<ScreenedEpoch>& rows, bool vertical, const ScreenC
 
 void number_arcs(std::vector<ScreenedEpoch>& rows, double nominal_interval_s,
                  const ScreenConfig& config) {
-    const double longest_step_ns =
-        std::max(config.gap_factor * nominal_interval_s, config.gap_max_s) * 1e9;
+    const double longest_step_ns = config.bridged_s(nominal_interval_s) * 1e9;
     // A clock that was set back and catches up again does not say how long that took.
     constexpr int longest_disorder = 1;
     const ScreenedEpoch* previous = nullptr;

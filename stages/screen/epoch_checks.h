@@ -13,8 +13,8 @@ namespace runcert {
 void check_epochs(std::vector<ScreenedEpoch>& rows, bool vertical_measured,
                   const ScreenConfig& config);
 
-/// Numbers the arcs of the usable epochs: a step longer than `gap_factor` nominal intervals begins
-/// a new one, and so does a clock that was set back for more than one row.
+/// Numbers the arcs of the usable epochs: a step longer than what is bridged (`bridged_s`) begins a
+/// new one, and so does a clock that was set back for more than one row.
 void number_arcs(std::vector<ScreenedEpoch>& rows, double nominal_interval_s,
                  const ScreenConfig& config);
 

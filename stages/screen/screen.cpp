@@ -130,7 +130,8 @@ Motion check_velocities_and_limits(ScreenedTable& screened, const ScreeningNoise
     std::int64_t velocities = 0;
     std::int64_t limits = 0;
     for (int round = 0; round < rounds; ++round) {
-        finish_arcs(screened.rows, config.burst_epochs_max, config.min_arc_epochs);
+        finish_arcs(screened.rows, config.bridged_s(screened.facts.nominal_interval_s),
+                    config.min_arc_epochs);
         const Motion motion = examine_arcs(screened, noises, plan, config.section_epochs);
         VelocityFindings by_velocity = check_velocities(
             screened.rows, motion,
@@ -154,7 +155,8 @@ Motion check_velocities_and_limits(ScreenedTable& screened, const ScreeningNoise
         basis.limits.rejected = limits;
         if (done) return motion;
     }
-    finish_arcs(screened.rows, config.burst_epochs_max, config.min_arc_epochs);
+    finish_arcs(screened.rows, config.bridged_s(screened.facts.nominal_interval_s),
+                config.min_arc_epochs);
     return examine_arcs(screened, noises, plan, config.section_epochs);
 }
 
@@ -192,7 +194,8 @@ ReceiverScreening screen_alone(const EnuTable& table, const ScreenConfig& config
                                               .session_gap_s = config.session_gap_s});
     basis.device = find_device_signs(screened.rows, nominal_interval_s,
                                      table.facts.position_resolution_m.value_or(0.0));
-    finish_arcs(screened.rows, config.burst_epochs_max, config.min_arc_epochs);
+    finish_arcs(screened.rows, config.bridged_s(screened.facts.nominal_interval_s),
+                config.min_arc_epochs);
     ScreeningNoises noises;
     {
         const ScreenedTable look = first_look(screened, config);
@@ -260,7 +263,8 @@ std::vector<ScreenedTable> screen_receivers(std::span<const EnuTable> tables,
         if (compare_receivers(receivers[0].table, receivers[1].table, receivers[0].motion,
                               strictest->plan, config))
             for (ReceiverScreening& one : receivers) {
-                finish_arcs(one.table.rows, config.burst_epochs_max, config.min_arc_epochs);
+                finish_arcs(one.table.rows, config.bridged_s(one.table.facts.nominal_interval_s),
+                            config.min_arc_epochs);
                 examine_arcs(one.table, one.noises, one.plan, config.section_epochs);
             }
     }

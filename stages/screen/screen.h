@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <set>
 #include <span>
 
@@ -38,6 +39,11 @@ struct ScreenConfig {
     double velocity_delay_max_s = 0.0;
     PhysicalLimits limits;
     std::size_t section_epochs = epochs_of_section;  ///< longer arcs are tested in sections
+
+    /// A step of time up to this (s) is bridged by the estimate.
+    double bridged_s(double nominal_interval_s) const {
+        return std::max(gap_factor * nominal_interval_s, gap_max_s);
+    }
 };
 
 /// The figures that the attempt states, or the schema's own where it states none.

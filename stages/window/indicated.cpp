@@ -61,7 +61,8 @@ LongestStep longest_step(const ScreenedTable& screened, std::size_t first, std::
 /// Why a gap forbids the window: it is longer than what is bridged, or the rule asks for more.
 std::string gap_refusal(const ScreenedTable& screened, const LongestStep& step,
                         const Profile& profile, const WindowConfig& config) {
-    const double bridged_s = std::max(config.gap_max_s, 1.5 * screened.facts.nominal_interval_s);
+    const double bridged_s =
+        std::max(config.gap_max_s, config.gap_factor * screened.facts.nominal_interval_s);
     const std::string gap = fmt::format("a gap of {:.1f} s {}", step.length_s,
                                         instant_text(screened.facts.first_epoch, step.after->time));
     if (step.length_s > bridged_s)

@@ -125,7 +125,7 @@ WindowCriteria window_criteria(const Profile& profile, double duration_tolerance
 
 std::optional<double> longest_step_of(const Profile& profile, double nominal_interval_s) {
     constexpr double regular = 1.5;
-    constexpr double rounding_s = 1e-6;
+    constexpr double rounding_s = 1e-9;
     std::optional<double> longest_s;
     for (const Clause& clause : profile.clauses)
         if (clause.decided_by == Computation::sampling_rate && clause.limit && *clause.limit > 0.0)

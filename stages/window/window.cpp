@@ -340,6 +340,7 @@ WindowConfig window_config(const Attempt& attempt, const Receiver& receiver) {
             .plane_scale_bound = parameters.at("plane_scale_bound"),
             .clock_rate_bound = parameters.at("clock_rate_bound"),
             .gap_max_s = attempt.parameters.at("screen").at("gap_max_s"),
+            .gap_factor = attempt.parameters.at("screen").at("gap_factor"),
             .lever_arm = lever_arm,
             .rotation_bound_deg = receiver.rotation_bound_deg};
 }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/failure.h"
@@ -135,6 +136,105 @@ TEST(Check, ARobustEstimateThatDisagreesIsNotCertifiable) {
     const ProfileVerdict unsolved = scene.verdict();
     EXPECT_EQ(unsolved.outcome, Outcome::not_certifiable);
     EXPECT_NE(unsolved.reason.find("did not converge"), std::string::npos);
+}
+
+WitnessedSpeed velocities_say(double difference_m_s, double normalised_error) {
+    WitnessedSpeed witnessed;
+    witnessed.speed_m_s = 60.0 - difference_m_s;
+    witnessed.standard_uncertainty_m_s = 0.05;
+    witnessed.difference_m_s = difference_m_s;
+    witnessed.normalised_error = normalised_error;
+    return witnessed;
+}
+
+TEST(Check, AWitnessThatAgreesStandsBesideTheSpeed) {
+    Scene scene(60.0, 0.005);
+    EXPECT_EQ(scene.verdict().reason.rfind("By positions alone", 0), 0U);
+    scene.judged.windows.profiles[0].best->witnesses = {velocities_say(0.02, 0.2)};
+    const ProfileVerdict verdict = scene.verdict();
+    EXPECT_EQ(verdict.outcome, Outcome::beaten);
+    ASSERT_EQ(verdict.witnesses.size(), 1U);
+    EXPECT_EQ(verdict.witnesses.front(),
+              "the recorded velocities give 215.92 km/h ± 0.36 km/h over the window, -0.072 km/h "
+              "against the positions");
+    EXPECT_EQ(verdict.reason.find("By positions alone"), std::string::npos);
+}
+
+TEST(Check, AWitnessThatContradictsIsNotCertifiable) {
+    Scene scene(60.0, 0.005);
+    scene.judged.windows.profiles[0].best->witnesses = {velocities_say(0.5, 1.43)};
+    const ProfileVerdict verdict = scene.verdict();
+    EXPECT_EQ(verdict.outcome, Outcome::not_certifiable);
+    for (const char* part : {"recorded velocities", "-1.800 km/h", "1.43", "one of the two"})
+        EXPECT_NE(verdict.reason.find(part), std::string::npos) << verdict.reason;
+    EXPECT_TRUE(verdict.witnesses.empty());
+}
+
+// The best proof is below what is required; a faster window that proves less may reach it.
+TEST(Check, NothingIsSaidNotToBeBeatenThatMayBe) {
+    Scene scene(50.0, 0.005);
+    EXPECT_EQ(scene.verdict().outcome, Outcome::not_beaten);
+    FurtherWindow fastest;
+    fastest.speed_m_s = 53.0;
+    fastest.standard_uncertainty_m_s = 0.5;
+    scene.judged.windows.profiles[0].fastest = fastest;
+    EXPECT_EQ(scene.verdict().outcome, Outcome::not_beaten);
+    scene.judged.windows.profiles[0].fastest->standard_uncertainty_m_s = 5.0;
+    const ProfileVerdict verdict = scene.verdict();
+    EXPECT_EQ(verdict.outcome, Outcome::not_proven);
+    EXPECT_NE(verdict.reason.find("may reach it"), std::string::npos) << verdict.reason;
+    EXPECT_TRUE(std::ranges::any_of(verdict.notes, [](const std::string& note) {
+        return note.starts_with("Another window is faster and proves less: 190.8 km/h");
+    }));
+}
+
+TEST(Check, ADecisionThatTookTooMuchIsTheReason) {
+    Scene scene(60.0, 0.005);
+    LargestDecision largest;
+    largest.hypothesis = Hypothesis::ramp;
+    largest.first_epoch = 9001;
+    largest.time_s = 900.0;
+    largest.epochs = 9000;
+    largest.share = 0.5;
+    largest.statistic = 47.2;
+    largest.threshold = 42.8;
+    scene.judged.tests.largest_decision = largest;
+    EXPECT_EQ(scene.verdict().outcome, Outcome::beaten);
+    scene.judged.tests.largest_decision->share = 0.7;
+    const ProfileVerdict verdict = scene.verdict();
+    EXPECT_EQ(verdict.outcome, Outcome::not_certifiable);
+    for (const char* part :
+         {"70 %", "50 %", "screen.decision_share_max", "drift", "epoch 9001", "47.2", "42.8"})
+        EXPECT_NE(verdict.reason.find(part), std::string::npos) << verdict.reason;
+}
+
+TEST(Check, OfARecordingThatIsNotUsableTheThreeCommonestReasonsAreSaid) {
+    Scene scene(60.0, 0.005);
+    scene.judged.windows.profiles[0].best.reset();
+    scene.judged.screening = {};
+    const auto add = [&, epoch = std::int64_t{0}](Reason reason, int count) mutable {
+        for (int i = 0; i < count; ++i) {
+            ScreenedEpoch row;
+            row.epoch = ++epoch;
+            row.time.nanoseconds = epoch * 1'000'000'000;
+            row.reason = reason;
+            scene.judged.screening.add(row);
+        }
+    };
+    add(Reason::no_fix, 3);
+    add(Reason::accuracy_missing, 20);
+    add(Reason::duplicate_time, 1);
+    add(Reason::other_fix, 7);
+    const ProfileVerdict verdict = scene.verdict();
+    EXPECT_EQ(verdict.outcome, Outcome::not_certifiable);
+    EXPECT_NE(verdict.reason.find(
+                  "none of the 31 epochs is usable: 20 accuracy not stated (first epoch 4, 4.0 s "
+                  "after the first epoch; state it in the attempt, accuracy: {horizontal_m: ...}), "
+                  "7 fix type not allowed (first epoch 25, 25.0 s after the first epoch; "
+                  "screen.allowed_fixes decides which fix types may be used), 3 no solution (first "
+                  "epoch 1, 1.0 s after the first epoch), and other reasons"),
+              std::string::npos)
+        << verdict.reason;
 }
 
 TEST(Check, EveryWindowOfAMeanIsRefusedForWhatTheBestIs) {

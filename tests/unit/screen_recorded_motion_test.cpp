@@ -152,5 +152,111 @@ TEST(Drift, OfHeightsIsAskedOfTheHorizontalVelocitiesForCraftsOnTheGround) {
     EXPECT_EQ(ramp.left(TestedAxes::vertical, {.on_the_ground = false}), 60);
 }
 
+TEST(Drift, ASideThatTheVelocitiesVouchForLosesNothing) {
+    Ramp ramp;
+    for (ScreenedEpoch& row : ramp.rows)
+        row.sigma_east_m = row.sigma_north_m = 0.02;
+    ramp.record(0.0);  // as the positions before the ramp: those after it drift
+    EXPECT_EQ(ramp.left(), 30);
+    for (ScreenedEpoch& row : ramp.rows)
+        row.recorded_velocity_north_m_s = 4.0;  // as those after it
+    EXPECT_EQ(ramp.left(), 30);
+    for (ScreenedEpoch& row : ramp.rows)
+        row.recorded_velocity_north_m_s = 7.0;  // as neither
+    EXPECT_EQ(ramp.left(), 0);
+    // Where the positions' own noise is as large as the rate nobody can tell.
+    ramp.record(0.0);
+    for (ScreenedEpoch& row : ramp.rows)
+        row.sigma_east_m = row.sigma_north_m = 5.0;
+    EXPECT_EQ(ramp.left(), 0);
+}
+
+/// 600 s at 1 Hz, and a drift of 1 m/s that begins or ends in the middle.
+struct LongRamp {
+    std::vector<ScreenedEpoch> rows = std::vector<ScreenedEpoch>(600);
+    std::vector<std::size_t> arc_rows;
+    ArcDecisions decisions{600};
+
+    explicit LongRamp(double still_until_s = 0.0) {
+        for (std::size_t k = 0; k < 600; ++k) {
+            const auto time_s = static_cast<double>(k);
+            rows[k].epoch = static_cast<std::int64_t>(k) + 1;
+            rows[k].time.nanoseconds = static_cast<std::int64_t>(k) * 1'000'000'000;
+            rows[k].usable = true;
+            rows[k].arc = 1;
+            rows[k].east_m = 0.0;
+            rows[k].north_m = 10.0 * std::max(0.0, time_s - still_until_s);
+            arc_rows.push_back(k);
+        }
+        decisions.breaks[300] = ScreeningDecision{.hypothesis = Hypothesis::ramp,
+                                                  .first = 300,
+                                                  .last = 300,
+                                                  .statistic = 47.2,
+                                                  .threshold = 42.8,
+                                                  .estimated = {}};
+        decisions.breaks[300]->estimated.rate_north_m_s = 1.0;
+    }
+};
+
+TEST(Drift, ReachesAsFarAsAnErrorCanGrow) {
+    LongRamp ramp;
+    const auto largest =
+        mark_rows(ramp.rows, ramp.arc_rows, ramp.decisions, TestedAxes::horizontal, MarkOptions{});
+    for (std::size_t k = 0; k < 600; ++k)
+        EXPECT_EQ(ramp.rows[k].usable, k < 200 || k > 400) << k;
+    ASSERT_TRUE(largest);
+    EXPECT_EQ(largest->hypothesis, Hypothesis::ramp);
+    EXPECT_EQ(largest->first_epoch, 201);
+    EXPECT_EQ(largest->last_epoch, 401);
+    EXPECT_EQ(largest->epochs, 201);
+    EXPECT_EQ(largest->statistic, 47.2);
+}
+
+TEST(Drift, DoesNotReachOverStandingStill) {
+    LongRamp ramp(260.0);
+    mark_rows(ramp.rows, ramp.arc_rows, ramp.decisions, TestedAxes::horizontal, MarkOptions{});
+    EXPECT_TRUE(ramp.rows[255].usable);
+    EXPECT_FALSE(ramp.rows[265].usable);
+    EXPECT_FALSE(ramp.rows[400].usable);
+}
+
+TEST(Drift, ThatIsDatedLosesItsOwnSpan) {
+    LongRamp ramp;
+    ramp.decisions.breaks[330] = *ramp.decisions.breaks[300];
+    ramp.decisions.breaks[330]->first = ramp.decisions.breaks[330]->last = 330;
+    ramp.decisions.breaks[330]->estimated.rate_north_m_s = -1.0;
+    for (const std::size_t k : {300U, 330U})
+        ramp.decisions.breaks[k]->sigma_rate_m_s = 0.05;
+    const auto largest =
+        mark_rows(ramp.rows, ramp.arc_rows, ramp.decisions, TestedAxes::horizontal, MarkOptions{});
+    for (std::size_t k = 0; k < 600; ++k)
+        EXPECT_EQ(ramp.rows[k].usable, k < 300 || k >= 330) << k;
+    EXPECT_EQ(largest.value().epochs, 30);
+}
+
+TEST(Losses, OfAStretchAreCountedWhateverWasDecidedBefore) {
+    LongRamp ramp;
+    ramp.decisions.breaks[300].reset();
+    const ScreeningDecision stretch{.hypothesis = Hypothesis::model,
+                                    .first = 100,
+                                    .last = 199,
+                                    .statistic = 99.0,
+                                    .threshold = 40.0,
+                                    .estimated = {}};
+    for (std::size_t k = 100; k < 200; ++k)
+        ramp.decisions.left_out[k] = stretch;
+    for (const std::size_t k : {100U, 150U, 199U}) {
+        ScreeningDecision outlier = stretch;
+        outlier.hypothesis = Hypothesis::outlier;
+        outlier.first = outlier.last = k;
+        ramp.decisions.left_out[k] = outlier;
+    }
+    const auto largest =
+        mark_rows(ramp.rows, ramp.arc_rows, ramp.decisions, TestedAxes::horizontal, MarkOptions{});
+    ASSERT_TRUE(largest);
+    EXPECT_EQ(largest->hypothesis, Hypothesis::model);
+    EXPECT_GE(largest->epochs, 49);
+}
+
 }  // namespace
 }  // namespace runcert::RUNCERT_FILE

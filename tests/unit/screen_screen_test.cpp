@@ -170,6 +170,28 @@ TEST(Screen, ABurstIsLeftOutWhole) {
     EXPECT_EQ(summarise(screened.rows).arcs, 1);
 }
 
+// A gap is judged by time: up to two seconds are bridged, whatever the rate.
+TEST(Screen, AGapIsJudgedByTime) {
+    const auto arcs_without = [](std::size_t missing) {
+        EnuTable table = clean_run(400);
+        table.rows.erase(table.rows.begin() + 200,
+                         table.rows.begin() + 200 + static_cast<std::ptrdiff_t>(missing));
+        return summarise(screen(table, config()).rows).arcs;
+    };
+    EXPECT_EQ(arcs_without(1), 1);
+    EXPECT_EQ(arcs_without(19), 1);
+    EXPECT_EQ(arcs_without(20), 2);
+    // The same for epochs that are there and cannot be used.
+    const auto arcs_unusable = [](std::size_t unusable) {
+        EnuTable table = clean_run(400);
+        for (std::size_t k = 200; k < 200 + unusable; ++k)
+            table.rows[k].fix = FixType::float_ambiguities;
+        return summarise(screen(table, config()).rows).arcs;
+    };
+    EXPECT_EQ(arcs_unusable(19), 1);
+    EXPECT_EQ(arcs_unusable(20), 2);
+}
+
 TEST(Screen, ADriftIsLeftOutOnBothSidesOfItsBeginning) {
     EnuTable table = clean_run(300);
     for (std::size_t k = 150; k < 300; ++k)
@@ -218,7 +240,7 @@ TEST(Screen, AStepWhoseFirstEpochIsLeftOutShowsAtTheNext) {
                                               .threshold = 40.0,
                                               .estimated = {}};
     mark_rows(rows, arc_rows, decisions, TestedAxes::horizontal, MarkOptions{});
-    finish_arcs(rows, 20, 2);
+    finish_arcs(rows, 20.0, 2);
     EXPECT_EQ(rows[3].reason, Reason::outlier);
     EXPECT_EQ(rows[3].statistic, 88.0);
     EXPECT_EQ(rows[4].break_before, ArcBreak::step);

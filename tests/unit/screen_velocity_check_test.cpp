@@ -295,6 +295,63 @@ TEST(VelocityCheck, ADriftIsMarked) {
     }
 }
 
+// Too slow for the smoothed velocity to tell: the displacement over three seconds does.
+TEST(VelocityCheck, ASlowDriftIsMarkedByItsDisplacement) {
+    for (const double rate_m_s : {0.1, 0.3}) {
+        Recording recording = record({}, 1200, 0.1, 0.12, 4);
+        const std::size_t first = 600, last = first + 30;
+        for (std::size_t k = first; k < recording.rows.size(); ++k)
+            *recording.rows[k].north_m +=
+                0.1 * rate_m_s * static_cast<double>(std::min(k, last) - first);
+        smooth_positions(recording);
+        const VelocityFindings found =
+            check_velocities(recording.rows, recording.motion, recording.options());
+        ASSERT_EQ(found.errors.size(), 1U);
+        EXPECT_FALSE(found.errors.front().spreads.empty());
+        const std::vector<std::int64_t> epochs = marked(recording);
+        ASSERT_FALSE(epochs.empty()) << rate_m_s;
+        EXPECT_GE(epochs.front(), static_cast<std::int64_t>(first) - 10);
+        EXPECT_LE(epochs.back(), static_cast<std::int64_t>(last) + 12);
+        EXPECT_TRUE(std::ranges::any_of(recording.rows, [](const ScreenedEpoch& row) {
+            return row.break_before == ArcBreak::ramp;
+        }));
+    }
+}
+
+TEST(VelocityCheck, VelocitiesComputedFromThePositionsWitnessNothing) {
+    Recording recording = record({}, 1200, 0.1, 0.0, 4);
+    for (std::size_t k = 1; k < recording.rows.size(); ++k) {
+        ScreenedEpoch& row = recording.rows[k];
+        row.recorded_velocity_east_m_s = (*row.east_m - *recording.rows[k - 1].east_m) / 0.1;
+        row.recorded_velocity_north_m_s = (*row.north_m - *recording.rows[k - 1].north_m) / 0.1;
+    }
+    smooth_positions(recording);
+    const VelocityFindings found =
+        check_velocities(recording.rows, recording.motion, recording.options());
+    EXPECT_EQ(found.comparison.value().origin, VelocityOrigin::positions);
+    EXPECT_TRUE(found.errors.empty());
+    EXPECT_EQ(found.comparison->compared, 0);
+}
+
+// A speed without a course counts along the direction of travel.
+TEST(VelocityCheck, ASpeedAloneIsAWitness) {
+    Recording recording = record({.steady_m_s = 20.0}, 1200, 0.1, 0.12, 4);
+    for (ScreenedEpoch& row : recording.rows) {
+        row.recorded_speed_m_s =
+            std::hypot(*row.recorded_velocity_east_m_s, *row.recorded_velocity_north_m_s);
+        row.recorded_velocity_east_m_s.reset();
+        row.recorded_velocity_north_m_s.reset();
+    }
+    for (std::size_t k = 600; k < recording.rows.size(); ++k)
+        *recording.rows[k].east_m += 0.1 * static_cast<double>(std::min<std::size_t>(k, 640) - 600);
+    smooth_positions(recording);
+    const VelocityFindings found =
+        check_velocities(recording.rows, recording.motion, recording.options());
+    ASSERT_EQ(found.errors.size(), 1U);
+    EXPECT_TRUE(found.errors.front().speed_only);
+    EXPECT_FALSE(marked(recording).empty());
+}
+
 TEST(VelocityCheck, OnlyUsableRowsAreMarked) {
     Recording recording = record({}, 600, 0.1, 0.12, 3);
     *recording.rows[300].east_m += 3.0;

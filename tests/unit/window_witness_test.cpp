@@ -1,0 +1,218 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/random.h"
+#include "core/uncertainty.h"
+#include "stages/window/budget.h"
+#include "stages/window/witnesses.h"
+#include "window_test_support.h"
+
+namespace runcert::RUNCERT_FILE {
+namespace {
+
+std::vector<BudgetRow> rows_of(double white, double slow, double undetected, double frame) {
+    return {speed_row("w", "white", "A", white, "", ""), speed_row("b", "slow", "B", slow, "", ""),
+            speed_row("d", "undetected", "B", undetected, "", ""),
+            speed_row("m", "frame", "B", frame, "", "")};
+}
+
+// The budget beside a witness is that of the weighted mean, with the difference that is not
+// corrected.
+TEST(WitnessedBudget, IsThatOfTheWeightedMean) {
+    std::vector<BudgetRow> rows = rows_of(0.3, 0.4, 1.2, 0.1);
+    EXPECT_DOUBLE_EQ(position_uncertainty(rows, Undetected::left_out), 0.5);
+    EXPECT_DOUBLE_EQ(position_uncertainty(rows, Undetected::counted), 1.3);
+    WitnessedSpeed witnessed;
+    witnessed.standard_uncertainty_m_s = 0.2;
+    witnessed.difference_m_s = -0.25;
+    witnessed.share = share_of_position(1.3, 0.2);
+    condition_on(witnessed, rows);
+    const double mean = 1.3 * 1.3 * 0.04 / (1.3 * 1.3 + 0.04);
+    const double apart = std::pow(0.25 * witnessed.share, 2);
+    EXPECT_NEAR(combine(rows).standard_uncertainty, std::sqrt(mean + apart + 0.01), 1e-12);
+    for (const BudgetRow& row : rows)
+        EXPECT_NEAR(row.contribution_m_s, std::abs(row.sensitivity) * row.standard_uncertainty,
+                    1e-12)
+            << row.symbol;
+}
+
+TEST(WitnessedBudget, OfAContradictionSaysNothing) {
+    std::vector<BudgetRow> rows = rows_of(0.3, 0.4, 1.2, 0.1);
+    const double before = combine(rows).standard_uncertainty;
+    condition_on(WitnessedSpeed{.kind = {}, .speed_m_s = 20.0}, rows);
+    EXPECT_DOUBLE_EQ(combine(rows).standard_uncertainty, before);
+}
+
+TEST(UndetectedBesideAWitness, IsNoMoreThanWhatEitherTestFinds) {
+    WitnessedSpeed witnessed;
+    witnessed.standard_uncertainty_m_s = 0.1;
+    const double alone = undetected_beside(witnessed, 1e9, 36.0);
+    EXPECT_NEAR(alone, 0.6, 1e-9);
+    EXPECT_LT(undetected_beside(witnessed, 0.5, 36.0), 0.5);
+    EXPECT_NEAR(undetected_beside(witnessed, 0.6, 36.0), 0.6 / std::sqrt(2.0), 1e-12);
+    EXPECT_EQ(undetected_beside(witnessed, 0.0, 36.0), 0.0);
+}
+
+/// A run of 60 m/s at 10 Hz with velocities beside its positions, which a row from 300 on drift.
+struct Witnessed {
+    ScreenedTable screened;
+    TrajectoryTable trajectory;
+
+    explicit Witnessed(double rate_m_s, bool velocities = true) {
+        test::RecordedRun run{.to_s = 45.0, .sigma_m = 0.5};
+        screened = test::recorded(run);
+        RandomGenerator random(7);
+        for (std::size_t k = 0; k < screened.rows.size(); ++k) {
+            ScreenedEpoch& row = screened.rows[k];
+            const double time_s = row.time.seconds();
+            const double speed =
+                (test::run_distance_m(time_s + 0.05) - test::run_distance_m(time_s - 0.05)) / 0.1;
+            if (velocities) {
+                row.recorded_velocity_east_m_s =
+                    speed / std::numbers::sqrt2 + 0.05 * random.normal();
+                row.recorded_velocity_north_m_s =
+                    speed / std::numbers::sqrt2 + 0.05 * random.normal();
+            }
+            *row.east_m += rate_m_s * std::max(0.0, time_s - 30.0);
+            *row.north_m += rate_m_s * std::max(0.0, time_s - 30.0);
+        }
+        VelocityErrors errors;
+        errors.axes = TestedAxes::horizontal;
+        errors.stated_m_s = 0.05;
+        if (velocities) screened.basis.velocity_errors.push_back(errors);
+        EstimationModel model;
+        model.motion.jerk_density = 0.6;
+        trajectory = test::smoothed_with(screened, test::summary_of(model));
+        for (TrajectoryEpoch& row : trajectory.rows)
+            row.sigma_velocity_east_m_s = row.sigma_velocity_north_m_s = 0.3;
+    }
+    ProfileWindows windows() const {
+        return find_windows(screened, trajectory, {test::rule_over(3.0)}, test::few_draws())
+            .profiles.front();
+    }
+};
+
+TEST(WitnessedWindow, ThatAgreesLeavesWhatTheWitnessLeaves) {
+    const CertifiableWindow alone = Witnessed(0.0, false).windows().best.value();
+    const CertifiableWindow best = Witnessed(0.0).windows().best.value();
+    EXPECT_TRUE(alone.witnesses.empty());
+    ASSERT_EQ(best.witnesses.size(), 1U);
+    const WitnessedSpeed& witnessed = best.witnesses.front();
+    EXPECT_LE(witnessed.normalised_error, 1.0);
+    EXPECT_NEAR(witnessed.speed_m_s, 60.0, 0.15);
+    EXPECT_NEAR(witnessed.standard_uncertainty_m_s, 0.05, 0.01);
+    EXPECT_GT(witnessed.share, 0.5);
+    EXPECT_LT(best.standard_uncertainty_m_s, 0.5 * alone.standard_uncertainty_m_s);
+    EXPECT_LE(std::abs(best.speed_m_s - 60.0),
+              2.0 * best.standard_uncertainty_m_s + best.bias_limit_m_s);
+}
+
+// Positions that drift by 3 m/s show the faster windows; none of these can be claimed.
+TEST(WitnessedWindow, ThatIsContradictedIsNotChosen) {
+    const ProfileWindows drifting = Witnessed(3.0).windows();
+    ASSERT_TRUE(drifting.best && drifting.fastest);
+    EXPECT_GT(drifting.fastest->speed_m_s, 62.0);
+    EXPECT_GT(drifting.fastest->witnesses.front().normalised_error, 1.0);
+    EXPECT_LE(drifting.best->witnesses.front().normalised_error, 1.0);
+    EXPECT_LE(std::abs(drifting.best->speed_m_s - drifting.best->witnesses.front().speed_m_s),
+              2.0 * drifting.best->standard_uncertainty_m_s + drifting.best->bias_limit_m_s);
+    // Without velocities nobody knows.
+    EXPECT_FALSE(Witnessed(3.0, false).windows().fastest);
+}
+
+// The end of a session: 2 km/h faster by what it shows, and stated ten times as uncertain.
+TEST(BestProof, IsNotTheFastestWindow) {
+    ScreenedTable screened = test::recorded({.to_s = 40.0, .sigma_m = 0.05});
+    for (std::size_t k = 330; k < screened.rows.size(); ++k) {
+        ScreenedEpoch& row = screened.rows[k];
+        row.sigma_east_m = row.sigma_north_m = 3.0;
+        *row.east_m += 0.4 * (row.time.seconds() - 33.0);
+        *row.north_m += 0.4 * (row.time.seconds() - 33.0);
+    }
+    EstimationModel model;
+    model.motion.jerk_density = 0.6;
+    const TrajectoryTable trajectory = test::smoothed_with(screened, test::summary_of(model));
+    const ProfileWindows windows =
+        find_windows(screened, trajectory, {test::rule_over(3.0)}, test::few_draws())
+            .profiles.front();
+    ASSERT_TRUE(windows.best && windows.fastest);
+    EXPECT_GT(windows.fastest->speed_m_s, windows.best->speed_m_s);
+    EXPECT_LE(windows.best->span.last_epoch, 331);
+    EXPECT_GT(windows.best->speed_m_s - 2.0 * windows.best->standard_uncertainty_m_s -
+                  windows.best->bias_limit_m_s,
+              windows.fastest->speed_m_s - 2.0 * windows.fastest->standard_uncertainty_m_s -
+                  windows.fastest->bias_limit_m_s);
+}
+
+/// Without the rows from one to before another.
+ScreenedTable without(ScreenedTable table, std::size_t from, std::size_t to) {
+    table.rows.erase(table.rows.begin() + static_cast<std::ptrdiff_t>(from),
+                     table.rows.begin() + static_cast<std::ptrdiff_t>(to));
+    return table;
+}
+
+std::optional<CertifiableWindow> best_of(const ScreenedTable& screened, const Profile& profile) {
+    EstimationModel model;
+    model.motion.jerk_density = 0.6;
+    return find_windows(screened, test::smoothed_with(screened, test::summary_of(model)), {profile},
+                        test::few_draws())
+        .profiles.front()
+        .best;
+}
+
+// Of 4.1 s at full speed half a second is missing: a window of 3 s must hold the gap.
+TEST(GapInAWindow, IsBridgedWhereTheRuleAllowsTheRateThatIsLeft) {
+    const ScreenedTable whole = test::recorded({.from_s = 40.0, .to_s = 44.1});
+    const ScreenedTable gapped = without(whole, 18, 22);
+    const auto bridged = best_of(gapped, test::rule_over(3.0));
+    ASSERT_TRUE(bridged);
+    EXPECT_NEAR(bridged->speed_m_s, 60.0, 0.05);
+    Profile asking = test::rule_over(3.0);
+    asking.clauses.push_back({.id = "rate",
+                              .text = {},
+                              .source = {},
+                              .decided_by = Computation::sampling_rate,
+                              .limit = 5.0,
+                              .unit = "Hz"});
+    EXPECT_FALSE(best_of(gapped, asking));
+    asking.clauses.front().limit = 2.0;
+    EXPECT_TRUE(best_of(gapped, asking));
+    // A mean of speeds would count the time of the gap for nothing.
+    EXPECT_FALSE(best_of(gapped, test::rule_over(3.0, SpeedDefinition::mean_n)));
+    EXPECT_TRUE(best_of(whole, test::rule_over(3.0, SpeedDefinition::mean_n)));
+}
+
+// What calls itself worthless is no evidence; what does not is.
+TEST(Indicated, ComparesWhatEpochsStateOfThemselves) {
+    ScreenedTable screened = test::recorded({.to_s = 40.0});
+    *screened.rows[5].east_m += 2000.0;
+    screened.rows[5].usable = false;
+    screened.rows[5].reason = Reason::accuracy_absurd;
+    screened.rows[5].sigma_east_m = screened.rows[5].sigma_north_m = 1409.0;
+    const auto of = [&] {
+        return fastest_indicated(screened, test::rule_over(3.0), test::few_draws(), std::nullopt)
+            .value();
+    };
+    EXPECT_NEAR(of().speed_m_s, 60.0, 0.1);
+    EXPECT_TRUE(of().refusals.empty());
+    screened.rows[5].sigma_east_m = screened.rows[5].sigma_north_m = 1.0;
+    screened.rows[5].reason = Reason::outlier;
+    EXPECT_GT(of().speed_m_s, 600.0);
+    ASSERT_EQ(of().refusals.size(), 1U);
+    EXPECT_NE(of().refusals.front().find("0.5 s after the first epoch"), std::string::npos)
+        << of().refusals.front();
+}
+
+TEST(Indicated, NamesTheGapItsLengthAndTheKey) {
+    ScreenedTable screened = without(test::recorded({.from_s = 40.0, .to_s = 45.0}), 20, 45);
+    screened.rows[20].break_before = ArcBreak::gap;
+    const auto indicated =
+        fastest_indicated(screened, test::rule_over(3.0), test::few_draws(), std::nullopt);
+    ASSERT_TRUE(indicated && indicated->refusals.size() == 1U);
+    EXPECT_EQ(indicated->refusals.front(),
+              "a gap of 2.6 s 4.5 s after the first epoch (longer than screen.gap_max_s, 2 s)");
+}
+
+}  // namespace
+}  // namespace runcert::RUNCERT_FILE

@@ -88,8 +88,7 @@ double VelocityErrorModel::displacement_variance(double time_s) const {
     const double lasting = integrated_gauss_markov(time_s, correlation_time_s);
     double variance = density * density * time_s;
     if (stated_m_s) variance = std::min(variance, *stated_m_s * *stated_m_s * lasting);
-    const double lasting_m = std::max(shown_m_s, least_velocity_sigma_m_s) * time_s;
-    return std::max(variance, lasting_m * lasting_m);
+    return std::max(variance, shown_m_s * shown_m_s * time_s * time_s);
 }
 
 template <int Axes>
@@ -224,6 +223,7 @@ EstimatedVelocityErrors<Axes> estimate_velocity_errors(
     VelocityErrorModel& model = estimated.model;
     model = witness.errors();
     model.density = std::numeric_limits<double>::infinity();
+    model.shown_m_s = least_velocity_sigma_m_s;
     model.stated_m_s = stated_m_s;
     std::vector<double> sigmas;
     for (const TimedPosition<Axes>& one : positions)

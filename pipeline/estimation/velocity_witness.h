@@ -25,8 +25,8 @@ struct TimedVelocity {
 /// at most as its square. So that of any longer span times T / L bounds it from above: `density` is
 /// the least sd / sqrt(L) over all spans. And what a span shows beyond all that the positions' own
 /// errors can explain bounds it from below, by (T / L)^2: `shown_m_s` is the largest such sd / L.
-/// Between the two the stated accuracy holds, taken as one error that lasts for
-/// `correlation_time_s`. No velocity is taken to be better than `least_velocity_sigma_m_s`.
+/// Between the two the stated standard deviation holds, taken as one error that lasts for
+/// `correlation_time_s`. What is estimated is never better than `least_velocity_sigma_m_s`.
 inline constexpr double least_velocity_sigma_m_s = 0.03;  ///< as good receivers were seen to be
 struct VelocityErrorModel {
     double delay_s = 0.0;        ///< of the recorded velocity behind the position

@@ -175,9 +175,11 @@ std::string beginning_text(const WindowSpan& span) {
     return span.start_gps ? time_of_day(*span.start_gps) : after_first_epoch(span.start);
 }
 
-std::string seconds_text(double duration_s) {
+std::string time_span_text(double duration_s) {
     constexpr double long_s = 100.0;
-    return format_fixed(duration_s, duration_s < long_s ? 1 : 0) + " s";
+    constexpr double whole_s = 1e-3;
+    const bool whole = std::abs(duration_s - std::round(duration_s)) < whole_s;
+    return format_fixed(duration_s, duration_s < long_s && !whole ? 1 : 0) + " s";
 }
 
 std::string utc_text(GpsTime time) {

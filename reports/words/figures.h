@@ -104,16 +104,17 @@ std::string seconds_text(ElapsedTime time);
 /// "2022-03-18 08:51:04.300" of a GPS time, in UTC.
 std::string utc_text(GpsTime time);
 
+/// The same instant on the GPS time scale.
+std::string gps_text(GpsTime time);
+
 /// An instant of a recording by time of day, where it is known when it began: "at 14:03:22.1 UTC",
 /// "53.8 s after the first epoch".
 std::string instant_text(const std::optional<GpsTime>& first_epoch, ElapsedTime time);
 /// When a window begins, in the same words.
 std::string beginning_text(const WindowSpan& span);
 
-/// A time as people say it, without an exponent however long: "1.9 s", "1210 s".
-std::string seconds_text(double duration_s);
-/// The same instant on the GPS time scale.
-std::string gps_text(GpsTime time);
+/// A time as people say it, without an exponent however long: "3 s", "1.9 s", "1210 s".
+std::string time_span_text(double duration_s);
 
 /// "4.1e-09": two significant digits of a small figure.
 std::string scientific_text(double value);

@@ -156,7 +156,7 @@ std::string drift_words(const Decision& decision, const ClauseContext& context) 
     const double duration_s = context.windows.best->span.duration.seconds();
     std::string words =
         fmt::format(" To undo this, the positions would have to drift by {:.2f} m in {}",
-                    *decision.drift_survived_m, seconds_text(duration_s));
+                    *decision.drift_survived_m, time_span_text(duration_s));
     if (decision.drift_found_m_s && context.windows.best->detection_power)
         words += fmt::format(
             "; screening finds a drift of {:.2f} m there with a probability of {:.0f} %",

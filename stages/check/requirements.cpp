@@ -92,7 +92,7 @@ std::string no_window(const ClauseContext& context) {
             ? fmt::format(
                   "no {} of the recording are without a break and without an unusable "
                   "epoch, the longest arc having {}",
-                  wanted, seconds_text(longest_stretch_s(judged.trajectory)))
+                  wanted, time_span_text(longest_stretch_s(judged.trajectory)))
             : context.windows.missing;
     if (const auto& indicated = context.windows.indicated;
         indicated && !indicated->refusals.empty())

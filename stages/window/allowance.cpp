@@ -63,7 +63,7 @@ double stated_variance(const ScreenedEpoch& row, Dimension dimension) {
     return dimension == Dimension::vertical ? upright : std::max(level, upright);
 }
 
-/// The largest single error at an epoch that screening could have missed, m.
+/// The largest undetected error of a single epoch, or of a step before it, m.
 double missed_at(const ScreenedEpoch& row, Dimension dimension) {
     const MinimalDetectableBias& level = row.detectable;
     const double horizontal = std::max(level.outlier_m.value_or(0.0), level.step_m.value_or(0.0));

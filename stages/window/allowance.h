@@ -17,7 +17,7 @@ struct Reference {
 /// For any window of the recording, the expanded uncertainty that it is expected to have under the
 /// profile: that of the reference, by source, in proportion. What positions' errors make goes with
 /// the stated standard deviation of the window's epochs over its duration; what an undetected error
-/// makes, with the largest that screening could have missed in it; and of the witnesses what they
+/// makes, with the largest that screening may have kept in it; and of the witnesses what they
 /// say of this very window. Infinite where a witness contradicts the window: nothing can be
 /// claimed.
 ///

@@ -12,7 +12,7 @@
 namespace runcert {
 namespace {
 
-/// White noise, slow error, motion, its model, time stamps and resolution: what positions have and
+/// White noise, time-correlated error, motion, its model, time stamps and resolution: what positions have and
 /// a witness of another origin does not.
 constexpr std::string_view rows_of_position = "wbjotr";
 

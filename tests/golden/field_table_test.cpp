@@ -38,6 +38,9 @@ const Names without_unit{
     "screening.family_false_alarm_rate", "screening.test_size", "screening.power",
     "screening.models[].measurement_scale", "screening.models[].white_scale",
     "screening.fix_types[].variance_factor", "screening.device.by_chance",
+    "screening.largest_decision.share", "screening.largest_decision.statistic",
+    "screening.largest_decision.threshold", "parameters.screen.decision_share_max",
+    "witnesses[].normalised_error", "witnesses[].share",
     "screening.time.rate_deviation", "correlation_estimated", "local_variance_factor",
     "best.detection_power", "reliability[].size",
     // of rules, where the unit stands beside, and probabilities

@@ -46,7 +46,7 @@ TEST(RefusedWindow, ThatReachesTheTargetMakesNotBeatenNotCertifiableAndIsNamed) 
     scene.windows().indicated = refused(57.5);
     const std::string reason = scene.verdict().reason;
     for (const char* part :
-         {"shows 207.000 km/h 31.500 s after its first epoch", "required 203.900 km/h",
+         {"shows 207.000 km/h 31.5 s after the first epoch", "required 203.900 km/h",
           "(it holds a gap, an epoch without a position)", "185.900 km/h",
           "does not show that the record was not beaten"})
         EXPECT_TRUE(contains(reason, part)) << reason;

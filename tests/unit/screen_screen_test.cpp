@@ -101,14 +101,15 @@ TEST(Screen, EachEpochByItself) {
         EXPECT_FALSE(screened.rows[50].usable);
         EXPECT_EQ(screened.rows[50].reason, one.reason) << to_text(screened.rows[50].reason);
         EXPECT_EQ(summarise(screened.rows).usable, 99);
-        // What is missing for more than half a step is a break.
-        EXPECT_EQ(screened.rows[51].break_before, ArcBreak::gap);
+        // The arc goes on over a sample that is missing.
+        EXPECT_EQ(screened.rows[51].break_before, std::nullopt);
+        EXPECT_EQ(screened.rows[51].arc, 1);
     }
 }
 
 TEST(Screen, AGapEndsTheArc) {
     EnuTable table = clean_run(100);
-    table.rows.erase(table.rows.begin() + 40, table.rows.begin() + 43);
+    table.rows.erase(table.rows.begin() + 40, table.rows.begin() + 65);
     const ScreenedTable screened = screen(table, config());
     EXPECT_EQ(summarise(screened.rows).arcs, 2);
     EXPECT_EQ(screened.rows[39].arc, 1);
@@ -304,9 +305,9 @@ TEST(Screen, EveryEpochSaysWhatWouldHaveBeenFound) {
 }
 
 TEST(Screen, ShortArcsAreNotUsed) {
-    EnuTable table = clean_run(100);
-    table.rows.erase(table.rows.begin() + 40, table.rows.begin() + 43);
-    table.rows.erase(table.rows.begin() + 44, table.rows.begin() + 47);
+    EnuTable table = clean_run(150);
+    table.rows.erase(table.rows.begin() + 40, table.rows.begin() + 65);
+    table.rows.erase(table.rows.begin() + 44, table.rows.begin() + 69);
     const ScreenedTable screened = screen(table, config());
     EXPECT_EQ(screened.rows[40].reason, Reason::short_arc);
     EXPECT_EQ(screened.rows[43].reason, Reason::short_arc);

@@ -298,7 +298,7 @@ TEST(VelocityCheck, ADriftIsMarked) {
 // Too slow for the smoothed velocity to tell: the displacement over three seconds does.
 TEST(VelocityCheck, ASlowDriftIsMarkedByItsDisplacement) {
     for (const double rate_m_s : {0.1, 0.3}) {
-        Recording recording = record({}, 1200, 0.1, 0.12, 4);
+        Recording recording = record({.steady_m_s = 20.0, .sway_m_s = 0.0}, 1200, 0.1, 0.0, 4);
         const std::size_t first = 600, last = first + 30;
         for (std::size_t k = first; k < recording.rows.size(); ++k)
             *recording.rows[k].north_m +=

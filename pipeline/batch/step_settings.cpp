@@ -20,15 +20,27 @@ constexpr std::array attempt_elsewhere{
     "amends", "record", "records", "wind",     "current",    "secondary",    "receivers",
     "origin", "course", "rules",   "profiles", "parameters", "attempts_made"};
 
-/// Keys of a profile that only "check" and "report" read.
+/// Keys of a profile that only "check" and "report" read, but for what `proof_figures` takes.
 constexpr std::array profile_of_check{"schema",   "revision", "body",       "title",
                                       "accuracy", "margin",   "rounding",   "result",
                                       "decision", "current",  "signatures", "clauses"};
 
 /// Figures of a profile that the attempt may replace and that only "check" and "report" read.
 bool is_figure_of_check(const std::string& figure) {
-    return figure.starts_with("margin.") || figure.starts_with("accuracy.") ||
-           figure.starts_with("decision.") || figure.starts_with("clauses.");
+    return figure.starts_with("margin.") || figure == "accuracy.limit" ||
+           figure.starts_with("decision.");
+}
+
+/// What the choice of a window takes of what is otherwise the verdict's: the coverage factor, and the
+/// rate of epochs that a clause asks for.
+Json proof_figures(const Json& profile) {
+    Json figures{{"coverage_factor",
+                  profile.value("accuracy", Json::object()).value("coverage_factor", Json())},
+                 {"clauses", Json::array()}};
+    for (const Json& clause : profile.value("clauses", Json::array()))
+        if (clause.value("decided_by", "") == "sampling_rate")
+            figures["clauses"].push_back(clause.value("limit", Json()));
+    return figures;
 }
 
 Json without(Json document, auto&& keys) {
@@ -72,8 +84,10 @@ void add_window_settings(Json& settings, const Json& document,
             {{"lever_arm_m", receiver.value("lever_arm_m", Json())},
              {"rotation_bound_deg", receiver.value("rotation_bound_deg", Json())}});
     settings["profiles"] = Json::array();
-    for (const HeldJson& profile : profiles)
+    for (const HeldJson& profile : profiles) {
         settings["profiles"].push_back(without(profile, profile_of_check));
+        settings["profiles"].back()["proof"] = proof_figures(*profile);
+    }
 }
 
 }  // namespace
@@ -96,7 +110,11 @@ Json settings_of_step(std::string_view step, const Attempt& attempt, const Json&
     if (step == "screen")
         for (const char* shared : {"error_time_min_s", "error_time_max_s"})
             settings["smooth"][shared] = attempt.parameters.at("smooth").at(shared);
-    if (step == "window") add_window_settings(settings, document, profiles);
+    if (step == "window") {
+        for (const char* shared : {"gap_max_s", "gap_factor"})
+            settings["screen"][shared] = attempt.parameters.at("screen").at(shared);
+        add_window_settings(settings, document, profiles);
+    }
     return settings;
 }
 

@@ -16,6 +16,12 @@ using Json = nlohmann::ordered_json;
 
 namespace {
 
+/// So many significant digits at most, and no exponent however large the figure is.
+std::string short_text(double value, int digits) {
+    std::string text = fmt::format("{:.{}g}", value, digits);
+    return text.find("e+") == std::string::npos ? text : significant_text(value, digits);
+}
+
 /// Above so many the normal distribution and Student's t are one.
 constexpr double many_degrees_of_freedom = 10000.0;
 
@@ -61,13 +67,13 @@ void set_row_texts(Json& json, const BudgetRow& row, const SpeedUnit& unit) {
     const std::string quantity_unit =
         is_speed(row) ? std::string(unit.name) : written_unit(row.unit);
     const double factor = is_speed(row) ? unit.per_m_s : 1.0;
-    json["estimate_text"] = with_unit(significant_text(row.estimate * factor, 4), quantity_unit);
+    json["estimate_text"] = with_unit(short_text(row.estimate * factor, 4), quantity_unit);
     json["uncertainty_text"] =
         with_unit(significant_text(row.standard_uncertainty * factor, 2), quantity_unit);
     json["evaluation_text"] = fmt::format("{}, {}", row.type, row.distribution);
     json["degrees_text"] = degrees_text(row.degrees_of_freedom);
     if (is_speed(row)) {
-        json["sensitivity_text"] = significant_text(row.sensitivity, 3);
+        json["sensitivity_text"] = short_text(row.sensitivity, 3);
         return;
     }
     json["sensitivity_text"] =

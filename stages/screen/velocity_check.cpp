@@ -270,7 +270,7 @@ std::optional<VelocityWitness<Axes>> undisturbed_witness(const std::vector<Scree
     if (samples.size() < least_comparisons) return std::nullopt;
     // Of a filter that lags, by another amount in every motion; one that is not told lies anywhere
     // in the range.
-    constexpr double of_motion = 0.2;
+    constexpr double of_motion = 0.25;
     const double sigma_s = delay.delay_s ? std::hypot(delay.sigma_s, of_motion * *delay.delay_s)
                                          : rectangular_uncertainty(options.delay_max_s);
     VelocityErrorModel delay_alone;
@@ -322,10 +322,25 @@ std::optional<Vector2d> unwitnessed(const std::vector<ScreenedEpoch>& rows, std:
                     moved->displacement_m);
 }
 
+/// The last usable row of each row's arc, by their places among the usable ones.
+std::vector<std::size_t> ends_of_arcs(const std::vector<ScreenedEpoch>& rows,
+                                      const std::vector<std::size_t>& usable) {
+    std::vector<std::size_t> ends(usable.size());
+    for (std::size_t k = usable.size(); k-- > 0;)
+        ends[k] = k + 1 < usable.size() && rows[usable[k + 1]].arc == rows[usable[k]].arc
+                      ? ends[k + 1]
+                      : k;
+    return ends;
+}
+
 std::vector<ContradictedSpan> contradicted_spans(const std::vector<ScreenedEpoch>& rows,
                                                  const std::vector<std::size_t>& usable,
                                                  const VelocityWitness<2>& witness,
                                                  const VelocitySpread& spread, double threshold) {
+    // An error that lasts, too small to be a drift of the positions.
+    constexpr double lasting_m_s = 0.01;
+    const double lasting_m = lasting_m_s * spread.span_s;
+    const std::vector<std::size_t> ends = ends_of_arcs(rows, usable);
     std::vector<ContradictedSpan> spans;
     std::size_t to = 0;
     for (std::size_t from = 0; from < usable.size(); ++from) {
@@ -335,15 +350,20 @@ std::vector<ContradictedSpan> contradicted_spans(const std::vector<ScreenedEpoch
             ++to;
         if (to == usable.size()) break;
         if (rows[usable[to]].arc != begin.arc) continue;
+        // Velocities of the arc alone: they are asked for at the delay, and one sample beyond.
+        if (rows[usable[ends[to]]].time.seconds() <
+            rows[usable[to]].time.seconds() + std::max(0.0, witness.errors().delay_s) + 0.5)
+            continue;
         const auto moved = witness.between(begin.time.seconds(), rows[usable[to]].time.seconds());
         if (!moved) continue;
         const Vector2d difference = measured_position<2>(rows[usable[to]]) -
                                     measured_position<2>(begin) - moved->displacement_m;
         // What positions themselves state, or a delay not well known does where the velocity
         // changes, is no drift.
-        const Matrix2d covariance = spread.sd_upper_m * spread.sd_upper_m * Matrix2d::Identity() +
-                                    moved->covariance_m2 + stated_covariance<2>(begin) +
-                                    stated_covariance<2>(rows[usable[to]]);
+        const Matrix2d covariance =
+            (spread.sd_upper_m * spread.sd_upper_m + lasting_m * lasting_m) * Matrix2d::Identity() +
+            moved->covariance_m2 + stated_covariance<2>(begin) +
+            stated_covariance<2>(rows[usable[to]]);
         const double statistic = difference.dot(covariance.inverse() * difference);
         if (statistic > threshold) spans.push_back({from, to, difference, statistic});
     }

@@ -187,6 +187,7 @@ inline constexpr const char* receiver_changes = R"yaml(
 - {key: "receivers[].start_gps", set: {/attempt/receivers/0/start_gps: "2026-10-20T11:00:00.000"}, redoes: import}
 - {key: "receivers[].height_m", set: {/attempt/receivers/0/height_m: 30}, redoes: import}
 - {key: "receivers[].accuracy.horizontal_m", set: {/attempt/receivers/0/accuracy: {horizontal_m: 0.02}}, redoes: import}
+- {key: "receivers[].accuracy.velocity_mps", set: {/attempt/receivers/0/accuracy: {velocity_mps: 0.2}}, redoes: import}
 - {key: "receivers[].accuracy.vertical_m", set: {/attempt/receivers/0/accuracy: {horizontal_m: 0.02, vertical_m: 0.03}}, redoes: import}
 - {key: "receivers[].solution", set: {/attempt/receivers/0/solution: float}, redoes: import}
 - {key: "receivers[].time_source", set: {/attempt/receivers/0/time_source: satellites}, redoes: import}
@@ -205,7 +206,7 @@ inline constexpr const char* profile_changes = R"yaml(
 - {key: title, set: {/rules/time/title: another title}}
 - {key: accuracy.limit, set: {/rules/time/accuracy/limit: 0.9}}
 - {key: accuracy.unit, set: {/rules/time/accuracy/unit: kn}}
-- {key: accuracy.coverage_factor, set: {/rules/time/accuracy/coverage_factor: 3}}
+- {key: accuracy.coverage_factor, set: {/rules/time/accuracy/coverage_factor: 3}, redoes: window}
 - {key: margin.kind, set: {/rules/course/margin: {kind: absolute, value: 0.01, unit: kn}}}
 - {key: margin.value, set: {/rules/time/margin/value: 2}}
 - {key: margin.unit, set: {/rules/time/margin/unit: kn}}
@@ -226,7 +227,7 @@ inline constexpr const char* profile_changes = R"yaml(
 - {key: "clauses[].source", set: {/rules/time/clauses/0/source: another book}}
 - {key: "clauses[].certainty", set: {/rules/time/clauses/0/certainty: secondary}}
 - {key: "clauses[].decided_by", set: {/rules/alpha/clauses/0/decided_by: attest}}
-- {key: "clauses[].limit", set: {/rules/time/clauses/2/limit: 6}}
+- {key: "clauses[].limit", set: {/rules/time/clauses/2/limit: 6}, redoes: window}
 - {key: "clauses[].unit", set: {/rules/time/clauses/3/unit: m/s}}
 - {key: window.kind, set: {/rules/time/window: {kind: distance, distance_m: 100, definition: displacement}, /attempt/rules: null}, redoes: window}
 - {key: window.duration_s, set: {/rules/time/window/duration_s: 4}, redoes: window}

@@ -80,10 +80,10 @@ INSTANTIATE_TEST_SUITE_P(
                           "",
                           "ubx",
                           536,
-                          "not_certifiable",
-                          4.8,
-                          0.5,
-                          {"limit 0.8 km/h"}},
+                          "not_beaten",  // by its velocities the positions are better than stated
+                          5.0,
+                          0.2,
+                          {"the recorded velocities give"}},
                     // A VBO states no fix type that a car's rule allows; allowed, it states
                     // no accuracy.
                     Given{"VboOfACar",

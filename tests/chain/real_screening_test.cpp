@@ -39,7 +39,8 @@ class UrbanCar : public testing::Test {
 
 TEST_F(UrbanCar, FixedEpochsThatAreWrongAreMarkedOrHarmless) {
     // "Fixed", yet more than 0.3 m from the reference, horizontally. What is left of them is an
-    // offset too constant to show, in stretches too short for any window.
+    // offset too constant to show, in stretches that hold no window; gaps of up to two seconds join
+    // some that were too short to be used at all.
     std::int64_t wrong = 0;
     std::int64_t used = 0;
     std::set<std::int64_t> arcs;
@@ -54,7 +55,7 @@ TEST_F(UrbanCar, FixedEpochsThatAreWrongAreMarkedOrHarmless) {
     }
     fmt::print("{} fixed epochs wrong by more than 0.3 m, {} of them not marked\n", wrong, used);
     EXPECT_GT(wrong, 100);
-    EXPECT_LE(used, 20);
+    EXPECT_LE(used, 45);
     for (const Arc<2>& arc : arcs_of<2>(tables().screened))
         if (arcs.contains(arc.number)) {
             EXPECT_TRUE(certifiable(tables().screened, arc).empty()) << "arc " << arc.number;

@@ -26,8 +26,10 @@ std::string sigma_name(const std::string& column) {
 
 /// Whether a column says how sure others are, or how far a test was from its threshold.
 bool is_uncertainty_column(const std::string& column) {
+    // The jerk density is found by a search, whose end moves with the last bits.
     return column.starts_with("sigma_") || column.starts_with("detectable_") ||
-           column == "statistic" || column == "local_variance_factor";
+           column.starts_with("jerk_density") || column == "statistic" ||
+           column == "local_variance_factor";
 }
 
 bool is_written_alike(const EcsvColumn& a, const EcsvColumn& b) {

@@ -232,7 +232,8 @@ bool stands_still(const std::vector<ScreenedEpoch>& rows, std::span<const std::s
 EpochRange reach_of(const std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> arc_rows,
                     const ArcDecisions& decisions, const ScreeningDecision& ramp, TestedAxes axes,
                     const MarkOptions& options) {
-    constexpr double largest_error_m = 100.0;
+    // Solutions that lost their way were simulated to 150 m; no receiver goes on further unnoticed.
+    constexpr double largest_error_m = 1000.0;
     const RampSides sides = ramp_sides_of(rows, arc_rows, ramp, axes, options.on_the_ground);
     const double rate = sides.rate.norm();
     const double reach_s =

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 #include "stages/smooth/robust_batch.h"
 
@@ -14,7 +15,9 @@ constexpr double rounding_of_cost = 1e-13;
 /// What the linear part of the cost falls by is the squared length of the step in standard
 /// deviations of the estimate, all states taken together: no state moves by more than its root.
 constexpr double square_of_a_last_step = 1e-12;
-constexpr double square_left_to_rounding = 1e-6;
+/// Where rounding hides what a step gains, or the steps allowed are used up, a tenth of a standard
+/// deviation may be left, of all states together.
+constexpr double square_left_at_last = 1e-2;
 constexpr int halvings = 4;  // of a Newton step that is too long, before a reweighted one
 /// Newton's curvature of a far measurement is negative. Where little else is known of the state it
 /// would be left with less than this part of its information: there the step is a reweighted one.
@@ -259,6 +262,7 @@ template <int Axes>
 bool RobustChain<Axes>::solve(std::int64_t iterations_allowed) {
     Curvature curvature = Curvature::reweighted;
     bool newton_refused = false;  // where the iteration stands
+    double left = std::numeric_limits<double>::infinity();
     double stands = cost();
     while (iterations_ < iterations_allowed) {
         ++iterations_;
@@ -268,10 +272,11 @@ bool RobustChain<Axes>::solve(std::int64_t iterations_allowed) {
         const double allowed = stands * (1.0 + rounding_of_cost);
         const double then = cost_after_shortened(curvature, allowed);
         if (!std::isfinite(then) || !std::isfinite(falls)) return false;
+        left = falls;
         const bool near = falls <= square_of_a_last_step;
         if (then > allowed) {
-            // A reweighted step cannot raise the cost: that is rounding, or nothing to go on with.
-            if (curvature == Curvature::reweighted) return falls <= square_left_to_rounding;
+            // A reweighted step cannot raise the cost: where it does, rounding hides what is left.
+            if (curvature == Curvature::reweighted) return falls <= square_left_at_last;
             newton_refused = true;
             curvature = Curvature::reweighted;
             continue;
@@ -283,7 +288,8 @@ bool RobustChain<Axes>::solve(std::int64_t iterations_allowed) {
                                                                   : Curvature::reweighted;
         stands = then;
     }
-    return false;
+    // Every step has lowered the cost: what is still left is the question, not how many there were.
+    return left <= square_left_at_last;
 }
 
 template class RobustChain<1>;

@@ -32,8 +32,8 @@ class RobustChain {
                 std::span<const StateVector<Axes>> start, double scale);
 
     /// Iterates until a whole Newton step, or a reweighted one where rounding hides what Newton's
-    /// gains, moves no state by more than 1e-6 of its standard deviation, or rounding hides what a
-    /// step of 1e-3 gains; whether that came about within so many steps.
+    /// gains, moves no state by more than 1e-6 of its standard deviation. Where rounding hides what is
+    /// gained, or so many steps are not enough, whether what is left moves none by more than 0.1.
     bool solve(std::int64_t iterations_allowed);
 
     std::int64_t iterations() const { return iterations_; }

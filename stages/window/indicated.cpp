@@ -100,7 +100,7 @@ std::vector<std::string> refusals_of(const ScreenedTable& screened, std::size_t 
     for (const Refused& one : reasons)
         refusals.push_back(fmt::format("{} {} {} ({}{})", one.count,
                                        one.count == 1 ? "epoch" : "epochs", phrase_of(one.reason),
-                                       one.count == 1 ? "" : "from ", instant(*one.first)));
+                                       one.count == 1 ? "" : "the first ", instant(*one.first)));
     if (breaks.steps > 0)
         refusals.push_back(fmt::format(
             "{} {} that the motion cannot explain ({}): positions before and "

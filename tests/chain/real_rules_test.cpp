@@ -63,9 +63,15 @@ std::vector<LoggerSpeed> judged_logger(const fs::path& data, const std::string& 
                 0.002 * static_cast<double>(epochs));
     const DeviceResults own = device_results(data / (logger + "_device_results.txt"));
     const std::vector<ProfileWindows> windows = rules.windows().profiles;
-    EXPECT_NEAR(windows.at(0).indicated->speed_m_s * 3.6, own.two_s, 0.005);
-    EXPECT_NEAR(windows.at(1).indicated->speed_m_s * 3.6, own.ten_s, 0.005);
-    EXPECT_NEAR(*windows.at(2).indicated->mean_m_s * 3.6, own.five_of_ten_s, 0.005);
+    // The windows that show most by what they state of themselves: hardly slower than the fastest.
+    const double indicated[] = {windows.at(0).indicated->speed_m_s * 3.6,
+                                windows.at(1).indicated->speed_m_s * 3.6,
+                                *windows.at(2).indicated->mean_m_s * 3.6};
+    const double of_logger[] = {own.two_s, own.ten_s, own.five_of_ten_s};
+    for (const std::size_t i : {0U, 1U, 2U}) {
+        EXPECT_LE(indicated[i], of_logger[i] + 0.005) << i;
+        EXPECT_GE(indicated[i], of_logger[i] - 0.06) << i;
+    }
     const double of_device[] = {own.two_s, own.ten_s, own.five_of_ten_s};
     std::vector<LoggerSpeed> speeds;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -112,12 +118,11 @@ TEST(SpeedSkydive, OfAGoodRecordingScores) {
     const Rules rules;
     const ProfileVerdict verdict =
         judged_skydive(rules, *data / "speed_skydive" / "flysight1_good.csv");
-    EXPECT_NEAR(rules.windows().profiles.at(0).indicated->speed_m_s * 3.6, 444.61, 0.05);
-    // 443.47 km/h is the mean of the recorded velocities. The uncertainty is that of the stated
-    // standard deviation of the heights, of which positions alone do not show how much is a
-    // time-correlated error.
-    EXPECT_NEAR(*verdict.speed_m_s * 3.6, 443.47, 0.5);
-    EXPECT_LE(*verdict.expanded_uncertainty_m_s * 3.6, 15.0);
+    // 444.61 km/h by the heights at both ends, 443.47 as the mean of the recorded velocities.
+    EXPECT_NEAR(rules.windows().profiles.at(0).indicated->speed_m_s * 3.6, 443.6, 0.1);
+    EXPECT_NEAR(*verdict.speed_m_s * 3.6, 444.61, 0.1);
+    EXPECT_NEAR(rules.windows().profiles.at(0).best->witnesses.at(0).speed_m_s * 3.6, 443.6, 0.1);
+    EXPECT_LE(*verdict.expanded_uncertainty_m_s * 3.6, 3.0);
     EXPECT_EQ(verdict.window->duration.seconds(), 3.0);
     for (const char* clause : {"average-over-3-s", "sampling-rate", "sample-accuracy", "margin",
                                "positions-on-the-earth", "fastest-certifiable"})
@@ -137,7 +142,7 @@ TEST(SpeedSkydive, WithBadAccuracyAndGapsIsRefused) {
     EXPECT_EQ(verdict.outcome, Outcome::not_certifiable);
     EXPECT_EQ(requirement_of(verdict, "fastest-certifiable").status, RequirementStatus::not_met);
     for (const char* part :
-         {"the recording shows 458.270 km/h in a window that cannot be certified",
+         {"the recording's velocities show 309.842 km/h at 20:43:28.2 UTC",
           "absurd stated standard deviation", "what the score would be is not known"})
         EXPECT_TRUE(contains(verdict.reason, part)) << verdict.reason;
 }
@@ -211,8 +216,8 @@ TEST_P(RaceCar, IsSlowerOverLongerTimesAndAsFastAsItsRecordedVelocities) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Both, RaceCar,
-                         testing::Values(RaceRun{"run_a", 251.047, 218.826},
-                                         RaceRun{"run_b", 264.518, 240.303}),
+                         testing::Values(RaceRun{"run_a", 251.4, 218.826},
+                                         RaceRun{"run_b", 264.9, 240.303}),
                          [](const auto& instance) { return std::string(instance.param.name); });
 
 // A car in a city.

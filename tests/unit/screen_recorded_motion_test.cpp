@@ -171,7 +171,7 @@ TEST(Drift, ASideThatTheVelocitiesVouchForLosesNothing) {
     EXPECT_EQ(ramp.left(), 0);
 }
 
-/// 600 s at 1 Hz, and a drift of 1 m/s that begins or ends in the middle.
+/// 600 s at 1 Hz, and a drift of 10 m/s that begins or ends in the middle.
 struct LongRamp {
     std::vector<ScreenedEpoch> rows = std::vector<ScreenedEpoch>(600);
     std::vector<std::size_t> arc_rows;
@@ -194,7 +194,7 @@ struct LongRamp {
                                                   .statistic = 47.2,
                                                   .threshold = 42.8,
                                                   .estimated = {}};
-        decisions.breaks[300]->estimated.rate_north_m_s = 1.0;
+        decisions.breaks[300]->estimated.rate_north_m_s = 10.0;
     }
 };
 
@@ -224,7 +224,7 @@ TEST(Drift, ThatIsDatedLosesItsOwnSpan) {
     LongRamp ramp;
     ramp.decisions.breaks[330] = *ramp.decisions.breaks[300];
     ramp.decisions.breaks[330]->first = ramp.decisions.breaks[330]->last = 330;
-    ramp.decisions.breaks[330]->estimated.rate_north_m_s = -1.0;
+    ramp.decisions.breaks[330]->estimated.rate_north_m_s = -10.0;
     for (const std::size_t k : {300U, 330U})
         ramp.decisions.breaks[k]->sigma_rate_m_s = 0.05;
     const auto largest =

@@ -40,7 +40,7 @@ struct EpochRange {
     std::size_t last = 0;
 };
 
-/// Ramps of an arc that belong together: they follow one another within a minute.
+/// Ramps of an arc that belong together: all within a minute of the first.
 struct Excursion {
     std::vector<const ScreeningDecision*> ramps;
 
@@ -64,15 +64,16 @@ std::vector<Excursion> excursions_of(const std::vector<ScreenedEpoch>& rows,
                                      const ArcDecisions& decisions) {
     constexpr double longest_s = 60.0;
     std::vector<Excursion> excursions;
-    double latest_s = 0.0;
+    double begun_s = 0.0;
     for (std::size_t k = 0; k < arc_rows.size(); ++k) {
         const auto& decision = decisions.breaks[k];
         if (!decision || decision->hypothesis != Hypothesis::ramp) continue;
         const double time_s = rows[arc_rows[k]].time.seconds();
-        if (excursions.empty() || time_s - latest_s > longest_s || excursions.back().ends())
+        if (excursions.empty() || time_s - begun_s > longest_s || excursions.back().ends()) {
             excursions.emplace_back();
+            begun_s = time_s;
+        }
         excursions.back().ramps.push_back(&*decision);
-        latest_s = time_s;
     }
     return excursions;
 }
@@ -227,6 +228,19 @@ bool stands_still(const std::vector<ScreenedEpoch>& rows, std::span<const std::s
     return (position(k) - position(from)).norm() <= allowed_m_s * away_s(rows, arc_rows, k, from);
 }
 
+/// Whether most epochs of a range come with a velocity, or a speed, along the axes.
+bool has_velocities(const std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> arc_rows,
+                    EpochRange range, TestedAxes axes) {
+    std::size_t recorded = 0;
+    for (std::size_t k = range.first; k <= range.last; ++k) {
+        const ScreenedEpoch& row = rows[arc_rows[k]];
+        const bool level = row.recorded_velocity_east_m_s || row.recorded_speed_m_s;
+        const bool upright = row.recorded_velocity_up_m_s.has_value();
+        recorded += (axes == TestedAxes::vertical ? upright : level) ? 1 : 0;
+    }
+    return 2 * recorded > range.last - range.first + 1;
+}
+
 /// How far a drift that begins or ends at a ramp can reach. It does not reach over another break,
 /// nor to a side that the recorded velocities vouch for. Epochs first to last - 1.
 EpochRange reach_of(const std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> arc_rows,
@@ -236,8 +250,13 @@ EpochRange reach_of(const std::vector<ScreenedEpoch>& rows, std::span<const std:
     constexpr double largest_error_m = 1000.0;
     const RampSides sides = ramp_sides_of(rows, arc_rows, ramp, axes, options.on_the_ground);
     const double rate = sides.rate.norm();
-    const double reach_s =
-        rate > 0.0 ? largest_error_m / rate : std::numeric_limits<double>::infinity();
+    // Where velocities are recorded they test what lies further off, and each window by itself.
+    constexpr double beside_velocities_s = 10.0;
+    const bool witnessed = has_velocities(rows, arc_rows, sides.before, sides.axes) &&
+                           has_velocities(rows, arc_rows, sides.after, sides.axes);
+    const double reach_s = witnessed    ? beside_velocities_s
+                           : rate > 0.0 ? largest_error_m / rate
+                                        : std::numeric_limits<double>::infinity();
     const VouchedSide vouched = vouched_side(rows, arc_rows, ramp, sides);
     const auto goes_on = [&](std::size_t k, int direction) {
         return away_s(rows, arc_rows, k, ramp.first) <= reach_s &&

@@ -17,12 +17,13 @@ struct MarkOptions {
 /// between a ramp and the one that ends it (their rates add up to none), or, where it does not end,
 /// on both sides of the ramp, because nobody can tell whether the positions before or after it
 /// drift: not beyond the next break, not beyond where the positions stand still (they do not drift
-/// there), and no longer than an error takes at this rate to grow to a kilometre. A side that
-/// the recorded velocities vouch for (its positions move as they say, to a quarter of the rate,
-/// those of the other not to three quarters) loses nothing. Where the recorded velocities change
-/// with the positions (to half the rate, in the means of two seconds before and after), it is
-/// motion, and nothing is left out; the arc ends there all the same. What the decision left out
-/// that cost the arc most epochs is returned; its share is left to the caller.
+/// there), and no longer than an error takes at this rate to grow to a kilometre; ten seconds where
+/// velocities are recorded, which test what is further off. A side that the recorded velocities
+/// vouch for (its positions move as they say, to a quarter of the rate, those of the other not to
+/// three quarters) loses nothing. Where the recorded velocities change with the positions (to half
+/// the rate, in the means of two seconds before and after), it is motion, and nothing is left out;
+/// the arc ends there all the same. Returns the decision that cost the arc most epochs; the caller
+/// sets its share.
 std::optional<LargestDecision> mark_rows(std::vector<ScreenedEpoch>& rows,
                                          std::span<const std::size_t> arc_rows,
                                          const ArcDecisions& decisions, TestedAxes axes,

@@ -17,6 +17,10 @@ struct TimedVelocity {
     std::int64_t stretch = 0;
 };
 
+/// No estimate of the errors of recorded velocities is better than this: good receivers were seen
+/// to err so.
+inline constexpr double least_velocity_sigma_m_s = 0.03;
+
 /// The errors of recorded velocities.
 ///
 /// What they leave in a displacement over a time T is known from two sides. The recording shows by
@@ -27,7 +31,6 @@ struct TimedVelocity {
 /// errors can explain bounds it from below, by (T / L)^2: `shown_m_s` is the largest such sd / L.
 /// Between the two the stated standard deviation holds, taken as one error that lasts for
 /// `correlation_time_s`. What is estimated is never better than `least_velocity_sigma_m_s`.
-inline constexpr double least_velocity_sigma_m_s = 0.03;  ///< as good receivers were seen to be
 struct VelocityErrorModel {
     double delay_s = 0.0;        ///< of the recorded velocity behind the position
     double sigma_delay_s = 0.0;  ///< its standard uncertainty
@@ -61,8 +64,6 @@ class VelocityWitness final : public Witness<Axes> {
     std::optional<WitnessedMotion<Axes>> between(double from_s, double to_s) const override;
 
     const VelocityErrorModel& errors() const { return errors_; }
-    void set_errors(const VelocityErrorModel& errors) { errors_ = errors; }
-    std::span<const TimedVelocity<Axes>> samples() const { return samples_; }
 
   private:
     /// An instant: the sample before it, and the part of the step after that sample, 0 to 1.

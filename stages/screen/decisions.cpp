@@ -78,6 +78,12 @@ std::vector<Excursion> excursions_of(const std::vector<ScreenedEpoch>& rows,
     return excursions;
 }
 
+/// The position along the tested axes, the others zero.
+Eigen::Vector3d position_along(const ScreenedEpoch& row, TestedAxes axes) {
+    if (axes == TestedAxes::vertical) return {0.0, 0.0, row.up_m.value_or(0.0)};
+    return {row.east_m.value_or(0.0), row.north_m.value_or(0.0), 0.0};
+}
+
 /// The recorded velocity along the tested axes, the others zero.
 std::optional<Eigen::Vector3d> recorded_velocity(const ScreenedEpoch& row, TestedAxes axes) {
     if (axes == TestedAxes::vertical && row.recorded_velocity_up_m_s)
@@ -97,11 +103,7 @@ std::optional<Eigen::Vector3d> unrecorded_velocity(const std::vector<ScreenedEpo
                                                    TestedAxes axes) {
     constexpr std::size_t fewest = 4;
     if (part.last < part.first + fewest || part.last + lag >= arc_rows.size()) return std::nullopt;
-    const auto position = [&](std::size_t k) -> Eigen::Vector3d {
-        const ScreenedEpoch& row = rows[arc_rows[k]];
-        if (axes == TestedAxes::vertical) return {0.0, 0.0, row.up_m.value_or(0.0)};
-        return {row.east_m.value_or(0.0), row.north_m.value_or(0.0), 0.0};
-    };
+    const auto position = [&](std::size_t k) { return position_along(rows[arc_rows[k]], axes); };
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (std::size_t k = part.first; k <= part.last; ++k) {
         const auto velocity = recorded_velocity(rows[arc_rows[k + lag]], axes);
@@ -213,10 +215,8 @@ VouchedSide vouched_side(const std::vector<ScreenedEpoch>& rows,
 bool stands_still(const std::vector<ScreenedEpoch>& rows, std::span<const std::size_t> arc_rows,
                   std::size_t from, int direction, const RampSides& sides) {
     constexpr double long_s = 10.0;
-    const auto position = [&](std::size_t k) -> Eigen::Vector3d {
-        const ScreenedEpoch& row = rows[arc_rows[k]];
-        if (sides.axes == TestedAxes::vertical) return {0.0, 0.0, row.up_m.value_or(0.0)};
-        return {row.east_m.value_or(0.0), row.north_m.value_or(0.0), 0.0};
+    const auto position = [&](std::size_t k) {
+        return position_along(rows[arc_rows[k]], sides.axes);
     };
     const double allowed_m_s = 0.1 * sides.rate.norm();
     std::size_t k = from;

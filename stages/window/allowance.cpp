@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 
+#include "schemas/observations/stated_covariance.h"
 #include "stages/window/sample_series.h"
 #include "stages/window/witnesses.h"
 
@@ -51,14 +52,10 @@ class RunningSum {
     std::vector<double> sums_{0.0};
 };
 
-double squared(const OptionalReal& value) {
-    return value ? *value * *value : 0.0;
-}
-
 /// The stated variance of an epoch's position, as the profile counts it.
 double stated_variance(const ScreenedEpoch& row, Dimension dimension) {
-    const double level = 0.5 * (squared(row.sigma_east_m) + squared(row.sigma_north_m));
-    const double upright = squared(row.sigma_up_m);
+    const double level = 0.5 * stated_covariance<2>(row).trace();
+    const double upright = stated_covariance<1>(row).trace();
     if (dimension == Dimension::horizontal) return level;
     return dimension == Dimension::vertical ? upright : std::max(level, upright);
 }
@@ -113,7 +110,6 @@ class Expectation {
         floor_m_ = reference.window.bound
                        ? std::max(reference.window.bound->floor_m, reference.window.bound->fitted_m)
                        : 0.0;
-        scale_ = 1.0;
         set_reference(reference);
     }
 
@@ -166,16 +162,20 @@ class Expectation {
         return {rows[found.first], rows[found.last]};
     }
 
+    /// Root mean square of what the usable epochs of a window state.
+    double stated_m(std::size_t first, std::size_t last) const {
+        return std::sqrt(stated_(first, last) / std::max(1.0, usable_(first, last)));
+    }
+
     /// Size of the positions' errors in a window, as `error_bound` has it.
     double error_m(std::size_t first, std::size_t last) const {
-        const double stated = std::sqrt(stated_(first, last) / std::max(1.0, usable_(first, last)));
-        return std::max(scale_ * stated, floor_m_);
+        return std::max(scale_ * stated_m(first, last), floor_m_);
     }
 
     void set_reference(const Reference& reference) {
         const CertifiableWindow& window = reference.window;
         const auto [first, last] = rows_of(reference.found);
-        const double stated = std::sqrt(stated_(first, last) / std::max(1.0, usable_(first, last)));
+        const double stated = stated_m(first, last);
         if (window.bound && stated > 0.0) scale_ = window.bound->stated_m / stated;
         const double share = window.witnesses.empty() ? 0.0 : window.witnesses.front().share;
         const double rest = std::max(1.0 - share, 1e-9);

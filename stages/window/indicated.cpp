@@ -5,6 +5,7 @@
 #include <map>
 
 #include "reports/words/figures.h"
+#include "schemas/observations/stated_covariance.h"
 #include "stages/window/course_windows.h"
 #include "stages/window/sample_series.h"
 #include "stages/window/window.h"
@@ -122,19 +123,16 @@ double stated_uncertainty(const ScreenedTable& screened, const std::vector<std::
                           const Profile& profile, const FoundWindow& found) {
     const auto variance = [&](std::size_t k) {
         const ScreenedEpoch& row = screened.rows[rows[k]];
-        const auto squared = [](const OptionalReal& sigma) {
-            return sigma ? *sigma * *sigma : 0.0;
-        };
         if (profile.speed_source == SpeedSource::velocity) {
             const auto speed = recorded_speed(row, profile.dimension);
             const double sigma = speed ? speed->standard_uncertainty_m_s.value_or(0.0) : 0.0;
             return 0.5 * sigma * sigma;
         }
-        const double level = 0.5 * (squared(row.sigma_east_m) + squared(row.sigma_north_m));
+        const double level = 0.5 * stated_covariance<2>(row).trace();
+        const double upright = stated_covariance<1>(row).trace();
         const double of_position = profile.dimension == Dimension::horizontal ? level
-                                   : profile.dimension == Dimension::vertical
-                                       ? squared(row.sigma_up_m)
-                                       : level + squared(row.sigma_up_m);
+                                   : profile.dimension == Dimension::vertical ? upright
+                                                                              : level + upright;
         const double duration_s = found.end.seconds() - found.start.seconds();
         return of_position / (duration_s * duration_s);
     };

@@ -15,13 +15,17 @@ class KilledDay {
     KilledDay(DisturbedDay& day, std::uint64_t seed, std::string last_step)
         : day_(day), random_(seed), last_step_(std::move(last_step)) {}
 
-    /// Starts the batch and kills at a moment.
-    void kill_once(Victim victim, double longest_s) {
+    /// Starts the batch and kills at a moment: after as many steps as at most this and a time
+    /// beyond. Steps and not seconds lead there, as a fast machine would have ended the day.
+    void kill_once(Victim victim, int most_steps, double longest_s) {
         Started batch(day_.command(day_.programs.runcert(), day_.out, {"--jobs", "2"}), log_);
-        if (victim == Victim::batch_when_a_run_ends)
-            wait_for_last_step(batch);
-        else
-            sleep(0.03 + (longest_s - 0.03) * random_.uniform());
+        if (victim == Victim::batch_when_a_run_ends) {
+            wait_for(batch, "\"step\":\"" + last_step_ + "\",\"ran\":true", 1);
+        } else {
+            wait_for(batch, "\"ran\":true",
+                     static_cast<int>(random_.uniform() * (most_steps + 1)));
+        }
+        sleep(longest_s * random_.uniform());
         if (batch.has_ended()) return;
         ++kills;
         if (victim == Victim::program) {
@@ -41,12 +45,16 @@ class KilledDay {
         std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
     }
 
-    /// Until the files of a run are about to come into its folder, and a moment more.
-    void wait_for_last_step(Started& batch) {
-        const std::string done = "\"step\":\"" + last_step_ + "\",\"ran\":true";
-        while (!batch.has_ended() && !holds(batch.output(), done))
+    /// Until the batch has said a text so many times.
+    void wait_for(Started& batch, const std::string& text, int times) {
+        while (!batch.has_ended() && count(batch.output(), text) < times)
             sleep(0.0005);
-        sleep(0.004 * random_.uniform());
+    }
+    static int count(const std::string& said, const std::string& text) {
+        int times = 0;
+        for (auto at = said.find(text); at != std::string::npos; at = said.find(text, at + 1))
+            ++times;
+        return times;
     }
 
     DisturbedDay& day_;
@@ -69,7 +77,7 @@ TEST(BatchKills, AtRandomMomentsEndWithTheUndisturbedBytes) {
     DisturbedDay day(12, 100);
     KilledDay killed(day, 20260314, "report");
     for (int i = 0; killed.kills < 16 && i < 60; ++i)
-        killed.kill_once(static_cast<Victim>(i % 4), 0.12);
+        killed.kill_once(static_cast<Victim>(i % 4), 2, 0.03);
     EXPECT_GE(killed.kills, 12);
     expect_the_same_in_the_end(day, 12 * 8);
 }
@@ -78,8 +86,8 @@ TEST(BatchKills, WhilePagesAreMadeEndWithTheUndisturbedBytes) {
     DisturbedDay day(3, 100, {});
     KilledDay killed(day, 20260315, "render");
     for (int i = 0; killed.kills < 6 && i < 12; ++i)
-        killed.kill_once(static_cast<Victim>(i % 4), 2.0);
-    EXPECT_GE(killed.kills, 4);
+        killed.kill_once(static_cast<Victim>(i % 4), 2, 0.3);
+    EXPECT_GE(killed.kills, 3);
     expect_the_same_in_the_end(day, 3 * 9);
 }
 
@@ -92,7 +100,7 @@ std::map<std::string, std::string> run_in(const std::map<std::string, std::strin
 }
 
 TEST(BatchKills, WhileADayIsMadeAnewLeaveNoReportAmongFilesOfAnother) {
-    constexpr int attempts = 6;
+    constexpr int attempts = 12;
     DisturbedDay day(attempts, 100);
     ASSERT_EQ(day.batch().exit_status, 0);
     const auto old = results_of(day.out);
@@ -100,8 +108,8 @@ TEST(BatchKills, WhileADayIsMadeAnewLeaveNoReportAmongFilesOfAnother) {
     ASSERT_NE(day.expected(), old);
 
     KilledDay killed(day, 20260316, "report");
-    for (int i = 0; i < 6; ++i) {
-        killed.kill_once(Victim::batch_when_a_run_ends, 0.0);
+    for (int i = 0; i < 8; ++i) {
+        killed.kill_once(Victim::batch_when_a_run_ends, 0, 0.004);
         const auto now = results_of(day.out);
         for (int k = 1; k <= attempts; ++k) {
             const std::string id = fmt::format("run-{:04}", k);

@@ -88,6 +88,8 @@ bool print_verdict(const ProfileVerdict& verdict, const fs::path& run_dir) {
     fmt::print("\n{}: {}\n", verdict.profile, outcome_words(state_of(verdict)).title);
     print_speed(verdict);
     if (verdict.window) print_window(*verdict.window);
+    for (const std::string& witness : verdict.witnesses)
+        fmt::print("  witness  {}\n", plain_text(witness));
     fmt::print("  why      {}\n", plain_text(verdict.reason));
     if (verdict.indicated) print_refused(verdict);
     print_notes(verdict.notes, run_dir);

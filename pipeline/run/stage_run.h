@@ -38,13 +38,12 @@ class RowsOfFile {
         }
     }
 
-    /// Gives each of the rows, from the current one on, to `look` until that returns false, without
-    /// stepping over them.
+    /// Gives each of the rows, from the current one on, to `look`, without stepping over them.
     template <class Look>
     void look_ahead(const Look& look) const {
         auto ahead = table_.rows;
-        for (typename Table::Row row; ahead.next(row) && look(row);) {
-        }
+        for (typename Table::Row row; ahead.next(row);)
+            look(row);
     }
 
   private:

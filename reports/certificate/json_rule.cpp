@@ -146,6 +146,9 @@ void set_decision(Json& json, const ProfileVerdict& verdict, const Profile& prof
 
 void set_reservations(Json& json, const ProfileVerdict& verdict) {
     json["witnesses"] = verdict.witnesses;
+    if (!verdict.witnesses.empty())
+        json["witnesses_words"] =
+            fmt::format("Beside the positions, {}.", fmt::join(verdict.witnesses, "; "));
     if (!verdict.notes.empty()) json["notes"] = verdict.notes;
     for (const Override& figure : verdict.overrides)
         json["overrides"].push_back(override_json(figure));

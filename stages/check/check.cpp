@@ -150,14 +150,20 @@ std::string refusal_of(const ClauseContext& context, const std::vector<Requireme
     return {};
 }
 
-/// What drift of the positions would undo the decision, and which one screening finds there.
+/// What drift of the positions would undo the decision, and what of it could have gone unseen: by a
+/// witness, or else by screening.
 std::string drift_words(const Decision& decision, const ClauseContext& context) {
     if (!decision.drift_survived_m) return {};
     const double duration_s = context.windows.best->span.duration.seconds();
     std::string words =
         fmt::format(" To undo this, the positions would have to drift by {:.2f} m in {}",
                     *decision.drift_survived_m, time_span_text(duration_s));
-    if (decision.drift_found_m_s && context.windows.best->detection_power)
+    const auto& witnesses = context.windows.best->witnesses;
+    const auto sharpest = std::ranges::min_element(witnesses, {}, &WitnessedSpeed::undetected_m_s);
+    if (sharpest != witnesses.end())
+        words += fmt::format("; no more than {:.2f} m could have gone unseen beside the {}",
+                             sharpest->undetected_m_s * duration_s, words_of(sharpest->kind));
+    else if (decision.drift_found_m_s && context.windows.best->detection_power)
         words += fmt::format(
             "; screening finds a drift of {:.2f} m there with a probability of {:.0f} %",
             *decision.drift_found_m_s * duration_s, 100.0 * *context.windows.best->detection_power);

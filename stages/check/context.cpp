@@ -180,21 +180,18 @@ void set_witnesses(ClauseContext& context) {
     for (const WitnessedSpeed& one : context.windows.best->witnesses)
         if (one.normalised_error <= 1.0)
             context.witnesses.push_back(fmt::format(
-                "the {} give {} over the window, {:+.3f} km/h against the positions",
+                "the {} give {} over the window, {:+.3f} km/h against the positions (normalised "
+                "error {:.2f}, at most 1)",
                 words_of(one.kind),
                 speed_with_uncertainty_text(one.speed_m_s, 2.0 * one.standard_uncertainty_m_s,
                                             speed_unit("km/h")),
-                -one.difference_m_s * 3.6));
+                -one.difference_m_s * 3.6, one.normalised_error));
     if (context.agreement && context.agreement->agrees())
         context.witnesses.push_back(
             fmt::format("receiver \"{}\" gives {:.3f} km/h over the same time",
                         context.input.secondary->receiver, context.agreement->other_m_s * 3.6));
     if (context.declared && context.declared->agrees())
-        context.witnesses.push_back(fmt::format(
-            "the second method ({}) gives {}", context.declared->method,
-            speed_with_uncertainty_text(context.declared->other_m_s,
-                                        context.declared->other_expanded_uncertainty_m_s,
-                                        speed_unit("km/h"))));
+        context.witnesses.push_back(second_method_text(*context.declared));
 }
 
 }  // namespace

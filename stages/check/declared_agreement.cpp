@@ -5,7 +5,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/rounding.h"
 #include "core/uncertainty.h"
+#include "reports/words/figures.h"
 #include "stages/check/course_speed.h"
 
 namespace runcert {
@@ -42,6 +44,16 @@ void set_from_times(const JudgedSpeed& judged, const SecondaryMethod::LineTimes&
 }
 
 }  // namespace
+
+std::string second_method_text(const DeclaredAgreement& second) {
+    return fmt::format(
+        "the second method ({}) gives {}, {:+.3f} km/h against this one (normalised error {:.2f}, "
+        "at most 1)",
+        second.method,
+        speed_with_uncertainty_text(second.other_m_s, second.other_expanded_uncertainty_m_s,
+                                    speed_unit("km/h")),
+        (second.other_m_s - second.judged_m_s) * 3.6, second.normalised_error);
+}
 
 DeclaredAgreement compare_declared(const JudgedSpeed& judged, const SecondaryMethod& method,
                                    const std::optional<Course>& course) {

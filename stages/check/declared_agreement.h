@@ -23,6 +23,9 @@ struct DeclaredAgreement {
     bool contradicts() const { return missing.empty() && !agrees(); }
 };
 
+/// What a second method that gives a figure says, as part of a sentence.
+std::string second_method_text(const DeclaredAgreement& second);
+
 /// A speed that is judged: before the current is taken off, with its window.
 struct JudgedSpeed {
     double speed_m_s = 0.0;

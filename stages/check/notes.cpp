@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "core/rounding.h"
+#include "core/text.h"
 #include "reports/words/figures.h"
 #include "stages/check/context.h"
 
@@ -90,21 +91,14 @@ void add_flow(const ClauseContext& context, Notes& notes) {
 }
 
 /// What the second method says, whether the rule asks for one or not.
+/// What agrees stands among the witnesses.
 void add_second_method(const ClauseContext& context, Notes& notes) {
-    if (!context.declared) return;
+    if (!context.declared || context.declared->agrees()) return;
     const DeclaredAgreement& second = *context.declared;
-    notes.push_back(
-        second.missing.empty()
-            ? fmt::format(
-                  "The second method ({}) gives {}, {:+.3f} km/h against this one (normalised "
-                  "error "
-                  "{:.2f}, at most 1).",
-                  second.method,
-                  speed_with_uncertainty_text(
-                      second.other_m_s, second.other_expanded_uncertainty_m_s, speed_unit("km/h")),
-                  (second.other_m_s - second.judged_m_s) * 3.6, second.normalised_error)
-            : fmt::format("The second method ({}) gives no figure: {}.", second.method,
-                          second.missing));
+    notes.push_back(second.missing.empty()
+                        ? capitalised(second_method_text(second)) + "."
+                        : fmt::format("The second method ({}) gives no figure: {}.", second.method,
+                                      second.missing));
 }
 
 void add_rule(const ClauseContext& context, Notes& notes) {

@@ -222,6 +222,10 @@ Finding computation::accuracy(const Clause&, const ClauseContext& context) {
     };
     const std::string limit =
         number_text(*context.profile.accuracy_limit_m_s * unit.per_m_s, unit.name);
+    std::string beside_witnesses;
+    for (const WitnessedSpeed& one : context.windows.best->witnesses)
+        beside_witnesses += fmt::format("; beside the {} a drift could make at most {}",
+                                        words_of(one.kind), rounded_up(one.undetected_m_s));
     return {
         met ? RequirementStatus::met : RequirementStatus::not_met,
         fmt::format(
@@ -234,7 +238,8 @@ Finding computation::accuracy(const Clause&, const ClauseContext& context) {
             context.profile.speed_source == SpeedSource::velocity
                 ? "it rests on what the recording states of its velocities"
                 : "it includes the bound on time-correlated errors and the worst undetected error "
-                  "except drift"),
+                  "except drift" +
+                      beside_witnesses),
         {speed_figure("expanded uncertainty", u, std::string(unit.name), rounded_up(u)),
          speed_figure("limit", *context.profile.accuracy_limit_m_s, std::string(unit.name),
                       limit)}};

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "core/failure.h"
@@ -11,7 +10,9 @@
 namespace runcert {
 namespace {
 
-constexpr double max_distance_m = 100'000.0;
+constexpr double far_m = 100'000.0;
+/// What is one place: as far as the local frame is verified to rounding.
+constexpr double place_m = 20'000.0;
 
 Geodetic position_of(const Observation& row) {
     return {.latitude = Angle::from_degrees(*row.latitude_deg),
@@ -86,38 +87,23 @@ EnuEpoch from_local_plane(const Observation& row) {
     return epoch;
 }
 
-EnuEpoch from_the_earth(const Observation& row, const LocalFrame& frame, bool vertical) {
-    EnuEpoch epoch = carried_over(row);
-    if (!has_position(row)) return epoch;
-    const Geodetic position = position_of(row);
-    const Eigen::Vector3d enu = frame.enu_from_geodetic(position).m;
-    if (enu.norm() > max_distance_m && row.fix != FixType::none)
-        throw Failure(row.source_line ? fmt::format("line {} of the recording", *row.source_line)
-                                      : fmt::format("epoch {}", row.epoch),
-                      fmt::format("the position is {:.0f} km from the origin of the local frame",
-                                  enu.norm() / 1000.0),
-                      "Check `origin:` in the attempt, and whether latitude and longitude are "
-                      "swapped");
-    epoch.east_m = enu.x();
-    epoch.north_m = enu.y();
-    if (vertical) epoch.up_m = enu.z();
-    const Eigen::Matrix3d rotation =
-        frame.rotation_from_local(position.latitude, position.longitude);
-    const bool vertical_stated = vertical && row.sigma_up_m.has_value();
-    if (row.sigma_east_m && row.sigma_north_m)
-        static_cast<StatedAccuracy&>(epoch) = accuracy_of(
-            rotation * stated_covariance<3>(row) * rotation.transpose(), vertical_stated);
-    rotate_velocity(row, rotation, epoch);
-    return epoch;
-}
-
 }  // namespace
 
-bool FirstPosition::see(const Observation& row) {
-    if (!has_position(row)) return true;
-    if (row.fix == FixType::fixed) fixed_ = position_of(row);
-    if (!any_ && row.fix != FixType::none) any_ = position_of(row);
-    return !fixed_;
+void FirstPosition::see(const Observation& row) {
+    if (!has_position(row) || row.fix == FixType::none) return;
+    const Geodetic position = position_of(row);
+    if (votes_ == 0) {
+        place_.emplace(position);
+        fixed_.reset();
+        any_.reset();
+    }
+    if (place_->enu_from_geodetic(position).m.norm() > place_m) {
+        --votes_;
+        return;
+    }
+    ++votes_;
+    if (!any_) any_ = position;
+    if (!fixed_ && row.fix == FixType::fixed) fixed_ = position;
 }
 
 ToLocalFrame::ToLocalFrame(const RecordingFacts& facts, const std::optional<Geodetic>& stated,
@@ -132,6 +118,11 @@ ToLocalFrame::ToLocalFrame(const RecordingFacts& facts, const std::optional<Geod
         return;
     }
     const auto position = stated ? stated : first;
+    if (!position && !facts.vertical_measured)
+        throw Failure("recording of receiver " + facts.receiver,
+                      "the recording has no heights, and the attempt states none",
+                      "Write height_m in the receiver: the course's height above the ellipsoid in "
+                      "metres");
     if (!position)
         throw Failure("recording of receiver " + facts.receiver, "no epoch has a position",
                       "Give a recording with positions");
@@ -139,23 +130,61 @@ ToLocalFrame::ToLocalFrame(const RecordingFacts& facts, const std::optional<Geod
     frame_.emplace(*position);
 }
 
-EnuEpoch ToLocalFrame::operator()(const Observation& row) const {
-    return frame_ ? from_the_earth(row, *frame_, vertical_) : from_local_plane(row);
+EnuEpoch ToLocalFrame::from_the_earth(const Observation& row) {
+    EnuEpoch epoch = carried_over(row);
+    if (!has_position(row)) return epoch;
+    const Geodetic position = position_of(row);
+    const Eigen::Vector3d enu = frame_->enu_from_geodetic(position).m;
+    if (row.fix != FixType::none) {
+        ++positions_;
+        if (enu.norm() > far_m && ++far_ == 1) {
+            first_far_m_ = enu.norm();
+            first_far_ = row.source_line
+                             ? fmt::format("line {} of the recording", *row.source_line)
+                             : fmt::format("epoch {}", row.epoch);
+        }
+    }
+    epoch.east_m = enu.x();
+    epoch.north_m = enu.y();
+    if (vertical_) epoch.up_m = enu.z();
+    const Eigen::Matrix3d rotation =
+        frame_->rotation_from_local(position.latitude, position.longitude);
+    const bool vertical_stated = vertical_ && row.sigma_up_m.has_value();
+    if (row.sigma_east_m && row.sigma_north_m)
+        static_cast<StatedAccuracy&>(epoch) = accuracy_of(
+            rotation * stated_covariance<3>(row) * rotation.transpose(), vertical_stated);
+    rotate_velocity(row, rotation, epoch);
+    return epoch;
+}
+
+EnuEpoch ToLocalFrame::operator()(const Observation& row) {
+    return frame_ ? from_the_earth(row) : from_local_plane(row);
+}
+
+void ToLocalFrame::finish() const {
+    if (2 * far_ <= positions_) return;
+    throw Failure(first_far_,
+                  fmt::format("the position is {:.0f} km from the origin of the local frame, and "
+                              "{} of {} positions lie more than {:.0f} km from it",
+                              first_far_m_ / 1000.0, far_, positions_, far_m / 1000.0),
+                  "Check `origin:` in the attempt, and whether latitude and longitude are "
+                  "swapped");
 }
 
 EnuTable to_enu(const Observations& observations, const std::optional<Geodetic>& stated_origin) {
     const RecordingFacts& facts = observations.facts;
     FirstPosition first;
     if (ToLocalFrame::needs_first_position(facts, stated_origin))
-        (void)std::ranges::all_of(observations.rows,
-                                  [&](const Observation& row) { return first.see(row); });
-    const ToLocalFrame to_local(facts, stated_origin, first.position());
+        for (const Observation& row : observations.rows)
+            first.see(row);
+    ToLocalFrame to_local(facts, stated_origin, first.position());
     EnuTable table;
     table.facts = facts;
     table.origin = to_local.origin();
     table.rows.reserve(observations.rows.size());
     for (const Observation& row : observations.rows)
         table.rows.push_back(to_local(row));
+    to_local.finish();
     return table;
 }
 

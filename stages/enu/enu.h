@@ -1,21 +1,27 @@
 #pragma once
 
 #include <optional>
+#include <string>
 
 #include "core/geodesy.h"
 #include "schemas/enu/enu.h"
 
 namespace runcert {
 
-/// Finds the origin where none is stated: the first fixed position, else the first of any kind,
-/// because one taken from a solution without a fix could be far away.
+/// Finds the origin where none is stated, in one pass over a recording: the first fixed position
+/// of the place where most of it was recorded, else the first of any kind there.
+///
+/// A first position that is wrong by half the earth is outvoted: a place that more than half of
+/// the positions share is found by the majority vote of [BM91] in constant memory.
 class FirstPosition {
   public:
-    /// Takes in the next row; false where no later one can change the result.
-    bool see(const Observation& row);
+    /// Takes in the next row.
+    void see(const Observation& row);
     const std::optional<Geodetic>& position() const { return fixed_ ? fixed_ : any_; }
 
   private:
+    std::optional<LocalFrame> place_;
+    long votes_ = 0;
     std::optional<Geodetic> fixed_, any_;
 };
 
@@ -40,13 +46,23 @@ class ToLocalFrame {
 
     const std::optional<FrameOrigin>& origin() const { return origin_; }
 
-    /// Failure for a position more than 100 km from the origin.
-    EnuEpoch operator()(const Observation& row) const;
+    /// A position far from the origin keeps its place: whether it is an outlier is screening's to
+    /// say.
+    EnuEpoch operator()(const Observation& row);
+
+    /// To be called after the last row. Failure where more than half of the positions lie more
+    /// than 100 km from the origin.
+    void finish() const;
 
   private:
+    EnuEpoch from_the_earth(const Observation& row);
+
     bool vertical_;
     std::optional<FrameOrigin> origin_;
     std::optional<LocalFrame> frame_;
+    long positions_ = 0, far_ = 0;
+    std::string first_far_;
+    double first_far_m_ = 0.0;
 };
 
 /// A whole recording in the local frame, at `stated_origin` or else its first position. Failures as

@@ -15,8 +15,8 @@ void convert(StageRun& run, const Receiver& receiver) {
     const RecordingFacts& facts = observations.head().facts;
     FirstPosition first;
     if (ToLocalFrame::needs_first_position(facts, attempt.origin))
-        observations.look_ahead([&first](const Observation& row) { return first.see(row); });
-    const ToLocalFrame to_local(facts, attempt.origin, first.position());
+        observations.look_ahead([&first](const Observation& row) { first.see(row); });
+    ToLocalFrame to_local(facts, attempt.origin, first.position());
     const EnuTable head{
         .header = one.header(), .facts = facts, .origin = to_local.origin(), .rows = {}};
     AtomicFile file(run.run_dir() / run.file_of(products::enu, receiver));
@@ -24,6 +24,7 @@ void convert(StageRun& run, const Receiver& receiver) {
         begin_enu(head, [&file](std::string_view piece) { file.write(piece); });
     for (Observation row; observations.next(row);)
         table.write(to_local(row));
+    to_local.finish();
     table.finish();
     file.commit();
     run.say(head.origin ? fmt::format("origin {:.6f} {:.6f}, height {:.1f} m",

@@ -190,8 +190,8 @@ void add_quality_concerns(const Inspection& it, std::vector<std::string>& concer
 void add_time_concerns(const Inspection& it, std::vector<std::string>& concerns) {
     if (it.gaps > 0)
         concerns.push_back(
-            fmt::format("Epochs are missing in {} places; no speed is certified "
-                        "across a gap.",
+            fmt::format("Epochs are missing in {} places; a speed is certified across a gap only "
+                        "where the rule and screen.gap_max_s allow it.",
                         it.gaps));
     if (it.repeated_times + it.backward_times > 0)
         concerns.push_back(

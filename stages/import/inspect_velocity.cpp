@@ -15,6 +15,8 @@ namespace {
 constexpr double half_span_s = 0.4;
 constexpr double longest_delay_s = 1.0;
 constexpr double least_change_m_s = 0.5;
+/// A fit with a larger standard deviation holds a jump and not a motion.
+constexpr double useless_m_s = 5.0;
 /// So many epochs tell a delay; of longer recordings the fastest stretch is taken.
 constexpr std::size_t most_rows = 20'000;
 
@@ -60,7 +62,7 @@ std::vector<Point> chosen(std::vector<Point> points) {
 }
 
 /// Motion at the middle of points by the parabola of least squares, with the covariance that their
-/// scatter about it gives. Nothing across a gap.
+/// scatter about it gives. Nothing across a gap, nor where the positions jump.
 std::optional<EpochMotion> fitted_motion(const std::vector<Point>& points, std::size_t middle,
                                          std::size_t half, double interval_s) {
     if (middle < half || middle + half >= points.size()) return std::nullopt;
@@ -85,6 +87,7 @@ std::optional<EpochMotion> fitted_motion(const std::vector<Point>& points, std::
     }
     const double variance =
         std::max(squares / (2.0 * (2.0 * static_cast<double>(half) - 2.0)), 1e-10);
+    if (variance * cofactor(1, 1) > useless_m_s * useless_m_s) return std::nullopt;
     EpochMotion motion;
     motion.velocity = solution.row(1);
     motion.acceleration = solution.row(2);

@@ -4,9 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 namespace runcert {
 namespace {
+
+/// m; a plane of no more is what the local frame serves.
+constexpr double farthest_m = 100'000.0;
 
 struct Finding {
     Reason reason;
@@ -21,6 +25,31 @@ std::optional<Finding> check_fix(const ScreenedEpoch& row, const ScreenConfig& c
         row.fix == FixType::float_ambiguities ? Reason::float_ambiguities : Reason::other_fix,
         {},
         {}};
+}
+
+double median_of(std::vector<double> values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::ranges::nth_element(values, middle);
+    return *middle;
+}
+
+/// East and north of the middle of all positions; empty where there is none.
+std::optional<Eigen::Vector2d> middle_of(const std::vector<ScreenedEpoch>& rows) {
+    std::vector<double> east, north;
+    for (const ScreenedEpoch& row : rows) {
+        if (!row.east_m || !row.north_m || row.fix == FixType::none) continue;
+        east.push_back(*row.east_m);
+        north.push_back(*row.north_m);
+    }
+    if (east.empty()) return std::nullopt;
+    return Eigen::Vector2d(median_of(std::move(east)), median_of(std::move(north)));
+}
+
+/// A position half the earth away would drown in rounding whatever the tests below compute.
+std::optional<Finding> check_place(const ScreenedEpoch& row, const Eigen::Vector2d& middle) {
+    const double distance_m = (Eigen::Vector2d(*row.east_m, *row.north_m) - middle).norm();
+    if (distance_m <= farthest_m) return std::nullopt;
+    return Finding{Reason::far_position, distance_m, farthest_m};
 }
 
 std::optional<Finding> check_accuracy(const ScreenedEpoch& row, bool vertical,
@@ -90,12 +119,14 @@ std::vector<std::optional<Finding>> check_times(const std::vector<ScreenedEpoch>
 
 void check_epochs(std::vector<ScreenedEpoch>& rows, bool vertical, const ScreenConfig& config) {
     const auto times = check_times(rows);
+    const auto middle = middle_of(rows);
     for (std::size_t i = 0; i < rows.size(); ++i) {
         ScreenedEpoch& row = rows[i];
         std::optional<Finding> finding = times[i];
         if (!finding) finding = check_fix(row, config);
         if (!finding && (!row.east_m || !row.north_m || (vertical && !row.up_m)))
             finding = Finding{Reason::no_position, {}, {}};
+        if (!finding) finding = check_place(row, *middle);
         if (!finding) finding = check_accuracy(row, vertical, config);
         if (!finding) finding = check_witnesses(row, config);
         row.usable = !finding;

@@ -7,7 +7,7 @@
 namespace runcert {
 
 /// Marks what an epoch's own cells, or its time against the epochs before, forbid: no_position,
-/// no_fix, float, other_fix, duplicate_time, backward_time, accuracy_missing, accuracy_absurd,
+/// far_position, no_fix, float, other_fix, duplicate_time, backward_time, accuracy_missing, accuracy_absurd,
 /// few_satellites, low_ratio, old_corrections.
 /// All other epochs become usable.
 void check_epochs(std::vector<ScreenedEpoch>& rows, bool vertical_measured,

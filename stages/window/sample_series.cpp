@@ -189,8 +189,11 @@ IndicatedSeries indicated_series(const ScreenedTable& screened, const Profile& p
     for (std::size_t i = 0; i < screened.rows.size(); ++i) {
         const ScreenedEpoch& row = screened.rows[i];
         if (!row.east_m || !row.north_m || (needs_height && !row.up_m)) continue;
-        // What the receiver itself calls no fix says nothing of a speed.
-        if (row.fix == FixType::none) continue;
+        // What the receiver itself calls no fix says nothing of a speed, nor does a single position
+        // that those before and after it contradict: they show what there was to show.
+        if (row.fix == FixType::none || row.reason == Reason::far_position ||
+            row.reason == Reason::outlier)
+            continue;
         if (!series.times.empty() && row.time <= series.times.back()) continue;
         if (profile.speed_source == SpeedSource::velocity) {
             const auto speed = recorded_speed(row, profile.dimension);

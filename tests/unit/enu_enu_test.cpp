@@ -118,10 +118,40 @@ TEST(ToEnu, AnOriginFarAwayIsRefused) {
     EXPECT_THROW(to_enu(at(35.0, 137.0, 100.0), origin_at(-35.0, 137.0, 100.0)), Failure);
 }
 
+TEST(ToEnu, AFirstPositionFarFromAllOthersIsNotTheOrigin) {
+    Observations observations = at(35.0, 137.0, 100.0);
+    for (int i = 1; i < 5; ++i) {
+        observations.rows.push_back(observations.rows[0]);
+        *observations.rows.back().latitude_deg += 1e-5 * i;
+    }
+    observations.rows.insert(observations.rows.begin(), 2, observations.rows[0]);
+    for (int i = 0; i < 2; ++i) {
+        observations.rows[i].latitude_deg = 0.0;
+        observations.rows[i].longitude_deg = 0.0;
+    }
+    const EnuTable table = to_enu(observations, std::nullopt);
+    EXPECT_NEAR(table.origin->position.latitude.degrees(), 35.0, 1e-4);
+    EXPECT_GT(std::hypot(*table.rows[0].east_m, *table.rows[0].north_m), 1e6);
+    EXPECT_LT(std::hypot(*table.rows[6].east_m, *table.rows[6].north_m), 10.0);
+}
+
 TEST(ToEnu, ARecordingWithoutPositionsIsRefused) {
     Observations observations = at(35.0, 137.0, 100.0);
     observations.rows[0].latitude_deg.reset();
     EXPECT_THROW(to_enu(observations, std::nullopt), Failure);
+}
+
+TEST(ToEnu, ARecordingWithoutHeightsSaysThatTheyAreMissing) {
+    Observations observations = at(35.0, 137.0, 100.0);
+    observations.rows[0].height_m.reset();
+    observations.facts.vertical_measured = false;
+    try {
+        to_enu(observations, std::nullopt);
+        FAIL() << "no heights";
+    } catch (const Failure& failure) {
+        EXPECT_NE(failure.problem().find("has no heights"), std::string::npos);
+        EXPECT_NE(failure.remedy().find("height_m"), std::string::npos);
+    }
 }
 
 }  // namespace

@@ -65,6 +65,8 @@ TEST(Screen, EachEpochByItself) {
     const EpochCase cases[] = {
         {"no position", [](EnuTable& t) { t.rows[50].east_m.reset(); }, Reason::no_position},
         {"no height", [](EnuTable& t) { t.rows[50].up_m.reset(); }, Reason::no_position},
+        {"half the earth away", [](EnuTable& t) { t.rows[50].east_m = 1.0e7; },
+         Reason::far_position},
         {"no fix", [](EnuTable& t) { t.rows[50].fix = FixType::none; }, Reason::no_fix},
         {"float", [](EnuTable& t) { t.rows[50].fix = FixType::float_ambiguities; },
          Reason::float_ambiguities},

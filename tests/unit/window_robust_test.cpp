@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "stages/window/robust.h"
 #include "stages/window/sample_series.h"
 #include "window_test_support.h"
@@ -56,6 +58,18 @@ TEST(RobustSpeed, OfATrajectoryWithoutItThereIsNone) {
     Beside beside(0.0);
     beside.trajectory.rows[60].robust_east_m.reset();
     EXPECT_FALSE(robust_speed(beside.trajectory, beside.part, beside.smoothed, 0.0));
+}
+
+TEST(IndicatedSeries, LeavesOutSinglePositionsThatTheirNeighboursContradict) {
+    ScreenedTable screened = test::recorded({.from_s = 30.0, .to_s = 40.0});
+    screened.rows[40].reason = Reason::outlier;
+    screened.rows[50].reason = Reason::far_position;
+    screened.rows[60].reason = Reason::burst;
+    for (const std::size_t row : {40, 50, 60})
+        screened.rows[row].usable = false;
+    const IndicatedSeries indicated = indicated_series(screened, test::rule_over(3.0));
+    EXPECT_EQ(indicated.rows.size(), screened.rows.size() - 2);
+    EXPECT_NE(std::ranges::find(indicated.rows, 60U), indicated.rows.end());
 }
 
 TEST(IndicatedSeries, LeavesOutWhatTheReceiverCallsNoFix) {

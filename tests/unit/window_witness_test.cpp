@@ -196,7 +196,7 @@ TEST(Indicated, ComparesWhatEpochsStateOfThemselves) {
     EXPECT_NEAR(of().speed_m_s, 60.0, 0.1);
     EXPECT_TRUE(of().refusals.empty());
     screened.rows[5].sigma_east_m = screened.rows[5].sigma_north_m = 1.0;
-    screened.rows[5].reason = Reason::outlier;
+    screened.rows[5].reason = Reason::burst;
     EXPECT_GT(of().speed_m_s, 600.0);
     ASSERT_EQ(of().refusals.size(), 1U);
     EXPECT_NE(of().refusals.front().find("0.5 s after the first epoch"), std::string::npos)

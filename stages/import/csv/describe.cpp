@@ -116,7 +116,7 @@ void check_position(const Receiver& receiver, Description& description) {
     if (description.has_up || description.frame == CoordinateFrame::local_plane) return;
     if (!receiver.height_m)
         fail(receiver, "the recording has no column of heights, and the attempt states none",
-             "Write height_m: the course's ellipsoidal height in metres");
+             "Write height_m in the receiver: the course's height above the ellipsoid in metres");
     description.constant_height_m = receiver.height_m;
 }
 

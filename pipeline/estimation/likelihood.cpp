@@ -121,12 +121,15 @@ class Likelihood {
         return result;
     }
 
-    /// Kept while steps are of one kind.
+    /// Kept while steps are of one kind; and what the jerk's density does not change, while they are
+    /// of one length.
     const Step& step_of(const StepKind& kind) {
         if (kind == kind_) return step_;
+        const bool same_length = kind.length_ns == kind_.length_ns;
         kind_ = kind;
         for (std::size_t i = 0; i < models_at_once; ++i) {
-            const AxisStep one = axis_step(models_[i], kind);
+            if (!same_length) of_length_[i] = axis_step(models_[i], kind.dt_s());
+            const AxisStep one = with_jerk(of_length_[i], kind.jerk_factor);
             step_.position_of_velocity[i] = one.transition(0, 1);
             step_.position_of_acceleration[i] = one.transition(0, 2);
             step_.velocity_of_acceleration[i] = one.transition(1, 2);
@@ -144,6 +147,7 @@ class Likelihood {
     std::span<const EstimationModel> models_;
     SideBySide scale_{};
     StepKind kind_;
+    std::array<AxisStep, models_at_once> of_length_;
     Step step_;
     SideBySide statistic_{};
     std::array<LogOfProduct, models_at_once> determinants_;

@@ -125,8 +125,11 @@ AxisStep axis_step(const EstimationModel& model, double dt_s) {
 }
 
 AxisStep axis_step(const EstimationModel& model, const StepKind& kind) {
-    AxisStep step = axis_step(model, kind.dt_s());
-    step.process_noise *= kind.jerk_factor * kind.jerk_factor;
+    return with_jerk(axis_step(model, kind.dt_s()), kind.jerk_factor);
+}
+
+AxisStep with_jerk(AxisStep step, double factor) {
+    step.process_noise *= factor * factor;
     return step;
 }
 

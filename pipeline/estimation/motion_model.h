@@ -103,6 +103,9 @@ AxisStep axis_step(const EstimationModel& model, double dt_s);
 /// The same of a step whose jerk density is that many times the model's.
 AxisStep axis_step(const EstimationModel& model, const StepKind& kind);
 
+/// A step at the model's jerk density as one at `factor` times that.
+AxisStep with_jerk(AxisStep step, double factor);
+
 /// The upper-triangular W with W' W = inverse of the process noise of position, velocity and
 /// acceleration: it turns that noise into three independent unit variances.
 Eigen::Matrix3d axis_process_whitener(const AxisStep& step);

@@ -145,11 +145,13 @@ void RobustChain<Axes>::pass_along(Curvature curvature) {
             const PositionSquare joint =
                 factor.transpose().template triangularView<Eigen::Upper>().solve(
                     gain.solve(through));
-            covariance -= columns * joint * columns.transpose();
+            const Eigen::Matrix<double, state_size<Axes>, Axes> weighted =
+                columns.lazyProduct(joint);
+            covariance -= weighted.lazyProduct(columns.transpose());
             add_seen<Axes>(-link.information * seen<Axes>(change), pull);
         }
         covariance = (0.5 * (covariance + covariance.transpose())).eval();
-        change += covariance * pull;
+        change += covariance.lazyProduct(pull);
         link.covariance = covariance;
         link.change = change;
     }
@@ -183,7 +185,7 @@ double RobustChain<Axes>::pass_back() {
     double falls = 0.0;
     for (std::size_t k = links_.size(); k-- > 0;) {
         Link& link = links_[k];
-        link.change += link.covariance * pull;
+        link.change += link.covariance.lazyProduct(pull);
         falls -= link.gradient.dot(link.change);
         if (k == 0) break;
         pull = link.step->carried_back(pull_on_prediction(k, pull));

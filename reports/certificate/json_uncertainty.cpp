@@ -59,15 +59,14 @@ Json witnesses_json(const std::vector<WitnessedSpeed>& witnesses, const Uncertai
     for (const WitnessedSpeed& one : witnesses) {
         json.push_back(members_json(one));
         json.back()["witness_words"] = fmt::format(
-            "{}: {}, by positions {}; the two {} (normalised error {:.2f}, at most 1). An error of "
-            "the positions of any kind that neither would have shown changes the speed by {} at "
-            "most",
+            "{}: {}, by positions {}; the two {} (normalised error {:.2f}, at most 1). Beside it "
+            "errors of the positions of any kind change the speed by {} at most (k = 2)",
             words_of(one.kind),
             speed_with_uncertainty_text(
                 one.speed_m_s, scale.coverage_factor * one.standard_uncertainty_m_s, scale.unit),
             difference_text(one.difference_m_s, scale),
             one.normalised_error <= 1.0 ? "agree" : "contradict one another", one.normalised_error,
-            uncertainty_with_unit(one.undetected_m_s, scale));
+            uncertainty_with_unit(largest_error_beside(one), scale));
     }
     return json;
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+
 #include "schemas/windows/declared.h"
 
 namespace runcert {
@@ -33,6 +35,12 @@ struct LinearisationJudgement {
 
 /// Of a window that has the check.
 LinearisationJudgement judge_linearisation(const CertifiableWindow& window);
+
+/// What errors of the positions, of any kind, can change the speed by (m/s, k = 2) where a witness
+/// agrees with them: the difference and the witness's own uncertainty.
+inline double largest_error_beside(const WitnessedSpeed& witness) {
+    return std::abs(witness.difference_m_s) + 2.0 * witness.standard_uncertainty_m_s;
+}
 
 /// What is stated with a speed: `coverage_factor` standard uncertainties and, added to them, the
 /// limit of a bias that is not known better.

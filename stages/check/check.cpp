@@ -159,10 +159,10 @@ std::string drift_words(const Decision& decision, const ClauseContext& context) 
         fmt::format(" To undo this, the positions would have to drift by {:.2f} m in {}",
                     *decision.drift_survived_m, time_span_text(duration_s));
     const auto& witnesses = context.windows.best->witnesses;
-    const auto sharpest = std::ranges::min_element(witnesses, {}, &WitnessedSpeed::undetected_m_s);
+    const auto sharpest = std::ranges::min_element(witnesses, {}, &largest_error_beside);
     if (sharpest != witnesses.end())
-        words += fmt::format("; no more than {:.2f} m could have gone unseen beside the {}",
-                             sharpest->undetected_m_s * duration_s, words_of(sharpest->kind));
+        words += fmt::format("; beside the {} their error is at most {:.2f} m (k = 2)",
+                             words_of(sharpest->kind), largest_error_beside(*sharpest) * duration_s);
     else if (decision.drift_found_m_s && context.windows.best->detection_power)
         words += fmt::format(
             "; screening finds a drift of {:.2f} m there with a probability of {:.0f} %",

@@ -109,8 +109,10 @@ void set_speed(ClauseContext& context) {
     context.speed = speed;
 }
 
-/// The drift that the decision survives, and what screening finds of one in the window.
+/// The drift that the decision survives, and what screening finds of one in the window. What the
+/// receiver measures as speeds does not drift with the positions.
 void set_drift(ClauseContext& context) {
+    if (context.profile.speed_source == SpeedSource::velocity) return;
     const double above_m_s = context.speed->speed_m_s - context.speed->bias_limit_m_s -
                              context.required_speed->speed_m_s;
     if (above_m_s > 0.0)

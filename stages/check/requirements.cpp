@@ -224,8 +224,8 @@ Finding computation::accuracy(const Clause&, const ClauseContext& context) {
         number_text(*context.profile.accuracy_limit_m_s * unit.per_m_s, unit.name);
     std::string beside_witnesses;
     for (const WitnessedSpeed& one : context.windows.best->witnesses)
-        beside_witnesses += fmt::format("; beside the {} a drift could make at most {}",
-                                        words_of(one.kind), rounded_up(one.undetected_m_s));
+        beside_witnesses += fmt::format(
+            ", and the difference from the {}, as which a drift would show", words_of(one.kind));
     return {
         met ? RequirementStatus::met : RequirementStatus::not_met,
         fmt::format(

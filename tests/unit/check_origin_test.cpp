@@ -163,7 +163,8 @@ TEST(MeasuredPositions, HaveAWitnessInASecondMethodThatAgrees) {
                                                     .times = std::nullopt};
     EXPECT_EQ(with.clause("positions-as-measured").status, RequirementStatus::met);
     EXPECT_EQ(with.clause("positions-as-measured").evidence,
-              "the second method (radar) gives 216.036 km/h ± 0.072 km/h");
+              "the second method (radar) gives 216.036 km/h ± 0.072 km/h, +0.036 km/h against this "
+              "one (normalised error 0.45, at most 1)");
 }
 
 TEST(MeasuredPositions, SolvedHereFromRawObservationsAreMet) {

@@ -162,6 +162,21 @@ TEST(Drift, ThatADecisionSurvivesIsSaid) {
     EXPECT_NEAR(*scene.verdict().decision->drift_survived_m, 0.3, 1e-9);
 }
 
+TEST(Drift, IsMeasuredByAWitness) {
+    RuleScene scene = above_target(0.14);
+    WitnessedSpeed witness;
+    witness.kind = WitnessKind::velocities;
+    witness.speed_m_s = 60.0;
+    witness.difference_m_s = -0.02;
+    witness.standard_uncertainty_m_s = 0.03;
+    scene.best().witnesses = {witness};
+    const std::string reason = scene.verdict().reason;
+    EXPECT_TRUE(contains(reason,
+                         "drift by 0.42 m in 3 s; beside the recorded velocities their error is at "
+                         "most 0.24 m (k = 2)."))
+        << reason;
+}
+
 TEST(Drift, IsLeftOutWhereScreeningDoesNotSayWhatItFinds) {
     const ProfileVerdict verdict = above_target(0.14).verdict();
     EXPECT_FALSE(verdict.decision->drift_found_m_s);

@@ -155,6 +155,12 @@ void add_record_concerns(const Inspection& it, std::vector<std::string>& concern
             "More than 1 % of its records cannot be read: nothing in it can be certified.");
 }
 
+/// What of the accuracy the attempt must state.
+std::string_view accuracy_key(bool heights) {
+    return heights ? "accuracy: {horizontal_m: ..., vertical_m: ...}"
+                   : "accuracy: {horizontal_m: ...}";
+}
+
 void add_quality_concerns(const Inspection& it, std::vector<std::string>& concerns) {
     const std::size_t unknown = count_of(it, FixType::unknown);
     const std::size_t lesser = it.epochs - count_of(it, FixType::fixed) - unknown;
@@ -170,8 +176,8 @@ void add_quality_concerns(const Inspection& it, std::vector<std::string>& concer
     if (it.without_position > 0)
         concerns.push_back(fmt::format("{} epochs have no position.", it.without_position));
     if (it.with_accuracy == 0)
-        concerns.push_back(
-            "No accuracy is stated: the attempt must give one (accuracy: {horizontal_m: ...}).");
+        concerns.push_back(fmt::format("No accuracy is stated: the attempt must give one ({}).",
+                                       accuracy_key(it.vertical_measured)));
     else if (*it.worst_horizontal_m > 10.0 || *it.median_horizontal_m < 0.001)
         concerns.push_back("Some stated standard deviations are implausible.");
     if (it.velocity_delay_s && std::abs(*it.velocity_delay_s) > notable_delay_s)

@@ -43,6 +43,21 @@ GpsTime read_seconds(const Cell& cell, const Receiver& receiver) {
     }
 }
 
+/// Failure for a time that shows itself to be of another format than the attempt says.
+void require_described(const Cell& time, TimeFormat described) {
+    const bool has_date = digits_at(time.text, 0, 4) && time.text.substr(4, 1) == "-";
+    const bool has_colon = time.text.find(':') != std::string_view::npos;
+    if (has_date && described != TimeFormat::iso)
+        time.fail(fmt::format("\"{}\" is a date and time, and the attempt describes another format",
+                              escape_for_message(time.text)),
+                  "Write time_format: iso in the receiver");
+    if (!has_date && has_colon && described != TimeFormat::time_of_day)
+        time.fail(
+            fmt::format("\"{}\" is a time of day, and the attempt describes another format",
+                        escape_for_message(time.text)),
+            "Write time_format: time_of_day in the receiver, and name the column of the date");
+}
+
 GpsTime read_instant(const Fields& fields, const Description& description,
                      const Receiver& receiver) {
     const Clock clock = description.clock;
@@ -50,6 +65,7 @@ GpsTime read_instant(const Fields& fields, const Description& description,
     if (time.text.empty())
         time.fail("the time is missing",
                   "Take the line out; if it holds units or other notes under the header, too");
+    require_described(time, description.time_format);
     switch (description.time_format) {
         case TimeFormat::seconds:
             return read_seconds(time, receiver);

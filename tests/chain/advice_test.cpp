@@ -1,0 +1,243 @@
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <regex>
+
+#include "chain_support.h"
+#include "core/random.h"
+
+// What the program advises, written word for word into the attempt, makes the next call succeed, or
+// leads to the next true advice. Nobody who follows it is sent in a circle.
+
+namespace runcert::chain::RUNCERT_FILE {
+namespace {
+
+using Keys = std::map<std::string, std::string>;
+
+/// What somebody who knows his device puts where the advice has three dots or names a key alone.
+const Keys known{{"horizontal_m", "1.5"},
+                 {"vertical_m", "3"},
+                 {"velocity_mps", "0.2"},
+                 {"height_m", "107"},
+                 {"columns", "{time: time, latitude: lat, longitude: lon}"},
+                 {"frame", "geodetic"},
+                 {"start_gps", "\"2026-03-14T01:00:00\""}};
+
+/// "a: 1, b: 2" of a mapping in braces.
+Keys fields_of(const std::string& mapping) {
+    Keys fields;
+    static const std::regex field(R"((\w+): (\.\.\.|[^,}]+))");
+    for (std::sregex_iterator at(mapping.begin(), mapping.end(), field), end; at != end; ++at)
+        fields[(*at)[1]] = (*at)[2] == "..." ? known.at((*at)[1]) : (*at)[2].str();
+    return fields;
+}
+
+std::string mapping_of(const Keys& fields) {
+    std::string text;
+    for (const auto& [key, value] : fields)
+        text += fmt::format("{}{}: {}", text.empty() ? "" : ", ", key, value);
+    return "{" + text + "}";
+}
+
+/// What a text tells to write into the receiver.
+Keys advised(const std::string& text) {
+    Keys keys;
+    Keys accuracy;
+    static const std::regex stated(R"(accuracy: (\{[^}]*\}))");
+    for (std::sregex_iterator at(text.begin(), text.end(), stated), end; at != end; ++at)
+        accuracy.merge(fields_of((*at)[1]));
+    if (!accuracy.empty()) keys["accuracy"] = mapping_of(accuracy);
+    static const std::regex alone(R"([Ww]rite (height_m|columns|start_gps)\b)");
+    for (std::sregex_iterator at(text.begin(), text.end(), alone), end; at != end; ++at)
+        keys[(*at)[1]] = known.at((*at)[1]);
+    static const std::regex word(
+        R"((?:[Ww]rite |\()(time_scale|time_source|time_format|format): (\w+))");
+    for (std::sregex_iterator at(text.begin(), text.end(), word), end; at != end; ++at)
+        keys[(*at)[1]] = (*at)[2];
+    static const std::regex named(R"( and (frame): )");
+    for (std::sregex_iterator at(text.begin(), text.end(), named), end; at != end; ++at)
+        keys[(*at)[1]] = known.at((*at)[1]);
+    return keys;
+}
+
+/// A minute of somebody who speeds up to 15 m/s, at 5 Hz, by positions with a noise of half a
+/// metre.
+struct Ride {
+    struct Epoch {
+        double time_s, latitude_deg, longitude_deg, speed_m_s;
+    };
+    std::vector<Epoch> epochs;
+
+    Ride() {
+        RandomGenerator random(7);
+        double along_m = 0.0;
+        for (int k = 0; k < 300; ++k) {
+            const double time_s = 0.2 * k;
+            const double speed_m_s = 15.0 * (1.0 - std::exp(-time_s / 8.0));
+            along_m += 0.2 * speed_m_s;
+            const double metres_per_degree = 111'200.0;
+            epochs.push_back({time_s, 45.0 + (along_m + 0.5 * random.normal()) / metres_per_degree,
+                              9.0 + 0.5 * random.normal() / metres_per_degree / 0.7071,
+                              speed_m_s + 0.1 * random.normal()});
+        }
+    }
+};
+
+std::string clock_text(double time_s) {
+    return fmt::format("01:{:02d}:{:04.1f}", static_cast<int>(time_s) / 60,
+                       std::fmod(time_s, 60.0));
+}
+
+std::string gpx(bool heights, bool speeds) {
+    std::string text =
+        "<?xml version=\"1.0\"?>\n<gpx version=\"1.0\" creator=\"logger\" "
+        "xmlns=\"http://www.topografix.com/GPX/1/0\"><trk><trkseg>\n";
+    for (const auto& [time_s, latitude, longitude, speed] : Ride().epochs)
+        text += fmt::format(
+            "<trkpt lat=\"{:.8f}\" lon=\"{:.8f}\">{}<time>2026-03-14T{}Z</time>{}</trkpt>\n",
+            latitude, longitude, heights ? "<ele>107.0</ele>" : "", clock_text(time_s),
+            speeds ? fmt::format("<speed>{:.2f}</speed>", speed) : std::string());
+    return text + "</trkseg></trk></gpx>\n";
+}
+
+std::string table(const std::string& heading, const std::string& zone) {
+    std::string text = heading;
+    for (const auto& [time_s, latitude, longitude, speed] : Ride().epochs)
+        text += fmt::format("2026-03-14T{}{},{:.8f},{:.8f}\n", clock_text(time_s), zone, latitude,
+                            longitude);
+    return text;
+}
+
+std::string degrees_minutes(double degrees) {
+    const int whole = static_cast<int>(degrees);
+    return fmt::format("{:02d}{:010.7f}", whole, 60.0 * (degrees - whole));
+}
+
+std::string nmea() {
+    const auto sentence = [](const std::string& body) {
+        int sum = 0;
+        for (const char c : body)
+            sum ^= c;
+        return fmt::format("${}*{:02X}\r\n", body, sum);
+    };
+    std::string text;
+    for (const auto& [time_s, latitude, longitude, speed] : Ride().epochs) {
+        std::string time = clock_text(time_s);
+        std::erase(time, ':');
+        const std::string place =
+            fmt::format("{},N,0{},E", degrees_minutes(latitude), degrees_minutes(longitude));
+        text += sentence(fmt::format("GPGGA,{},{},1,10,0.9,107.0,M,47.0,M,,", time, place));
+        text += sentence(
+            fmt::format("GPRMC,{},A,{},{:.2f},0.0,140326,,,A", time, place, speed / 0.514444));
+    }
+    return text;
+}
+
+struct Given {
+    const char* name;
+    const char* file;  ///< of the real recordings, or of what is made
+    std::function<std::string()> recording = {};
+};
+
+const std::vector<Given>& all_given() {
+    static const std::vector<Given> given{
+        {"GpxWithoutHeights", "track.gpx", [] { return gpx(false, false); }},
+        {"Gpx", "track.gpx", [] { return gpx(true, false); }},
+        {"GpxWithSpeeds", "track.gpx", [] { return gpx(true, true); }},
+        {"Nmea", "log.nmea", nmea},
+        {"Table", "table.csv", [] { return table("time,lat,lon\n", ""); }},
+        {"TableInUtc", "table.csv", [] { return table("time,lat,lon\n", "Z"); }},
+    };
+    return given;
+}
+
+void PrintTo(const Given& given, std::ostream* out) {
+    *out << given.name;
+}
+
+class Advice : public testing::TestWithParam<Given> {
+  protected:
+    void SetUp() override {
+        const auto data = recordings();
+        if (!GetParam().recording && !data) GTEST_SKIP() << "RUNCERT_DATA is not set";
+        write_file_atomically(folder_.path() / file(), GetParam().recording
+                                                           ? GetParam().recording()
+                                                           : read_file(*data / GetParam().file));
+    }
+
+    /// Takes over what is advised; whether anything was new. An accuracy is merged with what was
+    /// already stated.
+    bool follow(const std::string& text) {
+        bool is_new = false;
+        for (auto [key, value] : advised(text)) {
+            if (key == "accuracy" && keys_.contains(key)) {
+                Keys fields = fields_of(keys_.at(key));
+                fields.merge(fields_of(value));
+                value = mapping_of(fields);
+            }
+            is_new = is_new || !keys_.contains(key) || keys_.at(key) != value;
+            keys_[key] = value;
+        }
+        return is_new;
+    }
+
+    ProcessResult certified() {
+        std::string receiver;
+        for (const auto& [key, value] : keys_)
+            receiver += fmt::format("    {}: {}\n", key, value);
+        write_file_atomically(
+            folder_.path() / "attempt.yaml",
+            fmt::format("schema: attempt/1.0\nid: ride\ncraft: {{name: board, class: board}}\n"
+                        "receivers:\n  - id: primary\n    recording: {}\n{}"
+                        "record: {{speed: 20, unit: km/h, source: made up}}\nprofiles: [fisly]\n",
+                        file(), receiver));
+        return certify(folder_.path() / "attempt.yaml", folder_.path() / "run", {"--no-render"});
+    }
+
+    /// Whether a speed was measured.
+    bool is_measured(const ProcessResult& result) const {
+        return result.exit_status != 2 && result.output.find("\n  speed  ") != std::string::npos;
+    }
+
+    static std::string file() { return fs::path(GetParam().file).filename().string(); }
+    std::string written() const { return mapping_of(keys_); }
+
+    TemporaryFolder folder_;
+    Keys keys_;
+};
+
+TEST_P(Advice, OfRefusalsLeadsToASpeed) {
+    constexpr int most = 8;
+    for (int i = 0; i < most; ++i) {
+        const ProcessResult result = certified();
+        if (is_measured(result)) return;
+        ASSERT_TRUE(follow(result.output + result.errors))
+            << "nothing new is advised with " << written() << ":\n"
+            << result.output << result.errors;
+    }
+    FAIL() << "it goes on and on: " << written();
+}
+
+TEST_P(Advice, OfInspectAloneLeadsToASpeed) {
+    const ProcessResult inspected = runcert({"inspect", (folder_.path() / file()).string()});
+    follow(inspected.output + inspected.errors);
+    if (inspected.exit_status != 0) {
+        EXPECT_TRUE(keys_.contains("columns")) << "only a table must be described before";
+        return;
+    }
+    const ProcessResult result = certified();
+    EXPECT_TRUE(is_measured(result)) << written() << "\n" << result.output << result.errors;
+}
+
+INSTANTIATE_TEST_SUITE_P(Made, Advice, testing::ValuesIn(all_given()),
+                         [](const auto& each) { return std::string(each.param.name); });
+
+INSTANTIATE_TEST_SUITE_P(Real, Advice,
+                         testing::Values(Given{"RaceCar", "race_car_vbo/run_a.vbo"},
+                                         Given{"Fit", "other_programs/compressed_stamps.fit"},
+                                         Given{"Jump", "speed_skydive/flysight1_good.csv"}),
+                         [](const auto& each) { return std::string(each.param.name); });
+
+}  // namespace
+}  // namespace runcert::chain::RUNCERT_FILE

@@ -101,6 +101,26 @@ void add_second_method(const ClauseContext& context, Notes& notes) {
                                       second.missing));
 }
 
+/// What would make the next run's speed known well enough, where this one's was not.
+void add_next_time(const ClauseContext& context, Notes& notes) {
+    const auto& best = context.windows.best;
+    if (!best || !best->expected_beside_velocities_m_s || !context.expanded_uncertainty_m_s ||
+        context.profile.windows > 1)
+        return;
+    const double u_m_s = *context.expanded_uncertainty_m_s;
+    const auto& limit_m_s = context.profile.accuracy_limit_m_s;
+    const auto& decision = context.decision;
+    const bool not_proven = decision && decision->probability < decision->level &&
+                            decision->probability > 1.0 - decision->level;
+    if (!not_proven && !(limit_m_s && u_m_s > *limit_m_s)) return;
+    if (2.0 * *best->expected_beside_velocities_m_s > u_m_s) return;
+    const SpeedUnit& unit = speed_unit("km/h");
+    notes.push_back(fmt::format(
+        "Velocities by the receiver's own Doppler measurement, recorded beside the positions, "
+        "would bring this speed to about ± {} km/h in the next run.",
+        uncertainty_rounded_up(*best->expected_beside_velocities_m_s * unit.per_m_s)));
+}
+
 void add_rule(const ClauseContext& context, Notes& notes) {
     if (context.profile.origin == RuleOrigin::own)
         notes.push_back(fmt::format(
@@ -160,6 +180,7 @@ std::vector<std::string> notes_of(const ClauseContext& context) {
     add_windows(context, notes);
     add_flow(context, notes);
     add_second_method(context, notes);
+    add_next_time(context, notes);
     add_rule(context, notes);
     add_overrides(context, notes);
     add_unconfirmed(context, notes);

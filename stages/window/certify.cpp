@@ -234,7 +234,12 @@ void set_budget(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
     window.budget = budget_of(input);
     window.own_standard_uncertainty_m_s = own_uncertainty(noise, window.budget);
     hear_witnesses(estimate, choice, at, noise, window);
-    if (!window.witnesses.empty()) input.position_share = 1.0 - window.witnesses.front().share;
+    if (!window.witnesses.empty())
+        input.position_share = 1.0 - window.witnesses.front().share;
+    else
+        window.expected_beside_velocities_m_s = expected_beside_velocities(
+            window.budget, *window.own_standard_uncertainty_m_s, window.bias_limit_m_s,
+            at.duration_s, estimate.trajectory.facts.nominal_interval_s);
     const CombinedUncertainty combined = combine(window.budget);
     window.standard_uncertainty_m_s = combined.standard_uncertainty;
     window.effective_degrees_of_freedom = combined.effective_degrees_of_freedom;

@@ -7,13 +7,14 @@
 #include <cmath>
 
 #include "core/statistics.h"
+#include "estimation/velocity_witness.h"
 #include "stages/window/budget.h"
 
 namespace runcert {
 namespace {
 
-/// White noise, time-correlated error, motion, its model, time stamps and resolution: what positions have and
-/// a witness of another origin does not.
+/// White noise, time-correlated error, motion, its model, time stamps and resolution: what
+/// positions have and a witness of another origin does not.
 constexpr std::string_view rows_of_position = "wbjotr";
 
 /// Displacements differ so by chance once in a thousand.
@@ -121,6 +122,22 @@ void condition_on(const WitnessedSpeed& witnessed, std::vector<BudgetRow>& rows)
     apart.standard_uncertainty = std::abs(witnessed.difference_m_s);
     apart.sensitivity = share;
     rows.push_back(std::move(apart));
+}
+
+double expected_beside_velocities(std::vector<BudgetRow> rows, double own_uncertainty_m_s,
+                                  double bias_limit_m_s, double duration_s, double interval_s) {
+    constexpr double sigma_at_epoch_m_s = 0.1;
+    constexpr double median_of_normal = 0.6745;
+    WitnessedSpeed velocities;
+    velocities.kind = WitnessKind::velocities;
+    velocities.standard_uncertainty_m_s = std::hypot(
+        least_velocity_sigma_m_s, sigma_at_epoch_m_s * std::sqrt(interval_s / duration_s));
+    velocities.difference_m_s =
+        median_of_normal * std::hypot(own_uncertainty_m_s, velocities.standard_uncertainty_m_s);
+    velocities.share = share_of_position(position_uncertainty(rows, Undetected::counted),
+                                         velocities.standard_uncertainty_m_s);
+    condition_on(velocities, rows);
+    return 2.0 * combine(rows).standard_uncertainty + (1.0 - velocities.share) * bias_limit_m_s;
 }
 
 double position_uncertainty(const std::vector<BudgetRow>& rows, Undetected undetected) {

@@ -48,6 +48,13 @@ double undetected_beside(const WitnessedSpeed& witnessed, double positions_alone
 /// position keeps its place, and what is stated with it holds what the witness says.
 void condition_on(const WitnessedSpeed& witnessed, std::vector<BudgetRow>& rows);
 
+/// Expanded uncertainty (k = 2, m/s) to be expected of a window beside velocities of a receiver:
+/// 0.1 m/s at each epoch, and never better than `least_velocity_sigma_m_s` altogether. They are
+/// taken to differ from the positions by the median of what chance makes of the positions' own
+/// errors.
+double expected_beside_velocities(std::vector<BudgetRow> rows, double own_uncertainty_m_s,
+                                  double bias_limit_m_s, double duration_s, double interval_s);
+
 /// Standard uncertainty (m/s) by the rows that a witness does not share, with undetected errors
 /// (row d) or without.
 enum class Undetected { counted, left_out };

@@ -87,6 +87,7 @@ TEST(GoldenWindows, WhatMayRemainOfTheBiasOfChoosing) {
     EXPECT_EQ(figure_of(windows.profiles[0])->bias_limit_m_s, 0.0015);
     const ProfileWindows& mean = windows.profiles.at(2);
     EXPECT_EQ(mean.best->bias_limit_m_s, 0.0025);
+    EXPECT_EQ(mean.best->expected_beside_velocities_m_s, 0.1875);
     EXPECT_EQ(mean.further.at(0).bias_limit_m_s, 0.005);
     EXPECT_EQ(figure_of(mean)->bias_limit_m_s, 0.00375);
 }

@@ -175,8 +175,9 @@ std::string people_csv(const std::vector<PeopleResult>& results) {
             symbols.insert(symbol);
     std::string text =
         "kind,seed,rule,fault,faults,outcome,outcome_above,failed,epochs,usable,record_m_s,"
-        "speed_m_s,truth_m_s,error_m_s,U_m_s,held,bias_limit_m_s,undetected_m_s,window_start_s,"
-        "white_m,slow_m,slow_tau_s,stated_m,filter_s,velocity_white_m_s,velocity_slow_m_s,"
+        "speed_m_s,truth_m_s,error_m_s,U_m_s,held,bias_limit_m_s,undetected_m_s,"
+        "expected_beside_velocities_m_s,window_start_s,white_m,slow_m,slow_tau_s,stated_m,filter_s,"
+        "velocity_white_m_s,velocity_slow_m_s,"
         "velocity_stated_m_s,velocity_late_s";
     for (const std::string& symbol : symbols)
         text += ",u_" + symbol;
@@ -184,14 +185,14 @@ std::string people_csv(const std::vector<PeopleResult>& results) {
     for (const PeopleResult& one : results) {
         const bool known = one.speed && one.truth;
         const PeopleDevice& device = one.device;
-        text +=
-            fmt::format("{},{},{},{},{},{},{},{},{},{},{:.6f},{},{},{},{:.6f},{},{:.6f},{:.6f},{},",
-                        csv_text(one.kind), one.seed, one.profile, to_text(one.fault),
-                        csv_text(one.faults), to_text(one.outcome), to_text(one.outcome_above),
-                        one.failed ? 1 : 0, one.epochs, one.usable, one.record, number(one.speed),
-                        number(one.truth), known ? fmt::format("{:.6f}", one.error()) : "",
-                        one.expanded, known ? (one.held() ? "1" : "0") : "", one.bias_limit,
-                        one.undetected, number(one.window_start));
+        text += fmt::format(
+            "{},{},{},{},{},{},{},{},{},{},{:.6f},{},{},{},{:.6f},{},{:.6f},{:.6f},{},{},",
+            csv_text(one.kind), one.seed, one.profile, to_text(one.fault), csv_text(one.faults),
+            to_text(one.outcome), to_text(one.outcome_above), one.failed ? 1 : 0, one.epochs,
+            one.usable, one.record, number(one.speed), number(one.truth),
+            known ? fmt::format("{:.6f}", one.error()) : "", one.expanded,
+            known ? (one.held() ? "1" : "0") : "", one.bias_limit, one.undetected,
+            number(one.expected_beside_velocities), number(one.window_start));
         text += fmt::format("{:.4f},{:.4f},{:.2f},{:.4f},{:.3f},{:.4f},{:.4f},{:.4f},{:.4f}",
                             device.white_m, device.slow_m, device.slow_tau_s, device.stated_m,
                             device.filter_s, device.velocity_white_m_s, device.velocity_slow_m_s,

@@ -162,6 +162,24 @@ TEST(Drift, ThatADecisionSurvivesIsSaid) {
     EXPECT_NEAR(*scene.verdict().decision->drift_survived_m, 0.3, 1e-9);
 }
 
+TEST(NextTime, SaysWhatVelocitiesWouldBring) {
+    const auto notes = [](double above_m_s, std::optional<double> expected_m_s) {
+        RuleScene scene = above_target(above_m_s);
+        scene.best().expected_beside_velocities_m_s = expected_m_s;
+        std::string all;
+        for (const std::string& note : scene.verdict().notes)
+            all += note + "\n";
+        return all;
+    };
+    EXPECT_TRUE(contains(notes(0.005, 0.003), "about ± 0.011 km/h in the next run"))
+        << notes(0.005, 0.003);
+    // It would help too little, nothing is known of it, or nothing is to be helped.
+    EXPECT_FALSE(contains(notes(0.005, 0.009), "next run"));
+    EXPECT_FALSE(contains(notes(0.005, std::nullopt), "next run"));
+    EXPECT_FALSE(contains(notes(0.1, 0.003), "next run"));
+    EXPECT_FALSE(contains(notes(-0.1, 0.003), "next run"));
+}
+
 TEST(Drift, IsMeasuredByAWitness) {
     RuleScene scene = above_target(0.14);
     WitnessedSpeed witness;

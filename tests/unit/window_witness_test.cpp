@@ -44,6 +44,20 @@ TEST(WitnessedBudget, OfAContradictionSaysNothing) {
     EXPECT_DOUBLE_EQ(combine(rows).standard_uncertainty, before);
 }
 
+TEST(ExpectedBesideVelocities, IsWhatAWitnessOfThatSizeMakes) {
+    // The positions' own part of 0.5 m/s, bounded by 1.3: by hand, 1 Hz over 4 s.
+    const std::vector<BudgetRow> rows = rows_of(0.3, 0.4, 1.2, 0.1);
+    const double sigma = std::hypot(0.03, 0.1 * std::sqrt(1.0 / 4.0));
+    const double share = 1.69 / (1.69 + sigma * sigma);
+    const double apart = share * 0.6745 * std::hypot(0.5, sigma);
+    const double mean = 1.69 * sigma * sigma / (1.69 + sigma * sigma);
+    EXPECT_NEAR(expected_beside_velocities(rows, 0.5, 0.2, 4.0, 1.0),
+                2.0 * std::sqrt(mean + apart * apart + 0.01) + (1.0 - share) * 0.2, 1e-9);
+    // More often recorded, they say more.
+    EXPECT_LT(expected_beside_velocities(rows, 0.05, 0.0, 4.0, 0.1),
+              expected_beside_velocities(rows, 0.05, 0.0, 4.0, 1.0));
+}
+
 TEST(UndetectedBesideAWitness, IsNoMoreThanWhatEitherTestFinds) {
     WitnessedSpeed witnessed;
     witnessed.standard_uncertainty_m_s = 0.1;

@@ -109,6 +109,84 @@ std::string nmea_text(std::int64_t epochs) {
     return text;
 }
 
+/// "2026-03-14T03:20:18.050Z", the day and what follows counted on.
+std::string utc_text(std::int64_t epoch) {
+    const Place at = place_of(epoch);
+    return fmt::format("2026-03-{:02}T{:02}:{:02}:{:02}.{:03}Z", 1 + epoch / 1'728'000 % 28,
+                       at.hour, at.minute, at.second, at.millisecond);
+}
+
+std::string gpx_text(std::int64_t epochs) {
+    std::string text =
+        "<?xml version=\"1.0\"?>\n<gpx version=\"1.1\" creator=\"benchmark\" "
+        "xmlns=\"http://www.topografix.com/GPX/1/1\"><trk><trkseg>\n";
+    for (std::int64_t i = 0; i < epochs; ++i) {
+        const Place at = place_of(i);
+        text += fmt::format(
+            "<trkpt lat=\"{:.8f}\" lon=\"{:.8f}\"><ele>{:.2f}</ele><time>{}</time></trkpt>\n",
+            at.latitude_deg, at.longitude_deg, at.height_m, utc_text(i));
+    }
+    return text + "</trkseg></trk></gpx>\n";
+}
+
+std::string csv_text(std::int64_t epochs) {
+    std::string text = "time,lat,lon,height,sigma\n";
+    for (std::int64_t i = 0; i < epochs; ++i) {
+        const Place at = place_of(i);
+        text += fmt::format("{},{:.9f},{:.9f},{:.4f},0.0120\n", utc_text(i), at.latitude_deg,
+                            at.longitude_deg, at.height_m);
+    }
+    return text;
+}
+
+std::string flysight_text(std::int64_t epochs) {
+    std::string text =
+        "time,lat,lon,hMSL,velN,velE,velD,hAcc,vAcc,sAcc,heading,cAcc,gpsFix,numSV\n"
+        ",(deg),(deg),(m),(m/s),(m/s),(m/s),(m),(m),(m/s),(deg),(deg),,\n";
+    for (std::int64_t i = 0; i < epochs; ++i) {
+        const Place at = place_of(i);
+        text += fmt::format(
+            "{},{:.7f},{:.7f},{:.3f},24.95,-3.10,0.12,0.512,0.830,0.21,352.91712,0.50115,3,14\n",
+            utc_text(i), at.latitude_deg, at.longitude_deg, at.height_m);
+    }
+    return text;
+}
+
+std::string vbo_text(std::int64_t epochs) {
+    std::string text =
+        "File created on 14/03/2026 @ "
+        "00:00:00\r\n\r\n[header]\r\nsatellites\r\ntime\r\nlatitude\r\n"
+        "longitude\r\nvelocity kmh\r\nheading\r\nheight\r\n\r\n[column names]\r\nsats time lat "
+        "long "
+        "velocity heading height\r\n\r\n[data]\r\n";
+    for (std::int64_t i = 0; i < epochs; ++i) {
+        const Place at = place_of(i % 1'728'000);  // a day
+        text += fmt::format(
+            "014 {:02}{:02}{:02}.{:03} {:+012.6f} {:+013.6f} 089.844 271.33 {:+09.3f}\r\n", at.hour,
+            at.minute, at.second, at.millisecond, 60.0 * at.latitude_deg, -60.0 * at.longitude_deg,
+            at.height_m);
+    }
+    return text;
+}
+
+std::string igc_text(std::int64_t epochs) {
+    std::string text =
+        "AXLX123 "
+        "FLIGHT:1\r\nHFDTEDATE:140326,01\r\nHFALGALTGPS:ELL\r\nHFDTM100GPSDATUM:WGS-1984\r\n";
+    for (std::int64_t i = 0; i < epochs; ++i) {
+        const Place at = place_of(i * 20 % 1'728'000);  // every second of a day
+        const double south = -at.latitude_deg;
+        const auto minutes = [](double degrees) {
+            return std::min(59'999, static_cast<int>(60'000.0 * (degrees - std::floor(degrees))));
+        };
+        text += fmt::format("B{:02}{:02}{:02}{:02.0f}{:05}S{:03.0f}{:05}EA{:05.0f}{:05.0f}\r\n",
+                            at.hour, at.minute, at.second, std::floor(south), minutes(south),
+                            std::floor(at.longitude_deg), minutes(at.longitude_deg), at.height_m,
+                            at.height_m);
+    }
+    return text;
+}
+
 Receiver receiver() {
     Receiver any;
     any.id = "primary";
@@ -121,6 +199,18 @@ using Read = std::size_t (*)(const std::string& text);
 
 std::size_t read_recording(const std::string& text) {
     return import_recording(receiver(), {.name = "recording", .bytes = text}).rows.size();
+}
+
+std::size_t read_described(const std::string& text) {
+    Receiver described = receiver();
+    described.format = "csv";
+    described.frame = CoordinateFrame::geodetic;
+    described.time_format = "iso";
+    described.time_scale = "utc";
+    described.columns = {{"time", "time"},     {"latitude", "lat"},     {"longitude", "lon"},
+                         {"height", "height"}, {"sigma_east", "sigma"}, {"sigma_north", "sigma"},
+                         {"sigma_up", "sigma"}};
+    return import_recording(described, {.name = "recording", .bytes = text}).rows.size();
 }
 
 std::size_t read_table(const std::string& text) {
@@ -161,6 +251,21 @@ void nmea(benchmark::State& state) {
     const bool beside = state.range(0) <= 1'000'000;
     reading(state, nmea_text(state.range(0)), read_recording, beside ? "nmea" : nullptr);
 }
+void gpx(benchmark::State& state) {
+    reading(state, gpx_text(state.range(0)), read_recording, "gpx");
+}
+void csv(benchmark::State& state) {
+    reading(state, csv_text(state.range(0)), read_described, nullptr);
+}
+void flysight(benchmark::State& state) {
+    reading(state, flysight_text(state.range(0)), read_recording, nullptr);
+}
+void vbo(benchmark::State& state) {
+    reading(state, vbo_text(state.range(0)), read_recording, nullptr);
+}
+void igc(benchmark::State& state) {
+    reading(state, igc_text(state.range(0)), read_recording, "igc");
+}
 void ecsv(benchmark::State& state) {
     const std::string text = pos_text(state.range(0));
     reading(state, write_observations(import_recording(receiver(), {.name = "f", .bytes = text})),
@@ -182,6 +287,11 @@ BENCHMARK(pos)->Arg(200'000)->Unit(benchmark::kMillisecond);
 BENCHMARK(pos)->Arg(10'000'000)->Iterations(1)->Unit(benchmark::kMillisecond);
 BENCHMARK(nmea)->Arg(200'000)->Unit(benchmark::kMillisecond);
 BENCHMARK(nmea)->Arg(10'000'000)->Iterations(1)->Unit(benchmark::kMillisecond);
+BENCHMARK(gpx)->Arg(200'000)->Unit(benchmark::kMillisecond);
+BENCHMARK(csv)->Arg(200'000)->Unit(benchmark::kMillisecond);
+BENCHMARK(flysight)->Arg(200'000)->Unit(benchmark::kMillisecond);
+BENCHMARK(vbo)->Arg(200'000)->Unit(benchmark::kMillisecond);
+BENCHMARK(igc)->Arg(80'000)->Unit(benchmark::kMillisecond);
 BENCHMARK(oao)->Arg(10)->Unit(benchmark::kMillisecond);
 BENCHMARK(ecsv)->Arg(200'000)->Unit(benchmark::kMillisecond);
 BENCHMARK(ecsv)->Arg(10'000'000)->Iterations(1)->Unit(benchmark::kMillisecond);

@@ -125,7 +125,7 @@ TEST(ToEnu, AFirstPositionFarFromAllOthersIsNotTheOrigin) {
         *observations.rows.back().latitude_deg += 1e-5 * i;
     }
     observations.rows.insert(observations.rows.begin(), 2, observations.rows[0]);
-    for (int i = 0; i < 2; ++i) {
+    for (std::size_t i = 0; i < 2; ++i) {
         observations.rows[i].latitude_deg = 0.0;
         observations.rows[i].longitude_deg = 0.0;
     }

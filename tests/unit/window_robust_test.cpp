@@ -65,7 +65,7 @@ TEST(IndicatedSeries, LeavesOutSinglePositionsThatTheirNeighboursContradict) {
     screened.rows[40].reason = Reason::outlier;
     screened.rows[50].reason = Reason::far_position;
     screened.rows[60].reason = Reason::burst;
-    for (const std::size_t row : {40, 50, 60})
+    for (const std::size_t row : {40U, 50U, 60U})
         screened.rows[row].usable = false;
     const IndicatedSeries indicated = indicated_series(screened, test::rule_over(3.0));
     EXPECT_EQ(indicated.rows.size(), screened.rows.size() - 2);

@@ -20,6 +20,12 @@ const Keys known{{"horizontal_m", "1.5"},
                  {"vertical_m", "3"},
                  {"velocity_mps", "0.2"},
                  {"height_m", "107"},
+                 {"time", "time"},
+                 {"date", "date"},
+                 {"latitude", "lat"},
+                 {"longitude", "lon"},
+                 {"east", "e"},
+                 {"north", "n"},
                  {"columns", "{time: time, latitude: lat, longitude: lon}"},
                  {"frame", "geodetic"},
                  {"start_gps", "\"2026-03-14T01:00:00\""}};
@@ -40,24 +46,36 @@ std::string mapping_of(const Keys& fields) {
     return "{" + text + "}";
 }
 
+/// Two mappings in one; of what both hold, the second's.
+std::string merged(const std::string& before, const std::string& more) {
+    Keys fields = fields_of(more);
+    fields.merge(fields_of(before));
+    return mapping_of(fields);
+}
+
 /// What a text tells to write into the receiver.
 Keys advised(const std::string& text) {
     Keys keys;
-    Keys accuracy;
-    static const std::regex stated(R"(accuracy: (\{[^}]*\}))");
-    for (std::sregex_iterator at(text.begin(), text.end(), stated), end; at != end; ++at)
-        accuracy.merge(fields_of((*at)[1]));
-    if (!accuracy.empty()) keys["accuracy"] = mapping_of(accuracy);
-    static const std::regex alone(R"([Ww]rite (height_m|columns|start_gps)\b)");
-    for (std::sregex_iterator at(text.begin(), text.end(), alone), end; at != end; ++at)
-        keys[(*at)[1]] = known.at((*at)[1]);
-    static const std::regex word(
-        R"((?:[Ww]rite |\()(time_scale|time_source|time_format|format): (\w+))");
-    for (std::sregex_iterator at(text.begin(), text.end(), word), end; at != end; ++at)
-        keys[(*at)[1]] = (*at)[2];
-    static const std::regex named(R"( and (frame): )");
-    for (std::sregex_iterator at(text.begin(), text.end(), named), end; at != end; ++at)
-        keys[(*at)[1]] = known.at((*at)[1]);
+    const auto each = [&](const char* pattern, const auto& take) {
+        const std::regex expression(pattern);
+        for (std::sregex_iterator at(text.begin(), text.end(), expression), end; at != end; ++at)
+            take(*at);
+    };
+    const auto as_written = [&](const std::smatch& found) { keys[found[1]] = found[2]; };
+    const auto as_known = [&](const std::smatch& found) { keys[found[1]] = known.at(found[1]); };
+    each(R"((accuracy): (\{[^}]*\}))",
+         [&](const std::smatch& found) { keys[found[1]] = merged(keys[found[1]], found[2]); });
+    each(R"([Ww]rite (columns): (\{[^.}]*: \.\.\.\}))",
+         [&](const std::smatch& found) { keys[found[1]] = merged("", found[2]); });
+    each(R"(name the column of the (\w+))", [&](const std::smatch& found) {
+        keys["columns"] = "{" + found[1].str() + ": " + known.at(found[1]) + "}";
+    });
+    each(R"([Ww]rite (columns): \{time: \.\.\., latitude)", as_known);
+    each(R"([Ww]rite (height_m|start_gps)\b)", as_known);
+    each(R"((?:[Ww]rite |\()(time_scale|time_source|time_format|format): (\w+))", as_written);
+    each(R"([Ww]rite (utc_offset_h): ([\d.]+))", as_written);
+    each(R"( and (frame): )", as_known);
+    each(R"([Ww]rite (frame): (\{utm: \{[^}]*\}\}))", as_written);
     return keys;
 }
 
@@ -101,6 +119,23 @@ std::string gpx(bool heights, bool speeds) {
     return text + "</trkseg></trk></gpx>\n";
 }
 
+std::string plane_table() {
+    std::string text = "time,e,n\n";
+    for (const auto& [time_s, latitude, longitude, speed] : Ride().epochs)
+        text += fmt::format("2026-03-14T{},{:.3f},{:.3f}\n", clock_text(time_s),
+                            500'000.0 + 78'600.0 * (longitude - 9.0),
+                            5'017'000.0 + 111'200.0 * (latitude - 45.0));
+    return text;
+}
+
+std::string table_of_days() {
+    std::string text = "date,time,lat,lon\n";
+    for (const auto& [time_s, latitude, longitude, speed] : Ride().epochs)
+        text +=
+            fmt::format("2026-03-14,{},{:.8f},{:.8f}\n", clock_text(time_s), latitude, longitude);
+    return text;
+}
+
 std::string table(const std::string& heading, const std::string& zone) {
     std::string text = heading;
     for (const auto& [time_s, latitude, longitude, speed] : Ride().epochs)
@@ -138,6 +173,7 @@ struct Given {
     const char* name;
     const char* file;  ///< of the real recordings, or of what is made
     std::function<std::string()> recording = {};
+    Keys begun = {};  ///< what was written of it before
 };
 
 const std::vector<Given>& all_given() {
@@ -148,6 +184,25 @@ const std::vector<Given>& all_given() {
         {"Nmea", "log.nmea", nmea},
         {"Table", "table.csv", [] { return table("time,lat,lon\n", ""); }},
         {"TableInUtc", "table.csv", [] { return table("time,lat,lon\n", "Z"); }},
+        {"TableOfDays",
+         "table.csv",
+         table_of_days,
+         {{"columns", "{time: time, latitude: lat, longitude: lon}"}, {"frame", "geodetic"}}},
+        {"TableInLocalTime",
+         "table.csv",
+         [] { return table("time,lat,lon\n", ""); },
+         {{"columns", "{time: time, latitude: lat, longitude: lon}"},
+          {"frame", "geodetic"},
+          {"time_format", "iso"},
+          {"time_scale", "local"}}},
+        {"TableWithAColumnNotNamed",
+         "table.csv",
+         [] { return table("time,lat,lon\n", ""); },
+         {{"columns", "{time: time, longitude: lon}"}, {"frame", "geodetic"}}},
+        {"TableInUtm",
+         "table.csv",
+         plane_table,
+         {{"columns", "{time: time, east: e, north: n}"}, {"frame", "utm"}}},
     };
     return given;
 }
@@ -166,16 +221,13 @@ class Advice : public testing::TestWithParam<Given> {
                                                            : read_file(*data / GetParam().file));
     }
 
-    /// Takes over what is advised; whether anything was new. An accuracy is merged with what was
-    /// already stated.
+    /// Takes over what is advised; whether anything was new. Mappings are merged with what was
+    /// already written.
     bool follow(const std::string& text) {
         bool is_new = false;
         for (auto [key, value] : advised(text)) {
-            if (key == "accuracy" && keys_.contains(key)) {
-                Keys fields = fields_of(keys_.at(key));
-                fields.merge(fields_of(value));
-                value = mapping_of(fields);
-            }
+            if ((key == "accuracy" || key == "columns") && keys_.contains(key))
+                value = merged(keys_.at(key), value);
             is_new = is_new || !keys_.contains(key) || keys_.at(key) != value;
             keys_[key] = value;
         }
@@ -200,11 +252,11 @@ class Advice : public testing::TestWithParam<Given> {
         return result.exit_status != 2 && result.output.find("\n  speed  ") != std::string::npos;
     }
 
+    Keys keys_ = GetParam().begun;
     static std::string file() { return fs::path(GetParam().file).filename().string(); }
     std::string written() const { return mapping_of(keys_); }
 
     TemporaryFolder folder_;
-    Keys keys_;
 };
 
 TEST_P(Advice, OfRefusalsLeadsToASpeed) {

@@ -230,7 +230,8 @@ TEST(Check, OfARecordingThatIsNotUsableTheThreeCommonestReasonsAreSaid) {
     EXPECT_EQ(verdict.outcome, Outcome::not_certifiable);
     EXPECT_NE(verdict.reason.find(
                   "none of the 31 epochs is usable: 20 accuracy not stated (first epoch 4, 4.0 s "
-                  "after the first epoch; state it in the attempt, accuracy: {horizontal_m: ...}), "
+                  "after the first epoch; state it in the attempt, accuracy: {horizontal_m: ..., "
+                  "vertical_m: ...}), "
                   "7 fix type not allowed (first epoch 25, 25.0 s after the first epoch; "
                   "screen.allowed_fixes decides which fix types may be used), 3 no solution (first "
                   "epoch 1, 1.0 s after the first epoch), and other reasons"),

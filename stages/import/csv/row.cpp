@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/failure.h"
@@ -45,7 +46,9 @@ GpsTime read_seconds(const Cell& cell, const Receiver& receiver) {
 
 /// Failure for a time that shows itself to be of another format than the attempt says.
 void require_described(const Cell& time, TimeFormat described) {
-    const bool has_date = digits_at(time.text, 0, 4) && time.text.substr(4, 1) == "-";
+    const std::string_view separator =
+        time.text.substr(std::min<std::size_t>(4, time.text.size()), 1);
+    const bool has_date = digits_at(time.text, 0, 4) && (separator == "-" || separator == "/");
     const bool has_colon = time.text.find(':') != std::string_view::npos;
     if (has_date && described != TimeFormat::iso)
         time.fail(fmt::format("\"{}\" is a date and time, and the attempt describes another format",

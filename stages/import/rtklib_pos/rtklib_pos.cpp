@@ -124,9 +124,8 @@ class Reader {
             observations_.notes.push_back(
                 "Times are recorded in Japan Standard Time; 9 h were taken off for UTC.");
         if (!layout.passed_over.empty())
-            observations_.notes.push_back(fmt::format(
-                "Columns that are not used: {}.",
-                escape_for_message(fmt::format("{}", fmt::join(layout.passed_over, ", ")))));
+            observations_.notes.push_back(fmt::format("Columns that are not used: {}.",
+                                                      fmt::join(layout.passed_over, ", ")));
         if (layout.coordinates == Coordinates::baseline)
             observations_.notes.push_back(fmt::format(
                 "Positions are recorded as a baseline from the base station of line {}, and were "

@@ -8,6 +8,7 @@
 #include "core/text.h"
 #include "stages/import/cell.h"
 #include "stages/import/csv/csv.h"
+#include "stages/import/encoding.h"
 #include "stages/import/format.h"
 #include "stages/import/join.h"
 #include "stages/import/rinex/rinex.h"
@@ -102,13 +103,28 @@ Observations read_by_format(const Receiver& receiver, const RecordingBytes& reco
                   fmt::format("Formats that are read: {}", formats_read()));
 }
 
+/// As the UTF-8 that every format reads. Lines and columns are the same, bytes are not.
+Observations import_utf16(const Receiver& receiver, const RecordingBytes& recording) {
+    const std::string text = utf8_of_utf16(recording);
+    if (is_utf16(text))
+        throw Failure(place_in(recording, 1, 1), "the UTF-16 text holds UTF-16 text again",
+                      "Take the recording as the program wrote it");
+    Observations observations = import_recording(receiver, {.name = recording.name, .bytes = text});
+    for (Observation& row : observations.rows)
+        row.source_byte.reset();
+    observations.notes.push_back(
+        "The recording is UTF-16 text: rows are traced to its lines, not to its bytes.");
+    return observations;
+}
+
 }  // namespace
 
 bool is_read_by_itself(const Receiver& receiver, const RecordingBytes& recording) {
-    return !to_be_recognised(receiver) || choose(receiver, recording);
+    return !to_be_recognised(receiver) || is_utf16(recording.bytes) || choose(receiver, recording);
 }
 
 Observations import_recording(const Receiver& receiver, const RecordingBytes& recording) {
+    if (is_utf16(recording.bytes)) return import_utf16(receiver, recording);
     Observations observations = read_by_format(receiver, recording);
     check(observations);
     return observations;

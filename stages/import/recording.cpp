@@ -28,30 +28,14 @@ constexpr std::string_view unpack = "Unpack it, and name the recording inside it
 constexpr std::string_view save_as_utf8 =
     "Save as UTF-8, in the program that wrote it or an editor";
 
-// UTF-32 before UTF-16, whose mark its own begins with.
-constexpr std::array<Beginning, 8> beginnings{{
+constexpr std::array<Beginning, 6> beginnings{{
     {"\xff\xfe\0\0"sv, "the file is UTF-32 text", save_as_utf8},
     {"\0\0\xfe\xff"sv, "the file is UTF-32 text", save_as_utf8},
-    {"\xff\xfe"sv, "the file is UTF-16 text", save_as_utf8},
-    {"\xfe\xff"sv, "the file is UTF-16 text", save_as_utf8},
     {"PK\x03\x04"sv, "the file is a ZIP archive, a folder packed into a file", unpack},
     {"\x1f\x8b"sv, "the file is a gzip archive", unpack},
     {"7z\xbc\xaf\x27\x1c"sv, "the file is a 7z archive", unpack},
     {"BZh"sv, "the file is a bzip2 archive", unpack},
 }};
-
-/// Whether every second byte of the beginning is NUL: UTF-16 without its mark.
-bool looks_like_utf16(std::string_view bytes) {
-    const std::string_view start = bytes.substr(0, 64);
-    if (start.size() < 4) return false;
-    for (const std::size_t parity : {std::size_t{0}, std::size_t{1}}) {
-        bool all = true;
-        for (std::size_t i = 0; i < start.size(); ++i)
-            all = all && (start[i] == '\0') == (i % 2 == parity);
-        if (all) return true;
-    }
-    return false;
-}
 
 [[noreturn]] void fail(const RecordingBytes& recording, std::string_view what,
                        std::string_view remedy) {
@@ -114,7 +98,6 @@ void require_readable(const RecordingBytes& recording) {
         fail(recording, "the recording is empty, 0 bytes", "Copy it again from the receiver");
     for (const Beginning& beginning : beginnings)
         if (bytes.starts_with(beginning.bytes)) fail(recording, beginning.what, beginning.remedy);
-    if (looks_like_utf16(bytes)) fail(recording, "the file is UTF-16 text", save_as_utf8);
     if (bytes.size() > 262 && bytes.substr(257, 5) == "ustar")
         fail(recording, "the file is a tar archive, a folder packed into a file", unpack);
     const std::string_view start = bytes.substr(0, recognised_by);

@@ -97,7 +97,7 @@ std::vector<BadInput> bad_recordings() {
         {"empty recording", good_attempt, "", {"recording.pos", "empty"}},
         {"no header", good_attempt, row + row, {"recording.pos"}},
         {"header only", good_attempt, pos_header, {"recording.pos", "epochs"}},
-        {"UTF-16", good_attempt, std::string("\xff\xfe%\0 \0", 6), {"recording.pos", "UTF-16"}},
+        {"UTF-16, cut", good_attempt, std::string("\xff\xfe%\0 ", 5), {"recording.pos", "UTF-16"}},
         {"binary", good_attempt, std::string("\x00\x01\x02\x03", 4), {"recording.pos"}},
     };
 }

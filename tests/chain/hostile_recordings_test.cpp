@@ -115,7 +115,9 @@ std::vector<HostileCase> contents() {
         recording("random bytes", random_bytes(100'000), {"recording.pos:"}),
         recording("a zip", "PK\x03\x04" + random_bytes(1000), {"recording.pos:", "ZIP"}),
         recording("a gzip", "\x1f\x8b\x08" + random_bytes(1000), {"recording.pos:", "gzip"}),
-        recording("UTF-16", utf16(good_recording()), {"recording.pos:", "UTF-16"}),
+        recording("UTF-16, cut", utf16(good_recording()) + "%", {"recording.pos:", "UTF-16"}),
+        recording("half a surrogate pair", utf16(good_recording()) + "\x3d\xd8",
+                  {"recording.pos:", "surrogate"}),
         recording("a program",
                   "\x7f"
                   "ELF" +

@@ -1,5 +1,6 @@
 #include "core/random.h"
 #include "import_test_support.h"
+#include "stages/import/encoding.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {
@@ -12,9 +13,7 @@ TEST(ImportRecognise, WhatIsNotReadIsNamed) {
         std::string bytes, where, what;
     } cases[] = {
         {"", "f:1:1", "empty, 0 bytes"},
-        {"\xff\xfe%\0 \0\n\0"s, "f:1:1", "UTF-16 text. Save as UTF-8"},
-        {"\xfe\xff\0%\0 \0\n"s, "f:1:1", "UTF-16 text. Save as UTF-8"},
-        {"t\0i\0m\0e\0,\0"s, "f:1:1", "UTF-16 text. Save as UTF-8"},
+        {"\xff\xfe\0\0%\0\0\0"s, "f:1:1", "UTF-32 text. Save as UTF-8"},
         {"PK\x03\x04zip", "f:1:1", "ZIP archive"},
         {"\x1f\x8b\x08", "f:1:1", "gzip"},
         {"abc\ndef\0g"s, "f:2:4", "byte 7 is NUL"},
@@ -31,6 +30,71 @@ TEST(ImportRecognise, WhatIsNotReadIsNamed) {
         EXPECT_EQ(message.rfind(bad.where + ": ", 0), 0u) << message;
         EXPECT_NE(message.find(bad.what), std::string::npos) << message;
     }
+}
+
+/// The text in UTF-16, the low byte of each unit first or last.
+std::string in_utf16(const std::u16string& text, bool big_endian, bool mark) {
+    std::string bytes;
+    for (const char16_t unit : (mark ? u"\xfeff" : u"") + text) {
+        const auto low = static_cast<char>(unit & 0xff), high = static_cast<char>(unit >> 8);
+        bytes += big_endian ? high : low;
+        bytes += big_endian ? low : high;
+    }
+    return bytes;
+}
+
+// RTKLIB's, a table and a track: what a spreadsheet or an editor saved as "Unicode".
+TEST(ImportUtf16, EveryTextFormatIsReadAsItsUtf8) {
+    Receiver table = csv_receiver();
+    table.columns.erase("height");
+    table.height_m = 10.0;
+    const std::pair<Receiver, std::string> texts[] = {
+        {pos_receiver(), fixture("degrees.pos")},
+        {table, "time,lat,lon\n1.5,45.25,9.125\n2.5,45.5,9.25\n"},
+        {pos_receiver(),
+         "<?xml version=\"1.0\"?>\n<gpx version=\"1.1\" creator=\"x\"><trk><trkseg><trkpt "
+         "lat=\"45.25\" lon=\"9.125\"><ele>10</ele><time>2026-03-14T01:00:00Z</time></trkpt>"
+         "</trkseg></trk></gpx>\n"}};
+    for (const auto& [receiver, text] : texts) {
+        const Observations plain = import_text(receiver, text);
+        const std::u16string wide(text.begin(), text.end());
+        for (const bool big_endian : {false, true})
+            for (const bool mark : {false, true}) {
+                const Observations read = import_text(receiver, in_utf16(wide, big_endian, mark));
+                EXPECT_EQ(read.format, plain.format);
+                ASSERT_EQ(read.rows.size(), plain.rows.size());
+                for (std::size_t i = 0; i < plain.rows.size(); ++i) {
+                    EXPECT_EQ(read.rows[i].latitude_deg, plain.rows[i].latitude_deg);
+                    EXPECT_EQ(read.rows[i].time, plain.rows[i].time);
+                    EXPECT_EQ(read.rows[i].source_line, plain.rows[i].source_line);
+                    EXPECT_FALSE(read.rows[i].source_byte);
+                }
+                EXPECT_NE(read.notes.back().find("UTF-16"), std::string::npos);
+            }
+    }
+}
+
+TEST(ImportUtf16, EveryCharacterHasItsUtf8) {
+    // Of one, two, three and four bytes: Unicode 15, table 3-6.
+    const std::u16string wide = u"A\u00b0\u20ac\U0001f600";
+    for (const bool big_endian : {false, true})
+        EXPECT_EQ(utf8_of_utf16({.name = "f", .bytes = in_utf16(wide, big_endian, true)}),
+                  "A\xc2\xb0\xe2\x82\xac\xf0\x9f\x98\x80");
+}
+
+TEST(ImportUtf16, WhatIsBrokenIsSaidWithItsByte) {
+    const struct {
+        std::string bytes, what;
+    } cases[] = {
+        {"\xff\xfe%\0 "s, "f:byte 4: the UTF-16 text ends within a character"},
+        {"\xff\xfe%\0\x3d\xd8 \0"s, "f:byte 4: the UTF-16 text holds half a surrogate pair"},
+        {"\xff\xfe%\0\0\xde"s, "f:byte 4: the UTF-16 text holds half a surrogate pair"},
+        {"\xff\xfe%\0\x3d\xd8"s, "f:byte 4: the UTF-16 text holds half a surrogate pair"},
+        {"\xff\xfe\xff\xfe%\0"s, "f:1:1: "},
+    };
+    for (const auto& bad : cases)
+        EXPECT_EQ(failure_of(pos_receiver(), bad.bytes).rfind(bad.what, 0), 0U)
+            << failure_of(pos_receiver(), bad.bytes);
 }
 
 /// Reads, or throws a Failure that says where: anything else ends the test.

@@ -252,6 +252,36 @@ INSTANTIATE_TEST_SUITE_P(
         Bad{"longitude(deg)", "longitude(d'\")", "1:4", "one unit"},
         Bad{"longitude(deg)", "x-ecef(m)", "1:4", "only 2 are there"}));
 
+TEST(PosColumns, OfAnotherProgramBehindRtklibsArePassedOver) {
+    // GINav's attitude, whose standard deviation of the yaw is called as one of RTKLIB's.
+    std::string text = header + row;
+    const auto insert = [&](const std::string& before, const std::string& what) {
+        text.insert(text.find(before) + before.size(), what);
+    };
+    insert("ratio", " pitch(deg) yaw(deg) sdn sdpr");
+    insert("0.03 6.4", " 1.5 334.0 0.5 -0.01");
+    text.insert(0, "% mode      : PPK/INS TC\n");
+    const Observations read = import_text(pos_receiver(), text);
+    const Observations plain = import_text(pos_receiver(), header + row);
+    ASSERT_EQ(read.rows.size(), 1U);
+    EXPECT_EQ(read.rows[0].latitude_deg, plain.rows[0].latitude_deg);
+    EXPECT_EQ(read.rows[0].sigma_north_m, plain.rows[0].sigma_north_m);
+    ASSERT_EQ(read.notes.size(), plain.notes.size() + 2);
+    EXPECT_EQ(read.notes[0], "Columns that are not used: pitch(deg), yaw(deg), sdn, sdpr.");
+    EXPECT_NE(read.notes[1].find("inertial unit"), std::string::npos);
+}
+
+TEST(PosColumns, OfGinavAreReadAsItWritesThem) {
+    const auto ginav = recorded("other_programs/ginav_attitude.pos");
+    if (!ginav) GTEST_SKIP() << "RUNCERT_DATA is not set";
+    const Observations read = import_text(pos_receiver(), *ginav);
+    EXPECT_EQ(read.rows.size(), 1228U);
+    EXPECT_EQ(read.frame, "ecef");
+    EXPECT_EQ(read.rows[1].fix, FixType::fixed);
+    EXPECT_EQ(read.rows[1].satellites, 20);
+    EXPECT_TRUE(read.rows[1].recorded_velocity_east_m_s.has_value());
+}
+
 TEST(PosRefused, WholeFiles) {
     const struct {
         std::string text, where, what;

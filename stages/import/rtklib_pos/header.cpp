@@ -101,7 +101,8 @@ Clock read_time_system(const Cell& cell) {
               "The column header line begins with %, then GPST, UTC or JST");
 }
 
-[[noreturn]] void refuse_column(const Cell& cell, std::string_view name) {
+[[noreturn]] void refuse_column(const Cell& cell) {
+    const std::string_view name = cell.text.substr(0, cell.text.find('('));
     std::vector<std::string_view> names;
     for (const KnownColumn& known : known_columns)
         names.push_back(known.name);
@@ -110,7 +111,8 @@ Clock read_time_system(const Cell& cell) {
                           nearest(name, names)));
 }
 
-const KnownColumn& find_column(const Cell& cell) {
+/// Null for a column that is not RTKLIB's.
+const KnownColumn* find_column(const Cell& cell) {
     const std::size_t bracket = cell.text.find('(');
     const std::string_view name = cell.text.substr(0, bracket);
     std::string_view unit;
@@ -121,12 +123,12 @@ const KnownColumn& find_column(const Cell& cell) {
         const bool angle = known.unit == "deg";
         if ((bracket == std::string_view::npos && !angle) ||
             (!unit.empty() && unit == known.unit) || (angle && unit == dms_unit))
-            return known;
+            return &known;
         cell.fail(fmt::format("the column \"{}\" is not in {}", escape_for_message(cell.text),
                               known.unit),
                   "Export the solution in degrees and metres");
     }
-    refuse_column(cell, name);
+    return nullptr;
 }
 
 bool is_dms(const Cell& cell) {
@@ -184,15 +186,24 @@ Layout read_column_line(const SourceLine& line, const RecordingBytes& recording)
     layout.fields = 2;
     std::size_t angles = 0;
     std::size_t dms_angles = 0;
+    const Cell* first_other = nullptr;
     for (const Cell& cell : std::span(cells).subspan(1)) {
-        const KnownColumn& known = find_column(cell);
-        auto& field = layout[known.column];
+        const KnownColumn* known = find_column(cell);
+        // Behind another program's columns a name that RTKLIB uses, too, is that program's.
+        if (!known || (first_other && layout[known->column])) {
+            if (!first_other) first_other = &cell;
+            layout.passed_over.emplace_back(cell.text);
+            layout.fields += 1;
+            continue;
+        }
+        if (first_other) refuse_column(*first_other);
+        auto& field = layout[known->column];
         if (field)
             cell.fail(fmt::format("the column \"{}\" stands twice", cell.text),
                       "Take the solution as RTKLIB wrote it");
         field = layout.fields;
         layout.fields += is_dms(cell) ? 3 : 1;
-        angles += known.unit == "deg" ? 1 : 0;
+        angles += known->unit == "deg" ? 1 : 0;
         dms_angles += is_dms(cell) ? 1 : 0;
     }
     if (dms_angles != 0 && dms_angles != angles)

@@ -2,7 +2,9 @@
 
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/geodesy.h"
 #include "stages/import/clock.h"
@@ -68,13 +70,15 @@ struct Layout : ColumnPlaces<Column> {
     Clock clock = Clock::gps;
     Coordinates coordinates = Coordinates::degrees;
     char separator = '\0';  ///< ',', ';' or tab; NUL where only blanks stand between fields
+    std::vector<std::string> passed_over;  ///< columns of other programs, behind all known ones
 };
 
 /// Whether a header line is the one that names the columns.
 bool is_column_line(std::string_view line);
 
-/// Reads it. Failure on a time system, column or unit that is not known, a column that stands
-/// twice, or a set of columns that is not complete.
+/// Reads it. Columns that are not RTKLIB's are passed over where they stand behind all of its own,
+/// as other programs add them. Failure on a time system or unit that is not known, another column
+/// among RTKLIB's, one that stands twice, or a set of columns that is not complete.
 Layout read_column_line(const SourceLine& line, const RecordingBytes& recording);
 
 /// The base's position from a "% ref pos" line in degrees, degrees-minutes-seconds or ECEF;

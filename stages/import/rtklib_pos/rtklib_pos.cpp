@@ -1,6 +1,7 @@
 #include "stages/import/rtklib_pos/rtklib_pos.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -43,6 +44,14 @@ bool looks_like_row(std::string_view line) {
     return (calendar || week) && std::all_of(fields.begin() + 2, fields.end(), number);
 }
 
+/// Whether a header line names the mode of a solution that an inertial unit takes part in, as GINav
+/// writes it: "% mode      : PPK/INS TC".
+bool is_inertial(std::string_view line) {
+    const std::size_t colon = line.find(':');
+    return colon != std::string_view::npos && trim(line.substr(1, colon - 1)) == "mode" &&
+           line.find("INS", colon) != std::string_view::npos;
+}
+
 /// Reads a recording line by line, header lines wherever they stand.
 class Reader {
   public:
@@ -65,6 +74,10 @@ class Reader {
         if (other_headers_ > 0)
             observations_.notes.push_back(fmt::format(
                 "The file holds {} solutions, one after the other.", other_headers_ + 1));
+        if (inertial_)
+            observations_.notes.push_back(
+                "The header's mode names an inertial unit: positions are estimates of both, and "
+                "between solutions predicted.");
         summary_ = timed_.summary();
         set_rows(observations_, std::move(timed_));
         return std::move(observations_);
@@ -82,6 +95,7 @@ class Reader {
             base_.emplace(*base);
             base_line_ = line.number;
         }
+        if (is_inertial(line.text)) inertial_ = true;
         if (is_column_line(line.text)) read_columns(line);
     }
 
@@ -109,6 +123,9 @@ class Reader {
         if (layout.clock == Clock::jst)
             observations_.notes.push_back(
                 "Times are recorded in Japan Standard Time; 9 h were taken off for UTC.");
+        if (!layout.passed_over.empty())
+            observations_.notes.push_back(fmt::format("Columns that are not used: {}.",
+                                                      fmt::join(layout.passed_over, ", ")));
         if (layout.coordinates == Coordinates::baseline)
             observations_.notes.push_back(fmt::format(
                 "Positions are recorded as a baseline from the base station of line {}, and were "
@@ -135,6 +152,7 @@ class Reader {
     std::optional<LocalFrame> base_;
     std::int64_t base_line_ = 0;
     std::size_t other_headers_ = 0;
+    bool inertial_ = false;
     Observations observations_;
     RowCollector timed_;
     RowSummary summary_;

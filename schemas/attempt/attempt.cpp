@@ -146,7 +146,8 @@ Receiver read_receiver(const YamlValue& entry) {
     for (const std::string& key : entry["columns"].keys())
         if (entry["columns"][key].exists()) receiver.columns[key] = entry["columns"][key].text();
     receiver.time_format = entry["time_format"].text_or(default_text("receivers[].time_format"));
-    receiver.time_scale = entry["time_scale"].text_or(default_text("receivers[].time_scale"));
+    receiver.time_scale = entry["time_scale"].text_or("");
+    receiver.speed_unit = entry["speed_unit"].text_or("");
     receiver.delimiter = entry["delimiter"].text_or(default_text("receivers[].delimiter"));
     receiver.utc_offset_h = entry["utc_offset_h"].optional_real();
     receiver.start_date = read_date(entry["start_date"]);

@@ -46,7 +46,8 @@ struct Receiver {
     std::optional<UtmZone> utm_zone;             ///< where frame is utm
     std::map<std::string, std::string> columns;  ///< of a CSV: what -> header name or number
     std::string time_format;  ///< "seconds", "seconds_of_week", "unix", "iso", "time_of_day"
-    std::string time_scale;   ///< "gps", "utc", "local"
+    std::string time_scale;   ///< "gps", "utc", "local"; empty where not given: "gps"
+    std::string speed_unit;   ///< "km/h", ...; empty where not given
     std::string delimiter;    ///< "auto", "comma", "tab", ...
     std::optional<double> utc_offset_h;  ///< local time less UTC
     std::string start_date;              ///< UTC date "2023-07-11"; empty where not given

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <array>
-
 #include "core/failure.h"
 #include "core/text.h"
 #include "stages/import/cell.h"
@@ -11,6 +9,7 @@
 #include "stages/import/encoding.h"
 #include "stages/import/format.h"
 #include "stages/import/join.h"
+#include "stages/import/not_read.h"
 #include "stages/import/rinex/rinex.h"
 
 namespace runcert {
@@ -31,25 +30,6 @@ std::string formats_read() {
     return text;
 }
 
-/// A format that is known and not read, by how one of its first lines begins.
-struct OtherFormat {
-    std::string_view begin;
-    std::string_view name;
-};
-
-constexpr std::array<OtherFormat, 4> other_formats{
-    {{"<?xml", "XML"}, {"<html", "a web page"}, {"<!DOCTYPE html", "a web page"}, {"%PDF", "PDF"}}};
-
-std::string_view name_other_format(std::string_view bytes) {
-    LineReader lines(bytes);
-    while (const auto line = lines.next()) {
-        if (line->number > 5) break;
-        for (const OtherFormat& other : other_formats)
-            if (line->text.starts_with(other.begin)) return other.name;
-    }
-    return {};
-}
-
 [[noreturn]] void refuse_unknown(const RecordingBytes& recording) {
     const std::string where = place_in(recording, 1, 1);
     const std::string_view head = recording.bytes.substr(0, recognised_by);
@@ -57,18 +37,16 @@ std::string_view name_other_format(std::string_view bytes) {
         throw Failure(where, "the recording is RINEX, raw observations and not positions",
                       "Give the base station's observations and the navigation file in the "
                       "attempt (keys `base` and `navigation`)");
+    refuse_not_read(recording, false);
     require_text(recording);
     if (csv::recognises(head))
         throw Failure(where, "the recording looks like a table, and the attempt names no columns",
                       "Write columns: {time: ..., latitude: ..., ...} and frame: in the receiver");
-    const std::string_view name = name_other_format(head);
     const std::string first =
         escape_for_message(LineReader(head).next().value_or(SourceLine{}).text);
     throw Failure(
         where,
-        name.empty()
-            ? fmt::format("the format of the recording is not recognised; it begins \"{}\"", first)
-            : fmt::format("the recording is {}, which is not read", name),
+        fmt::format("the format of the recording is not recognised; it begins \"{}\"", first),
         fmt::format("Formats that are read: {}", formats_read()));
 }
 

@@ -181,7 +181,10 @@ void add_quality_concerns(const Inspection& it, std::vector<std::string>& concer
     else if (*it.worst_horizontal_m > 10.0 || *it.median_horizontal_m < 0.001)
         concerns.push_back("Some stated standard deviations are implausible.");
     if (it.velocity_delay_s && std::abs(*it.velocity_delay_s) > notable_delay_s)
-        concerns.push_back("The recorded velocity is late: it shows the speed of a moment before.");
+        concerns.push_back(
+            *it.velocity_delay_s > 0.0
+                ? "The recorded velocity is late: it shows the speed of a moment before."
+                : "The recorded velocity is early: its times are behind those of the positions.");
     if (it.velocity_origin == velocities::Origin::positions)
         concerns.push_back(
             "The recorded velocities were computed from the positions: they are no evidence "

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 
 #include "core/failure.h"
+#include "stages/import/not_read.h"
 
 namespace runcert {
 namespace {
@@ -14,28 +14,6 @@ namespace {
 constexpr std::size_t passed_by = std::size_t{16} << 20;
 
 constexpr std::string_view byte_order_mark = "\xef\xbb\xbf";
-
-/// How a kind of file begins that cannot be read as text.
-struct Beginning {
-    std::string_view bytes;
-    std::string_view what;
-    std::string_view remedy;
-};
-
-using namespace std::string_view_literals;
-
-constexpr std::string_view unpack = "Unpack it, and name the recording inside it";
-constexpr std::string_view save_as_utf8 =
-    "Save as UTF-8, in the program that wrote it or an editor";
-
-constexpr std::array<Beginning, 6> beginnings{{
-    {"\xff\xfe\0\0"sv, "the file is UTF-32 text", save_as_utf8},
-    {"\0\0\xfe\xff"sv, "the file is UTF-32 text", save_as_utf8},
-    {"PK\x03\x04"sv, "the file is a ZIP archive, a folder packed into a file", unpack},
-    {"\x1f\x8b"sv, "the file is a gzip archive", unpack},
-    {"7z\xbc\xaf\x27\x1c"sv, "the file is a 7z archive", unpack},
-    {"BZh"sv, "the file is a bzip2 archive", unpack},
-}};
 
 [[noreturn]] void fail(const RecordingBytes& recording, std::string_view what,
                        std::string_view remedy) {
@@ -96,10 +74,7 @@ void require_readable(const RecordingBytes& recording) {
     const std::string_view bytes = recording.bytes;
     if (bytes.empty())
         fail(recording, "the recording is empty, 0 bytes", "Copy it again from the receiver");
-    for (const Beginning& beginning : beginnings)
-        if (bytes.starts_with(beginning.bytes)) fail(recording, beginning.what, beginning.remedy);
-    if (bytes.size() > 262 && bytes.substr(257, 5) == "ustar")
-        fail(recording, "the file is a tar archive, a folder packed into a file", unpack);
+    refuse_not_read(recording, true);
     const std::string_view start = bytes.substr(0, recognised_by);
     if (start.size() == bytes.size() &&
         start.find_first_not_of(" \t\r\n", bytes.starts_with(byte_order_mark) ? 3 : 0) ==

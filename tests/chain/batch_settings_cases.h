@@ -183,6 +183,7 @@ inline constexpr const char* receiver_changes = R"yaml(
 - {key: "receivers[].frame.utm.hemisphere", set: {/attempt/receivers/0/frame: {utm: {zone: 33, hemisphere: north}}}, redoes: import}
 - {key: "receivers[].time_format", set: {/attempt/receivers/0/time_format: iso}, redoes: import}
 - {key: "receivers[].time_scale", set: {/attempt/receivers/0/time_scale: utc}, redoes: import}
+- {key: "receivers[].speed_unit", set: {/attempt/receivers/0/speed_unit: km/h}, redoes: import}
 - {key: "receivers[].delimiter", set: {/attempt/receivers/0/delimiter: tab}, redoes: import}
 - {key: "receivers[].start_gps", set: {/attempt/receivers/0/start_gps: "2026-10-20T11:00:00.000"}, redoes: import}
 - {key: "receivers[].height_m", set: {/attempt/receivers/0/height_m: 30}, redoes: import}

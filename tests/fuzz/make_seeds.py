@@ -22,7 +22,8 @@ def save(target, name, content):
         (FOLDER / "auto" / f"{target}-{name}").write_bytes(data)
 
 
-FORMATS = ["rtklib-pos", "nmea", "ubx", "vbo", "flysight", "oao", "sbp", "sbn", "gpx", "igc"]
+FORMATS = ["rtklib-pos", "nmea", "ubx", "vbo", "flysight", "oao", "sbp", "sbn", "gpx", "igc", "novatel",
+           "racechrono", "racebox", "trackaddict", "aim"]
 
 
 def rtklib_pos():
@@ -106,6 +107,50 @@ def flysight():
             two += "$IMU,12.5,0.1,0.2,0.3\r\n"
     save("flysight", "one", one)
     save("flysight", "two", two)
+
+
+def novatel():
+    def sealed(name, tow, fields):
+        body = f"{name},COM1,0,85.0,FINESTEERING,2200,{tow:.3f},02000020,cdba,32768;{fields}"
+        value = 0
+        for c in body.encode():
+            value ^= c
+            for _ in range(8):
+                value = value >> 1 ^ (0xEDB88320 if value & 1 else 0)
+        return f"#{body}*{value:08x}\r\n"
+
+    log = ins = ""
+    for i in range(4):
+        tow = 194670 + i / 5
+        log += sealed("BESTPOSA", tow, f"SOL_COMPUTED,NARROW_INT,45.25{i}00000000,9.12500000000,120.0000,47.2500,WGS84,"
+                      '0.0200,0.0100,0.0300,"AAAA",1.500,0.000,20,18,18,0,00,00,00,11')
+        log += sealed("BESTVELA", tow, "SOL_COMPUTED,DOPPLER_VELOCITY,0.150,0.000,10.0000,90.000000,-0.5000,0.0")
+        ins += sealed("INSPVAXA", tow, f"INS_SOLUTION_GOOD,INS_RTKFIXED,45.25{i},9.125,120.0,47.25,3.0,4.0,0.5,0.1,0.2,90.0,"
+                      "0.02,0.01,0.03,0.006,0.005,0.007,0.1,0.1,0.2,0,1")
+    save("novatel", "best", log)
+    save("novatel", "inertial", ins)
+
+
+def tables():
+    chrono = ("This file is created using RaceChrono Pro v9.1.3 ( http://racechrono.com/ ).\nFormat,3\nNote,\n\n"
+              "timestamp,lap_number,accuracy,altitude,bearing,latitude,longitude,satellites,speed,speed\n"
+              "unix time,,m,m,deg,deg,deg,sats,m/s,m/s\n,,100: gps,100: gps,100: gps,100: gps,100: gps,100: gps,100: gps,calc\n")
+    box = "Format,RaceBox CSV\nTrack,Test\n\nRecord,Time,Latitude,Longitude,Altitude (m),Speed (m/s),GForceX (g),Lap,Heading\n"
+    addict = ("# RaceRender Data: TrackAddict 4.3.5 on Android 9\n# GPS: Android\n"
+              '"Time","UTC Time","GPS_Update","Latitude","Longitude","Altitude (ft)","Speed (Km/h)","Heading","Accuracy (m)"\n')
+    aim = ('"Format","AiM CSV File"\n"Session","Test"\n\n"Time","GPS Speed","GPS Nsat","GPS Altitude","GPS Latitude","GPS Longitude"\n'
+           '"s","km/h","#","m","deg","deg"\n\n')
+    for i in range(4):
+        at = f"45.25{i}0123,9.1250000"
+        chrono += f"176715079{i}.5,1,3.0,12{i}.0,90.{i},{at},12.0,1{i}.0,99\n"
+        box += f"{i},2026-07-10T13:16:19.{i}00Z,{at},12{i}.0,1{i}.0,0.1,1,90.0\n"
+        addict += f"{i}.000,172759762{i}.000,1,{at},39{i},3{i}.0,90.0,3.8\n{i}.500,172759762{i}.500,0,{at},39{i},3{i}.0,90.0,3.8\n"
+        aim += f'"0.{i}","3{i}.0","9","120.0",{at}\n'
+    save("racechrono", "three", chrono)
+    save("racebox", "units", box)
+    save("trackaddict", "four", addict + "# Session End\n")
+    save("aim", "three", aim)
+    save("auto", "utf16", chrono.encode("utf-16"))
 
 
 def oao():
@@ -301,6 +346,6 @@ def rosters():
     save("roster", "authority", f"judge cert-authority {key}\n")
 
 
-for make in (rtklib_pos, nmea, ubx, vbo, flysight, oao, sbp, sbn, gpx, igc, csv, golden, documents, signatures, flows, edits,
+for make in (rtklib_pos, nmea, ubx, vbo, flysight, oao, sbp, sbn, gpx, igc, novatel, tables, csv, golden, documents, signatures, flows, edits,
              tars, stamps, rosters):
     make()

@@ -1,6 +1,8 @@
 #include "core/random.h"
 #include "import_test_support.h"
 #include "stages/import/encoding.h"
+#include "stages/import/format.h"
+#include "stages/import/not_read.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {
@@ -13,11 +15,11 @@ TEST(ImportRecognise, WhatIsNotReadIsNamed) {
         std::string bytes, where, what;
     } cases[] = {
         {"", "f:1:1", "empty, 0 bytes"},
-        {"\xff\xfe\0\0%\0\0\0"s, "f:1:1", "UTF-32 text. Save as UTF-8"},
+        {"\xff\xfe\0\0%\0\0\0"s, "f:1:1", "UTF-32 text, which is not read. Save as UTF-8"},
         {"PK\x03\x04zip", "f:1:1", "ZIP archive"},
         {"\x1f\x8b\x08", "f:1:1", "gzip"},
         {"abc\ndef\0g"s, "f:2:4", "byte 7 is NUL"},
-        {"%PDF-1.4\n", "f:1:1", "PDF, which is not read"},
+        {"%PDF-1.4\n", "f:1:1", "PDF document, which is not read"},
         {"     2.11           OBSERVATION DATA    M (MIXED)           RINEX VERSION / TYPE\n",
          "f:1:1", "RINEX"},
         {"hello\n", "f:1:1", "it begins \"hello\". Formats that are read: RTKLIB"},
@@ -30,6 +32,36 @@ TEST(ImportRecognise, WhatIsNotReadIsNamed) {
         EXPECT_EQ(message.rfind(bad.where + ": ", 0), 0u) << message;
         EXPECT_NE(message.find(bad.what), std::string::npos) << message;
     }
+}
+
+// Each as a file of its kind begins, whatever follows.
+TEST(ImportNotRead, EachKindSaysWhatToDo) {
+    for (const NotRead& kind : kinds_not_read())
+        for (const std::string& after : {std::string("\n"), std::string(600, '\x01')}) {
+            std::string bytes(kind.offset, kind.offset == 30 ? 'P' : 'x');
+            if (kind.offset == 30) bytes.replace(0, 4, "PK\x03\x04");
+            bytes =
+                (kind.is_line ? "# log of today\n" : "") + bytes + std::string(kind.bytes) + after;
+            const std::string message = failure_of(pos_receiver(), bytes);
+            EXPECT_EQ(message.rfind(fmt::format("f:1:1: the file is {}, which is not read. {}",
+                                                kind.name, kind.remedy),
+                                    0),
+                      0U)
+                << message;
+        }
+}
+
+TEST(ImportNotRead, EachKindIsListedForPeople) {
+    const std::string readme = slurp(std::string(RUNCERT_SOURCE_DIR) + "/stages/import/README.md");
+    for (const NotRead& kind : kinds_not_read())
+        EXPECT_TRUE(has(readme, fmt::format("| {} |", kind.name)) && has(readme, kind.remedy))
+            << kind.name << ": " << kind.remedy;
+}
+
+TEST(ImportFormats, EachIsListedForPeople) {
+    const std::string readme = slurp(std::string(RUNCERT_SOURCE_DIR) + "/stages/import/README.md");
+    for (const Format* format : formats())
+        EXPECT_TRUE(has(readme, fmt::format("| `{}` |", format->name))) << format->name;
 }
 
 /// The text in UTF-16, the low byte of each unit first or last.

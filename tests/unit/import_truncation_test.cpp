@@ -75,7 +75,10 @@ INSTANTIATE_TEST_SUITE_P(
                     WholeFile{"nmea", "all"}, WholeFile{"nmea", "gga"}, WholeFile{"ubx", "all"},
                     WholeFile{"vbo", "full"}, WholeFile{"flysight", "one"},
                     WholeFile{"flysight", "two"}, WholeFile{"oao", "log"}, WholeFile{"sbp", "log"},
-                    WholeFile{"sbn", "log"}, WholeFile{"gpx", "one_one"}, WholeFile{"igc", "full"}),
+                    WholeFile{"sbn", "log"}, WholeFile{"gpx", "one_one"}, WholeFile{"igc", "full"},
+                    WholeFile{"novatel", "best"}, WholeFile{"novatel", "inertial"},
+                    WholeFile{"racechrono", "three"}, WholeFile{"racebox", "units"},
+                    WholeFile{"trackaddict", "four"}, WholeFile{"aim", "three"}),
     [](const testing::TestParamInfo<WholeFile>& one) {
         std::string name = fmt::format("{}_{}", one.param.format, one.param.name);
         for (char& c : name)

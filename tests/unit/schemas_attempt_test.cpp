@@ -75,7 +75,7 @@ TEST(Attempt, WhatIsLeftOutHasItsDefault) {
     const Receiver receiver = read_attempt(least, "f").receivers.at(0);
     EXPECT_EQ(receiver.format, "auto");
     EXPECT_EQ(receiver.time_format, "seconds");
-    EXPECT_EQ(receiver.time_scale, "gps");
+    EXPECT_EQ(receiver.time_scale, "");
     EXPECT_EQ(receiver.delimiter, "auto");
     EXPECT_TRUE(receiver.columns.empty());
     EXPECT_EQ(receiver.solution, "");

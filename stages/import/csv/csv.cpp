@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/failure.h"
 #include "core/text.h"
 #include "stages/import/csv/layout.h"
@@ -12,35 +14,6 @@
 
 namespace runcert::csv {
 namespace {
-
-bool is_skipped(const SourceLine& line) {
-    return line.text.starts_with('#') || trim(line.text).empty();
-}
-
-RowCollector read_rows(const Receiver& receiver, const Description& description,
-                       const RecordingBytes& recording) {
-    LineReader lines(recording);
-    std::optional<SourceLine> line = lines.next();
-    while (line && is_skipped(*line))
-        line = lines.next();
-    RowCollector timed(recording);
-    if (!line) return timed;
-    const Layout layout = read_layout(receiver, description, *line, recording);
-    if (layout.has_header_line) line = lines.next();
-    for (; line; line = lines.next()) {
-        if (trim(line->text).empty()) continue;
-        timed.add_record(*line, [&] {
-            const std::vector<Cell> cells = split(*line, recording, layout.delimiter);
-            require_count(cells.size(), layout.fields, *line, recording,
-                          lines.at_end() && !line->ended, "the first line of the table has",
-                          cells.size() > layout.fields && layout.delimiter == ','
-                              ? "If numbers have a decimal comma (\"1,5\"), write 1.5"
-                              : "Correct the line, or take it out");
-            return read_row(cells, layout, description, receiver);
-        });
-    }
-    return timed;
-}
 
 std::string time_scale_word(const Receiver& receiver, const Description& description) {
     if (description.time_format == TimeFormat::seconds)
@@ -70,40 +43,92 @@ void note_description(Observations& observations, const Receiver& receiver,
         observations.notes.push_back("The attempt's height_m is not used.");
 }
 
+/// Whether two lines that follow one another have as many fields, three at least, and the second
+/// one two numbers.
+bool begin_table(std::span<const Cell> first, std::span<const Cell> second) {
+    return first.size() > 2 && second.size() == first.size() &&
+           std::count_if(second.begin(), second.end(),
+                         [](const Cell& cell) { return parse_double(cell.text).has_value(); }) >= 2;
+}
+
 }  // namespace
 
 bool recognises(std::string_view bytes) {
-    LineReader lines(bytes);
-    std::optional<SourceLine> line = lines.next();
-    while (line && is_skipped(*line))
-        line = lines.next();
-    if (!line) return false;
-    const char delimiter = find_delimiter(line->text);
-    if (line->text.find(delimiter) == std::string_view::npos) return false;
-    const RecordingBytes nameless;
-    try {
-        const std::size_t fields = split(*line, nameless, delimiter).size();
-        const auto second = lines.next();
-        return fields > 2 && second && split(*second, nameless, delimiter).size() == fields;
-    } catch (const Failure&) {
-        return false;  // unbalanced quotation marks: no table
+    const RecordingBytes nameless{.name = {}, .bytes = bytes};
+    std::vector<Cell> before;
+    return find_head(nameless, std::nullopt,
+                     [&](std::span<const Cell> cells, bool comment) {
+                         if (comment) return false;
+                         if (begin_table(before, cells)) return true;
+                         before.assign(cells.begin(), cells.end());
+                         return false;
+                     })
+        .has_value();
+}
+
+void for_each_row(const Layout& layout, const RecordingBytes& recording, RowCollector& timed,
+                  const TakeCells& take) {
+    LineReader lines(recording);
+    for (auto line = lines.next(); line; line = lines.next()) {
+        if (line->number < layout.head.first_row || is_skipped(*line)) continue;
+        try {
+            const std::vector<Cell> cells = split(*line, recording, layout.head.delimiter);
+            require_count(cells.size(), layout.fields, *line, recording,
+                          lines.at_end() && !line->ended, "the first line of the table has",
+                          cells.size() > layout.fields && layout.head.delimiter == ','
+                              ? "If numbers have a decimal comma (\"1,5\"), write 1.5"
+                              : "Correct the line, or take it out");
+            take(*line, cells);
+        } catch (const Failure& failure) {
+            timed.count_bad(*line, failure);
+        }
     }
 }
 
-Observations read(const Receiver& receiver, const RecordingBytes& recording) {
-    const Description description = describe(receiver);
-    require_text(recording);
+Observations observations_of_table(const Receiver& receiver, const Description& description,
+                                   const Layout& layout, RowCollector timed,
+                                   const RecordingBytes& recording, std::string_view format) {
     Observations observations;
     observations.facts.georeferenced = description.frame != CoordinateFrame::local_plane;
     observations.facts.vertical_measured =
         description.has_up || description.frame == CoordinateFrame::ecef;
-    observations.format = "csv";
+    observations.format = format;
     observations.frame = to_text(description.frame);
     observations.time_scale = time_scale_word(receiver, description);
-    set_rows(observations, read_rows(receiver, description, recording));
+    set_rows(observations, std::move(timed));
+    observations.notes.insert(observations.notes.end(), layout.notes.begin(), layout.notes.end());
     note_description(observations, receiver, description);
     apply_attempt(observations, receiver, description.time_format == TimeFormat::seconds);
     note_text(observations, recording);
+    return observations;
+}
+
+Observations read(const Receiver& receiver, const RecordingBytes& recording) {
+    Description description = describe(receiver);
+    require_text(recording);
+    const Layout layout = read_layout(receiver, description, recording);
+    // What ends in Z says itself that it is UTC.
+    if (receiver.time_scale.empty() && description.time_format == TimeFormat::iso &&
+        layout[Column::time] &&
+        in_first_row(layout.head, *layout[Column::time], recording).ends_with('Z'))
+        description.clock = Clock::utc;
+    RowCollector timed(recording);
+    std::size_t repeated = 0;
+    for_each_row(layout, recording, timed,
+                 [&](const SourceLine& line, std::span<const Cell> cells) {
+                     if (is_new_fix(cells, layout))
+                         timed.add(read_row(cells, layout, description, receiver), line);
+                     else
+                         ++repeated;
+                     timed.count_good();
+                 });
+    Observations observations =
+        observations_of_table(receiver, description, layout, std::move(timed), recording, "csv");
+    if (repeated > 0)
+        observations.notes.push_back(fmt::format(
+            "Rows that repeat the last position, by the column new_fix: {}. They were not "
+            "measured, and are not used.",
+            repeated));
     return observations;
 }
 

@@ -1,10 +1,14 @@
 #pragma once
 
+#include <functional>
+#include <span>
 #include <string_view>
 
 #include "schemas/attempt/attempt.h"
 #include "schemas/observations/observations.h"
+#include "stages/import/csv/layout.h"
 #include "stages/import/recording.h"
+#include "stages/import/row_collector.h"
 
 /// Tables of delimited text, whose columns the attempt names (`columns`, `frame`, `time_format`).
 namespace runcert::csv {
@@ -21,5 +25,18 @@ bool recognises(std::string_view bytes);
 /// divided by the point scale and turned by the meridian convergence. Velocities are taken towards
 /// true east and north, in metres a second on the ground, as receivers give them.
 Observations read(const Receiver& receiver, const RecordingBytes& recording);
+
+using TakeCells = std::function<void(const SourceLine& line, std::span<const Cell> cells)>;
+
+/// Gives the cells of each row to `take`, as many as the header has. A Failure of it, or another
+/// number of cells, counts as a bad record.
+void for_each_row(const Layout& layout, const RecordingBytes& recording, RowCollector& timed,
+                  const TakeCells& take);
+
+/// A table's rows as observations in the format of that name, with the notes of description and
+/// layout; the header is left for the caller.
+Observations observations_of_table(const Receiver& receiver, const Description& description,
+                                   const Layout& layout, RowCollector timed,
+                                   const RecordingBytes& recording, std::string_view format);
 
 }  // namespace runcert::csv

@@ -37,7 +37,8 @@ constexpr EnumWords<Column, static_cast<std::size_t>(Column::count)> column_word
      {Column::course, "course"},
      {Column::sigma_speed, "sigma_speed"},
      {Column::fix, "fix"},
-     {Column::satellites, "satellites"}}};
+     {Column::satellites, "satellites"},
+     {Column::new_fix, "new_fix"}}};
 
 constexpr EnumWords<TimeFormat, 5> time_format_words{
     {{TimeFormat::seconds, "seconds"},
@@ -204,6 +205,7 @@ Description describe(const Receiver& receiver) {
     check_accuracy(receiver);
     check_time(receiver, description);
     description.delimiter = read_delimiter(receiver);
+    if (!receiver.speed_unit.empty()) description.speed_unit = find_unit(receiver.speed_unit);
     return description;
 }
 

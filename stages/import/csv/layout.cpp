@@ -18,17 +18,82 @@ std::optional<std::int64_t> column_number(const std::string& source) {
     return number && *number >= 1 ? number : std::nullopt;
 }
 
-/// Whether a line is a row, not names: all columns are given by number, and where the time should
-/// be stands a number or a date.
-bool is_row(const Receiver& receiver, const std::vector<Cell>& cells) {
-    const bool numbered =
-        std::all_of(receiver.columns.begin(), receiver.columns.end(),
-                    [](const auto& column) { return column_number(column.second).has_value(); });
-    if (!numbered) return false;
+bool is_numbered(const Receiver& receiver) {
+    return std::all_of(receiver.columns.begin(), receiver.columns.end(),
+                       [](const auto& column) { return column_number(column.second).has_value(); });
+}
+
+/// Whether the cells, of a table whose columns are given by number, are a row, not names: where the
+/// time should be stands a number or a date.
+bool is_row(const Receiver& receiver, std::span<const Cell> cells) {
     const auto number = static_cast<std::uint64_t>(*column_number(receiver.columns.at("time")));
     if (number > cells.size()) return false;  // said later, with its remedy
     const std::string_view time = cells[number - 1].text;
     return parse_double(time) || (!time.empty() && time.front() >= '0' && time.front() <= '9');
+}
+
+/// How many of the names that the attempt gives to columns the cells have.
+std::size_t names_in(const Receiver& receiver, std::span<const Cell> cells) {
+    return static_cast<std::size_t>(
+        std::count_if(receiver.columns.begin(), receiver.columns.end(), [&](const auto& column) {
+            return std::any_of(cells.begin(), cells.end(),
+                               [&](const Cell& cell) { return cell.text == trim(column.second); });
+        }));
+}
+
+/// The first line that is no comment. Failure where its quotation marks do not pair.
+Head first_line(const Description& description, const RecordingBytes& recording) {
+    Head head;
+    LineReader lines(recording.bytes);
+    auto line = lines.next();
+    while (line && is_skipped(*line))
+        line = lines.next();
+    if (!line) return head;
+    head.delimiter = description.delimiter.value_or(find_delimiter(line->text));
+    head.names = split(*line, recording, head.delimiter);
+    head.line = line->number;
+    head.first_row = line->number + 1;
+    return head;
+}
+
+/// Of a table whose columns are given by number.
+Head numbered_head(const Receiver& receiver, const Description& description,
+                   const RecordingBytes& recording) {
+    std::vector<Cell> above;
+    const auto found = [&](std::span<const Cell> cells, bool comment) {
+        if (comment) return false;
+        if (is_row(receiver, cells)) return true;
+        above.assign(cells.begin(), cells.end());
+        return false;
+    };
+    std::optional<Head> head = find_head(recording, description.delimiter, found);
+    if (!head) return first_line(description, recording);
+    head->first_row = head->line;
+    if (above.size() != head->names.size()) return *head;
+    // A header line: its names may say units.
+    head->names = std::move(above);
+    head->passed_over -= head->passed_over > 0 ? 1 : 0;
+    return *head;
+}
+
+/// Of a table whose columns are given by name: the line with all of them, else the first with most
+/// of them, for the message.
+Head named_head(const Receiver& receiver, const Description& description,
+                const RecordingBytes& recording) {
+    std::size_t most = 0;
+    const auto all = static_cast<std::size_t>(
+        std::count_if(receiver.columns.begin(), receiver.columns.end(),
+                      [](const auto& column) { return !column_number(column.second); }));
+    const auto has_all = [&](std::span<const Cell> cells, bool) {
+        const std::size_t names = names_in(receiver, cells);
+        most = std::max(most, names);
+        return names >= all;
+    };
+    if (auto head = find_head(recording, description.delimiter, has_all)) return *head;
+    if (most == 0) return first_line(description, recording);
+    return *find_head(recording, description.delimiter, [&](std::span<const Cell> cells, bool) {
+        return names_in(receiver, cells) == most;
+    });
 }
 
 [[noreturn]] void refuse_name(const std::string& name, std::string_view meaning,
@@ -71,21 +136,123 @@ std::size_t find_column(const std::string& source, std::string_view meaning,
     return static_cast<std::size_t>(*number - 1);
 }
 
+/// Whether the numbers of a column have a unit, and which.
+std::optional<Quantity> quantity_of(Column column) {
+    switch (column) {
+        case Column::velocity_east:
+        case Column::velocity_north:
+        case Column::velocity_up:
+        case Column::speed:
+        case Column::sigma_speed:
+            return Quantity::speed;
+        case Column::east:
+        case Column::north:
+        case Column::up:
+        case Column::x:
+        case Column::y:
+        case Column::z:
+        case Column::height:
+        case Column::sigma_east:
+        case Column::sigma_north:
+        case Column::sigma_up:
+        case Column::quality_2d:
+        case Column::quality_height:
+            return Quantity::length;
+        case Column::time:
+        case Column::week:
+        case Column::date:
+        case Column::latitude:
+        case Column::longitude:
+        case Column::course:
+        case Column::fix:
+        case Column::satellites:
+        case Column::new_fix:
+        case Column::count:
+            break;
+    }
+    return std::nullopt;
+}
+
+/// Coordinates keep the decimals they are written with, and so their unit.
+bool must_be_metres(Column column) {
+    return column <= Column::north || (column >= Column::x && column <= Column::z);
+}
+
 }  // namespace
 
+std::optional<Unit> unit_of_column(const Head& head, std::size_t column) {
+    if (auto unit = unit_in_name(head.names[column].text)) return unit;
+    for (const std::vector<Cell>& line : head.under)
+        if (column < line.size())
+            if (auto unit = find_unit(line[column].text)) return unit;
+    return std::nullopt;
+}
+
+void set_units(Layout& layout, const Description& description, const Receiver& receiver) {
+    for (std::size_t i = 0; i < layout.place.size(); ++i) {
+        const auto column = static_cast<Column>(i);
+        const auto quantity = quantity_of(column);
+        if (!layout.place[i] || !quantity) continue;
+        const Cell& name = layout.head.names[*layout.place[i]];
+        std::optional<Unit> unit = unit_of_column(layout.head, *layout.place[i]);
+        if (unit && unit->quantity != *quantity) unit.reset();
+        if (unit && must_be_metres(column) && unit->in_si != 1.0)
+            name.fail(fmt::format("the coordinate \"{}\" is in {}", escape_for_message(name.text),
+                                  unit->name),
+                      "Give the recording with coordinates in metres");
+        if (*quantity == Quantity::speed && description.speed_unit) {
+            if (unit && unit->name != description.speed_unit->name)
+                name.fail(fmt::format("the header says {}, and the attempt's speed_unit {}",
+                                      unit->name, receiver.speed_unit),
+                          "Take speed_unit out of the attempt, or correct it");
+            unit = description.speed_unit;
+        }
+        if (!unit) continue;
+        layout.in_si[i] = unit->in_si;
+        if (unit->in_si != 1.0)
+            layout.notes.push_back(fmt::format("The column \"{}\" is in {}, and was turned to {}.",
+                                               escape_for_message(name.text), unit->name,
+                                               *quantity == Quantity::speed ? "m/s" : "metres"));
+    }
+}
+
+void note_head(Layout& layout) {
+    const auto lines = [](std::size_t count) {
+        return count == 1 ? std::string("1 line") : fmt::format("{} lines", count);
+    };
+    if (layout.head.passed_over > 0)
+        layout.notes.push_back(fmt::format("{} above the table's header {} no part of the table.",
+                                           lines(static_cast<std::size_t>(layout.head.passed_over)),
+                                           layout.head.passed_over == 1 ? "is" : "are"));
+    if (!layout.head.under.empty())
+        layout.notes.push_back(fmt::format("{} under the table's header {} no numbers.",
+                                           lines(layout.head.under.size()),
+                                           layout.head.under.size() == 1 ? "holds" : "hold"));
+}
+
 Layout read_layout(const Receiver& receiver, const Description& description,
-                   const SourceLine& first, const RecordingBytes& recording) {
+                   const RecordingBytes& recording) {
     Layout layout;
-    layout.delimiter = description.delimiter.value_or(find_delimiter(first.text));
-    const std::vector<Cell> cells = split(first, recording, layout.delimiter);
+    const bool numbered = is_numbered(receiver);
+    layout.head = numbered ? numbered_head(receiver, description, recording)
+                           : named_head(receiver, description, recording);
+    const std::vector<Cell>& cells = layout.head.names;
     layout.fields = cells.size();
-    layout.has_header_line = !is_row(receiver, cells);
+    if (cells.empty()) return layout;
     for (std::size_t i = 0; i < layout.place.size(); ++i) {
         const std::string_view meaning = name_of(static_cast<Column>(i));
         const auto found = receiver.columns.find(std::string(meaning));
         if (found != receiver.columns.end())
-            layout.place[i] = find_column(found->second, meaning, cells, layout.has_header_line);
+            layout.place[i] = find_column(found->second, meaning, cells, !numbered);
     }
+    if (!numbered) {
+        std::vector<std::size_t> columns{*layout[Column::time]};
+        for (const auto& place : layout.place)
+            if (place) columns.push_back(*place);
+        take_lines_under(layout.head, recording, columns);
+    }
+    set_units(layout, description, receiver);
+    note_head(layout);
     return layout;
 }
 

@@ -1,11 +1,16 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "schemas/attempt/attempt.h"
 #include "stages/import/clock.h"
+#include "stages/import/csv/head.h"
+#include "stages/import/csv/unit.h"
 #include "stages/import/fields.h"
 
 namespace runcert::csv {
@@ -37,6 +42,7 @@ enum class Column : std::size_t {
     sigma_speed,
     fix,
     satellites,
+    new_fix,
     count
 };
 
@@ -54,21 +60,37 @@ struct Description {
     std::optional<char> delimiter;            ///< empty: to be found
     std::optional<double> constant_height_m;  ///< where geodetic coordinates have no heights
     bool has_up = false;                      ///< a height or third plane coordinate is recorded
+    std::optional<Unit> speed_unit;           ///< of speeds and velocities, where it is stated
+    bool between_fixes = false;  ///< rows between fixes are interpolated, satellite counts too
 };
 
 /// Failure at the receiver's place in the attempt.
 Description describe(const Receiver& receiver);
 
-/// Where in a table the columns are.
+/// Where in a table the columns are, and what their numbers are in.
 struct Layout : ColumnPlaces<Column> {
-    char delimiter = ',';
-    bool has_header_line = true;
+    Layout() { in_si.fill(1.0); }
+
+    Head head;
+    /// Of each column's numbers, in metres or metres a second.
+    std::array<double, static_cast<std::size_t>(Column::count)> in_si{};
+    std::vector<std::string> notes;  ///< on what was passed over, and on units
 };
 
-/// Reads the first line of a table that is no comment. It is a row already if all columns are
-/// given by number and its time is a number or begins with a digit. Failure on a name that is not
-/// there or there twice, and on a number beyond the last column.
+/// Finds the header line and reads it: the first line that has all the names that the attempt gives
+/// to columns. Where it gives numbers alone, the table begins with the first line whose time is a
+/// number or begins with a digit. Failure on a name that is not there or there twice, on a number
+/// beyond the last column, and on a unit that contradicts the attempt or is none that is read.
 Layout read_layout(const Receiver& receiver, const Description& description,
-                   const SourceLine& first, const RecordingBytes& recording);
+                   const RecordingBytes& recording);
+
+/// The columns' units, by the header's names, by a line of units under it, and by the attempt.
+void set_units(Layout& layout, const Description& description, const Receiver& receiver);
+
+/// The unit that header and lines under it give a column; nothing where they do not.
+std::optional<Unit> unit_of_column(const Head& head, std::size_t column);
+
+/// Notes what of the head was passed over.
+void note_head(Layout& layout);
 
 }  // namespace runcert::csv

@@ -18,11 +18,14 @@ namespace {
 /// The fields of one row, by column.
 class Fields : public RowCells<Column> {
   public:
-    using RowCells::RowCells;
+    Fields(std::span<const Cell> cells, const Layout& layout)
+        : RowCells(cells, layout), layout_(layout) {}
 
     /// Whether the column is there and its field not empty.
     bool has(Column column) const { return !text(column).empty(); }
-    double real(Column column) const { return RowCells::real(column, name_of(column)); }
+    double real(Column column) const {
+        return RowCells::real(column, name_of(column)) * layout_.in_si[index(column)];
+    }
     std::optional<double> optional_real(Column column) const {
         if (!has(column)) return std::nullopt;
         return real(column);
@@ -30,10 +33,24 @@ class Fields : public RowCells<Column> {
     /// Empty, and zero, are unknown.
     std::optional<double> deviation(Column column) const {
         if (!has(column)) return std::nullopt;
-        const double value = read_deviation(cell(column), name_of(column));
+        const double value =
+            read_deviation(cell(column), name_of(column)) * layout_.in_si[index(column)];
         return value > 0.0 ? std::optional(value) : std::nullopt;
     }
+
+  private:
+    static std::size_t index(Column column) { return static_cast<std::size_t>(column); }
+
+    const Layout& layout_;
 };
+
+/// A count of satellites, which is interpolated too where rows are.
+std::int16_t read_count(const Cell& cell, bool between_fixes) {
+    if (!between_fixes) return read_satellites(cell);
+    Cell whole = cell;
+    whole.text = cell.text.substr(0, cell.text.find('.'));
+    return read_satellites(whole);
+}
 
 GpsTime read_seconds(const Cell& cell, const Receiver& receiver) {
     const std::int64_t nanoseconds = read_nanoseconds(cell, "time");
@@ -199,6 +216,12 @@ FixType read_fix(const Fields& fields) {
 
 }  // namespace
 
+bool is_new_fix(std::span<const Cell> cells, const Layout& layout) {
+    if (!layout[Column::new_fix]) return true;
+    const Cell& cell = cells[*layout[Column::new_fix]];
+    return read_whole(cell, "mark of a new fix", 0, 1) == 1;
+}
+
 TimedRow read_row(std::span<const Cell> cells, const Layout& layout, const Description& description,
                   const Receiver& receiver) {
     const Fields fields(cells, layout);
@@ -208,7 +231,8 @@ TimedRow read_row(std::span<const Cell> cells, const Layout& layout, const Descr
     row.written.time = fields.cell(Column::time).text;
     observation.fix = read_fix(fields);
     if (fields.has(Column::satellites))
-        observation.satellites = read_satellites(fields.cell(Column::satellites));
+        observation.satellites =
+            read_count(fields.cell(Column::satellites), description.between_fixes);
     observation.recorded_velocity_east_m_s = fields.optional_real(Column::velocity_east);
     observation.recorded_velocity_north_m_s = fields.optional_real(Column::velocity_north);
     observation.recorded_velocity_up_m_s = fields.optional_real(Column::velocity_up);

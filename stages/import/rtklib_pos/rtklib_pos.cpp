@@ -52,6 +52,19 @@ bool is_inertial(std::string_view line) {
            line.find("INS", colon) != std::string_view::npos;
 }
 
+/// The columns of an Emlid Reach's .LLH, which has no header line (Emlid documentation, "Solution
+/// formats": times are GPST).
+constexpr std::string_view llh_columns =
+    "% GPST latitude(deg) longitude(deg) height(m) Q ns sdn(m) sde(m) sdu(m) sdne(m) sdeu(m) "
+    "sdun(m) age(s) ratio";
+
+/// By the file's name: its rows do not say themselves in what time they are.
+bool is_llh(const RecordingBytes& recording) {
+    if (!lower_case(recording.name).ends_with(".llh")) return false;
+    const auto first = LineReader(recording.bytes).next();
+    return first && !first->text.starts_with('%');
+}
+
 /// Reads a recording line by line, header lines wherever they stand.
 class Reader {
   public:
@@ -63,6 +76,7 @@ class Reader {
     const RowSummary& summary() const { return summary_; }
 
     Observations read() {
+        if (is_llh(recording_)) read_columns({.text = llh_columns, .number = 1});
         while (const auto line = lines_.next()) {
             if (line->text.starts_with('%'))
                 read_header_line(*line);
@@ -124,8 +138,8 @@ class Reader {
             observations_.notes.push_back(
                 "Times are recorded in Japan Standard Time; 9 h were taken off for UTC.");
         if (!layout.passed_over.empty())
-            observations_.notes.push_back(fmt::format("Columns that are not used: {}.",
-                                                      fmt::join(layout.passed_over, ", ")));
+            observations_.notes.push_back(
+                fmt::format("Columns that are not used: {}.", fmt::join(layout.passed_over, ", ")));
         if (layout.coordinates == Coordinates::baseline)
             observations_.notes.push_back(fmt::format(
                 "Positions are recorded as a baseline from the base station of line {}, and were "
@@ -200,7 +214,7 @@ StreamedRecording read_streamed(const Receiver& receiver, const RecordingBytes& 
 
 extern const Format format{
     .name = "rtklib-pos",
-    .what = "RTKLIB solution, .pos",
+    .what = "RTKLIB solution, .pos, and Emlid's .LLH",
     .place = 10,
     .of_satellites = true,
     .time_origin = "GPS time of the receiver's measurements, as RTKLIB solved it",

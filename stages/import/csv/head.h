@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "stages/import/cell.h"
+
+namespace runcert::csv {
+
+/// The lines of a table above its first row.
+struct Head {
+    char delimiter = ',';
+    std::vector<Cell> names;  ///< of the header line; the first row's cells where there is none
+    std::int64_t line = 0;    ///< theirs
+    /// Between header and first row: units, sources.
+    std::vector<std::vector<Cell>> under;
+    std::int64_t first_row = 0;    ///< its line, or one that no row stands before
+    std::int64_t passed_over = 0;  ///< lines above, but for comments and empty ones
+};
+
+/// Whether a line (# begins a comment) is no part of a table.
+bool is_skipped(const SourceLine& line);
+
+/// Whether a line, or the text of a comment, is what is looked for.
+using IsHead = std::function<bool(std::span<const Cell> cells, bool comment)>;
+
+/// The first line, among so many as a head may have, whose cells `is_it` holds for, with nothing
+/// under it yet. Nothing where there is none.
+std::optional<Head> find_head(const RecordingBytes& recording, std::optional<char> delimiter,
+                              const IsHead& is_it);
+
+/// Takes what stands under the header and is no row: at most four lines that hold no number in any
+/// of these columns, the first of them that of the time. Counted from 0.
+void take_lines_under(Head& head, const RecordingBytes& recording,
+                      std::span<const std::size_t> columns);
+
+/// The text of a column, counted from 0, in the first row; empty where there is none.
+std::string_view in_first_row(const Head& head, std::size_t column,
+                              const RecordingBytes& recording);
+
+}  // namespace runcert::csv

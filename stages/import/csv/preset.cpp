@@ -1,0 +1,242 @@
+#include "stages/import/csv/preset.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "core/failure.h"
+#include "core/geodesy.h"
+#include "core/text.h"
+#include "stages/import/csv/csv.h"
+#include "stages/import/csv/interpolated.h"
+#include "stages/import/csv/row.h"
+#include "stages/import/inspect_velocity.h"
+#include "stages/import/row_collector.h"
+
+namespace runcert::csv {
+namespace {
+
+/// Counts of seconds from here on are those since 1970, not since the recording's beginning.
+constexpr double least_unix_s = 1e8;
+constexpr std::int64_t preset_lines_looked_at = 300;
+
+bool has_name(const Cell& cell, std::string_view name) {
+    return lower_case(without_unit(cell.text)) == name;
+}
+
+bool is_of_receiver(const Head& head, std::size_t column) {
+    return std::any_of(head.under.begin(), head.under.end(), [&](const auto& line) {
+        return column < line.size() && line[column].text.find("gps") != std::string_view::npos;
+    });
+}
+
+/// The column of that name, counted from 0.
+std::optional<std::size_t> find_column(const Head& head, std::string_view name) {
+    std::optional<std::size_t> found;
+    for (std::size_t i = 0; i < head.names.size(); ++i) {
+        if (!has_name(head.names[i], name)) continue;
+        if (is_of_receiver(head, i)) return i;
+        if (!found) found = i;
+    }
+    return found;
+}
+
+/// The first of the preset's columns of a meaning that the header has.
+std::optional<std::size_t> find_meaning(const Preset& preset, const Head& head, Column meaning) {
+    for (const PresetColumn& column : preset.columns)
+        if (column.meaning == meaning)
+            if (const auto found = find_column(head, column.name)) return found;
+    return std::nullopt;
+}
+
+constexpr std::array needed{Column::time, Column::latitude, Column::longitude};
+
+Head find_preset_head(const Preset& preset, const RecordingBytes& recording) {
+    const auto is_header = [&](std::span<const Cell> cells, bool) {
+        return std::all_of(needed.begin(), needed.end(), [&](Column meaning) {
+            return std::any_of(
+                preset.columns.begin(), preset.columns.end(), [&](const PresetColumn& column) {
+                    return column.meaning == meaning &&
+                           std::any_of(cells.begin(), cells.end(), [&](const Cell& cell) {
+                               return has_name(cell, column.name);
+                           });
+                });
+        });
+    };
+    auto head = find_head(recording, std::nullopt, is_header);
+    if (!head)
+        throw Failure(place_in(recording, 1, 1),
+                      fmt::format("the table of {} has no header line with time, latitude and "
+                                  "longitude",
+                                  preset.program),
+                      "Export it again with these, or write columns: in the receiver");
+    std::vector<std::size_t> columns;
+    for (const Column meaning : needed)
+        columns.push_back(*find_meaning(preset, *head, meaning));
+    take_lines_under(*head, recording, columns);
+    return *head;
+}
+
+/// The receiver as an attempt would describe the table.
+Receiver described(const Preset& preset, const Receiver& given, const Layout& layout,
+                   const RecordingBytes& recording) {
+    Receiver receiver = given;
+    receiver.frame = CoordinateFrame::geodetic;
+    receiver.columns.clear();
+    for (std::size_t i = 0; i < layout.place.size(); ++i)
+        if (layout.place[i])
+            receiver.columns[std::string(name_of(static_cast<Column>(i)))] =
+                fmt::format("{}", *layout.place[i] + 1);
+    const std::string_view time = in_first_row(layout.head, *layout[Column::time], recording);
+    if (preset.time_format == TimeFormat::iso) {
+        receiver.time_format = "iso";
+        if (time.ends_with('Z'))
+            receiver.time_scale = "utc";
+        else if (given.time_scale.empty() || given.time_scale == "gps")
+            throw Failure(
+                place_in(recording, layout.head.first_row, 1),
+                fmt::format("the time \"{}\" does not say whether it is local",
+                            escape_for_message(time)),
+                "Write time_scale: local and utc_offset_h in the receiver, or time_scale: utc");
+        return receiver;
+    }
+    const bool is_unix = parse_double(time).value_or(0.0) >= least_unix_s;
+    receiver.time_format = is_unix ? "unix" : "seconds";
+    receiver.time_scale = is_unix ? "utc" : "gps";
+    return receiver;
+}
+
+/// Recorded speeds over those of the positions, both summed; nothing where there are none.
+std::optional<double> speed_ratio(const std::vector<PlacedRow>& rows) {
+    double recorded = 0.0, derived = 0.0;
+    for (std::size_t i = 1; i < rows.size(); ++i) {
+        const Observation &a = rows[i - 1].row.observation, &b = rows[i].row.observation;
+        const double step_s = static_cast<double>(rows[i].row.instant.nanoseconds() -
+                                                  rows[i - 1].row.instant.nanoseconds()) *
+                              1e-9;
+        const auto speed = horizontal_speed(b);
+        if (!speed || step_s <= 0.0 || step_s > 1.5) continue;
+        const auto point = [](const Observation& row) {
+            return ecef_from_geodetic({.latitude = Angle::from_degrees(*row.latitude_deg),
+                                       .longitude = Angle::from_degrees(*row.longitude_deg),
+                                       .height_m = 0.0})
+                .m;
+        };
+        recorded += *speed * step_s;
+        derived += (point(b) - point(a)).norm();
+    }
+    if (derived <= 0.0 || recorded <= 0.0) return std::nullopt;
+    return recorded / derived;
+}
+
+void drop_speeds(std::vector<PlacedRow>& rows, Layout& layout) {
+    const auto ratio = speed_ratio(rows);
+    const auto unit = ratio ? speed_unit_of_ratio(*ratio) : std::nullopt;
+    for (PlacedRow& row : rows)
+        static_cast<RecordedVelocity&>(row.row.observation) = RecordedVelocity{};
+    layout.notes.push_back(
+        unit ? fmt::format("The unit of the recorded speeds is not stated, and they are not used: "
+                           "write speed_unit: {} in the receiver, which fits the positions.",
+                           unit->name)
+             : "The unit of the recorded speeds is not stated, and they are not used: write "
+               "speed_unit in the receiver.");
+}
+
+/// What was left out of the rows.
+struct LeftOut {
+    std::size_t repeated = 0, elsewhere = 0, interpolated = 0;
+};
+
+std::string count_of(std::size_t count, std::size_t all) {
+    return fmt::format("{} of {} rows", count, all);
+}
+
+void note_left_out(Layout& layout, const LeftOut& left_out, std::size_t rows) {
+    const std::size_t all = rows + left_out.repeated + left_out.elsewhere + left_out.interpolated;
+    if (left_out.elsewhere > 0)
+        layout.notes.push_back(fmt::format(
+            "{} have no position, but other sensors' values: they are no epochs, and are not used.",
+            count_of(left_out.elsewhere, all)));
+    if (left_out.repeated > 0)
+        layout.notes.push_back(
+            fmt::format("{} repeat the last position, by the table's own column: they were not "
+                        "measured, and are not used.",
+                        count_of(left_out.repeated, all)));
+    if (left_out.interpolated > 0)
+        layout.notes.push_back(
+            fmt::format("{} are interpolated between fixes: they were not measured, and are not "
+                        "used.",
+                        count_of(left_out.interpolated, all)));
+}
+
+/// The rows that hold a fix; those that cannot be read are counted in `timed`.
+std::vector<PlacedRow> read_fixes(const Layout& layout, const Description& description,
+                                  const Receiver& receiver, const RecordingBytes& recording,
+                                  RowCollector& timed, LeftOut& left_out) {
+    std::vector<PlacedRow> rows;
+    for_each_row(layout, recording, timed,
+                 [&](const SourceLine& line, std::span<const Cell> cells) {
+                     if (!is_new_fix(cells, layout)) {
+                         ++left_out.repeated;
+                         return timed.count_good();
+                     }
+                     TimedRow row = read_row(cells, layout, description, receiver);
+                     timed.count_good();
+                     if (!row.observation.latitude_deg) {
+                         ++left_out.elsewhere;
+                         return;
+                     }
+                     rows.push_back({std::move(row), RecordPlace(line)});
+                 });
+    return rows;
+}
+
+Layout preset_layout(const Preset& preset, const RecordingBytes& recording) {
+    Layout layout;
+    layout.head = find_preset_head(preset, recording);
+    layout.fields = layout.head.names.size();
+    for (std::size_t i = 0; i < layout.place.size(); ++i)
+        layout.place[i] = find_meaning(preset, layout.head, static_cast<Column>(i));
+    if (!layout[Column::speed]) layout[Column::course].reset();
+    return layout;
+}
+
+}  // namespace
+
+bool recognises(const Preset& preset, std::string_view bytes) {
+    LineReader lines(bytes);
+    for (auto line = lines.next(); line && line->number <= preset_lines_looked_at;
+         line = lines.next())
+        for (const std::string_view beginning : preset.beginnings)
+            if (line->text.starts_with(beginning)) return true;
+    return false;
+}
+
+Observations read(const Preset& preset, const Receiver& given, const RecordingBytes& recording) {
+    require_text(recording);
+    Layout layout = preset_layout(preset, recording);
+    const Receiver receiver = described(preset, given, layout, recording);
+    Description description = describe(receiver);
+    description.between_fixes = preset.interpolates;
+    set_units(layout, description, receiver);
+    note_head(layout);
+    RowCollector timed(recording);
+    LeftOut left_out;
+    std::vector<PlacedRow> rows =
+        read_fixes(layout, description, receiver, recording, timed, left_out);
+    if (preset.interpolates) left_out.interpolated = take_out_interpolated(rows);
+    note_left_out(layout, left_out, rows.size());
+    if (layout[Column::speed] && !description.speed_unit &&
+        !unit_of_column(layout.head, *layout[Column::speed]))
+        drop_speeds(rows, layout);
+    for (const PlacedRow& row : rows)
+        timed.add(row.row, row.place);
+    if (!preset.note.empty()) layout.notes.emplace_back(preset.note);
+    return observations_of_table(receiver, description, layout, std::move(timed), recording,
+                                 preset.format);
+}
+
+}  // namespace runcert::csv

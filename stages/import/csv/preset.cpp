@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <utility>
 #include <vector>
 
 #include "core/failure.h"
@@ -147,7 +147,7 @@ void drop_speeds(std::vector<PlacedRow>& rows, Layout& layout) {
 
 /// What was left out of the rows.
 struct LeftOut {
-    std::size_t repeated = 0, elsewhere = 0, interpolated = 0;
+    std::size_t twice = 0, repeated = 0, elsewhere = 0, interpolated = 0;
 };
 
 std::string count_of(std::size_t count, std::size_t all) {
@@ -155,7 +155,12 @@ std::string count_of(std::size_t count, std::size_t all) {
 }
 
 void note_left_out(Layout& layout, const LeftOut& left_out, std::size_t rows) {
-    const std::size_t all = rows + left_out.repeated + left_out.elsewhere + left_out.interpolated;
+    const std::size_t all =
+        rows + left_out.twice + left_out.repeated + left_out.elsewhere + left_out.interpolated;
+    if (left_out.twice > 0)
+        layout.notes.push_back(
+            fmt::format("{} stand there twice, word for word: the second is not used.",
+                        count_of(left_out.twice, all)));
     if (left_out.elsewhere > 0)
         layout.notes.push_back(fmt::format(
             "{} have no position, but other sensors' values: they are no epochs, and are not used.",
@@ -177,8 +182,13 @@ std::vector<PlacedRow> read_fixes(const Layout& layout, const Description& descr
                                   const Receiver& receiver, const RecordingBytes& recording,
                                   RowCollector& timed, LeftOut& left_out) {
     std::vector<PlacedRow> rows;
+    std::string_view before;
     for_each_row(layout, recording, timed,
                  [&](const SourceLine& line, std::span<const Cell> cells) {
+                     if (line.text == std::exchange(before, line.text)) {
+                         ++left_out.twice;
+                         return timed.count_good();
+                     }
                      if (!is_new_fix(cells, layout)) {
                          ++left_out.repeated;
                          return timed.count_good();

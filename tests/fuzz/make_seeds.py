@@ -22,7 +22,7 @@ def save(target, name, content):
         (FOLDER / "auto" / f"{target}-{name}").write_bytes(data)
 
 
-FORMATS = ["rtklib-pos", "nmea", "ubx", "vbo", "flysight", "oao", "sbp", "sbn", "gpx", "igc", "novatel",
+FORMATS = ["rtklib-pos", "nmea", "ubx", "vbo", "flysight", "oao", "sbp", "sbn", "gpx", "igc", "novatel", "fit",
            "racechrono", "racebox", "trackaddict", "aim"]
 
 
@@ -129,6 +129,35 @@ def novatel():
                       "0.02,0.01,0.03,0.006,0.005,0.007,0.1,0.1,0.2,0,1")
     save("novatel", "best", log)
     save("novatel", "inertial", ins)
+
+
+def fit():
+    def crc(data):
+        value = 0
+        for c in data:
+            value ^= c
+            for _ in range(8):
+                value = value >> 1 ^ (0xA001 if value & 1 else 0)
+        return struct.pack("<H", value)
+
+    def closed(records):
+        return struct.pack("<BBHI4sH", 14, 16, 2134, len(records), b".FIT", 0) + records + crc(records)
+
+    def layout(local, number, fields, head=0x40):
+        return struct.pack("<BBBHB", head | local, 0, 0, number, len(fields)) + b"".join(bytes([n, s, 0]) for n, s in fields)
+
+    start = 1020545188
+    plain = layout(0, 0, [(0, 1), (1, 2), (2, 2)]) + struct.pack("<BBHH", 0, 4, 1, 1561)
+    plain += layout(1, 20, [(253, 4), (0, 4), (1, 4), (2, 2), (6, 2)]) + layout(2, 20, [(0, 4), (1, 4)])
+    camera = layout(0, 160, [(253, 4), (0, 2), (1, 4), (2, 4), (3, 4), (4, 4), (5, 2), (7, 6)])
+    for i in range(4):
+        plain += struct.pack("<BIiiHH", 1, start + 10 * i, 549060544 + i * 800, -1419059712, 3100, 10000)
+        plain += struct.pack("<Bii", 0xC0 | (start + 10 * i + 3) & 31, 549060544 + i * 800 + 240, -1419059712)
+        camera += struct.pack("<BIHiiIIHhhh", 0, start, 100 * i, 549060544 + i, -1419059712, 3100, 5000, 9000, 300, -400, 10)
+    save("fit", "compressed", closed(plain))
+    save("fit", "camera", closed(camera))
+    save("fit", "chained", closed(plain) + closed(camera))
+    save("fit", "open", struct.pack("<BBHI4sH", 14, 16, 2134, 0, b".FIT", 0) + plain[:-5])
 
 
 def tables():
@@ -346,6 +375,6 @@ def rosters():
     save("roster", "authority", f"judge cert-authority {key}\n")
 
 
-for make in (rtklib_pos, nmea, ubx, vbo, flysight, oao, sbp, sbn, gpx, igc, novatel, tables, csv, golden, documents, signatures, flows, edits,
+for make in (rtklib_pos, nmea, ubx, vbo, flysight, oao, sbp, sbn, gpx, igc, novatel, fit, tables, csv, golden, documents, signatures, flows, edits,
              tars, stamps, rosters):
     make()

@@ -47,7 +47,7 @@ TEST(TimeOrigin, IsKnownOfEveryFormat) {
         EXPECT_FALSE(head.time_origin.empty()) << format;
         // Formats whose clock is whatever wrote them.
         const std::set<std::string> unknown{"csv",     "gpx",         "gpsbabel", "racechrono",
-                                            "racebox", "trackaddict", "aim"};
+                                            "racebox", "trackaddict", "aim",      "fit"};
         const bool open = unknown.contains(format);
         EXPECT_EQ(head.facts.time_source, open ? "unknown" : "satellites") << format;
     }

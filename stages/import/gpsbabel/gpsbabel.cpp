@@ -8,6 +8,7 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "stages/import/cell.h"
+#include "stages/import/fit/decode.h"
 #include "stages/import/format.h"
 #include "stages/import/gpx/gpx.h"
 #include "stages/import/gpx/scan.h"
@@ -45,10 +46,6 @@ constexpr std::array<std::string_view, 55> types{"v900",          "iblue747",
                                                  "wintec_tes",    "wbt-bin",
                                                  "itracku-bin"};
 
-bool is_fit(std::string_view bytes) {
-    return bytes.size() >= 12 && (bytes[0] == 12 || bytes[0] == 14) && bytes.substr(8, 4) == ".FIT";
-}
-
 /// The name of the outermost element of an XML text; empty where it is none.
 std::string_view root_name(std::string_view bytes) {
     if (bytes.starts_with("\xef\xbb\xbf")) bytes.remove_prefix(3);
@@ -59,7 +56,7 @@ std::string_view root_name(std::string_view bytes) {
 
 /// gpsbabel's name of a well-known format; empty where it is none.
 std::string_view recognised_type(std::string_view bytes) {
-    if (is_fit(bytes)) return "garmin_fit";
+    if (fit::is_fit(bytes)) return "garmin_fit";
     const std::string_view root = root_name(bytes);
     if (root == "TrainingCenterDatabase") return "gtrnctr";
     if (root == "kml") return "kml";

@@ -1,0 +1,199 @@
+#include <fmt/format.h>
+
+#include <optional>
+
+#include "core/failure.h"
+#include "stages/import/clock.h"
+#include "stages/import/earth.h"
+#include "stages/import/fit/decode.h"
+#include "stages/import/format.h"
+
+/// FIT, as watches and cycling computers write it (Garmin, FIT SDK: protocol and profile).
+/// Positions are those of `record` messages, whose times are whole seconds; or of `gps_metadata`,
+/// in milliseconds, where a camera or logger wrote more of them.
+namespace runcert::fit {
+namespace {
+
+constexpr std::uint16_t file_id = 0, record = 20, gps_metadata = 160;
+constexpr double degrees_per_semicircle = 180.0 / 2147483648.0;
+/// From 1970-01-01 to 1989-12-31, both UTC.
+constexpr std::int64_t unix_of_fit_epoch_s = 631'065'600, unix_of_gps_epoch_s = 315'964'800;
+/// Smaller time stamps count from when the device was switched on.
+constexpr std::uint32_t least_absolute_s = 0x10000000;
+
+/// Fields of the two messages that hold positions.
+struct Fields {
+    std::uint8_t latitude, longitude;
+    std::uint8_t height, coarse_height;  ///< both (value / 5 - 500) m
+    std::uint8_t speed, coarse_speed;    ///< both mm/s
+    std::optional<std::uint8_t> milliseconds, heading, velocity;
+};
+
+constexpr Fields record_fields{.latitude = 0,
+                               .longitude = 1,
+                               .height = 78,
+                               .coarse_height = 2,
+                               .speed = 73,
+                               .coarse_speed = 6,
+                               .milliseconds = {},
+                               .heading = {},
+                               .velocity = {}};
+constexpr Fields metadata_fields{.latitude = 1,
+                                 .longitude = 2,
+                                 .height = 3,
+                                 .coarse_height = 3,
+                                 .speed = 4,
+                                 .coarse_speed = 4,
+                                 .milliseconds = 0,
+                                 .heading = 5,
+                                 .velocity = 7};
+
+const Fields& fields_of(std::uint16_t number) {
+    return number == record ? record_fields : metadata_fields;
+}
+
+bool has_position(const Message& message) {
+    const Fields& fields = fields_of(message.number);
+    return message.whole(fields.latitude, true) && message.whole(fields.longitude, true);
+}
+
+GpsTime instant_of(const Message& message, const RecordingBytes& recording) {
+    const RecordPlace place(message.byte);
+    if (!message.timestamp)
+        throw Failure(place_in(recording, place), "the FIT message has no time stamp",
+                      "Take the recording as the device wrote it");
+    if (*message.timestamp < least_absolute_s)
+        throw Failure(place_in(recording, place),
+                      fmt::format("the time stamp {} s counts from when the device was switched on",
+                                  *message.timestamp),
+                      "Record after the device has found satellites, and knows the time; or export GPX by "
+                      "its maker's program");
+    std::int64_t milliseconds = 0;
+    if (const auto field = fields_of(message.number).milliseconds)
+        milliseconds = message.whole(*field).value_or(0);
+    const std::int64_t seconds = *message.timestamp + unix_of_fit_epoch_s - unix_of_gps_epoch_s;
+    const GpsTime shown = GpsTime::from_nanoseconds(seconds * GpsTime::nanoseconds_per_second +
+                                                    milliseconds * 1'000'000);
+    return instant_of_utc(shown.calendar(), recording, place);
+}
+
+void read_velocity(const Message& message, const Fields& fields, RecordedVelocity& row) {
+    if (fields.velocity) {
+        // Towards east, north, up, in cm/s.
+        const auto part = [&](std::size_t i) {
+            return message.whole(*fields.velocity, true, i, 2);
+        };
+        if (part(0) && part(1)) {
+            set_velocity(row, static_cast<double>(*part(0)) * 0.01,
+                         static_cast<double>(*part(1)) * 0.01);
+            if (part(2)) row.recorded_velocity_up_m_s = static_cast<double>(*part(2)) * 0.01;
+            return;
+        }
+    }
+    auto speed = message.whole(fields.speed);
+    if (!speed) speed = message.whole(fields.coarse_speed);
+    if (!speed) return;
+    std::optional<double> course_deg;
+    if (fields.heading)
+        if (const auto heading = message.whole(*fields.heading))
+            course_deg = static_cast<double>(*heading) * 0.01;
+    set_speed(row, static_cast<double>(*speed) * 1e-3, course_of(course_deg));
+}
+
+TimedRow read_row(const Message& message, const RecordingBytes& recording) {
+    const Fields& fields = fields_of(message.number);
+    TimedRow row;
+    row.instant = instant_of(message, recording);
+    auto height = message.whole(fields.height);
+    if (!height) height = message.whole(fields.coarse_height);
+    const auto degrees = [&](std::uint8_t field) {
+        return Angle::from_degrees(static_cast<double>(*message.whole(field, true)) *
+                                   degrees_per_semicircle);
+    };
+    set_position(
+        row.observation,
+        checked_geodetic({.latitude = degrees(fields.latitude),
+                          .longitude = degrees(fields.longitude),
+                          .height_m = height ? static_cast<double>(*height) / 5.0 - 500.0 : 0.0},
+                         recording, RecordPlace(message.byte)));
+    if (!height) row.observation.height_m.reset();
+    read_velocity(message, fields, row.observation);
+    return row;
+}
+
+/// What the file says of itself, and how many positions each kind of message has.
+struct Contents {
+    std::size_t records = 0, metadata = 0, without_position = 0;
+    std::optional<std::int64_t> manufacturer, product;
+    Decoded decoded;
+};
+
+Contents look_through(const RecordingBytes& recording) {
+    Contents contents;
+    contents.decoded = decode(recording, [&](const Message& message) {
+        if (message.number == file_id && !contents.manufacturer) {
+            contents.manufacturer = message.whole(1);
+            contents.product = message.whole(2);
+        }
+        if (message.number == record)
+            ++(has_position(message) ? contents.records : contents.without_position);
+        if (message.number == gps_metadata && has_position(message)) ++contents.metadata;
+    });
+    return contents;
+}
+
+void note(Observations& observations, const Contents& contents, bool metadata) {
+    observations.notes.push_back(
+        metadata ? "Positions are those of gps_metadata messages."
+                 : "Positions are those of record messages, whose times are whole seconds: what "
+                   "the device rounded off is not known.");
+    observations.notes.emplace_back(note_heights_above_sea_level);
+    if (contents.decoded.files > 1)
+        observations.notes.push_back(fmt::format(
+            "The recording holds {} FIT files, one after the other.", contents.decoded.files));
+    if (contents.decoded.unfinished)
+        observations.notes.push_back(
+            "The device did not close the file: its size and checksum are not there, and nothing "
+            "shows whether bytes were changed.");
+    if (!metadata && contents.without_position > 0)
+        observations.notes.push_back(fmt::format("{} records have no position, and are no epochs.",
+                                                 contents.without_position));
+}
+
+Observations read(const Receiver& receiver, const RecordingBytes& recording) {
+    require_readable(recording);
+    const Contents contents = look_through(recording);
+    const bool metadata = contents.metadata > contents.records;
+    const std::uint16_t wanted = metadata ? gps_metadata : record;
+    RowCollector timed(recording, WrittenResolution(CoordinateUnit::degree, degrees_per_semicircle,
+                                                    metadata ? 1e-3 : 1.0));
+    decode(recording, [&](const Message& message) {
+        if (message.number == wanted && has_position(message))
+            timed.add_record(RecordPlace(message.byte),
+                             [&] { return read_row(message, recording); });
+    });
+    Observations observations;
+    observations.format = "fit";
+    observations.frame = "geodetic";
+    observations.time_scale = "utc";
+    if (contents.manufacturer)
+        observations.device = fmt::format("manufacturer {}, product {} by FIT's numbers",
+                                          *contents.manufacturer, contents.product.value_or(0));
+    set_rows(observations, std::move(timed));
+    note(observations, contents, metadata);
+    apply_attempt(observations, receiver);
+    return observations;
+}
+
+}  // namespace
+
+extern const Format format{
+    .name = "fit",
+    .what = "FIT",
+    .place = 55,
+    .time_origin = "the device's UTC, which it may set by the satellites",
+    .recognises = is_fit,
+    .read = read,
+};
+
+}  // namespace runcert::fit

@@ -52,6 +52,17 @@ Geodetic with_signed_longitude(Geodetic position) {
     return position;
 }
 
+Geodetic require_near_surface(const Eigen::Vector3d& position_m, const std::string& where) {
+    const double radius_m = position_m.norm();
+    if (!(radius_m >= least_radius_m && radius_m <= largest_radius_m))
+        throw Failure(where,
+                      fmt::format("the position is {:.0f} km from the centre of the Earth",
+                                  radius_m / 1000.0),
+                      "Earth-centred coordinates are metres, 6300 to 6600 km from the centre; "
+                      "check the columns and their units");
+    return geodetic_from_ecef(Ecef{position_m});
+}
+
 }  // namespace
 
 Geodetic checked_geodetic(const Geodetic& position, const Cell& latitude, const Cell& longitude,
@@ -73,13 +84,12 @@ Geodetic checked_geodetic(const Geodetic& position, const RecordingBytes& record
 }
 
 Geodetic checked_ecef(const Eigen::Vector3d& position_m, const Cell& first) {
-    const double radius_m = position_m.norm();
-    if (!(radius_m >= least_radius_m && radius_m <= largest_radius_m))
-        first.fail(fmt::format("the position is {:.0f} km from the centre of the Earth",
-                               radius_m / 1000.0),
-                   "Earth-centred coordinates are metres, 6300 to 6600 km from the centre; check "
-                   "the columns and their units");
-    return geodetic_from_ecef(Ecef{position_m});
+    return require_near_surface(position_m, first.place());
+}
+
+Geodetic checked_ecef(const Eigen::Vector3d& position_m, const RecordingBytes& recording,
+                      const RecordPlace& place) {
+    return require_near_surface(position_m, place_in(recording, place));
 }
 
 void set_position(Observation& row, const Geodetic& position) {

@@ -24,6 +24,8 @@ Geodetic checked_geodetic(const Geodetic& position, const RecordingBytes& record
 
 /// The position of Earth-centred coordinates (m).
 Geodetic checked_ecef(const Eigen::Vector3d& position_m, const Cell& first);
+Geodetic checked_ecef(const Eigen::Vector3d& position_m, const RecordingBytes& recording,
+                      const RecordPlace& place);
 
 /// Puts a WGS 84 position into a row.
 void set_position(Observation& row, const Geodetic& position);

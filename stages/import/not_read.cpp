@@ -55,7 +55,7 @@ constexpr std::array kinds{
     NotRead{"JAVAD or Topcon GREIS", "RE00"sv, 0, false,
             "Convert it to RINEX (RTKLIB: convbin -r javad), and give base and navigation"},
     NotRead{"Septentrio SBF", "$@"sv, 0, false,
-            "Convert it: sbf2rinex for RINEX, or sbf2asc for its solution as text"},
+            "Convert it: sbf2asc -g for its solution as text, or sbf2rin for RINEX"},
     NotRead{"NovAtel binary", "\xaa\x44\x12"sv, 0, false,
             "Convert it to ASCII logs (BESTPOSA, BESTVELA) with NovAtel Convert, or to RINEX"},
     NotRead{"NovAtel binary", "\xaa\x44\x13"sv, 0, false,

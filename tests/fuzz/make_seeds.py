@@ -22,7 +22,7 @@ def save(target, name, content):
         (FOLDER / "auto" / f"{target}-{name}").write_bytes(data)
 
 
-FORMATS = ["rtklib-pos", "nmea", "ubx", "vbo", "flysight", "oao", "sbp", "sbn", "gpx", "igc", "novatel", "fit",
+FORMATS = ["rtklib-pos", "nmea", "ubx", "vbo", "flysight", "oao", "sbp", "sbn", "gpx", "igc", "novatel", "septentrio", "fit",
            "racechrono", "racebox", "trackaddict", "aim"]
 
 
@@ -65,7 +65,7 @@ def ubx_frame(group, number, payload):
 
 def ubx():
     tow0 = ((2 * 24 + 6) * 60 + 4) * 60000 + 48000
-    log = b""
+    log = old = solutions = b""
     for i in range(4):
         tow = tow0 + 200 * i
         pvt = struct.pack("<IHBBBBBBIiBBBBiiiiIIiiiiiIIHHi", tow, 2023, 7, 11, 6, 4, 30, 0x37, 25,
@@ -79,7 +79,16 @@ def ubx():
             log += sentence("GNGGA,060430.20,0915.0,N,04530.0,E,1,14,0.9,120.0,M,47.0,M,,").encode()
             log += b"\xd3\x00\x02\x01\x02abc"
         log += ubx_frame(1, 0x61, struct.pack("<I", tow))
+        place = ubx_frame(1, 2, struct.pack("<IiiiiII", tow, 92500000, 455000000 + i, 167750, 120000, 1500, 2000))
+        solution = ubx_frame(1, 6, struct.pack("<IihBBiiiIiiiIHBBI", tow, -400, 2270, 3, 13, 444000000 + i, 71300000, 450700000,
+                                               350, 300, -400, 50, 30, 120, 0, 9, 0))
+        old += place + ubx_frame(1, 3, struct.pack("<IBBBBII", tow, 3, 13, 0, 0, 25000, 90000)) + solution
+        old += ubx_frame(1, 0x12, struct.pack("<IiiiIIiII", tow, 300, -400, 50, 503, 500, 30688000, 30, 1000000))
+        old += ubx_frame(1, 0x20, struct.pack("<IihbBI", tow, -400, 2270, 18, 7, 25))
+        solutions += solution
     save("ubx", "all", log)
+    save("ubx", "old", old)
+    save("ubx", "solutions", solutions)
     save("ubx", "cut", log[7:-9])
     save("ubx", "damaged", log[:20] + b"?" + log[21:])
 
@@ -129,6 +138,19 @@ def novatel():
                       "0.02,0.01,0.03,0.006,0.005,0.007,0.1,0.1,0.2,0,1")
     save("novatel", "best", log)
     save("novatel", "inertial", ins)
+
+
+def septentrio():
+    geodetic = cartesian = ""
+    for i in range(4):
+        time = 1400000000 + i / 10
+        geodetic += ("%-2i %13.2f %14.11f %15.11f %14.5f %14.5f %10.5f %10.5f %10.5f %15.8e %13.6e %3i %3i %3i %3i %10.3f\n"
+                     % (-1, time, 0.78976 + i * 1e-7, 0.15926, 167.25, 47.25, 3.0, -4.0, 0.5, 1e-5, 1e-7, 14, 4, 150, 0, 306.87))
+        geodetic += "%-2i %13.2f %14.3f %14.3f %14.3f %14.3f 0 0 0 0 0 0 0 0\n" % (-2, time, 0.1, 0.1, 0.1, 0.1)
+        cartesian += ("%-2i %13.2f %14.3f %14.3f %14.3f %10.3f %10.3f %10.3f %15.8e %13.6e %3i %3i %3i %3i %10.3f\n"
+                      % (0, time, 4440000.0 + i, 713000.0, 4507000.0, -3.0, 4.0, 0.5, -2e10, -2e10, 9, 1, 65535, 0, 90.0))
+    save("septentrio", "geodetic", geodetic)
+    save("septentrio", "cartesian", cartesian)
 
 
 def fit():
@@ -375,6 +397,6 @@ def rosters():
     save("roster", "authority", f"judge cert-authority {key}\n")
 
 
-for make in (rtklib_pos, nmea, ubx, vbo, flysight, oao, sbp, sbn, gpx, igc, novatel, fit, tables, csv, golden, documents, signatures, flows, edits,
+for make in (rtklib_pos, nmea, ubx, vbo, flysight, oao, sbp, sbn, gpx, igc, novatel, septentrio, fit, tables, csv, golden, documents, signatures, flows, edits,
              tars, stamps, rosters):
     make()

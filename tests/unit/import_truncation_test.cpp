@@ -73,6 +73,8 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(WholeFile{"rtklib-pos", "degrees"},
                     WholeFile{"rtklib-pos", "ecef_velocity_week"}, WholeFile{"csv", "geodetic"},
                     WholeFile{"nmea", "all"}, WholeFile{"nmea", "gga"}, WholeFile{"ubx", "all"},
+                    WholeFile{"ubx", "old"}, WholeFile{"ubx", "solutions"},
+                    WholeFile{"septentrio", "geodetic"}, WholeFile{"septentrio", "cartesian"},
                     WholeFile{"vbo", "full"}, WholeFile{"flysight", "one"},
                     WholeFile{"flysight", "two"}, WholeFile{"oao", "log"}, WholeFile{"sbp", "log"},
                     WholeFile{"sbn", "log"}, WholeFile{"gpx", "one_one"}, WholeFile{"igc", "full"},

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "core/geodesy.h"
 #include "import_ubx_test_support.h"
 
 namespace runcert::RUNCERT_FILE {
@@ -186,6 +187,151 @@ TEST(Ubx, OldReceiversWithoutPvt) {
     EXPECT_EQ(row.satellites, 9);
     EXPECT_TRUE(has_note(read, "no NAV-PVT"));
     EXPECT_EQ(read_ubx(position + rest).rows[0].fix, FixType::unknown);
+}
+
+std::int64_t at(std::string_view payload, std::size_t byte, std::size_t size) {
+    std::uint64_t value = 0;
+    for (std::size_t i = 0; i < size; ++i)
+        value |= std::uint64_t{static_cast<unsigned char>(payload[byte + i])} << (8 * i);
+    return size == 4 ? static_cast<std::int32_t>(value) : static_cast<std::int64_t>(value);
+}
+
+std::int64_t in_cm(std::int64_t mm) {
+    return std::llround(static_cast<double>(mm) / 10.0);
+}
+
+/// What a receiver from before PVT would have sent at the instant of a PVT.
+struct OldMessages {
+    std::string posllh, velned, sol, timegps;
+};
+
+OldMessages old_messages(std::string_view pvt, const GpsTime& when) {
+    const std::int64_t tow_ms = at(pvt, 0, 4);
+    const std::int64_t week = when.nanoseconds_since(GpsTime()) / GpsTime::nanoseconds_per_week;
+    const auto rest_ns =
+        static_cast<std::int32_t>(when.nanoseconds_since(GpsTime()) -
+                                  week * GpsTime::nanoseconds_per_week - tow_ms * 1'000'000);
+    const Geodetic place{
+        .latitude = Angle::from_degrees(static_cast<double>(at(pvt, 28, 4)) / 1e7),
+        .longitude = Angle::from_degrees(static_cast<double>(at(pvt, 24, 4)) / 1e7),
+        .height_m = static_cast<double>(at(pvt, 32, 4)) / 1e3};
+    const Eigen::Vector3d ecef_m = ecef_from_geodetic(place).m;
+    const Eigen::Vector3d enu_m_s(static_cast<double>(at(pvt, 52, 4)) / 1e3,
+                                  static_cast<double>(at(pvt, 48, 4)) / 1e3,
+                                  -static_cast<double>(at(pvt, 56, 4)) / 1e3);
+    const Eigen::Vector3d ecef_m_s =
+        rotation_enu_from_ecef(place.latitude, place.longitude).transpose() * enu_m_s;
+    Payload posllh(28), velned(36), sol(52), timegps(16);
+    posllh.put(0, tow_ms, 4);
+    for (std::size_t byte = 24; byte < 48; byte += 4)
+        posllh.put(byte - 20, at(pvt, byte, 4), 4);
+    velned.put(0, tow_ms, 4).put(28, in_cm(at(pvt, 68, 4)), 4);
+    sol.put(0, tow_ms, 4).put(4, rest_ns, 4).put(8, week, 2).put(10, pvt[20], 1);
+    sol.put(11, (pvt[21] & 3) | 12, 1).put(24, 300, 4).put(47, pvt[23], 1);
+    for (std::size_t i = 0; i < 3; ++i) {
+        velned.put(4 + 4 * i, in_cm(at(pvt, 48 + 4 * i, 4)), 4);
+        const auto axis = static_cast<Eigen::Index>(i);
+        sol.put(12 + 4 * i, std::llround(100.0 * ecef_m[axis]), 4);
+        sol.put(28 + 4 * i, std::llround(100.0 * ecef_m_s[axis]), 4);
+    }
+    timegps.put(0, tow_ms, 4).put(4, rest_ns, 4).put(8, week, 2).put(11, 7, 1);
+    return {.posllh = frame(1, 2, posllh.bytes()),
+            .velned = frame(1, 0x12, velned.bytes()),
+            .sol = frame(1, 6, sol.bytes()),
+            .timegps = frame(1, 0x20, timegps.bytes())};
+}
+
+/// The walk as older receivers would have recorded it.
+struct OldWalk {
+    Observations by_pvt;
+    std::string with_posllh, with_timegps, of_solutions;
+};
+
+std::optional<OldWalk> old_walk() {
+    const auto bytes = recorded("ubx_walk/rover.ubx");
+    if (!bytes) return std::nullopt;
+    OldWalk walk{
+        .by_pvt = read_ubx(*bytes), .with_posllh = {}, .with_timegps = {}, .of_solutions = {}};
+    for (std::size_t i = 0; i < walk.by_pvt.rows.size(); ++i) {
+        const auto start = static_cast<std::size_t>(*walk.by_pvt.rows[i].source_byte) + 6;
+        const OldMessages old =
+            old_messages(std::string_view(*bytes).substr(start, 92), instant(walk.by_pvt, i));
+        walk.with_posllh += old.posllh + old.sol + old.velned;
+        walk.with_timegps += old.posllh + old.velned + old.timegps;
+        walk.of_solutions += old.sol;
+    }
+    return walk;
+}
+
+TEST(UbxRecorded, OldMessagesAreTheSameWalk) {
+    const auto walk = old_walk();
+    if (!walk) GTEST_SKIP() << "RUNCERT_DATA is not set";
+    for (const std::string* bytes : {&walk->with_posllh, &walk->with_timegps}) {
+        const Observations read = read_ubx(*bytes);
+        EXPECT_EQ(read.time_scale, "gps");
+        ASSERT_EQ(read.rows.size(), 536U);
+        for (std::size_t i = 0; i < read.rows.size(); ++i) {
+            const Observation &a = walk->by_pvt.rows[i], &b = read.rows[i];
+            ASSERT_EQ(instant(walk->by_pvt, i), instant(read, i)) << i;
+            ASSERT_DOUBLE_EQ(*a.latitude_deg, *b.latitude_deg) << i;
+            ASSERT_DOUBLE_EQ(*a.longitude_deg, *b.longitude_deg) << i;
+            ASSERT_DOUBLE_EQ(*a.height_m, *b.height_m) << i;
+            ASSERT_DOUBLE_EQ(*a.sigma_east_m, *b.sigma_east_m) << i;
+            ASSERT_NEAR(*a.recorded_velocity_east_m_s, *b.recorded_velocity_east_m_s, 0.0051);
+            ASSERT_NEAR(*a.recorded_velocity_up_m_s, *b.recorded_velocity_up_m_s, 0.0051);
+        }
+    }
+    EXPECT_EQ(read_ubx(walk->with_posllh).variant, "UBX with NAV-POSLLH, NAV-VELNED, NAV-SOL");
+    EXPECT_EQ(read_ubx(walk->with_timegps).rows[0].fix, FixType::unknown);
+}
+
+TEST(UbxRecorded, SolutionsAloneAreTheWalkToACentimetre) {
+    const auto walk = old_walk();
+    if (!walk) GTEST_SKIP() << "RUNCERT_DATA is not set";
+    const Observations read = read_ubx(walk->of_solutions);
+    ASSERT_EQ(read.rows.size(), 536U);
+    EXPECT_TRUE(has_note(read, "Positions of NAV-SOL, in whole centimetres"));
+    for (std::size_t i = 0; i < read.rows.size(); ++i) {
+        const Observation &a = walk->by_pvt.rows[i], &b = read.rows[i];
+        ASSERT_EQ(instant(walk->by_pvt, i), instant(read, i)) << i;
+        ASSERT_NEAR(*a.latitude_deg, *b.latitude_deg, 1e-7) << i;
+        ASSERT_NEAR(*a.longitude_deg, *b.longitude_deg, 1.3e-7) << i;
+        ASSERT_NEAR(*a.height_m, *b.height_m, 0.01) << i;
+        ASSERT_NEAR(*a.recorded_velocity_east_m_s, *b.recorded_velocity_east_m_s, 0.01) << i;
+        ASSERT_NEAR(*a.recorded_velocity_north_m_s, *b.recorded_velocity_north_m_s, 0.01) << i;
+        ASSERT_NEAR(*a.recorded_velocity_up_m_s, *b.recorded_velocity_up_m_s, 0.01) << i;
+        // 3 m of three coordinates together.
+        ASSERT_NEAR(*b.sigma_up_m, std::sqrt(3.0), 1e-12);
+        ASSERT_NEAR(*b.sigma_east_m, std::sqrt(3.0), 1e-12);
+    }
+}
+
+TEST(Ubx, StatusIsTheFixWhereThereIsNoSolution) {
+    const Payload posllh = Payload(28).put(0, first_tow_ms, 4).put(8, 455'000'000, 4);
+    const Payload timegps = Payload(16).put(0, first_tow_ms, 4).put(8, 2270, 2).put(11, 7, 1);
+    const std::string rest = frame(1, 2, posllh.bytes()) + frame(1, 0x20, timegps.bytes());
+    const auto fix_with = [&](int type, int flags) {
+        const Payload status = Payload(16).put(0, first_tow_ms, 4).put(4, type, 1).put(5, flags, 1);
+        return read_ubx(frame(1, 3, status.bytes()) + rest).rows.at(0).fix;
+    };
+    EXPECT_EQ(fix_with(3, 0x0d), FixType::single);
+    EXPECT_EQ(fix_with(3, 0x0f), FixType::dgps);
+    EXPECT_EQ(fix_with(3, 0x0c), FixType::none);
+    EXPECT_EQ(fix_with(1, 0x0d), FixType::dead_reckoning);
+    EXPECT_EQ(to_iso(*read_ubx(rest).facts.first_epoch, 3), "2023-07-11T06:04:48.000");
+}
+
+TEST(Ubx, PositionsWithoutDateAndUnknownTimesAreRefusedInWords) {
+    const std::string posllh =
+        frame(1, 2, Payload(28).put(0, first_tow_ms, 4).put(8, 455'000'000, 4).bytes());
+    EXPECT_TRUE(has(failure_of(pos_receiver(), posllh), "nothing that says their date"));
+    EXPECT_TRUE(has(failure_of(pos_receiver(), posllh), "Switch UBX-NAV-SOL on"));
+    const std::string timeless =
+        frame(1, 0x20, Payload(16).put(0, first_tow_ms, 4).put(8, 2270, 2).put(11, 1, 1).bytes());
+    EXPECT_TRUE(has(failure_of(pos_receiver(), posllh + timeless), "the receiver knew the time"));
+    const std::string far =
+        frame(1, 6, Payload(52).put(0, first_tow_ms, 4).put(10, 3, 1).put(11, 13, 1).bytes());
+    EXPECT_TRUE(has(failure_of(pos_receiver(), far), "0 km from the centre of the Earth"));
 }
 
 TEST(Ubx, RawMeasurementsAloneAreRefusedInWords) {

@@ -63,11 +63,12 @@ GpsTime instant_of(const Message& message, const RecordingBytes& recording) {
         throw Failure(place_in(recording, place), "the FIT message has no time stamp",
                       "Take the recording as the device wrote it");
     if (*message.timestamp < least_absolute_s)
-        throw Failure(place_in(recording, place),
-                      fmt::format("the time stamp {} s counts from when the device was switched on",
-                                  *message.timestamp),
-                      "Record after the device has found satellites, and knows the time; or export GPX by "
-                      "its maker's program");
+        throw Failure(
+            place_in(recording, place),
+            fmt::format("the time stamp {} s counts from when the device was switched on",
+                        *message.timestamp),
+            "Record after the device has found satellites, and knows the time; or export GPX by "
+            "its maker's program");
     std::int64_t milliseconds = 0;
     if (const auto field = fields_of(message.number).milliseconds)
         milliseconds = message.whole(*field).value_or(0);

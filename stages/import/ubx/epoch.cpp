@@ -4,12 +4,14 @@
 #include <bit>
 #include <cmath>
 
+#include "core/geodesy.h"
 #include "stages/import/byte_order.h"
 #include "stages/import/clock.h"
 #include "stages/import/earth.h"
 
 // Layouts: u-blox "F9 HPG interface description" (UBX-22008968), section 3.15, and "u-blox 8 / M8
-// receiver description" (UBX-13003221), section 32.17, for NAV-SOL. All numbers are little endian.
+// receiver description" (UBX-13003221), section 32.17, for SOL and STATUS. All numbers are little
+// endian.
 
 namespace runcert::ubx {
 namespace {
@@ -76,8 +78,9 @@ enum SolutionType : std::uint8_t {
 
 std::uint8_t solution_type(const Epoch& epoch) {
     if (epoch.has(Part::pvt)) return number<std::uint8_t>(epoch[Part::pvt], 20);
-    return epoch.has(Part::sol) ? number<std::uint8_t>(epoch[Part::sol], 10)
-                                : std::uint8_t{three_dimensional};
+    if (epoch.has(Part::sol)) return number<std::uint8_t>(epoch[Part::sol], 10);
+    return epoch.has(Part::status) ? number<std::uint8_t>(epoch[Part::status], 4)
+                                   : std::uint8_t{three_dimensional};
 }
 
 /// PVT's carrSoln is of receivers that resolve ambiguities. A solution that is combined with dead
@@ -98,17 +101,40 @@ FixType fix_of_pvt(std::string_view pvt) {
     }
 }
 
-FixType fix_of_sol(std::string_view sol) {
-    const auto type = number<std::uint8_t>(sol, 10);
-    if (!bit(sol, 11, 0)) return FixType::none;
+/// Of SOL and STATUS, in which type and flags stand behind one another from `at` on.
+FixType fix_at(std::string_view payload, std::size_t at) {
+    const auto type = number<std::uint8_t>(payload, at);
+    if (!bit(payload, at + 1, 0)) return FixType::none;
     if (type == dead_reckoning_only || type == with_dead_reckoning) return FixType::dead_reckoning;
     if (type != two_dimensional && type != three_dimensional) return FixType::none;
-    return bit(sol, 11, 1) ? FixType::dgps : FixType::single;
+    return bit(payload, at + 1, 1) ? FixType::dgps : FixType::single;
 }
 
 FixType fix_of(const Epoch& epoch) {
     if (epoch.has(Part::pvt)) return fix_of_pvt(epoch[Part::pvt]);
-    return epoch.has(Part::sol) ? fix_of_sol(epoch[Part::sol]) : FixType::unknown;
+    if (epoch.has(Part::sol)) return fix_at(epoch[Part::sol], 10);
+    return epoch.has(Part::status) ? fix_at(epoch[Part::status], 4) : FixType::unknown;
+}
+
+/// GPS week, time of week and the rest to it, as TIMEGPS and SOL have them; nothing where the
+/// receiver did not know them.
+std::optional<GpsTime> gps_time_of(const Epoch& epoch) {
+    const bool timegps = epoch.has(Part::timegps);
+    const std::string_view payload = epoch[timegps ? Part::timegps : Part::sol];
+    const unsigned first_valid = timegps ? 0 : 2;
+    if (!bit(payload, 11, first_valid) || !bit(payload, 11, first_valid + 1)) return std::nullopt;
+    return GpsTime()
+        .plus_nanoseconds(number<std::int16_t>(payload, 8) * GpsTime::nanoseconds_per_week)
+        .plus_nanoseconds(std::int64_t{epoch.time_of_week_ms} * 1'000'000 +
+                          number<std::int32_t>(payload, 4));
+}
+
+/// SOL's Earth-centred position or velocity, m or m/s.
+Eigen::Vector3d centimetres_at(std::string_view sol, std::size_t at) {
+    Eigen::Vector3d metres;
+    for (std::size_t i = 0; i < 3; ++i)
+        metres[static_cast<Eigen::Index>(i)] = number<std::int32_t>(sol, at + 4 * i) / 1e2;
+    return metres;
 }
 
 /// Longitude, latitude (1e-7 degrees), height above the ellipsoid (mm) from `at` on, as PVT and
@@ -163,6 +189,17 @@ void set_velocity_of(Observation& row, std::string_view payload, std::size_t at,
     set_velocity_accuracy(row, accuracy(payload, accuracy_at, units_per_m_s), 3);
 }
 
+/// SOL's velocity, turned at the row's position.
+void set_velocity_of_solution(Observation& row, std::string_view sol) {
+    const Eigen::Vector3d enu_m_s =
+        rotation_enu_from_ecef(Angle::from_degrees(*row.latitude_deg),
+                               Angle::from_degrees(*row.longitude_deg)) *
+        centimetres_at(sol, 28);
+    set_velocity(row, enu_m_s[0], enu_m_s[1]);
+    row.recorded_velocity_up_m_s = enu_m_s[2];
+    set_velocity_accuracy(row, accuracy(sol, 40, 1e2), 3);
+}
+
 void set_covariances(Observation& row, std::string_view cov) {
     const Eigen::Matrix3d position_m2 = covariance_at(cov, 16);
     const Eigen::Matrix3d velocity_m2ps2 = covariance_at(cov, 40);
@@ -195,8 +232,12 @@ std::optional<Part> part_of(const Frame& frame) {
             return if_size(36, Part::velned);
         case 0x0121:
             return if_size(20, Part::timeutc);
+        case 0x0120:
+            return if_size(16, Part::timegps);
         case 0x0106:
             return if_size(52, Part::sol);
+        case 0x0103:
+            return if_size(16, Part::status);
         default:
             return std::nullopt;
     }
@@ -207,11 +248,17 @@ std::uint32_t time_of_week_ms(Part part, std::string_view payload) {
 }
 
 std::optional<GpsTime> RowMaker::instant(const Epoch& epoch) {
+    if (!epoch.has_utc()) {
+        const std::optional<GpsTime> time = gps_time_of(epoch);
+        if (!time) ++tally_.without_time;
+        return time;
+    }
     const RoundedUtc utc = utc_of(epoch);
     if (!utc.valid) {
         ++tally_.without_time;
         return std::nullopt;
     }
+    ++tally_.in_utc;
     const GpsTime shown =
         instant_of_utc(utc.second, recording_, epoch.place()).plus_nanoseconds(utc.rest_ns);
     constexpr std::int64_t second = GpsTime::nanoseconds_per_second;
@@ -236,8 +283,19 @@ void RowMaker::set_place(Observation& row, const Epoch& epoch) {
         ++tally_.high_precision;
         return;
     }
-    const bool pvt = epoch.has(Part::pvt);
-    const std::string_view payload = epoch[pvt ? Part::pvt : Part::posllh];
+    const Part source = epoch.position();
+    const std::string_view payload = epoch[source];
+    if (source == Part::sol) {
+        set_position(row, checked_ecef(centimetres_at(payload, 12), recording_, place));
+        // Of all three coordinates together.
+        const double sigma_m = accuracy(payload, 24, 1e2) / std::sqrt(3.0);
+        set_radial_accuracy(row, sigma_m * std::sqrt(2.0));
+        if (sigma_m > 0.0) row.sigma_up_m = sigma_m;
+        ++tally_.of_solution;
+        ++tally_.standard_precision;
+        return;
+    }
+    const bool pvt = source == Part::pvt;
     set_position(row, checked_geodetic(position_at(payload, pvt ? 24 : 4), recording_, place));
     set_position_accuracy(row, payload, pvt ? 40 : 20, 1e3);
     ++tally_.standard_precision;
@@ -260,6 +318,8 @@ std::optional<TimedRow> RowMaker::row(const Epoch& epoch) {
         set_velocity_of(row, epoch[Part::pvt], 48, 68, 1e3);
     else if (epoch.has(Part::velned))
         set_velocity_of(row, epoch[Part::velned], 4, 28, 1e2);
+    else if (epoch.has(Part::sol))
+        set_velocity_of_solution(row, epoch[Part::sol]);
     if (epoch.has(Part::cov)) set_covariances(row, epoch[Part::cov]);
     const std::uint8_t type = solution_type(epoch);
     if (type == two_dimensional) ++tally_.in_plane;

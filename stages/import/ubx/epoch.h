@@ -10,10 +10,19 @@
 
 namespace runcert::ubx {
 
-/// The messages that make an epoch. POSLLH, VELNED, TIMEUTC and SOL are those of receivers too old
-/// for PVT.
-enum class Part : std::uint8_t { pvt, hpposllh, cov, posllh, velned, timeutc, sol };
-inline constexpr std::size_t part_count = 7;
+/// The messages that make an epoch. All from POSLLH on are those of receivers too old for PVT.
+enum class Part : std::uint8_t {
+    pvt,
+    hpposllh,
+    cov,
+    posllh,
+    velned,
+    timeutc,
+    timegps,
+    sol,
+    status
+};
+inline constexpr std::size_t part_count = 9;
 
 /// Which part a message is; nothing for another message, or one of a size that it never has.
 std::optional<Part> part_of(const Frame& frame);
@@ -32,17 +41,25 @@ struct Epoch {
         return parts[static_cast<std::size_t>(part)]->payload;
     }
     /// Whether there is enough to make a row of.
-    bool is_whole() const { return has(Part::pvt) || (has(Part::posllh) && has(Part::timeutc)); }
+    bool is_whole() const { return has(Part::pvt) || (has_position() && has_time()); }
+    bool has_position() const { return has(Part::pvt) || has(Part::posllh) || has(Part::sol); }
+    bool has_time() const { return has_utc() || has(Part::timegps) || has(Part::sol); }
+    bool has_utc() const { return has(Part::pvt) || has(Part::timeutc); }
+    /// The message that the position is taken from, of an epoch that has one.
+    Part position() const {
+        return has(Part::pvt) ? Part::pvt : has(Part::posllh) ? Part::posllh : Part::sol;
+    }
     RecordPlace place() const {
-        return RecordPlace(
-            parts[static_cast<std::size_t>(has(Part::pvt) ? Part::pvt : Part::posllh)]->offset);
+        return RecordPlace(parts[static_cast<std::size_t>(position())]->offset);
     }
 };
 
 /// What the rows of a recording were made of.
 struct RowTally {
     std::int64_t without_time = 0;    ///< epochs left out
+    std::int64_t in_utc = 0;          ///< epochs whose time is of UTC
     std::int64_t other_second = 0;    ///< UTC whole seconds off the GPS time of week
+    std::int64_t of_solution = 0;     ///< positions of SOL
     std::int64_t high_precision = 0;  ///< positions of HPPOSLLH
     std::int64_t standard_precision = 0;
     std::int64_t in_plane = 0;  ///< two-dimensional solutions

@@ -61,7 +61,7 @@ class Reader {
         finish_epoch();
         require_rows();
         observations_.variant = variant();
-        observations_.time_scale = "utc";
+        observations_.time_scale = maker_.tally().in_utc > 0 ? "utc" : "gps";
         set_rows(observations_, std::move(timed_));
         set_resolution();
         add_notes();
@@ -69,6 +69,8 @@ class Reader {
     }
 
   private:
+    static unsigned bit_of(Part part) { return 1U << static_cast<unsigned>(part); }
+
     void take_in(const Frame& frame) {
         timed_.count_good();
         if (frame.id == raw_measurements) ++raw_;
@@ -86,7 +88,7 @@ class Reader {
             ++repeated_;
         else
             place = frame;
-        parts_ |= 1U << static_cast<unsigned>(*part);
+        parts_ |= bit_of(*part);
     }
 
     void count_bad(const Frame& frame) {
@@ -106,6 +108,7 @@ class Reader {
         } catch (const Failure& failure) {
             // The frames were whole: what they say is counted as a record of its own.
             timed_.count_bad(epoch->place(), failure);
+            if (!first_impossible_) first_impossible_ = failure;
         }
     }
 
@@ -113,6 +116,7 @@ class Reader {
         if (!timed_.empty() || timed_.records().total == 0 ||
             2 * timed_.records().bad > timed_.records().total)
             return;
+        if (first_impossible_) throw *first_impossible_;
         const std::string where = place_in(recording_, RecordPlace(std::size_t{0}));
         if (maker_.tally().without_time > 0)
             throw Failure(where,
@@ -120,6 +124,11 @@ class Reader {
                                       "navigation epochs",
                                       maker_.tally().without_time),
                           "Record again under open sky, until the receiver has a fix");
+        if (parts_ & bit_of(Part::posllh))
+            throw Failure(where,
+                          "the recording holds positions (NAV-POSLLH), and nothing that says their "
+                          "date",
+                          "Switch UBX-NAV-SOL on, too, or NAV-TIMEGPS, and record again");
         if (raw_ > 0)
             throw Failure(where,
                           fmt::format("the recording holds raw measurements ({} RXM-RAWX) and no "
@@ -138,7 +147,7 @@ class Reader {
     /// "UBX with NAV-PVT, NAV-HPPOSLLH".
     std::string variant() const {
         constexpr std::array<std::string_view, part_count> names{
-            "PVT", "HPPOSLLH", "COV", "POSLLH", "VELNED", "TIMEUTC", "SOL"};
+            "PVT", "HPPOSLLH", "COV", "POSLLH", "VELNED", "TIMEUTC", "TIMEGPS", "SOL", "STATUS"};
         std::string text = "UBX with";
         for (std::size_t i = 0; i < part_count; ++i)
             if ((parts_ >> i) & 1U)
@@ -179,9 +188,13 @@ class Reader {
             "Epochs in which satellites and dead reckoning are combined, which count as dead "
             "reckoning",
             tally.with_dead_reckoning);
-        if (parts_ & (1U << static_cast<unsigned>(Part::pvt))) return;
+        if (parts_ & bit_of(Part::pvt)) return;
         observations_.notes.push_back(
-            "The recording has no NAV-PVT messages; NAV-POSLLH and NAV-TIMEUTC are used instead.");
+            "The recording has no NAV-PVT messages; those of older receivers are used instead.");
+        note(
+            "Positions of NAV-SOL, in whole centimetres; with NAV-POSLLH recorded, too, they are "
+            "finer",
+            tally.of_solution);
     }
 
     const RecordingBytes& recording_;
@@ -190,6 +203,7 @@ class Reader {
     RowCollector timed_;
     Observations observations_;
     std::optional<Epoch> epoch_;
+    std::optional<Failure> first_impossible_;  ///< of an epoch whose frames were whole
     unsigned parts_ = 0;  ///< bit set of the Parts that were there
     std::int64_t raw_ = 0;
     std::int64_t repeated_ = 0;
@@ -204,7 +218,7 @@ bool recognises(std::string_view bytes) {
         if (!frame->good) continue;
         any = true;
         const auto part = part_of(*frame);
-        if (part == Part::pvt || part == Part::posllh) return true;
+        if (part == Part::pvt || part == Part::posllh || part == Part::sol) return true;
     }
     // Receivers can mix both, and then the positions may be in NMEA sentences alone.
     return any && !nmea::recognises(bytes);

@@ -6,8 +6,8 @@
 #include "schemas/observations/observations.h"
 #include "stages/import/recording.h"
 
-/// u-blox UBX logs: NAV-PVT, NAV-HPPOSLLH, NAV-COV and NAV-DOP frames, between which other bytes
-/// may stand.
+/// u-blox UBX logs: NAV-PVT, NAV-HPPOSLLH, NAV-COV and NAV-DOP frames, or those of older receivers,
+/// between which other bytes may stand.
 namespace runcert::ubx {
 
 /// Whether the beginning of a recording (its first 64 KiB at most) is one.

@@ -9,11 +9,13 @@
 #include <cstdlib>
 #include <new>
 
+#include "core/angle.h"
 #include "core/failure.h"
 #include "core/text.h"
 #include "files/atomic_file.h"
 #include "files/process.h"
 #include "stages/import/import.h"
+#include "stages/import/novatel/log.h"
 
 // How fast recordings are read (MB/s, 10^6 bytes), how much heap that takes for each epoch at its
 // peak, and how much longer gpsbabel takes to read the same file (`gpsbabel_times`), run in turns.
@@ -187,6 +189,109 @@ std::string igc_text(std::int64_t epochs) {
     return text;
 }
 
+/// The columns of csv_text between blanks, as programs of fixed width write them.
+std::string blanks_text(std::int64_t epochs) {
+    std::string text = "              time         lat          lon    height   sigma\n";
+    for (std::int64_t i = 0; i < epochs; ++i) {
+        const Place at = place_of(i);
+        text += fmt::format("{} {:12.9f} {:13.9f} {:9.4f}  0.0120\n", utc_text(i), at.latitude_deg,
+                            at.longitude_deg, at.height_m);
+    }
+    return text;
+}
+
+std::string racechrono_text(std::int64_t epochs) {
+    std::string text =
+        "This file is created using RaceChrono Pro v9.1.3 ( http://racechrono.com/ ).\nFormat,3\n"
+        "Note,\n\n"
+        "timestamp,lap_number,accuracy,altitude,bearing,latitude,longitude,satellites,speed\n"
+        "unix time,,m,m,deg,deg,deg,sats,m/s\n,,100: gps,100: gps,100: gps,100: gps,100: gps,"
+        "100: gps,100: gps\n";
+    for (std::int64_t i = 0; i < epochs; ++i) {
+        const Place at = place_of(i);
+        text += fmt::format("{:.3f},1,0.52,{:.3f},271.33,{:.7f},{:.7f},14,24.95\n",
+                            1'773'446'400.0 + 0.05 * static_cast<double>(i), at.height_m,
+                            at.latitude_deg, at.longitude_deg);
+    }
+    return text;
+}
+
+std::string racebox_text(std::int64_t epochs) {
+    std::string text =
+        "Format,RaceBox CSV\nTrack,Test\n\nRecord,Time,Latitude,Longitude,Altitude (m),Speed "
+        "(m/s),GForceX (g),Lap,Heading\n";
+    for (std::int64_t i = 0; i < epochs; ++i) {
+        const Place at = place_of(i);
+        text += fmt::format("{},{},{:.7f},{:.7f},{:.2f},24.95,0.12,1,271.33\n", i, utc_text(i),
+                            at.latitude_deg, at.longitude_deg, at.height_m);
+    }
+    return text;
+}
+
+std::string trackaddict_text(std::int64_t epochs) {
+    std::string text =
+        "# RaceRender Data: TrackAddict 4.3.5 on Android 9\n\"Time\",\"UTC Time\",\"GPS_Update\","
+        "\"Latitude\",\"Longitude\",\"Altitude (ft)\",\"Speed (Km/h)\",\"Heading\",\"Accuracy "
+        "(m)\"\n";
+    for (std::int64_t i = 0; i < epochs; ++i) {
+        const Place at = place_of(i);
+        text += fmt::format("{:.3f},{:.3f},1,{:.7f},{:.7f},{:.1f},89.84,271.3,0.5\n",
+                            0.05 * static_cast<double>(i),
+                            1'773'446'400.0 + 0.05 * static_cast<double>(i), at.latitude_deg,
+                            at.longitude_deg, at.height_m / 0.3048);
+    }
+    return text;
+}
+
+std::string aim_text(std::int64_t epochs) {
+    std::string text =
+        "\"Format\",\"AiM CSV File\"\n\"Session\",\"Test\"\n\n\"Time\",\"GPS Speed\",\"GPS "
+        "Nsat\",\"GPS Altitude\",\"GPS Latitude\",\"GPS "
+        "Longitude\"\n\"s\",\"km/h\",\"#\",\"m\",\"deg\",\"deg\"\n\n";
+    for (std::int64_t i = 0; i < epochs; ++i) {
+        const Place at = place_of(i);
+        text += fmt::format("\"{:.3f}\",\"{:.3f}\",\"14\",\"{:.2f}\",\"{:.8f}\",\"{:.8f}\"\n",
+                            0.05 * static_cast<double>(i),
+                            89.0 + std::sin(0.1 * static_cast<double>(i)), at.height_m,
+                            at.latitude_deg, at.longitude_deg);
+    }
+    return text;
+}
+
+std::string novatel_text(std::int64_t epochs) {
+    std::string text;
+    const auto add = [&](const char* name, std::int64_t i, const std::string& fields) {
+        const std::string body =
+            fmt::format("{},COM1,0,85.0,FINESTEERING,{},{:.3f},02000020,cdba,32768;{}", name,
+                        2300 + i / 12'096'000, static_cast<double>(i % 12'096'000) * 0.05, fields);
+        text += fmt::format("#{}*{:08x}\r\n", body, novatel::crc32(body));
+    };
+    for (std::int64_t i = 0; i < epochs; ++i) {
+        const Place at = place_of(i);
+        add("BESTPOSA", i,
+            fmt::format("SOL_COMPUTED,NARROW_INT,{:.11f},{:.11f},{:.4f},47.2500,WGS84,0.0200,"
+                        "0.0100,0.0300,\"AAAA\",1.500,0.000,20,18,18,0,00,00,00,11",
+                        at.latitude_deg, at.longitude_deg, at.height_m));
+        add("BESTVELA", i,
+            "SOL_COMPUTED,DOPPLER_VELOCITY,0.150,0.000,24.9500,271.330000,0.1200,0.0");
+    }
+    return text;
+}
+
+std::string septentrio_text(std::int64_t epochs) {
+    std::string text;
+    for (std::int64_t i = 0; i < epochs; ++i) {
+        const Place at = place_of(i);
+        text += fmt::format(
+            "-1 {:13.2f} {:14.11f} {:15.11f} {:14.5f} {:14.5f} {:10.5f} {:10.5f} {:10.5f} "
+            "{:15.8e} {:13.6e} {:3} {:3} {:3} {:3} {:10.3f}\n",
+            1.4e9 + 0.05 * static_cast<double>(i), Angle::from_degrees(at.latitude_deg).radians(),
+            Angle::from_degrees(at.longitude_deg).radians(), at.height_m, 2.1, 3.1, -24.9, 0.12,
+            1e-5, 1e-7, 14, 4, 150, 0, 271.33);
+    }
+    return text;
+}
+
 Receiver receiver() {
     Receiver any;
     any.id = "primary";
@@ -257,6 +362,27 @@ void gpx(benchmark::State& state) {
 void csv(benchmark::State& state) {
     reading(state, csv_text(state.range(0)), read_described, nullptr);
 }
+void blanks(benchmark::State& state) {
+    reading(state, blanks_text(state.range(0)), read_described, nullptr);
+}
+void racechrono(benchmark::State& state) {
+    reading(state, racechrono_text(state.range(0)), read_recording, nullptr);
+}
+void racebox(benchmark::State& state) {
+    reading(state, racebox_text(state.range(0)), read_recording, nullptr);
+}
+void trackaddict(benchmark::State& state) {
+    reading(state, trackaddict_text(state.range(0)), read_recording, nullptr);
+}
+void aim(benchmark::State& state) {
+    reading(state, aim_text(state.range(0)), read_recording, nullptr);
+}
+void novatel(benchmark::State& state) {
+    reading(state, novatel_text(state.range(0)), read_recording, nullptr);
+}
+void septentrio(benchmark::State& state) {
+    reading(state, septentrio_text(state.range(0)), read_recording, nullptr);
+}
 void flysight(benchmark::State& state) {
     reading(state, flysight_text(state.range(0)), read_recording, nullptr);
 }
@@ -289,6 +415,13 @@ BENCHMARK(nmea)->Arg(200'000)->Unit(benchmark::kMillisecond);
 BENCHMARK(nmea)->Arg(10'000'000)->Iterations(1)->Unit(benchmark::kMillisecond);
 BENCHMARK(gpx)->Arg(200'000)->Unit(benchmark::kMillisecond);
 BENCHMARK(csv)->Arg(200'000)->Unit(benchmark::kMillisecond);
+BENCHMARK(blanks)->Arg(200'000)->Unit(benchmark::kMillisecond);
+BENCHMARK(racechrono)->Arg(200'000)->Unit(benchmark::kMillisecond);
+BENCHMARK(racebox)->Arg(200'000)->Unit(benchmark::kMillisecond);
+BENCHMARK(trackaddict)->Arg(200'000)->Unit(benchmark::kMillisecond);
+BENCHMARK(aim)->Arg(200'000)->Unit(benchmark::kMillisecond);
+BENCHMARK(novatel)->Arg(200'000)->Unit(benchmark::kMillisecond);
+BENCHMARK(septentrio)->Arg(200'000)->Unit(benchmark::kMillisecond);
 BENCHMARK(flysight)->Arg(200'000)->Unit(benchmark::kMillisecond);
 BENCHMARK(vbo)->Arg(200'000)->Unit(benchmark::kMillisecond);
 BENCHMARK(igc)->Arg(80'000)->Unit(benchmark::kMillisecond);

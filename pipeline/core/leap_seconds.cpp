@@ -27,10 +27,10 @@ std::int64_t start_gps_s(const LeapSecondStep& step) {
 /// The last step for which `begun` holds; the first where it holds for none.
 template <typename Begun>
 const LeapSecondStep& last_step(Begun begun) {
-    const LeapSecondStep* found = std::begin(table);
-    for (const LeapSecondStep& step : table)
-        if (begun(step)) found = &step;
-    return *found;
+    // From the latest on: most times are after it.
+    for (auto step = std::rbegin(table); step != std::rend(table); ++step)
+        if (begun(*step)) return *step;
+    return table[0];
 }
 
 bool day_ends_in_leap_second(std::int64_t day) {

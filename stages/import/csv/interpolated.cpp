@@ -28,8 +28,11 @@ constexpr double height_step_m = 0.05, speed_step_m_s = 0.001;
 
 double step_of(std::string_view text) {
     const std::size_t point = text.find('.');
-    const std::size_t decimals = point == std::string_view::npos ? 0 : text.size() - point - 1;
-    return std::pow(10.0, -static_cast<double>(decimals));
+    std::size_t decimals = point == std::string_view::npos ? 0 : text.size() - point - 1;
+    double step = 1.0;
+    for (; decimals > 0; --decimals)
+        step *= 0.1;
+    return step;
 }
 
 using ShownRow = std::array<Shown, 4>;
@@ -51,11 +54,12 @@ double seconds_between(const PlacedRow& from, const PlacedRow& to) {
            1e-9;
 }
 
-bool is_linear(const PlacedRow& before, const PlacedRow& row, const PlacedRow& after) {
-    const double first_s = seconds_between(before, row), second_s = seconds_between(row, after);
+/// Whether the second of three rows lies between the others; from them what they show, and the
+/// steps between them (s).
+bool is_linear(const ShownRow& a, const ShownRow& b, const ShownRow& c, double first_s,
+               double second_s) {
     if (first_s <= 0.0 || second_s <= 0.0) return false;
     const double weight = first_s / (first_s + second_s);
-    const ShownRow a = shown(before.row), b = shown(row.row), c = shown(after.row);
     for (std::size_t i = 0; i < a.size(); ++i) {
         if (!a[i].value || !b[i].value || !c[i].value) continue;
         const double step = std::min({a[i].step, b[i].step, c[i].step});
@@ -67,8 +71,15 @@ bool is_linear(const PlacedRow& before, const PlacedRow& row, const PlacedRow& a
 
 std::vector<bool> linear_rows(const std::vector<PlacedRow>& rows) {
     std::vector<bool> linear(rows.size(), false);
-    for (std::size_t i = 1; i + 1 < rows.size(); ++i)
-        linear[i] = is_linear(rows[i - 1], rows[i], rows[i + 1]);
+    if (rows.size() < 3) return linear;
+    ShownRow a = shown(rows[0].row), b = shown(rows[1].row);
+    for (std::size_t i = 1; i + 1 < rows.size(); ++i) {
+        const ShownRow c = shown(rows[i + 1].row);
+        linear[i] = is_linear(a, b, c, seconds_between(rows[i - 1], rows[i]),
+                              seconds_between(rows[i], rows[i + 1]));
+        a = b;
+        b = c;
+    }
     return linear;
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -177,11 +178,12 @@ void note_left_out(Layout& layout, const LeftOut& left_out, std::size_t rows) {
                         count_of(left_out.interpolated, all)));
 }
 
-/// The rows that hold a fix; those that cannot be read are counted in `timed`.
-std::vector<PlacedRow> read_fixes(const Layout& layout, const Description& description,
-                                  const Receiver& receiver, const RecordingBytes& recording,
-                                  RowCollector& timed, LeftOut& left_out) {
-    std::vector<PlacedRow> rows;
+using TakeFix = std::function<void(const TimedRow& row, const RecordPlace& place)>;
+
+/// Gives the rows that hold a fix; those that cannot be read are counted in `timed`.
+void read_fixes(const Layout& layout, const Description& description, const Receiver& receiver,
+                const RecordingBytes& recording, RowCollector& timed, LeftOut& left_out,
+                const TakeFix& take) {
     std::string_view before;
     for_each_row(layout, recording, timed,
                  [&](const SourceLine& line, std::span<const Cell> cells) {
@@ -193,15 +195,18 @@ std::vector<PlacedRow> read_fixes(const Layout& layout, const Description& descr
                          ++left_out.repeated;
                          return timed.count_good();
                      }
-                     TimedRow row = read_row(cells, layout, description, receiver);
+                     const TimedRow row = read_row(cells, layout, description, receiver);
                      timed.count_good();
-                     if (!row.observation.latitude_deg) {
+                     if (row.observation.latitude_deg)
+                         take(row, RecordPlace(line));
+                     else
                          ++left_out.elsewhere;
-                         return;
-                     }
-                     rows.push_back({std::move(row), RecordPlace(line)});
                  });
-    return rows;
+}
+
+std::size_t count_lines(const RecordingBytes& recording) {
+    return 1 + static_cast<std::size_t>(
+                   std::count(recording.bytes.begin(), recording.bytes.end(), '\n'));
 }
 
 Layout preset_layout(const Preset& preset, const RecordingBytes& recording) {
@@ -233,17 +238,26 @@ Observations read(const Preset& preset, const Receiver& given, const RecordingBy
     description.between_fixes = preset.interpolates;
     set_units(layout, description, receiver);
     note_head(layout);
+    const bool unit_is_unknown = layout[Column::speed] && !description.speed_unit &&
+                                 !unit_of_column(layout.head, *layout[Column::speed]);
     RowCollector timed(recording);
     LeftOut left_out;
-    std::vector<PlacedRow> rows =
-        read_fixes(layout, description, receiver, recording, timed, left_out);
-    if (preset.interpolates) left_out.interpolated = take_out_interpolated(rows);
-    note_left_out(layout, left_out, rows.size());
-    if (layout[Column::speed] && !description.speed_unit &&
-        !unit_of_column(layout.head, *layout[Column::speed]))
-        drop_speeds(rows, layout);
-    for (const PlacedRow& row : rows)
-        timed.add(row.row, row.place);
+    if (preset.interpolates || unit_is_unknown) {
+        std::vector<PlacedRow> rows;
+        rows.reserve(count_lines(recording));
+        read_fixes(layout, description, receiver, recording, timed, left_out,
+                   [&](const TimedRow& row, const RecordPlace& place) {
+                       rows.push_back({row, place});
+                   });
+        if (preset.interpolates) left_out.interpolated = take_out_interpolated(rows);
+        if (unit_is_unknown) drop_speeds(rows, layout);
+        for (const PlacedRow& row : rows)
+            timed.add(row.row, row.place);
+    } else {
+        read_fixes(layout, description, receiver, recording, timed, left_out,
+                   [&](const TimedRow& row, const RecordPlace& place) { timed.add(row, place); });
+    }
+    note_left_out(layout, left_out, timed.size());
     if (!preset.note.empty()) layout.notes.emplace_back(preset.note);
     return observations_of_table(receiver, description, layout, std::move(timed), recording,
                                  preset.format);

@@ -55,6 +55,7 @@ std::vector<Cell> split(const SourceLine& line, const RecordingBytes& recording,
         return Cell{text.substr(from, to - from), &recording, line.number, from + 1};
     };
     std::vector<Cell> cells;
+    cells.reserve(24);
     for (std::size_t at = 0;; ++at) {
         while (at < text.size() && is_blank(text[at]) && (by_blanks || !delimits(at)))
             ++at;

@@ -118,14 +118,14 @@ nlohmann::ordered_json reading_of(const YamlValue& entry) {
     return stated;
 }
 
-/// Of positions, of velocities, or of both.
+/// What the recording leaves out of horizontal coordinates, heights and velocities.
 AttemptAccuracy read_accuracy(const YamlValue& entry) {
     const AttemptAccuracy accuracy{.horizontal_m = entry["horizontal_m"].optional_real(),
                                    .vertical_m = entry["vertical_m"].optional_real(),
                                    .velocity_m_s = entry["velocity_mps"].optional_real()};
-    if (!accuracy.horizontal_m && (accuracy.vertical_m || !accuracy.velocity_m_s))
-        entry.fail("\"horizontal_m\" is missing",
-                   "Add horizontal_m; only velocity_mps may stand without it");
+    if (!accuracy.horizontal_m && !accuracy.vertical_m && !accuracy.velocity_m_s)
+        entry.fail("the accuracy states nothing",
+                   "Add horizontal_m, vertical_m or velocity_mps, what the recording leaves out");
     return accuracy;
 }
 

@@ -184,6 +184,7 @@ void count_rows(const Observations& observations, Inspection& inspection) {
         inspection.with_velocity += has_speed(row) ? 1 : 0;
         inspection.speeds_alone += row.recorded_speed_m_s ? 1 : 0;
         inspection.velocities_stated += has_velocity_accuracy(row) ? 1 : 0;
+        inspection.with_vertical_accuracy += row.sigma_up_m ? 1 : 0;
         if (row.sigma_east_m && row.sigma_north_m)
             horizontal_m.push_back(std::hypot(*row.sigma_east_m, *row.sigma_north_m));
         if (row.sigma_recorded_velocity_east_m_s && row.sigma_recorded_velocity_north_m_s)

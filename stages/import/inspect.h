@@ -52,7 +52,8 @@ struct Inspection {
     bool georeferenced = true;
     bool vertical_measured = true;
     std::string accuracy_source;
-    std::size_t with_accuracy = 0;
+    std::size_t with_accuracy = 0;           ///< epochs that state a horizontal one
+    std::size_t with_vertical_accuracy = 0;  ///< epochs that state one of heights
     /// sqrt(sigma_east^2 + sigma_north^2)
     std::optional<double> median_horizontal_m, worst_horizontal_m;
     std::optional<RawBest> best_by_position, best_by_velocity;

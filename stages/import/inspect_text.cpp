@@ -178,7 +178,11 @@ void add_quality_concerns(const Inspection& it, std::vector<std::string>& concer
     if (it.with_accuracy == 0)
         concerns.push_back(fmt::format("No accuracy is stated: the attempt must give one ({}).",
                                        accuracy_key(it.vertical_measured)));
-    else if (*it.worst_horizontal_m > 10.0 || *it.median_horizontal_m < 0.001)
+    else if (it.vertical_measured && it.with_vertical_accuracy == 0)
+        concerns.push_back(
+            "No accuracy of heights is stated: the attempt must give one (accuracy: {vertical_m: "
+            "...}).");
+    if (it.with_accuracy > 0 && (*it.worst_horizontal_m > 10.0 || *it.median_horizontal_m < 0.001))
         concerns.push_back("Some stated standard deviations are implausible.");
     if (it.velocity_delay_s && std::abs(*it.velocity_delay_s) > notable_delay_s)
         concerns.push_back(

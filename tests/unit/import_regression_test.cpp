@@ -19,7 +19,6 @@ std::string failure_of_files(const std::vector<RecordingBytes>& files) {
     return "read";
 }
 
-// Its epochs counted as two measurements each.
 // Splitting a line at blanks never came past a NUL, and took memory until there was none.
 TEST(ImportRegression, ANulInTheFirstLineIsNoRowOfAPos) {
     const std::string binary("1\0\0 2 \0\0\0 3\n\0", 14);
@@ -27,6 +26,18 @@ TEST(ImportRegression, ANulInTheFirstLineIsNoRowOfAPos) {
     EXPECT_NE(failure_of(pos_receiver(), binary).find("byte 1 is NUL"), std::string::npos);
 }
 
+// A column's name of bytes that are no text stood in a note, and came back as another.
+TEST(ImportRegression, AColumnsNameOfAnyBytesIsWrittenAndComesBack) {
+    const std::string text =
+        "%  GPST  latitude(deg)  longitude(deg)  height(m)  Q  ns  sdn(m)  sde(m)  sdu(m)  "
+        "sdne(m)  sdeu(m)  sdun(m)  age(s)  ratio  \xe7\xe7\n"
+        "2023/07/11 06:04:30.000  45.1  9.2  41.4  1  16  0.005  0.005  0.01  "
+        "0.003  0.002  -0.003  0.03  6.4  1.0\n";
+    const Observations read = import_text(pos_receiver(), text);
+    EXPECT_TRUE(has_note(read, "Columns that are not used: \\xe7\\xe7."));
+}
+
+// Its epochs counted as two measurements each.
 TEST(ImportRegression, AFileGivenTwiceIsRefused) {
     const std::string one = fixture("degrees.pos");
     const std::string other = replaced(one, "made by hand", "made again");

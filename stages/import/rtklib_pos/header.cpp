@@ -192,7 +192,7 @@ Layout read_column_line(const SourceLine& line, const RecordingBytes& recording)
         // Behind another program's columns a name that RTKLIB uses, too, is that program's.
         if (!known || (first_other && layout[known->column])) {
             if (!first_other) first_other = &cell;
-            layout.passed_over.emplace_back(cell.text);
+            layout.passed_over.push_back(escape_for_message(cell.text));
             layout.fields += 1;
             continue;
         }

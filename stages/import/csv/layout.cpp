@@ -158,12 +158,14 @@ std::optional<Quantity> quantity_of(Column column) {
         case Column::quality_2d:
         case Column::quality_height:
             return Quantity::length;
-        case Column::time:
-        case Column::week:
-        case Column::date:
         case Column::latitude:
         case Column::longitude:
         case Column::course:
+            return Quantity::angle;
+        case Column::time:
+            return Quantity::time;
+        case Column::week:
+        case Column::date:
         case Column::fix:
         case Column::satellites:
         case Column::new_fix:
@@ -173,9 +175,25 @@ std::optional<Quantity> quantity_of(Column column) {
     return std::nullopt;
 }
 
-/// Coordinates keep the decimals they are written with, and so their unit.
-bool must_be_metres(Column column) {
-    return column <= Column::north || (column >= Column::x && column <= Column::z);
+/// Coordinates and times keep the decimals they are written with, and so their unit.
+bool keeps_its_unit(Column column) {
+    return column == Column::time || column <= Column::north ||
+           (column >= Column::x && column <= Column::z) || column == Column::latitude ||
+           column == Column::longitude;
+}
+
+std::string_view word_of(Quantity quantity) {
+    switch (quantity) {
+        case Quantity::speed:
+            return "m/s";
+        case Quantity::length:
+            return "metres";
+        case Quantity::angle:
+            return "degrees";
+        case Quantity::time:
+            break;
+    }
+    return "seconds";
 }
 
 }  // namespace
@@ -193,13 +211,20 @@ void set_units(Layout& layout, const Description& description, const Receiver& r
         const auto column = static_cast<Column>(i);
         const auto quantity = quantity_of(column);
         if (!layout.place[i] || !quantity) continue;
+        // Dates and times of day have no unit, whatever a name says.
+        if (column == Column::time && (description.time_format == TimeFormat::iso ||
+                                       description.time_format == TimeFormat::time_of_day))
+            continue;
         const Cell& name = layout.head.names[*layout.place[i]];
         std::optional<Unit> unit = unit_of_column(layout.head, *layout.place[i]);
         if (unit && unit->quantity != *quantity) unit.reset();
-        if (unit && must_be_metres(column) && unit->in_si != 1.0)
-            name.fail(fmt::format("the coordinate \"{}\" is in {}", escape_for_message(name.text),
-                                  unit->name),
-                      "Give the recording with coordinates in metres");
+        if (unit && keeps_its_unit(column) && unit->factor != 1.0)
+            name.fail(
+                fmt::format("the {} \"{}\" is in {}",
+                            column == Column::time ? "time" : "coordinate",
+                            escape_for_message(name.text), unit->name),
+                fmt::format("Give the recording with {} in {}",
+                            column == Column::time ? "times" : "coordinates", word_of(*quantity)));
         if (*quantity == Quantity::speed && description.speed_unit) {
             if (unit && unit->name != description.speed_unit->name)
                 name.fail(fmt::format("the header says {}, and the attempt's speed_unit {}",
@@ -208,11 +233,11 @@ void set_units(Layout& layout, const Description& description, const Receiver& r
             unit = description.speed_unit;
         }
         if (!unit) continue;
-        layout.in_si[i] = unit->in_si;
-        if (unit->in_si != 1.0)
+        layout.factor[i] = unit->factor;
+        if (unit->factor != 1.0)
             layout.notes.push_back(fmt::format("The column \"{}\" is in {}, and was turned to {}.",
                                                escape_for_message(name.text), unit->name,
-                                               *quantity == Quantity::speed ? "m/s" : "metres"));
+                                               word_of(*quantity)));
     }
 }
 

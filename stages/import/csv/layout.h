@@ -69,11 +69,11 @@ Description describe(const Receiver& receiver);
 
 /// Where in a table the columns are, and what their numbers are in.
 struct Layout : ColumnPlaces<Column> {
-    Layout() { in_si.fill(1.0); }
+    Layout() { factor.fill(1.0); }
 
     Head head;
     /// Of each column's numbers, in metres or metres a second.
-    std::array<double, static_cast<std::size_t>(Column::count)> in_si{};
+    std::array<double, static_cast<std::size_t>(Column::count)> factor{};
     std::vector<std::string> notes;  ///< on what was passed over, and on units
 };
 

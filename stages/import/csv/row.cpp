@@ -24,7 +24,7 @@ class Fields : public RowCells<Column> {
     /// Whether the column is there and its field not empty.
     bool has(Column column) const { return !text(column).empty(); }
     double real(Column column) const {
-        return RowCells::real(column, name_of(column)) * layout_.in_si[index(column)];
+        return RowCells::real(column, name_of(column)) * layout_.factor[index(column)];
     }
     std::optional<double> optional_real(Column column) const {
         if (!has(column)) return std::nullopt;
@@ -34,7 +34,7 @@ class Fields : public RowCells<Column> {
     std::optional<double> deviation(Column column) const {
         if (!has(column)) return std::nullopt;
         const double value =
-            read_deviation(cell(column), name_of(column)) * layout_.in_si[index(column)];
+            read_deviation(cell(column), name_of(column)) * layout_.factor[index(column)];
         return value > 0.0 ? std::optional(value) : std::nullopt;
     }
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/angle.h"
 #include "core/text.h"
 
 namespace runcert::csv {
@@ -17,6 +18,10 @@ constexpr Unit metre{"m", Quantity::length, 1.0};
 constexpr Unit centimetre{"cm", Quantity::length, 0.01};
 constexpr Unit millimetre{"mm", Quantity::length, 0.001};
 constexpr Unit foot{"ft", Quantity::length, 0.3048};
+constexpr Unit degree{"deg", Quantity::angle, 1.0};
+constexpr Unit radian{"rad", Quantity::angle, Angle::from_radians(1.0).degrees()};
+constexpr Unit second{"s", Quantity::time, 1.0};
+constexpr Unit millisecond{"ms", Quantity::time, 0.001};
 
 struct Spelling {
     std::string_view text;
@@ -44,7 +49,17 @@ constexpr std::array spellings{Spelling{"m/s", metre_a_second},
                                Spelling{"cm", centimetre},
                                Spelling{"mm", millimetre},
                                Spelling{"ft", foot},
-                               Spelling{"feet", foot}};
+                               Spelling{"feet", foot},
+                               Spelling{"deg", degree},
+                               Spelling{"degrees", degree},
+                               Spelling{"rad", radian},
+                               Spelling{"radians", radian},
+                               Spelling{"s", second},
+                               Spelling{"sec", second},
+                               Spelling{"seconds", second},
+                               Spelling{"ms", millisecond},
+                               Spelling{"0.001 s", millisecond},
+                               Spelling{"milliseconds", millisecond}};
 
 /// Where the brackets at the end of a name begin; its size where there are none.
 std::size_t brackets_of(std::string_view name) {
@@ -78,7 +93,7 @@ std::string_view without_unit(std::string_view name) {
 
 std::optional<Unit> speed_unit_of_ratio(double ratio) {
     for (const Unit& unit : {metre_a_second, kilometre_an_hour, mile_an_hour, knot})
-        if (std::abs(ratio * unit.in_si - 1.0) < 0.07) return unit;
+        if (std::abs(ratio * unit.factor - 1.0) < 0.07) return unit;
     return std::nullopt;
 }
 

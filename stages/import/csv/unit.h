@@ -5,13 +5,14 @@
 
 namespace runcert::csv {
 
-enum class Quantity { speed, length };
+enum class Quantity { speed, length, angle, time };
 
-/// A unit as the headers of tables write it ("Km/h", "mph", "ft"), in metres or metres a second.
+/// A unit as the headers of tables write it ("Km/h", "mph", "ft"), in metres a second, metres,
+/// degrees or seconds.
 struct Unit {
     std::string_view name;  ///< "km/h", "ft", as the attempt writes it
     Quantity quantity = Quantity::speed;
-    double in_si = 1.0;
+    double factor = 1.0;
 };
 
 /// By any of its spellings, in any case; nothing for a text that is none.

@@ -50,6 +50,13 @@ GpsTime instant(const CalendarTime& shown, Clock clock) {
         GpsTime::from_calendar(shown).plus_nanoseconds(-clock.ahead_of_utc_ns).calendar());
 }
 
+GpsTime from_unix(std::int64_t nanoseconds) {
+    const GpsTime shown =
+        GpsTime::from_nanoseconds(nanoseconds)
+            .plus_nanoseconds(-unix_seconds_of_gps_epoch * GpsTime::nanoseconds_per_second);
+    return gps_from_utc(shown.calendar());
+}
+
 /// Runs a conversion; its failure is one at the cell.
 template <class Conversion>
 GpsTime at(const Cell& cell, Conversion conversion) {
@@ -117,12 +124,12 @@ GpsTime instant_of_utc(const CalendarTime& utc, const RecordingBytes& recording,
 
 GpsTime read_unix(const Cell& cell) {
     const std::int64_t nanoseconds = read_nanoseconds(cell, "unix time");
-    return at(cell, [&] {
-        const GpsTime shown =
-            GpsTime::from_nanoseconds(nanoseconds)
-                .plus_nanoseconds(-unix_seconds_of_gps_epoch * GpsTime::nanoseconds_per_second);
-        return instant(shown.calendar(), Clock::utc);
-    });
+    return at(cell, [&] { return from_unix(nanoseconds); });
+}
+
+GpsTime instant_of_unix(std::int64_t nanoseconds, const RecordingBytes& recording,
+                        const RecordPlace& place) {
+    return instant_of_record(recording, place, [&] { return from_unix(nanoseconds); });
 }
 
 }  // namespace runcert

@@ -48,4 +48,8 @@ GpsTime instant_of_utc(const CalendarTime& utc, const RecordingBytes& recording,
 /// The instant of a count of seconds since 1970-01-01 UTC, without leap seconds.
 GpsTime read_unix(const Cell& cell);
 
+/// The same of nanoseconds that a binary record gives. Failure at its place.
+GpsTime instant_of_unix(std::int64_t nanoseconds, const RecordingBytes& recording,
+                        const RecordPlace& place);
+
 }  // namespace runcert

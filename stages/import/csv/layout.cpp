@@ -177,9 +177,19 @@ std::optional<Quantity> quantity_of(Column column) {
 
 /// Coordinates and times keep the decimals they are written with, and so their unit.
 bool keeps_its_unit(Column column) {
-    return column == Column::time || column <= Column::north ||
-           (column >= Column::x && column <= Column::z) || column == Column::latitude ||
-           column == Column::longitude;
+    switch (column) {
+        case Column::time:
+        case Column::east:
+        case Column::north:
+        case Column::latitude:
+        case Column::longitude:
+        case Column::x:
+        case Column::y:
+        case Column::z:
+            return true;
+        default:
+            return false;
+    }
 }
 
 std::string_view word_of(Quantity quantity) {

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <optional>
+#include <vector>
 
 #include "core/failure.h"
 #include "stages/import/clock.h"
@@ -16,8 +17,8 @@ namespace {
 
 constexpr std::uint16_t file_id = 0, record = 20, gps_metadata = 160;
 constexpr double degrees_per_semicircle = 180.0 / 2147483648.0;
-/// From 1970-01-01 to 1989-12-31, both UTC.
-constexpr std::int64_t unix_of_fit_epoch_s = 631'065'600, unix_of_gps_epoch_s = 315'964'800;
+/// 1989-12-31 UTC.
+constexpr std::int64_t unix_of_fit_epoch_s = 631'065'600;
 /// Smaller time stamps count from when the device was switched on.
 constexpr std::uint32_t least_absolute_s = 0x10000000;
 
@@ -72,10 +73,9 @@ GpsTime instant_of(const Message& message, const RecordingBytes& recording) {
     std::int64_t milliseconds = 0;
     if (const auto field = fields_of(message.number).milliseconds)
         milliseconds = message.whole(*field).value_or(0);
-    const std::int64_t seconds = *message.timestamp + unix_of_fit_epoch_s - unix_of_gps_epoch_s;
-    const GpsTime shown = GpsTime::from_nanoseconds(seconds * GpsTime::nanoseconds_per_second +
-                                                    milliseconds * 1'000'000);
-    return instant_of_utc(shown.calendar(), recording, place);
+    const std::int64_t seconds = *message.timestamp + unix_of_fit_epoch_s;
+    return instant_of_unix(seconds * GpsTime::nanoseconds_per_second + milliseconds * 1'000'000,
+                           recording, place);
 }
 
 void read_velocity(const Message& message, const Fields& fields, RecordedVelocity& row) {
@@ -122,11 +122,14 @@ TimedRow read_row(const Message& message, const RecordingBytes& recording) {
     return row;
 }
 
-/// What the file says of itself, and how many positions each kind of message has.
+/// What the file says of itself, and its messages with a position.
 struct Contents {
-    std::size_t records = 0, metadata = 0, without_position = 0;
+    std::vector<Message> records, metadata;
+    std::size_t records_without_position = 0;
     std::optional<std::int64_t> manufacturer, product;
     Decoded decoded;
+
+    bool uses_metadata() const { return metadata.size() > records.size(); }
 };
 
 Contents look_through(const RecordingBytes& recording) {
@@ -136,18 +139,22 @@ Contents look_through(const RecordingBytes& recording) {
             contents.manufacturer = message.whole(1);
             contents.product = message.whole(2);
         }
-        if (message.number == record)
-            ++(has_position(message) ? contents.records : contents.without_position);
-        if (message.number == gps_metadata && has_position(message)) ++contents.metadata;
+        if (message.number != record && message.number != gps_metadata) return;
+        const bool is_record = message.number == record;
+        if (has_position(message))
+            (is_record ? contents.records : contents.metadata).push_back(message);
+        else if (is_record)
+            ++contents.records_without_position;
     });
     return contents;
 }
 
-void note(Observations& observations, const Contents& contents, bool metadata) {
+void note(Observations& observations, const Contents& contents) {
     observations.notes.push_back(
-        metadata ? "Positions are those of gps_metadata messages."
-                 : "Positions are those of record messages, whose times are whole seconds: what "
-                   "the device rounded off is not known.");
+        contents.uses_metadata()
+            ? "Positions are those of gps_metadata messages."
+            : "Positions are those of record messages, whose times are whole seconds: what "
+              "the device rounded off is not known.");
     observations.notes.emplace_back(note_heights_above_sea_level);
     if (contents.decoded.files > 1)
         observations.notes.push_back(fmt::format(
@@ -156,23 +163,19 @@ void note(Observations& observations, const Contents& contents, bool metadata) {
         observations.notes.push_back(
             "The device did not close the file: its size and checksum are not there, and nothing "
             "shows whether bytes were changed.");
-    if (!metadata && contents.without_position > 0)
+    if (!contents.uses_metadata() && contents.records_without_position > 0)
         observations.notes.push_back(fmt::format("{} records have no position, and are no epochs.",
-                                                 contents.without_position));
+                                                 contents.records_without_position));
 }
 
 Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     require_readable(recording);
     const Contents contents = look_through(recording);
-    const bool metadata = contents.metadata > contents.records;
-    const std::uint16_t wanted = metadata ? gps_metadata : record;
+    const bool metadata = contents.uses_metadata();
     RowCollector timed(recording, WrittenResolution(CoordinateUnit::degree, degrees_per_semicircle,
                                                     metadata ? 1e-3 : 1.0));
-    decode(recording, [&](const Message& message) {
-        if (message.number == wanted && has_position(message))
-            timed.add_record(RecordPlace(message.byte),
-                             [&] { return read_row(message, recording); });
-    });
+    for (const Message& message : metadata ? contents.metadata : contents.records)
+        timed.add_record(RecordPlace(message.byte), [&] { return read_row(message, recording); });
     Observations observations;
     observations.format = "fit";
     observations.frame = "geodetic";
@@ -181,7 +184,7 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
         observations.device = fmt::format("manufacturer {}, product {} by FIT's numbers",
                                           *contents.manufacturer, contents.product.value_or(0));
     set_rows(observations, std::move(timed));
-    note(observations, contents, metadata);
+    note(observations, contents);
     apply_attempt(observations, receiver);
     return observations;
 }

@@ -21,12 +21,13 @@ namespace {
 struct Block {
     std::string_view row;  ///< its first field
     std::string_view name;
+    bool is_geodetic;  ///< latitude, longitude, height and north, east, up; else Earth-centred
     std::size_t position, velocity, satellites, fields;
 };
 
 constexpr std::size_t seconds = 1;
-constexpr Block geodetic{"-1", "PVTGeodetic", 2, 6, 11, 16};
-constexpr Block cartesian{"0", "PVTCartesian", 2, 5, 10, 15};
+constexpr Block geodetic{"-1", "PVTGeodetic", true, 2, 6, 11, 16};
+constexpr Block cartesian{"0", "PVTCartesian", false, 2, 5, 10, 15};
 /// Behind the satellites.
 constexpr std::size_t mode_behind = 1, age_behind = 2, error_behind = 3;
 
@@ -69,7 +70,7 @@ class Reader {
         : recording_(recording),
           block_(block),
           timed_(recording,
-                 block.row == geodetic.row
+                 block.is_geodetic
                      ? WrittenResolution(CoordinateUnit::degree, degrees_per_written_step, 0.01)
                      : WrittenResolution(CoordinateUnit::metre, 1e-3, 0.01)) {}
 
@@ -80,7 +81,7 @@ class Reader {
                 timed_.add_record(RecordPlace(*line), [&] { return read_row(*line); });
         Observations observations;
         observations.format = "septentrio";
-        observations.frame = block_.row == geodetic.row ? "geodetic" : "ecef";
+        observations.frame = block_.is_geodetic ? "geodetic" : "ecef";
         observations.time_scale = "gps";
         observations.variant = block_.name;
         set_rows(observations, std::move(timed_));
@@ -126,10 +127,9 @@ class Reader {
             row.fix = FixType::none;
             return;
         }
-        const bool is_geodetic = block_.row == geodetic.row;
         const Cell& first = cells[block_.position];
         const Geodetic position =
-            is_geodetic
+            block_.is_geodetic
                 ? checked_geodetic({.latitude = Angle::from_radians((*place)[0]),
                                     .longitude = Angle::from_radians((*place)[1]),
                                     .height_m = (*place)[2]},
@@ -138,7 +138,7 @@ class Reader {
         set_position(row, position);
         auto velocity = three(cells, block_.velocity, "velocity");
         if (!velocity) return;
-        if (is_geodetic)
+        if (block_.is_geodetic)
             velocity = Eigen::Vector3d((*velocity)[1], (*velocity)[0], (*velocity)[2]);
         else
             velocity = rotation_enu_from_ecef(position.latitude, position.longitude) * *velocity;
@@ -151,14 +151,21 @@ class Reader {
     RowCollector timed_;
 };
 
+/// The block that a line is a row of; null where it is none.
+const Block* block_of(std::string_view line) {
+    if (is_row(line, geodetic)) return &geodetic;
+    return is_row(line, cartesian) ? &cartesian : nullptr;
+}
+
 /// The block that positions are taken from; null where there is none.
 const Block* find_block(std::string_view bytes) {
     const Block* found = nullptr;
     LineReader lines(bytes);
-    while (const auto line = lines.next()) {
-        if (is_row(line->text, geodetic)) return &geodetic;
-        if (is_row(line->text, cartesian)) found = &cartesian;
-    }
+    while (const auto line = lines.next())
+        if (const Block* block = block_of(line->text)) {
+            if (block->is_geodetic) return block;
+            found = block;
+        }
     return found;
 }
 
@@ -168,9 +175,7 @@ bool recognises(std::string_view bytes) {
     const RecordingBytes unnamed{.name = {}, .bytes = bytes};
     LineReader lines(bytes);
     while (const auto line = lines.next()) {
-        const Block* block = is_row(line->text, geodetic)    ? &geodetic
-                             : is_row(line->text, cartesian) ? &cartesian
-                                                             : nullptr;
+        const Block* block = block_of(line->text);
         if (!block) continue;
         try {
             const auto cells = split_words(*line, line->text, unnamed);

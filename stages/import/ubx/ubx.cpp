@@ -188,13 +188,13 @@ class Reader {
             "Epochs in which satellites and dead reckoning are combined, which count as dead "
             "reckoning",
             tally.with_dead_reckoning);
-        if (parts_ & bit_of(Part::pvt)) return;
-        observations_.notes.push_back(
-            "The recording has no NAV-PVT messages; those of older receivers are used instead.");
         note(
             "Positions of NAV-SOL, in whole centimetres; with NAV-POSLLH recorded, too, they are "
             "finer",
             tally.of_solution);
+        if (parts_ & bit_of(Part::pvt)) return;
+        observations_.notes.push_back(
+            "The recording has no NAV-PVT messages; those of older receivers are used instead.");
     }
 
     const RecordingBytes& recording_;
@@ -204,7 +204,7 @@ class Reader {
     Observations observations_;
     std::optional<Epoch> epoch_;
     std::optional<Failure> first_impossible_;  ///< of an epoch whose frames were whole
-    unsigned parts_ = 0;  ///< bit set of the Parts that were there
+    unsigned parts_ = 0;                       ///< bit set of the Parts that were there
     std::int64_t raw_ = 0;
     std::int64_t repeated_ = 0;
 };

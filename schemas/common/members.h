@@ -71,6 +71,8 @@ template <class T>
 T read(const YamlValue& value) {
     if constexpr (std::is_same_v<T, std::optional<GpsTime>>) {
         return read_gps_time(value);
+    } else if constexpr (std::is_same_v<T, GpsTime>) {
+        return *read_gps_time(value);
     } else if constexpr (Unwrapped<T>::optional) {
         return read<typename Unwrapped<T>::type>(value);
     } else if constexpr (Unwrapped<T>::list) {

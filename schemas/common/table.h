@@ -14,6 +14,7 @@
 
 #include "core/failure.h"
 #include "core/optional_number.h"
+#include "core/satellite.h"
 #include "files/ecsv.h"
 #include "schemas/common/document.h"
 #include "schemas/common/header.h"
@@ -73,6 +74,15 @@ inline void write(EcsvWriter& out, bool value) {
 inline void write(EcsvWriter& out, ElapsedTime value) {
     out.seconds(value.nanoseconds);
 }
+/// A satellite ("G02") or a signal ("1C").
+template <class Code>
+requires requires(Code code) {
+    letters_of(code);
+}
+void write(EcsvWriter& out, Code value) {
+    const auto letters = letters_of(value);
+    out.text({letters.data(), letters.size()});
+}
 template <class Enum>
 requires std::is_enum_v<Enum>
 void write(EcsvWriter& out, Enum value) {
@@ -115,9 +125,11 @@ inline void read(const EcsvReader& in, std::size_t column, bool& value) {
 inline void read(const EcsvReader& in, std::size_t column, ElapsedTime& value) {
     value.nanoseconds = in.seconds(column);
 }
-template <class Enum>
-requires std::is_enum_v<Enum>
-void read(const EcsvReader& in, std::size_t column, Enum& value) {
+template <class Word>
+requires requires(Word word) {
+    from_text(std::string_view(), word);
+}
+void read(const EcsvReader& in, std::size_t column, Word& value) {
     if (!from_text(in.word(column), value))
         in.fail(column, "\"" + in.text(column) + "\" is not one of the known words",
                 "The file is not as the program writes it; take the original, or run the stage "

@@ -21,6 +21,8 @@ std::string value_type(const Declaration& declaration, const std::string& type) 
     if (type == "boolean") return "bool";
     if (type == "elapsed") return "ElapsedTime";
     if (type == "gps_time") return "GpsTime";
+    if (type == "satellite") return "Satellite";
+    if (type == "signal") return "SignalCode";
     return {};
 }
 

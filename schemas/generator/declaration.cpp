@@ -63,8 +63,15 @@ const Item* find(const std::map<std::string, Item>& items, const std::string& na
 }
 
 /// What the name of a column's member ends with, by the column's unit.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 5> column_units{
-    {{"m", "_m"}, {"m / s", "_m_s"}, {"m / s2", "_m_s2"}, {"s", "_s"}, {"deg", "_deg"}}};
+constexpr std::array<std::pair<std::string_view, std::string_view>, 8> column_units{
+    {{"m", "_m"},
+     {"m / s", "_m_s"},
+     {"m / s2", "_m_s2"},
+     {"s", "_s"},
+     {"deg", "_deg"},
+     {"cycle", "_cycles"},
+     {"Hz", "_hz"},
+     {"dB Hz", "_db_hz"}}};
 
 }  // namespace
 

@@ -27,13 +27,14 @@
 //   fields            the fields outside every map
 //
 // A field has the keys of a field table (type, unit, required, min, max, values, decimals,
-// description). Its type may also be a map, an enumeration, `gps_time`, or `speed`, which stands in
-// four units; a `list` is `of` a type, and `item` describes what is in it. What is not required is
-// an optional in C++, an empty text or an empty list. For C++ alone: `member` (where its name is
-// not the field's), `initially` (the value of a new struct), `flat` (the members of a map stand
-// beside those of the one it is in), `omit` (the value that is left out), `scale` (file over
-// member), `computed` (an expression of the struct, written and never read). A `unit` of "*" is
-// that of the field which the map is used for. A column that is never empty says `always`.
+// description). Its type may also be a map, an enumeration, `gps_time`, `satellite` ("G02"),
+// `signal` ("1C"), or `speed`, which stands in four units; a `list` is `of` a type, and `item`
+// describes what is in it. What is not required is an optional in C++, an empty text or an empty
+// list. For C++ alone: `member` (where its name is not the field's), `initially` (the value of a
+// new struct), `flat` (the members of a map stand beside those of the one it is in), `omit` (the
+// value that is left out), `scale` (file over member), `computed` (an expression of the struct,
+// written and never read). A `unit` of "*" is that of the field which the map is used for. A column
+// that is never empty says `always`.
 
 namespace runcert {
 

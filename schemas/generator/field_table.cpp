@@ -61,7 +61,7 @@ class Table {
                 add(key, type);
             } else if (said == "elapsed") {
                 add(key, "real, unit: s, decimals: 9");
-            } else if (said == "gps_time") {
+            } else if (said == "gps_time" || said == "satellite" || said == "signal") {
                 add(key, "text");
             } else if (const DeclaredWords* words = declaration_.words(said)) {
                 std::string list;

@@ -15,44 +15,14 @@
 namespace runcert {
 namespace {
 
-/// Each time there are so many more bad records, reading may stop.
-constexpr std::int64_t bad_to_give_up = 50'000;
 /// After so many rows the room for all of them is estimated, so that growing never copies them.
 constexpr std::size_t rows_to_estimate = 1024;
-
-/// Failure where most of a recording could not be read: it is then something else.
-void require_mostly_good(const RecordCount& records, const std::optional<Failure>& first_bad) {
-    if (2 * records.bad <= records.total) return;
-    if (records.total == 1) throw Failure(*first_bad);
-    throw Failure(first_bad->where(),
-                  fmt::format("{} ({} of {} records cannot be read; this is the first)",
-                              first_bad->problem(), records.bad, records.total),
-                  first_bad->remedy());
-}
 
 void note_leap_seconds(Observations& observations, GpsTime last) {
     if (observations.time_scale == "utc" && !utc_from_gps(last).leap_seconds_known)
         observations.notes.push_back(
             "The recording is in UTC, and for its date the leap seconds are not known to this "
             "program: its GPS time may be off by a whole second or more.");
-}
-
-/// The column that a Failure at "file:line:column" names.
-OptionalInteger column_of(const Failure& why, const RecordPlace& place) {
-    const std::size_t colon = why.where().rfind(':');
-    if (!place.line || colon == std::string::npos) return std::nullopt;
-    if (!why.where().substr(0, colon).ends_with(fmt::format(":{}", *place.line)))
-        return std::nullopt;
-    return parse_integer(std::string_view(why.where()).substr(colon + 1));
-}
-
-void note_bad_records(Observations& observations, const RecordCount& records) {
-    if (records.bad == 0) return;
-    const BadRecord& first = records.bad_records.front();
-    observations.notes.push_back(fmt::format(
-        "{} of {} records cannot be read; the first, {}{}: {}.", records.bad, records.total,
-        first.line ? fmt::format("line {}", *first.line) : fmt::format("byte {}", first.byte),
-        first.column ? fmt::format(", column {}", *first.column) : "", first.what));
 }
 
 /// The height at which to put the positions of a recording that has none.
@@ -166,23 +136,12 @@ void RowCollector::add(const TimedRow& row, const RecordPlace& place) {
 }
 
 void RowCollector::count_bad(const RecordPlace& place, const Failure& why, bool in_next_epoch) {
-    ++records_.total;
-    ++records_.bad;
-    if (!first_bad_) first_bad_ = why;
-    // What is nothing but bad records is not read to its end.
-    if (records_.bad % bad_to_give_up == 0 && 10 * records_.bad > 9 * records_.total)
-        require_mostly_good(records_, first_bad_);
-    if (records_.bad_records.size() >= bad_records_listed_at_most) return;
-    records_.bad_records.push_back({.line = place.line,
-                                    .column = column_of(why, place),
-                                    .byte = place.byte,
-                                    .epoch = summary_.rows + (in_next_epoch ? 1 : 0),
-                                    .what = why.problem() + ". " + why.remedy()});
+    log_.count_bad(place, why, summary_.rows + (in_next_epoch ? 1 : 0));
 }
 
 void set_rows(Observations& observations, RowCollector timed) {
     const RecordingBytes& recording = timed.recording_;
-    require_mostly_good(timed.records_, timed.first_bad_);
+    timed.log_.require_mostly_good();
     const RowSummary& rows = timed.summary_;
     if (rows.rows == 0)
         throw Failure(place_in(recording, 1, 1), "the recording has no epochs",
@@ -199,8 +158,7 @@ void set_rows(Observations& observations, RowCollector timed) {
     observations.facts.time_resolution_s = timed.written_.time_s();
     observations.facts.position_resolution_m = timed.written_.position_m(
         Angle::from_degrees(rows.first_latitude_deg.value_or(0.0)));  // the equator's without any
-    note_bad_records(observations, timed.records_);
-    observations.records = std::move(timed.records_);
+    observations.records = std::move(timed.log_).finish(observations.notes);
     observations.rows = std::move(timed.rows_);
 }
 

@@ -9,6 +9,7 @@
 #include "core/gps_time.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/observations/observations.h"
+#include "stages/import/record_log.h"
 #include "stages/import/recording.h"
 #include "stages/import/resolution.h"
 #include "stages/import/row_summary.h"
@@ -53,7 +54,7 @@ class RowCollector {
     void add(const TimedRow& row, const RecordPlace& place);
 
     /// Counts a record that could be read; most formats have one to a row, some several.
-    void count_good() { ++records_.total; }
+    void count_good() { log_.count_good(); }
 
     /// Counts a record that could not be read, and lists it. `in_next_epoch`: it is part of the
     /// epoch that will be added next. Failure, the first one's, where by far most of very many
@@ -74,7 +75,7 @@ class RowCollector {
 
     std::size_t size() const { return static_cast<std::size_t>(summary_.rows); }
     bool empty() const { return summary_.rows == 0; }
-    const RecordCount& records() const { return records_; }
+    const RecordCount& records() const { return log_.records(); }
     const RowSummary& summary() const { return summary_; }
 
   private:
@@ -86,8 +87,7 @@ class RowCollector {
     std::vector<Observation> rows_;
     RowSummary summary_;
     WrittenResolution written_;
-    RecordCount records_;
-    std::optional<Failure> first_bad_;
+    RecordLog log_;
 };
 
 /// Gives each row its time since the first, and fills what follows from that: first epoch (unless

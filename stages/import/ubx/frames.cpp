@@ -37,6 +37,12 @@ constexpr std::array<std::uint32_t, 256> make_crc_table() {
     return table;
 }
 
+bool is_text(char c) {
+    return (c >= ' ' && c <= '~') || c == '\r' || c == '\n' || c == '\t';
+}
+
+}  // namespace
+
 std::uint32_t crc24q(std::string_view bytes) {
     static constexpr std::array<std::uint32_t, 256> table = make_crc_table();
     std::uint32_t crc = 0;
@@ -44,12 +50,6 @@ std::uint32_t crc24q(std::string_view bytes) {
         crc = ((crc << 8) & 0xffffff) ^ table[(crc >> 16) ^ static_cast<unsigned char>(c)];
     return crc;
 }
-
-bool is_text(char c) {
-    return (c >= ' ' && c <= '~') || c == '\r' || c == '\n' || c == '\t';
-}
-
-}  // namespace
 
 Failure failure_of(const Frame& frame, const RecordingBytes& recording) {
     const std::string where = place_in(recording, RecordPlace(frame.offset));

@@ -23,6 +23,9 @@ struct Frame {
     bool cut_off = false;  ///< of a bad one: the recording ends before it does
 };
 
+/// The 24-bit cyclic redundancy check of RTCM 10403.3, section 4.2, and [GAL-ICD] 5.1.9.4.
+std::uint32_t crc24q(std::string_view bytes);
+
 /// Why a frame that is not good cannot be read.
 Failure failure_of(const Frame& frame, const RecordingBytes& recording);
 

@@ -1,0 +1,3 @@
+#pragma once
+
+#include "schemas/phase/declared.h"

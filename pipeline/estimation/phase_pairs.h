@@ -1,0 +1,106 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <vector>
+
+#include "estimation/phase_displacement.h"
+#include "estimation/phase_record.h"
+#include "estimation/phase_screening.h"
+
+namespace runcert {
+
+/// A number of a system's satellite, below `satellite_slots`.
+inline constexpr std::size_t satellite_slots = 700;
+constexpr std::size_t slot_of(Satellite satellite) {
+    return static_cast<std::size_t>(satellite.system) * 100 + satellite.number % 100;
+}
+
+/// A number of a signal code, below `code_slots`.
+inline constexpr std::size_t code_slots = 320;
+constexpr std::size_t slot_of(SignalCode code) {
+    return static_cast<std::size_t>(code.band % 10) * 32 +
+           static_cast<std::size_t>(code.attribute & 31);
+}
+
+/// Which signals are used: of a system, of its lowest band the one with most phases; of each
+/// satellite, of its other bands the one with most, which checks the first.
+class SignalChoice {
+  public:
+    explicit SignalChoice(const PhaseRecord& record);
+
+    bool is_first(Satellite satellite, SignalCode code) const {
+        return first_[static_cast<std::size_t>(satellite.system)] == slot_of(code);
+    }
+    bool is_second(Satellite satellite, SignalCode code) const {
+        return second_[slot_of(satellite)] == slot_of(code);
+    }
+
+  private:
+    std::array<std::size_t, 7> first_{};
+    std::vector<std::size_t> second_;
+};
+
+/// The signals of a satellite that count, by their numbers in the record.
+struct ChosenSignals {
+    static constexpr std::size_t none = std::numeric_limits<std::size_t>::max();
+    std::size_t first = none, second = none;
+};
+
+/// A satellite whose first band goes on from one epoch to the next.
+struct PhasePair {
+    const PhaseSatellite* before = nullptr;
+    const PhaseSatellite* now = nullptr;
+    ChosenSignals signals_before, signals_now;
+    double wavelength_m = 0.0;  ///< of the first band
+};
+
+/// What the phases of neighbouring epochs of a record say; by whether each phase is used. Epochs by
+/// their numbers in the record. What is not known is not a number.
+class PhasePairs {
+  public:
+    PhasePairs(const PhaseRecord& record, const std::vector<PhaseFinding>& findings)
+        : record_(record), findings_(findings), choice_(record) {}
+
+    const SignalChoice& choice() const { return choice_; }
+
+    ChosenSignals chosen_of(const PhaseSatellite& satellite) const;
+
+    /// Time from the epoch before, by the receiver's clock.
+    double step_s(std::size_t epoch) const {
+        return static_cast<double>(record_.epochs[epoch].time_ns -
+                                   record_.epochs[epoch - 1].time_ns) *
+               1e-9;
+    }
+
+    /// The satellites whose first band is used at an epoch and the one before, by the same
+    /// ephemeris, and was not lost.
+    std::vector<PhasePair> at(std::size_t epoch) const;
+
+    /// The wide lane (Melbourne-Wuebbena), in cycles.
+    double wide_lane_cycles(const PhaseSatellite& satellite, const ChosenSignals& chosen) const;
+
+    /// Change of the geometry-free difference of both bands.
+    double geometry_free_change_m(const PhasePair& pair) const;
+
+    /// Changes of the phases beyond what the Doppler shifts say, in cycles, their median over the
+    /// satellites (the clock's) taken out; nothing where too few have one.
+    std::vector<std::optional<double>> beyond_doppler_cycles(const std::vector<PhasePair>& pairs,
+                                                             double step_s) const;
+
+    /// The displacement that ends at an epoch.
+    std::optional<PhaseDisplacement> displacement(std::size_t epoch,
+                                                  const std::vector<PhasePair>& pairs,
+                                                  const PhaseNoise& noise) const;
+
+  private:
+    double geometry_free_m(const PhaseSatellite& satellite, const ChosenSignals& chosen) const;
+
+    const PhaseRecord& record_;
+    const std::vector<PhaseFinding>& findings_;
+    SignalChoice choice_;
+};
+
+}  // namespace runcert

@@ -1,0 +1,87 @@
+#include "estimation/phase_witness.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "estimation/phase_displacement.h"
+#include "satellites/point_solution.h"
+
+namespace runcert {
+
+void locate_by_pseudoranges(PhaseRecord& record) {
+    std::vector<CodeMeasurement> code;
+    Eigen::Vector3d last_m = Eigen::Vector3d::Zero();
+    for (PhaseEpoch& epoch : record.epochs) {
+        code.clear();
+        for (const PhaseSatellite& satellite : record.of(epoch)) {
+            if (!satellite.has_orbit() || !satellite.healthy) continue;
+            for (const PhaseSignal& signal : record.of(satellite)) {
+                if (!(signal.pseudorange_m == signal.pseudorange_m)) continue;
+                code.push_back({.system = satellite.id.system,
+                                .satellite_m = satellite.position_m,
+                                .pseudorange_m = signal.pseudorange_m + satellite.clock_m -
+                                                 double{satellite.group_delay_m}});
+                break;
+            }
+        }
+        if (const auto solution = point_solution(code, last_m)) last_m = solution->position_m;
+        epoch.receiver_m = last_m;
+    }
+}
+
+std::optional<WitnessedDisplacement> displacement_between(const PhaseRecord& record,
+                                                          const PhaseScreening& screening,
+                                                          std::size_t first, std::size_t second) {
+    const PhaseEpoch& from = record.epochs[first];
+    const PhaseEpoch& to = record.epochs[second];
+    if (!from.has_place()) return std::nullopt;
+    std::vector<PhaseChange> changes;
+    const auto later = record.of(to);
+    auto other = later.begin();
+    for (const PhaseSatellite& one : record.of(from)) {
+        while (other != later.end() && other->id < one.id)
+            ++other;
+        if (other == later.end()) break;
+        if (other->id != one.id) continue;
+        for (std::size_t i = 0; i < one.signals; ++i) {
+            const std::size_t before = one.first_signal + i;
+            const PhaseFinding& finding = screening.findings[before];
+            if (finding.arc == 0 || finding.supports) continue;
+            for (std::size_t j = 0; j < other->signals; ++j) {
+                const std::size_t now = other->first_signal + j;
+                const PhaseFinding& found = screening.findings[now];
+                if (record.signals[now].code != record.signals[before].code ||
+                    found.arc != finding.arc)
+                    continue;
+                const double cycles = record.signals[now].phase_cycles -
+                                      record.signals[before].phase_cycles -
+                                      (found.correction - finding.correction);
+                changes.push_back(
+                    {.satellite_m = {one.position_m, other->position_m},
+                     .clock_m = {one.clock_m, other->clock_m},
+                     .phase_m = cycles * wavelength_m(one.id, record.signals[now].code)});
+            }
+        }
+    }
+    if (changes.size() < least_witnesses || changes.size() > most_phase_changes)
+        return std::nullopt;
+    const double by_tags_s = static_cast<double>(to.time_ns - from.time_ns) * 1e-9;
+    const auto moved = phase_displacement(changes, receiver_place(from.receiver_m), by_tags_s,
+                                          {.white_m = screening.noise.white_m});
+    if (!moved) return std::nullopt;
+    WitnessedDisplacement result;
+    result.enu_m = moved->enu_m;
+    const double slow_m = systematic_rate_m_s(changes.size()) * by_tags_s;
+    // Phases that are disturbed at either end say so by their residuals.
+    const double excess = moved->statistic / moved->redundancy;
+    result.covariance_m2 = moved->covariance_m2 * std::max(1.0, excess);
+    result.covariance_m2.diagonal().head<2>().array() += slow_m * slow_m;
+    const double clock_m = screening.clock_m[second] - screening.clock_m[first];
+    result.interval_s = clock_m == clock_m ? by_tags_s - clock_m / speed_of_light_m_s : by_tags_s;
+    result.satellites = changes.size();
+    result.statistic = moved->statistic;
+    result.redundancy = moved->redundancy;
+    return result;
+}
+
+}  // namespace runcert

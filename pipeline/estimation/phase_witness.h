@@ -1,0 +1,37 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <optional>
+
+#include "estimation/phase_record.h"
+#include "estimation/phase_screening.h"
+
+namespace runcert {
+
+/// Solves the receiver's place at every epoch by its pseudoranges (some metres); epochs that have
+/// too few keep the place of the one before.
+void locate_by_pseudoranges(PhaseRecord& record);
+
+/// How far the receiver moved between two epochs of a record, by its phases.
+struct WitnessedDisplacement {
+    Eigen::Vector3d enu_m;
+    /// White noise of the phases, by their residuals where these are larger; and horizontally the
+    /// slow errors of all satellites.
+    Eigen::Matrix3d covariance_m2;
+    double interval_s = 0.0;  ///< true time between them: the receiver's clock is taken out
+    std::size_t satellites = 0;
+    double statistic = 0.0;  ///< chi-squared with `redundancy` degrees of freedom is expected
+    int redundancy = 0;
+};
+
+/// Fewer satellites are not enough to judge by.
+inline constexpr std::size_t least_witnesses = 6;
+
+/// The displacement between two epochs (numbers in the record) by the first-band phases whose arcs
+/// span both. Nothing where fewer than `least_witnesses` do, or the place is not known.
+std::optional<WitnessedDisplacement> displacement_between(const PhaseRecord& record,
+                                                          const PhaseScreening& screening,
+                                                          std::size_t first, std::size_t second);
+
+}  // namespace runcert

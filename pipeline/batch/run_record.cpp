@@ -45,7 +45,7 @@ bool is_file_of_a_run(const std::string& name) {
     if (is_product_name(name) || belongs_to_signatures(name)) return true;
     constexpr std::array whole{"attempt.yaml", "wind.csv",    "current.csv",
                                "report.json",  "report.html", "report.pdf"};
-    constexpr std::array begins{"profile.", "recording.", "base.",    "navigation.",
+    constexpr std::array begins{"profile.", "recording.", "base.",    "navigation.", "phase.",
                                 "rtklib.",  "forward.",   "backward."};
     return std::ranges::find(whole, name) != whole.end() ||
            std::ranges::any_of(begins, [&](const char* part) {

@@ -11,10 +11,16 @@ void add_inspect(CLI::App& app, Command& chosen) {
     auto recording = std::make_shared<std::string>();
     CLI::App* command = app.add_subcommand("inspect", "Say what a recording is, in a few lines");
     command->add_option("RECORDING", *recording, "the recording's file")->required();
-    command->callback([&chosen, recording] {
-        chosen = [recording] {
-            const ProcessResult result = run_process(
-                {(program_folder() / "runcert-import").string(), "--inspect", *recording});
+    auto navigation = std::make_shared<std::string>();
+    command->add_option("--navigation", *navigation,
+                        "broadcast orbits for raw measurements (RINEX); else a .nav file of the "
+                        "same name beside them");
+    command->callback([&chosen, recording, navigation] {
+        chosen = [recording, navigation] {
+            std::vector<std::string> call{(program_folder() / "runcert-import").string(),
+                                          "--inspect", *recording};
+            if (!navigation->empty()) call.push_back(*navigation);
+            const ProcessResult result = run_process(call);
             fmt::print("{}", result.output);
             fmt::print(stderr, "{}", result.errors);
             return result.exit_status;

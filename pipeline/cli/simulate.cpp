@@ -10,13 +10,18 @@
 #include "files/yaml_output.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/simulation/simulation.h"
+#include "simulation/raw_measurements.h"
 #include "simulation/recording_text.h"
+#include "stages/import/rinex/ephemerides.h"
 
 namespace runcert {
 namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
+
+constexpr const char* raw_name = "raw.obs";
+constexpr const char* navigation_name = "broadcast.nav";
 
 std::string recording_name(const SimulationSpec& spec) {
     return spec.place ? "recording.pos" : "recording.csv";
@@ -29,10 +34,15 @@ Json plane_columns(const SimulationSpec& spec) {
     return columns;
 }
 
-Json receiver_of(const SimulationSpec& spec) {
+Json receiver_of(const SimulationDocument& simulation) {
+    const SimulationSpec& spec = simulation.spec;
     Json receiver = {{"id", "primary"}, {"recording", recording_name(spec)}};
     if (spec.place) {
         receiver["format"] = "rtklib-pos";
+        if (simulation.raw) {
+            receiver["phase"] = raw_name;
+            receiver["navigation"] = navigation_name;
+        }
         return receiver;
     }
     receiver["format"] = "csv";
@@ -55,7 +65,7 @@ std::string attempt_text(const SimulationDocument& simulation) {
             if (simulation.attempt->contains(key)) attempt[key] = simulation.attempt.at(key);
     };
     take({"id", "craft", "place", "date", "officials"});
-    attempt["receivers"] = Json::array({receiver_of(spec)});
+    attempt["receivers"] = Json::array({receiver_of(simulation)});
     if (spec.place)
         attempt["origin"] = {{"latitude_deg", spec.place->latitude.degrees()},
                              {"longitude_deg", spec.place->longitude.degrees()},
@@ -92,10 +102,20 @@ int simulate_to_folder(const std::string& spec_file, const fs::path& folder) {
     const SimulationDocument simulation = read_simulation(read_handwritten(spec_file), spec_file);
     const SimulationSpec& spec = simulation.spec;
     const std::vector<SimulatedEpoch> epochs = simulate(spec);
-    write_new_files(folder, {{recording_name(spec), spec.place ? rtklib_pos_text(spec, epochs)
-                                                               : plane_csv_text(spec, epochs)},
-                             {"truth.csv", truth_csv_text(epochs)},
-                             {"attempt.yaml", attempt_text(simulation)}});
+    std::vector<NewFile> files{{recording_name(spec), spec.place ? rtklib_pos_text(spec, epochs)
+                                                                 : plane_csv_text(spec, epochs)},
+                               {"truth.csv", truth_csv_text(epochs)},
+                               {"attempt.yaml", attempt_text(simulation)}};
+    if (simulation.raw) {
+        const fs::path navigation = fs::path(spec_file).parent_path() / simulation.navigation;
+        const std::string broadcast = read_file(navigation);
+        const auto orbits =
+            rinex::read_navigation({.name = navigation.string(), .bytes = broadcast});
+        files.push_back(
+            {raw_name, rinex_observations_text(spec, *simulation.raw, epochs, orbits.ephemerides)});
+        files.push_back({navigation_name, broadcast});
+    }
+    write_new_files(folder, files);
     fmt::print(
         "recording  {}\n"
         "truth      {}\n"
@@ -117,7 +137,7 @@ void add_simulate(CLI::App& app, Command& chosen) {
     command->add_option("--out", *folder, "folder to write")->required();
     command->footer(fmt::format(
         "Writes recording.pos (or recording.csv, in an engineering CRS), truth.csv and "
-        "attempt.yaml.\n\n"
+        "attempt.yaml; with raw: raw.obs and broadcast.nav, too.\n\n"
         "A simulation (schema simulation/1.0; examples/salt_lake/spec.yaml is one):\n\n"
         "  schema: simulation/1.0\n"
         "  run: {{top_speed_m_s: 60, half_speed_time_s: 15, duration_s: 45, rate_hz: 10}}\n"

@@ -8,23 +8,31 @@
 
 namespace runcert {
 
-void locate_by_pseudoranges(PhaseRecord& record) {
+std::optional<Eigen::Vector3d> place_by_pseudoranges(const PhaseRecord& record,
+                                                     const PhaseEpoch& epoch,
+                                                     const Eigen::Vector3d& near_m) {
     std::vector<CodeMeasurement> code;
+    for (const PhaseSatellite& satellite : record.of(epoch)) {
+        if (!satellite.has_orbit() || !satellite.healthy) continue;
+        for (const PhaseSignal& signal : record.of(satellite)) {
+            if (!(signal.pseudorange_m == signal.pseudorange_m)) continue;
+            code.push_back({.system = satellite.id.system,
+                            .satellite_m = satellite.position_m,
+                            .pseudorange_m = signal.pseudorange_m + satellite.clock_m -
+                                             double{satellite.group_delay_m}});
+            break;
+        }
+    }
+    const auto solution = point_solution(code, near_m);
+    if (!solution) return std::nullopt;
+    return solution->position_m;
+}
+
+void locate_by_pseudoranges(PhaseRecord& record) {
     Eigen::Vector3d last_m = Eigen::Vector3d::Zero();
     for (PhaseEpoch& epoch : record.epochs) {
-        code.clear();
-        for (const PhaseSatellite& satellite : record.of(epoch)) {
-            if (!satellite.has_orbit() || !satellite.healthy) continue;
-            for (const PhaseSignal& signal : record.of(satellite)) {
-                if (!(signal.pseudorange_m == signal.pseudorange_m)) continue;
-                code.push_back({.system = satellite.id.system,
-                                .satellite_m = satellite.position_m,
-                                .pseudorange_m = signal.pseudorange_m + satellite.clock_m -
-                                                 double{satellite.group_delay_m}});
-                break;
-            }
-        }
-        if (const auto solution = point_solution(code, last_m)) last_m = solution->position_m;
+        if (epoch.has_place()) continue;
+        if (const auto place_m = place_by_pseudoranges(record, epoch, last_m)) last_m = *place_m;
         epoch.receiver_m = last_m;
     }
 }

@@ -9,9 +9,14 @@
 
 namespace runcert {
 
-/// Solves the receiver's place at every epoch by its pseudoranges (some metres); epochs that have
-/// too few keep the place of the one before.
+/// Solves the receiver's place by its pseudoranges (some metres), at every epoch that has none yet;
+/// where they are too few it is the place solved before.
 void locate_by_pseudoranges(PhaseRecord& record);
+
+/// The same of one epoch, from a place near by; nothing where the pseudoranges are too few.
+std::optional<Eigen::Vector3d> place_by_pseudoranges(const PhaseRecord& record,
+                                                     const PhaseEpoch& epoch,
+                                                     const Eigen::Vector3d& near_m);
 
 /// How far the receiver moved between two epochs of a record, by its phases.
 struct WitnessedDisplacement {

@@ -88,6 +88,7 @@ std::vector<AttemptFile> files_of_receiver(const Receiver& receiver) {
     add("recording", receiver.recordings);
     if (!receiver.base.empty()) add("base", {receiver.base});
     add("navigation", receiver.navigation);
+    if (!receiver.phase.empty()) add("phase", {receiver.phase});
     return files;
 }
 

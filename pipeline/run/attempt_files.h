@@ -17,14 +17,14 @@ inline constexpr std::string_view attempt_copy_name = "attempt.yaml";
 
 /// A file that a receiver's recording consists of.
 struct AttemptFile {
-    std::string role;      ///< "recording", or of RINEX "base", "navigation"
+    std::string role;      ///< "recording", "base", "navigation", "phase"
     std::string original;  ///< as the attempt names it
     /// In a run folder: "ROLE.ID", the number where there are several of the role, and the
     /// original's own extension ("recording.primary.pos", "recording.primary.2.nmea").
     std::string name;
 };
 
-/// All of a receiver's files: its recordings in order, then base, then navigation.
+/// All of a receiver's files: its recordings in order, then base, navigation, raw phases.
 std::vector<AttemptFile> files_of_receiver(const Receiver& receiver);
 
 /// What RTKLIB makes of a RINEX receiver's files, in the run folder too: its configuration, the

@@ -40,7 +40,7 @@ void run_stages(const fs::path& attempt, const fs::path& run_dir, const fs::path
     const ProcessOptions options{.environment = {synced_by_caller()}};
     const fs::path copy = run_dir / attempt_copy_name;
     for (const Step& step : steps()) {
-        if (step.product == nullptr) continue;
+        if (step.products.empty()) continue;
         try {
             done(run_step(step.name, call, options));
         } catch (StageFailed& failed) {

@@ -35,13 +35,19 @@ Names claim_files(const Attempt& attempt) {
     return names;
 }
 
-/// The files of the products, of that receiver alone.
+/// The files of the products that a receiver has, of that receiver alone.
 Names files_of(const std::vector<ProductFile>& products, const Attempt& attempt,
                const Receiver& receiver) {
     Names names;
     for (const ProductFile& product : products)
-        names.push_back(product_file(attempt, receiver, product));
+        if (!product.of_phases || has_phases(receiver))
+            names.push_back(product_file(attempt, receiver, product));
     return names;
+}
+
+/// Whether what a stage writes is of the whole run.
+bool is_of_run(const Step& step) {
+    return !step.products.empty() && !step.products.front().each_receiver;
 }
 
 }  // namespace
@@ -53,23 +59,26 @@ const std::vector<Step>& steps() {
         {.name = "import",
          .program = "runcert-import",
          .calls = {"gpsbabel", "rnx2rtkp"},
-         .product = &observations},
-        {.name = "enu", .program = "runcert-enu", .product = &enu, .made_from = {observations}},
+         .products = {observations, phase}},
+        {.name = "enu",
+         .program = "runcert-enu",
+         .products = {products::enu},
+         .made_from = {observations}},
         {.name = "screen",
          .program = "runcert-screen",
-         .product = &screened,
-         .made_from = {products::enu}},
+         .products = {screened, screened_phase},
+         .made_from = {products::enu, phase}},
         {.name = "smooth",
          .program = "runcert-smooth",
-         .product = &trajectory,
+         .products = {trajectory},
          .made_from = {screened}},
         {.name = "window",
          .program = "runcert-window",
-         .product = &windows,
+         .products = {windows},
          .made_from = {screened, trajectory}},
         {.name = "check",
          .program = "runcert-check",
-         .product = &verdict,
+         .products = {verdict},
          .made_from = {observations, products::enu, screened, trajectory, windows}},
         {.name = "report",
          .program = "runcert-report",
@@ -99,7 +108,7 @@ Names inputs_of(const Step& step, const Attempt& attempt) {
     if (step.name == "report") return inventory_of(attempt).files;
     if (step.made_from.empty()) return {};  // they read what is outside
     Names names;
-    if (!step.product->each_receiver) names = claim_files(attempt);
+    if (is_of_run(step)) names = claim_files(attempt);
     for (const Receiver& receiver : attempt.receivers)
         append(names, files_of(step.made_from, attempt, receiver));
     return names;
@@ -110,13 +119,12 @@ Names outputs_of(const Step& step, const Attempt& attempt, const ReportChoice& c
     if (step.name == "report") return {"report.json"};
     if (step.name == "render")
         return choice.pdf ? Names{"report.html", "report.pdf"} : Names{"report.html"};
-    if (step.product == nullptr) return {};
-    if (!step.product->each_receiver)
-        return {product_file(attempt, attempt.receivers.front(), *step.product)};
+    if (is_of_run(step)) return files_of(step.products, attempt, attempt.receivers.front());
     Names names;
+    if (step.products.empty()) return names;
     for (const Receiver& receiver : attempt.receivers) {
         if (step.made_from.empty()) append(names, recorded_files(receiver));
-        names.push_back(product_file(attempt, receiver, *step.product));
+        append(names, files_of(step.products, attempt, receiver));
     }
     return names;
 }
@@ -133,7 +141,7 @@ Names product_files(const Attempt& attempt) {
     for (const ProductFile& product : products::all) {
         const std::size_t count = product.each_receiver ? attempt.receivers.size() : 1;
         for (std::size_t i = 0; i < count; ++i)
-            names.push_back(product_file(attempt, attempt.receivers[i], product));
+            append(names, files_of({product}, attempt, attempt.receivers[i]));
     }
     return names;
 }
@@ -145,15 +153,16 @@ RunInventory inventory_of(const Attempt& attempt) {
         const Names recorded = recorded_files(receiver);
         append(inventory.files, recorded);
         for (const Step& step : steps()) {
-            if (step.product == nullptr || !step.product->each_receiver) continue;
-            const std::string file = product_file(attempt, receiver, *step.product);
-            inventory.files.push_back(file);
-            inventory.made_from[file] =
-                step.made_from.empty() ? recorded : files_of(step.made_from, attempt, receiver);
+            if (is_of_run(step)) continue;
+            for (const std::string& file : files_of(step.products, attempt, receiver)) {
+                inventory.files.push_back(file);
+                inventory.made_from[file] =
+                    step.made_from.empty() ? recorded : files_of(step.made_from, attempt, receiver);
+            }
         }
     }
     for (const Step& step : steps()) {
-        if (step.product == nullptr || step.product->each_receiver) continue;
+        if (!is_of_run(step)) continue;
         const std::string file = outputs_of(step, attempt, {}).front();
         inventory.files.push_back(file);
         inventory.made_from[file] = inputs_of(step, attempt);

@@ -18,7 +18,7 @@ struct Step {
     std::string program = {};                 ///< "runcert-smooth"; empty where none does it
     std::vector<std::string> options = {};    ///< of the program, always given
     std::vector<std::string> calls = {};      ///< programs of others that it may run
-    const ProductFile* product = nullptr;     ///< what a stage writes
+    std::vector<ProductFile> products = {};   ///< what a stage writes, its own first
     std::vector<ProductFile> made_from = {};  ///< the products that it reads at least
 };
 

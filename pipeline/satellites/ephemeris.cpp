@@ -29,39 +29,6 @@ double clock_polynomial(const Ephemeris& ephemeris, GpsTime time) {
     return ephemeris.clock_offset_s + t * (ephemeris.clock_drift + t * ephemeris.clock_drift_rate);
 }
 
-/// The state `extra_s` after `time`: times of transmission are no whole nanoseconds.
-SatelliteState state_after(const Ephemeris& e, GpsTime time, double extra_s) {
-    const double t = time.seconds_since(e.reference) + extra_s;
-    const double mu = gravitation(e.satellite.system);
-    const double a = e.root_of_semi_major_axis * e.root_of_semi_major_axis;
-    const double motion = std::sqrt(mu / (a * a * a)) + e.mean_motion_difference;
-    const double anomaly = eccentric_anomaly(e.mean_anomaly + motion * t, e.eccentricity);
-    const double sin_e = std::sin(anomaly), cos_e = std::cos(anomaly);
-    const double latitude = std::atan2(std::sqrt(1.0 - e.eccentricity * e.eccentricity) * sin_e,
-                                       cos_e - e.eccentricity) +
-                            e.argument_of_perigee;
-    const double sin_2u = std::sin(2.0 * latitude), cos_2u = std::cos(2.0 * latitude);
-    const double u = latitude + e.cus * sin_2u + e.cuc * cos_2u;
-    const double radius = a * (1.0 - e.eccentricity * cos_e) + e.crs * sin_2u + e.crc * cos_2u;
-    const double inclination =
-        e.inclination + e.inclination_rate * t + e.cis * sin_2u + e.cic * cos_2u;
-    const double of_week_s = static_cast<double>(e.reference.nanoseconds_of_week()) * 1e-9;
-    const double node = e.right_ascension + (e.right_ascension_rate - earth_rotation_rad_s) * t -
-                        earth_rotation_rad_s * of_week_s;
-    const double x = radius * std::cos(u), y = radius * std::sin(u);
-    const double sin_node = std::sin(node), cos_node = std::cos(node);
-    const double cos_i = std::cos(inclination);
-    SatelliteState state;
-    state.position_m = {x * cos_node - y * cos_i * sin_node, x * sin_node + y * cos_i * cos_node,
-                        y * std::sin(inclination)};
-    const double since_clock = time.seconds_since(e.clock_reference) + extra_s;
-    state.clock_s = e.clock_offset_s +
-                    since_clock * (e.clock_drift + since_clock * e.clock_drift_rate) -
-                    2.0 * std::sqrt(mu * a) * e.eccentricity * sin_e /
-                        (speed_of_light_m_s * speed_of_light_m_s);
-    return state;
-}
-
 std::size_t place_of(Satellite satellite) {
     return static_cast<std::size_t>(satellite.system) * 100 + satellite.number % 100;
 }
@@ -87,6 +54,38 @@ GpsTime nearest_of_week(double second_of_week, GpsTime near) {
     if (apart > GpsTime::nanoseconds_per_week / 2) apart -= GpsTime::nanoseconds_per_week;
     if (apart < -GpsTime::nanoseconds_per_week / 2) apart += GpsTime::nanoseconds_per_week;
     return near.plus_nanoseconds(apart);
+}
+
+SatelliteState state_after(const Ephemeris& e, GpsTime time, double after_s) {
+    const double t = time.seconds_since(e.reference) + after_s;
+    const double mu = gravitation(e.satellite.system);
+    const double a = e.root_of_semi_major_axis * e.root_of_semi_major_axis;
+    const double motion = std::sqrt(mu / (a * a * a)) + e.mean_motion_difference;
+    const double anomaly = eccentric_anomaly(e.mean_anomaly + motion * t, e.eccentricity);
+    const double sin_e = std::sin(anomaly), cos_e = std::cos(anomaly);
+    const double latitude = std::atan2(std::sqrt(1.0 - e.eccentricity * e.eccentricity) * sin_e,
+                                       cos_e - e.eccentricity) +
+                            e.argument_of_perigee;
+    const double sin_2u = std::sin(2.0 * latitude), cos_2u = std::cos(2.0 * latitude);
+    const double u = latitude + e.cus * sin_2u + e.cuc * cos_2u;
+    const double radius = a * (1.0 - e.eccentricity * cos_e) + e.crs * sin_2u + e.crc * cos_2u;
+    const double inclination =
+        e.inclination + e.inclination_rate * t + e.cis * sin_2u + e.cic * cos_2u;
+    const double of_week_s = static_cast<double>(e.reference.nanoseconds_of_week()) * 1e-9;
+    const double node = e.right_ascension + (e.right_ascension_rate - earth_rotation_rad_s) * t -
+                        earth_rotation_rad_s * of_week_s;
+    const double x = radius * std::cos(u), y = radius * std::sin(u);
+    const double sin_node = std::sin(node), cos_node = std::cos(node);
+    const double cos_i = std::cos(inclination);
+    SatelliteState state;
+    state.position_m = {x * cos_node - y * cos_i * sin_node, x * sin_node + y * cos_i * cos_node,
+                        y * std::sin(inclination)};
+    const double since_clock = time.seconds_since(e.clock_reference) + after_s;
+    state.clock_s = e.clock_offset_s +
+                    since_clock * (e.clock_drift + since_clock * e.clock_drift_rate) -
+                    2.0 * std::sqrt(mu * a) * e.eccentricity * sin_e /
+                        (speed_of_light_m_s * speed_of_light_m_s);
+    return state;
 }
 
 SatelliteState satellite_state(const Ephemeris& ephemeris, GpsTime time) {

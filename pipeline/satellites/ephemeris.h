@@ -57,6 +57,9 @@ struct SatelliteState {
 /// [GAL-ICD] tables 63 and 66. Agrees with RTKLIB's eph2pos to 1 um.
 SatelliteState satellite_state(const Ephemeris& ephemeris, GpsTime time);
 
+/// The same so many seconds after an instant, which are no whole nanoseconds.
+SatelliteState state_after(const Ephemeris& ephemeris, GpsTime time, double after_s);
+
 /// The same for a signal that the receiver measured at `reception` by its own clock, with that
 /// pseudorange (m): at the transmission, from which the receiver's clock drops out.
 SatelliteState state_at_transmission(const Ephemeris& ephemeris, GpsTime reception,

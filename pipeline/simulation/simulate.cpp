@@ -75,6 +75,9 @@ Eigen::Vector3d displacement_by(const Faults& faults, const SimulatedEpoch& epoc
         if (outlier.epoch == epoch.epoch) enu_m += outlier.enu_m;
     for (const StepFault& step : faults.steps)
         if (epoch.time_s() >= step.time_s) enu_m += step.enu_m;
+    for (const RampFault& ramp : faults.ramps)
+        enu_m +=
+            std::clamp(epoch.time_s() - ramp.from_s, 0.0, ramp.to_s - ramp.from_s) * ramp.enu_m_s;
     return enu_m;
 }
 

@@ -30,6 +30,14 @@ struct StepFault {
     Eigen::Vector3d enu_m = Eigen::Vector3d::Zero();
 };
 
+/// Every position drifts away from a time on, and stays where it is at another: ambiguities that a
+/// solver has not yet found, or loses.
+struct RampFault {
+    double from_s = 0.0;
+    double to_s = 0.0;
+    Eigen::Vector3d enu_m_s = Eigen::Vector3d::Zero();
+};
+
 /// A stretch of time: `from_s` belongs to it, `to_s` does not.
 struct TimeStretch {
     double from_s = 0.0;
@@ -41,6 +49,7 @@ struct TimeStretch {
 struct Faults {
     std::vector<OutlierFault> outliers;
     std::vector<StepFault> steps;
+    std::vector<RampFault> ramps;
     std::vector<TimeStretch> gaps;         ///< nothing is recorded
     std::vector<TimeStretch> float_fixes;  ///< recorded with float ambiguities, not fixed ones
 };

@@ -89,6 +89,34 @@ std::vector<std::string> witnesses_of(const ReceiverRecord& one) {
     return files;
 }
 
+/// Both tables of phases, row by row: their heads, the slips, and the lines of those.
+void read_phases(Witnesses& witnesses, ReceiverRecord& one) {
+    one.screened_phase =
+        witnesses.read("screened_phase", one.screened_phase_file,
+                       [&](std::string_view text, const std::string& where) {
+                           auto table = open_screened_phase(text, where);
+                           std::size_t number = 0;
+                           for (ScreenedPhase row; table.rows.next(row); ++number)
+                               if (row.statistic)
+                                   one.slips.push_back({.row = row, .table_row = number});
+                           return std::move(table.head);
+                       });
+    one.phase = witnesses.read("phase", one.phase_file,
+                               [&](std::string_view text, const std::string& where) {
+                                   auto table = open_phase(text, where);
+                                   auto slip = one.slips.begin();
+                                   std::size_t number = 0;
+                                   for (PhaseRow row; table.rows.next(row); ++number) {
+                                       if (slip == one.slips.end() || slip->table_row != number)
+                                           continue;
+                                       if (row.source_line) slip->line = *row.source_line;
+                                       if (row.source_byte) slip->byte = *row.source_byte;
+                                       ++slip;
+                                   }
+                                   return std::move(table.head);
+                               });
+}
+
 ReceiverRecord read_receiver(Witnesses& witnesses, const Receiver& receiver) {
     const auto named = [&](const ProductFile& product) {
         return witnesses.run().file_of(product, receiver);
@@ -101,10 +129,13 @@ ReceiverRecord read_receiver(Witnesses& witnesses, const Receiver& receiver) {
                        .enu_file = named(products::enu),
                        .screened_file = named(products::screened),
                        .trajectory_file = named(products::trajectory),
-                       .windows_file = named(products::windows)};
+                       .windows_file = named(products::windows),
+                       .phase_file = named(products::phase),
+                       .screened_phase_file = named(products::screened_phase)};
     one.observations = witnesses.read("observations", one.observations_file, read_observations);
     one.enu = witnesses.read("enu", one.enu_file, read_enu);
     one.screened = witnesses.read("screened", one.screened_file, read_screened);
+    if (has_phases(receiver)) read_phases(witnesses, one);
     one.trajectory = witnesses.read("trajectory", one.trajectory_file, read_trajectory);
     one.windows = witnesses.read("windows", one.windows_file, read_windows);
     one.witnesses = witnesses_of(one);

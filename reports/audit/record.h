@@ -10,23 +10,36 @@
 #include "schemas/attempt/attempt.h"
 #include "schemas/enu/enu.h"
 #include "schemas/observations/observations.h"
+#include "schemas/phase/phase.h"
 #include "schemas/screened/screened.h"
+#include "schemas/screened_phase/screened_phase.h"
 #include "schemas/trajectory/trajectory.h"
 #include "schemas/verdict/verdict.h"
 #include "schemas/windows/windows.h"
 
 namespace runcert {
 
+/// A slip of a carrier phase, and where its phase was recorded.
+struct SlipRecord {
+    ScreenedPhase row;
+    std::size_t table_row = 0;  ///< counted from 0, the same in both tables of phases
+    std::optional<std::int64_t> line = {}, byte = {};
+};
+
 /// What the stages made of one receiver. A product that is not in the folder is empty.
 struct ReceiverRecord {
     Receiver receiver;
     std::string recording;  ///< names of the files that were handed in
     std::string observations_file, enu_file, screened_file, trajectory_file, windows_file;
+    std::string phase_file, screened_phase_file;
     std::optional<Observations> observations = {};
     std::optional<EnuTable> enu = {};
     std::optional<ScreenedTable> screened = {};
     std::optional<TrajectoryTable> trajectory = {};
     std::optional<Windows> windows = {};
+    std::optional<PhaseTable> phase = {};                   ///< without its rows
+    std::optional<ScreenedPhaseTable> screened_phase = {};  ///< without its rows
+    std::vector<SlipRecord> slips = {};
     std::vector<std::string> witnesses = {};  ///< files that the audit of screening goes by
 };
 

@@ -74,6 +74,8 @@ Section screen_section(const RunRecord& record, const ReceiverRecord& one, bool 
         {.title = std::move(screening.title), .blocks = std::move(screening.blocks)});
     for (Section& part : screening.parts)
         section.parts.push_back(std::move(part));
+    for (Section& part : screened_phases(record, one, all))
+        section.parts.push_back(std::move(part));
     return section;
 }
 

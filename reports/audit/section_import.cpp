@@ -172,6 +172,7 @@ Section import_section(const RunRecord& record, const ReceiverRecord& one, bool 
     }
     for (Block& block : parameter_blocks(record.attempt, observations.header, all))
         section.blocks.push_back(std::move(block));
+    section.parts = imported_phases(record, one, all);
     return section;
 }
 

@@ -21,6 +21,11 @@ Section smooth_section(const RunRecord& record, const ReceiverRecord& one, bool 
 Section window_section(const RunRecord& record, const ReceiverRecord& one, bool all);
 Section check_section(const RunRecord& record, bool all);
 
+/// The parts of import's and of screening's sections about the raw phases of a receiver that has
+/// some.
+std::vector<Section> imported_phases(const RunRecord& record, const ReceiverRecord& one, bool all);
+std::vector<Section> screened_phases(const RunRecord& record, const ReceiverRecord& one, bool all);
+
 /// Where a product comes from and what became of it, for the head of a stage's section: a table of
 /// its inputs, and the facts of its own file. `contents` says what is in it ("601 epochs").
 std::vector<Block> file_blocks(const RunRecord& record, const Header& header,

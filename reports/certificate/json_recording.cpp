@@ -10,6 +10,7 @@
 #include "reports/certificate/json_parts.h"
 #include "reports/certificate/json_rule.h"
 #include "reports/certificate/json_screening.h"
+#include "reports/words/phases.h"
 
 namespace runcert {
 
@@ -200,6 +201,9 @@ Json receiver_json(const ReceiverResults& results, const Receiver& receiver) {
     }
     json["stated"] = stated_json(receiver);
     json["notes"] = observations.notes;
+    if (results.phases)
+        for (const std::string& sentence : phase_sentences(*results.phases))
+            json["notes"].push_back(sentence);
     json["screening"] = screening_json(results.screened);
     json["estimation"] = members_json(results.trajectory.estimation);
     json["recording_facts"] = recording_facts(results, json);

@@ -7,6 +7,8 @@
 #include "reports/certificate/report_run.h"
 #include "run/attempt_files.h"
 #include "run/stage_main.h"
+#include "schemas/phase/phase.h"
+#include "schemas/screened_phase/screened_phase.h"
 #include "trust/signature_files.h"
 #include "trust/signing.h"
 
@@ -24,6 +26,10 @@ ReceiverResults gather_receiver(StageRun& run, const Receiver& receiver) {
     results.observations = run.read(products::observations, receiver, read_observations);
     results.enu_header = run.read(products::enu, receiver, read_enu).header;
     results.screened = run.read(products::screened, receiver, read_screened);
+    if (has_phases(receiver)) {
+        (void)run.open(products::phase, receiver, open_phase);
+        results.phases = run.open(products::screened_phase, receiver, open_screened_phase).head();
+    }
     results.trajectory = run.read(products::trajectory, receiver, read_trajectory);
     results.windows = run.read(products::windows, receiver, read_windows);
     return results;

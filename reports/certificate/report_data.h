@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,7 @@
 #include "schemas/observations/observations.h"
 #include "schemas/profile/profile.h"
 #include "schemas/screened/screened.h"
+#include "schemas/screened_phase/screened_phase.h"
 #include "schemas/trajectory/trajectory.h"
 #include "schemas/verdict/verdict.h"
 #include "schemas/windows/windows.h"
@@ -28,6 +30,7 @@ struct ReceiverResults {
     Observations observations;  ///< its rows are not looked at and may be left out
     Header enu_header;
     ScreenedTable screened;
+    std::optional<ScreenedPhaseTable> phases = {};  ///< without its rows
     TrajectoryTable trajectory;
     Windows windows;
 };

@@ -112,7 +112,7 @@ std::string read_date(const YamlValue& value) {
 /// What of a receiver's description says how its recording is read.
 nlohmann::ordered_json reading_of(const YamlValue& entry) {
     nlohmann::ordered_json stated = json_from_yaml(entry);
-    for (const char* other : {"id", "recording", "base", "navigation", "antenna_height_m",
+    for (const char* other : {"id", "recording", "base", "navigation", "phase", "antenna_height_m",
                               "lever_arm_m", "rotation_bound_deg"})
         stated.erase(other);
     return stated;
@@ -138,6 +138,7 @@ Receiver read_receiver(const YamlValue& entry) {
     receiver.base = entry["base"].text_or("");
     if (entry["navigation"].exists())
         receiver.navigation = read_files(entry["navigation"], "Name the navigation file");
+    receiver.phase = entry["phase"].text_or("");
     if (entry["base_position"].exists())
         receiver.base_position = read_geodetic(entry["base_position"]);
     receiver.solution_pass =

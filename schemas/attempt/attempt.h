@@ -39,7 +39,8 @@ struct Receiver {
     std::string format;                          ///< "auto", "rtklib-pos", "csv", ...
     std::string gpsbabel_type;                   ///< empty where not given
     std::string base;                            ///< of RINEX; empty where not given
-    std::vector<std::string> navigation;         ///< of RINEX
+    std::vector<std::string> navigation;         ///< of RINEX, and of `phase`
+    std::string phase;                           ///< raw measurements; empty where not given
     std::optional<Geodetic> base_position;       ///< of RINEX
     std::string solution_pass;                   ///< of RINEX: "forward", "backward"
     std::optional<CoordinateFrame> frame;        ///< of a CSV
@@ -66,6 +67,11 @@ struct Receiver {
     HeldJson stated = {};
     std::string place;  ///< "file:line:column" of this receiver in the attempt, for messages
 };
+
+/// Whether raw phases are handed in: in a file of their own, or as a RINEX recording.
+inline bool has_phases(const Receiver& receiver) {
+    return !receiver.phase.empty() || !receiver.base.empty();
+}
 
 /// A speed in the unit it was given in.
 struct Record {

@@ -11,18 +11,22 @@ struct ProductFile {
     std::string_view stem;       ///< what the file's name begins with, "3-screened"
     std::string_view extension;  ///< "ecsv"
     bool each_receiver = true;   ///< one for every receiver, or one for the run
+    bool of_phases = false;      ///< only of a receiver whose raw phases the attempt hands in
 };
 
 namespace products {
 inline constexpr ProductFile observations{"observations", "1-observations", "ecsv"};
+inline constexpr ProductFile phase{"phase", "1-phase", "ecsv", true, true};
 inline constexpr ProductFile enu{"enu", "2-enu", "ecsv"};
 inline constexpr ProductFile screened{"screened", "3-screened", "ecsv"};
+inline constexpr ProductFile screened_phase{"screened_phase", "3-phase", "ecsv", true, true};
 inline constexpr ProductFile trajectory{"trajectory", "4-trajectory", "ecsv"};
 inline constexpr ProductFile windows{"windows", "5-windows", "yaml"};
 inline constexpr ProductFile verdict{"verdict", "6-verdict", "yaml", false};
 
 /// In the order in which the chain makes them.
-inline constexpr std::array all{observations, enu, screened, trajectory, windows, verdict};
+inline constexpr std::array all{observations,   phase,      enu,     screened,
+                                screened_phase, trajectory, windows, verdict};
 
 /// Those of the first receiver, and the one of the run, by name.
 inline constexpr std::string_view observations_file = "1-observations.ecsv";

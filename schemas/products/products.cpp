@@ -14,7 +14,9 @@
 #include "schemas/common/table.h"
 #include "schemas/enu/enu.h"
 #include "schemas/observations/observations.h"
+#include "schemas/phase/phase.h"
 #include "schemas/screened/screened.h"
+#include "schemas/screened_phase/screened_phase.h"
 #include "schemas/trajectory/trajectory.h"
 #include "schemas/verdict/verdict.h"
 #include "schemas/windows/windows.h"
@@ -22,8 +24,10 @@
 namespace runcert {
 
 YamlNode observations_field_table_node();
+YamlNode phase_field_table_node();
 YamlNode enu_field_table_node();
 YamlNode screened_field_table_node();
+YamlNode screened_phase_field_table_node();
 YamlNode trajectory_field_table_node();
 YamlNode windows_field_table_node();
 YamlNode verdict_field_table_node();
@@ -46,16 +50,22 @@ void read_rows(OpenTable<Table> table) {
     }
 }
 
-constexpr std::array<Product, 6> known_products{{
+constexpr std::array<Product, 8> known_products{{
     {products::observations.stem, true, observations_field_table_node,
      [](std::string_view text, const std::string& where) {
          read_rows(open_observations(text, where));
      }},
+    {products::phase.stem, true, phase_field_table_node,
+     [](std::string_view text, const std::string& where) { read_rows(open_phase(text, where)); }},
     {products::enu.stem, true, enu_field_table_node,
      [](std::string_view text, const std::string& where) { read_rows(open_enu(text, where)); }},
     {products::screened.stem, true, screened_field_table_node,
      [](std::string_view text, const std::string& where) {
          read_rows(open_screened(text, where));
+     }},
+    {products::screened_phase.stem, true, screened_phase_field_table_node,
+     [](std::string_view text, const std::string& where) {
+         read_rows(open_screened_phase(text, where));
      }},
     {products::trajectory.stem, true, trajectory_field_table_node,
      [](std::string_view text, const std::string& where) {

@@ -157,6 +157,16 @@ void read_faults(const YamlValue& faults, SimulationSpec& spec) {
         require_within_run(entry["time_s"], spec);
         spec.faults.steps.push_back({.time_s = entry["time_s"].real(), .enu_m = read_enu(entry)});
     }
+    for (const YamlValue& entry : faults["ramps"].list()) {
+        require_within_run(entry["from_s"], spec);
+        spec.faults.ramps.push_back({.from_s = entry["from_s"].real(),
+                                     .to_s = entry["to_s"].real(),
+                                     .enu_m_s = {entry["east_m_s"].optional_real().value_or(0.0),
+                                                 entry["north_m_s"].optional_real().value_or(0.0),
+                                                 entry["up_m_s"].optional_real().value_or(0.0)}});
+        if (spec.faults.ramps.back().to_s <= spec.faults.ramps.back().from_s)
+            entry.fail("the drift ends before it begins, or at once", "Give to_s above from_s");
+    }
     spec.faults.gaps = read_stretches(faults["gaps"], spec);
     spec.faults.float_fixes = read_stretches(faults["float_fixes"], spec);
 }
@@ -181,6 +191,58 @@ void read_recording(const YamlValue& recording, SimulationSpec& spec) {
     };
     style.accuracy = {.horizontal_m = total(spec.white.horizontal_m, spec.correlated.horizontal_m),
                       .vertical_m = total(spec.white.vertical_m, spec.correlated.vertical_m)};
+}
+
+Satellite read_satellite(const YamlValue& value) {
+    Satellite satellite;
+    if (!from_text(value.text(), satellite))
+        value.fail(fmt::format("\"{}\" is no satellite", escape_for_message(value.text())),
+                   "Name it as RINEX does: G02, E11");
+    return satellite;
+}
+
+std::vector<SatelliteStretch> read_satellite_stretches(const YamlValue& list,
+                                                       const SimulationSpec& spec) {
+    std::vector<SatelliteStretch> stretches;
+    const std::vector<TimeStretch> times = read_stretches(list, spec);
+    std::size_t i = 0;
+    for (const YamlValue& entry : list.list())
+        stretches.push_back(
+            {.stretch = times[i++], .satellite = read_satellite(entry["satellite"])});
+    return stretches;
+}
+
+RawSpec read_raw(const YamlValue& map, const SimulationSpec& spec) {
+    if (!spec.place)
+        map.fail("raw measurements need a place on the Earth, and none is given", "Add place");
+    RawSpec raw;
+    const auto real = [&](const char* key) {
+        return map[key].optional_real().value_or(default_real(fmt::format("raw.{}", key)));
+    };
+    raw.mask_deg = real("mask_deg");
+    raw.two_bands = map["bands"].optional_integer().value_or(default_integer("raw.bands")) == 2;
+    raw.phase_noise_m = real("phase_noise_m");
+    raw.phase_multipath_m = real("phase_multipath_m");
+    raw.multipath_time_s = real("multipath_time_s");
+    raw.pseudorange_noise_m = real("pseudorange_noise_m");
+    raw.doppler_noise_hz = real("doppler_noise_hz");
+    raw.clock_offset_s = real("clock_offset_s");
+    raw.clock_drift = real("clock_drift");
+    raw.clock_jumps = map["clock_jumps"].exists() && map["clock_jumps"].boolean();
+    for (const YamlValue& entry : map["slips"].list()) {
+        require_within_run(entry["time_s"], spec);
+        SlipFault slip;
+        slip.time_s = entry["time_s"].real();
+        slip.satellite = read_satellite(entry["satellite"]);
+        slip.band = static_cast<std::uint8_t>(
+            entry["band"].optional_integer().value_or(default_integer("raw.slips[].band")));
+        slip.cycles = entry["cycles"].real();
+        slip.is_flagged = entry["flagged"].exists() && entry["flagged"].boolean();
+        raw.slips.push_back(slip);
+    }
+    raw.half_cycles = read_satellite_stretches(map["half_cycles"], spec);
+    raw.outages = read_satellite_stretches(map["outages"], spec);
+    return raw;
 }
 
 /// The attempt's own part, with what an attempt cannot do without.
@@ -214,6 +276,10 @@ SimulationDocument read_simulation(std::string_view text, const std::string& whe
     read_errors(document, spec);
     read_faults(document["faults"], spec);
     read_recording(document["recording"], spec);
+    if (const YamlValue raw = document["raw"]; raw.exists()) {
+        simulation.raw = read_raw(raw, spec);
+        simulation.navigation = raw["navigation"].text();
+    }
     simulation.attempt = read_attempt_part(document["attempt"]);
     simulation.attempt_place =
         document["attempt"].exists() ? document["attempt"].place() : document.place();

@@ -5,6 +5,7 @@
 
 #include "files/document_schema.h"
 #include "files/held_json.h"
+#include "simulation/raw_measurements.h"
 #include "simulation/simulate.h"
 
 namespace runcert {
@@ -12,6 +13,8 @@ namespace runcert {
 /// A simulation, `schemas/simulation/v1.yaml`.
 struct SimulationDocument {
     SimulationSpec spec;
+    std::optional<RawSpec> raw;
+    std::string navigation;  ///< of raw measurements, as written
     /// What the attempt to be written says beside its receiver and origin: keys and values of
     /// attempt/1.0, those that a claim cannot do without filled in.
     HeldJson attempt;

@@ -2,7 +2,9 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 
+#include "core/plain_text.h"
 #include "files/atomic_file.h"
 #include "run/attempt_files.h"
 #include "run/stage_main.h"
@@ -10,6 +12,8 @@
 #include "stages/import/gpsbabel/convert.h"
 #include "stages/import/import.h"
 #include "stages/import/inspect.h"
+#include "stages/import/inspect_phases.h"
+#include "stages/import/phase_table.h"
 #include "stages/import/rinex/rinex.h"
 #include "stages/import/rinex/solve.h"
 
@@ -98,9 +102,10 @@ StreamedRecording read_receiver(StageRun& run, const Receiver& receiver, const O
                                 const std::vector<RecordingBytes>& recordings) {
     if (rinex::is_chosen(receiver, recordings.front()))
         return held(import_rinex(run, receiver, open));
-    if (!receiver.base.empty() || !receiver.navigation.empty())
-        throw Failure(receiver.place, "base and navigation are of use with RINEX alone",
-                      "Take them out, or name the rover's RINEX file as the recording");
+    if (!receiver.base.empty() || (!receiver.navigation.empty() && receiver.phase.empty()))
+        throw Failure(
+            receiver.place, "base and navigation are of use with RINEX alone",
+            "Take them out, or name the rover's RINEX file as the recording, or as phase");
     if (recordings.size() == 1)
         if (auto by_row = import_streamed(receiver, recordings.front())) {
             note_origins_of_head(receiver, by_row->head);
@@ -117,6 +122,23 @@ void write_rows(const StageRun& run, const std::string& file_name,
     observations.give([&table](const Observation& row) { table.write(row); });
     table.finish();
     file.commit();
+}
+
+/// Writes the raw phases that a receiver's own file, or else its RINEX recording, holds; and says
+/// which they are.
+std::string write_phases(const StageRun& run, const Receiver& receiver, const OpenFiles& open) {
+    const RecordingBytes raw = open.of(receiver.phase.empty() ? "recording" : "phase").front();
+    StreamedPhases phases = import_phases(receiver, raw, open.of("navigation"));
+    phases.head.header = run.header();
+    AtomicFile file(run.run_dir() / run.file_of(products::phase, receiver));
+    TableWriter<PhaseRow> table =
+        begin_phase(phases.head, [&file](std::string_view piece) { file.write(piece); });
+    phases.give([&table](const PhaseRow& row) { table.write(row); });
+    table.finish();
+    file.commit();
+    return fmt::format("{} phases at {} epochs from {} ({})", phases.rows, phases.head.epochs,
+                       receiver.phase.empty() ? recording_names(receiver) : receiver.phase,
+                       phases.head.format);
 }
 
 void import_receiver(StageRun& run, const Receiver& receiver, const AttemptSource& source) {
@@ -138,6 +160,7 @@ void import_receiver(StageRun& run, const Receiver& receiver, const AttemptSourc
     write_rows(one, one.file_of(products::observations, receiver), observations);
     run.say(fmt::format("{} epochs from {} ({})", observations.rows, recording_names(receiver),
                         observations.head.format));
+    if (has_phases(receiver)) run.say(write_phases(one, receiver, open));
 }
 
 /// Brings everything from outside into the run folder: after this stage nothing else is read.
@@ -147,23 +170,56 @@ void import_attempt(StageRun& run, const AttemptSource& source) {
         import_receiver(run, receiver, source);
 }
 
-int inspect_file(const std::string& path) {
+/// The navigation file that stands beside raw measurements under the same name, where there is one.
+std::optional<std::string> navigation_beside(const std::filesystem::path& path) {
+    for (const char* extension : {".nav", ".NAV", ".rnx"}) {
+        std::filesystem::path beside = path;
+        beside.replace_extension(extension);
+        if (beside != path && std::filesystem::exists(beside)) return beside.string();
+    }
+    return std::nullopt;
+}
+
+void inspect_phases(const Receiver& receiver, const RecordingBytes& raw,
+                    std::optional<std::string> navigation) {
+    if (!navigation) navigation = navigation_beside(raw.name);
+    std::optional<FileView> view;
+    std::vector<RecordingBytes> navigations;
+    if (navigation) {
+        view.emplace(*navigation);
+        navigations.push_back({.name = *navigation, .bytes = view->bytes()});
+    }
+    fmt::print("{}", phase_inspection_text(import_phases(receiver, raw, navigations), raw.name));
+    if (navigation) fmt::print("  {:<10}{}\n", "Orbits", plain_text(*navigation));
+}
+
+int inspect_file(const std::string& path, std::optional<std::string> navigation) {
     const FileView file(path);
     Receiver receiver;
     receiver.id = "inspected";
     receiver.recordings = {path};
     receiver.format = "auto";
-    const Observations observations =
-        read_recording(receiver, {.name = path, .bytes = file.bytes()});
-    fmt::print("{}", inspection_text(inspect(observations), path));
+    receiver.place = path;
+    const RecordingBytes recording{.name = path, .bytes = file.bytes()};
+    const std::string_view head = recording.bytes.substr(0, recognised_by);
+    if (!rinex::recognises(head)) {
+        const Observations observations = read_recording(receiver, recording);
+        fmt::print("{}", inspection_text(inspect(observations), path));
+        if (!has_phases(head)) return 0;
+        fmt::print("\n");
+    }
+    inspect_phases(receiver, recording, std::move(navigation));
     return 0;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc == 3 && std::string_view(argv[1]) == "--inspect")
-        return guarded_main([&] { return inspect_file(argv[2]); });
+    if ((argc == 3 || argc == 4) && std::string_view(argv[1]) == "--inspect")
+        return guarded_main([&] {
+            return inspect_file(argv[2],
+                                argc == 4 ? std::optional<std::string>(argv[3]) : std::nullopt);
+        });
     std::string folder;
     std::string earlier_run;
     return stage_main(

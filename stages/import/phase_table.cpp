@@ -91,7 +91,8 @@ Held hold(const Receiver& receiver, const RecordingBytes& phase,
                                  "given"
                                : "the UBX log holds no whole ephemeris (RXM-SFRBX), and "
                                  "navigation: is not given",
-                      "Name a navigation file of that day (RINEX, GPS or Galileo)");
+                      "Name a navigation file of that day (RINEX, GPS or Galileo): navigation: in the "
+                      "attempt, --navigation for inspect");
     return held;
 }
 

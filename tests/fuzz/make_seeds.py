@@ -397,6 +397,86 @@ def rosters():
     save("roster", "authority", f"judge cert-authority {key}\n")
 
 
+def label(text, name):
+    return text.ljust(60) + name + "\n"
+
+
+def rinex():
+    """Observations of satellites of examples/phase/broadcast.nav, and pieces of that file."""
+    head = (label("     3.03           OBSERVATION DATA    M: Mixed", "RINEX VERSION / TYPE")
+            + label(" -3911427.5048  3777221.6349 -3322793.5814", "APPROX POSITION XYZ")
+            + label("G    8 C1C L1C D1C S1C C2W L2W D2W S2W", "SYS / # / OBS TYPES")
+            + label("E    4 C1C L1C D1C S1C", "SYS / # / OBS TYPES")
+            + label("  2026    03    14    03    20   18.0000000     GPS", "TIME OF FIRST OBS")
+            + label("", "END OF HEADER"))
+    ranges = {"G01": 21795111.526, "G08": 22844969.343, "G12": 21970672.67, "G20": 23714693.525, "G22": 20376064.881,
+              "E05": 25942848.763, "E06": 25207379.04, "E09": 25450672.33}
+    body = ""
+    for epoch in range(6):
+        body += f"> 2026 03 14 03 20 {18 + epoch:2}.0000000  0  8\n"
+        for satellite, metres in ranges.items():
+            cycles = metres / 0.19029367
+            line = f"{satellite}{metres:14.3f} 7{cycles + (5 if epoch == 3 and satellite == 'G12' else 0):14.3f}{'1' if epoch == 4 else ' '}7{-527.25:14.3f}  {45.5:14.3f}  "
+            if satellite[0] == "G":
+                line += f"{metres + 2:14.3f} 6{cycles * 1227.6 / 1575.42:14.3f} 6{-410.8:14.3f}  {40.0:14.3f}  "
+            body += line.rstrip() + "\n"
+    save("rinex_observation", "three", head + body)
+    save("rinex_observation", "events", head + body + ">                              4  1\n" + label("E    3 C1X L1X D1X", "SYS / # / OBS TYPES")
+         + "> 2026 03 14 03 21 18.0000000  5  1\nanything\n" + body.replace("03 20", "03 22"))
+    two = (label("     2.11           OBSERVATION DATA    G (GPS)", "RINEX VERSION / TYPE") + label("     2     1", "WAVELENGTH FACT L1/2")
+           + label("     6    C1    P2    L1    L2    S1    D1", "# / TYPES OF OBSERV")
+           + label("  2026     3    14     3    20   18.0000000     GPS", "TIME OF FIRST OBS") + label("", "END OF HEADER"))
+    for epoch in range(3):
+        two += f" 26  3 14  3 20 {18 + epoch:2}.0000000  0  5G01G08G12G20G22\n"
+        for satellite, metres in list(ranges.items())[:5]:
+            two += f"{metres:14.3f} 8{metres + 2:14.3f} 7{metres / .19029367:14.3f}28{metres / .24421021:14.3f} 7{51:14.3f} 8\n{-527.25:14.3f}\n"
+    save("rinex_observation", "two", two)
+    broadcast = (TESTS.parent / "examples/phase/broadcast.nav").read_text().splitlines(keepends=True)
+    save("rinex_navigation", "three", "".join(broadcast[:12 + 8] + broadcast[4 + 24 * 8:4 + 25 * 8]))
+    old = label("     2.10           N: GPS NAV DATA", "RINEX VERSION / TYPE") + label("", "END OF HEADER")
+    record = [line.rstrip("\n") for line in broadcast[4:12]]
+    old += " 1 26  3 14  4  0  0.0" + record[0][23:] + "\n" + "".join(line[1:] + "\n" for line in record[1:])
+    save("rinex_navigation", "two", old)
+
+
+def crc24q(data):
+    value = 0
+    for c in data:
+        value ^= c << 16
+        for _ in range(8):
+            value = (value << 1) ^ (0x1864CFB if value & 0x800000 else 0)
+    return value & 0xFFFFFF
+
+
+def raw():
+    def measurement(range_m, system, number, signal, lock, state):
+        return struct.pack("<ddfBBBBHBBBBBB", range_m, range_m / .19029367, -527.25, system, number, signal, 0, lock, 45, 4, 1, 6, state, 0)
+
+    log = b""
+    for i in range(4):
+        rows = [measurement(2.2e7 + 1e5 * n + 30 * i, 0, n, 0, 64500 if n != 3 or i < 2 else 10, 7) for n in range(1, 8)]
+        rows += [measurement(2.5e7, 2, 11, 8, 300 + 250 * i, 3), measurement(2.1e7, 6, 2, 0, 64500, 7), measurement(2.1e7, 2, 11, 30, 1, 7)]
+        log += ubx_frame(2, 0x15, struct.pack("<dHbBBBxx", 530418.25 + .25 * i, 2409, 18, len(rows), 1, 1) + b"".join(rows))
+    save("rawx", "all", log)
+    save("rawx", "cut", log[:-40])
+    words = [0x8b << 22, 1 << 8] + [0x155555 << 6] * 8
+    messages = b""
+    for subframe in (1, 2, 3):
+        words[1] = subframe << 8
+        messages += struct.pack("<BBBBBBBB10I", 0, 7, 0, 0, 10, 1, 2, 0, *words)
+    for kind in (1, 2, 3, 4, 5):
+        data = (kind << 122) | (77 << 112) | (0x1234567 << 30)
+        even, odd = data >> 16, data & 0xFFFF
+        first = even << 6
+        checked = (even << 82) | (1 << 81) | (odd << 64)
+        crc = crc24q(checked.to_bytes(25, "big"))
+        second = (1 << 127) | (odd << 110) | (crc << 22)
+        both = first.to_bytes(15, "big") + b"\0" + second.to_bytes(16, "big")
+        messages += struct.pack("<BBBBBBBB", 2, 11, 1, 0, 8, 1, 2, 0) + b"".join(
+            struct.pack("<I", int.from_bytes(both[4 * i:4 * i + 4], "big")) for i in range(8)) + b"\0" * 8
+    save("sfrbx", "all", messages)
+
+
 for make in (rtklib_pos, nmea, ubx, vbo, flysight, oao, sbp, sbn, gpx, igc, novatel, septentrio, fit, tables, csv, golden, documents, signatures, flows, edits,
-             tars, stamps, rosters):
+             tars, stamps, rosters, rinex, raw):
     make()

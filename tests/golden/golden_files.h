@@ -15,7 +15,9 @@
 #include "schemas/generator/declaration.h"
 #include "schemas/observations/observations.h"
 #include "schemas/profile/profile.h"
+#include "schemas/phase/phase.h"
 #include "schemas/screened/screened.h"
+#include "schemas/screened_phase/screened_phase.h"
 #include "schemas/simulation/simulation.h"
 #include "schemas/trajectory/trajectory.h"
 #include "schemas/verdict/verdict.h"
@@ -57,6 +59,10 @@ inline constexpr GoldenKind kinds[] = {
      [](const std::string& text, const std::string& where) {
          return write_observations(read_observations(text, where));
      }},
+    {"1-phase.ecsv", "phase",
+     [](const std::string& text, const std::string& where) {
+         return write_phase(read_phase(text, where));
+     }},
     {"2-enu.ecsv", "enu",
      [](const std::string& text, const std::string& where) {
          return write_enu(read_enu(text, where));
@@ -64,6 +70,10 @@ inline constexpr GoldenKind kinds[] = {
     {"3-screened.ecsv", "screened",
      [](const std::string& text, const std::string& where) {
          return write_screened(read_screened(text, where));
+     }},
+    {"3-phase.ecsv", "screened_phase",
+     [](const std::string& text, const std::string& where) {
+         return write_screened_phase(read_screened_phase(text, where));
      }},
     {"4-trajectory.ecsv", "trajectory",
      [](const std::string& text, const std::string& where) {

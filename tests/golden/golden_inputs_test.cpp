@@ -20,7 +20,7 @@ TEST(GoldenAttempt, Receivers) {
     EXPECT_EQ(attempt.receivers.at(0).columns.at("sigma_up"), "7");
     EXPECT_EQ(attempt.receivers.at(0).lever_arm->at(2), -1.2);
     EXPECT_EQ(attempt.profiles.at(1), "rules/my-rule.yaml");
-    EXPECT_EQ(attempt.overrides.size(), 37U);
+    EXPECT_EQ(attempt.overrides.size(), 39U);
 }
 
 TEST(GoldenAttempt, RecordingsAndRawObservations) {
@@ -30,6 +30,7 @@ TEST(GoldenAttempt, RecordingsAndRawObservations) {
     EXPECT_EQ(attempt.receivers.at(0).gpsbabel_type, "garmin_fit");
     const Receiver& raw = attempt.receivers.at(1);
     EXPECT_EQ(raw.recordings, (std::vector<std::string>{"raw/rover.obs", "raw/rover2.obs"}));
+    EXPECT_EQ(attempt.receivers.at(0).phase, "day 1/raw.obs");
     EXPECT_EQ(raw.base, "raw/base.obs");
     EXPECT_EQ(raw.navigation, (std::vector<std::string>{"raw/gps.nav", "raw/glonass.nav"}));
     EXPECT_EQ(raw.base_position->latitude.degrees(), 35.25);

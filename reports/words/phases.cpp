@@ -1,0 +1,75 @@
+#include "reports/words/phases.h"
+
+#include <fmt/format.h>
+
+#include "core/prose.h"
+#include "core/text.h"
+
+namespace runcert {
+namespace {
+
+std::string millimetres(double value_m) {
+    return format_fixed(value_m * 1e3, 1) + " mm";
+}
+
+std::string motion_sentence(const MotionComparison& motion) {
+    if (motion.outcome != PhaseMotion::agrees) return {};
+    return fmt::format(
+        "The motion by carrier phases is that of the positions: over {} s they differ by {} m "
+        "(median of {}).",
+        format_fixed(motion.length_s, 0), format_fixed(*motion.median_difference_m, 3),
+        counted(motion.windows, "window"));
+}
+
+}  // namespace
+
+std::vector<std::string> phase_sentences(const ScreenedPhaseTable& phases) {
+    std::vector<std::string> sentences;
+    std::string slips = fmt::format("Carrier phases: {} in {} of epochs",
+                                    phases.slips == 0 ? "no slip" : counted(phases.slips, "slip"),
+                                    counted(phases.pairs, "pair"));
+    if (phases.repaired > 0) slips += fmt::format(", {} of them repaired", phases.repaired);
+    slips += fmt::format("; noise {} at the zenith.", millimetres(phases.noise.white_m));
+    sentences.push_back(std::move(slips));
+    if (phases.refusals > 0)
+        sentences.push_back(fmt::format("{} of epochs could not be judged, and end every arc.",
+                                        counted(phases.refusals, "pair")));
+    if (phases.disturbed > 0)
+        sentences.push_back(
+            fmt::format("In {} the phases were disturbed by less than half a cycle.",
+                        counted(phases.disturbed, "pair")));
+    if (!phases.clock_jumps.empty())
+        sentences.push_back(fmt::format(
+            "The receiver's clock jumped by whole milliseconds: {}; lengths of windows are "
+            "corrected.",
+            counted(std::ssize(phases.clock_jumps), "time")));
+    if (std::string motion = motion_sentence(phases.motion); !motion.empty())
+        sentences.push_back(std::move(motion));
+    sentences.insert(sentences.end(), phases.notes.begin(), phases.notes.end());
+    return sentences;
+}
+
+std::string slip_evidence(const ScreenedPhase& row) {
+    std::string text;
+    const auto add = [&](const std::string& more) { text += (text.empty() ? "" : "; ") + more; };
+    if (row.cycles)
+        add(fmt::format("{} ± {} cycles", format_fixed(*row.cycles, 2),
+                        format_fixed(row.sigma_cycles.value_or(0.0), 2)));
+    if (row.begins == ArcStart::geometry_free)
+        add(fmt::format("its bands parted by {} m, at most {} m",
+                        format_fixed(row.statistic.value_or(0.0), 3),
+                        format_fixed(row.threshold.value_or(0.0), 3)));
+    else
+        add(fmt::format("square sum of the weighted residuals {}, at most {}",
+                        format_fixed(row.statistic.value_or(0.0), 1),
+                        format_fixed(row.threshold.value_or(0.0), 1)));
+    if (row.wide_lane_cycles)
+        add(fmt::format("wide lane {} cycles", format_fixed(*row.wide_lane_cycles, 2)));
+    if (row.beyond_doppler_cycles)
+        add(fmt::format("beyond Doppler {} cycles", format_fixed(*row.beyond_doppler_cycles, 2)));
+    if (row.begins != ArcStart::geometry_free && row.begins != ArcStart::displacement)
+        add("repaired");
+    return text;
+}
+
+}  // namespace runcert

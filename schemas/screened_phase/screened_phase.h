@@ -1,0 +1,3 @@
+#pragma once
+
+#include "schemas/screened_phase/declared.h"

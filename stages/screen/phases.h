@@ -1,0 +1,36 @@
+#pragma once
+
+#include <functional>
+
+#include "estimation/phase_record.h"
+#include "estimation/phase_screening.h"
+#include "schemas/attempt/attempt.h"
+#include "schemas/enu/enu.h"
+#include "schemas/phase/phase.h"
+#include "schemas/screened_phase/screened_phase.h"
+
+namespace runcert {
+
+/// The figures of the phases' screening, as the attempt states them.
+PhaseScreeningConfig phase_screening_config(const Attempt& attempt);
+
+/// A receiver's phases, screened.
+struct ScreenedPhases {
+    ScreenedPhaseTable head;  ///< without the rows; the header is the caller's
+    PhaseRecord record;
+    PhaseScreening screening;
+};
+
+/// Screens a receiver's phases for cycle slips (`screen_phases`), and compares the motion that they
+/// show with that of its recorded positions, which also say where it was: where there are none, or
+/// others', its pseudoranges do. A contradiction is a finding with a note, and so is too little to
+/// say.
+ScreenedPhases screen_receiver_phases(const PhaseTable& head, PhaseRecord record,
+                                      const EnuTable& positions,
+                                      const PhaseScreeningConfig& config);
+
+/// The rows of the table, in the order of the record.
+void give_screened_rows(const ScreenedPhases& screened,
+                        const std::function<void(const ScreenedPhase& row)>& take);
+
+}  // namespace runcert

@@ -54,8 +54,8 @@ std::optional<PhaseDisplacement> phase_displacement(std::span<const PhaseChange>
                                                     const ReceiverPlace& place, double interval_s,
                                                     const PhaseNoise& noise);
 
-/// Standard deviation of what all satellites' slow errors do to a horizontal velocity over some
-/// seconds: 1 mm/s, 3 mm/s with six satellites or fewer; measured on receivers standing still.
+/// Standard deviation of what systematic rates of all satellites do to a horizontal velocity over
+/// some seconds: 1 mm/s, 3 mm/s with six satellites or fewer; measured on receivers standing still.
 double systematic_rate_m_s(std::size_t satellites);
 
 }  // namespace runcert

@@ -22,7 +22,7 @@ std::optional<Eigen::Vector3d> place_by_pseudoranges(const PhaseRecord& record,
 struct WitnessedDisplacement {
     Eigen::Vector3d enu_m;
     /// White noise of the phases, by their residuals where these are larger; and horizontally the
-    /// slow errors of all satellites.
+    /// systematic rates of all satellites.
     Eigen::Matrix3d covariance_m2;
     double interval_s = 0.0;  ///< true time between them: the receiver's clock is taken out
     std::size_t satellites = 0;

@@ -86,13 +86,15 @@ Held hold(const Receiver& receiver, const RecordingBytes& phase,
         held.facts.notes.insert(held.facts.notes.end(), file.notes.begin(), file.notes.end());
     }
     if (held.ephemerides.empty())
-        throw Failure(receiver.place,
-                      is_rinex ? "RINEX observations need broadcast orbits, and navigation: is not "
-                                 "given"
-                               : "the UBX log holds no whole ephemeris (RXM-SFRBX), and "
-                                 "navigation: is not given",
-                      "Name a navigation file of that day (RINEX, GPS or Galileo): navigation: in the "
-                      "attempt, --navigation for inspect");
+        throw Failure(
+            receiver.place,
+            !navigation.empty() ? "navigation: has no ephemeris of GPS or Galileo"
+            : is_rinex          ? "RINEX observations need broadcast orbits, and navigation: is "
+                                  "not given"
+                                : "the UBX log holds no whole ephemeris (RXM-SFRBX), and "
+                                  "navigation: is not given",
+            "Name a navigation file of that day (RINEX, GPS or Galileo): navigation: in the "
+            "attempt, --navigation for inspect");
     return held;
 }
 

@@ -17,8 +17,7 @@ namespace {
 constexpr double seconds = 282.0;  // 2,820 epochs, a tenth of an afternoon
 
 const std::string& phase_navigation() {
-    static const std::string text =
-        read_file(RUNCERT_SOURCE_DIR "/examples/phase/broadcast.nav");
+    static const std::string text = read_file(RUNCERT_SOURCE_DIR "/examples/phase/broadcast.nav");
     return text;
 }
 

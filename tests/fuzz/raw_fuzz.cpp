@@ -6,9 +6,9 @@
 
 #include "estimation/phase_witness.h"
 #include "estimation/tables/phase_rows.h"
+#include "files/atomic_file.h"
 #include "fuzz_target.h"
 #include "satellites/ephemeris.h"
-#include "files/atomic_file.h"
 #include "stages/import/phase_table.h"
 #include "stages/import/rinex/ephemerides.h"
 #include "stages/import/ubx/navigation.h"
@@ -62,8 +62,7 @@ void check_phases(std::string_view bytes, bool with_navigation) {
     require(screening.findings.size() == record.signals.size(), "a finding for each signal");
     require(std::ranges::is_sorted(screening.slips, {}, &PhaseSlip::signal), "slips in order");
     if (record.epochs.size() > 1)
-        if (const auto moved =
-                displacement_between(record, screening, 0, record.epochs.size() - 1))
+        if (const auto moved = displacement_between(record, screening, 0, record.epochs.size() - 1))
             require(moved->enu_m.allFinite(), "a displacement is finite");
 }
 

@@ -5,9 +5,9 @@
 #include "core/statistics.h"
 #include "estimation/phase_screening.h"
 #include "estimation/phase_witness.h"
-#include "satellites/line_of_sight.h"
 #include "import_phase_support.h"
 #include "phase_injection.h"
+#include "satellites/line_of_sight.h"
 
 // What the prototype measured on real phases, with room for other draws.
 namespace runcert::import_test {
@@ -88,8 +88,7 @@ TEST(PhaseScreening, TheWalkIsAsFastAsItsFixedPositionsSay) {
     std::map<std::int64_t, const Observation*> fixed;
     for (const Observation& row : positions.rows)
         if (row.fix == FixType::fixed)
-            fixed[tick(positions.facts.first_epoch->plus_nanoseconds(row.time.nanoseconds))] =
-                &row;
+            fixed[tick(positions.facts.first_epoch->plus_nanoseconds(row.time.nanoseconds))] = &row;
     const auto position_of = [](const Observation& row) {
         return ecef_from_geodetic({.latitude = Angle::from_degrees(*row.latitude_deg),
                                    .longitude = Angle::from_degrees(*row.longitude_deg),
@@ -100,8 +99,8 @@ TEST(PhaseScreening, TheWalkIsAsFastAsItsFixedPositionsSay) {
     double best_by_phase = 0.0, best_by_positions = 0.0;
     for (const Window& window : windows_of_3_s(walk.record, screening)) {
         const auto at = [&](std::size_t epoch) {
-            return fixed.find(tick(
-                walk.head.first_epoch.plus_nanoseconds(walk.record.epochs[epoch].time_ns)));
+            return fixed.find(
+                tick(walk.head.first_epoch.plus_nanoseconds(walk.record.epochs[epoch].time_ns)));
         };
         const auto from = at(window.first), to = at(window.second);
         if (from == fixed.end() || to == fixed.end()) continue;
@@ -161,16 +160,17 @@ TEST_P(InjectedSlips, AreFoundInRealPhasesOfOneFrequency) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(
-    Recorded, InjectedSlips,
-    testing::Values(SlipCase{"rinex_pair/yamatogawa_master.obs", "rinex_pair/yamatogawa_rover.nav",
-                             true, 0.02},
-                    SlipCase{"ubx_walk/rover.ubx", "", false, 0.02},
-                    SlipCase{"rinex_pair/yamatogawa_rover.obs", "rinex_pair/yamatogawa_rover.nav",
-                             false, 0.10}),
-    [](const auto& made) {
-        return std::string(made.index == 0 ? "Base" : made.index == 1 ? "Walk" : "Rover");
-    });
+INSTANTIATE_TEST_SUITE_P(Recorded, InjectedSlips,
+                         testing::Values(SlipCase{"rinex_pair/yamatogawa_master.obs",
+                                                  "rinex_pair/yamatogawa_rover.nav", true, 0.02},
+                                         SlipCase{"ubx_walk/rover.ubx", "", false, 0.02},
+                                         SlipCase{"rinex_pair/yamatogawa_rover.obs",
+                                                  "rinex_pair/yamatogawa_rover.nav", false, 0.10}),
+                         [](const auto& made) {
+                             return std::string(made.index == 0   ? "Base"
+                                                : made.index == 1 ? "Walk"
+                                                                  : "Rover");
+                         });
 
 }  // namespace RUNCERT_FILE
 }  // namespace runcert::import_test

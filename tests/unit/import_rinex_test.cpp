@@ -287,7 +287,15 @@ TEST(RinexNavigation, WhatIsNoEphemerisIsSetAsideWithItsLine) {
     EXPECT_TRUE(has(navigation_failure(replaced(*text, "NAVIGATION", "OBSERVATIO")), "kind"));
     EXPECT_TRUE(has(navigation_failure("x"), "no RINEX file"));
     EXPECT_TRUE(has(navigation_failure(text->substr(0, 600)), "lines of 8"));
-    EXPECT_TRUE(has(navigation_failure(text->substr(0, 243)), "no ephemeris"));
+    EXPECT_TRUE(navigation(text->substr(0, 243)).ephemerides.empty());
+}
+
+TEST(RinexNavigation, OfGlonassAloneIsSetAside) {
+    const rinex::NavigationFile file =
+        navigation(labelled("     2.01           GLONASS NAV DATA", "RINEX VERSION / TYPE") +
+                   labelled("", "END OF HEADER"));
+    EXPECT_TRUE(file.ephemerides.empty());
+    EXPECT_EQ(file.notes, std::vector<std::string>{"Navigation of GLONASS is not used."});
 }
 
 TEST(RinexNavigation, AnOrbitThatIsNoneIsRefused) {

@@ -33,16 +33,16 @@ inline PhaseRecord single_frequency(const PhaseRecord& record) {
 
 struct Trials {
     int count = 0;
-    int found = 0;    ///< the slipped satellites, and no other
+    int found = 0;  ///< the slipped satellites, and no other
     int refused = 0;
-    int wrong = 0;    ///< others, or nothing
+    int wrong = 0;  ///< others, or nothing
     int repaired = 0, wrongly_repaired = 0;
 };
 
 /// Slips of so many satellites, `least` to `most` cycles each, are put into the phases at random
 /// epochs that were clean, some epochs apart.
-inline Trials inject(const PhaseRecord& clean, std::size_t satellites, int least, int most, int trials,
-              std::uint64_t seed) {
+inline Trials inject(const PhaseRecord& clean, std::size_t satellites, int least, int most,
+                     int trials, std::uint64_t seed) {
     const PhaseScreening before = screen_phases(clean, {});
     std::vector<bool> is_clean(clean.epochs.size(), true);
     for (const PhaseSlip& slip : before.slips)
@@ -53,8 +53,8 @@ inline Trials inject(const PhaseRecord& clean, std::size_t satellites, int least
         is_clean[disturbed.epoch] = false;
     RandomGenerator random(seed);
     const auto below = [&](std::size_t bound) {
-        return std::min(bound - 1, static_cast<std::size_t>(random.uniform() *
-                                                            static_cast<double>(bound)));
+        return std::min(bound - 1,
+                        static_cast<std::size_t>(random.uniform() * static_cast<double>(bound)));
     };
     Trials result;
     PhaseScreeningConfig repairing;
@@ -73,17 +73,15 @@ inline Trials inject(const PhaseRecord& clean, std::size_t satellites, int least
             for (const PhaseSatellite& satellite : clean.of(clean.epochs[epoch]))
                 for (std::size_t i = 0; i < satellite.signals; ++i) {
                     const PhaseFinding& finding = before.findings[satellite.first_signal + i];
-                    if (finding.arc > 0 && finding.begins == PhaseBreak::none &&
-                        !finding.supports)
+                    if (finding.arc > 0 && finding.begins == PhaseBreak::none && !finding.supports)
                         going.push_back(satellite.first_signal + i);
                 }
             if (going.size() < satellites + 5) continue;
             Injected injected{.epoch = epoch, .cycles = {}};
             while (injected.cycles.size() < satellites) {
-                const int size = least + static_cast<int>(below(
-                                             static_cast<std::size_t>(most - least + 1)));
-                injected.cycles[going[below(going.size())]] =
-                    random.uniform() < 0.5 ? -size : size;
+                const int size =
+                    least + static_cast<int>(below(static_cast<std::size_t>(most - least + 1)));
+                injected.cycles[going[below(going.size())]] = random.uniform() < 0.5 ? -size : size;
             }
             for (const auto& [signal, cycles] : injected.cycles) {
                 // From here on, in all that follows of the satellite.
@@ -117,8 +115,7 @@ inline Trials inject(const PhaseRecord& clean, std::size_t satellites, int least
                 if (slip.epoch != injected.epoch || !slip.is_repaired) continue;
                 ++result.repaired;
                 const auto mine = injected.cycles.find(slip.signal);
-                if (mine == injected.cycles.end() ||
-                    std::lround(*slip.cycles) != mine->second)
+                if (mine == injected.cycles.end() || std::lround(*slip.cycles) != mine->second)
                     ++result.wrongly_repaired;
             }
         }

@@ -31,11 +31,9 @@ PhaseRecord simulated(const SimulationSpec& spec, const RawSpec& raw) {
     const std::string navigation = broadcast();
     const auto epochs = simulate(spec);
     const std::string text = rinex_observations_text(
-        spec, raw, epochs,
-        rinex::read_navigation({.name = "n", .bytes = navigation}).ephemerides);
-    const StreamedPhases phases =
-        import_phases(pos_receiver(), {.name = "raw.obs", .bytes = text},
-                      {{.name = "broadcast.nav", .bytes = navigation}});
+        spec, raw, epochs, rinex::read_navigation({.name = "n", .bytes = navigation}).ephemerides);
+    const StreamedPhases phases = import_phases(pos_receiver(), {.name = "raw.obs", .bytes = text},
+                                                {{.name = "broadcast.nav", .bytes = navigation}});
     PhaseRecordBuilder builder(phases.head);
     phases.give([&](const PhaseRow& row) { builder.add(row); });
     PhaseRecord record = std::move(builder).take();
@@ -79,10 +77,9 @@ TEST_P(SimulatedSlips, AreFoundAt60MetresASecond) {
             all.wrong += trials.wrong;
             all.wrongly_repaired += trials.wrongly_repaired;
         }
-        const std::string what =
-            fmt::format("{} bands, {} satellites: {} trials, {} found, {} refused, {} wrong",
-                        two_bands ? 2 : 1, one.satellites, all.count, all.found, all.refused,
-                        all.wrong);
+        const std::string what = fmt::format(
+            "{} bands, {} satellites: {} trials, {} found, {} refused, {} wrong", two_bands ? 2 : 1,
+            one.satellites, all.count, all.found, all.refused, all.wrong);
         if (std::getenv("RUNCERT_FIGURES")) fmt::print("{}\n", what);
         EXPECT_GE(all.found, one.least_found * all.count) << what;
         EXPECT_LE(all.wrong, one.most_wrong * all.count) << what;
@@ -92,9 +89,8 @@ TEST_P(SimulatedSlips, AreFoundAt60MetresASecond) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Bands, SimulatedSlips, testing::Bool(), [](const auto& made) {
-    return std::string(made.param ? "Two" : "One");
-});
+INSTANTIATE_TEST_SUITE_P(Bands, SimulatedSlips, testing::Bool(),
+                         [](const auto& made) { return std::string(made.param ? "Two" : "One"); });
 
 TEST(SimulatedPhases, ShowTheTrueMotionAndTheClocksJumps) {
     RawSpec raw;
@@ -130,8 +126,8 @@ TEST(SimulatedPhases, OfOpenHalfCyclesAndOutagesAreNotUsed) {
     const Satellite satellite{SatelliteSystem::gps, 22};
     raw.half_cycles = {{.stretch = {.from_s = 5.0, .to_s = 8.0}, .satellite = satellite}};
     raw.outages = {{.stretch = {.from_s = 12.0, .to_s = 13.0}, .satellite = satellite}};
-    raw.slips = {{.time_s = 20.0, .satellite = satellite, .band = 1, .cycles = 2.0,
-                  .is_flagged = true}};
+    raw.slips = {
+        {.time_s = 20.0, .satellite = satellite, .band = 1, .cycles = 2.0, .is_flagged = true}};
     const PhaseRecord record = simulated(run_of(25.0, 4), raw);
     const PhaseScreening screening = screen_phases(record, {});
     EXPECT_TRUE(screening.slips.empty());

@@ -95,7 +95,7 @@ class NavigationReader {
     explicit NavigationReader(const RecordingBytes& recording) : lines_(recording) {}
 
     NavigationFile read() {
-        read_header();
+        if (!read_header()) return std::move(file_);
         while (const auto line = lines_.next()) {
             if (trim(line->text).empty()) continue;
             read_record(*line);
@@ -104,26 +104,29 @@ class NavigationReader {
         for (const auto& [system, count] : set_aside_)
             file_.notes.push_back(
                 fmt::format("Ephemerides of {} are not used: {}.", name_of(system), count));
-        if (file_.ephemerides.empty())
-            throw Failure(lines_.recording().name + ":1",
-                          "the navigation file has no ephemeris of GPS or Galileo",
-                          "Give a navigation file of that day with GPS or Galileo");
         return std::move(file_);
     }
 
   private:
-    void read_header() {
+    /// False for a file of version 2 whose system is not used, of which nothing is read.
+    bool read_header() {
         const FirstLine first = read_first_line(lines_);
         modern_ = first.version >= 300;
-        const bool known = first.version >= 200 && first.version < 400;
-        if (first.kind != 'N' || !known || (!modern_ && first.system != ' ' && first.system != 'G'))
+        const bool glonass = first.kind == 'G', sbas = first.kind == 'H';
+        const bool other = !modern_ && (glonass || sbas);
+        if ((first.kind != 'N' && !other) || first.version < 200 || first.version >= 400)
             throw Failure(lines_.recording().name + ":1",
                           fmt::format("RINEX {}.{:02} of kind \"{}\" is not read as navigation",
                                       first.version / 100, first.version % 100, first.kind),
                           "Give navigation of GPS (version 2), or of several systems (version 3, "
                           "kind N)");
+        if (other) {
+            file_.notes.push_back(
+                fmt::format("Navigation of {} is not used.", glonass ? "GLONASS" : "SBAS"));
+            return false;
+        }
         while (const auto line = lines_.next())
-            if (label_of(line->text) == "END OF HEADER") return;
+            if (label_of(line->text) == "END OF HEADER") return true;
         throw Failure(lines_.recording().name + ":1", "the header has no end (END OF HEADER)",
                       "Take the whole file");
     }

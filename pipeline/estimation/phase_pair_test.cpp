@@ -74,9 +74,36 @@ class Judge {
         const double statistic = moved->statistic;
         const double threshold = bounds_(moved->redundancy);
         if (statistic <= threshold) return require_control(*moved);
+        if (parted_explain(*moved)) return;
         if (take_out_parted()) moved = displacement();
         if (!moved) return refuse(RefusalReason::few_satellites, statistic, threshold);
         if (moved->statistic > bounds_(moved->redundancy)) search(*moved);
+    }
+
+    std::vector<PhaseHint> hints() const {
+        std::vector<PhaseHint> all;
+        for (std::size_t i = 0; i < pairs_.size(); ++i)
+            all.push_back(
+                {.wavelength_m = pairs_[i].wavelength_m, .beyond_doppler_cycles = doppler_[i]});
+        return all;
+    }
+
+    /// Whether the satellites whose bands parted are those that slipped: their slips are sized by
+    /// the others.
+    bool parted_explain(const PhaseDisplacement& moved) {
+        std::vector<std::size_t> set;
+        for (std::size_t i = 0; i < pairs_.size(); ++i)
+            if (is_parted(i)) set.push_back(i);
+        const auto slips = slips_of_set(moved, hints(), set, bounds_);
+        if (!slips || are_small(*slips)) return false;
+        for (std::size_t i = slips->size(); i-- > 0;) {
+            const EstimatedSlip& one = (*slips)[i];
+            PhaseSlip& slip = add_parted(one.satellite);
+            slip.cycles = one.cycles;
+            slip.sigma_cycles = one.sigma_cycles;
+            take_out(one.satellite);
+        }
+        return true;
     }
 
     /// Takes out the satellites whose bands parted; false where there are none.
@@ -84,13 +111,18 @@ class Judge {
         bool any = false;
         for (std::size_t i = pairs_.size(); i-- > 0;) {
             if (!is_parted(i)) continue;
-            PhaseSlip& slip = add_slip(i, PhaseBreak::geometry_free);
-            slip.statistic = parted_m_[i];
-            slip.threshold = geometry_free_bound_m(noise_, pairs_[i].now->sine_of_elevation);
+            add_parted(i);
             take_out(i);
             any = true;
         }
         return any;
+    }
+
+    PhaseSlip& add_parted(std::size_t i) {
+        PhaseSlip& slip = add_slip(i, PhaseBreak::geometry_free);
+        slip.statistic = parted_m_[i];
+        slip.threshold = geometry_free_bound_m(noise_, pairs_[i].now->sine_of_elevation);
+        return slip;
     }
 
     PhaseSlip& add_slip(std::size_t i, PhaseBreak test) {
@@ -104,12 +136,8 @@ class Judge {
     }
 
     void search(const PhaseDisplacement& moved) {
-        std::vector<PhaseHint> hints;
-        for (std::size_t i = 0; i < pairs_.size(); ++i)
-            hints.push_back(
-                {.wavelength_m = pairs_[i].wavelength_m, .beyond_doppler_cycles = doppler_[i]});
         const SlipSearch found =
-            find_slips(moved, hints, bounds_, noise_.doppler_cycles.value_or(1.0));
+            find_slips(moved, hints(), bounds_, noise_.doppler_cycles.value_or(1.0));
         const double threshold = bounds_(moved.redundancy);
         switch (found.outcome) {
             case SlipSearch::Outcome::disturbed:

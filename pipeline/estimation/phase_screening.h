@@ -47,7 +47,7 @@ struct PhaseSlip {
     PhaseBreak test = PhaseBreak::displacement;
     double statistic = 0.0;
     double threshold = 0.0;
-    std::optional<double> cycles;  ///< as estimated; by the displacement alone
+    std::optional<double> cycles;  ///< as the other satellites tell it
     std::optional<double> sigma_cycles;
     /// Second evidence: change of the wide lane (Melbourne-Wuebbena), and of the phase beyond what
     /// the Doppler shift says, in cycles.

@@ -115,13 +115,6 @@ bool are_whole(std::span<const EstimatedSlip> slips) {
     });
 }
 
-/// Whether none of them can be half a cycle or more.
-bool are_small(const Slips& slips) {
-    return std::ranges::all_of(slips, [](const EstimatedSlip& slip) {
-        return std::abs(slip.cycles) + whole_deviations * slip.sigma_cycles < 0.5;
-    });
-}
-
 /// Steps a set of ascending numbers below `count` to the next of its size; false after the last.
 bool step_set(std::vector<std::size_t>& set, std::size_t count) {
     for (std::size_t i = set.size(); i-- > 0;) {
@@ -141,6 +134,22 @@ ChiSquaredBounds::ChiSquaredBounds(double probability) {
         bounds_[i] = chi_squared_upper_quantile(probability, static_cast<int>(i));
 }
 
+bool are_small(std::span<const EstimatedSlip> slips) {
+    return std::ranges::all_of(slips, [](const EstimatedSlip& slip) {
+        return std::abs(slip.cycles) + whole_deviations * slip.sigma_cycles < 0.5;
+    });
+}
+
+std::optional<std::vector<EstimatedSlip>> slips_of_set(const PhaseDisplacement& displacement,
+                                                       std::span<const PhaseHint> hints,
+                                                       std::span<const std::size_t> set,
+                                                       const ChiSquaredBounds& bounds) {
+    if (set.empty() || set.size() > most_in_set ||
+        displacement.redundancy - static_cast<int>(set.size()) < 1)
+        return std::nullopt;
+    return Residuals(displacement).explain(set, hints, bounds);
+}
+
 SlipSearch find_slips(const PhaseDisplacement& displacement, std::span<const PhaseHint> hints,
                       const ChiSquaredBounds& bounds, double doppler_sigma_cycles) {
     const Residuals residuals(displacement);
@@ -157,7 +166,7 @@ SlipSearch find_slips(const PhaseDisplacement& displacement, std::span<const Pha
                 candidates.push_back(std::move(*explained));
         } while (step_set(set, hints.size()));
         if (candidates.empty()) continue;
-        if (std::ranges::all_of(candidates, are_small))
+        if (std::ranges::all_of(candidates, [](const Slips& slips) { return are_small(slips); }))
             return {.outcome = SlipSearch::Outcome::disturbed};
         compare_with_doppler(candidates, hints, doppler_sigma_cycles);
         if (candidates.size() > 1)

@@ -60,6 +60,16 @@ struct SlipSearch {
 SlipSearch find_slips(const PhaseDisplacement& displacement, std::span<const PhaseHint> hints,
                       const ChiSquaredBounds& bounds, double doppler_sigma_cycles);
 
+/// The slips of a given set of at most three satellites, ascending, by the others; nothing where
+/// these do not pass the test without them, or do not tell.
+std::optional<std::vector<EstimatedSlip>> slips_of_set(const PhaseDisplacement& displacement,
+                                                       std::span<const PhaseHint> hints,
+                                                       std::span<const std::size_t> set,
+                                                       const ChiSquaredBounds& bounds);
+
+/// Whether none of the slips can be half a cycle or more.
+bool are_small(std::span<const EstimatedSlip> slips);
+
 /// For each satellite of a displacement the deviation (m) with which the others' phases would tell
 /// a slip of its own; infinite where they would not.
 std::vector<double> slip_deviations_m(const PhaseDisplacement& displacement);

@@ -45,7 +45,8 @@ bool is_plausible(const Ephemeris& e) {
            below(1e-6, e.mean_motion_difference, e.right_ascension_rate, e.inclination_rate) &&
            below(1e-2, e.cuc, e.cus, e.cic, e.cis) && below(1e5, e.crc, e.crs) &&
            below(0.1, e.clock_offset_s) && below(1e-6, e.clock_drift, e.group_delay_s) &&
-           below(1e-9, e.clock_drift_rate);
+           below(1e-9, e.clock_drift_rate) &&
+           below(86'400.0, e.reference.seconds_since(e.clock_reference));
 }
 
 GpsTime nearest_of_week(double second_of_week, GpsTime near) {
@@ -112,7 +113,8 @@ Ephemerides::Ephemerides(std::vector<Ephemeris> all) : all_(std::move(all)), cho
 std::optional<std::size_t> Ephemerides::nearest(Satellite satellite, GpsTime time) const {
     std::optional<std::size_t> found;
     double least_s = std::numeric_limits<double>::infinity();
-    const auto [first, last] = std::ranges::equal_range(all_, satellite, {}, &Ephemeris::satellite);
+    const auto first = std::ranges::lower_bound(all_, satellite, {}, &Ephemeris::satellite);
+    const auto last = std::ranges::upper_bound(all_, satellite, {}, &Ephemeris::satellite);
     for (auto each = first; each != last; ++each) {
         const double age_s = std::abs(time.seconds_since(each->reference));
         // F/NAV only where there is no other that is valid.

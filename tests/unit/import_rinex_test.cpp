@@ -290,6 +290,15 @@ TEST(RinexNavigation, WhatIsNoEphemerisIsSetAsideWithItsLine) {
     EXPECT_TRUE(navigation(text->substr(0, 243)).ephemerides.empty());
 }
 
+TEST(RinexNavigation, AKindThatIsNoLetterIsShownEscaped) {
+    EXPECT_TRUE(
+        has(navigation_failure(labelled("     3.04           \x01: NAV", "RINEX VERSION / TYPE")),
+            "kind \"\\x01\""));
+    EXPECT_TRUE(
+        has(observation_failure(labelled("     3.04           \x01: OBS", "RINEX VERSION / TYPE")),
+            "kind \"\\x01\""));
+}
+
 TEST(RinexNavigation, OfGlonassAloneIsSetAside) {
     const rinex::NavigationFile file =
         navigation(labelled("     2.01           GLONASS NAV DATA", "RINEX VERSION / TYPE") +

@@ -117,7 +117,8 @@ class NavigationReader {
         if ((first.kind != 'N' && !other) || first.version < 200 || first.version >= 400)
             throw Failure(lines_.recording().name + ":1",
                           fmt::format("RINEX {}.{:02} of kind \"{}\" is not read as navigation",
-                                      first.version / 100, first.version % 100, first.kind),
+                                      first.version / 100, first.version % 100,
+                                      escape_for_message({&first.kind, 1})),
                           "Give navigation of GPS (version 2), or of several systems (version 3, "
                           "kind N)");
         if (other) {

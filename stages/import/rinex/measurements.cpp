@@ -69,10 +69,11 @@ class MeasurementReader {
         const bool known =
             (version_ >= 210 && version_ < 300) || (version_ >= 300 && version_ < 500);
         if (first.kind != 'O' || !known)
-            throw Failure(place(1),
-                          fmt::format("RINEX {}.{:02} of kind \"{}\" is not read as observations",
-                                      version_ / 100, version_ % 100, first.kind),
-                          "Give observations (kind O) in RINEX 2.10 to 4.02");
+            throw Failure(
+                place(1),
+                fmt::format("RINEX {}.{:02} of kind \"{}\" is not read as observations",
+                            version_ / 100, version_ % 100, escape_for_message({&first.kind, 1})),
+                "Give observations (kind O) in RINEX 2.10 to 4.02");
         facts_.format = fmt::format("RINEX {}.{:02}", version_ / 100, version_ % 100);
         // Version 2 of one system may leave out its letter, and its time system.
         if (first.system == 'R') scale_ = Scale::utc;

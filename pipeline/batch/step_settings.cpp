@@ -108,6 +108,9 @@ Json settings_of_step(std::string_view step, const Attempt& attempt, const Json&
     const auto parameters = attempt.parameters.find(std::string(step));
     if (parameters != attempt.parameters.end()) settings["parameters"] = *parameters->second;
     if (step == "screen")
+        for (const Receiver& receiver : attempt.receivers)
+            settings["phases"].push_back(has_phases(receiver));
+    if (step == "screen")
         for (const char* shared : {"error_time_min_s", "error_time_max_s"})
             settings["smooth"][shared] = attempt.parameters.at("smooth").at(shared);
     if (step == "window") {

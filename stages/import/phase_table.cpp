@@ -63,6 +63,8 @@ TakeMeasurements hold_in(Held& held) {
 Held hold(const Receiver& receiver, const RecordingBytes& phase,
           const std::vector<RecordingBytes>& navigation) {
     Held held;
+    // A signal takes at least so many bytes of either format, most of the time: less copying.
+    held.signals.reserve(phase.bytes.size() / 64);
     const bool is_rinex = rinex::recognises(phase.bytes.substr(0, recognised_by));
     if (is_rinex) {
         held.facts = rinex::read_measurements(phase, hold_in(held));

@@ -9,8 +9,15 @@
 #include "core/failure.h"
 
 namespace runcert {
+namespace {
 
-PhaseRecordBuilder::PhaseRecordBuilder(const PhaseTable& head) {
+constexpr std::size_t epochs_to_estimate = 100;
+/// A head that says more is not believed before they are there.
+constexpr std::int64_t most_epochs = 10'000'000;
+
+}  // namespace
+
+PhaseRecordBuilder::PhaseRecordBuilder(const PhaseTable& head) : epochs_(head.epochs) {
     for (const UsedEphemeris& each : head.ephemerides) {
         Satellite satellite;
         if (from_text(each.satellite, satellite))
@@ -38,9 +45,15 @@ PhaseSatellite PhaseRecordBuilder::satellite_of(const PhaseRow& row) const {
     return satellite;
 }
 
-void PhaseRecordBuilder::reserve(std::size_t rows) {
-    record_.signals.reserve(rows);
-    record_.satellites.reserve(rows / 2);
+/// Room for all, by what the first epochs had, so that growing never copies them.
+void PhaseRecordBuilder::make_room() {
+    const auto of_all = [&](std::size_t so_far) {
+        const double each = static_cast<double>(so_far) / epochs_to_estimate;
+        return static_cast<std::size_t>(1.1 * each * static_cast<double>(epochs_));
+    };
+    record_.epochs.reserve(static_cast<std::size_t>(epochs_));
+    record_.satellites.reserve(of_all(record_.satellites.size()));
+    record_.signals.reserve(of_all(record_.signals.size()));
 }
 
 void PhaseRecordBuilder::add(const PhaseRow& row) {
@@ -59,6 +72,7 @@ void PhaseRecordBuilder::add(const PhaseRow& row) {
                       "The file is not as the program writes it; take the original, or run the "
                       "stage again");
     if (!same_epoch) {
+        if (record_.epochs.size() == epochs_to_estimate && epochs_ <= most_epochs) make_room();
         PhaseEpoch epoch;
         epoch.time_ns = row.time.nanoseconds;
         epoch.number = row.epoch;

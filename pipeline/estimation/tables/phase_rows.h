@@ -16,9 +16,6 @@ class PhaseRecordBuilder {
     /// The head says what ephemerides the rows' positions are of.
     explicit PhaseRecordBuilder(const PhaseTable& head);
 
-    /// Room for so many rows is made at once.
-    void reserve(std::size_t rows);
-
     /// Failure where the rows are not in the order of time, satellite and signal.
     void add(const PhaseRow& row);
 
@@ -26,6 +23,7 @@ class PhaseRecordBuilder {
 
   private:
     PhaseSatellite satellite_of(const PhaseRow& row) const;
+    void make_room();
 
     struct Health {
         bool healthy = true;
@@ -33,6 +31,7 @@ class PhaseRecordBuilder {
     };
     std::map<std::pair<Satellite, std::int64_t>, Health> ephemerides_;  ///< by satellite and issue
     PhaseRecord record_;
+    std::int64_t epochs_ = 0;  ///< as the head has them
     std::int64_t epoch_ = 0;
 };
 

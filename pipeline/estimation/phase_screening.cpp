@@ -9,7 +9,7 @@
 
 #include "core/statistics.h"
 #include "estimation/phase_displacement.h"
-#include "estimation/phase_pair_test.h"
+#include "estimation/phase_judgement.h"
 #include "estimation/phase_pairs.h"
 #include "estimation/phase_subsets.h"
 #include "satellites/troposphere.h"

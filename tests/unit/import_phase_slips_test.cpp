@@ -9,7 +9,7 @@
 #include "phase_injection.h"
 #include "satellites/line_of_sight.h"
 
-// What the prototype measured on real phases, with room for other draws.
+// Real phases, with slips put into them; bounds leave room for other draws.
 namespace runcert::import_test {
 namespace RUNCERT_FILE {
 

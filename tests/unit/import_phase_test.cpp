@@ -30,7 +30,7 @@ std::vector<PhaseChange> changes(const PhaseRecord& record, std::size_t a, std::
     return all;
 }
 
-TEST(PhaseDisplacement, TheBaseStandsStillAsInThePrototype) {
+TEST(PhaseDisplacement, TheBaseStandsStillAsComputedElsewhere) {
     if (!std::getenv("RUNCERT_DATA")) GTEST_SKIP() << "RUNCERT_DATA is not set";
     const Phases phases =
         recorded_phases("rinex_pair/yamatogawa_master.obs", "rinex_pair/yamatogawa_rover.nav");

@@ -247,7 +247,7 @@ TEST(RinexNavigation, BroadcastOrbitsAndClocksAreThoseOfRtklib) {
         Eigen::Vector3d position_m;
         double clock_us;
     };
-    // RTKLIB's eph2pos; rinex_solve_test asks it for every satellite and epoch.
+    // RTKLIB's eph2pos; rinex_oracle_test asks it for every satellite and epoch.
     const Row rows[] = {{2, 280634.0, {-3795575.549, 15167469.885, 21407006.301}, 212.280023},
                         {5, 280700.0, {1248885.907, 25266367.594, 7931837.541}, -19.706606},
                         {13, 280800.0, {-18198776.913, -428610.181, 19218199.350}, 306.665892}};

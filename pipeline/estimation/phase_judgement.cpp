@@ -1,4 +1,4 @@
-#include "estimation/phase_pair_test.h"
+#include "estimation/phase_judgement.h"
 
 #include <algorithm>
 #include <cmath>

@@ -31,8 +31,8 @@ bool is_figure_of_check(const std::string& figure) {
            figure.starts_with("decision.");
 }
 
-/// What the choice of a window takes of what is otherwise the verdict's: the coverage factor, and the
-/// rate of epochs that a clause asks for.
+/// What the choice of a window takes of what is otherwise the verdict's: the coverage factor, and
+/// the rate of epochs that a clause asks for.
 Json proof_figures(const Json& profile) {
     Json figures{{"coverage_factor",
                   profile.value("accuracy", Json::object()).value("coverage_factor", Json())},
@@ -107,12 +107,12 @@ Json settings_of_step(std::string_view step, const Attempt& attempt, const Json&
     if (step == "enu") settings["origin"] = document.value("origin", Json());
     const auto parameters = attempt.parameters.find(std::string(step));
     if (parameters != attempt.parameters.end()) settings["parameters"] = *parameters->second;
-    if (step == "screen")
+    if (step == "screen") {
         for (const Receiver& receiver : attempt.receivers)
             settings["phases"].push_back(has_phases(receiver));
-    if (step == "screen")
         for (const char* shared : {"error_time_min_s", "error_time_max_s"})
             settings["smooth"][shared] = attempt.parameters.at("smooth").at(shared);
+    }
     if (step == "window") {
         for (const char* shared : {"gap_max_s", "gap_factor"})
             settings["screen"][shared] = attempt.parameters.at("screen").at(shared);

@@ -96,14 +96,19 @@ class Judge {
             if (is_parted(i)) set.push_back(i);
         const auto slips = slips_of_set(moved, hints(), set, bounds_);
         if (!slips || are_small(*slips)) return false;
-        for (std::size_t i = slips->size(); i-- > 0;) {
-            const EstimatedSlip& one = (*slips)[i];
-            PhaseSlip& slip = add_parted(one.satellite);
-            slip.cycles = one.cycles;
-            slip.sigma_cycles = one.sigma_cycles;
-            take_out(one.satellite);
-        }
+        add_sized(*slips, [&](std::size_t i) -> PhaseSlip& { return add_parted(i); });
         return true;
+    }
+
+    /// Adds slips, ascending by satellite, with their sizes, and takes their satellites out.
+    template <class Add>
+    void add_sized(const std::vector<EstimatedSlip>& slips, const Add& add) {
+        for (std::size_t i = slips.size(); i-- > 0;) {
+            PhaseSlip& slip = add(slips[i].satellite);
+            slip.cycles = slips[i].cycles;
+            slip.sigma_cycles = slips[i].sigma_cycles;
+            take_out(slips[i].satellite);
+        }
     }
 
     /// Takes out the satellites whose bands parted; false where there are none.
@@ -149,15 +154,12 @@ class Judge {
             case SlipSearch::Outcome::slipped:
                 break;
         }
-        for (std::size_t i = found.slips.size(); i-- > 0;) {
-            const EstimatedSlip& one = found.slips[i];
-            PhaseSlip& slip = add_slip(one.satellite, PhaseBreak::displacement);
+        add_sized(found.slips, [&](std::size_t i) -> PhaseSlip& {
+            PhaseSlip& slip = add_slip(i, PhaseBreak::displacement);
             slip.statistic = moved.statistic;
             slip.threshold = threshold;
-            slip.cycles = one.cycles;
-            slip.sigma_cycles = one.sigma_cycles;
-            take_out(one.satellite);
-        }
+            return slip;
+        });
     }
 
     /// Whether something beside the other satellites says that no cycle slipped.

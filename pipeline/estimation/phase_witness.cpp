@@ -37,6 +37,16 @@ void locate_by_pseudoranges(PhaseRecord& record) {
     }
 }
 
+std::optional<std::size_t> epoch_after(const PhaseRecord& record, std::size_t first,
+                                       std::int64_t length_ns) {
+    constexpr std::int64_t tolerance_ns = 20'000'000;
+    const std::int64_t end_ns = record.epochs[first].time_ns + length_ns;
+    const auto found =
+        std::ranges::lower_bound(record.epochs, end_ns - tolerance_ns, {}, &PhaseEpoch::time_ns);
+    if (found == record.epochs.end() || found->time_ns > end_ns + tolerance_ns) return std::nullopt;
+    return static_cast<std::size_t>(found - record.epochs.begin());
+}
+
 std::optional<WitnessedDisplacement> displacement_between(const PhaseRecord& record,
                                                           const PhaseScreening& screening,
                                                           std::size_t first, std::size_t second) {

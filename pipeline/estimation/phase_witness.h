@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 
 #include "estimation/phase_record.h"
@@ -17,6 +18,10 @@ void locate_by_pseudoranges(PhaseRecord& record);
 std::optional<Eigen::Vector3d> place_by_pseudoranges(const PhaseRecord& record,
                                                      const PhaseEpoch& epoch,
                                                      const Eigen::Vector3d& near_m);
+
+/// The first epoch that is so long after another, to 20 ms; nothing where there is none.
+std::optional<std::size_t> epoch_after(const PhaseRecord& record, std::size_t first,
+                                       std::int64_t length_ns);
 
 /// How far the receiver moved between two epochs of a record, by its phases.
 struct WitnessedDisplacement {

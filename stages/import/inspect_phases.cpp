@@ -18,7 +18,6 @@ namespace runcert {
 namespace {
 
 constexpr std::int64_t phase_window_ns = 3'000'000'000;
-constexpr std::int64_t phase_tolerance_ns = 20'000'000;
 constexpr double phase_gap_factor = 1.5;
 /// A receiver whose median window moves less stands still (m).
 constexpr double still_m = 0.03;
@@ -114,14 +113,10 @@ struct Motion {
 
 Motion motion_of(const PhaseRecord& record, const PhaseScreening& screening) {
     Motion motion;
-    for (std::size_t a = 0, b = 0; a < record.epochs.size(); ++a) {
-        const std::int64_t begin_ns = record.epochs[a].time_ns;
-        while (b < record.epochs.size() &&
-               record.epochs[b].time_ns - begin_ns < phase_window_ns - phase_tolerance_ns)
-            ++b;
-        if (b == record.epochs.size()) break;
-        if (record.epochs[b].time_ns - begin_ns > phase_window_ns + phase_tolerance_ns) continue;
-        const auto moved = displacement_between(record, screening, a, b);
+    for (std::size_t a = 0; a < record.epochs.size(); ++a) {
+        const auto b = epoch_after(record, a, phase_window_ns);
+        if (!b) continue;
+        const auto moved = displacement_between(record, screening, a, *b);
         if (!moved) continue;
         const Eigen::Vector2d way_m = moved->enu_m.head<2>();
         motion.displacements_m.push_back(way_m.norm());

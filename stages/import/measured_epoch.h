@@ -38,6 +38,10 @@ struct MeasuredEpoch {
     std::int64_t byte = 0;  ///< offset of its first byte in the file
 };
 
+/// Puts the measurements in their order, by satellite and signal. Null, or one of a signal that
+/// there is twice.
+const SignalMeasurement* order_measurements(MeasuredEpoch& epoch);
+
 /// May take from the epoch what it wants.
 using TakeMeasurements = std::function<void(MeasuredEpoch&)>;
 

@@ -23,7 +23,6 @@ constexpr std::int64_t interpolated_ns = 3'000'000'000;
 /// Windows and places that are compared, spread over the recording.
 constexpr std::size_t compared = 500;
 constexpr std::int64_t window_ns = 3'000'000'000;
-constexpr std::int64_t window_tolerance_ns = 20'000'000;
 constexpr std::size_t least_compared = 10;
 /// Pseudoranges place a receiver to some metres; further apart it was another.
 constexpr double same_place_m = 100.0;
@@ -117,16 +116,12 @@ MotionComparison compare_motion(const PhaseRecord& record, const PhaseScreening&
     std::vector<double> differences_m, displacements_m;
     const std::size_t stride = std::max<std::size_t>(1, record.epochs.size() / compared);
     for (std::size_t a = 0; a < record.epochs.size(); a += stride) {
-        const std::int64_t begin_ns = record.epochs[a].time_ns;
-        const auto end = std::ranges::lower_bound(
-            record.epochs, begin_ns + window_ns - window_tolerance_ns, {}, &PhaseEpoch::time_ns);
-        if (end == record.epochs.end()) break;
-        if (end->time_ns - begin_ns > window_ns + window_tolerance_ns) continue;
-        const auto from_m = positions.at(first_ns + begin_ns);
-        const auto to_m = positions.at(first_ns + end->time_ns);
+        const auto b = epoch_after(record, a, window_ns);
+        if (!b) continue;
+        const auto from_m = positions.at(first_ns + record.epochs[a].time_ns);
+        const auto to_m = positions.at(first_ns + record.epochs[*b].time_ns);
         if (!from_m || !to_m) continue;
-        const auto moved = displacement_between(
-            record, screening, a, static_cast<std::size_t>(end - record.epochs.begin()));
+        const auto moved = displacement_between(record, screening, a, *b);
         if (!moved) continue;
         const Eigen::Vector3d by_positions_m =
             receiver_place(*from_m).enu_from_ecef * (*to_m - *from_m);

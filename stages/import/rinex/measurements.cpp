@@ -251,13 +251,8 @@ class MeasurementReader {
     void finish(const SourceLine& line, MeasuredEpoch& epoch) {
         if (last_time_ && epoch.time <= *last_time_)
             lines_.fail(line, 0, "the epoch is not later than the one before", "Take it out");
-        std::ranges::sort(epoch.measurements, {}, [](const SignalMeasurement& each) {
-            return std::pair(each.satellite, each.signal);
-        });
-        const auto same = std::ranges::adjacent_find(
-            epoch.measurements, {},
-            [](const SignalMeasurement& each) { return std::pair(each.satellite, each.signal); });
-        if (same != epoch.measurements.end())
+        const SignalMeasurement* same = order_measurements(epoch);
+        if (same)
             lines_.fail(line, 0,
                         fmt::format("the epoch has {} {} twice", to_text(same->satellite),
                                     to_text(same->signal)),

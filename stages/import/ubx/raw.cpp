@@ -134,13 +134,8 @@ class RawReader {
         const double step_s = last_time_ ? epoch.time.seconds_since(*last_time_) : 0.0;
         for (std::size_t at = raw_header_size; at < payload.size(); at += raw_measurement_size)
             read_measurement(payload.substr(at, raw_measurement_size), step_s, epoch);
-        std::ranges::sort(epoch.measurements, {}, [](const SignalMeasurement& each) {
-            return std::pair(each.satellite, each.signal);
-        });
-        const auto same = std::ranges::adjacent_find(
-            epoch.measurements, {},
-            [](const SignalMeasurement& each) { return std::pair(each.satellite, each.signal); });
-        if (same != epoch.measurements.end())
+        const SignalMeasurement* same = order_measurements(epoch);
+        if (same)
             fail(frame, fmt::format("an RXM-RAWX message has {} {} twice", to_text(same->satellite),
                                     to_text(same->signal)));
         last_time_ = epoch.time;

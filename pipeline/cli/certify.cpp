@@ -90,6 +90,8 @@ bool print_verdict(const ProfileVerdict& verdict, const fs::path& run_dir) {
     if (verdict.window) print_window(*verdict.window);
     for (const std::string& witness : verdict.witnesses)
         fmt::print("  witness  {}\n", plain_text(witness));
+    if (verdict.unseen_drift_m_s)
+        fmt::print("  witness  none. {}\n", positions_alone_text(*verdict.unseen_drift_m_s));
     fmt::print("  why      {}\n", plain_text(verdict.reason));
     if (verdict.indicated) print_refused(verdict);
     print_notes(verdict.notes, run_dir);

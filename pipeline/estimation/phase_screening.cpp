@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <utility>
 
 #include "core/statistics.h"
@@ -43,6 +44,8 @@ struct Track {
     int wide_lane_count = 0;
 };
 
+constexpr double degree = std::numbers::pi / 180.0;
+
 class Screen {
   public:
     Screen(const PhaseRecord& record, const PhaseScreeningConfig& config)
@@ -50,10 +53,9 @@ class Screen {
           config_(config),
           pairs_(record, result_.findings),
           bounds_(config.significance),
-          least_sine_(std::sin(config.mask_deg * 3.14159265358979323846 / 180.0)),
+          least_sine_(std::sin(config.mask_deg * degree)),
           tracks_(satellite_slots) {
         result_.findings.resize(record.signals.size());
-        result_.clock_m.assign(record.epochs.size(), not_known);
     }
 
     PhaseScreening run() {
@@ -86,35 +88,13 @@ class Screen {
             }
     }
 
-    /// The receiver's clock by the median over satellites of what their pseudoranges leave.
     void solve_clocks() {
-        std::vector<double> left_m;
-        for (std::size_t i = 0; i < record_.epochs.size(); ++i) {
-            const PhaseEpoch& epoch = record_.epochs[i];
-            if (!epoch.has_place()) continue;
-            const ReceiverPlace place = receiver_place(epoch.receiver_m);
-            left_m.clear();
-            for (const PhaseSatellite& satellite : record_.of(epoch)) {
-                if (!satellite.has_orbit() || !satellite.healthy ||
-                    !(satellite.sine_of_elevation >= least_sine_))
-                    continue;
-                for (const PhaseSignal& signal : record_.of(satellite)) {
-                    if (!(signal.pseudorange_m == signal.pseudorange_m)) continue;
-                    const LineOfSight sight = line_of_sight(satellite.position_m, place);
-                    left_m.push_back(
-                        signal.pseudorange_m + satellite.clock_m - satellite.group_delay_m -
-                        sight.range_m -
-                        troposphere_m(place.height_m, std::max(sight.sine_of_elevation, 0.05)));
-                    break;
-                }
-            }
-            if (left_m.size() >= 4) result_.clock_m[i] = median(left_m);
+        result_.clock_m = receiver_clocks_m(record_, config_.mask_deg);
+        for (std::size_t i = 1; i < record_.epochs.size(); ++i)
             note_jump(i);
-        }
     }
 
     void note_jump(std::size_t epoch) {
-        if (epoch == 0) return;
         const double change_m = result_.clock_m[epoch] - result_.clock_m[epoch - 1];
         if (!(change_m == change_m)) return;
         const auto milliseconds = static_cast<std::int64_t>(std::llround(change_m / millisecond_m));
@@ -306,6 +286,34 @@ class Screen {
 double wavelength_m(Satellite satellite, SignalCode code) {
     const auto frequency_hz = carrier_frequency_hz(satellite.system, code.band);
     return frequency_hz ? speed_of_light_m_s / *frequency_hz : not_known;
+}
+
+std::vector<double> receiver_clocks_m(const PhaseRecord& record, double mask_deg) {
+    const double least_sine = std::sin(mask_deg * degree);
+    std::vector<double> clocks_m(record.epochs.size(), not_known);
+    std::vector<double> left_m;
+    for (std::size_t i = 0; i < record.epochs.size(); ++i) {
+        const PhaseEpoch& epoch = record.epochs[i];
+        if (!epoch.has_place()) continue;
+        const ReceiverPlace place = receiver_place(epoch.receiver_m);
+        left_m.clear();
+        for (const PhaseSatellite& satellite : record.of(epoch)) {
+            if (!satellite.has_orbit() || !satellite.healthy ||
+                !(satellite.sine_of_elevation >= least_sine))
+                continue;
+            for (const PhaseSignal& signal : record.of(satellite)) {
+                if (!(signal.pseudorange_m == signal.pseudorange_m)) continue;
+                const LineOfSight sight = line_of_sight(satellite.position_m, place);
+                left_m.push_back(
+                    signal.pseudorange_m + satellite.clock_m - satellite.group_delay_m -
+                    sight.range_m -
+                    troposphere_m(place.height_m, std::max(sight.sine_of_elevation, 0.05)));
+                break;
+            }
+        }
+        if (left_m.size() >= 4) clocks_m[i] = median(left_m);
+    }
+    return clocks_m;
 }
 
 PhaseScreening screen_phases(const PhaseRecord& record, const PhaseScreeningConfig& config) {

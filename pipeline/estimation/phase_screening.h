@@ -47,11 +47,11 @@ struct PhaseSlip {
     PhaseBreak test = PhaseBreak::displacement;
     double statistic = 0.0;
     double threshold = 0.0;
-    std::optional<double> cycles;  ///< as the other satellites tell it
-    std::optional<double> sigma_cycles;
+    std::optional<double> cycles{};  ///< as the other satellites tell it
+    std::optional<double> sigma_cycles{};
     /// Second evidence: change of the wide lane (Melbourne-Wuebbena), and of the phase beyond what
     /// the Doppler shift says, in cycles.
-    std::optional<double> wide_lane_cycles, beyond_doppler_cycles;
+    std::optional<double> wide_lane_cycles{}, beyond_doppler_cycles{};
     bool is_repaired = false;
 };
 
@@ -116,6 +116,10 @@ struct PhaseScreening {
 
 /// The wavelength (m) of a signal.
 double wavelength_m(Satellite satellite, SignalCode code);
+
+/// The receiver's clock against GPS time at each epoch, times c: the median over the satellites
+/// above the mask of what their pseudoranges leave; not a number where fewer than four do.
+std::vector<double> receiver_clocks_m(const PhaseRecord& record, double mask_deg);
 
 /// Screens the phases of a record for cycle slips, pair of epochs by pair of epochs: the
 /// receiver's own flags; then all satellites of the first band together, whose displacement and

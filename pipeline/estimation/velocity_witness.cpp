@@ -31,42 +31,6 @@ Value hermite(double step_s, double s, const Value& before, const Value& after,
            step_s * ((s - 2.0 * s2 + s3) * slope_before + (s3 - s2) * slope_after);
 }
 
-/// A displacement by positions less that by the witness, over one span.
-template <int Axes>
-struct SpanDifference {
-    PositionVector<Axes> difference_m = PositionVector<Axes>::Zero();
-    double speed_m_s = 0.0;  ///< mean along the path
-};
-
-template <int Axes>
-std::vector<SpanDifference<Axes>> span_differences(const VelocityWitness<Axes>& witness,
-                                                   std::span<const TimedPosition<Axes>> positions,
-                                                   double span_s) {
-    constexpr double tolerance = 1e-6;
-    constexpr double spans_apart = 0.1;  // a tenth of the length; more often says nothing new
-    std::vector<SpanDifference<Axes>> differences;
-    std::size_t to = 0;
-    double next_s = -std::numeric_limits<double>::infinity();
-    for (const TimedPosition<Axes>& from : positions) {
-        if (from.time_s < next_s) continue;
-        while (to < positions.size() && positions[to].time_s < from.time_s + span_s - tolerance)
-            ++to;
-        if (to == positions.size()) break;
-        const TimedPosition<Axes>& last = positions[to];
-        if (last.stretch != from.stretch || last.time_s - from.time_s > 1.2 * span_s) continue;
-        const auto moved = witness.between(from.time_s, last.time_s);
-        if (!moved) continue;
-        const double length_s = last.time_s - from.time_s;
-        // By the variance of a span's own length: it may be longer by one interval.
-        differences.push_back(
-            {.difference_m = std::sqrt(span_s / length_s) *
-                             (last.position - from.position - moved->displacement_m),
-             .speed_m_s = moved->path_m / length_s});
-        next_s = from.time_s + spans_apart * span_s;
-    }
-    return differences;
-}
-
 /// The slope of a sample's velocity by its neighbours of the same stretch.
 template <int Axes>
 PositionVector<Axes> slope_at(const std::vector<TimedVelocity<Axes>>& samples, std::size_t k) {
@@ -153,30 +117,32 @@ double VelocityWitness<Axes>::path_in_step(std::size_t k, double part) const {
 }
 
 template <int Axes>
-std::optional<WitnessedMotion<Axes>> VelocityWitness<Axes>::between(double from_s,
-                                                                    double to_s) const {
+std::optional<typename VelocityWitness<Axes>::Ends> VelocityWitness<Axes>::ends_of(
+    double from_s, double to_s) const {
     assert(to_s > from_s);
     const auto from = place_of(from_s + errors_.delay_s);
     const auto to = place_of(to_s + errors_.delay_s);
     if (!from || !to || samples_[from->sample].stretch != samples_[to->sample].stretch)
         return std::nullopt;
+    return Ends{*from, *to};
+}
+
+template <int Axes>
+std::optional<WitnessedMotion<Axes>> VelocityWitness<Axes>::between(double from_s,
+                                                                    double to_s) const {
+    const auto ends = ends_of(from_s, to_s);
+    if (!ends) return std::nullopt;
+    const auto& [from, to] = *ends;
     WitnessedMotion<Axes> motion;
-    motion.displacement_m = moved_[to->sample] - moved_[from->sample];
-    motion.path_m = path_[to->sample] - path_[from->sample];
-    if (to->part > 0.0) {
-        motion.displacement_m += moved_in_step(to->sample, to->part);
-        motion.path_m += path_in_step(to->sample, to->part);
-    }
-    if (from->part > 0.0) {
-        motion.displacement_m -= moved_in_step(from->sample, from->part);
-        motion.path_m -= path_in_step(from->sample, from->part);
-    }
-    const std::size_t last = to->sample + (to->part > 0.0 ? 1 : 0);
+    motion.displacement_m = moved_[to.sample] - moved_[from.sample];
+    if (to.part > 0.0) motion.displacement_m += moved_in_step(to.sample, to.part);
+    if (from.part > 0.0) motion.displacement_m -= moved_in_step(from.sample, from.part);
+    const std::size_t last = to.sample + (to.part > 0.0 ? 1 : 0);
     // Of the integral over a step between known velocities and slopes, under a white jerk.
     constexpr double of_step = 1.0 / 720.0;
     const double between_samples =
-        jerk_density_ * jerk_density_ * of_step * (unseen_[last] - unseen_[from->sample]);
-    const PositionVector<Axes> changed = velocity_at(*to) - velocity_at(*from);
+        jerk_density_ * jerk_density_ * of_step * (unseen_[last] - unseen_[from.sample]);
+    const PositionVector<Axes> changed = velocity_at(to) - velocity_at(from);
     motion.covariance_m2 =
         (errors_.displacement_variance(to_s - from_s) + between_samples) *
             PositionMatrix<Axes>::Identity() +
@@ -185,34 +151,14 @@ std::optional<WitnessedMotion<Axes>> VelocityWitness<Axes>::between(double from_
 }
 
 template <int Axes>
-std::optional<DisplacementSpread> displacement_spread(
-    const VelocityWitness<Axes>& witness, std::span<const TimedPosition<Axes>> positions,
-    double span_s) {
-    constexpr double fewest = 5.0;
-    constexpr double fast = 0.9;  // the speed that a tenth of the spans exceed
-    std::vector<SpanDifference<Axes>> all = span_differences(witness, positions, span_s);
-    if (all.empty()) return std::nullopt;
-    std::vector<double> speeds;
-    for (const SpanDifference<Axes>& one : all)
-        speeds.push_back(one.speed_m_s);
-    const auto at =
-        speeds.begin() + static_cast<std::ptrdiff_t>(fast * static_cast<double>(speeds.size() - 1));
-    std::nth_element(speeds.begin(), at, speeds.end());
-    const double least_m_s = 0.5 * *at;
-    std::vector<double> squares;
-    for (const SpanDifference<Axes>& one : all)
-        if (one.speed_m_s >= least_m_s) squares.push_back(one.difference_m.squaredNorm());
-    DisplacementSpread spread{.span_s = span_s, .spans = std::ssize(squares)};
-    // Spans follow one another by a tenth of their length, or by an interval where that is more.
-    const double interval_s = (positions.back().time_s - positions.front().time_s) /
-                              static_cast<double>(std::max<std::size_t>(positions.size(), 2) - 1);
-    spread.independent =
-        static_cast<double>(squares.size()) * std::min(1.0, std::max(0.1, interval_s / span_s));
-    if (spread.independent < fewest) return std::nullopt;
-    spread.sd_m = std::sqrt(median(std::move(squares)) / chi_squared_quantile(0.5, Axes));
-    const int degrees = static_cast<int>(Axes * spread.independent);
-    spread.sd_upper_m = spread.sd_m * std::sqrt(degrees / chi_squared_quantile(0.05, degrees));
-    return spread;
+std::optional<double> VelocityWitness<Axes>::path_between(double from_s, double to_s) const {
+    const auto ends = ends_of(from_s, to_s);
+    if (!ends) return std::nullopt;
+    const auto& [from, to] = *ends;
+    double path_m = path_[to.sample] - path_[from.sample];
+    if (to.part > 0.0) path_m += path_in_step(to.sample, to.part);
+    if (from.part > 0.0) path_m -= path_in_step(from.sample, from.part);
+    return path_m;
 }
 
 template <int Axes>
@@ -243,12 +189,10 @@ EstimatedVelocityErrors<Axes> estimate_velocity_errors(
     return estimated;
 }
 
-#define RUNCERT_INSTANTIATE(AXES)                                                    \
-    template class VelocityWitness<AXES>;                                            \
-    template std::optional<DisplacementSpread> displacement_spread(                  \
-        const VelocityWitness<AXES>&, std::span<const TimedPosition<AXES>>, double); \
-    template EstimatedVelocityErrors<AXES> estimate_velocity_errors(                 \
-        const VelocityWitness<AXES>&, std::span<const TimedPosition<AXES>>,          \
+#define RUNCERT_INSTANTIATE(AXES)                                           \
+    template class VelocityWitness<AXES>;                                   \
+    template EstimatedVelocityErrors<AXES> estimate_velocity_errors(        \
+        const VelocityWitness<AXES>&, std::span<const TimedPosition<AXES>>, \
         std::optional<double>);
 RUNCERT_INSTANTIATE(1)
 RUNCERT_INSTANTIATE(2)

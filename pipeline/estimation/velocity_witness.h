@@ -2,10 +2,11 @@
 
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
-#include "estimation/witness.h"
+#include "estimation/witnessed_spans.h"
 
 namespace runcert {
 
@@ -62,6 +63,7 @@ class VelocityWitness final : public Witness<Axes> {
                     double jerk_density);
 
     std::optional<WitnessedMotion<Axes>> between(double from_s, double to_s) const override;
+    std::optional<double> path_between(double from_s, double to_s) const override;
 
     const VelocityErrorModel& errors() const { return errors_; }
 
@@ -71,7 +73,12 @@ class VelocityWitness final : public Witness<Axes> {
         std::size_t sample = 0;
         double part = 0.0;
     };
+    struct Ends {
+        Place from, to;
+    };
     std::optional<Place> place_of(double time_s) const;
+    /// Where samples of one stretch cover all of it, a delay later.
+    std::optional<Ends> ends_of(double from_s, double to_s) const;
     double step_s(std::size_t k) const { return samples_[k + 1].time_s - samples_[k].time_s; }
     PositionVector<Axes> velocity_at(const Place& place) const;
     /// From a sample to a part of the step after it.
@@ -86,31 +93,6 @@ class VelocityWitness final : public Witness<Axes> {
     VelocityErrorModel errors_;
     double jerk_density_;
 };
-
-/// A measured position (m) with its standard deviation of each axis.
-template <int Axes>
-struct TimedPosition {
-    double time_s = 0.0;
-    PositionVector<Axes> position = PositionVector<Axes>::Zero();
-    double sigma_m = 0.0;
-    std::int64_t stretch = 0;  ///< positions of different ones are never compared
-};
-
-/// How displacements by velocities and by positions differ over spans of one length.
-struct DisplacementSpread {
-    double span_s = 0.0;
-    std::int64_t spans = 0;    ///< compared; they overlap
-    double independent = 0.0;  ///< so many lengths of span are covered
-    double sd_m = 0.0;         ///< robust standard deviation, each axis
-    double sd_upper_m = 0.0;   ///< not exceeded with a probability of 95 %, for normal errors
-};
-
-/// The spread over spans of `span_s`, of those during which the craft moved at half the speed of
-/// its fastest tenth or more; nothing where these cover less than five times the length.
-template <int Axes>
-std::optional<DisplacementSpread> displacement_spread(
-    const VelocityWitness<Axes>& witness, std::span<const TimedPosition<Axes>> positions,
-    double span_s);
 
 /// The error model of velocities that lag by `delay_s`, with the spreads over 3, 10, 30, 100 and
 /// 300 s that it comes from. `witness` needs the delay alone in its errors.

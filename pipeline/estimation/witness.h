@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 #include <optional>
 
 #include "estimation/motion_model.h"
@@ -12,12 +13,12 @@ template <int Axes>
 struct WitnessedMotion {
     PositionVector<Axes> displacement_m = PositionVector<Axes>::Zero();
     PositionMatrix<Axes> covariance_m2 = PositionMatrix<Axes>::Identity();  ///< of that error
-    double path_m = 0.0;  ///< length of the path between; as uncertain as the displacement along it
+    std::int64_t satellites = 0;  ///< that it rests on; 0 of a witness that has none of its own
 };
 
 /// Anything that says how far the craft moved between two instants and does not come from the
-/// positions: recorded velocities; carrier phase, a second receiver or an inertial unit behind the
-/// same interface. Each has its own error model; what it cannot see it does not answer.
+/// positions: recorded velocities, carrier phases, a second receiver, a wheel, gates. Each has its
+/// own error model; what it cannot see it does not answer.
 template <int Axes>
 class Witness {
   public:
@@ -26,6 +27,10 @@ class Witness {
     /// From one instant (s) to a later one, on the time scale of the positions; nothing where the
     /// witness does not cover all of it.
     virtual std::optional<WitnessedMotion<Axes>> between(double from_s, double to_s) const = 0;
+
+    /// Length (m) of the path between, as uncertain as the displacement along it; nothing where the
+    /// witness does not tell it.
+    virtual std::optional<double> path_between(double from_s, double to_s) const = 0;
 };
 
 /// A figure from positions beside the same figure from a witness, with the standard uncertainties

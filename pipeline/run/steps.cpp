@@ -75,7 +75,7 @@ const std::vector<Step>& steps() {
         {.name = "window",
          .program = "runcert-window",
          .products = {windows},
-         .made_from = {screened, trajectory}},
+         .made_from = {screened, trajectory, phase, screened_phase}},
         {.name = "check",
          .program = "runcert-check",
          .products = {verdict},

@@ -24,6 +24,16 @@ std::string out_of_order(RowSpan rows) {
     return fmt::format("{}{}", words_of(rows.front().reason), by.empty() ? "" : ": by " + by);
 }
 
+/// By how much, and where to, positions and carrier phases part.
+std::string phases(RowSpan rows) {
+    const EstimatedError& apart = rows.front().estimated;
+    std::string text = rows.size() == 1 ? "the carrier phases contradict its position"
+                                        : "the carrier phases contradict their positions";
+    if (apart.east_m && apart.north_m)
+        text += ": by " + components(apart);
+    return text;
+}
+
 /// What the solution says of itself, against what is needed.
 std::string witness(RowSpan rows) {
     const ScreenedEpoch& row = rows.front();
@@ -155,6 +165,8 @@ std::string left_out_text(const ScreenedTable& table, const AuditEntry& entry) {
         case Reason::velocity:
             return one ? "the recorded velocity contradicts its position"
                        : "the recorded velocities contradict their positions";
+        case Reason::phase:
+            return phases(rows);
         case Reason::physical_limit:
             return physical_limit(table, rows);
         case Reason::baseline:

@@ -56,6 +56,7 @@ bool has_tested(Reason reason) {
         case Reason::burst:
         case Reason::model:
         case Reason::velocity:
+        case Reason::phase:
         case Reason::baseline:
             return true;
         default:

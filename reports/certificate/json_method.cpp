@@ -75,10 +75,10 @@ void describe_tests(Json& words, const ScreeningBasis& basis) {
         "nothing more. If the noise is as estimated, all of them together raise a false alarm at "
         "most at the family-wise rate.");
     words.push_back(
-        "Witnesses beside the positions follow: the recorded velocities, whose delay is estimated "
-        "first; the accelerations, jerks and vertical rates that a craft of the class can make; "
-        "and "
-        "the other receiver, where there is one.");
+        "Witnesses beside the positions follow: the displacements by carrier phases, where raw "
+        "signals were handed in; the recorded velocities, whose delay is estimated first; the "
+        "accelerations, jerks and vertical rates that a craft of the class can make; and the other "
+        "receiver, where there is one.");
 }
 
 void describe_estimated_noise(Json& words) {
@@ -107,7 +107,9 @@ void describe_estimated_noise(Json& words) {
         "(Baarda 1968). For each kind of error, at every epoch and in every direction, it is "
         "the size that its test finds with the stated power only. What that size does to the speed "
         "is the undetected effect. The "
-        "largest that is not a drift is a row of the budget.");
+        "largest that is not a drift is a row of the budget. Where a witness agrees, that row is "
+        "what "
+        "screening and the witness together would have missed, drifts included.");
 }
 
 Json description(const ReportInputs& inputs) {

@@ -25,7 +25,14 @@ std::string speed_words(const UndetectedError& error, const SpeedUnit& unit) {
 
 /// A drift is a time-correlated error, whose bound is a row of the budget. The positions of one
 /// receiver do not separate a steady drift from motion, so the tests find only one far beyond it.
-std::string drift_words(const UndetectedError& drift, const SpeedUnit& unit) {
+std::string drift_words(const UndetectedError& drift, const SpeedUnit& unit,
+                        const WitnessedSpeed* heard) {
+    if (heard != nullptr)
+        return fmt::format(
+            "The {} test for every error, drifts included: together with screening they find any "
+            "that changes the speed by more than {} {}. Row d of the budget is for that.",
+            words_of(heard->kind), significant_text(heard->undetected_m_s * unit.per_m_s, 3),
+            unit.name);
     const std::string covered =
         "A drift of the positions is covered as a time-correlated error up to the bound of row b, "
         "and not added again. ";
@@ -64,12 +71,15 @@ Json shown_json(const CertifiableWindow& window, const SpeedUnit& unit) {
     const auto drift = std::find_if(errors.begin(), errors.end(), [](const UndetectedError& error) {
         return is(error, Hypothesis::ramp);
     });
+    const auto heard = std::ranges::find_if(
+        window.witnesses, [](const WitnessedSpeed& one) { return one.share > 0.0; });
+    const WitnessedSpeed* const witness = heard == window.witnesses.end() ? nullptr : &*heard;
     Json json = Json::object();
     if (worst != errors.end())
         json["reliability_words"] =
             capitalised(undetected_error_text(*worst, *window.detection_power, unit)) + "." +
-            (has_row(window, "d") ? " Row d of the budget is for it." : "");
-    if (drift != errors.end()) json["drift_words"] = drift_words(*drift, unit);
+            (has_row(window, "d") && !witness ? " Row d of the budget is for it." : "");
+    if (drift != errors.end()) json["drift_words"] = drift_words(*drift, unit, witness);
     json["reliability_unit"] = unit.name;
     return json;
 }

@@ -6,6 +6,7 @@
 
 #include "core/rounding.h"
 #include "core/text.h"
+#include "reports/words/outcome.h"
 
 namespace runcert {
 
@@ -149,6 +150,8 @@ void set_reservations(Json& json, const ProfileVerdict& verdict) {
     if (!verdict.witnesses.empty())
         json["witnesses_words"] =
             fmt::format("Beside the positions, {}.", fmt::join(verdict.witnesses, "; "));
+    if (verdict.unseen_drift_m_s)
+        json["witnesses_words"] = positions_alone_text(*verdict.unseen_drift_m_s);
     if (!verdict.notes.empty()) json["notes"] = verdict.notes;
     for (const Override& figure : verdict.overrides)
         json["overrides"].push_back(override_json(figure));

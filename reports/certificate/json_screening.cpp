@@ -51,6 +51,9 @@ Noun decided_for(Hypothesis hypothesis) {
         case Hypothesis::velocity:
             return {"position that the recorded velocity contradicts",
                     "positions that the recorded velocities contradict"};
+        case Hypothesis::phase:
+            return {"position that the carrier phases contradict",
+                    "positions that the carrier phases contradict"};
         case Hypothesis::acceleration:
             return {"acceleration that the craft cannot make",
                     "accelerations that the craft cannot make"};

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "core/prose.h"
+#include "core/rounding.h"
 
 namespace runcert {
 namespace {
@@ -72,6 +73,12 @@ std::string rule_identity_text(const ProfileVerdict& verdict) {
         return fmt::format("rule “{}”, revision {}", verdict.profile, verdict.rule.revision);
     return fmt::format("the attempt's own rule “{}”, revision {}", verdict.profile,
                        verdict.rule.revision);
+}
+
+std::string positions_alone_text(double unseen_drift_m_s) {
+    return fmt::format(
+        "The result rests on positions alone: a drift below {} m/s could not have been seen.",
+        uncertainty_rounded_up(unseen_drift_m_s));
 }
 
 std::string standing_text(const Standing& standing) {

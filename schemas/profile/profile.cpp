@@ -70,6 +70,14 @@ void read_limit(const YamlValue& entry, Clause& clause) {
                   "Give unit: " + units);
 }
 
+void read_accepts(const YamlValue& entry, Clause& clause) {
+    if (!entry["accepts"].exists()) return;
+    if (clause.decided_by != Computation::secondary_method)
+        entry["accepts"].fail("only secondary_method accepts witnesses", "Remove it");
+    for (const YamlValue& one : entry["accepts"].list())
+        clause.accepts.push_back(one.text());
+}
+
 std::vector<Clause> read_clauses(const YamlValue& document, const Profile& profile) {
     std::vector<Clause> clauses;
     std::set<std::string> ids;
@@ -83,6 +91,7 @@ std::vector<Clause> read_clauses(const YamlValue& document, const Profile& profi
                                         .limit = std::nullopt,
                                         .unit = {}});
         read_limit(entry, clause);
+        read_accepts(entry, clause);
         if (!ids.insert(clause.id).second)
             entry["id"].fail(
                 fmt::format("two clauses have the id \"{}\"", escape_for_message(clause.id)),

@@ -23,6 +23,8 @@ struct Clause {
     Computation decided_by = Computation::attest;
     std::optional<double> limit;  ///< that the computation compares with, in `unit`
     std::string unit;
+    /// Witnesses that meet it, of those that it does not name by itself: "velocities", "phases".
+    std::vector<std::string> accepts = {};
 };
 
 /// How decimal figures are rounded.

@@ -16,6 +16,7 @@ bool rejected_by_test(Reason reason) {
         case Reason::burst:
         case Reason::model:
         case Reason::velocity:
+        case Reason::phase:
         case Reason::physical_limit:
         case Reason::baseline:
             return true;

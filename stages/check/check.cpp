@@ -65,13 +65,19 @@ std::string refused_for_robust(const std::optional<RobustSpeed>& robust,
 
 /// Why a window that a witness contradicts forbids a certificate; empty where none does.
 std::string refused_for_witnesses(const std::vector<WitnessedSpeed>& witnesses) {
-    const auto one = std::ranges::find_if(
-        witnesses, [](const WitnessedSpeed& witness) { return witness.normalised_error > 1.0; });
+    // A second receiver is judged by what the two do not share (`Agreement`).
+    const auto one = std::ranges::find_if(witnesses, [](const WitnessedSpeed& witness) {
+        return witness.normalised_error > 1.0 && witness.kind != WitnessKind::receiver;
+    });
     if (one == witnesses.end()) return {};
     return fmt::format(
         "The {} give {:+.3f} km/h against the positions over the window, in size or direction more "
-        "than both uncertainties allow (normalised error {:.2f}): one of the two is wrong.",
-        words_of(one->kind), -one->difference_m_s * 3.6, one->normalised_error);
+        "than both uncertainties allow (normalised error {:.2f}): one of the two is wrong. The "
+        "displacements differ by {:.3f} m{}.",
+        words_of(one->kind), -one->difference_m_s * 3.6, one->normalised_error, one->apart_m,
+        one->apart_azimuth_deg
+            ? fmt::format(", towards {:.0f} degrees from north", *one->apart_azimuth_deg)
+            : std::string());
 }
 
 /// The first refusal of the windows that the speed is made of: the best, then the further ones.
@@ -161,8 +167,9 @@ std::string drift_words(const Decision& decision, const ClauseContext& context) 
     const auto& witnesses = context.windows.best->witnesses;
     const auto sharpest = std::ranges::min_element(witnesses, {}, &largest_error_beside);
     if (sharpest != witnesses.end())
-        words += fmt::format("; beside the {} their error is at most {:.2f} m (k = 2)",
-                             words_of(sharpest->kind), largest_error_beside(*sharpest) * duration_s);
+        words +=
+            fmt::format("; beside the {} their error is at most {:.2f} m (k = 2)",
+                        words_of(sharpest->kind), largest_error_beside(*sharpest) * duration_s);
     else if (decision.drift_found_m_s && context.windows.best->detection_power)
         words += fmt::format(
             "; screening finds a drift of {:.2f} m there with a probability of {:.0f} %",
@@ -273,6 +280,7 @@ void set_figures(const ClauseContext& context, ProfileVerdict& verdict) {
         verdict.current_subtracted_m_s = context.current->along_m_s;
     verdict.decision = context.decision;
     verdict.witnesses = context.witnesses;
+    if (const auto drift_m_s = unseen_drift_m_s(context)) verdict.unseen_drift_m_s = *drift_m_s;
     verdict.shown = context.shown;
     verdict.notes = notes_of(context);
     verdict.course = course_figures(context);

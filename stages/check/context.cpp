@@ -180,14 +180,9 @@ void set_second_methods(ClauseContext& context) {
 /// What else than the positions speaks for the window.
 void set_witnesses(ClauseContext& context) {
     for (const WitnessedSpeed& one : context.windows.best->witnesses)
-        if (one.normalised_error <= 1.0)
-            context.witnesses.push_back(fmt::format(
-                "the {} give {} over the window, {:+.3f} km/h against the positions (normalised "
-                "error {:.2f}, at most 1)",
-                words_of(one.kind),
-                speed_with_uncertainty_text(one.speed_m_s, 2.0 * one.standard_uncertainty_m_s,
-                                            speed_unit("km/h")),
-                -one.difference_m_s * 3.6, one.normalised_error));
+        // A second receiver is compared as its clause asks for.
+        if (one.normalised_error <= 1.0 && one.kind != WitnessKind::receiver)
+            context.witnesses.push_back(witness_text(one));
     if (context.agreement && context.agreement->agrees())
         context.witnesses.push_back(
             fmt::format("receiver \"{}\" gives {:.3f} km/h over the same time",
@@ -197,6 +192,33 @@ void set_witnesses(ClauseContext& context) {
 }
 
 }  // namespace
+
+std::string witness_text(const WitnessedSpeed& one) {
+    const std::string speed = speed_with_uncertainty_text(
+        one.speed_m_s, 2.0 * one.standard_uncertainty_m_s, speed_unit("km/h"));
+    const char* const agreement =
+        one.normalised_error <= 1.0 ? "the two agree" : "the two contradict one another";
+    if (one.kind == WitnessKind::phases)
+        return fmt::format(
+            "a second computation from the receiver's raw signals, independent of the team's "
+            "processing, gives {}; {} (normalised error {:.2f}, at most 1)",
+            speed, agreement, one.normalised_error);
+    return fmt::format(
+        "the {} give {} over the window, {:+.3f} km/h against the positions (normalised error "
+        "{:.2f}, at most 1)",
+        words_of(one.kind), speed, -one.difference_m_s * 3.6, one.normalised_error);
+}
+
+/// The drift that positions alone could not have shown, where nothing else was heard.
+std::optional<double> unseen_drift_m_s(const ClauseContext& context) {
+    if (!context.witnesses.empty() || context.profile.speed_source != SpeedSource::position ||
+        !context.windows.best || !context.windows.best->witnesses.empty())
+        return std::nullopt;
+    const auto& all = context.windows.best->reliability;
+    const auto ramp = std::ranges::find(all, Hypothesis::ramp, &UndetectedError::hypothesis);
+    if (ramp == all.end() || ramp->size <= 0.0) return std::nullopt;
+    return ramp->size;
+}
 
 const ProfileWindows& windows_of(const Windows& windows, const Profile& profile) {
     for (const ProfileWindows& entry : windows.profiles) {

@@ -12,6 +12,13 @@ ClauseContext gather_context(const CheckInput& input, const Profile& profile,
 /// The runs of a recording as the profile cuts them.
 std::vector<CraftRun> runs_under(const Profile& profile, const ReceiverFindings& judged);
 
+/// What a witness says of the window, in words.
+std::string witness_text(const WitnessedSpeed& one);
+
+/// The smallest drift (m/s) of the positions over the window that their tests would have found with
+/// the stated power; nothing where a witness was heard, or the rule takes recorded velocities.
+std::optional<double> unseen_drift_m_s(const ClauseContext& context);
+
 /// The windows of a profile among those of 5-windows. Failure where they were searched for another
 /// rule than the profile has now.
 const ProfileWindows& windows_of(const Windows& windows, const Profile& profile);

@@ -170,6 +170,27 @@ Finding by_declaration(const ClauseContext& context) {
         {{.name = "normalised error of the second method", .value = agreement.normalised_error}}};
 }
 
+/// What witnesses of the same receiver say: they meet the clause where it accepts them.
+Finding by_own_witnesses(const Clause& clause, const ClauseContext& context) {
+    Finding finding{RequirementStatus::attest, {}};
+    if (context.windows.best)
+        for (const WitnessedSpeed& one : context.windows.best->witnesses) {
+            finding.figures.push_back(
+                {.name = fmt::format("normalised error of the {}", words_of(one.kind)),
+                 .value = one.normalised_error});
+            finding.evidence +=
+                fmt::format("{}{}", finding.evidence.empty() ? "" : "; ", witness_text(one));
+            const bool accepted =
+                std::ranges::find(clause.accepts, to_text(one.kind)) != clause.accepts.end();
+            if (accepted && one.normalised_error <= 1.0) finding.status = RequirementStatus::met;
+        }
+    if (finding.evidence.empty())
+        finding.evidence = "the attempt has one receiver; another method is not part of it";
+    else if (finding.status == RequirementStatus::attest)
+        finding.evidence += "; whether that counts as a second method the rule does not say";
+    return finding;
+}
+
 Finding computed(const Clause& clause, const ClauseContext& context) {
     switch (clause.decided_by) {
 #define RUNCERT_CASE(word)  \
@@ -224,27 +245,29 @@ Finding computation::accuracy(const Clause&, const ClauseContext& context) {
     };
     const std::string limit =
         number_text(*context.profile.accuracy_limit_m_s * unit.per_m_s, unit.name);
-    std::string beside_witnesses;
-    for (const WitnessedSpeed& one : context.windows.best->witnesses)
-        beside_witnesses += fmt::format(
-            ", and the difference from the {}, as which a drift would show", words_of(one.kind));
-    return {
-        met ? RequirementStatus::met : RequirementStatus::not_met,
-        fmt::format(
-            "expanded uncertainty {} (k = {}{}), limit {}; {}", rounded_up(u),
-            coverage_text(context.coverage_factor),
-            bias_limit_m_s > 0.0
-                ? fmt::format(", with {} for the choice of the window", rounded_up(bias_limit_m_s))
-                : std::string(),
-            limit,
-            context.profile.speed_source == SpeedSource::velocity
-                ? "it rests on what the recording states of its velocities"
-                : "it includes the bound on time-correlated errors and the worst undetected error "
-                  "except drift" +
-                      beside_witnesses),
-        {speed_figure("expanded uncertainty", u, std::string(unit.name), rounded_up(u)),
-         speed_figure("limit", *context.profile.accuracy_limit_m_s, std::string(unit.name),
-                      limit)}};
+    const auto& witnesses = context.windows.best->witnesses;
+    const auto heard =
+        std::ranges::find_if(witnesses, [](const WitnessedSpeed& one) { return one.share > 0.0; });
+    const std::string undetected =
+        heard == witnesses.end()
+            ? std::string("except drift")
+            : fmt::format("that screening and the {} together could have missed, drifts included",
+                          words_of(heard->kind));
+    return {met ? RequirementStatus::met : RequirementStatus::not_met,
+            fmt::format("expanded uncertainty {} (k = {}{}), limit {}; {}", rounded_up(u),
+                        coverage_text(context.coverage_factor),
+                        bias_limit_m_s > 0.0 ? fmt::format(", with {} for the choice of the window",
+                                                           rounded_up(bias_limit_m_s))
+                                             : std::string(),
+                        limit,
+                        context.profile.speed_source == SpeedSource::velocity
+                            ? "it rests on what the recording states of its velocities"
+                            : "it includes the bound on time-correlated errors and the worst "
+                              "undetected error " +
+                                  undetected),
+            {speed_figure("expanded uncertainty", u, std::string(unit.name), rounded_up(u)),
+             speed_figure("limit", *context.profile.accuracy_limit_m_s, std::string(unit.name),
+                          limit)}};
 }
 
 Finding computation::margin(const Clause&, const ClauseContext& context) {
@@ -287,11 +310,9 @@ Finding computation::georeferenced(const Clause&, const ClauseContext& context) 
             "must be the true metre on the ground"};
 }
 
-Finding computation::secondary_method(const Clause&, const ClauseContext& context) {
+Finding computation::secondary_method(const Clause& clause, const ClauseContext& context) {
     const bool declared = context.input.attempt.secondary_method.has_value();
-    if (!context.input.secondary && !declared)
-        return {RequirementStatus::attest,
-                "the attempt has one receiver; another method is not part of it"};
+    if (!context.input.secondary && !declared) return by_own_witnesses(clause, context);
     if (!declared) return by_receiver(context);
     Finding finding = by_declaration(context);
     if (!context.input.secondary) return finding;

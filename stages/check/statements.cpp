@@ -234,6 +234,32 @@ void add_velocity(const VelocityComparison& velocity, Statements& statements) {
         velocity.compared, velocity.scale_m_s, delay, velocity.rejected));
 }
 
+/// What the carrier phases say of the motion.
+void add_phases(const PhaseComparison& phases, Statements& statements) {
+    if (phases.spreads.empty()) {
+        statements.push_back(
+            "Too few spans of the recording have both positions and unbroken carrier phases for "
+            "the two to be compared while screening.");
+        return;
+    }
+    const VelocitySpread& spread = phases.spreads.front();
+    statements.push_back(fmt::format(
+        "Over {:g} s the displacements by carrier phases and by positions differ by {:.3f} m per "
+        "axis ({} spans); {} epochs contradicted them and were left out.",
+        spread.span_s, spread.sd_m, spread.spans, phases.rejected));
+}
+
+/// What else than positions tests for slow drifts, in words; empty where nothing does.
+std::string slow_drift_tests(const ScreeningBasis& tests) {
+    std::string words;
+    if (tests.velocity && tests.velocity->compared > 0)
+        words = fmt::format("recorded velocities, which agree to {:.3f} m/s per axis,",
+                            tests.velocity->scale_m_s);
+    if (tests.phases && !tests.phases->spreads.empty())
+        words += words.empty() ? "carrier phases" : " and the carrier phases";
+    return words;
+}
+
 /// What the other receiver says of this one's positions.
 void add_baseline(const BaselineComparison& baseline, Statements& statements) {
     if (baseline.compared == 0) {
@@ -255,7 +281,7 @@ void add_baseline(const BaselineComparison& baseline, Statements& statements) {
 
 /// From positions alone a slow drift cannot be told from motion: what else checks it is said.
 void add_drift(const ReceiverFindings& judged, Statements& statements) {
-    const bool velocities = judged.tests.velocity && judged.tests.velocity->compared > 0;
+    const std::string others = slow_drift_tests(judged.tests);
     for (const ProfileWindows& windows : judged.windows.profiles) {
         if (!windows.best) continue;
         for (const UndetectedError& error : windows.best->reliability) {
@@ -264,10 +290,8 @@ void add_drift(const ReceiverFindings& judged, Statements& statements) {
                 "Under {}, screening by positions alone finds a drift beside the window with a "
                 "probability of {:.0f} % only from {:.2f} m/s on. {}.",
                 windows.profile, 100.0 * windows.best->detection_power.value_or(0.0), error.size,
-                velocities
-                    ? fmt::format("The recorded velocities, which agree to {:.3f} m/s per "
-                                  "axis, check for slower ones",
-                                  judged.tests.velocity->scale_m_s)
+                !others.empty()
+                    ? fmt::format("The {} check for slower ones", others)
                     : std::string("No velocities were recorded to check for slower ones: from the "
                                   "fix type, the budget assumes no drift beyond its "
                                   "time-correlated error")));
@@ -322,6 +346,7 @@ void add_screening(const ReceiverFindings& judged, Statements& statements) {
                             to_text(model.axes), model.measurement_scale));
     add_kinds(tests.fix_types, statements);
     add_time(tests.time, statements);
+    if (tests.phases) add_phases(*tests.phases, statements);
     if (tests.velocity) add_velocity(*tests.velocity, statements);
     if (tests.baseline) add_baseline(*tests.baseline, statements);
     add_drift(judged, statements);

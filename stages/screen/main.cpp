@@ -12,24 +12,17 @@ using namespace runcert;
 
 namespace {
 
-/// The raw phases of a receiver, as they are read.
-struct RawPhases {
-    PhaseTable head;
-    PhaseRecord record;
-};
-
-RawPhases read_phases(StageRun& run, const Receiver& receiver) {
+ScreenedPhases read_and_screen_phases(StageRun& run, const Receiver& receiver,
+                                      const EnuTable& positions) {
     auto rows = run.open(products::phase, receiver, open_phase);
     PhaseRecordBuilder builder(rows.head());
     for (PhaseRow row; rows.next(row);)
         builder.add(row);
-    return {rows.head(), std::move(builder).take()};
+    return screen_receiver_phases(rows.head(), std::move(builder).take(), positions,
+                                  phase_screening_config(run.attempt()));
 }
 
-void screen_phases_of(StageRun& run, const Receiver& receiver, RawPhases raw,
-                      const EnuTable& positions) {
-    ScreenedPhases screened = screen_receiver_phases(raw.head, std::move(raw.record), positions,
-                                                     phase_screening_config(run.attempt()));
+void write_phases(StageRun& run, const Receiver& receiver, ScreenedPhases& screened) {
     screened.head.header = run.header();
     AtomicFile file(run.run_dir() / run.file_of(products::screened_phase, receiver));
     TableWriter<ScreenedPhase> table =
@@ -49,14 +42,23 @@ int main(int argc, char** argv) {
     return stage_main(
         argc, argv, "screen", "Tests every epoch; marks, never deletes", [](StageRun& run) {
             const Attempt& attempt = run.attempt();
+            const ScreenConfig config = screen_config(attempt);
             std::vector<EnuTable> tables;
-            std::vector<std::optional<RawPhases>> phases;
+            std::vector<std::optional<ScreenedPhases>> phases;
+            std::vector<std::optional<PhaseWitness<2>>> witnesses;
             for (const Receiver& receiver : attempt.receivers) {
-                tables.push_back(run.read(products::enu, receiver, read_enu));
-                phases.emplace_back();
-                if (has_phases(receiver)) phases.back() = read_phases(run, receiver);
+                const EnuTable& table =
+                    tables.emplace_back(run.read(products::enu, receiver, read_enu));
+                auto& own = phases.emplace_back();
+                auto& witness = witnesses.emplace_back();
+                if (!has_phases(receiver)) continue;
+                own = read_and_screen_phases(run, receiver, table);
+                witness = own->witness<2>(table, config.jerk_density);
             }
-            std::vector<ScreenedTable> screened = screen_receivers(tables, screen_config(attempt));
+            std::vector<const Witness<2>*> heard;
+            for (const auto& witness : witnesses)
+                heard.push_back(witness ? &*witness : nullptr);
+            std::vector<ScreenedTable> screened = screen_receivers(tables, config, heard);
             for (std::size_t i = 0; i < screened.size(); ++i) {
                 // Each table rests on what was read of all receivers.
                 screened[i].header = run.header();
@@ -65,8 +67,7 @@ int main(int argc, char** argv) {
                 run.say(fmt::format("{} of {} epochs usable, in {} {}", summary.usable,
                                     screened[i].rows.size(), summary.arcs,
                                     summary.arcs == 1 ? "arc" : "arcs"));
-                if (phases[i])
-                    screen_phases_of(run, attempt.receivers[i], *std::move(phases[i]), tables[i]);
+                if (phases[i]) write_phases(run, attempt.receivers[i], *phases[i]);
             }
         });
 }

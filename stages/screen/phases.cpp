@@ -12,20 +12,17 @@
 #include "core/statistics.h"
 #include "core/text.h"
 #include "estimation/phase_witness.h"
+#include "estimation/tables/screened_phases.h"
 #include "satellites/line_of_sight.h"
 
 namespace runcert {
 namespace {
 
 constexpr std::size_t listed_at_most = 1000;
-/// Positions further apart in time than this are not interpolated between.
-constexpr std::int64_t interpolated_ns = 3'000'000'000;
 /// Windows and places that are compared, spread over the recording.
 constexpr std::size_t compared = 500;
 constexpr std::int64_t window_ns = 3'000'000'000;
 constexpr std::size_t least_compared = 10;
-/// Pseudoranges place a receiver to some metres; further apart it was another.
-constexpr double same_place_m = 100.0;
 /// A motion is another where the median window differs by so much (m), and by this share of it.
 constexpr double other_motion_m = 0.5;
 constexpr double other_motion_share = 0.1;
@@ -39,93 +36,53 @@ constexpr std::array starts{ArcStart::start,        ArcStart::gap,           Arc
 constexpr std::array refusals{RefusalWord::few_satellites, RefusalWord::no_single_set,
                               RefusalWord::no_place};
 
-/// Where the recorded positions put the receiver, by GPS time.
-class Positions {
-  public:
-    explicit Positions(const EnuTable& table) {
-        if (!table.origin || !table.facts.first_epoch) return;
-        const Geodetic& origin = table.origin->position;
-        const Eigen::Vector3d origin_m = ecef_from_geodetic(origin).m;
-        const Eigen::Matrix3d ecef_from_enu =
-            rotation_enu_from_ecef(origin.latitude, origin.longitude).transpose();
-        for (const EnuEpoch& row : table.rows) {
-            if (!row.east_m || !row.north_m || !row.up_m) continue;
-            const std::int64_t time_ns =
-                table.facts.first_epoch->nanoseconds() + row.time.nanoseconds;
-            if (!times_ns_.empty() && time_ns <= times_ns_.back()) continue;
-            times_ns_.push_back(time_ns);
-            places_m_.push_back(
-                origin_m + ecef_from_enu * Eigen::Vector3d(*row.east_m, *row.north_m, *row.up_m));
-        }
-    }
-
-    bool empty() const { return times_ns_.empty(); }
-
-    /// Interpolated between neighbours; nothing outside of them.
-    std::optional<Eigen::Vector3d> at(std::int64_t time_ns) const {
-        const auto after = std::ranges::lower_bound(times_ns_, time_ns);
-        if (after == times_ns_.end()) return std::nullopt;
-        const auto i = static_cast<std::size_t>(after - times_ns_.begin());
-        if (*after == time_ns) return places_m_[i];
-        if (i == 0 || *after - times_ns_[i - 1] > interpolated_ns) return std::nullopt;
-        const double share = static_cast<double>(time_ns - times_ns_[i - 1]) /
-                             static_cast<double>(*after - times_ns_[i - 1]);
-        return places_m_[i - 1] + share * (places_m_[i] - places_m_[i - 1]);
-    }
-
-  private:
-    std::vector<std::int64_t> times_ns_;
-    std::vector<Eigen::Vector3d> places_m_;
-};
-
 std::string metres(double value_m) {
     return value_m >= 10'000.0 ? format_fixed(value_m / 1000.0, 0) + " km"
                                : format_fixed(value_m, value_m >= 100.0 ? 0 : 2) + " m";
 }
 
-/// Puts the receiver where its positions say, unless its pseudoranges say somewhere else.
-void set_places(PhaseRecord& record, std::int64_t first_ns, const Positions& positions,
-                std::vector<std::string>& notes) {
-    std::vector<double> apart_m;
-    const std::size_t stride = std::max<std::size_t>(1, record.epochs.size() / 20);
-    for (std::size_t i = 0; i < record.epochs.size(); i += stride) {
-        const auto place_m = positions.at(first_ns + record.epochs[i].time_ns);
-        if (!place_m) continue;
-        if (const auto solved_m = place_by_pseudoranges(record, record.epochs[i], *place_m))
-            apart_m.push_back((*solved_m - *place_m).norm());
-    }
-    const double typical_m = apart_m.empty() ? 0.0 : median(apart_m);
-    if (typical_m > same_place_m)
-        notes.push_back(
-            fmt::format("By the raw measurements the receiver was {} away from its recorded "
-                        "positions: they are "
-                        "another receiver's, or another time's.",
-                        metres(typical_m)));
-    else
-        for (PhaseEpoch& epoch : record.epochs)
-            if (const auto place_m = positions.at(first_ns + epoch.time_ns))
-                epoch.receiver_m = *place_m;
-    locate_by_pseudoranges(record);
+void note_place(const PlacesSet& places, std::vector<std::string>& notes) {
+    if (places.by_positions || !places.apart_m) return;
+    notes.push_back(
+        fmt::format("By the raw measurements the receiver was {} away from its recorded "
+                    "positions: they are another receiver's, or another time's.",
+                    metres(*places.apart_m)));
 }
 
-/// The motion by phases beside that of the positions.
-MotionComparison compare_motion(const PhaseRecord& record, const PhaseScreening& screening,
-                                std::int64_t first_ns, const Positions& positions) {
+/// A window's horizontal displacement by phases, and its ends by GPS time.
+struct PhaseWindow {
+    std::int64_t from_ns = 0, to_ns = 0;
+    Eigen::Vector2d moved_m = Eigen::Vector2d::Zero();
+};
+
+std::vector<PhaseWindow> windows_of(const JudgedPhases& phases, std::int64_t first_ns) {
+    std::vector<PhaseWindow> windows;
+    const auto& epochs = phases.record.epochs;
+    const std::size_t stride = std::max<std::size_t>(1, epochs.size() / compared);
+    for (std::size_t a = 0; a < epochs.size(); a += stride) {
+        const auto b = epoch_after(phases.record, a, window_ns);
+        if (!b) continue;
+        if (const auto moved = displacement_between(phases.record, phases.screening, a, *b))
+            windows.push_back({.from_ns = first_ns + epochs[a].time_ns,
+                               .to_ns = first_ns + epochs[*b].time_ns,
+                               .moved_m = moved->enu_m.head<2>()});
+    }
+    return windows;
+}
+
+/// The displacements of the windows beside those of the positions so much later.
+MotionComparison compare_windows(const std::vector<PhaseWindow>& windows,
+                                 const ReceiverPlaces& positions, std::int64_t later_ns) {
     MotionComparison result;
     result.length_s = static_cast<double>(window_ns) * 1e-9;
     std::vector<double> differences_m, displacements_m;
-    const std::size_t stride = std::max<std::size_t>(1, record.epochs.size() / compared);
-    for (std::size_t a = 0; a < record.epochs.size(); a += stride) {
-        const auto b = epoch_after(record, a, window_ns);
-        if (!b) continue;
-        const auto from_m = positions.at(first_ns + record.epochs[a].time_ns);
-        const auto to_m = positions.at(first_ns + record.epochs[*b].time_ns);
+    for (const PhaseWindow& window : windows) {
+        const auto from_m = positions.at(window.from_ns + later_ns);
+        const auto to_m = positions.at(window.to_ns + later_ns);
         if (!from_m || !to_m) continue;
-        const auto moved = displacement_between(record, screening, a, *b);
-        if (!moved) continue;
         const Eigen::Vector3d by_positions_m =
             receiver_place(*from_m).enu_from_ecef * (*to_m - *from_m);
-        differences_m.push_back((moved->enu_m - by_positions_m).head<2>().norm());
+        differences_m.push_back((window.moved_m - by_positions_m.head<2>()).norm());
         displacements_m.push_back(by_positions_m.head<2>().norm());
     }
     result.windows = std::ssize(differences_m);
@@ -139,6 +96,36 @@ MotionComparison compare_motion(const PhaseRecord& record, const PhaseScreening&
     return result;
 }
 
+/// By how many whole seconds the positions' clock is ahead of the phases', if shifted by these the
+/// two agree: leap seconds, or a clock set wrongly.
+std::optional<std::int64_t> seconds_ahead(const std::vector<PhaseWindow>& windows,
+                                          const ReceiverPlaces& positions, double unshifted_m) {
+    constexpr std::int64_t farthest_s = 60;
+    constexpr double much_better = 0.2;
+    std::optional<std::int64_t> best;
+    double least_m = much_better * unshifted_m;
+    for (std::int64_t shift_s = -farthest_s; shift_s <= farthest_s; ++shift_s) {
+        const MotionComparison shifted =
+            compare_windows(windows, positions, shift_s * 1'000'000'000);
+        if (shifted.outcome != PhaseMotion::agrees || *shifted.median_difference_m >= least_m)
+            continue;
+        least_m = *shifted.median_difference_m;
+        best = shift_s;
+    }
+    return best;
+}
+
+/// The motion by phases beside that of the positions.
+MotionComparison compare_motion(const JudgedPhases& phases, std::int64_t first_ns,
+                                const ReceiverPlaces& positions) {
+    const std::vector<PhaseWindow> windows = windows_of(phases, first_ns);
+    MotionComparison result = compare_windows(windows, positions, 0);
+    if (result.outcome == PhaseMotion::contradicts)
+        if (const auto ahead_s = seconds_ahead(windows, positions, *result.median_difference_m))
+            result.positions_ahead_s = *ahead_s;
+    return result;
+}
+
 void note_motion(const MotionComparison& motion, bool any_position,
                  std::vector<std::string>& notes) {
     switch (motion.outcome) {
@@ -147,10 +134,16 @@ void note_motion(const MotionComparison& motion, bool any_position,
         case PhaseMotion::contradicts:
             notes.push_back(fmt::format(
                 "The phases show another motion than the positions: over {} s they differ by {} "
-                "(median of {} windows). They are of another receiver or another time, or a clock "
-                "is off by seconds.",
+                "(median of {} windows). {}",
                 format_fixed(motion.length_s, 0), metres(*motion.median_difference_m),
-                motion.windows));
+                motion.windows,
+                motion.positions_ahead_s
+                    ? fmt::format(
+                          "The clock of the positions is {} s {} that of the phases: shifted "
+                          "by this the two agree.",
+                          std::abs(*motion.positions_ahead_s),
+                          *motion.positions_ahead_s > 0 ? "ahead of" : "behind")
+                    : std::string("They are of another receiver or another time.")));
             return;
         case PhaseMotion::not_enough:
             notes.push_back(
@@ -210,30 +203,31 @@ PhaseScreeningConfig phase_screening_config(const Attempt& attempt) {
 ScreenedPhases screen_receiver_phases(const PhaseTable& head, PhaseRecord record,
                                       const EnuTable& table, const PhaseScreeningConfig& config) {
     ScreenedPhases result;
-    result.record = std::move(record);
     result.head.receiver = head.receiver;
     result.head.first_epoch = head.first_epoch;
-    result.head.epochs = std::ssize(result.record.epochs);
-    const Positions positions(table);
+    result.head.epochs = std::ssize(record.epochs);
+    const ReceiverPlaces positions(table.origin, table.facts.first_epoch, table.rows);
     const std::int64_t first_ns = head.first_epoch.nanoseconds();
-    set_places(result.record, first_ns, positions, result.head.notes);
-    result.screening = screen_phases(result.record, config);
-    list_findings(result.record, result.screening, result.head);
-    result.head.motion = compare_motion(result.record, result.screening, first_ns, positions);
+    note_place(set_places(record, first_ns, positions), result.head.notes);
+    PhaseScreening screening = screen_phases(record, config);
+    list_findings(record, screening, result.head);
+    result.phases = std::make_shared<const JudgedPhases>(
+        JudgedPhases{.record = std::move(record), .screening = std::move(screening)});
+    result.head.motion = compare_motion(*result.phases, first_ns, positions);
     note_motion(result.head.motion, !positions.empty(), result.head.notes);
     return result;
 }
 
 void give_screened_rows(const ScreenedPhases& screened,
                         const std::function<void(const ScreenedPhase& row)>& take) {
-    const PhaseRecord& record = screened.record;
-    auto slip = screened.screening.slips.begin();
+    const auto& [record, screening] = *screened.phases;
+    auto slip = screening.slips.begin();
     ScreenedPhase row;
     for (const PhaseEpoch& epoch : record.epochs)
         for (const PhaseSatellite& satellite : record.of(epoch))
             for (std::size_t i = 0; i < satellite.signals; ++i) {
                 const std::size_t number = satellite.first_signal + i;
-                const PhaseFinding& finding = screened.screening.findings[number];
+                const PhaseFinding& finding = screening.findings[number];
                 row = {};
                 row.epoch = epoch.number;
                 row.time.nanoseconds = epoch.time_ns;
@@ -244,7 +238,7 @@ void give_screened_rows(const ScreenedPhases& screened,
                 if (finding.begins != PhaseBreak::none)
                     row.begins = starts[static_cast<std::size_t>(finding.begins) - 1];
                 if (finding.correction != 0) row.correction = finding.correction;
-                if (slip != screened.screening.slips.end() && slip->signal == number) {
+                if (slip != screening.slips.end() && slip->signal == number) {
                     row.statistic = slip->statistic;
                     row.threshold = slip->threshold;
                     row.cycles = slip->cycles;

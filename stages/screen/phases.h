@@ -1,9 +1,10 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 
-#include "estimation/phase_record.h"
-#include "estimation/phase_screening.h"
+#include "estimation/phase_motion.h"
+#include "estimation/tables/screened_phases.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/enu/enu.h"
 #include "schemas/phase/phase.h"
@@ -17,8 +18,17 @@ PhaseScreeningConfig phase_screening_config(const Attempt& attempt);
 /// A receiver's phases, screened.
 struct ScreenedPhases {
     ScreenedPhaseTable head;  ///< without the rows; the header is the caller's
-    PhaseRecord record;
-    PhaseScreening screening;
+    std::shared_ptr<const JudgedPhases> phases;
+
+    /// As a witness of the positions of a table whose first epoch and frame these are; nothing
+    /// where the positions have no times or no place on the Earth. A motion that is another than
+    /// the positions' is a contradiction that the witness shows, wherever it is asked.
+    template <int Axes>
+    std::optional<PhaseWitness<Axes>> witness(const EnuTable& positions,
+                                              double jerk_density) const {
+        return phase_witness<Axes>(phases, head.first_epoch, positions.facts.first_epoch,
+                                   positions.origin, jerk_density);
+    }
 };
 
 /// Screens a receiver's phases for cycle slips (`screen_phases`), and compares the motion that they

@@ -15,6 +15,7 @@
 #include "stages/screen/innovation_test.h"
 #include "stages/screen/time_check.h"
 #include "stages/screen/velocity_check.h"
+#include "stages/screen/witness_check.h"
 
 namespace runcert {
 namespace {
@@ -123,15 +124,24 @@ void test_positions(ScreenedTable& screened, const ScreeningNoises& noises, cons
 
 /// The witnesses beside the positions: what they mark changes the motion, so that they are asked
 /// again.
-Motion check_velocities_and_limits(ScreenedTable& screened, const ScreeningNoises& noises,
-                                   const TestPlan& plan, const ScreenConfig& config,
-                                   ScreeningBasis& basis) {
+Motion check_witnesses_and_limits(ScreenedTable& screened, const ScreeningNoises& noises,
+                                  const TestPlan& plan, const ScreenConfig& config,
+                                  const Witness<2>* phases, ScreeningBasis& basis) {
     constexpr int rounds = 4;
+    std::int64_t by_phases = 0;
     std::int64_t velocities = 0;
     std::int64_t limits = 0;
     for (int round = 0; round < rounds; ++round) {
         finish_arcs(screened.rows, config.bridged_s(screened.facts.nominal_interval_s),
                     config.min_arc_epochs);
+        if (phases != nullptr) {
+            basis.phases = check_phases(screened.rows, *phases, screened.facts.nominal_interval_s,
+                                        plan.size());
+            const std::int64_t marked = basis.phases->rejected;
+            by_phases += marked;
+            basis.phases->rejected = by_phases;
+            if (marked > 0) continue;
+        }
         const Motion motion = examine_arcs(screened, noises, plan, config.section_epochs);
         VelocityFindings by_velocity = check_velocities(
             screened.rows, motion,
@@ -168,7 +178,8 @@ struct ReceiverScreening {
     Motion motion;
 };
 
-ReceiverScreening screen_alone(const EnuTable& table, const ScreenConfig& config) {
+ReceiverScreening screen_alone(const EnuTable& table, const ScreenConfig& config,
+                               const Witness<2>* phases) {
     ScreenedTable screened;
     screened.facts = table.facts;
     screened.origin = table.origin;
@@ -203,7 +214,7 @@ ReceiverScreening screen_alone(const EnuTable& table, const ScreenConfig& config
         noises = estimate_noises(look, config, basis);
     }
     test_positions(screened, noises, plan, config, basis);
-    Motion motion = check_velocities_and_limits(screened, noises, plan, config, basis);
+    Motion motion = check_witnesses_and_limits(screened, noises, plan, config, phases, basis);
     screened.basis = std::move(basis);
     return {.table = std::move(screened),
             .noises = std::move(noises),
@@ -248,15 +259,16 @@ ScreenConfig screen_config(const Attempt& attempt) {
     return config;
 }
 
-ScreenedTable screen(const EnuTable& table, const ScreenConfig& config) {
-    return screen_alone(table, config).table;
+ScreenedTable screen(const EnuTable& table, const ScreenConfig& config, const Witness<2>* phases) {
+    return screen_alone(table, config, phases).table;
 }
 
 std::vector<ScreenedTable> screen_receivers(std::span<const EnuTable> tables,
-                                            const ScreenConfig& config) {
+                                            const ScreenConfig& config,
+                                            std::span<const Witness<2>* const> phases) {
     std::vector<ReceiverScreening> receivers;
-    for (const EnuTable& table : tables)
-        receivers.push_back(screen_alone(table, config));
+    for (std::size_t i = 0; i < tables.size(); ++i)
+        receivers.push_back(screen_alone(tables[i], config, phases.empty() ? nullptr : phases[i]));
     if (receivers.size() > 1) {
         const auto strictest = std::ranges::min_element(
             receivers, {}, [](const ReceiverScreening& one) { return one.plan.size(); });

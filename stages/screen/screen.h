@@ -4,6 +4,7 @@
 #include <set>
 #include <span>
 
+#include "estimation/witness.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/screened/screened.h"
 #include "stages/screen/physical_limits.h"
@@ -57,14 +58,18 @@ ScreenConfig screen_config(const Attempt& attempt);
 /// outlier, a burst, a step, a ramp and a shift of its stamps, every stretch for the model as a
 /// whole; the best supported hypothesis is adapted to, and the tests are repeated until none is
 /// left. All tests together raise a false alarm with the family-wise rate at most. Then the
-/// recorded velocities, and the limits of the craft's class. No row is removed. The header is the
+/// carrier phases, where there are any (`phases`, or null), the recorded velocities, and the limits
+/// of the craft's class. No row is removed. The header is the
 /// caller's. Failure, naming the time, where a
 /// covariance of the estimate stops being positive definite by more than rounding.
-ScreenedTable screen(const EnuTable& table, const ScreenConfig& config);
+ScreenedTable screen(const EnuTable& table, const ScreenConfig& config,
+                     const Witness<2>* phases = nullptr);
 
 /// The tables of all receivers of an attempt, in their order: each screened by itself, then the
-/// first two compared with one another (`compare_receivers`).
+/// first two compared with one another (`compare_receivers`). `phases`: of
+/// each table, or null; empty where none has any.
 std::vector<ScreenedTable> screen_receivers(std::span<const EnuTable> tables,
-                                            const ScreenConfig& config);
+                                            const ScreenConfig& config,
+                                            std::span<const Witness<2>* const> phases = {});
 
 }  // namespace runcert

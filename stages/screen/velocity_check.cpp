@@ -9,11 +9,11 @@
 #include "core/statistics.h"
 #include "core/uncertainty.h"
 #include "estimation/tables/recorded_velocities.h"
-#include "estimation/tables/window_ends.h"
 #include "estimation/velocity_delay.h"
 #include "estimation/velocity_origin.h"
 #include "schemas/enu/measured_position.h"
 #include "schemas/observations/stated_covariance.h"
+#include "stages/screen/witness_check.h"
 
 namespace runcert {
 namespace {
@@ -304,113 +304,28 @@ std::optional<VelocityErrors> errors_of(const VelocityWitness<Axes>& witness,
     return errors;
 }
 
-/// A span whose displacement the velocities contradict: its rows, the direction of the difference
-/// and the statistic.
-struct ContradictedSpan {
-    std::size_t first = 0;
-    std::size_t last = 0;
-    Vector2d difference_m = Vector2d::Zero();
-    double statistic = 0.0;
-};
-
-/// What the positions moved more than the velocities, from one row to another.
-std::optional<Vector2d> unwitnessed(const std::vector<ScreenedEpoch>& rows, std::size_t from,
-                                    std::size_t to, const VelocityWitness<2>& witness) {
-    const auto moved = witness.between(rows[from].time.seconds(), rows[to].time.seconds());
-    if (!moved) return std::nullopt;
-    return Vector2d(measured_position<2>(rows[to]) - measured_position<2>(rows[from]) -
-                    moved->displacement_m);
-}
-
-/// The last usable row of each row's arc, by their places among the usable ones.
-std::vector<std::size_t> ends_of_arcs(const std::vector<ScreenedEpoch>& rows,
-                                      const std::vector<std::size_t>& usable) {
-    std::vector<std::size_t> ends(usable.size());
-    for (std::size_t k = usable.size(); k-- > 0;)
-        ends[k] = k + 1 < usable.size() && rows[usable[k + 1]].arc == rows[usable[k]].arc
-                      ? ends[k + 1]
-                      : k;
-    return ends;
-}
-
-std::vector<ContradictedSpan> contradicted_spans(const std::vector<ScreenedEpoch>& rows,
-                                                 const std::vector<std::size_t>& usable,
-                                                 const VelocityWitness<2>& witness,
-                                                 const VelocitySpread& spread, double threshold) {
-    // An error that lasts, too small to be a drift of the positions.
-    constexpr double lasting_m_s = 0.01;
-    const double lasting_m = lasting_m_s * spread.span_s;
-    const std::vector<std::size_t> ends = ends_of_arcs(rows, usable);
-    std::vector<ContradictedSpan> spans;
-    std::size_t to = 0;
-    for (std::size_t from = 0; from < usable.size(); ++from) {
-        const ScreenedEpoch& begin = rows[usable[from]];
-        while (to < usable.size() &&
-               rows[usable[to]].time.seconds() < begin.time.seconds() + spread.span_s - 1e-6)
-            ++to;
-        if (to == usable.size()) break;
-        if (rows[usable[to]].arc != begin.arc) continue;
-        // Velocities of the arc alone: they are asked for at the delay, and one sample beyond.
-        if (rows[usable[ends[to]]].time.seconds() <
-            rows[usable[to]].time.seconds() + std::max(0.0, witness.errors().delay_s) + 0.5)
-            continue;
-        const auto moved = witness.between(begin.time.seconds(), rows[usable[to]].time.seconds());
-        if (!moved) continue;
-        const Vector2d difference = measured_position<2>(rows[usable[to]]) -
-                                    measured_position<2>(begin) - moved->displacement_m;
-        // What positions themselves state, or a delay not well known does where the velocity
-        // changes, is no drift.
-        const Matrix2d covariance =
-            (spread.sd_upper_m * spread.sd_upper_m + lasting_m * lasting_m) * Matrix2d::Identity() +
-            moved->covariance_m2 + stated_covariance<2>(begin) +
-            stated_covariance<2>(rows[usable[to]]);
-        const double statistic = difference.dot(covariance.inverse() * difference);
-        if (statistic > threshold) spans.push_back({from, to, difference, statistic});
-    }
-    return spans;
-}
-
-/// The part of the span in which its difference comes about: from the last row before at which a
-/// tenth of it is there to the first at which nine tenths are.
-EpochPair core_of(const ContradictedSpan& span, const std::vector<ScreenedEpoch>& rows,
-                  const std::vector<std::size_t>& usable, const VelocityWitness<2>& witness) {
-    const Vector2d along = span.difference_m / span.difference_m.squaredNorm();
-    EpochPair core{span.first, span.last};
-    for (std::size_t k = span.first + 1; k <= span.last; ++k) {
-        const auto there = unwitnessed(rows, usable[span.first], usable[k], witness);
-        if (!there) continue;
-        const double part = along.dot(*there);
-        if (part <= 0.1) core.first = k;
-        if (part >= 0.9) {
-            core.last = k;
-            break;
-        }
-    }
-    return core;
-}
-
 /// Marks what drifts slowly, or stepped, and ends the arc behind it.
-void mark_spans(std::vector<ScreenedEpoch>& rows, const VelocityWitness<2>& witness,
-                const VelocityErrors& errors, double threshold) {
+void mark_drifts(std::vector<ScreenedEpoch>& rows, const VelocityWitness<2>& witness,
+                 const VelocityErrors& errors, double threshold) {
     constexpr double longest_s = 10.0;
-    std::vector<std::size_t> usable;
-    for (std::size_t i = 0; i < rows.size(); ++i)
-        if (rows[i].usable && rows[i].arc) usable.push_back(i);
-    std::vector<std::pair<EpochPair, double>> cores;
+    constexpr double lasting_m_s = 0.01;
+    constexpr double beyond_delay_s = 0.5;
+    const UsablePositions usable = usable_positions(rows);
+    std::vector<ContradictedSpan> contradicted;
     for (const VelocitySpread& spread : errors.spreads) {
         if (spread.span_s > longest_s) break;
-        for (const ContradictedSpan& span :
-             contradicted_spans(rows, usable, witness, spread, threshold))
-            cores.emplace_back(core_of(span, rows, usable, witness), span.statistic);
+        const auto spans =
+            contradicted_spans(usable.positions, witness,
+                               {.span_s = spread.span_s,
+                                .spread_m = spread.sd_upper_m,
+                                .lasting_m_s = lasting_m_s,
+                                // They are asked for at the delay, and one sample beyond.
+                                .ahead_s = std::max(0.0, witness.errors().delay_s) + beyond_delay_s,
+                                .threshold = threshold});
+        contradicted.insert(contradicted.end(), spans.begin(), spans.end());
     }
-    for (const auto& [core, statistic] : cores) {
-        for (std::size_t k = core.first + 1; k < core.last; ++k)
-            mark(rows[usable[k]], statistic, threshold);
-        ScreenedEpoch& after = rows[usable[core.last]];
-        if (core.last == core.first + 1) mark(after, statistic, threshold);
-        if (!after.break_before || *after.break_before == ArcBreak::bridged)
-            after.break_before = ArcBreak::ramp;
-    }
+    mark_spans(rows, usable, contradicted,
+               {.reason = Reason::velocity, .hypothesis = Hypothesis::velocity}, threshold);
 }
 
 }  // namespace
@@ -447,7 +362,7 @@ VelocityFindings check_velocities(std::vector<ScreenedEpoch>& rows, const Motion
     mark_drifting(rows, differences, displaced, threshold);
     if (const auto witness = undisturbed_witness<2>(rows, directions, delay, options))
         if (auto errors = errors_of<2>(*witness, rows)) {
-            if (displaced.empty()) mark_spans(rows, *witness, *errors, threshold);
+            if (displaced.empty()) mark_drifts(rows, *witness, *errors, threshold);
             findings.errors.push_back(std::move(*errors));
         }
     if (options.vertical_measured)

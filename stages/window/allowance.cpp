@@ -91,12 +91,13 @@ class Expectation {
   public:
     Expectation(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                 const std::vector<ArcRows>& arcs, const Profile& profile,
-                const Reference& reference, const Witness<2>* velocities, const Witness<1>* rates)
+                const Reference& reference, const HeardWitnesses<2>& level,
+                const HeardWitnesses<1>& upright)
         : trajectory_(trajectory),
           arcs_(arcs),
           profile_(profile),
-          velocities_(velocities),
-          rates_(rates),
+          level_(level),
+          upright_(upright),
           missed_(missed_of(screened, profile.dimension)) {
         for (const ScreenedEpoch& row : screened.rows) {
             stated_.add(row.usable ? stated_variance(row, profile.dimension) : 0.0);
@@ -130,15 +131,18 @@ class Expectation {
                 : 0.0;
         double square = positions * positions + undetected * undetected;
         double rest = 1.0;
-        if (const auto witnessed = witnessed_at(found, positions, std::sqrt(square))) {
-            if (witnessed->normalised_error > 1.0) return nothing_to_claim;
-            const double share = witnessed->share;
+        std::vector<WitnessedSpeed> witnessed = witnessed_at(found, positions, std::sqrt(square));
+        if (std::ranges::any_of(
+                witnessed, [](const WitnessedSpeed& one) { return one.normalised_error > 1.0; }))
+            return nothing_to_claim;
+        if (const WitnessedSpeed* const heard = choose_share(witnessed)) {
+            const double share = heard->share;
             rest = 1.0 - share;
-            square =
-                rest * rest * square +
-                share * share *
-                    (witnessed->standard_uncertainty_m_s * witnessed->standard_uncertainty_m_s +
-                     witnessed->difference_m_s * witnessed->difference_m_s);
+            const double common_m_s = shared_m_s(heard->kind, duration_s);
+            square = rest * rest * square +
+                     share * share *
+                         (heard->standard_uncertainty_m_s * heard->standard_uncertainty_m_s +
+                          heard->difference_m_s * heard->difference_m_s + common_m_s * common_m_s);
         }
         const double bias = reference_.positions > 0.0
                                 ? rest * reference_.bias_limit * positions / reference_.positions
@@ -177,7 +181,9 @@ class Expectation {
         const auto [first, last] = rows_of(reference.found);
         const double stated = stated_m(first, last);
         if (window.bound && stated > 0.0) scale_ = window.bound->stated_m / stated;
-        const double share = window.witnesses.empty() ? 0.0 : window.witnesses.front().share;
+        double share = 0.0;
+        for (const WitnessedSpeed& one : window.witnesses)
+            share = std::max(share, one.share);
         const double rest = std::max(1.0 - share, 1e-9);
         reference_.positions = position_uncertainty(window.budget, Undetected::left_out) / rest;
         reference_.undetected = contribution(window.budget, "d") / rest;
@@ -189,40 +195,44 @@ class Expectation {
         reference_.duration_s = window.span.duration.seconds();
     }
 
-    std::optional<WitnessedSpeed> witnessed_at(const FoundWindow& found, double positions,
-                                               double with_undetected) const {
+    std::vector<WitnessedSpeed> witnessed_at(const FoundWindow& found, double positions,
+                                             double with_undetected) const {
         const bool vertical = profile_.dimension == Dimension::vertical;
-        if (vertical ? rates_ == nullptr : velocities_ == nullptr) return std::nullopt;
+        if (vertical ? upright_.empty() : level_.empty()) return {};
         const auto [first, last] = rows_of(found);
         const TrajectoryEpoch& from = trajectory_.rows[first];
         const TrajectoryEpoch& to = trajectory_.rows[last];
         // Between epochs that enclose it: the window itself may begin and end at any instant.
         const double start_s = from.time.seconds();
         const double end_s = to.time.seconds();
-        const auto filled = [&](auto figures) {
+        std::vector<WitnessedSpeed> all;
+        const auto hear = [&](const auto& witnesses, auto figures) {
             figures.start_s = start_s;
             figures.end_s = end_s;
             figures.by_path = false;
             figures.speed_m_s = figures.displacement_m.norm() / (end_s - start_s);
             figures.standard_uncertainty_m_s = positions;
             figures.with_undetected_m_s = with_undetected;
-            return figures;
+            figures.correlated_m_s = positions;
+            for (const auto& witness : witnesses)
+                if (auto witnessed = witnessed_speed(witness, figures))
+                    all.push_back(*std::move(witnessed));
         };
         if (vertical)
-            return witnessed_speed<1>(
-                *rates_, filled(PositionFigures<1>{.displacement_m =
-                                                       SpeedVector<1>(*to.up_m - *from.up_m)}));
-        return witnessed_speed<2>(
-            *velocities_, filled(PositionFigures<2>{
-                              .displacement_m = SpeedVector<2>(*to.east_m - *from.east_m,
-                                                               *to.north_m - *from.north_m)}));
+            hear(upright_,
+                 PositionFigures<1>{.displacement_m = SpeedVector<1>(*to.up_m - *from.up_m)});
+        else
+            hear(level_,
+                 PositionFigures<2>{.displacement_m = SpeedVector<2>(*to.east_m - *from.east_m,
+                                                                     *to.north_m - *from.north_m)});
+        return all;
     }
 
     const TrajectoryTable& trajectory_;
     const std::vector<ArcRows>& arcs_;
     const Profile& profile_;
-    const Witness<2>* velocities_;
-    const Witness<1>* rates_;
+    const HeardWitnesses<2>& level_;
+    const HeardWitnesses<1>& upright_;
     RangeMaximum missed_;
     RunningSum stated_;
     RunningSum usable_;
@@ -237,10 +247,10 @@ class Expectation {
 
 Allowance expected_allowance(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                              const std::vector<ArcRows>& arcs, const Profile& profile,
-                             const Reference& reference, const Witness<2>* velocities,
-                             const Witness<1>* rates) {
+                             const Reference& reference, const HeardWitnesses<2>& level,
+                             const HeardWitnesses<1>& upright) {
     const auto expectation = std::make_shared<const Expectation>(
-        screened, trajectory, arcs, profile, reference, velocities, rates);
+        screened, trajectory, arcs, profile, reference, level, upright);
     return [expectation](const FoundWindow& found) { return (*expectation)(found); };
 }
 

@@ -21,11 +21,11 @@ struct Reference {
 /// say of this very window. Infinite where a witness contradicts the window: nothing can be
 /// claimed.
 ///
-/// `velocities` are the recorded ones as a witness, or null. Linear to set up; a window costs the
-/// logarithm of the rows.
+/// `level` and `upright` are the witnesses of horizontal and vertical motion. Linear to set up; a
+/// window costs the logarithm of the rows, and what its witnesses take to answer.
 Allowance expected_allowance(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                              const std::vector<ArcRows>& arcs, const Profile& profile,
-                             const Reference& reference, const Witness<2>* velocities,
-                             const Witness<1>* rates);
+                             const Reference& reference, const HeardWitnesses<2>& level,
+                             const HeardWitnesses<1>& upright);
 
 }  // namespace runcert

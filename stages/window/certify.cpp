@@ -189,13 +189,10 @@ BudgetInput budget_input(const AxesEstimate<Axes>& estimate, const WindowChoice&
             .detection_power = window.detection_power.value_or(0.0)};
 }
 
-/// What the recorded velocities say of the window; and, as far as they agree, what they leave of
-/// the position's uncertainty and of the bias of the choice, which is one of the positions' errors.
+/// What positions say of the window.
 template <int Axes>
-void hear_witnesses(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
-                    const EstimatedWindow<Axes>& at, const PositionNoise& noise,
-                    CertifiableWindow& window) {
-    if (!estimate.velocities) return;
+PositionFigures<Axes> figures_of(const WindowChoice& choice, const EstimatedWindow<Axes>& at,
+                                 const PositionNoise& noise, const CertifiableWindow& window) {
     const SpeedDefinition definition = choice.profile.definition;
     PositionFigures<Axes> figures{
         .start_s = choice.found.start.seconds(),
@@ -203,26 +200,47 @@ void hear_witnesses(const AxesEstimate<Axes>& estimate, const WindowChoice& choi
         .by_path = counts_path(definition),
         .displacement_m = displacement(at.smoothed, at.window.first, at.window.last),
         .standard_uncertainty_m_s = position_uncertainty(window.budget, Undetected::left_out),
-        .with_undetected_m_s = position_uncertainty(window.budget, Undetected::counted)};
+        .with_undetected_m_s = position_uncertainty(window.budget, Undetected::counted),
+        .correlated_m_s = noise.correlated_m_s};
     figures.speed_m_s = figures.by_path ? window.definitions.path_length_m_s
                         : definition == SpeedDefinition::displacement
                             ? noise.speed.speed_m_s
                             : window.definitions.displacement_m_s;
-    std::optional<WitnessedSpeed> witnessed = witnessed_speed<Axes>(*estimate.velocities, figures);
-    if (!witnessed) return;
-    if (!window.reliability.empty())
-        witnessed->undetected_m_s = undetected_beside(
-            *witnessed, window.reliability.front().speed_m_s,
-            noncentrality(estimate.screened.basis.test_size, estimate.screened.basis.power, 1));
-    if (witnessed->share > 0.0) {
-        const double rest = 1.0 - witnessed->share;
-        const SelectionBias& selection = *window.selection;
-        window.bias_limit_m_s *= rest;
-        if (selection.treatment == SelectionTreatment::subtracted)
-            window.speed_m_s = less_bias(noise.speed.speed_m_s, rest * selection.bias_m_s);
-        condition_on(*witnessed, window.budget);
+    return figures;
+}
+
+/// What witnesses say of the window; and, as far as they agree, what the sharpest of them leaves of
+/// the position's uncertainty and of the bias of the choice, which is one of the positions' errors.
+/// Returns by how much the positions count then.
+template <int Axes>
+double hear_witnesses(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
+                      const EstimatedWindow<Axes>& at, const PositionNoise& noise,
+                      CertifiableWindow& window) {
+    const PositionFigures<Axes> figures = figures_of(choice, at, noise, window);
+    const double lambda =
+        noncentrality(estimate.screened.basis.test_size, estimate.screened.basis.power, 1);
+    for (const HeardWitness<Axes>& witness : estimate.witnesses) {
+        std::optional<WitnessedSpeed> witnessed = witnessed_speed<Axes>(witness, figures);
+        if (!witnessed) continue;
+        if (!window.reliability.empty())
+            witnessed->undetected_m_s =
+                undetected_beside(*witnessed, window.reliability.front().speed_m_s, lambda);
+        window.witnesses.push_back(*std::move(witnessed));
     }
-    window.witnesses.push_back(*witnessed);
+    WitnessedSpeed* const heard = choose_share(window.witnesses);
+    if (heard == nullptr) return 1.0;
+    if (!window.reliability.empty())
+        set_undetected_beside(*heard, window.reliability.front(), window.budget);
+    heard->share =
+        share_of_position(unshared_uncertainty(window.budget, heard->kind, Undetected::counted),
+                          heard->standard_uncertainty_m_s);
+    const double rest = 1.0 - heard->share;
+    const SelectionBias& selection = *window.selection;
+    window.bias_limit_m_s *= rest;
+    if (selection.treatment == SelectionTreatment::subtracted)
+        window.speed_m_s = less_bias(noise.speed.speed_m_s, rest * selection.bias_m_s);
+    condition_on(*heard, at.duration_s, window.budget);
+    return rest;
 }
 
 /// The budget of the window's speed, and what follows from it.
@@ -233,10 +251,8 @@ void set_budget(const AxesEstimate<Axes>& estimate, const WindowChoice& choice,
     BudgetInput input = budget_input(estimate, choice, noise, at.duration_s, window);
     window.budget = budget_of(input);
     window.own_standard_uncertainty_m_s = own_uncertainty(noise, window.budget);
-    hear_witnesses(estimate, choice, at, noise, window);
-    if (!window.witnesses.empty())
-        input.position_share = 1.0 - window.witnesses.front().share;
-    else
+    input.position_share = hear_witnesses(estimate, choice, at, noise, window);
+    if (window.witnesses.empty())
         window.expected_beside_velocities_m_s = expected_beside_velocities(
             window.budget, *window.own_standard_uncertainty_m_s, window.bias_limit_m_s,
             at.duration_s, estimate.trajectory.facts.nominal_interval_s);
@@ -271,19 +287,20 @@ SpeedQuantity quantity_of(const Profile& profile) {
 
 template <int Axes>
 AxesEstimate<Axes> estimate_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
-                               const WindowConfig& config) {
+                               const WindowConfig& config, const Beside& beside) {
     const NoiseSummary& noise = noise_of<Axes>(trajectory);
-    AxesEstimate<Axes> estimate{
-        .screened = screened,
-        .trajectory = trajectory,
-        .config = config,
-        .noise = noise,
-        .model = model_of(noise),
-        .models = posterior_of(noise),
-        .arcs = arcs_of<Axes>(screened, trajectory),
-        .rows = arcs_in(trajectory),
-        .times = {},
-        .velocities = velocity_witness<Axes>(screened, directions_of(trajectory))};
+    AxesEstimate<Axes> estimate{.screened = screened,
+                                .trajectory = trajectory,
+                                .config = config,
+                                .noise = noise,
+                                .model = model_of(noise),
+                                .models = posterior_of(noise),
+                                .arcs = arcs_of<Axes>(screened, trajectory),
+                                .rows = arcs_in(trajectory),
+                                .times = {},
+                                .witnesses = {}};
+    estimate.witnesses =
+        witnesses_of<Axes>(screened, trajectory, beside, estimate.model.motion.jerk_density);
     const auto same_steps = [&](const Arc<Axes>& arc) {
         for (std::size_t k = 0; k < arc.rows.size(); ++k)
             if (arc.epochs[k].step_before != begins_after_step(trajectory.rows[arc.rows[k]]))
@@ -363,9 +380,9 @@ CertifiableWindow certified(const AxesEstimate<Axes>& estimate, const WindowChoi
 }
 
 template AxesEstimate<1> estimate_of<1>(const ScreenedTable&, const TrajectoryTable&,
-                                        const WindowConfig&);
+                                        const WindowConfig&, const Beside&);
 template AxesEstimate<2> estimate_of<2>(const ScreenedTable&, const TrajectoryTable&,
-                                        const WindowConfig&);
+                                        const WindowConfig&, const Beside&);
 template CertifiableWindow certified<1>(const AxesEstimate<1>&, const WindowChoice&);
 template CertifiableWindow certified<2>(const AxesEstimate<2>&, const WindowChoice&);
 

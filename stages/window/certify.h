@@ -5,10 +5,10 @@
 #include "estimation/tables/arcs.h"
 #include "estimation/tables/certifiable.h"
 #include "estimation/tables/noise_models.h"
-#include "estimation/tables/recorded_velocities.h"
 #include "stages/window/best_window.h"
 #include "stages/window/speed_by_definition.h"
 #include "stages/window/window.h"
+#include "stages/window/witnesses.h"
 
 namespace runcert {
 
@@ -24,15 +24,14 @@ struct AxesEstimate {
     std::vector<Arc<Axes>> arcs;
     std::vector<ArcRows> rows;                    ///< of each arc, in the trajectory
     std::vector<std::vector<ElapsedTime>> times;  ///< of each arc's epochs
-    std::optional<VelocityWitness<Axes>>
-        velocities;  ///< the recorded ones, where they bound anything
+    HeardWitnesses<Axes> witnesses;
 };
 
 /// Failure where the trajectory does not have the arcs of the screened epochs, or does not say what
 /// noise it was estimated with. Heights must have been measured for Axes 1.
 template <int Axes>
 AxesEstimate<Axes> estimate_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
-                               const WindowConfig& config);
+                               const WindowConfig& config, const Beside& beside);
 
 /// A window that was found, among those that it was chosen from.
 struct WindowChoice {

@@ -1,11 +1,66 @@
 #include <fmt/format.h>
 
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <vector>
+
 #include "core/prose.h"
+#include "estimation/tables/phase_rows.h"
+#include "estimation/tables/screened_phases.h"
 #include "run/attempt_files.h"
 #include "run/stage_main.h"
 #include "stages/window/window.h"
 
 using namespace runcert;
+
+namespace {
+
+/// What the window of a receiver is found from.
+struct ReceiverTables {
+    ScreenedTable screened;
+    TrajectoryTable trajectory;
+    std::shared_ptr<const JudgedPhases> phases;
+    GpsTime first_of_phases;
+};
+
+void read_phases(StageRun& run, const Receiver& receiver, ReceiverTables& tables) {
+    auto rows = run.open(products::phase, receiver, open_phase);
+    PhaseRecordBuilder builder(rows.head());
+    for (PhaseRow row; rows.next(row);)
+        builder.add(row);
+    JudgedPhases phases;
+    phases.record = std::move(builder).take();
+    tables.first_of_phases = rows.head().first_epoch;
+    const ScreenedTable& screened = tables.screened;
+    set_places(phases.record, tables.first_of_phases.nanoseconds(),
+               ReceiverPlaces(screened.origin, screened.facts.first_epoch, screened.rows));
+    auto judged = run.open(products::screened_phase, receiver, open_screened_phase);
+    PhaseScreeningBuilder screening(
+        phases.record, judged.head(),
+        run.attempt().parameters.at("screen").at("phase_mask_deg").get<double>());
+    for (ScreenedPhase row; judged.next(row);)
+        screening.add(row);
+    phases.screening = std::move(screening).take();
+    tables.phases = std::make_shared<const JudgedPhases>(std::move(phases));
+}
+
+ReceiverTables read_tables(StageRun& run, const Receiver& receiver) {
+    ReceiverTables tables{.screened = run.read(products::screened, receiver, read_screened),
+                          .trajectory = run.read(products::trajectory, receiver, read_trajectory),
+                          .phases = nullptr,
+                          .first_of_phases = {}};
+    if (has_phases(receiver)) read_phases(run, receiver, tables);
+    return tables;
+}
+
+Beside beside(const std::vector<ReceiverTables>& tables, std::size_t own) {
+    Beside all{.phases = tables[own].phases, .first_of_phases = tables[own].first_of_phases};
+    for (std::size_t i = 0; i < tables.size(); ++i)
+        if (i != own) all.receivers.push_back(&tables[i].trajectory);
+    return all;
+}
+
+}  // namespace
 
 int main(int argc, char** argv) {
     return stage_main(
@@ -14,16 +69,17 @@ int main(int argc, char** argv) {
             std::vector<Profile> profiles;
             for (const std::string& claimed : attempt.profiles)
                 profiles.push_back(read_claimed_profile(run.run_dir(), claimed, attempt));
-            for (const Receiver& receiver : attempt.receivers) {
-                StageRun one = run;
-                const ScreenedTable screened =
-                    one.read(products::screened, receiver, read_screened);
-                const TrajectoryTable trajectory =
-                    one.read(products::trajectory, receiver, read_trajectory);
-                Windows windows = find_windows(screened, trajectory, profiles,
-                                               window_config(attempt, receiver), attempt.course);
-                windows.header = one.header();
-                one.write(products::windows, receiver, write_windows(windows));
+            std::vector<ReceiverTables> tables;
+            for (const Receiver& receiver : attempt.receivers)
+                tables.push_back(read_tables(run, receiver));
+            for (std::size_t i = 0; i < tables.size(); ++i) {
+                const Receiver& receiver = attempt.receivers[i];
+                Windows windows = find_windows(tables[i].screened, tables[i].trajectory, profiles,
+                                               window_config(attempt, receiver), attempt.course,
+                                               beside(tables, i));
+                // Each file rests on what was read of all receivers.
+                windows.header = run.header();
+                run.write(products::windows, receiver, write_windows(windows));
                 for (const ProfileWindows& entry : windows.profiles)
                     run.say(entry.best
                                 ? fmt::format("{}: best of {} from {:.3f} s", entry.profile,

@@ -26,25 +26,25 @@ namespace {
 class Certifier {
   public:
     Certifier(const ScreenedTable& screened, const TrajectoryTable& trajectory,
-              const std::vector<Profile>& profiles, const WindowConfig& config)
+              const std::vector<Profile>& profiles, const WindowConfig& config,
+              const Beside& beside)
         : screened_(screened),
           trajectory_(trajectory),
-          horizontal_(estimate_of<2>(screened, trajectory, config)) {
+          horizontal_(estimate_of<2>(screened, trajectory, config, beside)) {
         const auto of_heights = [](const Profile& profile) {
             return profile.dimension != Dimension::horizontal;
         };
         if (has_heights() && std::ranges::any_of(profiles, of_heights))
-            vertical_.emplace(estimate_of<1>(screened, trajectory, config));
+            vertical_.emplace(estimate_of<1>(screened, trajectory, config, beside));
     }
 
     const std::vector<ArcRows>& rows() const { return horizontal_.rows; }
 
     /// What other windows are expected to be certified with, by one that is.
     Allowance allowance(const Profile& profile, const Reference& reference) const {
-        return expected_allowance(
-            screened_, trajectory_, rows(), profile, reference,
-            horizontal_.velocities ? &*horizontal_.velocities : nullptr,
-            vertical_ && vertical_->velocities ? &*vertical_->velocities : nullptr);
+        static const HeardWitnesses<1> none;
+        return expected_allowance(screened_, trajectory_, rows(), profile, reference,
+                                  horizontal_.witnesses, vertical_ ? vertical_->witnesses : none);
     }
     bool has_heights() const { return trajectory_.estimation.vertical.has_value(); }
 
@@ -347,12 +347,12 @@ WindowConfig window_config(const Attempt& attempt, const Receiver& receiver) {
 
 Windows find_windows(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                      const std::vector<Profile>& profiles, const WindowConfig& config,
-                     const std::optional<Course>& course) {
+                     const std::optional<Course>& course, const Beside& beside) {
     Windows windows;
     windows.receiver = trajectory.facts.receiver;
     windows.first_epoch = trajectory.facts.first_epoch;
     windows.georeferenced = trajectory.facts.georeferenced;
-    const Certifier certifier(screened, trajectory, profiles, config);
+    const Certifier certifier(screened, trajectory, profiles, config, beside);
     std::optional<CourseGates> gates;
     if (course) gates = course_gates(*course, trajectory.origin);
     const auto one = [&](std::int64_t i) {

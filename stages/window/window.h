@@ -9,6 +9,7 @@
 #include "schemas/screened/screened.h"
 #include "schemas/trajectory/trajectory.h"
 #include "schemas/windows/windows.h"
+#include "stages/window/witnesses.h"
 
 namespace runcert {
 
@@ -41,17 +42,19 @@ WindowConfig window_config(const Attempt& attempt, const Receiver& receiver);
 /// (`error_bound`), with the budget's combined uncertainty; the speed with the fitted noise, and
 /// that of the robust batch, stand beside it.
 ///
-/// `course` is what the attempt says of it. Failure where a profile needs it and there is none, or
-/// where the trajectory is not the estimate from these screened epochs.
+/// `course` is what the attempt says of it; `beside`, what else witnesses the positions. Failure
+/// where a profile needs it and there is none, or where the trajectory is not the estimate from
+/// these screened epochs.
 Windows find_windows(const ScreenedTable& screened, const TrajectoryTable& trajectory,
                      const std::vector<Profile>& profiles, const WindowConfig& config,
-                     const std::optional<Course>& course = std::nullopt);
+                     const std::optional<Course>& course = std::nullopt, const Beside& beside = {});
 
 struct CourseGates;
 
 /// The window of the recording as it is, offsets of bridged steps included, that shows most by its
-/// positions or its recorded velocities and what these state of themselves, certifiable or not, with a sentence for each reason why it
-/// cannot be certified. A bridged step is one where such steps are refused.
+/// positions or its recorded velocities and what these state of themselves, certifiable or not,
+/// with a sentence for each reason why it cannot be certified. A bridged step is one where such
+/// steps are refused.
 std::optional<IndicatedWindow> fastest_indicated(const ScreenedTable& screened,
                                                  const Profile& profile, const WindowConfig& config,
                                                  const std::optional<CourseGates>& gates);

@@ -5,8 +5,12 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/statistics.h"
+#include "core/uncertainty.h"
+#include "estimation/tables/other_receiver.h"
+#include "estimation/tables/screened_phases.h"
 #include "estimation/velocity_witness.h"
 #include "stages/window/budget.h"
 
@@ -16,6 +20,11 @@ namespace {
 /// White noise, time-correlated error, motion, its model, time stamps and resolution: what
 /// positions have and a witness of another origin does not.
 constexpr std::string_view rows_of_position = "wbjotr";
+constexpr std::string_view rows_of_receiver = "wjotr";
+
+std::string_view rows_beside(WitnessKind kind) {
+    return kind == WitnessKind::receiver ? rows_of_receiver : rows_of_position;
+}
 
 /// Displacements differ so by chance once in a thousand.
 constexpr double by_chance = 1e-3;
@@ -24,17 +33,10 @@ bool is_of(const BudgetRow& row, std::string_view symbols) {
     return row.symbol.size() == 1 && symbols.find(row.symbol.front()) != std::string_view::npos;
 }
 
-/// The difference of the displacements over the largest that chance makes.
-template <int Axes>
-double displacement_error(const WitnessedMotion<Axes>& moved,
-                          const PositionFigures<Axes>& positions) {
-    const double sigma_m =
-        positions.standard_uncertainty_m_s * (positions.end_s - positions.start_s);
-    const PositionMatrix<Axes> covariance =
-        moved.covariance_m2 + sigma_m * sigma_m * PositionMatrix<Axes>::Identity();
-    const PositionVector<Axes> difference = positions.displacement_m - moved.displacement_m;
-    return std::sqrt(difference.dot(covariance.inverse() * difference) /
-                     chi_squared_upper_quantile(by_chance, Axes));
+/// Clockwise from north, 0 to 360.
+double azimuth_deg(const Eigen::Vector2d& towards) {
+    const double degrees = std::atan2(towards.x(), towards.y()) * 180.0 / std::numbers::pi;
+    return degrees < 0.0 ? degrees + 360.0 : degrees;
 }
 
 }  // namespace
@@ -54,16 +56,61 @@ Directions directions_of(const TrajectoryTable& trajectory) {
     return directions;
 }
 
+template <int Axes>
+HeardWitnesses<Axes> witnesses_of(const ScreenedTable& screened, const TrajectoryTable& trajectory,
+                                  const Beside& beside, double jerk_density) {
+    HeardWitnesses<Axes> witnesses;
+    if (auto velocities = velocity_witness<Axes>(screened, directions_of(trajectory)))
+        witnesses.push_back(
+            {.kind = WitnessKind::velocities,
+             .motion = std::make_shared<const VelocityWitness<Axes>>(*std::move(velocities))});
+    if (beside.phases)
+        if (auto found = phase_witness<Axes>(beside.phases, beside.first_of_phases,
+                                             trajectory.facts.first_epoch, trajectory.origin,
+                                             jerk_density)) {
+            const auto phases = std::make_shared<const PhaseWitness<Axes>>(*std::move(found));
+            witnesses.push_back({.kind = WitnessKind::phases, .motion = phases, .phases = phases});
+        }
+    for (const TrajectoryTable* const other : beside.receivers)
+        if (auto found = receiver_witness<Axes>(*other, trajectory))
+            witnesses.push_back(
+                {.kind = WitnessKind::receiver,
+                 .receiver = other->facts.receiver,
+                 .motion = std::make_shared<const ReceiverWitness<Axes>>(*std::move(found))});
+    return witnesses;
+}
+
 bool counts_path(SpeedDefinition definition) {
     return definition == SpeedDefinition::path_length || definition == SpeedDefinition::mean_n ||
            definition == SpeedDefinition::mean_n_plus_1;
 }
 
 template <int Axes>
-std::optional<WitnessedSpeed> witnessed_speed(const Witness<Axes>& witness,
+double displacement_ratio(const WitnessedMotion<Axes>& moved,
+                          const PositionFigures<Axes>& positions) {
+    const double sigma_m =
+        positions.standard_uncertainty_m_s * (positions.end_s - positions.start_s);
+    const PositionMatrix<Axes> covariance =
+        moved.covariance_m2 + sigma_m * sigma_m * PositionMatrix<Axes>::Identity();
+    const PositionVector<Axes> difference = positions.displacement_m - moved.displacement_m;
+    return std::sqrt(difference.dot(covariance.inverse() * difference) /
+                     chi_squared_upper_quantile(by_chance, Axes));
+}
+
+template <int Axes>
+std::optional<WitnessedSpeed> witnessed_speed(const HeardWitness<Axes>& witness,
                                               const PositionFigures<Axes>& positions) {
-    const auto moved = witness.between(positions.start_s, positions.end_s);
+    auto moved = witness.motion->between(positions.start_s, positions.end_s);
     if (!moved) return std::nullopt;
+    if (witness.kind == WitnessKind::receiver) {
+        const double correlated_m =
+            positions.correlated_m_s * (positions.end_s - positions.start_s);
+        moved->covariance_m2 += correlated_m * correlated_m * PositionMatrix<Axes>::Identity();
+    }
+    std::optional<double> path_m = moved->displacement_m.norm();
+    if (positions.by_path)
+        path_m = witness.motion->path_between(positions.start_s, positions.end_s);
+    if (!path_m) return std::nullopt;
     const double duration_s = positions.end_s - positions.start_s;
     const double length_m = positions.displacement_m.norm();
     // Of a craft that hardly moved any direction is as good.
@@ -71,23 +118,47 @@ std::optional<WitnessedSpeed> witnessed_speed(const Witness<Axes>& witness,
         length_m > 0.0 ? PositionVector<Axes>(positions.displacement_m / length_m)
                        : PositionVector<Axes>::Unit(0);
     const double uncertainty_m_s = std::sqrt(along.dot(moved->covariance_m2 * along)) / duration_s;
-    const WitnessedFigure figure{
-        .by_position = positions.speed_m_s,
-        .by_witness =
-            (positions.by_path ? moved->path_m : moved->displacement_m.norm()) / duration_s,
-        .uncertainty_by_position = positions.standard_uncertainty_m_s,
-        .uncertainty_by_witness = uncertainty_m_s};
+    const WitnessedFigure figure{.by_position = positions.speed_m_s,
+                                 .by_witness = *path_m / duration_s,
+                                 .uncertainty_by_position = positions.standard_uncertainty_m_s,
+                                 .uncertainty_by_witness = uncertainty_m_s};
     WitnessedSpeed witnessed;
-    witnessed.kind = WitnessKind::velocities;
+    witnessed.kind = witness.kind;
+    witnessed.receiver = witness.receiver;
     witnessed.speed_m_s = figure.by_witness;
     witnessed.standard_uncertainty_m_s = uncertainty_m_s;
     witnessed.difference_m_s = figure.difference();
     witnessed.position_standard_uncertainty_m_s = positions.standard_uncertainty_m_s;
     witnessed.normalised_error =
-        std::max(figure.normalised_error(), displacement_error(*moved, positions));
+        std::max(figure.normalised_error(), displacement_ratio(*moved, positions));
+    const PositionVector<Axes> apart = positions.displacement_m - moved->displacement_m;
+    witnessed.apart_m = apart.norm();
+    if constexpr (Axes == 2) witnessed.apart_azimuth_deg = azimuth_deg(apart);
+    if (witness.phases) {
+        const PhaseInterruptions within =
+            witness.phases->interruptions(positions.start_s, positions.end_s);
+        witnessed.satellites = moved->satellites;
+        witnessed.slips = within.slips;
+        witnessed.refusals = within.refusals;
+    }
     if (witnessed.normalised_error <= 1.0)
         witnessed.share = share_of_position(positions.with_undetected_m_s, uncertainty_m_s);
     return witnessed;
+}
+
+WitnessedSpeed* choose_share(std::vector<WitnessedSpeed>& witnesses) {
+    WitnessedSpeed* sharpest = nullptr;
+    bool contradicted = false;
+    for (WitnessedSpeed& one : witnesses) {
+        contradicted = contradicted || one.normalised_error > 1.0;
+        if (one.share > 0.0 && (sharpest == nullptr ||
+                                one.standard_uncertainty_m_s < sharpest->standard_uncertainty_m_s))
+            sharpest = &one;
+    }
+    if (contradicted) sharpest = nullptr;
+    for (WitnessedSpeed& one : witnesses)
+        if (&one != sharpest) one.share = 0.0;
+    return sharpest;
 }
 
 double undetected_beside(const WitnessedSpeed& witnessed, double positions_alone_m_s,
@@ -99,10 +170,29 @@ double undetected_beside(const WitnessedSpeed& witnessed, double positions_alone
     return square + by_witness > 0.0 ? std::sqrt(square * by_witness / (square + by_witness)) : 0.0;
 }
 
-void condition_on(const WitnessedSpeed& witnessed, std::vector<BudgetRow>& rows) {
+double shared_m_s(WitnessKind kind, double duration_s) {
+    return kind == WitnessKind::phases ? std::numbers::sqrt2 * shared_by_phases_m / duration_s
+                                       : 0.0;
+}
+
+void set_undetected_beside(const WitnessedSpeed& witnessed, const UndetectedError& worst,
+                           std::vector<BudgetRow>& rows) {
+    const auto row = std::ranges::find(rows, "d", &BudgetRow::symbol);
+    if (row == rows.end()) return;
+    row->source = "undetected error, drifts included";
+    row->standard_uncertainty = rectangular_uncertainty(witnessed.undetected_m_s);
+    row->contribution_m_s = row->standard_uncertainty * std::abs(row->sensitivity);
+    row->note = fmt::format(
+        "screening and the {} together find a larger one; by the positions alone it could be "
+        "{:.4f} m/s ({})",
+        words_of(witnessed.kind), worst.speed_m_s, words_of(worst.hypothesis));
+}
+
+void condition_on(const WitnessedSpeed& witnessed, double duration_s,
+                  std::vector<BudgetRow>& rows) {
     const double share = witnessed.share;
     for (BudgetRow& row : rows) {
-        if (!is_of(row, rows_of_position) && row.symbol != "d") continue;
+        if (!is_of(row, rows_beside(witnessed.kind)) && row.symbol != "d") continue;
         row.sensitivity *= 1.0 - share;
         row.contribution_m_s *= 1.0 - share;
     }
@@ -122,6 +212,13 @@ void condition_on(const WitnessedSpeed& witnessed, std::vector<BudgetRow>& rows)
     apart.standard_uncertainty = std::abs(witnessed.difference_m_s);
     apart.sensitivity = share;
     rows.push_back(std::move(apart));
+    const double common_m_s = shared_m_s(witnessed.kind, duration_s);
+    if (common_m_s == 0.0) return;
+    rows.push_back(speed_row(
+        "s", "slow errors that positions and phases share", "B", share * common_m_s,
+        independent_of_other_rows,
+        fmt::format("multipath disturbs both: {:g} m at either end of the window, independently",
+                    shared_by_phases_m)));
 }
 
 double expected_beside_velocities(std::vector<BudgetRow> rows, double own_uncertainty_m_s,
@@ -136,21 +233,38 @@ double expected_beside_velocities(std::vector<BudgetRow> rows, double own_uncert
         median_of_normal * std::hypot(own_uncertainty_m_s, velocities.standard_uncertainty_m_s);
     velocities.share = share_of_position(position_uncertainty(rows, Undetected::counted),
                                          velocities.standard_uncertainty_m_s);
-    condition_on(velocities, rows);
+    condition_on(velocities, duration_s, rows);
     return 2.0 * combine(rows).standard_uncertainty + (1.0 - velocities.share) * bias_limit_m_s;
 }
 
-double position_uncertainty(const std::vector<BudgetRow>& rows, Undetected undetected) {
+namespace {
+
+double uncertainty_by(const std::vector<BudgetRow>& rows, std::string_view symbols,
+                      Undetected undetected) {
     double square = 0.0;
     for (const BudgetRow& row : rows)
-        if (is_of(row, rows_of_position) ||
-            (undetected == Undetected::counted && row.symbol == "d"))
+        if (is_of(row, symbols) || (undetected == Undetected::counted && row.symbol == "d"))
             square += row.contribution_m_s * row.contribution_m_s;
     return std::sqrt(square);
 }
 
-#define RUNCERT_INSTANTIATE(AXES)                                                \
-    template std::optional<WitnessedSpeed> witnessed_speed(const Witness<AXES>&, \
+}  // namespace
+
+double position_uncertainty(const std::vector<BudgetRow>& rows, Undetected undetected) {
+    return uncertainty_by(rows, rows_of_position, undetected);
+}
+
+double unshared_uncertainty(const std::vector<BudgetRow>& rows, WitnessKind kind,
+                            Undetected undetected) {
+    return uncertainty_by(rows, rows_beside(kind), undetected);
+}
+
+#define RUNCERT_INSTANTIATE(AXES)                                                            \
+    template HeardWitnesses<AXES> witnesses_of(const ScreenedTable&, const TrajectoryTable&, \
+                                               const Beside&, double);                       \
+    template double displacement_ratio(const WitnessedMotion<AXES>&,                         \
+                                       const PositionFigures<AXES>&);                        \
+    template std::optional<WitnessedSpeed> witnessed_speed(const HeardWitness<AXES>&,        \
                                                            const PositionFigures<AXES>&);
 RUNCERT_INSTANTIATE(1)
 RUNCERT_INSTANTIATE(2)

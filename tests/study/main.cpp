@@ -11,6 +11,7 @@
 #include "motion_study.h"
 #include "people_study.h"
 #include "selection_study.h"
+#include "witness_study.h"
 
 using namespace runcert;
 
@@ -139,10 +140,25 @@ int main(int argc, char** argv) {
     CLI::App* false_records =
         app.add_subcommand("false-records", "Certified windows that miss the true speed");
     false_records->add_option("--runs", records.runs)->capture_default_str();
-    false_records->add_option("--velocity-noise", records.velocity_noise_m_s,
+    false_records->add_option("--velocity-noise", records.witness.velocity_noise_m_s,
                               "m/s; the receiver records velocities too, with this noise");
+    false_records->add_flag("--phases", records.witness.phases, "its raw phases are recorded");
+    false_records->add_flag("--second-receiver", records.witness.receiver,
+                            "another receiver records too");
     false_records->add_option("--seed", records.seed)->capture_default_str();
     false_records->add_option("--threads", records.threads, "0: as many as there are")
+        ->capture_default_str();
+
+    WitnessStudyOptions witness_options;
+    CLI::App* witness = app.add_subcommand(
+        "witness", "A record run whose positions and phases share slow errors, with both");
+    witness->add_option("--runs", witness_options.runs)->capture_default_str();
+    witness->add_option("--seed", witness_options.seed)->capture_default_str();
+    witness->add_option("--threads", witness_options.threads, "0: as many as there are")
+        ->capture_default_str();
+    witness->add_option("--common", witness_options.common_m, "m, of the error that both share")
+        ->capture_default_str();
+    witness->add_option("--common-time", witness_options.common_time_s, "s, how long it lasts")
         ->capture_default_str();
 
     MotionStudyOptions motion_options;
@@ -178,6 +194,8 @@ int main(int argc, char** argv) {
     CLI11_PARSE(app, argc, argv);
 
     if (coverage->parsed()) print_coverage(options, rates_hz, jerk_density);
+    if (witness->parsed())
+        fmt::print("{}", witness_table(witness_options, study_witness(witness_options)));
     if (people->parsed())
         print_people(people_options, faults, people_only, people_length_s, csv_file);
     if (motion->parsed()) print_motion(motion_options, only, budget, motion_rate_hz);

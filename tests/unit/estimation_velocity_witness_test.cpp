@@ -44,7 +44,8 @@ TEST(VelocityWitness, IntegratesAVelocityThatTurns) {
             const Vector2d truth = position_at(from_s + 3.0) - position_at(from_s);
             EXPECT_LT((moved->displacement_m - truth).norm(), 0.06 / std::pow(rate_hz, 3) + 1e-9)
                 << rate_hz << " Hz from " << from_s;
-            EXPECT_NEAR(moved->path_m, 60.0, 0.06 / std::pow(rate_hz, 2));
+            EXPECT_NEAR(witness.path_between(from_s, from_s + 3.0).value(), 60.0,
+                        0.06 / std::pow(rate_hz, 2));
         }
     }
 }

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <optional>
+
+#include "estimation/receiver_witness.h"
+#include "schemas/trajectory/trajectory.h"
+
+namespace runcert {
+
+/// Another receiver of the same craft as a witness of the positions of `own`. The vector between
+/// the two antennas is taken to turn with the craft, which points along the other receiver's track,
+/// to a hundredth and a half of a radian; of antennas more than 50 m apart as not to turn. Nothing
+/// where a time is relative, only one of the two has a place on the Earth, or the other has no
+/// estimate.
+template <int Axes>
+std::optional<ReceiverWitness<Axes>> receiver_witness(const TrajectoryTable& other,
+                                                      const TrajectoryTable& own);
+
+}  // namespace runcert

@@ -1,0 +1,103 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "core/geodesy.h"
+#include "core/gps_time.h"
+#include "estimation/phase_motion.h"
+#include "estimation/phase_pairs.h"
+#include "estimation/phase_record.h"
+#include "estimation/phase_screening.h"
+#include "schemas/enu/enu.h"
+#include "schemas/screened_phase/screened_phase.h"
+
+namespace runcert {
+
+/// Where the recorded positions put a receiver, by GPS time.
+class ReceiverPlaces {
+  public:
+    /// Empty where the positions have no times or no place on the Earth. `Rows`: of EnuEpoch, or of
+    /// what extends it.
+    template <class Rows>
+    ReceiverPlaces(const std::optional<FrameOrigin>& origin,
+                   const std::optional<GpsTime>& first_epoch, const Rows& rows) {
+        if (!origin || !first_epoch) return;
+        set_frame(*origin);
+        for (const EnuEpoch& row : rows)
+            add(*first_epoch, row);
+    }
+
+    bool empty() const { return times_ns_.empty(); }
+
+    /// WGS 84, Earth-centred (m); interpolated between neighbours that are no more than three
+    /// seconds apart, nothing outside of them.
+    std::optional<Eigen::Vector3d> at(std::int64_t time_ns) const;
+
+  private:
+    void set_frame(const FrameOrigin& origin);
+    void add(const GpsTime& first_epoch, const EnuEpoch& row);
+
+    Eigen::Vector3d origin_m_ = Eigen::Vector3d::Zero();
+    Eigen::Matrix3d enu_from_ecef_ = Eigen::Matrix3d::Identity();
+    std::vector<std::int64_t> times_ns_;
+    std::vector<Eigen::Vector3d> places_m_;
+};
+
+/// How a record was placed.
+struct PlacesSet {
+    bool by_positions = false;
+    /// Median distance (m) of the place by pseudoranges from the recorded one; nothing where none
+    /// has both.
+    std::optional<double> apart_m;
+};
+
+/// Puts a record's receiver where its recorded positions say, unless its pseudoranges, which place
+/// it to some metres, say somewhere else; and elsewhere where these do. `first_ns`: GPS time of the
+/// record's first epoch.
+PlacesSet set_places(PhaseRecord& record, std::int64_t first_ns, const ReceiverPlaces& positions);
+
+/// Takes the rows of 3-phase.ecsv beside the record of 1-phase.ecsv, in their order.
+class PhaseScreeningBuilder {
+  public:
+    /// The record has its places. `mask_deg`: that of screening.
+    PhaseScreeningBuilder(const PhaseRecord& record, const ScreenedPhaseTable& head,
+                          double mask_deg);
+
+    /// Failure where the row is not of the same signal as the record's.
+    void add(const ScreenedPhase& row);
+
+    /// Failure where rows are missing.
+    PhaseScreening take() &&;
+
+  private:
+    void step_to_next();
+
+    const PhaseRecord& record_;
+    SignalChoice choice_;
+    PhaseScreening screening_;
+    std::size_t epoch_ = 0;
+    std::size_t satellite_ = 0;
+    std::size_t signal_ = 0;
+};
+
+/// The phases as a witness of positions; nothing where these have no times or no place on the
+/// Earth.
+template <int Axes>
+std::optional<PhaseWitness<Axes>> phase_witness(std::shared_ptr<const JudgedPhases> phases,
+                                                const GpsTime& first_of_phases,
+                                                const std::optional<GpsTime>& first_of_positions,
+                                                const std::optional<FrameOrigin>& origin,
+                                                double jerk_density) {
+    if (!first_of_positions || !origin) return std::nullopt;
+    const Geodetic& place = origin->position;
+    const auto later_ns = first_of_positions->nanoseconds_since(first_of_phases);
+    return PhaseWitness<Axes>(std::move(phases), static_cast<double>(later_ns) * 1e-9,
+                              rotation_enu_from_ecef(place.latitude, place.longitude),
+                              jerk_density);
+}
+
+}  // namespace runcert

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <vector>
+
+#include "estimation/witnessed_spans.h"
+#include "schemas/screened/screened.h"
+
+namespace runcert {
+
+/// The usable rows of the arcs, as spans are tested: their positions, and which rows they are.
+struct UsablePositions {
+    std::vector<TimedPosition<2>> positions;
+    std::vector<std::size_t> rows;
+};
+UsablePositions usable_positions(const std::vector<ScreenedEpoch>& rows);
+
+/// What a mark says: which witness contradicts the position.
+struct WitnessMark {
+    Reason reason = Reason::velocity;
+    Hypothesis hypothesis = Hypothesis::velocity;
+};
+
+/// Marks the epochs in which the difference of contradicted spans comes about, with the size and
+/// direction of the disagreement, and ends the arc behind them (ramp): positions before and after
+/// do not belong together.
+void mark_spans(std::vector<ScreenedEpoch>& rows, const UsablePositions& usable,
+                const std::vector<ContradictedSpan>& spans, const WitnessMark& mark,
+                double threshold);
+
+/// Tests positions against the displacements by carrier phases: marks an epoch whose displacements
+/// from the one before and to the one after are contradicted in opposite directions (an outlier);
+/// where there is none, what drifts or steps within spans of 3 and 10 s (`mark_spans`). A phase is
+/// compared with what such spans of this recording differ by altogether, so that positions worse
+/// than they state are not marked for that. `test_size`: false alarm rate of one test.
+PhaseComparison check_phases(std::vector<ScreenedEpoch>& rows, const Witness<2>& phases,
+                             double nominal_interval_s, double test_size);
+
+}  // namespace runcert

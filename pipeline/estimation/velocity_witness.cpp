@@ -85,21 +85,57 @@ std::optional<typename VelocityWitness<Axes>::Place> VelocityWitness<Axes>::plac
     constexpr double rounding_s = 1e-7;
     const auto after =
         std::ranges::upper_bound(samples_, time_s + rounding_s, {}, &TimedVelocity<Axes>::time_s);
-    if (after == samples_.begin()) return std::nullopt;
-    const auto k = static_cast<std::size_t>(after - samples_.begin()) - 1;
+    const auto first = static_cast<std::size_t>(after - samples_.begin());
+    if (first == 0) return errors_.delay_s < 0.0 ? place_beyond(0, 1, time_s) : std::nullopt;
+    const std::size_t k = first - 1;
     const double beyond_s = std::max(0.0, time_s - samples_[k].time_s);
-    if (beyond_s <= rounding_s) return Place{k, 0.0};
-    if (k + 1 == samples_.size() || samples_[k + 1].stretch != samples_[k].stretch)
+    if (beyond_s <= rounding_s) return Place{.sample = k};
+    if (first == samples_.size() || samples_[first].stretch != samples_[k].stretch)
+        return errors_.delay_s > 0.0 ? place_beyond(k, k - 1, time_s)
+                                     : place_beyond(first, first + 1, time_s);
+    return Place{.sample = k, .part = beyond_s / step_s(k)};
+}
+
+template <int Axes>
+std::optional<typename VelocityWitness<Axes>::Place> VelocityWitness<Axes>::place_beyond(
+    std::size_t end, std::size_t neighbour, double time_s) const {
+    constexpr double rounding_s = 1e-7;
+    constexpr double most_steps = 3.0;
+    if (end >= samples_.size() || neighbour >= samples_.size() ||
+        samples_[neighbour].stretch != samples_[end].stretch)
         return std::nullopt;
-    return Place{k, beyond_s / step_s(k)};
+    const double beyond_s = time_s - samples_[end].time_s;
+    const double step = std::abs(samples_[end].time_s - samples_[neighbour].time_s);
+    if (std::abs(beyond_s) > std::min(std::abs(errors_.delay_s), most_steps * step) + rounding_s)
+        return std::nullopt;
+    return Place{.sample = end, .part = 0.0, .beyond_s = beyond_s};
 }
 
 template <int Axes>
 PositionVector<Axes> VelocityWitness<Axes>::velocity_at(const Place& place) const {
-    const auto [k, part] = place;
+    const auto [k, part, beyond_s] = place;
+    if (beyond_s != 0.0) return samples_[k].velocity + beyond_s * slopes_[k];
     if (part == 0.0) return samples_[k].velocity;
     return hermite(step_s(k), part, samples_[k].velocity, samples_[k + 1].velocity, slopes_[k],
                    slopes_[k + 1]);
+}
+
+template <int Axes>
+PositionVector<Axes> VelocityWitness<Axes>::moved_beyond(const Place& place) const {
+    return place.beyond_s * samples_[place.sample].velocity +
+           0.5 * place.beyond_s * place.beyond_s * slopes_[place.sample];
+}
+
+/// Of a white jerk, from a velocity that is known and a slope that is a step old.
+template <int Axes>
+double VelocityWitness<Axes>::variance_beyond(const Place& place) const {
+    if (place.beyond_s == 0.0) return 0.0;
+    const std::size_t k = place.sample;
+    const double step =
+        k > 0 && samples_[k - 1].stretch == samples_[k].stretch ? step_s(k - 1) : step_s(k);
+    const double time = std::abs(place.beyond_s);
+    return jerk_density_ * jerk_density_ *
+           (std::pow(time, 5) / 20.0 + 0.25 * std::pow(time, 4) * step);
 }
 
 template <int Axes>
@@ -137,6 +173,7 @@ std::optional<WitnessedMotion<Axes>> VelocityWitness<Axes>::between(double from_
     motion.displacement_m = moved_[to.sample] - moved_[from.sample];
     if (to.part > 0.0) motion.displacement_m += moved_in_step(to.sample, to.part);
     if (from.part > 0.0) motion.displacement_m -= moved_in_step(from.sample, from.part);
+    motion.displacement_m += moved_beyond(to) - moved_beyond(from);
     const std::size_t last = to.sample + (to.part > 0.0 ? 1 : 0);
     // Of the integral over a step between known velocities and slopes, under a white jerk.
     constexpr double of_step = 1.0 / 720.0;
@@ -144,7 +181,8 @@ std::optional<WitnessedMotion<Axes>> VelocityWitness<Axes>::between(double from_
         jerk_density_ * jerk_density_ * of_step * (unseen_[last] - unseen_[from.sample]);
     const PositionVector<Axes> changed = velocity_at(to) - velocity_at(from);
     motion.covariance_m2 =
-        (errors_.displacement_variance(to_s - from_s) + between_samples) *
+        (errors_.displacement_variance(to_s - from_s) + between_samples + variance_beyond(from) +
+         variance_beyond(to)) *
             PositionMatrix<Axes>::Identity() +
         errors_.sigma_delay_s * errors_.sigma_delay_s * changed * changed.transpose();
     return motion;
@@ -158,7 +196,10 @@ std::optional<double> VelocityWitness<Axes>::path_between(double from_s, double 
     double path_m = path_[to.sample] - path_[from.sample];
     if (to.part > 0.0) path_m += path_in_step(to.sample, to.part);
     if (from.part > 0.0) path_m -= path_in_step(from.sample, from.part);
-    return path_m;
+    const auto along_m = [&](const Place& place) {
+        return std::copysign(moved_beyond(place).norm(), place.beyond_s);
+    };
+    return path_m + along_m(to) - along_m(from);
 }
 
 template <int Axes>

@@ -54,7 +54,10 @@ double integrated_gauss_markov(double time_s, double tau_s);
 /// Recorded velocities as a witness: their integral, between samples by cubic Hermite polynomials
 /// whose slopes are the differences of neighbours, taken a delay later. The covariance is that of
 /// the error model, of the delay (by what the velocity changes between the two instants), and of
-/// what the craft may do between samples with a white jerk of `jerk_density` (m s^-2.5).
+/// what the craft may do between samples with a white jerk of `jerk_density` (m s^-2.5). Where the
+/// delay reaches beyond a stretch, by three of its steps at most, the velocity is taken to go on
+/// changing as it did, and what a white jerk may do there is added: else the end of a recording had
+/// no witness.
 template <int Axes>
 class VelocityWitness final : public Witness<Axes> {
   public:
@@ -68,19 +71,26 @@ class VelocityWitness final : public Witness<Axes> {
     const VelocityErrorModel& errors() const { return errors_; }
 
   private:
-    /// An instant: the sample before it, and the part of the step after that sample, 0 to 1.
+    /// An instant: the sample before it, and the part of the step after that sample, 0 to 1; or how
+    /// far it lies beyond the first or last sample of a stretch, s.
     struct Place {
         std::size_t sample = 0;
         double part = 0.0;
+        double beyond_s = 0.0;
     };
     struct Ends {
         Place from, to;
     };
     std::optional<Place> place_of(double time_s) const;
+    /// Beyond a stretch's first or last sample, by the delay at most.
+    std::optional<Place> place_beyond(std::size_t end, std::size_t neighbour, double time_s) const;
     /// Where samples of one stretch cover all of it, a delay later.
     std::optional<Ends> ends_of(double from_s, double to_s) const;
     double step_s(std::size_t k) const { return samples_[k + 1].time_s - samples_[k].time_s; }
     PositionVector<Axes> velocity_at(const Place& place) const;
+    /// From the first or last sample on.
+    PositionVector<Axes> moved_beyond(const Place& place) const;
+    double variance_beyond(const Place& place) const;
     /// From a sample to a part of the step after it.
     PositionVector<Axes> moved_in_step(std::size_t k, double part) const;
     double path_in_step(std::size_t k, double part) const;

@@ -217,14 +217,13 @@ double hear_witnesses(const AxesEstimate<Axes>& estimate, const WindowChoice& ch
                       const EstimatedWindow<Axes>& at, const PositionNoise& noise,
                       CertifiableWindow& window) {
     const PositionFigures<Axes> figures = figures_of(choice, at, noise, window);
-    const double lambda =
-        noncentrality(estimate.screened.basis.test_size, estimate.screened.basis.power, 1);
     for (const HeardWitness<Axes>& witness : estimate.witnesses) {
         std::optional<WitnessedSpeed> witnessed = witnessed_speed<Axes>(witness, figures);
         if (!witnessed) continue;
         if (!window.reliability.empty())
-            witnessed->undetected_m_s =
-                undetected_beside(*witnessed, window.reliability.front().speed_m_s, lambda);
+            witnessed->undetected_m_s = undetected_beside(
+                *witnessed, window.reliability.front().speed_m_s,
+                noncentrality(estimate.screened.basis.test_size, estimate.screened.basis.power, 1));
         window.witnesses.push_back(*std::move(witnessed));
     }
     WitnessedSpeed* const heard = choose_share(window.witnesses);

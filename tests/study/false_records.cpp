@@ -104,6 +104,11 @@ void judge_window(const CertifiableWindow& best, const EstimationSummary& estima
     for (const UndetectedError& error : best.reliability)
         run.undetected_m_s = std::max(run.undetected_m_s, error.speed_m_s);
     run.first_epoch = best.span.first_epoch;
+    for (const WitnessedSpeed& one : best.witnesses)
+        run.witnesses +=
+            fmt::format("; {} {:+.3f} +-{:.3f} km/h, E_n {:.2f}, share {:.2f}", to_text(one.kind),
+                        -3.6 * one.difference_m_s, 7.2 * one.standard_uncertainty_m_s,
+                        one.normalised_error, one.share);
     using Outcome = CertifiedRun::Outcome;
     const bool robust_agrees = best.robust ? best.robust->agrees : estimation.robust_unsolved == 0;
     const bool contradicted = std::ranges::any_of(
@@ -131,6 +136,7 @@ TrajectoryTable second_receiver(const SimulatedRecording& recording, const Study
                                 RandomGenerator& random) {
     EnuTable table = to_be_screened(recording.screened);
     table.facts.receiver = "second";
+    table.facts.first_epoch = study_start();
     for (std::size_t k = 0; k < table.rows.size(); ++k) {
         const Eigen::Vector2d track = recording.velocity[k].normalized();
         const Eigen::Vector2d antenna =
@@ -197,9 +203,9 @@ std::string run_line(const CertifiedRun& run) {
     std::string text = fmt::format(
         "  seed {}: {}, {:g} s, jerk {:g}; {:+.3f} km/h, stated +-{:.3f}, undetected {:.3f}; "
         "window "
-        "from epoch {}\n",
+        "from epoch {}{}\n",
         run.seed, run.cell, run.length_s, run.jerk_density, run.error_m_s * 3.6,
-        run.expanded_m_s * 3.6, run.undetected_m_s * 3.6, run.first_epoch);
+        run.expanded_m_s * 3.6, run.undetected_m_s * 3.6, run.first_epoch, run.witnesses);
     for (const SupposedError& error : run.errors)
         text += fmt::format("    {} of {} from epoch {}, {} epochs\n", to_text(error.kind),
                             size_of(error), error.first + 1, error.epochs);
@@ -245,8 +251,8 @@ CertifiedRun certify_run(std::uint64_t seed, const StudyWitness& witness) {
         record_velocities(recording, run.errors, *witness.velocity_noise_m_s, random, measured);
     Beside beside;
     std::optional<PhaseWitness<2>> phases;
+    if (witness.phases || witness.receiver) measured.facts.first_epoch = study_start();
     if (witness.phases) {
-        measured.facts.first_epoch = study_start();
         measured.facts.georeferenced = true;
         measured.origin = study_origin();
         const StudyPhases of_run =

@@ -30,6 +30,7 @@ struct CertifiedRun {
     double expanded_m_s = 0.0;    ///< expanded uncertainty, coverage factor 2
     double undetected_m_s = 0.0;  ///< stated: what an error too small to be found does to the speed
     std::int64_t first_epoch = 0;
+    std::string witnesses;  ///< what each says of the window
 
     bool missed() const;
     bool far_off() const;   ///< missed, and the error above 0.8 km/h

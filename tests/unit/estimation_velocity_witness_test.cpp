@@ -63,11 +63,19 @@ TEST(VelocityWitness, SaysNothingOfWhatItDoesNotCover) {
         one.stretch = one.time_s > 20.0 ? 1 : 0;
     const VelocityWitness<2> witness(samples, delayed(0.5), 0.0);
     EXPECT_TRUE(witness.between(10.0, 19.0));
-    EXPECT_FALSE(witness.between(10.0, 20.0));  // by the delay beyond its stretch
+    // By the delay beyond its stretch; not by more.
+    const auto to_the_end = witness.between(10.0, 20.0);
+    ASSERT_TRUE(to_the_end);
+    EXPECT_LT((to_the_end->displacement_m - position_at(20.5) + position_at(10.5)).norm(), 0.5);
+    EXPECT_FALSE(witness.between(10.0, 20.1));
     EXPECT_FALSE(witness.between(19.0, 22.0));
     EXPECT_FALSE(witness.between(-1.0, 2.0));
     EXPECT_TRUE(witness.between(21.0, 39.0));
-    EXPECT_FALSE(witness.between(38.0, 40.0));
+    EXPECT_TRUE(witness.between(38.0, 40.0));
+    EXPECT_FALSE(witness.between(38.0, 40.1));
+    const VelocityWitness<2> moving(samples, delayed(0.5), 2.0);
+    EXPECT_GT(moving.between(10.0, 20.0)->covariance_m2.trace(),
+              moving.between(10.0, 19.0)->covariance_m2.trace() + 2.0 * 4.0 * 0.015);
 }
 
 TEST(VelocityWitness, TheCovarianceHoldsDelayAndWhatHappensBetweenSamples) {

@@ -47,13 +47,17 @@ std::optional<std::size_t> epoch_after(const PhaseRecord& record, std::size_t fi
     return static_cast<std::size_t>(found - record.epochs.begin());
 }
 
-std::optional<WitnessedDisplacement> displacement_between(const PhaseRecord& record,
-                                                          const PhaseScreening& screening,
-                                                          std::size_t first, std::size_t second) {
-    const PhaseEpoch& from = record.epochs[first];
-    const PhaseEpoch& to = record.epochs[second];
-    if (!from.has_place()) return std::nullopt;
+namespace {
+
+/// The changes of the first-band phases whose arcs span two epochs.
+struct SpanningPhases {
     std::vector<PhaseChange> changes;
+    std::vector<Satellite> satellites;
+};
+
+SpanningPhases phases_between(const PhaseRecord& record, const PhaseScreening& screening,
+                              const PhaseEpoch& from, const PhaseEpoch& to) {
+    SpanningPhases result;
     const auto later = record.of(to);
     auto other = later.begin();
     for (const PhaseSatellite& one : record.of(from)) {
@@ -74,29 +78,68 @@ std::optional<WitnessedDisplacement> displacement_between(const PhaseRecord& rec
                 const double cycles = record.signals[now].phase_cycles -
                                       record.signals[before].phase_cycles -
                                       (found.correction - finding.correction);
-                changes.push_back(
+                result.changes.push_back(
                     {.satellite_m = {one.position_m, other->position_m},
                      .clock_m = {one.clock_m, other->clock_m},
                      .phase_m = cycles * wavelength_m(one.id, record.signals[now].code)});
+                result.satellites.push_back(one.id);
             }
         }
     }
-    if (changes.size() < least_witnesses || changes.size() > most_phase_changes)
+    return result;
+}
+
+double seconds_between(const PhaseEpoch& from, const PhaseEpoch& to) {
+    return static_cast<double>(to.time_ns - from.time_ns) * 1e-9;
+}
+
+std::optional<PhaseDisplacement> solved(const SpanningPhases& phases,
+                                        const PhaseScreening& screening, const PhaseEpoch& from,
+                                        const PhaseEpoch& to) {
+    const std::size_t count = phases.changes.size();
+    if (!from.has_place() || count < least_witnesses || count > most_phase_changes)
         return std::nullopt;
-    const double by_tags_s = static_cast<double>(to.time_ns - from.time_ns) * 1e-9;
-    const auto moved = phase_displacement(changes, receiver_place(from.receiver_m), by_tags_s,
-                                          {.white_m = screening.noise.white_m});
+    return phase_displacement(phases.changes, receiver_place(from.receiver_m),
+                              seconds_between(from, to), {.white_m = screening.noise.white_m});
+}
+
+}  // namespace
+
+std::vector<PhaseResidual> residuals_between(const PhaseRecord& record,
+                                             const PhaseScreening& screening, std::size_t first,
+                                             std::size_t second) {
+    const PhaseEpoch &from = record.epochs[first], &to = record.epochs[second];
+    const SpanningPhases phases = phases_between(record, screening, from, to);
+    const auto moved = solved(phases, screening, from, to);
+    std::vector<PhaseResidual> residuals;
+    if (!moved) return residuals;
+    for (std::size_t i = 0; i < phases.satellites.size(); ++i) {
+        const auto k = static_cast<Eigen::Index>(i);
+        residuals.push_back({.satellite = phases.satellites[i],
+                             .residual_m = moved->residuals_m[k],
+                             .sigma_m = moved->sigma_m[k]});
+    }
+    return residuals;
+}
+
+std::optional<WitnessedDisplacement> displacement_between(const PhaseRecord& record,
+                                                          const PhaseScreening& screening,
+                                                          std::size_t first, std::size_t second) {
+    const PhaseEpoch &from = record.epochs[first], &to = record.epochs[second];
+    const SpanningPhases phases = phases_between(record, screening, from, to);
+    const auto moved = solved(phases, screening, from, to);
     if (!moved) return std::nullopt;
     WitnessedDisplacement result;
     result.enu_m = moved->enu_m;
-    const double slow_m = systematic_rate_m_s(changes.size()) * by_tags_s;
+    const double by_tags_s = seconds_between(from, to);
+    const double slow_m = systematic_rate_m_s(phases.changes.size()) * by_tags_s;
     // Phases that are disturbed at either end say so by their residuals.
     const double excess = moved->statistic / moved->redundancy;
     result.covariance_m2 = moved->covariance_m2 * std::max(1.0, excess);
     result.covariance_m2.diagonal().head<2>().array() += slow_m * slow_m;
     const double clock_m = screening.clock_m[second] - screening.clock_m[first];
     result.interval_s = clock_m == clock_m ? by_tags_s - clock_m / speed_of_light_m_s : by_tags_s;
-    result.satellites = changes.size();
+    result.satellites = phases.changes.size();
     result.statistic = moved->statistic;
     result.redundancy = moved->redundancy;
     return result;

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "estimation/phase_record.h"
 #include "estimation/phase_screening.h"
@@ -34,6 +35,18 @@ struct WitnessedDisplacement {
     double statistic = 0.0;  ///< chi-squared with `redundancy` degrees of freedom is expected
     int redundancy = 0;
 };
+
+/// What a satellite's phase differs by from the displacement of all.
+struct PhaseResidual {
+    Satellite satellite;
+    double residual_m = 0.0;
+    double sigma_m = 0.0;  ///< of the phase, as it was weighted
+};
+
+/// The residuals of that displacement; empty where there is none.
+std::vector<PhaseResidual> residuals_between(const PhaseRecord& record,
+                                             const PhaseScreening& screening, std::size_t first,
+                                             std::size_t second);
 
 /// Fewer satellites are not enough to judge by.
 inline constexpr std::size_t least_witnesses = 6;

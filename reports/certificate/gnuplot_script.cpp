@@ -162,6 +162,9 @@ int height_of(const Json& figure) {
     const auto length = [&](const char* from, const char* to) {
         return figure[to].get<double>() - figure[from].get<double>();
     };
+    constexpr double bar = 17.0;  // of a satellite
+    if (figure["figure"] == "satellites")
+        return 130 + static_cast<int>(bar * length("y_min", "y_max"));
     if (!figure["equal_scale"].get<bool>()) return figure["figure"] == "window" ? 360 : 320;
     const double shape = length("y_min", "y_max") / length("x_min", "x_max");
     return static_cast<int>(std::clamp(620.0 * shape, 170.0, 430.0)) + 90;

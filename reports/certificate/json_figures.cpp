@@ -259,13 +259,22 @@ Json figures_json(const ReportInputs& inputs, const Json& profiles) {
     Json figures = Json::array();
     const ReceiverResults& judged = inputs.receivers.front();
     if (estimated(judged.trajectory).size() < 2) return figures;
-    for (const Json& profile : profiles)
-        if (profile.contains("window"))
-            figures.push_back(window_figure(judged.trajectory, profile));
+    const Json* seen_window = nullptr;  // the one that the phases are looked at around
+    for (const Json& profile : profiles) {
+        if (!profile.contains("window")) continue;
+        Json figure = window_figure(judged.trajectory, profile);
+        if (seen_window == nullptr) seen_window = &profile["window"];
+        if (judged.phase_view && is_horizontal(profile))
+            add_phase_speed(figure, *judged.phase_view);
+        figures.push_back(std::move(figure));
+    }
     figures.push_back(speed_figure(judged, profiles));
     figures.push_back(track_figure(inputs, profiles));
     for (const Json& figure : std::array{residual_figure(judged), test_figure(judged.screened)})
         if (!figure.is_null()) figures.push_back(figure);
+    if (judged.phase_view && seen_window != nullptr)
+        for (Json& figure : phase_figures(*judged.phase_view, *seen_window))
+            figures.push_back(std::move(figure));
     for (std::size_t i = 0; i < figures.size(); ++i)
         figures[i]["figure_id"] = fmt::format("figure-{}", i);
     return figures;

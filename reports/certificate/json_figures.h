@@ -22,6 +22,16 @@ nlohmann::ordered_json residual_figure(const ReceiverResults& results);
 /// The statistics of screening's tests over their thresholds; null where there are none.
 nlohmann::ordered_json test_figure(const ScreenedTable& table);
 
+/// Adds the speed by carrier phases to the figure of a window.
+void add_phase_speed(nlohmann::ordered_json& figure, const PhaseView& view);
+/// Sky, satellites over time, residuals, and displacements beside the positions'; none where the
+/// phases say nothing.
+std::vector<nlohmann::ordered_json> phase_figures(const PhaseView& view,
+                                                  const nlohmann::ordered_json& window);
+
+/// What the page of the raw signals says; null where there are none.
+nlohmann::ordered_json raw_signals_json(const ReceiverResults& results);
+
 /// Begins a figure: its kind ("speed", "window", ...), words and axes; nothing is drawn yet.
 nlohmann::ordered_json empty_figure(const std::string& kind, const std::string& title,
                                     const std::string& caption, const std::string& x_label,

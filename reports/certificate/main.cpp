@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 
 #include "files/atomic_file.h"
 #include "reports/certificate/report_html.h"
@@ -15,6 +17,28 @@
 using namespace runcert;
 
 namespace {
+
+/// The phases around the first certified window.
+void view_phases(StageRun& run, const Receiver& receiver, ReceiverResults& results) {
+    constexpr double around_s = 10.0;
+    const auto entry = std::ranges::find_if(
+        results.windows.profiles, [](const ProfileWindows& one) { return one.best.has_value(); });
+    const ScreenedTable& screened = results.screened;
+    if (entry == results.windows.profiles.end() || !screened.facts.first_epoch) return;
+    auto phases = run.open(products::phase, receiver, open_phase);
+    auto judged = run.open(products::screened_phase, receiver, open_screened_phase);
+    const GpsTime first = phases.head().first_epoch;
+    const WindowSpan& span = entry->best->span;
+    const double start_s =
+        span.start.seconds() +
+        static_cast<double>(screened.facts.first_epoch->nanoseconds_since(first)) * 1e-9;
+    results.phase_view = phase_view(
+        judged_phases(phases, judged,
+                      ReceiverPlaces(screened.origin, screened.facts.first_epoch, screened.rows),
+                      run.attempt().parameters.at("screen").at("phase_mask_deg").get<double>(),
+                      start_s - around_s, start_s + span.duration.seconds() + around_s),
+        first, results.trajectory, span.duration.seconds());
+}
 
 ReceiverResults gather_receiver(StageRun& run, const Receiver& receiver) {
     for (const AttemptFile& file : files_of_receiver(receiver))
@@ -32,6 +56,7 @@ ReceiverResults gather_receiver(StageRun& run, const Receiver& receiver) {
     }
     results.trajectory = run.read(products::trajectory, receiver, read_trajectory);
     results.windows = run.read(products::windows, receiver, read_windows);
+    if (has_phases(receiver)) view_phases(run, receiver, results);
     return results;
 }
 

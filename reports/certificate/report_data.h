@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "reports/certificate/phase_view.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/observations/observations.h"
 #include "schemas/profile/profile.h"
@@ -31,6 +32,8 @@ struct ReceiverResults {
     Header enu_header;
     ScreenedTable screened;
     std::optional<ScreenedPhaseTable> phases = {};  ///< without its rows
+    /// What the phases say around the first certified window, for its figures.
+    std::optional<PhaseView> phase_view = {};
     TrajectoryTable trajectory;
     Windows windows;
 };

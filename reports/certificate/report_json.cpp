@@ -12,6 +12,7 @@
 #include "files/yaml_output.h"
 #include "reports/certificate/figures.h"
 #include "reports/certificate/json_certificate.h"
+#include "reports/certificate/json_figures.h"
 #include "reports/certificate/json_parts.h"
 #include "reports/certificate/json_text.h"
 #include "reports/certificate/report_html.h"
@@ -118,6 +119,8 @@ Json report_json(const ReportInputs& inputs) {
         predicate["receivers"].push_back(
             receiver_json(inputs.receivers[i], inputs.attempt.receivers[i]));
     predicate["method"] = method_json(inputs);
+    if (Json raw = raw_signals_json(inputs.receivers.front()); !raw.is_null())
+        predicate["raw_signals"] = std::move(raw);
     round_to_table(predicate, report_field_table());
     predicate["figures"] = figures_json(inputs, predicate["profiles"]);
     const std::vector<std::string> drawings = draw_figures(predicate);

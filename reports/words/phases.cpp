@@ -40,13 +40,33 @@ std::vector<std::string> phase_sentences(const ScreenedPhaseTable& phases) {
                         counted(phases.disturbed, "pair")));
     if (!phases.clock_jumps.empty())
         sentences.push_back(fmt::format(
-            "The receiver's clock jumped by whole milliseconds: {}; lengths of windows are "
-            "corrected.",
+            "The receiver's clock jumped by whole milliseconds: {}; of a window across one the "
+            "phases say nothing.",
             counted(std::ssize(phases.clock_jumps), "time")));
     if (std::string motion = motion_sentence(phases.motion); !motion.empty())
         sentences.push_back(std::move(motion));
     sentences.insert(sentences.end(), phases.notes.begin(), phases.notes.end());
     return sentences;
+}
+
+std::string phase_window_sentence(const WitnessedSpeed& phases) {
+    const std::int64_t slips = phases.slips.value_or(0), refusals = phases.refusals.value_or(0);
+    return fmt::format(
+        "Over the window the phases of {} were unbroken; {} found inside it, and {} refused. They "
+        "give {}, and the positions {:.3f} km/h. The two displacements differ by {} m{}.",
+        counted(phases.satellites.value_or(0), "satellite"),
+        slips == 0   ? "no slip was"
+        : slips == 1 ? "1 slip was"
+                     : fmt::format("{} slips were", slips),
+        refusals == 0   ? "no pair of epochs was"
+        : refusals == 1 ? "1 pair of epochs was"
+                        : fmt::format("{} pairs of epochs were", refusals),
+        speed_with_uncertainty_text(phases.speed_m_s, 2.0 * phases.standard_uncertainty_m_s,
+                                    speed_unit("km/h")),
+        3.6 * (phases.speed_m_s + phases.difference_m_s), format_fixed(phases.apart_m, 3),
+        phases.apart_azimuth_deg ? fmt::format(", towards {} degrees from north",
+                                               format_fixed(*phases.apart_azimuth_deg, 0))
+                                 : std::string());
 }
 
 std::string slip_evidence(const ScreenedPhase& row) {

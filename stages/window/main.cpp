@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "core/prose.h"
-#include "estimation/tables/phase_rows.h"
 #include "estimation/tables/screened_phases.h"
 #include "run/attempt_files.h"
 #include "run/stage_main.h"
@@ -24,24 +23,13 @@ struct ReceiverTables {
 };
 
 void read_phases(StageRun& run, const Receiver& receiver, ReceiverTables& tables) {
-    auto rows = run.open(products::phase, receiver, open_phase);
-    PhaseRecordBuilder builder(rows.head());
-    for (PhaseRow row; rows.next(row);)
-        builder.add(row);
-    JudgedPhases phases;
-    phases.record = std::move(builder).take();
-    tables.first_of_phases = rows.head().first_epoch;
     const ScreenedTable& screened = tables.screened;
-    set_places(phases.record, tables.first_of_phases.nanoseconds(),
-               ReceiverPlaces(screened.origin, screened.facts.first_epoch, screened.rows));
+    auto phases = run.open(products::phase, receiver, open_phase);
     auto judged = run.open(products::screened_phase, receiver, open_screened_phase);
-    PhaseScreeningBuilder screening(
-        phases.record, judged.head(),
-        run.attempt().parameters.at("screen").at("phase_mask_deg").get<double>());
-    for (ScreenedPhase row; judged.next(row);)
-        screening.add(row);
-    phases.screening = std::move(screening).take();
-    tables.phases = std::make_shared<const JudgedPhases>(std::move(phases));
+    tables.first_of_phases = phases.head().first_epoch;
+    tables.phases = std::make_shared<const JudgedPhases>(judged_phases(
+        phases, judged, ReceiverPlaces(screened.origin, screened.facts.first_epoch, screened.rows),
+        run.attempt().parameters.at("screen").at("phase_mask_deg").get<double>()));
 }
 
 ReceiverTables read_tables(StageRun& run, const Receiver& receiver) {

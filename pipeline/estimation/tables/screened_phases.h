@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -12,6 +13,7 @@
 #include "estimation/phase_pairs.h"
 #include "estimation/phase_record.h"
 #include "estimation/phase_screening.h"
+#include "estimation/tables/phase_rows.h"
 #include "schemas/enu/enu.h"
 #include "schemas/screened_phase/screened_phase.h"
 
@@ -83,6 +85,29 @@ class PhaseScreeningBuilder {
     std::size_t satellite_ = 0;
     std::size_t signal_ = 0;
 };
+
+/// The phases of 1-phase.ecsv with what 3-phase.ecsv says of them, both gone through row by row;
+/// of the epochs whose time (s) is within `from_s` to `to_s` alone.
+template <class PhaseRows, class ScreenedRows>
+JudgedPhases judged_phases(PhaseRows& phases, ScreenedRows& screened,
+                           const ReceiverPlaces& positions, double mask_deg,
+                           double from_s = -std::numeric_limits<double>::infinity(),
+                           double to_s = std::numeric_limits<double>::infinity()) {
+    const auto wanted = [&](const ElapsedTime& time) {
+        return time.seconds() >= from_s && time.seconds() <= to_s;
+    };
+    JudgedPhases judged;
+    PhaseRecordBuilder record(phases.head());
+    for (PhaseRow row; phases.next(row);)
+        if (wanted(row.time)) record.add(row);
+    judged.record = std::move(record).take();
+    set_places(judged.record, phases.head().first_epoch.nanoseconds(), positions);
+    PhaseScreeningBuilder screening(judged.record, screened.head(), mask_deg);
+    for (ScreenedPhase row; screened.next(row);)
+        if (wanted(row.time)) screening.add(row);
+    judged.screening = std::move(screening).take();
+    return judged;
+}
 
 /// The phases as a witness of positions; nothing where these have no times or no place on the
 /// Earth.

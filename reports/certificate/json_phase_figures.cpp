@@ -1,0 +1,253 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <numbers>
+
+#include "core/rounding.h"
+#include "reports/certificate/curve.h"
+#include "reports/certificate/json_figures.h"
+#include "reports/words/phases.h"
+
+namespace runcert {
+
+using Json = nlohmann::ordered_json;
+
+namespace {
+
+constexpr double mm_per_m = 1000.0;
+constexpr std::size_t points_of_a_cloud = 1500;
+
+/// The sky from above: zenith in the middle, north up, the horizon around it.
+Eigen::Vector2d on_the_sky(double azimuth_deg, double elevation_deg) {
+    const double azimuth = azimuth_deg * std::numbers::pi / 180.0;
+    return (90.0 - elevation_deg) * Eigen::Vector2d(std::sin(azimuth), std::cos(azimuth));
+}
+
+/// The horizon and two circles within it, as one line with breaks.
+Json rings() {
+    Json x = Json::array(), y = Json::array();
+    for (const double elevation_deg : {0.0, 30.0, 60.0}) {
+        for (int degree = 0; degree <= 360; degree += 5) {
+            const Eigen::Vector2d at = on_the_sky(degree, elevation_deg);
+            x.push_back(rounded(at.x(), 2));
+            y.push_back(rounded(at.y(), 2));
+        }
+        x.push_back(0.0);
+        y.push_back(nullptr);
+    }
+    return {
+        {"segment_name", "horizon, 30 and 60 degrees"}, {"x", std::move(x)}, {"y", std::move(y)}};
+}
+
+Json mark_at(const std::string& name, double x, double y) {
+    return {{"mark_name", name}, {"x", rounded(x, 3)}, {"y", rounded(y, 3)}};
+}
+
+Json sky_figure(const PhaseView& view) {
+    Json figure = empty_figure(
+        "sky", "Satellites in the sky around the window",
+        "Seen from above: the zenith in the middle, north up, the horizon the outer circle, "
+        "elevations of 30 and 60 degrees within it. Satellites whose phases were used, and those "
+        "that were not.",
+        "degrees from the zenith, towards east", "degrees from the zenith, towards north");
+    figure["equal_scale"] = true;
+    Curve used({"phases used", "points", "blue", 2, 2});
+    Curve others({"not used", "points", "grey", 2, 2});
+    for (const SatelliteTrack& track : view.satellites) {
+        if (track.epochs.empty()) continue;
+        const std::size_t every = 1 + track.epochs.size() / 20;
+        for (std::size_t k = 0; k < track.epochs.size(); k += every) {
+            const SatelliteInView& seen = track.epochs[k];
+            const Eigen::Vector2d at = on_the_sky(seen.azimuth_deg, seen.elevation_deg);
+            (seen.used ? used : others).add(at.x(), at.y());
+        }
+        const SatelliteInView& middle = track.epochs[track.epochs.size() / 2];
+        const Eigen::Vector2d at = on_the_sky(middle.azimuth_deg, middle.elevation_deg);
+        figure["marks"].push_back(mark_at(to_text(track.satellite), at.x(), at.y()));
+    }
+    for (const Curve* curve : {&used, &others})
+        if (!curve->empty()) figure["curves"].push_back(curve->json());
+    figure["segments"].push_back(rings());
+    set_axes(figure, -95.0, 95.0, -90.0, 90.0);
+    return figure;
+}
+
+/// A bar of a satellite, broken where its phase is not used.
+void add_bar(Curve& curve, const SatelliteTrack& track, double row, double longest_step_s) {
+    curve.interrupt();
+    const SatelliteInView* last = nullptr;
+    for (const SatelliteInView& seen : track.epochs) {
+        if (!seen.used || (last && seen.time_s - last->time_s > longest_step_s)) curve.interrupt();
+        if (seen.used) curve.add(seen.time_s, row);
+        last = &seen;
+    }
+}
+
+Json bars_figure(const PhaseView& view, const Json& window, double from_s, double to_s) {
+    Json figure = empty_figure(
+        "satellites", "Satellites whose phases were used, over time",
+        "A bar for each satellite, broken where its phase was not used. Points: a phase slipped by "
+        "whole cycles, and is not used across them. Marked at the foot: pairs of epochs that could "
+        "not be judged. Shaded: the window.",
+        time_label, "satellite");
+    Curve bars({"phase used", "line", "blue", 3, 0});
+    Curve slips({"slip", "points", "vermilion", 3, 0});
+    double row = 0.0;
+    const auto is_used = [](const SatelliteTrack& track) {
+        return std::ranges::any_of(track.epochs, &SatelliteInView::used);
+    };
+    for (const SatelliteTrack& track : view.satellites) {
+        if (!is_used(track)) continue;
+        row += 1.0;
+        add_bar(bars, track, row, 1.5);
+        for (const double time_s : track.slips_s)
+            slips.add(time_s, row);
+        figure["marks"].push_back(
+            mark_at(to_text(track.satellite), from_s + 0.06 * (to_s - from_s), row));
+    }
+    for (const Curve* curve : {&bars, &slips})
+        if (!curve->empty()) figure["curves"].push_back(curve->json());
+    const double start = window["start_time_s"].get<double>();
+    figure["spans"].push_back({{"span_name", "window"},
+                               {"span_kind", "window"},
+                               {"from", rounded(start, 6)},
+                               {"to", rounded(start + window["duration_s"].get<double>(), 6)}});
+    for (const double time_s : view.refused_s)
+        figure["spans"].push_back({{"span_name", "pair of epochs that could not be judged"},
+                                   {"span_kind", "unusable"},
+                                   {"from", rounded(time_s - 0.05, 6)},
+                                   {"to", rounded(time_s, 6)}});
+    set_axes(figure, from_s, to_s, 0.0, row + 1.0);
+    return figure;
+}
+
+Json residuals_figure(const PhaseView& view, double from_s, double to_s) {
+    const std::size_t every = 1 + view.residuals_m.size() / points_of_a_cloud;
+    Json figure = empty_figure(
+        "phase_residuals", "Residuals of the phases from epoch to epoch",
+        fmt::format("By how much each satellite's phase differs from the displacement of all.{} "
+                    "Dashed: twice the median of the standard deviations that they were weighted "
+                    "with.",
+                    every > 1 ? fmt::format(" One in {} is drawn.", every) : ""),
+        time_label, "residual (mm)");
+    Curve residuals({"residual of a satellite", "points", "blue", 3, 2});
+    std::vector<double> sigmas;
+    Range values;
+    for (std::size_t k = 0; k < view.residuals_m.size(); ++k) {
+        const ViewedValue& one = view.residuals_m[k];
+        sigmas.push_back(one.standard_uncertainty * mm_per_m);
+        if (k % every != 0) continue;
+        residuals.add(one.time_s, one.value * mm_per_m);
+        values.widen(std::abs(one.value) * mm_per_m);
+    }
+    std::ranges::nth_element(sigmas, sigmas.begin() + std::ssize(sigmas) / 2);
+    const double bound = 2.0 * sigmas[sigmas.size() / 2];
+    values.widen(bound);
+    figure["curves"].push_back(residuals.json());
+    for (const double sign : {1.0, -1.0})
+        figure["levels"].push_back(
+            {{"level_name", sign > 0.0 ? "+ 2 standard deviations" : "- 2 standard deviations"},
+             {"level", rounded(sign * bound, 3)}});
+    set_axes(figure, from_s, to_s, -*values.most, *values.most);
+    return figure;
+}
+
+Json apart_figure(const PhaseView& view, const Json& window, double from_s, double to_s) {
+    Json figure = empty_figure(
+        "phase_displacement", "Displacement by positions less that by phases",
+        fmt::format("Over {:g} s, at the end of each such stretch; the band is twice the standard "
+                    "uncertainty of the phases. Shaded: the window. At its end stands what the "
+                    "certificate compares.",
+                    window["duration_s"].get<double>()),
+        time_label, "difference (mm)");
+    Range values;
+    const auto add = [&](const char* name, const char* colour, const std::vector<ViewedValue>& of) {
+        Curve curve({name, "line", colour, 3, 2});
+        const ViewedValue* last = nullptr;
+        for (const ViewedValue& one : of) {
+            if (one.time_s < from_s || one.time_s > to_s) continue;
+            if (last && one.time_s - last->time_s > 1.5) curve.interrupt();
+            const double value = one.value * mm_per_m;
+            const double band = 2.0 * one.standard_uncertainty * mm_per_m;
+            curve.add(one.time_s, value, value - band, value + band);
+            values.widen(value - band);
+            values.widen(value + band);
+            last = &one;
+        }
+        if (!curve.empty()) figure["curves"].push_back(curve.json());
+    };
+    add("east", "blue", view.apart_east_m);
+    add("north", "orange", view.apart_north_m);
+    figure["levels"].push_back({{"level_name", "no difference"}, {"level", 0.0}});
+    const double start = window["start_time_s"].get<double>();
+    figure["spans"].push_back({{"span_name", "window"},
+                               {"span_kind", "window"},
+                               {"from", rounded(start, 6)},
+                               {"to", rounded(start + window["duration_s"].get<double>(), 6)}});
+    set_axes(figure, from_s, to_s, values.least.value_or(0.0), values.most.value_or(0.0));
+    return figure;
+}
+
+}  // namespace
+
+void add_phase_speed(Json& figure, const PhaseView& view) {
+    Curve curve({"by carrier phases, ± 2 standard uncertainties", "line", "vermilion"});
+    const double from_s = figure["x_min"].get<double>(), to_s = figure["x_max"].get<double>();
+    const ViewedValue* last = nullptr;
+    Range speeds;
+    for (const ViewedValue& one : view.speed_m_s) {
+        if (one.time_s < from_s || one.time_s > to_s) continue;
+        if (last && one.time_s - last->time_s > 1.5) curve.interrupt();
+        const double speed = one.value * kmh_per_m_s;
+        const double band = 2.0 * one.standard_uncertainty * kmh_per_m_s;
+        curve.add(one.time_s, speed, speed - band, speed + band);
+        speeds.widen(speed - band);
+        speeds.widen(speed + band);
+        last = &one;
+    }
+    if (curve.empty()) return;
+    figure["curves"].push_back(curve.json());
+    figure["y_min"] = rounded(std::min(figure["y_min"].get<double>(), *speeds.least), 6);
+    figure["y_max"] = rounded(std::max(figure["y_max"].get<double>(), *speeds.most), 6);
+    figure["caption"] = figure["caption"].get<std::string>() +
+                        " With it the speed by the receiver's carrier phases, from epoch to epoch.";
+}
+
+Json raw_signals_json(const ReceiverResults& results) {
+    if (!results.phase_view || results.phase_view->satellites.empty() || !results.phases)
+        return nullptr;
+    Json json{{"sentences", Json::array()}};
+    for (const ProfileWindows& entry : results.windows.profiles)
+        if (entry.best)
+            for (const WitnessedSpeed& one : entry.best->witnesses)
+                if (one.kind == WitnessKind::phases)
+                    json["sentences"].push_back(fmt::format("Under the rule {}: {}", entry.profile,
+                                                            phase_window_sentence(one)));
+    for (const std::string& sentence : phase_sentences(*results.phases))
+        json["sentences"].push_back(sentence);
+    return json;
+}
+
+std::vector<Json> phase_figures(const PhaseView& view, const Json& window) {
+    std::vector<Json> figures;
+    if (view.satellites.empty()) return figures;
+    Range times;
+    for (const SatelliteTrack& track : view.satellites)
+        for (const SatelliteInView& seen : track.epochs)
+            times.widen(seen.time_s);
+    if (!(times.span() > 0.0)) return figures;
+    figures.push_back(sky_figure(view));
+    figures.push_back(bars_figure(view, window, *times.least, *times.most));
+    if (!view.residuals_m.empty())
+        figures.push_back(residuals_figure(view, *times.least, *times.most));
+    if (!view.apart_east_m.empty())
+        figures.push_back(apart_figure(view, window, *times.least, *times.most));
+    for (Json& figure : figures)
+        figure["of_raw_signals"] = true;
+    return figures;
+}
+
+}  // namespace runcert

@@ -38,8 +38,8 @@ Claim read_claim(const DayAttempt& given, const std::filesystem::path& composed)
         claim.profiles.push_back(json_of_yaml(profile, claimed));
         claim.files[profile_copy_name(claimed)] = sha256_hex(profile);
     }
-    for (const AttemptFile& file : flow_files(claim.attempt))
-        claim.files[file.name] = sha256_hex(find_flow(file, claim.attempt, claim.source));
+    for (const AttemptFile& file : series_files(claim.attempt))
+        claim.files[file.name] = sha256_hex(find_series(file, claim.attempt, claim.source));
     claim.files[std::string(attempt_copy_name)] = sha256_hex(claim.text);
     return claim;
 }

@@ -33,7 +33,7 @@ std::vector<NamedFile> named_files(const Json& keys) {
         for (std::size_t i = 0; i < keys["receivers"].size(); ++i)
             for (const char* key : {"recording", "base", "navigation", "phase"})
                 add_files(keys["receivers"][i], key, Json::json_pointer("/receivers") / i, files);
-    for (const char* flow : {"wind", "current"})
+    for (const char* flow : {"wind", "current", "wheel", "gates"})
         if (keys.contains(flow)) add_files(keys[flow], "file", Json::json_pointer() / flow, files);
     return files;
 }

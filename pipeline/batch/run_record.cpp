@@ -43,10 +43,10 @@ StepRecord step_of(const Json& json) {
 bool is_file_of_a_run(const std::string& name) {
     if (std::filesystem::path(name).filename() != name) return false;
     if (is_product_name(name) || belongs_to_signatures(name)) return true;
-    constexpr std::array whole{"attempt.yaml", "wind.csv",    "current.csv",
-                               "report.json",  "report.html", "report.pdf"};
-    constexpr std::array begins{"profile.", "recording.", "base.",    "navigation.", "phase.",
-                                "rtklib.",  "forward.",   "backward."};
+    constexpr std::array whole{"attempt.yaml", "wind.csv",    "current.csv", "wheel.csv",
+                               "gates.csv",    "report.json", "report.html", "report.pdf"};
+    constexpr std::array begins{"profile.", "recording.", "base.",    "navigation.",
+                                "phase.",   "rtklib.",    "forward.", "backward."};
     return std::ranges::find(whole, name) != whole.end() ||
            std::ranges::any_of(begins, [&](const char* part) {
                return name.starts_with(part) && name.size() > std::string_view(part).size();

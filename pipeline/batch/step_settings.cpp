@@ -16,9 +16,10 @@ using Json = nlohmann::ordered_json;
 /// "claim", "check" and "report" alone, which depend on the whole text; the second by the steps
 /// that name them below.
 constexpr std::array attempt_elsewhere{
-    "schema", "id",     "craft",   "place",    "date",       "officials",    "signatures",
-    "amends", "record", "records", "wind",     "current",    "secondary",    "receivers",
-    "origin", "course", "rules",   "profiles", "parameters", "attempts_made"};
+    "schema", "id",     "craft",   "place",    "date",       "officials",     "signatures",
+    "amends", "record", "records", "wind",     "current",    "secondary",     "receivers",
+    "origin", "course", "rules",   "profiles", "parameters", "attempts_made", "wheel",
+    "gates"};
 
 /// Keys of a profile that only "check" and "report" read, but for what `proof_figures` takes.
 constexpr std::array profile_of_check{"schema",   "revision", "body",       "title",
@@ -78,6 +79,9 @@ Json window_rules(const Json& document) {
 void add_window_settings(Json& settings, const Json& document,
                          const std::vector<HeldJson>& profiles) {
     settings["course"] = document.value("course", Json());
+    for (const char* series : {"wheel", "gates"})
+        if (document.contains(series))
+            settings[series] = without(document.at(series), std::array{"source"});
     settings["rules"] = window_rules(document);
     for (const Json& receiver : document.at("receivers"))
         settings["antennas"].push_back(
@@ -114,7 +118,7 @@ Json settings_of_step(std::string_view step, const Attempt& attempt, const Json&
             settings["smooth"][shared] = attempt.parameters.at("smooth").at(shared);
     }
     if (step == "window") {
-        for (const char* shared : {"gap_max_s", "gap_factor"})
+        for (const char* shared : {"gap_max_s", "gap_factor", "phase_mask_deg"})
             settings["screen"][shared] = attempt.parameters.at("screen").at(shared);
         add_window_settings(settings, document, profiles);
     }

@@ -120,6 +120,13 @@ std::optional<WitnessedMotion<Axes>> PhaseWitness<Axes>::between(double from_s, 
 }
 
 template <int Axes>
+TimeSpan PhaseWitness<Axes>::covered() const {
+    if (phases_->record.epochs.empty()) return {};
+    return {.first_s = record_time_s(0) - first_epoch_s_,
+            .last_s = record_time_s(phases_->record.epochs.size() - 1) - first_epoch_s_};
+}
+
+template <int Axes>
 std::optional<double> PhaseWitness<Axes>::path_between(double from_s, double to_s) const {
     const auto from = place_of(from_s);
     const auto to = place_of(to_s);

@@ -46,6 +46,7 @@ class PhaseWitness final : public Witness<Axes> {
                  const Eigen::Matrix3d& enu_from_ecef, double jerk_density);
 
     std::optional<WitnessedMotion<Axes>> between(double from_s, double to_s) const override;
+    TimeSpan covered() const override;
     /// The sum of the displacements from epoch to epoch.
     std::optional<double> path_between(double from_s, double to_s) const override;
 

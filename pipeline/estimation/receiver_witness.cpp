@@ -50,6 +50,12 @@ std::optional<WitnessedMotion<Axes>> ReceiverWitness<Axes>::between(double from_
 }
 
 template <int Axes>
+TimeSpan ReceiverWitness<Axes>::covered() const {
+    if (epochs_.empty()) return {};
+    return {.first_s = epochs_.front().time_s, .last_s = epochs_.back().time_s};
+}
+
+template <int Axes>
 std::optional<double> ReceiverWitness<Axes>::path_between(double from_s, double to_s) const {
     const auto from = place_of(from_s);
     const auto to = place_of(to_s);

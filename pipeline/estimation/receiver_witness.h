@@ -31,6 +31,7 @@ class ReceiverWitness final : public Witness<Axes> {
     explicit ReceiverWitness(std::vector<OtherReceiverEpoch<Axes>> epochs);
 
     std::optional<WitnessedMotion<Axes>> between(double from_s, double to_s) const override;
+    TimeSpan covered() const override;
     /// Sum of the straight lines between its epochs.
     std::optional<double> path_between(double from_s, double to_s) const override;
 

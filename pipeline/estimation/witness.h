@@ -16,6 +16,11 @@ struct WitnessedMotion {
     std::int64_t satellites = 0;  ///< that it rests on; 0 of a witness that has none of its own
 };
 
+struct TimeSpan {
+    double first_s = 0.0;
+    double last_s = 0.0;
+};
+
 /// Anything that says how far the craft moved between two instants and does not come from the
 /// positions: recorded velocities, carrier phases, a second receiver, a wheel, gates. Each has its
 /// own error model; what it cannot see it does not answer.
@@ -27,6 +32,9 @@ class Witness {
     /// From one instant (s) to a later one, on the time scale of the positions; nothing where the
     /// witness does not cover all of it.
     virtual std::optional<WitnessedMotion<Axes>> between(double from_s, double to_s) const = 0;
+
+    /// The first and the last instant (s) that it knows anything of.
+    virtual TimeSpan covered() const = 0;
 
     /// Length (m) of the path between, as uncertain as the displacement along it; nothing where the
     /// witness does not tell it.

@@ -131,21 +131,35 @@ std::string find_profile(const std::string& claimed, const AttemptSource& source
     return read_handwritten(path);
 }
 
-std::vector<AttemptFile> flow_files(const Attempt& attempt) {
+std::vector<AttemptFile> series_files(const Attempt& attempt) {
     std::vector<AttemptFile> files;
-    const auto add = [&](const char* role, const std::optional<FlowFile>& flow) {
+    const auto add = [&](const char* role, const std::optional<SeriesFile>& flow) {
         if (flow)
             files.push_back(
                 {.role = role, .original = flow->file, .name = fmt::format("{}.csv", role)});
     };
     add("wind", attempt.wind);
     add("current", attempt.current);
+    add("wheel", attempt.wheel);
+    add("gates", attempt.gates);
     return files;
 }
 
-std::string find_flow(const AttemptFile& file, const Attempt& attempt,
-                      const AttemptSource& source) {
-    const std::string& place = (file.role == "wind" ? attempt.wind : attempt.current)->place;
+std::vector<AttemptFile> witness_files(const Attempt& attempt) {
+    std::vector<AttemptFile> files = series_files(attempt);
+    std::erase_if(files, [](const AttemptFile& file) {
+        return file.role != "wheel" && file.role != "gates";
+    });
+    return files;
+}
+
+std::string find_series(const AttemptFile& file, const Attempt& attempt,
+                        const AttemptSource& source) {
+    const std::string& place = (file.role == "wind"      ? attempt.wind
+                                : file.role == "current" ? attempt.current
+                                : file.role == "wheel"   ? attempt.wheel
+                                                         : attempt.gates)
+                                   ->place;
     const fs::path path = source.earlier_run ? *source.earlier_run / file.name
                                              : inside_folder(file.original, source, place);
     if (!fs::exists(path))
@@ -165,8 +179,8 @@ void bring_in_claim(const Attempt& attempt, std::string_view text, const Attempt
         require_course(with_replaced_figures(std::move(rule), attempt), attempt, source);
         write_file_atomically(run_dir / profile_copy_name(claimed), profile);
     }
-    for (const AttemptFile& file : flow_files(attempt))
-        write_file_atomically(run_dir / file.name, find_flow(file, attempt, source));
+    for (const AttemptFile& file : series_files(attempt))
+        write_file_atomically(run_dir / file.name, find_series(file, attempt, source));
     write_file_atomically(run_dir / attempt_copy_name, text);
 }
 

@@ -54,15 +54,18 @@ FileView open_attempt_file(const AttemptFile& file, const Receiver& receiver,
                            const AttemptSource& source);
 std::string find_profile(const std::string& claimed, const AttemptSource& source);
 
-/// The series of wind and current that the attempt names, with the roles "wind" and "current" and
-/// the names "wind.csv" and "current.csv" in a run folder.
-std::vector<AttemptFile> flow_files(const Attempt& attempt);
+/// The series that the attempt names, with their keys as roles ("wind", "current", "wheel",
+/// "gates") and the names "wind.csv" and so on in a run folder.
+std::vector<AttemptFile> series_files(const Attempt& attempt);
+/// Those of them that are witnesses of the positions: "wheel" and "gates".
+std::vector<AttemptFile> witness_files(const Attempt& attempt);
 
 /// The text of one of them, found and refused as above.
-std::string find_flow(const AttemptFile& file, const Attempt& attempt, const AttemptSource& source);
+std::string find_series(const AttemptFile& file, const Attempt& attempt,
+                        const AttemptSource& source);
 
-/// Brings what is neither a recording nor made of one into a run folder: the series of wind and
-/// current, the claimed profiles, and the attempt itself, whose `text` is given. Failure where one
+/// Brings what is neither a recording nor made of one into a run folder: the series that
+/// it names, the claimed profiles, and the attempt itself, whose `text` is given. Failure where one
 /// cannot be found, and where a profile needs a course that the attempt does not give.
 void bring_in_claim(const Attempt& attempt, std::string_view text, const AttemptSource& source,
                     const std::filesystem::path& run_dir);

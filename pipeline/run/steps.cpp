@@ -25,12 +25,12 @@ Names recorded_files(const Receiver& receiver) {
     return names;
 }
 
-/// What the attempt claims by: itself, rules, series of wind and current.
+/// What the attempt claims by: itself, rules, series.
 Names claim_files(const Attempt& attempt) {
     Names names{std::string(attempt_copy_name)};
     for (const std::string& claimed : attempt.profiles)
         names.push_back(profile_copy_name(claimed));
-    for (const AttemptFile& file : flow_files(attempt))
+    for (const AttemptFile& file : series_files(attempt))
         names.push_back(file.name);
     return names;
 }
@@ -75,7 +75,8 @@ const std::vector<Step>& steps() {
         {.name = "window",
          .program = "runcert-window",
          .products = {windows},
-         .made_from = {screened, trajectory, phase, screened_phase}},
+         .made_from = {screened, trajectory, phase, screened_phase},
+         .hears_witnesses = true},
         {.name = "check",
          .program = "runcert-check",
          .products = {verdict},
@@ -109,6 +110,9 @@ Names inputs_of(const Step& step, const Attempt& attempt) {
     if (step.made_from.empty()) return {};  // they read what is outside
     Names names;
     if (is_of_run(step)) names = claim_files(attempt);
+    if (step.hears_witnesses)
+        for (const AttemptFile& file : witness_files(attempt))
+            names.push_back(file.name);
     for (const Receiver& receiver : attempt.receivers)
         append(names, files_of(step.made_from, attempt, receiver));
     return names;
@@ -156,8 +160,12 @@ RunInventory inventory_of(const Attempt& attempt) {
             if (is_of_run(step)) continue;
             for (const std::string& file : files_of(step.products, attempt, receiver)) {
                 inventory.files.push_back(file);
-                inventory.made_from[file] =
+                Names& needed = inventory.made_from[file];
+                needed =
                     step.made_from.empty() ? recorded : files_of(step.made_from, attempt, receiver);
+                if (step.hears_witnesses)
+                    for (const AttemptFile& series : witness_files(attempt))
+                        needed.push_back(series.name);
             }
         }
     }

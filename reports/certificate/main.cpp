@@ -70,7 +70,7 @@ ReportInputs gather(StageRun& run) {
         inputs.profiles.push_back(read_claimed_profile(run.run_dir(), claimed, run.attempt()));
         run.note_file("profile", profile_copy_name(claimed));
     }
-    for (const AttemptFile& file : flow_files(run.attempt()))
+    for (const AttemptFile& file : series_files(run.attempt()))
         run.note_file(file.role, file.name,
                       std::filesystem::path(file.original).filename().string());
     for (const Receiver& receiver : run.attempt().receivers)

@@ -30,7 +30,7 @@ std::vector<std::string> attempt_file_names(const Attempt& attempt) {
         for (const AttemptFile& file : solution_files(receiver))
             names.push_back(file.name);
     }
-    for (const AttemptFile& file : flow_files(attempt))
+    for (const AttemptFile& file : series_files(attempt))
         names.push_back(file.name);
     for (const std::string& claimed : attempt.profiles)
         names.push_back(profile_copy_name(claimed));

@@ -108,11 +108,13 @@ struct Course {
     std::string place;                           ///< "file:line:column", for messages
 };
 
-/// A series of wind or current.
-struct FlowFile {
+/// A series that the attempt hands in: wind, current, the speed of a wheel, passages of gates.
+struct SeriesFile {
     std::string file;
     std::string source;
     double expanded_uncertainty_m_s = 0.0;  ///< of a current, k = 2
+    double expanded_uncertainty_m = 0.0;    ///< of the distance of a gate, k = 2
+    double expanded_uncertainty_s = 0.0;    ///< of the time of a passage, k = 2
     std::string place;                      ///< "file:line:column", for messages
 };
 
@@ -156,8 +158,10 @@ struct Attempt {
     std::map<std::string, Record> records;  ///< by profile
     std::vector<ReplacedFigure> rules;
     std::optional<Course> course;
-    std::optional<FlowFile> wind;
-    std::optional<FlowFile> current;
+    std::optional<SeriesFile> wind;
+    std::optional<SeriesFile> current;
+    std::optional<SeriesFile> wheel;
+    std::optional<SeriesFile> gates;
     std::optional<SecondaryMethod> secondary_method;
     std::vector<std::string> profiles;
     /// For each stage, every parameter resolved: the attempt's figure, or the default of the

@@ -78,12 +78,14 @@ Course read_course(const YamlValue& map) {
             .place = map.place()};
 }
 
-std::optional<FlowFile> read_flow_file(const YamlValue& map) {
+std::optional<SeriesFile> read_series_file(const YamlValue& map) {
     if (!map.exists()) return std::nullopt;
-    return FlowFile{
+    return SeriesFile{
         .file = map["file"].text(),
         .source = map["source"].text(),
         .expanded_uncertainty_m_s = map["expanded_uncertainty_m_s"].optional_real().value_or(0.0),
+        .expanded_uncertainty_m = map["expanded_uncertainty_m"].optional_real().value_or(0.0),
+        .expanded_uncertainty_s = map["expanded_uncertainty_s"].optional_real().value_or(0.0),
         .place = map["file"].place()};
 }
 
@@ -138,8 +140,10 @@ void read_rule_input(const YamlValue& document, Attempt& attempt) {
     read_rules(document["rules"], attempt);
     if (const YamlValue course = document["course"]; course.exists())
         attempt.course = read_course(course);
-    attempt.wind = read_flow_file(document["wind"]);
-    attempt.current = read_flow_file(document["current"]);
+    attempt.wind = read_series_file(document["wind"]);
+    attempt.current = read_series_file(document["current"]);
+    attempt.wheel = read_series_file(document["wheel"]);
+    attempt.gates = read_series_file(document["gates"]);
     attempt.secondary_method = read_secondary(document["secondary"]);
 }
 

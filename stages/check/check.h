@@ -57,8 +57,8 @@ struct CheckInput {
     const std::vector<Profile>& profiles;
     const ReceiverFindings& judged;
     const ReceiverFindings* secondary = nullptr;  ///< null where there is one receiver only
-    const FlowSeries* wind = nullptr;             ///< null where the attempt gives none
-    const FlowSeries* current = nullptr;
+    const MeasuredSeries* wind = nullptr;             ///< null where the attempt gives none
+    const MeasuredSeries* current = nullptr;
 };
 
 /// Every requirement of each profile, met, not met or to be attested, and the outcome.

@@ -79,7 +79,7 @@ std::optional<double> heading_of(const CourseFindings& course) {
     return course.facts->heading_deg.value;
 }
 
-std::optional<FlowInWindow> flow_of(const FlowSeries* series, FlowKind kind,
+std::optional<FlowInWindow> flow_of(const MeasuredSeries* series, FlowKind kind,
                                     const CertifiableWindow& best, const CourseFindings& course) {
     if (series == nullptr) return std::nullopt;
     const double start_s = best.span.start.seconds();

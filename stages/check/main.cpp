@@ -58,11 +58,12 @@ void say_verdict(StageRun& run, const Verdict& verdict) {
 
 /// A series that the attempt names, of that role. It is spoken of by the attempt's name for it:
 /// the verdict must not hold the folder that it is made in.
-std::optional<FlowSeries> read_series(StageRun& run, std::string_view role,
+std::optional<MeasuredSeries> flow_of(StageRun& run, std::string_view role,
                                       const std::optional<GpsTime>& first_epoch) {
-    for (const AttemptFile& file : flow_files(run.attempt()))
+    for (const AttemptFile& file : series_files(run.attempt()))
         if (file.role == role)
-            return read_flow(run.read_text(file.role, file.name), file.original, first_epoch);
+            return read_series(run.read_text(file.role, file.name), file.original, first_epoch,
+                               SeriesKind::flow);
     return std::nullopt;
 }
 
@@ -77,8 +78,8 @@ void check_run(StageRun& run) {
     for (const Receiver& receiver : run.attempt().receivers)
         receivers.push_back(gather(run, receiver));
     const auto& first_epoch = receivers.front().facts.first_epoch;
-    const auto wind = read_series(run, "wind", first_epoch);
-    const auto current = read_series(run, "current", first_epoch);
+    const auto wind = flow_of(run, "wind", first_epoch);
+    const auto current = flow_of(run, "current", first_epoch);
     Verdict verdict = check({.attempt = run.attempt(),
                              .profiles = profiles,
                              .judged = receivers.front(),

@@ -365,6 +365,8 @@ std::vector<std::string> statements_of(const CheckInput& input) {
     add_accuracy(judged, statements);
     add_screening(judged, statements);
     add_undetected(input, statements);
+    const auto& notes = judged.windows.witness_notes;
+    statements.insert(statements.end(), notes.begin(), notes.end());
     const EstimationSummary& estimation = judged.estimation;
     if (estimation.arcs > 0) {
         add_fit(estimation.horizontal.noise, "horizontal", statements);

@@ -21,8 +21,8 @@ Vector2d unit_towards(double direction_deg) {
 }
 
 /// Where the air or the water moves to, m/s towards east and north.
-Vector2d velocity_of(const FlowSample& sample, FlowKind kind) {
-    return (kind == FlowKind::wind ? -1.0 : 1.0) * sample.speed_m_s *
+Vector2d velocity_of(const SeriesSample& sample, FlowKind kind) {
+    return (kind == FlowKind::wind ? -1.0 : 1.0) * sample.value *
            unit_towards(sample.direction_deg);
 }
 
@@ -31,14 +31,14 @@ struct FlowAt {
     Vector2d velocity_m_s;
 };
 
-FlowAt between(const FlowSample& a, const FlowSample& b, FlowKind kind, double time_s) {
+FlowAt between(const SeriesSample& a, const SeriesSample& b, FlowKind kind, double time_s) {
     const double part = (time_s - a.time_s) / (b.time_s - a.time_s);
     return {time_s, (1.0 - part) * velocity_of(a, kind) + part * velocity_of(b, kind)};
 }
 
 /// Why the series does not cover the window; empty where it does. `from` is the last sample not
 /// after its start, `to` the first not before its end.
-std::string gap_in(const FlowSeries& series, double start_s, double end_s, std::size_t from,
+std::string gap_in(const MeasuredSeries& series, double start_s, double end_s, std::size_t from,
                    std::size_t to, double max_spacing_s) {
     const double longest_s = max_spacing_s + 1e-6;  // times are sums of binary fractions
     for (std::size_t i = from; i < to; ++i) {
@@ -55,8 +55,8 @@ std::string gap_in(const FlowSeries& series, double start_s, double end_s, std::
 }
 
 /// The flow at the window's ends and at the samples between them.
-std::vector<FlowAt> flow_over(const FlowSeries& series, FlowKind kind, double start_s, double end_s,
-                              std::size_t from, std::size_t to) {
+std::vector<FlowAt> flow_over(const MeasuredSeries& series, FlowKind kind, double start_s,
+                              double end_s, std::size_t from, std::size_t to) {
     const auto& samples = series.samples;
     const auto at = [&](std::size_t i) {
         return FlowAt{samples[i].time_s, velocity_of(samples[i], kind)};
@@ -90,12 +90,12 @@ double direction_of(const Vector2d& velocity, FlowKind kind) {
 
 }  // namespace
 
-FlowInWindow flow_in_window(const FlowSeries& series, FlowKind kind, double start_s, double end_s,
-                            double heading_deg, double max_spacing_s) {
+FlowInWindow flow_in_window(const MeasuredSeries& series, FlowKind kind, double start_s,
+                            double end_s, double heading_deg, double max_spacing_s) {
     assert(start_s <= end_s);
     const auto& samples = series.samples;
-    const auto after_start = std::ranges::upper_bound(samples, start_s, {}, &FlowSample::time_s);
-    const auto not_before_end = std::ranges::lower_bound(samples, end_s, {}, &FlowSample::time_s);
+    const auto after_start = std::ranges::upper_bound(samples, start_s, {}, &SeriesSample::time_s);
+    const auto not_before_end = std::ranges::lower_bound(samples, end_s, {}, &SeriesSample::time_s);
     FlowInWindow result;
     if (after_start == samples.begin() || not_before_end == samples.end()) {
         result.missing =
@@ -121,7 +121,7 @@ FlowInWindow flow_in_window(const FlowSeries& series, FlowKind kind, double star
     result.direction_deg = direction_of(mean, kind);
     result.along_m_s = mean.dot(ahead);
     result.across_m_s = mean.dot(Vector2d(ahead.y(), -ahead.x()));
-    result.samples = std::ranges::count_if(samples, [&](const FlowSample& sample) {
+    result.samples = std::ranges::count_if(samples, [&](const SeriesSample& sample) {
         return sample.time_s >= start_s && sample.time_s <= end_s;
     });
     return result;

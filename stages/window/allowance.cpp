@@ -138,7 +138,7 @@ class Expectation {
         if (const WitnessedSpeed* const heard = choose_share(witnessed)) {
             const double share = heard->share;
             rest = 1.0 - share;
-            const double common_m_s = shared_m_s(heard->kind, duration_s);
+            const double common_m_s = heard->shared_standard_uncertainty_m_s;
             square = rest * rest * square +
                      share * share *
                          (heard->standard_uncertainty_m_s * heard->standard_uncertainty_m_s +

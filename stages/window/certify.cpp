@@ -238,7 +238,7 @@ double hear_witnesses(const AxesEstimate<Axes>& estimate, const WindowChoice& ch
     window.bias_limit_m_s *= rest;
     if (selection.treatment == SelectionTreatment::subtracted)
         window.speed_m_s = less_bias(noise.speed.speed_m_s, rest * selection.bias_m_s);
-    condition_on(*heard, at.duration_s, window.budget);
+    condition_on(*heard, window.budget);
     return rest;
 }
 

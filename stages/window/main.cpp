@@ -6,6 +6,7 @@
 
 #include "core/prose.h"
 #include "estimation/tables/screened_phases.h"
+#include "files/measured_series.h"
 #include "run/attempt_files.h"
 #include "run/stage_main.h"
 #include "stages/window/window.h"
@@ -41,8 +42,29 @@ ReceiverTables read_tables(StageRun& run, const Receiver& receiver) {
     return tables;
 }
 
-Beside beside(const std::vector<ReceiverTables>& tables, std::size_t own) {
+/// Wheel and gates, which are of the first receiver's craft and on its time.
+void read_handed_in(StageRun& run, const std::optional<GpsTime>& first_epoch, Beside& beside) {
+    const auto read = [&](const AttemptFile& file, SeriesKind kind) {
+        std::vector<TimedValue> values;
+        for (const SeriesSample& sample :
+             read_series(run.read_text(file.role, file.name), file.original, first_epoch, kind)
+                 .samples)
+            values.push_back({.time_s = sample.time_s, .value = sample.value});
+        return values;
+    };
+    for (const AttemptFile& file : witness_files(run.attempt())) {
+        if (file.role == "wheel") beside.wheel_m_s = read(file, SeriesKind::wheel);
+        if (file.role != "gates") continue;
+        beside.gates_m = read(file, SeriesKind::gates);
+        const SeriesFile& gates = *run.attempt().gates;
+        beside.gate_errors = {.sigma_distance_m = 0.5 * gates.expanded_uncertainty_m,
+                              .sigma_time_s = 0.5 * gates.expanded_uncertainty_s};
+    }
+}
+
+Beside beside(StageRun& run, const std::vector<ReceiverTables>& tables, std::size_t own) {
     Beside all{.phases = tables[own].phases, .first_of_phases = tables[own].first_of_phases};
+    if (own == 0) read_handed_in(run, tables[own].trajectory.facts.first_epoch, all);
     for (std::size_t i = 0; i < tables.size(); ++i)
         if (i != own) all.receivers.push_back(&tables[i].trajectory);
     return all;
@@ -64,10 +86,12 @@ int main(int argc, char** argv) {
                 const Receiver& receiver = attempt.receivers[i];
                 Windows windows = find_windows(tables[i].screened, tables[i].trajectory, profiles,
                                                window_config(attempt, receiver), attempt.course,
-                                               beside(tables, i));
+                                               beside(run, tables, i));
                 // Each file rests on what was read of all receivers.
                 windows.header = run.header();
                 run.write(products::windows, receiver, write_windows(windows));
+                for (const std::string& note : windows.witness_notes)
+                    run.say(note);
                 for (const ProfileWindows& entry : windows.profiles)
                     run.say(entry.best
                                 ? fmt::format("{}: best of {} from {:.3f} s", entry.profile,

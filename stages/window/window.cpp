@@ -48,6 +48,31 @@ class Certifier {
     }
     bool has_heights() const { return trajectory_.estimation.vertical.has_value(); }
 
+    /// What was estimated of the witnesses of horizontal motion, and what they do not say.
+    std::vector<std::string> witness_notes(const std::vector<Profile>& profiles,
+                                           const std::vector<ProfileWindows>& windows,
+                                           const Beside& beside) const {
+        std::vector<std::string> notes = unheard(beside, horizontal_.witnesses);
+        for (const HeardWitness<2>& witness : horizontal_.witnesses) {
+            if (!witness.note.empty()) notes.push_back(witness.note);
+            for (std::size_t i = 0; i < windows.size(); ++i) {
+                const auto& best = windows[i].best;
+                if (!best || profiles[i].dimension == Dimension::vertical ||
+                    profiles[i].speed_source == SpeedSource::velocity)
+                    continue;
+                const bool heard =
+                    std::ranges::any_of(best->witnesses, [&](const WitnessedSpeed& one) {
+                        return one.kind == witness.kind && one.receiver == witness.receiver;
+                    });
+                if (heard) continue;
+                std::string silence = silence_text(witness, trajectory_, windows[i].profile);
+                if (std::ranges::find(notes, silence) == notes.end())
+                    notes.push_back(std::move(silence));
+            }
+        }
+        return notes;
+    }
+
     CertifiableWindow certify(const Profile& profile, FoundWindow found,
                               const std::vector<FoundWindow>& all,
                               const std::optional<CourseGates>& gates) const {
@@ -368,6 +393,7 @@ Windows find_windows(const ScreenedTable& screened, const TrajectoryTable& traje
         if (entry.failure) std::rethrow_exception(entry.failure);
         windows.profiles.push_back(std::move(*entry.windows));
     }
+    windows.witness_notes = certifier.witness_notes(profiles, windows.profiles, beside);
     return windows;
 }
 

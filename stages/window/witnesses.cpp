@@ -71,6 +71,23 @@ HeardWitnesses<Axes> witnesses_of(const ScreenedTable& screened, const Trajector
             const auto phases = std::make_shared<const PhaseWitness<Axes>>(*std::move(found));
             witnesses.push_back({.kind = WitnessKind::phases, .motion = phases, .phases = phases});
         }
+    if constexpr (Axes == 2) {
+        if (auto wheel = wheel_witness(beside.wheel_m_s, screened, trajectory, jerk_density)) {
+            std::string note = fmt::format(
+                "The wheel's speeds were multiplied by {:.5f} (standard uncertainty {:.5f}) and "
+                "taken {:.3f} s {} (standard uncertainty {:.3f} s), as fits the positions best. A "
+                "wrong scale that lasts they cannot show.",
+                wheel->scale, wheel->sigma_scale, std::abs(wheel->delay_s),
+                wheel->delay_s < 0.0 ? "earlier" : "later", wheel->sigma_delay_s);
+            witnesses.push_back(
+                {.kind = WitnessKind::wheel,
+                 .motion = std::make_shared<const VelocityWitness<2>>(std::move(wheel->motion)),
+                 .note = std::move(note)});
+        }
+        if (auto gates = gate_witness(beside.gates_m, beside.gate_errors, trajectory))
+            witnesses.push_back({.kind = WitnessKind::gates,
+                                 .motion = std::make_shared<const GateWitness>(*std::move(gates))});
+    }
     for (const TrajectoryTable* const other : beside.receivers)
         if (auto found = receiver_witness<Axes>(*other, trajectory))
             witnesses.push_back(
@@ -78,6 +95,47 @@ HeardWitnesses<Axes> witnesses_of(const ScreenedTable& screened, const Trajector
                  .receiver = other->facts.receiver,
                  .motion = std::make_shared<const ReceiverWitness<Axes>>(*std::move(found))});
     return witnesses;
+}
+
+std::vector<std::string> unheard(const Beside& beside, const HeardWitnesses<2>& witnesses) {
+    std::vector<std::string> sentences;
+    const auto check = [&](bool given, WitnessKind kind, std::string_view why) {
+        if (given && std::ranges::find(witnesses, kind, &HeardWitness<2>::kind) == witnesses.end())
+            sentences.push_back(
+                fmt::format("The {} were handed in and say nothing: {}.", words_of(kind), why));
+    };
+    constexpr std::string_view without_place =
+        "the positions have no times or no place on the Earth to compare them with";
+    check(beside.phases != nullptr, WitnessKind::phases, without_place);
+    check(!beside.receivers.empty(), WitnessKind::receiver,
+          "the two recordings have no common time or frame, or it has no estimate");
+    check(!beside.wheel_m_s.empty(), WitnessKind::wheel,
+          "too few of them are at times at which the craft's motion was estimated, or nothing "
+          "bounds their errors");
+    check(!beside.gates_m.empty(), WitnessKind::gates,
+          "fewer than two were passed while the craft's motion was estimated");
+    return sentences;
+}
+
+template <int Axes>
+std::string silence_text(const HeardWitness<Axes>& witness, const TrajectoryTable& trajectory,
+                         const std::string& profile) {
+    const TimeSpan covered = witness.motion->covered();
+    const double first_s = trajectory.rows.front().time.seconds();
+    const double last_s = trajectory.rows.back().time.seconds();
+    if (covered.last_s <= first_s)
+        return fmt::format(
+            "The {} end {:.0f} s before the recording begins: another time, or a clock that is "
+            "off.",
+            words_of(witness.kind), first_s - covered.last_s);
+    if (covered.first_s >= last_s)
+        return fmt::format(
+            "The {} begin {:.0f} s after the recording ends: another time, or a clock that is off.",
+            words_of(witness.kind), covered.first_s - last_s);
+    return fmt::format(
+        "The {} say nothing of the window certified under {}: they do not cover it without a "
+        "break.",
+        words_of(witness.kind), profile);
 }
 
 bool counts_path(SpeedDefinition definition) {
@@ -126,6 +184,9 @@ std::optional<WitnessedSpeed> witnessed_speed(const HeardWitness<Axes>& witness,
     witnessed.kind = witness.kind;
     witnessed.receiver = witness.receiver;
     witnessed.speed_m_s = figure.by_witness;
+    if (witness.kind == WitnessKind::phases)
+        witnessed.shared_standard_uncertainty_m_s =
+            std::numbers::sqrt2 * shared_by_phases_m / duration_s;
     witnessed.standard_uncertainty_m_s = uncertainty_m_s;
     witnessed.difference_m_s = figure.difference();
     witnessed.position_standard_uncertainty_m_s = positions.standard_uncertainty_m_s;
@@ -170,11 +231,6 @@ double undetected_beside(const WitnessedSpeed& witnessed, double positions_alone
     return square + by_witness > 0.0 ? std::sqrt(square * by_witness / (square + by_witness)) : 0.0;
 }
 
-double shared_m_s(WitnessKind kind, double duration_s) {
-    return kind == WitnessKind::phases ? std::numbers::sqrt2 * shared_by_phases_m / duration_s
-                                       : 0.0;
-}
-
 void set_undetected_beside(const WitnessedSpeed& witnessed, const UndetectedError& worst,
                            std::vector<BudgetRow>& rows) {
     const auto row = std::ranges::find(rows, "d", &BudgetRow::symbol);
@@ -188,8 +244,7 @@ void set_undetected_beside(const WitnessedSpeed& witnessed, const UndetectedErro
         words_of(witnessed.kind), worst.speed_m_s, words_of(worst.hypothesis));
 }
 
-void condition_on(const WitnessedSpeed& witnessed, double duration_s,
-                  std::vector<BudgetRow>& rows) {
+void condition_on(const WitnessedSpeed& witnessed, std::vector<BudgetRow>& rows) {
     const double share = witnessed.share;
     for (BudgetRow& row : rows) {
         if (!is_of(row, rows_beside(witnessed.kind)) && row.symbol != "d") continue;
@@ -212,7 +267,7 @@ void condition_on(const WitnessedSpeed& witnessed, double duration_s,
     apart.standard_uncertainty = std::abs(witnessed.difference_m_s);
     apart.sensitivity = share;
     rows.push_back(std::move(apart));
-    const double common_m_s = shared_m_s(witnessed.kind, duration_s);
+    const double common_m_s = witnessed.shared_standard_uncertainty_m_s;
     if (common_m_s == 0.0) return;
     rows.push_back(speed_row(
         "s", "slow errors that positions and phases share", "B", share * common_m_s,
@@ -233,7 +288,7 @@ double expected_beside_velocities(std::vector<BudgetRow> rows, double own_uncert
         median_of_normal * std::hypot(own_uncertainty_m_s, velocities.standard_uncertainty_m_s);
     velocities.share = share_of_position(position_uncertainty(rows, Undetected::counted),
                                          velocities.standard_uncertainty_m_s);
-    condition_on(velocities, duration_s, rows);
+    condition_on(velocities, rows);
     return 2.0 * combine(rows).standard_uncertainty + (1.0 - velocities.share) * bias_limit_m_s;
 }
 
@@ -260,6 +315,8 @@ double unshared_uncertainty(const std::vector<BudgetRow>& rows, WitnessKind kind
 }
 
 #define RUNCERT_INSTANTIATE(AXES)                                                            \
+    template std::string silence_text(const HeardWitness<AXES>&, const TrajectoryTable&,     \
+                                      const std::string&);                                   \
     template HeardWitnesses<AXES> witnesses_of(const ScreenedTable&, const TrajectoryTable&, \
                                                const Beside&, double);                       \
     template double displacement_ratio(const WitnessedMotion<AXES>&,                         \

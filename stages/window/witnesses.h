@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "estimation/phase_motion.h"
-#include "estimation/tables/recorded_velocities.h"
+#include "estimation/tables/handed_in.h"
 #include "schemas/trajectory/trajectory.h"
 #include "schemas/windows/windows.h"
 #include "stages/window/speed_by_definition.h"
@@ -22,6 +22,7 @@ struct HeardWitness {
     std::string receiver = {};  ///< id, where it is another receiver
     std::shared_ptr<const Witness<Axes>> motion;
     std::shared_ptr<const PhaseWitness<Axes>> phases = nullptr;  ///< the same, where it is that
+    std::string note = {};  ///< a sentence on what was estimated of it; empty where nothing was
 };
 
 template <int Axes>
@@ -32,7 +33,18 @@ struct Beside {
     std::shared_ptr<const JudgedPhases> phases = nullptr;
     GpsTime first_of_phases = {};                        ///< their first epoch
     std::vector<const TrajectoryTable*> receivers = {};  ///< the others of the attempt
+    std::vector<TimedValue> wheel_m_s = {};              ///< speeds of a wheel
+    std::vector<TimedValue> gates_m = {};                ///< passages: distances from the first
+    GateErrors gate_errors = {};
 };
+
+/// What was handed in and became no witness, a sentence each.
+std::vector<std::string> unheard(const Beside& beside, const HeardWitnesses<2>& witnesses);
+
+/// Why a witness says nothing of a window, from the trajectory's first instant to its last.
+template <int Axes>
+std::string silence_text(const HeardWitness<Axes>& witness, const TrajectoryTable& trajectory,
+                         const std::string& profile);
 
 /// Every witness of the positions that there is: the recorded velocities, where anything bounds
 /// their errors; the carrier phases; the other receivers.
@@ -106,16 +118,12 @@ void set_undetected_beside(const WitnessedSpeed& witnessed, const UndetectedErro
 ///
 /// Carrier phases come from the same antenna: multipath moves them and the positions alike, and
 /// their difference does not show it. Row s is what both may share (`shared_by_phases_m`).
-void condition_on(const WitnessedSpeed& witnessed, double duration_s, std::vector<BudgetRow>& rows);
+void condition_on(const WitnessedSpeed& witnessed, std::vector<BudgetRow>& rows);
 
 /// Standard deviation (m, each axis) of a slow error that positions and phases of one antenna may
 /// share: half of what rules take positions with fixed ambiguities to err by. A phase is never
 /// disturbed by more than a quarter of its wave, 48 mm, and a position by several satellites less.
 inline constexpr double shared_by_phases_m = 0.010;
-
-/// Standard uncertainty (m/s) of a speed over a window by what a witness of this kind shares with
-/// the positions.
-double shared_m_s(WitnessKind kind, double duration_s);
 
 /// Expanded uncertainty (k = 2, m/s) to be expected of a window beside velocities of a receiver:
 /// 0.1 m/s at each epoch, and never better than `least_velocity_sigma_m_s` altogether. They are

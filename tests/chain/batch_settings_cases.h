@@ -39,6 +39,8 @@ attempt:
       right: {latitude_deg: -22.920270534, longitude_deg: 14.420723010}
   wind: {file: wind.csv, source: anemometer}
   current: {file: current.csv, source: float, expanded_uncertainty_m_s: 0.01}
+  wheel: {file: wheel.csv, source: rear wheel}
+  gates: {file: gates.csv, source: light gates, expanded_uncertainty_m: 0.02, expanded_uncertainty_s: 0.002}
   secondary: {method: video, source: a sheet, start_utc: "2026-10-20T11:00:41.435", finish_utc: "2026-10-20T11:00:59.297", time_expanded_uncertainty_s: 0.010}
   parameters: {window: {selection_samples: 100, monte_carlo_trials_max: 100000}}
 rules:
@@ -64,6 +66,7 @@ rules:
       - {id: rate, text: enough samples, source: a book, certainty: quoted, decided_by: sampling_rate, limit: 5, unit: Hz}
       - {id: wind, text: little wind, source: a book, certainty: quoted, decided_by: wind_mean, limit: 20, unit: kn}
       - {id: margin, text: more than the record, source: a book, certainty: quoted, decided_by: margin}
+      - {id: second, text: another method, source: a book, certainty: quoted, decided_by: secondary_method, accepts: [velocities]}
   course:
     schema: profile/1.0
     id: course
@@ -146,6 +149,12 @@ inline constexpr const char* claim_changes = R"yaml(
 - {key: current.file, set: {/attempt/current/file: wind.csv}}
 - {key: current.source, set: {/attempt/current/source: another float}}
 - {key: current.expanded_uncertainty_m_s, set: {/attempt/current/expanded_uncertainty_m_s: 0.02}}
+- {key: wheel.file, set: {/attempt/wheel/file: other_wheel.csv}, redoes: window}
+- {key: wheel.source, set: {/attempt/wheel/source: front wheel}}
+- {key: gates.file, set: {/attempt/gates/file: other_gates.csv}, redoes: window}
+- {key: gates.source, set: {/attempt/gates/source: other gates}}
+- {key: gates.expanded_uncertainty_m, set: {/attempt/gates/expanded_uncertainty_m: 0.03}, redoes: window}
+- {key: gates.expanded_uncertainty_s, set: {/attempt/gates/expanded_uncertainty_s: 0.003}, redoes: window}
 - {key: secondary.method, set: {/attempt/secondary/method: light barrier}}
 - {key: secondary.source, set: {/attempt/secondary/source: another sheet}}
 - {key: secondary.start_utc, set: {/attempt/secondary/start_utc: "2026-10-20T11:00:41.535"}}
@@ -230,6 +239,7 @@ inline constexpr const char* profile_changes = R"yaml(
 - {key: "clauses[].certainty", set: {/rules/time/clauses/0/certainty: secondary}}
 - {key: "clauses[].decided_by", set: {/rules/alpha/clauses/0/decided_by: attest}}
 - {key: "clauses[].limit", set: {/rules/time/clauses/2/limit: 6}, redoes: window}
+- {key: "clauses[].accepts[]", set: {/rules/time/clauses/5/accepts: [phases]}}
 - {key: "clauses[].unit", set: {/rules/time/clauses/3/unit: m/s}}
 - {key: window.kind, set: {/rules/time/window: {kind: distance, distance_m: 100, definition: displacement}, /attempt/rules: null}, redoes: window}
 - {key: window.duration_s, set: {/rules/time/window/duration_s: 4}, redoes: window}

@@ -19,6 +19,14 @@ void write_recordings(const fs::path& folder) {
         write_file_atomically(folder / name, text);
     for (const char* name : {"wind.csv", "current.csv"})
         fs::copy_file(examples / "course" / name, folder / name);
+    for (const auto& [name, speed] : {std::pair("wheel.csv", 25.0), {"other_wheel.csv", 26.0}}) {
+        std::string speeds = "time_s,speed_m_s\n";
+        for (int k = 0; k < 200; ++k)
+            speeds += fmt::format("{:.1f},{:.2f}\n", 0.1 * k, speed + 0.01 * (k % 7));
+        write_file_atomically(folder / name, speeds);
+    }
+    write_file_atomically(folder / "gates.csv", "time_s,distance_m\n2,0\n19,480\n");
+    write_file_atomically(folder / "other_gates.csv", "time_s,distance_m\n2,0\n19,481\n");
 }
 
 DocumentSchema schema_of(const std::string& name) {

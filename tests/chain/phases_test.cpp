@@ -1,10 +1,14 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "chain_support.h"
 #include "core/text.h"
 #include "schemas/phase/phase.h"
 #include "schemas/screened_phase/screened_phase.h"
+#include "schemas/verdict/verdict.h"
+#include "schemas/windows/windows.h"
 
 // Raw phases beside a recording, as an official hands them in.
 
@@ -49,6 +53,14 @@ class PhaseRun {
 
 bool says(const std::string& text, std::string_view words) {
     return text.find(words) != std::string::npos;
+}
+
+Verdict verdict_of(const PhaseRun& run) {
+    return read_verdict(read_file(run.run() / "6-verdict.yaml"), "6-verdict.yaml");
+}
+
+Windows windows_of(const PhaseRun& run) {
+    return read_windows(read_file(run.run() / "5-windows.yaml"), "5-windows.yaml");
 }
 
 TEST(Phases, ASlipIsFoundAndStandsInTheAuditWithItsLine) {
@@ -126,7 +138,11 @@ TEST(Phases, WhoseClockIsOffContradictThePositions) {
     const ProcessResult result = run.certified();
     ASSERT_NE(result.exit_status, 2) << result.errors;
     EXPECT_EQ(run.screened().motion.outcome, PhaseMotion::contradicts);
+    EXPECT_EQ(run.screened().motion.positions_ahead_s, -18);
     EXPECT_TRUE(says(result.output, "another motion than the positions")) << result.output;
+    EXPECT_TRUE(says(result.output, "18 s behind that of the phases")) << result.output;
+    // What contradicts everywhere is no silent yes.
+    EXPECT_EQ(verdict_of(run).profiles.at(0).outcome, Outcome::not_certifiable);
 }
 
 TEST(Phases, ThatCannotBeReadAreRefusedWithTheirPlace) {
@@ -195,6 +211,164 @@ TEST(Phases, InspectSaysWhatRawMeasurementsAre) {
     for (const char* words : {"6 of GPS (1C 2W)", "9 of Galileo (1C 5Q)", "no gaps",
                               "1 in 600 pairs", "moves", "km/h by carrier phase"})
         EXPECT_TRUE(says(result.output, words)) << words << "\n" << result.output;
+}
+
+/// The run of examples/phase with a drift of the team's positions.
+PhaseRun drifting() {
+    return PhaseRun("seed: 26\n",
+                    "seed: 26\nfaults:\n  ramps:\n    - {from_s: 45, to_s: 60, east_m_s: 0.0513, "
+                    "north_m_s: -0.141}\n");
+}
+
+// With the phases the honest run beats the record, and the certificate is sharper than that of the
+// positions alone.
+TEST(PhaseWitnessRun, BeatsTheRecordAndSaysWhoAgrees) {
+    const PhaseRun run;
+    const ProcessResult result = run.certified();
+    EXPECT_EQ(result.exit_status, 0) << result.output << result.errors;
+    EXPECT_TRUE(
+        says(result.output, "witness  a second computation from the receiver's raw signals"))
+        << result.output;
+    const ProfileVerdict verdict = verdict_of(run).profiles.at(0);
+    EXPECT_EQ(verdict.outcome, Outcome::beaten);
+    EXPECT_LT(*verdict.expanded_uncertainty_m_s, 0.025);
+    EXPECT_FALSE(verdict.unseen_drift_m_s);
+    const CertifiableWindow window = windows_of(run).profiles.at(0).best.value();
+    ASSERT_EQ(window.witnesses.size(), 1U);
+    EXPECT_EQ(window.witnesses[0].slips, 1);
+    const std::string report = read_file(run.run() / "report.json");
+    for (const char* part :
+         {"independent of the team's processing", "\"figure\": \"sky\"",
+          "\"figure\": \"satellites\"", "\"figure\": \"phase_residuals\"",
+          "\"figure\": \"phase_displacement\"", "by carrier phases", "1 slip was found inside it"})
+        EXPECT_TRUE(says(report, part)) << part;
+    run.edit("attempt.yaml", "    phase:", "    # phase:");
+    run.edit("attempt.yaml", "    navigation:", "    # navigation:");
+    const ProcessResult alone = run.certified();
+    EXPECT_EQ(alone.exit_status, 0) << alone.errors;
+    EXPECT_TRUE(says(alone.output, "The result rests on positions alone: a drift below"))
+        << alone.output;
+    EXPECT_TRUE(says(read_file(run.run() / "report.json"), "The result rests on positions alone"));
+    EXPECT_GT(*verdict_of(run).profiles.at(0).expanded_uncertainty_m_s,
+              2.0 * *verdict.expanded_uncertainty_m_s);
+}
+
+TEST(PhaseWitnessRun, RefusesADriftThatPositionsAloneWouldHaveCertified) {
+    const PhaseRun run = drifting();
+    const ProcessResult result = run.certified();
+    EXPECT_EQ(result.exit_status, 1) << result.errors;
+    EXPECT_EQ(verdict_of(run).profiles.at(0).outcome, Outcome::not_certifiable);
+    EXPECT_TRUE(says(result.output, "contradicted by the carrier phases")) << result.output;
+    const ProcessResult audit = runcert({"audit", run.run().string(), "--stage", "screen"});
+    EXPECT_TRUE(says(audit.output, "the carrier phases contradict")) << audit.output;
+    run.edit("attempt.yaml", "    phase:", "    # phase:");
+    run.edit("attempt.yaml", "    navigation:", "    # navigation:");
+    EXPECT_EQ(run.certified().exit_status, 0);
+    EXPECT_EQ(verdict_of(run).profiles.at(0).outcome, Outcome::beaten);
+}
+
+TEST(PhaseWitnessRun, IsVerifiedAndRecomputed) {
+    const PhaseRun run;
+    ASSERT_EQ(run.certified().exit_status, 0);
+    const ProcessResult verified = runcert({"verify", run.run().string(), "--recompute"});
+    EXPECT_TRUE(says(verified.output, "identical")) << verified.output << verified.errors;
+}
+
+/// Speeds of a wheel and passages of gates of the run of examples/phase, by its truth.
+struct HandedIn {
+    std::string wheel = "time_s,speed_m_s\n";
+    std::string gates = "time_s,distance_m\n";
+
+    HandedIn(const PhaseRun& run, double scale, double later_s) {
+        std::vector<std::string> lines = lines_of(read_file(run.made("truth.csv")));
+        const std::vector<std::string> header = cells_of(lines.front());
+        const auto column = [&](std::string_view name) {
+            return static_cast<std::size_t>(std::ranges::find(header, name) - header.begin());
+        };
+        const std::size_t time = column("time_s"), speed = column("speed_m_s"),
+                          east = column("east_m"), north = column("north_m");
+        double first_m = -1.0;
+        for (std::size_t i = 1; i < lines.size(); ++i) {
+            const std::vector<std::string> cells = cells_of(lines[i]);
+            if (cells.size() <= speed) continue;
+            const double at_s = std::stod(cells[time]);
+            wheel +=
+                fmt::format("{:.3f},{:.4f}\n", at_s + later_s, std::stod(cells[speed]) / scale);
+            if (std::abs(at_s - 55.4) > 0.01 && std::abs(at_s - 58.4) > 0.01) continue;
+            const double way_m = std::hypot(std::stod(cells[east]), std::stod(cells[north]));
+            if (first_m < 0.0) first_m = way_m;
+            gates += fmt::format("{:.4f},{:.4f}\n", at_s + later_s, way_m - first_m);
+        }
+    }
+    static std::vector<std::string> cells_of(const std::string& line) {
+        std::vector<std::string> cells(1);
+        for (const char c : line)
+            if (c == ',')
+                cells.emplace_back();
+            else
+                cells.back() += c;
+        return cells;
+    }
+};
+
+void hand_in(const PhaseRun& run, const HandedIn& series) {
+    write_file_atomically(run.made("wheel.csv"), series.wheel);
+    write_file_atomically(run.made("gates.csv"), series.gates);
+    run.edit("attempt.yaml", "profiles:",
+             "wheel: {file: wheel.csv, source: rear wheel}\n"
+             "gates: {file: gates.csv, source: surveyed, expanded_uncertainty_m: 0.02, "
+             "expanded_uncertainty_s: 0.001}\nprofiles:");
+}
+
+TEST(HandedInWitnesses, AreHeardBesideThePhases) {
+    const PhaseRun run;
+    hand_in(run, HandedIn(run, 1.02, 0.0));
+    const ProcessResult result = run.certified();
+    EXPECT_EQ(result.exit_status, 0) << result.output << result.errors;
+    const Windows windows = windows_of(run);
+    const CertifiableWindow window = windows.profiles.at(0).best.value();
+    std::vector<std::string> kinds;
+    for (const WitnessedSpeed& one : window.witnesses) {
+        kinds.emplace_back(to_text(one.kind));
+        EXPECT_LE(one.normalised_error, 1.0) << kinds.back();
+        EXPECT_NEAR(one.speed_m_s, window.speed_m_s, 0.1) << kinds.back();
+    }
+    EXPECT_EQ(kinds, (std::vector<std::string>{"phases", "wheel", "gates"}));
+    ASSERT_FALSE(windows.witness_notes.empty());
+    EXPECT_TRUE(says(windows.witness_notes[0], "multiplied by 1.0")) << windows.witness_notes[0];
+    EXPECT_TRUE(says(read_file(run.run() / "report.json"), "speeds of a wheel"));
+    const ProcessResult verified = runcert({"verify", run.run().string(), "--recompute"});
+    EXPECT_TRUE(says(verified.output, "identical")) << verified.output << verified.errors;
+    // A gate that says otherwise forbids the certificate.
+    HandedIn wrong(run, 1.02, 0.0);
+    const std::size_t end = wrong.gates.rfind(',') + 1;
+    wrong.gates = wrong.gates.substr(0, end) +
+                  fmt::format("{:.4f}\n", std::stod(wrong.gates.substr(end)) + 1.5);
+    write_file_atomically(run.made("gates.csv"), wrong.gates);
+    const ProcessResult refused = run.certified();
+    EXPECT_EQ(refused.exit_status, 1) << refused.output << refused.errors;
+    EXPECT_TRUE(says(refused.output, "timing gates")) << refused.output;
+}
+
+TEST(HandedInWitnesses, OfAnotherTimeSaySo) {
+    const PhaseRun run;
+    hand_in(run, HandedIn(run, 1.0, 4000.0));
+    const ProcessResult result = run.certified();
+    EXPECT_EQ(result.exit_status, 0) << result.errors;
+    EXPECT_TRUE(says(result.output, "The speeds of a wheel were handed in and say nothing"))
+        << result.output;
+    EXPECT_TRUE(says(result.output, "The timing gates were handed in and say nothing"))
+        << result.output;
+}
+
+TEST(HandedInWitnesses, ThatCannotBeReadAreRefusedWithTheirPlace) {
+    const PhaseRun run;
+    HandedIn bad(run, 1.0, 0.0);
+    bad.wheel = "time_s,speed\n0,1\n";
+    hand_in(run, bad);
+    const ProcessResult result = run.certified();
+    EXPECT_EQ(result.exit_status, 2);
+    EXPECT_TRUE(says(result.errors, "wheel.csv:1:8")) << result.errors;
 }
 
 }  // namespace

@@ -8,12 +8,13 @@
 namespace runcert::fuzz {
 
 void read_input(std::string_view bytes) {
-    const FlowSeries series =
-        read_flow(bytes, "input", GpsTime::from_calendar({.year = 2026, .month = 10, .day = 20}));
+    const MeasuredSeries series =
+        read_series(bytes, "input", GpsTime::from_calendar({.year = 2026, .month = 10, .day = 20}),
+                    SeriesKind::flow);
     require(!series.samples.empty(), "a series has samples");
     for (std::size_t i = 0; i < series.samples.size(); ++i) {
-        const FlowSample& sample = series.samples[i];
-        require(std::isfinite(sample.time_s) && sample.speed_m_s >= 0.0, "a sample has its values");
+        const SeriesSample& sample = series.samples[i];
+        require(std::isfinite(sample.time_s) && sample.value >= 0.0, "a sample has its values");
         require(i == 0 || series.samples[i - 1].time_s < sample.time_s, "times increase");
     }
     const double start_s = series.samples.front().time_s;

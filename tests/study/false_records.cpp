@@ -151,7 +151,9 @@ TrajectoryTable second_receiver(const SimulatedRecording& recording, const Study
 void certify(const ScreenedTable& screened, const SimulatedRecording& recording,
              const Profile& profile, const Beside& beside, CertifiedRun& run) {
     const TrajectoryTable trajectory = smooth_trajectory(screened, smooth_config(study_attempt()));
-    const WindowConfig config = window_config(study_attempt(), study_attempt().receivers.front());
+    WindowConfig config = window_config(study_attempt(), study_attempt().receivers.front());
+    // The draws check the budget, which does not rest on them.
+    config.monte_carlo_trials_max = 100'000;
     const Windows windows =
         find_windows(screened, trajectory, {profile}, config, std::nullopt, beside);
     if (const auto& best = windows.profiles.front().best)

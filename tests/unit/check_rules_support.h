@@ -48,7 +48,7 @@ struct RuleScene {
         "attempt");
     std::vector<Profile> profiles;
     ReceiverFindings judged;
-    std::optional<FlowSeries> wind, current;
+    std::optional<MeasuredSeries> wind, current;
 
     explicit RuleScene(const std::string& profile) {
         judged.receiver = "primary";
@@ -152,8 +152,8 @@ struct RuleScene {
 };
 
 /// The same flow from `from_s` to `to_s`, a sample every 10 s.
-inline FlowSeries steady(double speed_m_s, double direction_deg, double from_s, double to_s) {
-    FlowSeries series{.where = "series.csv", .samples = {}};
+inline MeasuredSeries steady(double speed_m_s, double direction_deg, double from_s, double to_s) {
+    MeasuredSeries series{.where = "series.csv", .samples = {}};
     for (double time_s = from_s; time_s <= to_s; time_s += 10.0)
         series.samples.push_back({time_s, speed_m_s, direction_deg});
     return series;
@@ -162,7 +162,7 @@ inline FlowSeries steady(double speed_m_s, double direction_deg, double from_s, 
 inline void set_current(RuleScene& scene, double speed_m_s, double direction_deg,
                         double expanded_uncertainty_m_s) {
     scene.current = steady(speed_m_s, direction_deg, 0.0, 50.0);
-    scene.attempt.current = FlowFile{.file = "current.csv",
+    scene.attempt.current = SeriesFile{.file = "current.csv",
                                      .source = "meter",
                                      .expanded_uncertainty_m_s = expanded_uncertainty_m_s,
                                      .place = "attempt:1:1"};

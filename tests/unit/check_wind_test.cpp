@@ -11,48 +11,47 @@ namespace {
 /// 2022-12-11T01:02:03.5 UTC; 18 s of leap seconds.
 const GpsTime first_epoch = parse_gps_iso("2022-12-11T01:02:21.500");
 
-FlowSeries read(std::string_view text) {
-    return read_flow(text, "wind.csv", first_epoch);
+MeasuredSeries read(std::string_view text) {
+    return read_series(text, "wind.csv", first_epoch, SeriesKind::flow);
 }
 
-FlowSeries samples(std::vector<FlowSample> list) {
+MeasuredSeries samples(std::vector<SeriesSample> list) {
     return {.where = "wind.csv", .samples = std::move(list)};
 }
 
 TEST(Flow, UtcGpsTimeAndSecondsAreTheSameInstants) {
-    const FlowSeries utc = read(
+    const MeasuredSeries utc = read(
         "time,speed_m_s,direction_deg\n2022-12-11T01:02:03.5Z,7.5,270\n"
         "2022-12-11T01:03:00Z,8,0\n");
-    const FlowSeries gps = read(
+    const MeasuredSeries gps = read(
         "direction_deg, time_gps ,speed_m_s\r\n# by hand\r\n\r\n270,2022-12-11T01:02:21.5,7.5\r\n"
         "0,2022-12-11T01:03:18,8");
-    const FlowSeries seconds =
-        read_flow("time_s,speed_m_s,direction_deg\n0,7.5,270\n56.5,8,0\n", "wind.csv", {});
-    for (const FlowSeries& series : {utc, gps, seconds}) {
+    const MeasuredSeries seconds = read_series(
+        "time_s,speed_m_s,direction_deg\n0,7.5,270\n56.5,8,0\n", "wind.csv", {}, SeriesKind::flow);
+    for (const MeasuredSeries& series : {utc, gps, seconds}) {
         ASSERT_EQ(series.samples.size(), 2u);
         EXPECT_EQ(series.samples[0].time_s, 0.0);
         EXPECT_EQ(series.samples[1].time_s, 56.5);
-        EXPECT_EQ(series.samples[0].speed_m_s, 7.5);
+        EXPECT_EQ(series.samples[0].value, 7.5);
         EXPECT_EQ(series.samples[0].direction_deg, 270.0);
-        EXPECT_EQ(series.samples[1].speed_m_s, 8.0);
+        EXPECT_EQ(series.samples[1].value, 8.0);
     }
 }
 
 TEST(Flow, ALeapSecondIsAnInstant) {
-    const FlowSeries series = read_flow(
+    const MeasuredSeries series = read_series(
         "time,speed_m_s,direction_deg\n2016-12-31T23:59:59Z,1,0\n2016-12-31T23:59:60Z,1,0\n"
         "2017-01-01T00:00:00Z,1,0\n",
-        "wind.csv", parse_gps_iso("2017-01-01T00:00:16"));
+        "wind.csv", parse_gps_iso("2017-01-01T00:00:16"), SeriesKind::flow);
     ASSERT_EQ(series.samples.size(), 3u);
     for (std::size_t i = 0; i < 3; ++i)
         EXPECT_EQ(series.samples[i].time_s, static_cast<double>(i));
 }
 
 TEST(Flow, KnotsAndKilometresAnHour) {
-    EXPECT_NEAR(read("time_s,speed_kn,direction_deg\n-5.5,10,0\n").samples[0].speed_m_s,
+    EXPECT_NEAR(read("time_s,speed_kn,direction_deg\n-5.5,10,0\n").samples[0].value,
                 18520.0 / 3600.0, 1e-12);
-    EXPECT_NEAR(read("time_s,speed_km_h,direction_deg\n0,36,360\n").samples[0].speed_m_s, 10.0,
-                1e-12);
+    EXPECT_NEAR(read("time_s,speed_km_h,direction_deg\n0,36,360\n").samples[0].value, 10.0, 1e-12);
     EXPECT_EQ(read("\xEF\xBB\xBFtime_s,speed_kn,direction_deg\n-5.5,10,0\n").samples[0].time_s,
               -5.5);
 }
@@ -119,7 +118,7 @@ TEST(Flow, InstantsNeedARecordingWithInstants) {
     for (const char* column : {"time", "time_gps"}) {
         const std::string text = std::string(column) + ",speed_m_s,direction_deg\n";
         try {
-            read_flow(text, "wind.csv", std::nullopt);
+            read_series(text, "wind.csv", std::nullopt, SeriesKind::flow);
             ADD_FAILURE();
         } catch (const Failure& failure) {
             EXPECT_EQ(failure.where(), "wind.csv:1:1");
@@ -130,7 +129,7 @@ TEST(Flow, InstantsNeedARecordingWithInstants) {
 
 TEST(FlowInWindow, SteadyWindAgainstEachHeading) {
     // 10 m/s from the west (270): it blows towards 90.
-    const FlowSeries series = samples({{0.0, 10.0, 270.0}, {30.0, 10.0, 270.0}});
+    const MeasuredSeries series = samples({{0.0, 10.0, 270.0}, {30.0, 10.0, 270.0}});
     struct Case {
         double heading_deg, along_m_s, across_m_s;
     };
@@ -160,7 +159,7 @@ TEST(FlowInWindow, SteadyWindAgainstEachHeading) {
 TEST(FlowInWindow, MeanIsOfTheInterpolatedVectorOverTime) {
     // Current towards north: 0 m/s at 0 s, 4 at 4 s, 2 at 6 s. Over 2 s to 5 s it is 2, 4, 3 m/s:
     // (2 * 3 + 1 * 3.5) / 3.
-    const FlowSeries series = samples({{0.0, 0.0, 0.0}, {4.0, 4.0, 0.0}, {6.0, 2.0, 0.0}});
+    const MeasuredSeries series = samples({{0.0, 0.0, 0.0}, {4.0, 4.0, 0.0}, {6.0, 2.0, 0.0}});
     const FlowInWindow flow = flow_in_window(series, FlowKind::current, 2.0, 5.0, 0.0);
     EXPECT_NEAR(flow.mean_m_s, 9.5 / 3.0, 1e-12);
     EXPECT_NEAR(flow.along_m_s, 9.5 / 3.0, 1e-12);
@@ -179,7 +178,7 @@ TEST(FlowInWindow, MeanIsOfTheInterpolatedVectorOverTime) {
 
 TEST(FlowInWindow, DirectionsAreNotAveragedAsNumbers) {
     // From 350 and from 10 degrees: from north in the mean, 10 cos 10 = 9.848 m/s.
-    const FlowSeries series = samples({{0.0, 10.0, 350.0}, {10.0, 10.0, 10.0}});
+    const MeasuredSeries series = samples({{0.0, 10.0, 350.0}, {10.0, 10.0, 10.0}});
     const FlowInWindow wind = flow_in_window(series, FlowKind::wind, 0.0, 10.0, 180.0);
     EXPECT_NEAR(std::remainder(wind.direction_deg, 360.0), 0.0, 1e-9);
     EXPECT_GE(wind.direction_deg, 0.0);
@@ -188,14 +187,14 @@ TEST(FlowInWindow, DirectionsAreNotAveragedAsNumbers) {
     EXPECT_NEAR(wind.along_m_s, 9.8480775, 1e-7);
     EXPECT_NEAR(wind.gust_m_s, 10.0, 1e-12);
     // 5 m/s from 0 and from 90 degrees: from 45.
-    const FlowSeries quarter = samples({{0.0, 5.0, 0.0}, {10.0, 5.0, 90.0}});
+    const MeasuredSeries quarter = samples({{0.0, 5.0, 0.0}, {10.0, 5.0, 90.0}});
     EXPECT_NEAR(flow_in_window(quarter, FlowKind::wind, 0.0, 10.0, 0.0).direction_deg, 45.0, 1e-9);
-    const FlowSeries calm = samples({{0.0, 0.0, 77.0}, {10.0, 0.0, 77.0}});
+    const MeasuredSeries calm = samples({{0.0, 0.0, 77.0}, {10.0, 0.0, 77.0}});
     EXPECT_EQ(flow_in_window(calm, FlowKind::wind, 0.0, 10.0, 0.0).direction_deg, 0.0);
 }
 
 TEST(FlowInWindow, SaysWhyItSaysNothing) {
-    const FlowSeries series =
+    const MeasuredSeries series =
         samples({{0.0, 5.0, 0.0}, {60.0, 5.0, 0.0}, {180.0, 5.0, 0.0}, {250.0, 5.0, 0.0}});
     const auto missing = [&](double start_s, double end_s) {
         return flow_in_window(series, FlowKind::wind, start_s, end_s, 0.0).missing;

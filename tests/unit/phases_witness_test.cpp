@@ -19,6 +19,7 @@
 #include "stages/screen/witness_check.h"
 #include "stages/smooth/noise.h"
 #include "stages/smooth/smooth.h"
+#include "stages/window/window.h"
 #include "stages/window/witnesses.h"
 
 namespace runcert::import_test {
@@ -304,6 +305,83 @@ TEST(PhaseCheck, MarksAnOutlierThatPositionsAloneKeep) {
     const ScreenedTable found = screened_beside(run, wrong);
     EXPECT_FALSE(found.rows[200].usable);
     EXPECT_EQ(summarise(found.rows).usable, 400);
+}
+
+/// The best window of 3 s, of the positions alone or beside the phases.
+CertifiableWindow best_of(const RawRun& run, const EnuTable& table, bool beside_phases) {
+    static const Profile profile = read_profile(builtin_profile("nalsa"), "nalsa");
+    ScreenConfig screening = screen_config(default_attempt());
+    const auto witness = run.witness(screening.jerk_density);
+    const ScreenedTable screened =
+        screen(table, screening, beside_phases ? witness.get() : nullptr);
+    const TrajectoryTable trajectory =
+        smooth_trajectory(screened, smooth_config(default_attempt()));
+    WindowConfig config = window_config(default_attempt(), default_attempt().receivers.front());
+    config.monte_carlo_trials_max = 100'000;
+    Beside beside;
+    if (beside_phases) {
+        beside.phases = run.screened.phases;
+        beside.first_of_phases = run.screened.head.first_epoch;
+    }
+    const Windows windows =
+        find_windows(screened, trajectory, {profile}, config, std::nullopt, beside);
+    return windows.profiles.front().best.value();
+}
+
+double true_speed(const RawRun& run, const CertifiableWindow& window) {
+    const auto at = [&](std::int64_t epoch) {
+        return run.epochs[static_cast<std::size_t>(epoch) - 1].true_enu_m;
+    };
+    return (at(window.span.last_epoch) - at(window.span.first_epoch)).norm() /
+           window.span.duration.seconds();
+}
+
+double row_of(const CertifiableWindow& window, std::string_view symbol) {
+    const auto row = std::ranges::find(window.budget, symbol, &BudgetRow::symbol);
+    return row == window.budget.end() ? -1.0 : row->contribution_m_s;
+}
+
+TEST(PhaseBudget, HoldsWhatThePhasesLeave) {
+    const RawRun run(40.0, quiet(), 0.005);
+    const CertifiableWindow alone = best_of(run, run.table, false);
+    const CertifiableWindow beside = best_of(run, run.table, true);
+    EXPECT_TRUE(alone.witnesses.empty());
+    ASSERT_EQ(beside.witnesses.size(), 1U);
+    const WitnessedSpeed& phases = beside.witnesses.front();
+    EXPECT_EQ(phases.kind, WitnessKind::phases);
+    EXPECT_GE(phases.satellites.value(), 9);
+    EXPECT_LT(phases.normalised_error, 1.0);
+    EXPECT_GT(phases.share, 0.9);
+    EXPECT_LT(beside.standard_uncertainty_m_s, 0.5 * alone.standard_uncertainty_m_s);
+    EXPECT_LE(std::abs(beside.speed_m_s - true_speed(run, beside)),
+              2.0 * beside.standard_uncertainty_m_s + beside.bias_limit_m_s);
+    // The rows of the witness, and of what it shares with the positions.
+    EXPECT_NEAR(row_of(beside, "g"), phases.share * phases.standard_uncertainty_m_s, 1e-9);
+    EXPECT_NEAR(row_of(beside, "e"), phases.share * std::abs(phases.difference_m_s), 1e-9);
+    EXPECT_NEAR(row_of(beside, "s"), phases.share * std::sqrt(2.0) * 0.010 / 3.0, 1e-9);
+    // Row d leaves nothing out: the largest of all kinds that both tests would have missed.
+    EXPECT_NEAR(row_of(beside, "d"), (1.0 - phases.share) * phases.undetected_m_s / std::sqrt(3.0),
+                1e-9);
+    EXPECT_LT(phases.undetected_m_s, beside.reliability.front().speed_m_s);
+    EXPECT_EQ(row_of(alone, "s"), -1.0);
+}
+
+// What is too slow for any test is in the interval: the difference from the phases is a row of it.
+TEST(PhaseBudget, HoldsADriftThatIsNotFound) {
+    int certified = 0;
+    for (const double rate_m_s : {0.01, 0.02, 0.04, 0.08, 0.16}) {
+        const RawRun run(40.0, quiet(), 0.005);
+        EnuTable drifting = run.table;
+        for (EnuEpoch& row : drifting.rows)
+            *row.north_m += rate_m_s * std::max(0.0, row.time.seconds() - 20.0);
+        const CertifiableWindow window = best_of(run, drifting, true);
+        if (window.witnesses.empty() || window.witnesses.front().normalised_error > 1.0) continue;
+        ++certified;
+        EXPECT_LE(std::abs(window.speed_m_s - true_speed(run, window)),
+                  2.0 * window.standard_uncertainty_m_s + window.bias_limit_m_s)
+            << rate_m_s;
+    }
+    EXPECT_GE(certified, 3);
 }
 
 // In its first minute the float solution slides by far more than the 10 mm that are taken here for

@@ -27,7 +27,7 @@ TEST(WitnessedBudget, IsThatOfTheWeightedMean) {
     witnessed.standard_uncertainty_m_s = 0.2;
     witnessed.difference_m_s = -0.25;
     witnessed.share = share_of_position(1.3, 0.2);
-    condition_on(witnessed, 3.0, rows);
+    condition_on(witnessed, rows);
     const double mean = 1.3 * 1.3 * 0.04 / (1.3 * 1.3 + 0.04);
     const double apart = std::pow(0.25 * witnessed.share, 2);
     EXPECT_NEAR(combine(rows).standard_uncertainty, std::sqrt(mean + apart + 0.01), 1e-12);
@@ -40,7 +40,7 @@ TEST(WitnessedBudget, IsThatOfTheWeightedMean) {
 TEST(WitnessedBudget, OfAContradictionSaysNothing) {
     std::vector<BudgetRow> rows = rows_of(0.3, 0.4, 1.2, 0.1);
     const double before = combine(rows).standard_uncertainty;
-    condition_on({}, 3.0, rows);
+    condition_on({}, rows);
     EXPECT_DOUBLE_EQ(combine(rows).standard_uncertainty, before);
 }
 

@@ -1,23 +1,41 @@
+#include "files/measured_series.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <vector>
 
 #include "core/decimal_time.h"
 #include "core/failure.h"
 #include "core/text.h"
-#include "stages/check/wind.h"
 
 namespace runcert {
 namespace {
 
 constexpr double largest_m_s = 150.0;
-constexpr std::array<std::string_view, 7> known_columns = {
-    "time", "time_gps", "time_s", "speed_m_s", "speed_kn", "speed_km_h", "direction_deg"};
+using Names = std::vector<std::string_view>;
+
+Names columns_of(SeriesKind kind) {
+    Names names{"time", "time_gps", "time_s"};
+    if (kind == SeriesKind::gates)
+        names.push_back("distance_m");
+    else
+        names.insert(names.end(), {"speed_m_s", "speed_kn", "speed_km_h"});
+    if (kind == SeriesKind::flow) names.push_back("direction_deg");
+    return names;
+}
+
+/// A header line of such a series.
+std::string example_of(SeriesKind kind) {
+    return kind == SeriesKind::flow    ? "time,speed_m_s,direction_deg"
+           : kind == SeriesKind::wheel ? "time,speed_m_s"
+                                       : "time,distance_m";
+}
 
 /// A piece of the text, and where it stands.
-struct FlowCell {
+struct SeriesCell {
     std::string_view text;
     const std::string* where = nullptr;
     std::size_t line = 1;
@@ -30,10 +48,10 @@ struct FlowCell {
 };
 
 /// The lines that are neither empty nor begin with #, whole, without blanks at the end.
-std::vector<FlowCell> lines_of(std::string_view text, const std::string& where) {
+std::vector<SeriesCell> lines_of(std::string_view text, const std::string& where) {
     constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
     if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
-    std::vector<FlowCell> lines;
+    std::vector<SeriesCell> lines;
     for (std::size_t number = 1; !text.empty(); ++number) {
         const std::size_t end = std::min(text.find('\n'), text.size());
         std::string_view line = text.substr(0, end);
@@ -45,11 +63,11 @@ std::vector<FlowCell> lines_of(std::string_view text, const std::string& where) 
     return lines;
 }
 
-std::vector<FlowCell> split(const FlowCell& line) {
-    std::vector<FlowCell> cells;
+std::vector<SeriesCell> split(const SeriesCell& line) {
+    std::vector<SeriesCell> cells;
     for (std::size_t from = 0;;) {
         const std::size_t to = std::min(line.text.find(',', from), line.text.size());
-        FlowCell cell = line;
+        SeriesCell cell = line;
         cell.text = trim(line.text.substr(from, to - from));
         cell.column = cell.text.empty()
                           ? from + 1
@@ -61,16 +79,17 @@ std::vector<FlowCell> split(const FlowCell& line) {
 }
 
 /// Which columns hold what.
-struct FlowColumns {
+struct SeriesColumns {
     std::size_t count = 0;
-    std::size_t time = 0, speed = 0, direction = 0;
+    std::size_t time = 0, value = 0;
+    std::optional<std::size_t> direction;
     std::string_view time_name;
     double mps_per_unit = 1.0;
 };
 
 /// The one column whose name begins so.
-std::size_t find_column(const std::vector<FlowCell>& header, std::string_view prefix,
-                        const std::string& choices) {
+std::size_t find_column(const std::vector<SeriesCell>& header, std::string_view prefix,
+                        const std::string& choices, SeriesKind kind) {
     std::optional<std::size_t> found;
     for (std::size_t i = 0; i < header.size(); ++i) {
         if (!header[i].text.starts_with(prefix)) continue;
@@ -82,26 +101,30 @@ std::size_t find_column(const std::vector<FlowCell>& header, std::string_view pr
     }
     if (!found)
         header.front().fail(fmt::format("the header line names no {}", choices),
-                            "Name the columns in the first line, as time,speed_m_s,direction_deg");
+                            "Name the columns in the first line, as " + example_of(kind));
     return *found;
 }
 
-FlowColumns read_header(const FlowCell& line) {
-    const std::vector<FlowCell> header = split(line);
-    for (const FlowCell& cell : header)
+SeriesColumns read_header(const SeriesCell& line, SeriesKind kind) {
+    const Names known_columns = columns_of(kind);
+    const std::vector<SeriesCell> header = split(line);
+    for (const SeriesCell& cell : header)
         if (std::ranges::find(known_columns, cell.text) == known_columns.end())
             cell.fail(
                 fmt::format("the column {} is not known", cell.quoted()),
                 fmt::format("Did you mean {}? Columns are {}, with commas between them; take "
                             "others out",
                             nearest(cell.text, known_columns), fmt::join(known_columns, ", ")));
-    FlowColumns columns;
+    SeriesColumns columns;
     columns.count = header.size();
-    columns.time = find_column(header, "time", "time, time_gps or time_s");
-    columns.speed = find_column(header, "speed", "speed_m_s, speed_kn or speed_km_h");
-    columns.direction = find_column(header, "direction", "direction_deg");
+    columns.time = find_column(header, "time", "time, time_gps or time_s", kind);
+    columns.value = kind == SeriesKind::gates
+                        ? find_column(header, "distance", "distance_m", kind)
+                        : find_column(header, "speed", "speed_m_s, speed_kn or speed_km_h", kind);
+    if (kind == SeriesKind::flow)
+        columns.direction = find_column(header, "direction", "direction_deg", kind);
     columns.time_name = header[columns.time].text;
-    const std::string_view unit = header[columns.speed].text;
+    const std::string_view unit = header[columns.value].text;
     if (unit == "speed_kn") columns.mps_per_unit = 1852.0 / 3600.0;
     if (unit == "speed_km_h") columns.mps_per_unit = 1.0 / 3.6;
     return columns;
@@ -121,7 +144,7 @@ GpsTime read_utc(std::string_view text) {
     return gps_from_utc(utc);
 }
 
-double read_time_s(const FlowCell& cell, std::string_view column,
+double read_time_s(const SeriesCell& cell, std::string_view column,
                    const std::optional<GpsTime>& first_epoch) {
     if (column == "time_s") {
         const auto nanoseconds = parse_decimal_nanoseconds(cell.text);
@@ -139,7 +162,7 @@ double read_time_s(const FlowCell& cell, std::string_view column,
     }
 }
 
-double read_number(const FlowCell& cell, std::string_view meaning) {
+double read_number(const SeriesCell& cell, std::string_view meaning) {
     const auto number = parse_double(cell.text);
     if (!number)
         cell.fail(fmt::format("{} is not a {}", cell.quoted(), meaning),
@@ -147,18 +170,23 @@ double read_number(const FlowCell& cell, std::string_view meaning) {
     return *number;
 }
 
-double read_speed_m_s(const FlowCell& cell, double mps_per_unit) {
+double read_speed_m_s(const SeriesCell& cell, double mps_per_unit) {
     const double speed_m_s = read_number(cell, "speed") * mps_per_unit;
     if (speed_m_s < 0.0)
         cell.fail(fmt::format("the speed {} is negative", cell.quoted()),
-                  "A speed is 0 or more; the direction says which way");
+                  "A speed is 0 or more, whichever way it is");
     if (speed_m_s > largest_m_s)
         cell.fail(fmt::format("the speed {} is above {} m/s", cell.quoted(), largest_m_s),
                   "Correct it, or the unit in the column's name");
     return speed_m_s;
 }
 
-double read_direction_deg(const FlowCell& cell) {
+double read_value(const SeriesCell& cell, const SeriesColumns& columns, SeriesKind kind) {
+    return kind == SeriesKind::gates ? read_number(cell, "distance")
+                                     : read_speed_m_s(cell, columns.mps_per_unit);
+}
+
+double read_direction_deg(const SeriesCell& cell) {
     const double direction_deg = read_number(cell, "direction");
     if (direction_deg < 0.0 || direction_deg > 360.0)
         cell.fail(fmt::format("the direction {} is not within 0 to 360 degrees", cell.quoted()),
@@ -168,38 +196,48 @@ double read_direction_deg(const FlowCell& cell) {
 
 }  // namespace
 
-FlowSeries read_flow(std::string_view text, const std::string& where,
-                     const std::optional<GpsTime>& first_epoch) {
-    const std::vector<FlowCell> lines = lines_of(text, where);
+MeasuredSeries read_series(std::string_view text, const std::string& where,
+                           const std::optional<GpsTime>& first_epoch, SeriesKind kind) {
+    const std::vector<SeriesCell> lines = lines_of(text, where);
     if (lines.empty())
         throw Failure(where, "the file is empty",
-                      "Give a header line, as time,speed_m_s,direction_deg, and samples below it");
-    const FlowColumns columns = read_header(lines.front());
+                      "Give a header line, as " + example_of(kind) + ", and samples below it");
+    const SeriesColumns columns = read_header(lines.front(), kind);
     if (columns.time_name != "time_s" && !first_epoch)
         lines.front().fail("it gives instants, but the recording's times are relative",
                            "Give the receiver's start_gps in the attempt, or the column time_s, "
                            "seconds from the recording's first epoch");
-    FlowSeries series{.where = where, .samples = {}};
+    MeasuredSeries series{.where = where, .samples = {}};
     for (std::size_t i = 1; i < lines.size(); ++i) {
-        const std::vector<FlowCell> cells = split(lines[i]);
+        const std::vector<SeriesCell> cells = split(lines[i]);
         if (cells.size() != columns.count)
             lines[i].fail(fmt::format("the line has {} fields; the header line has {}",
                                       cells.size(), columns.count),
                           "Correct the line, or take it out");
-        const FlowCell& time = cells[columns.time];
-        const FlowSample sample{
+        const SeriesCell& time = cells[columns.time];
+        const SeriesSample sample{
             .time_s = read_time_s(time, columns.time_name, first_epoch),
-            .speed_m_s = read_speed_m_s(cells[columns.speed], columns.mps_per_unit),
-            .direction_deg = read_direction_deg(cells[columns.direction])};
+            .value = read_value(cells[columns.value], columns, kind),
+            .direction_deg =
+                columns.direction ? read_direction_deg(cells[*columns.direction]) : 0.0};
         if (!series.samples.empty() && sample.time_s <= series.samples.back().time_s)
             time.fail(
                 fmt::format("the time {} is not after that of the line before", time.quoted()),
                 "Put the lines in order of time, each time once");
+        if (kind == SeriesKind::gates && !series.samples.empty() &&
+            sample.value <= series.samples.back().value)
+            cells[columns.value].fail(
+                fmt::format("the distance {} is not beyond that of the gate before",
+                            cells[columns.value].quoted()),
+                "Put the gates in their order along the course, each with its distance from the "
+                "first");
         series.samples.push_back(sample);
     }
     if (series.samples.empty())
         throw Failure(where, "there is no sample below the header line",
                       "Give at least one sample before the window and one after it");
+    if (kind == SeriesKind::gates && series.samples.size() < 2)
+        throw Failure(where, "there is only one gate", "Give two gates or more");
     return series;
 }
 

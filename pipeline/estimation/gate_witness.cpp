@@ -1,0 +1,60 @@
+#include "estimation/gate_witness.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace runcert {
+namespace {
+
+constexpr double farthest_s = 0.5;
+/// Of the speed by the positions beside a gate.
+constexpr double sigma_speed_m_s = 0.1;
+/// Across the course nothing is known.
+constexpr double sigma_across_m = 100.0;
+
+}  // namespace
+
+GateWitness::GateWitness(std::vector<GatePassage> passages, const GateErrors& errors)
+    : passages_(std::move(passages)), errors_(errors) {}
+
+const GatePassage* GateWitness::nearest(double time_s) const {
+    const auto found = std::ranges::min_element(
+        passages_, {}, [&](const GatePassage& one) { return std::abs(one.time_s - time_s); });
+    if (found == passages_.end() || std::abs(found->time_s - time_s) > farthest_s) return nullptr;
+    return &*found;
+}
+
+std::optional<WitnessedMotion<2>> GateWitness::between(double from_s, double to_s) const {
+    const GatePassage *from = nearest(from_s), *to = nearest(to_s);
+    if (from == nullptr || to == nullptr || from >= to) return std::nullopt;
+    const Eigen::Vector2d way = to->position_m - from->position_m;
+    if (!(way.norm() > 0.0)) return std::nullopt;
+    const double after_s = to_s - to->time_s, before_s = from_s - from->time_s;
+    const double length_m =
+        to->distance_m - from->distance_m + to->speed_m_s * after_s - from->speed_m_s * before_s;
+    const double variance_m2 =
+        std::pow(errors_.sigma_distance_m, 2) +
+        std::pow(errors_.sigma_time_s, 2) *
+            (std::pow(from->speed_m_s, 2) + std::pow(to->speed_m_s, 2)) +
+        std::pow(sigma_speed_m_s, 2) * (after_s * after_s + before_s * before_s);
+    const Eigen::Vector2d along = way.normalized();
+    const Eigen::Vector2d across(-along.y(), along.x());
+    WitnessedMotion<2> motion;
+    motion.displacement_m = length_m * along;
+    motion.covariance_m2 = variance_m2 * along * along.transpose() +
+                           sigma_across_m * sigma_across_m * across * across.transpose();
+    return motion;
+}
+
+TimeSpan GateWitness::covered() const {
+    if (passages_.empty()) return {};
+    return {.first_s = passages_.front().time_s, .last_s = passages_.back().time_s};
+}
+
+std::optional<double> GateWitness::path_between(double from_s, double to_s) const {
+    const auto moved = between(from_s, to_s);
+    if (!moved) return std::nullopt;
+    return moved->displacement_m.norm();
+}
+
+}  // namespace runcert

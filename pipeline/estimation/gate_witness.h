@@ -1,0 +1,43 @@
+#pragma once
+
+#include <vector>
+
+#include "estimation/witness.h"
+
+namespace runcert {
+
+/// The passage of a timing gate.
+struct GatePassage {
+    double time_s = 0.0;      ///< on the time scale of the positions
+    double distance_m = 0.0;  ///< from the first gate, along the course
+    /// Of the craft there, by its positions: for the little that a window begins or ends beside the
+    /// gate, and for the direction of the way between two.
+    Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
+    double speed_m_s = 0.0;
+};
+
+struct GateErrors {
+    double sigma_distance_m = 0.0;  ///< of the distance between two gates
+    double sigma_time_s = 0.0;      ///< of one passage
+};
+
+/// Surveyed timing gates on a straight course as a witness: the distance between the gates nearest
+/// to both instants, half a second away at most, moved to the instants by the speed. Across the
+/// course they say nothing.
+class GateWitness final : public Witness<2> {
+  public:
+    /// Passages with increasing times.
+    GateWitness(std::vector<GatePassage> passages, const GateErrors& errors);
+
+    std::optional<WitnessedMotion<2>> between(double from_s, double to_s) const override;
+    TimeSpan covered() const override;
+    std::optional<double> path_between(double from_s, double to_s) const override;
+
+  private:
+    const GatePassage* nearest(double time_s) const;
+
+    std::vector<GatePassage> passages_;
+    GateErrors errors_;
+};
+
+}  // namespace runcert

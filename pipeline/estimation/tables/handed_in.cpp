@@ -1,0 +1,211 @@
+#include "estimation/tables/handed_in.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/statistics.h"
+#include "core/uncertainty.h"
+
+namespace runcert {
+namespace {
+
+constexpr std::size_t fewest_epochs = 30;
+constexpr double largest_delay_s = 1.0;
+constexpr double delay_step_s = 0.02;
+constexpr double longest_step_s = 2.5;
+
+bool is_moving(const TrajectoryEpoch& row) {
+    return row.arc && row.speed_m_s && row.velocity_east_m_s && row.velocity_north_m_s &&
+           row.east_m && row.north_m;
+}
+
+/// Linearly between samples that are no more than 2.5 s apart.
+std::optional<double> value_at(const std::vector<TimedValue>& samples, double time_s) {
+    const auto after = std::ranges::lower_bound(samples, time_s, {}, &TimedValue::time_s);
+    if (after == samples.end()) return std::nullopt;
+    if (after->time_s == time_s) return after->value;
+    if (after == samples.begin()) return std::nullopt;
+    const TimedValue& before = *(after - 1);
+    if (after->time_s - before.time_s > longest_step_s) return std::nullopt;
+    const double share = (time_s - before.time_s) / (after->time_s - before.time_s);
+    return before.value + share * (after->value - before.value);
+}
+
+/// How the wheel fits the smoothed speeds at one delay.
+struct WheelFit {
+    double scale = 1.0;
+    double squares = 0.0;  ///< sum of squared residuals, m^2/s^2
+    std::size_t epochs = 0;
+
+    double mean_square() const {
+        return epochs > 0 ? squares / static_cast<double>(epochs)
+                          : std::numeric_limits<double>::infinity();
+    }
+};
+
+WheelFit fit_at(const std::vector<TimedValue>& wheel, const TrajectoryTable& trajectory,
+                double delay_s) {
+    double cross = 0.0, square = 0.0, smoothed = 0.0;
+    WheelFit fit;
+    for (const TrajectoryEpoch& row : trajectory.rows) {
+        if (!is_moving(row)) continue;
+        const auto speed = value_at(wheel, row.time.seconds() + delay_s);
+        if (!speed) continue;
+        cross += *speed * *row.speed_m_s;
+        square += *speed * *speed;
+        smoothed += *row.speed_m_s * *row.speed_m_s;
+        ++fit.epochs;
+    }
+    if (!(square > 0.0)) return {};
+    fit.scale = cross / square;
+    fit.squares = std::max(0.0, smoothed - fit.scale * cross);
+    return fit;
+}
+
+struct WheelDelay {
+    double delay_s = 0.0;
+    double sigma_s = 0.0;
+};
+
+/// The delay of the best fit. Where the speed hardly changes, or the best lies at the end of the
+/// range, it is not told: then it is none, with the uncertainty of the range.
+WheelDelay delay_of(const std::vector<TimedValue>& wheel, const TrajectoryTable& trajectory) {
+    const auto steps = static_cast<int>(std::lround(largest_delay_s / delay_step_s));
+    std::vector<WheelFit> fits;
+    for (int k = -steps; k <= steps; ++k)
+        fits.push_back(fit_at(wheel, trajectory, k * delay_step_s));
+    const auto best = std::ranges::min_element(fits, {}, &WheelFit::mean_square);
+    const WheelDelay not_told{.delay_s = 0.0, .sigma_s = rectangular_uncertainty(largest_delay_s)};
+    if (best == fits.begin() || best + 1 == fits.end()) return not_told;
+    const double left = (best - 1)->mean_square(), middle = best->mean_square(),
+                 right = (best + 1)->mean_square();
+    const double curvature = (left - 2.0 * middle + right) / (delay_step_s * delay_step_s);
+    if (!(curvature > 0.0)) return not_told;
+    const double shift_s = 0.5 * delay_step_s * (left - right) / (left - 2.0 * middle + right);
+    // Errors that last for a second: as many count as seconds.
+    const double seconds =
+        std::max(1.0, static_cast<double>(best->epochs) * trajectory.facts.nominal_interval_s);
+    WheelDelay delay;
+    delay.delay_s = (static_cast<double>(best - fits.begin()) - steps) * delay_step_s + shift_s;
+    delay.sigma_s = std::sqrt(2.0 * middle / (curvature * seconds));
+    return delay.sigma_s < not_told.sigma_s ? delay : not_told;
+}
+
+/// Standard uncertainty of the scale: of the ratios of both paths over spans of 3 s while the craft
+/// moves fast, as many as do not overlap.
+double sigma_of_scale(const std::vector<TimedValue>& wheel, const TrajectoryTable& trajectory,
+                      double delay_s, double scale) {
+    constexpr double span_s = 3.0;
+    constexpr double least = 1e-4;
+    double fastest = 0.0;
+    for (const TrajectoryEpoch& row : trajectory.rows)
+        if (is_moving(row)) fastest = std::max(fastest, *row.speed_m_s);
+    std::vector<double> ratios;
+    double smoothed = 0.0, wheeled = 0.0, from_s = 0.0;
+    std::size_t count = 0;
+    for (const TrajectoryEpoch& row : trajectory.rows) {
+        const auto speed = value_at(wheel, row.time.seconds() + delay_s);
+        if (!is_moving(row) || !speed || *row.speed_m_s < 0.5 * fastest) {
+            count = 0;
+            continue;
+        }
+        if (count == 0) {
+            smoothed = wheeled = 0.0;
+            from_s = row.time.seconds();
+        }
+        smoothed += *row.speed_m_s;
+        wheeled += scale * *speed;
+        ++count;
+        if (row.time.seconds() - from_s < span_s) continue;
+        ratios.push_back(smoothed / wheeled);
+        count = 0;
+    }
+    if (ratios.size() < 3) return 0.01;
+    const double middle = median(ratios);
+    for (double& ratio : ratios)
+        ratio = std::abs(ratio - middle);
+    const auto spans = static_cast<double>(ratios.size());
+    const double sd = median(std::move(ratios)) / normal_quantile(0.75);
+    return std::max(least, 1.2533 * sd / std::sqrt(spans));
+}
+
+/// The smoothed row nearest to a time, in an arc; null where none is near.
+const TrajectoryEpoch* row_near(const TrajectoryTable& trajectory, double time_s) {
+    const auto after = std::ranges::lower_bound(
+        trajectory.rows, time_s, {}, [](const TrajectoryEpoch& row) { return row.time.seconds(); });
+    const TrajectoryEpoch* best = nullptr;
+    const auto consider = [&](auto row) {
+        if (!is_moving(*row)) return;
+        if (best == nullptr ||
+            std::abs(row->time.seconds() - time_s) < std::abs(best->time.seconds() - time_s))
+            best = &*row;
+    };
+    if (after != trajectory.rows.end()) consider(after);
+    if (after != trajectory.rows.begin()) consider(after - 1);
+    const double nearest_s = 0.6 * std::max(trajectory.facts.nominal_interval_s, 1e-3);
+    if (best == nullptr || std::abs(best->time.seconds() - time_s) > nearest_s) return nullptr;
+    return best;
+}
+
+}  // namespace
+
+std::optional<WheelWitness> wheel_witness(const std::vector<TimedValue>& speeds_m_s,
+                                          const ScreenedTable& screened,
+                                          const TrajectoryTable& trajectory, double jerk_density) {
+    const WheelDelay delay = delay_of(speeds_m_s, trajectory);
+    const WheelFit fit = fit_at(speeds_m_s, trajectory, delay.delay_s);
+    if (fit.epochs < fewest_epochs || !(fit.scale > 0.0)) return std::nullopt;
+    const double sigma_scale = sigma_of_scale(speeds_m_s, trajectory, delay.delay_s, fit.scale);
+    std::vector<TimedVelocity<2>> samples;
+    for (const TimedValue& one : speeds_m_s) {
+        const TrajectoryEpoch* const row = row_near(trajectory, one.time_s - delay.delay_s);
+        if (row == nullptr) continue;
+        const Eigen::Vector2d velocity(*row->velocity_east_m_s, *row->velocity_north_m_s);
+        if (!(velocity.norm() > 0.0)) continue;
+        const std::int64_t stretch =
+            samples.empty() ? 0
+                            : samples.back().stretch +
+                                  (one.time_s - samples.back().time_s > longest_step_s ? 1 : 0);
+        samples.push_back({.time_s = one.time_s,
+                           .velocity = fit.scale * one.value * velocity.normalized(),
+                           .stretch = stretch});
+    }
+    if (samples.size() < fewest_epochs) return std::nullopt;
+    VelocityErrorModel delay_alone;
+    delay_alone.delay_s = delay.delay_s;
+    delay_alone.sigma_delay_s = delay.sigma_s;
+    delay_alone.density = 0.0;
+    const VelocityWitness<2> undisturbed(samples, delay_alone, jerk_density);
+    VelocityErrorModel model =
+        estimate_velocity_errors<2>(undisturbed, timed_positions<2>(screened.rows), std::nullopt)
+            .model;
+    if (!model.is_known()) return std::nullopt;
+    model.sigma_scale = sigma_scale;
+    return WheelWitness{.motion = VelocityWitness<2>(std::move(samples), model, jerk_density),
+                        .scale = fit.scale,
+                        .sigma_scale = sigma_scale,
+                        .delay_s = delay.delay_s,
+                        .sigma_delay_s = delay.sigma_s};
+}
+
+std::optional<GateWitness> gate_witness(const std::vector<TimedValue>& passages,
+                                        const GateErrors& errors,
+                                        const TrajectoryTable& trajectory) {
+    std::vector<GatePassage> passed;
+    for (const TimedValue& one : passages) {
+        const TrajectoryEpoch* const row = row_near(trajectory, one.time_s);
+        if (row == nullptr) continue;
+        const double after_s = one.time_s - row->time.seconds();
+        const Eigen::Vector2d velocity(*row->velocity_east_m_s, *row->velocity_north_m_s);
+        passed.push_back(
+            {.time_s = one.time_s,
+             .distance_m = one.value,
+             .position_m = Eigen::Vector2d(*row->east_m, *row->north_m) + after_s * velocity,
+             .speed_m_s = velocity.norm()});
+    }
+    if (passed.size() < 2) return std::nullopt;
+    return GateWitness(std::move(passed), errors);
+}
+
+}  // namespace runcert

@@ -1,0 +1,139 @@
+#include <gtest/gtest.h>
+
+#include "check_rules_support.h"
+
+namespace runcert::RUNCERT_FILE {
+namespace {
+
+using namespace test;
+
+WitnessedSpeed heard(WitnessKind kind, double normalised_error = 0.2) {
+    WitnessedSpeed witness;
+    witness.kind = kind;
+    witness.speed_m_s = 60.01;
+    witness.standard_uncertainty_m_s = 0.005;
+    witness.difference_m_s = -0.01;
+    witness.normalised_error = normalised_error;
+    witness.apart_m = 0.153;
+    witness.apart_azimuth_deg = 160.0;
+    witness.share = normalised_error <= 1.0 ? 0.9 : 0.0;
+    return witness;
+}
+
+const Requirement& clause_of(const ProfileVerdict& verdict, const std::string& id) {
+    for (const Requirement& requirement : verdict.requirements)
+        if (requirement.clause == id) return requirement;
+    throw std::runtime_error("no clause " + id);
+}
+
+std::string second_method(const std::string& accepts = {}) {
+    return clause_text("margin") +
+           "  - {id: second, text: t, source: s, certainty: quoted, decided_by: secondary_method" +
+           accepts + "}\n";
+}
+
+TEST(HeardWitness, OfPhasesIsSaidAsASecondComputation) {
+    RuleScene scene(profile_text(clause_text("margin")));
+    scene.best().witnesses = {heard(WitnessKind::phases)};
+    const ProfileVerdict verdict = scene.verdict();
+    ASSERT_EQ(verdict.witnesses.size(), 1U);
+    EXPECT_EQ(verdict.witnesses[0],
+              "a second computation from the receiver's raw signals, independent of the team's "
+              "processing, gives 216.036 km/h ± 0.036 km/h; the two agree (normalised error 0.20, "
+              "at most 1)");
+    EXPECT_FALSE(verdict.unseen_drift_m_s);
+    EXPECT_EQ(verdict.reason.find("By positions alone"), std::string::npos);
+}
+
+TEST(HeardWitness, ThatContradictsForbidsACertificateAndSaysByHowMuch) {
+    for (const WitnessKind kind :
+         {WitnessKind::phases, WitnessKind::velocities, WitnessKind::wheel, WitnessKind::gates}) {
+        RuleScene scene(profile_text(clause_text("margin")));
+        scene.best().witnesses = {heard(WitnessKind::velocities), heard(kind, 1.7)};
+        const ProfileVerdict verdict = scene.verdict();
+        EXPECT_EQ(verdict.outcome, Outcome::not_certifiable);
+        EXPECT_TRUE(contains(verdict.reason, "The " + std::string(words_of(kind)) + " give"))
+            << verdict.reason;
+        EXPECT_TRUE(contains(verdict.reason,
+                             "displacements differ by 0.153 m, towards 160 degrees from north"))
+            << verdict.reason;
+        EXPECT_EQ(verdict.witnesses.size(), 1U);
+    }
+}
+
+// A second receiver is judged by its own clause, which allows for what the two share.
+TEST(HeardWitness, ThatIsASecondReceiverIsLeftToItsClause) {
+    RuleScene scene(profile_text(clause_text("margin")));
+    scene.best().witnesses = {heard(WitnessKind::receiver, 1.7)};
+    EXPECT_EQ(scene.verdict().outcome, Outcome::beaten);
+    EXPECT_FALSE(scene.verdict().unseen_drift_m_s);
+}
+
+TEST(PositionsAlone, SayWhatDriftCouldNotHaveBeenSeen) {
+    RuleScene scene(profile_text(clause_text("margin")));
+    EXPECT_FALSE(scene.verdict().unseen_drift_m_s);  // nothing was computed
+    UndetectedError ramp;
+    ramp.hypothesis = Hypothesis::ramp;
+    ramp.size = 0.4567;
+    ramp.unit = "m / s";
+    ramp.speed_m_s = 0.9;
+    UndetectedError step = ramp;
+    step.hypothesis = Hypothesis::step;
+    step.size = 0.1;
+    scene.best().reliability = {step, ramp};
+    scene.best().detection_power = 0.8;
+    EXPECT_EQ(scene.verdict().unseen_drift_m_s.value(), 0.4567);
+    scene.best().witnesses = {heard(WitnessKind::velocities)};
+    EXPECT_FALSE(scene.verdict().unseen_drift_m_s);
+}
+
+// A witness of the same receiver is a second method only where the rule says so.
+TEST(SecondMethod, OfTheSameReceiverIsMetWhereTheRuleAcceptsIt) {
+    RuleScene scene(profile_text(second_method()));
+    EXPECT_EQ(clause_of(scene.verdict(), "second").status, RequirementStatus::attest);
+    EXPECT_TRUE(contains(clause_of(scene.verdict(), "second").evidence, "one receiver"));
+    scene.best().witnesses = {heard(WitnessKind::phases)};
+    const ProfileVerdict shown = scene.verdict();
+    EXPECT_EQ(clause_of(shown, "second").status, RequirementStatus::attest);
+    EXPECT_TRUE(contains(clause_of(shown, "second").evidence, "gives 216.036 km/h"));
+    EXPECT_TRUE(contains(clause_of(shown, "second").evidence, "the rule does not say"));
+    ASSERT_EQ(clause_of(shown, "second").figures.size(), 1U);
+    EXPECT_EQ(clause_of(shown, "second").figures[0].value, 0.2);
+
+    RuleScene accepting(profile_text(second_method(", accepts: [phases]")));
+    EXPECT_EQ(clause_of(accepting.verdict(), "second").status, RequirementStatus::attest);
+    accepting.best().witnesses = {heard(WitnessKind::velocities)};
+    EXPECT_EQ(clause_of(accepting.verdict(), "second").status, RequirementStatus::attest);
+    accepting.best().witnesses = {heard(WitnessKind::phases)};
+    EXPECT_EQ(clause_of(accepting.verdict(), "second").status, RequirementStatus::met);
+    accepting.best().witnesses = {heard(WitnessKind::phases, 1.2)};
+    EXPECT_EQ(clause_of(accepting.verdict(), "second").status, RequirementStatus::attest);
+}
+
+TEST(SecondMethod, AcceptsNothingElsewhere) {
+    const auto refusal = [](const std::string& clauses) -> std::string {
+        try {
+            read_profile(profile_text(clauses), "p");
+        } catch (const Failure& failure) {
+            return failure.what();
+        }
+        return "read";
+    };
+    EXPECT_TRUE(contains(
+        refusal("  - {id: a, text: t, source: s, certainty: quoted, decided_by: attest, accepts: "
+                "[phases]}\n"),
+        "only secondary_method accepts witnesses"));
+    EXPECT_TRUE(contains(refusal(second_method(", accepts: [gates]")), "gates"));
+}
+
+TEST(WitnessNotes, StandAmongTheStatements) {
+    RuleScene scene(profile_text(clause_text("margin")));
+    scene.judged.windows.witness_notes = {"The timing gates say nothing of the window."};
+    const Verdict verdict =
+        check({.attempt = scene.attempt, .profiles = scene.profiles, .judged = scene.judged});
+    EXPECT_NE(std::ranges::find(verdict.statements, "The timing gates say nothing of the window."),
+              verdict.statements.end());
+}
+
+}  // namespace
+}  // namespace runcert::RUNCERT_FILE

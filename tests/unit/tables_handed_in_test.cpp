@@ -1,0 +1,184 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/random.h"
+#include "estimation/tables/handed_in.h"
+#include "estimation/tables/other_receiver.h"
+
+namespace runcert::RUNCERT_FILE {
+namespace {
+
+using Eigen::Vector2d;
+
+/// A car that goes faster and slower on a wide curve, at 10 Hz.
+Vector2d place_at(double time_s) {
+    const double way_m = 20.0 * time_s - 30.0 * std::cos(0.3 * time_s);
+    return 2000.0 * Vector2d(std::sin(way_m / 2000.0), 1.0 - std::cos(way_m / 2000.0));
+}
+double speed_at(double time_s) {
+    return 20.0 + 9.0 * std::sin(0.3 * time_s);
+}
+
+struct Recorded {
+    ScreenedTable screened;
+    TrajectoryTable trajectory;
+
+    explicit Recorded(double length_s, const Vector2d& antenna = Vector2d::Zero()) {
+        RandomGenerator random(5);
+        screened.facts.nominal_interval_s = trajectory.facts.nominal_interval_s = 0.1;
+        trajectory.facts.first_epoch = parse_gps_iso("2026-03-14T03:20:18.000");
+        for (int k = 0; k <= std::lround(10.0 * length_s); ++k) {
+            const double time_s = 0.1 * k;
+            const Vector2d velocity = (place_at(time_s + 1e-4) - place_at(time_s - 1e-4)) / 2e-4;
+            const Vector2d along = velocity.normalized();
+            Eigen::Matrix2d craft;
+            craft << along, Vector2d(-along.y(), along.x());
+            const Vector2d place = place_at(time_s) + craft * antenna;
+            ScreenedEpoch& row = screened.rows.emplace_back();
+            row.epoch = k + 1;
+            row.time = {std::llround(time_s * 1e9)};
+            row.east_m = place.x() + 0.01 * random.normal();
+            row.north_m = place.y() + 0.01 * random.normal();
+            row.sigma_east_m = row.sigma_north_m = 0.01;
+            row.usable = true;
+            row.arc = 1;
+            TrajectoryEpoch& smoothed = trajectory.rows.emplace_back();
+            smoothed.epoch = row.epoch;
+            smoothed.time = row.time;
+            smoothed.usable = true;
+            smoothed.arc = 1;
+            smoothed.east_m = place.x();
+            smoothed.north_m = place.y();
+            smoothed.velocity_east_m_s = velocity.x();
+            smoothed.velocity_north_m_s = velocity.y();
+            smoothed.acceleration_east_m_s2 = smoothed.acceleration_north_m_s2 = 0.0;
+            smoothed.speed_m_s = velocity.norm();
+            smoothed.sigma_east_m = smoothed.sigma_north_m = 0.005;
+        }
+    }
+};
+
+std::vector<TimedValue> wheel(double length_s, double scale, double delay_s, double noise_m_s) {
+    RandomGenerator random(9);
+    std::vector<TimedValue> speeds;
+    for (double time_s = 0.0; time_s <= length_s; time_s += 0.05)
+        speeds.push_back(
+            {.time_s = time_s,
+             .value = speed_at(time_s - delay_s) / scale + noise_m_s * random.normal()});
+    return speeds;
+}
+
+TEST(WheelWitness, FindsItsScaleAndItsDelay) {
+    const Recorded run(120.0);
+    const auto found =
+        wheel_witness(wheel(120.0, 1.013, 0.24, 0.05), run.screened, run.trajectory, 0.6);
+    ASSERT_TRUE(found);
+    EXPECT_NEAR(found->scale, 1.013, 4.0 * found->sigma_scale);
+    EXPECT_LT(found->sigma_scale, 0.002);
+    EXPECT_NEAR(found->delay_s, 0.24, 0.02);
+    double statistics = 0.0;
+    int count = 0;
+    for (double from_s = 5.0; from_s < 110.0; from_s += 5.0) {
+        const auto moved = found->motion.between(from_s, from_s + 3.0);
+        ASSERT_TRUE(moved);
+        const Vector2d error = moved->displacement_m - (place_at(from_s + 3.0) - place_at(from_s));
+        EXPECT_LT(error.norm(), 0.3);
+        statistics += error.squaredNorm() / moved->covariance_m2.trace();
+        ++count;
+    }
+    EXPECT_LT(statistics / count, 2.0);
+}
+
+// A scale that is not known well makes every way uncertain in proportion.
+TEST(WheelWitness, TheScalesUncertaintyCountsAlongTheWay) {
+    VelocityErrorModel model;
+    model.density = 0.0;
+    model.sigma_scale = 0.01;
+    std::vector<TimedVelocity<2>> samples;
+    for (int k = 0; k < 100; ++k)
+        samples.push_back({.time_s = 0.1 * k, .velocity = Vector2d(30.0, 0.0)});
+    const VelocityWitness<2> witness(samples, model, 0.0);
+    const auto moved = witness.between(1.0, 4.0);
+    ASSERT_TRUE(moved);
+    EXPECT_NEAR(std::sqrt(moved->covariance_m2(0, 0)), 0.9, 1e-6);
+    EXPECT_NEAR(moved->covariance_m2(1, 1), 0.0, 1e-12);
+}
+
+TEST(WheelWitness, SaysNothingOfAnotherTimeOrOfStandstill) {
+    const Recorded run(60.0);
+    std::vector<TimedValue> later = wheel(60.0, 1.0, 0.0, 0.05);
+    for (TimedValue& one : later)
+        one.time_s += 1000.0;
+    EXPECT_FALSE(wheel_witness(later, run.screened, run.trajectory, 0.6));
+    std::vector<TimedValue> nothing = wheel(60.0, 1.0, 0.0, 0.0);
+    for (TimedValue& one : nothing)
+        one.value = 0.0;
+    EXPECT_FALSE(wheel_witness(nothing, run.screened, run.trajectory, 0.6));
+    EXPECT_FALSE(wheel_witness({}, run.screened, run.trajectory, 0.6));
+}
+
+TEST(GateWitness, GivesTheDistanceBetweenTheNearestGates) {
+    const Recorded run(60.0);
+    const auto way = [](double time_s) { return 20.0 * time_s - 30.0 * std::cos(0.3 * time_s); };
+    const std::vector<TimedValue> passages{
+        {10.0, 0.0}, {20.0, way(20.0) - way(10.0)}, {23.0, way(23.0) - way(10.0)}};
+    const auto found =
+        gate_witness(passages, {.sigma_distance_m = 0.01, .sigma_time_s = 0.0005}, run.trajectory);
+    ASSERT_TRUE(found);
+    const auto moved = found->between(20.0, 23.0);
+    ASSERT_TRUE(moved);
+    EXPECT_NEAR(moved->displacement_m.norm(), way(23.0) - way(20.0), 1e-9);
+    const Vector2d along = moved->displacement_m.normalized();
+    const double speed = std::hypot(speed_at(20.0), speed_at(23.0));
+    EXPECT_NEAR(std::sqrt(along.dot(moved->covariance_m2 * along)),
+                std::hypot(0.01, 0.0005 * speed), 1e-5);
+    // Beside the gates: the speed there takes it further.
+    const auto beside = found->between(20.1, 23.2);
+    ASSERT_TRUE(beside);
+    EXPECT_NEAR(beside->displacement_m.norm(), way(23.2) - way(20.1), 0.1);
+    EXPECT_GT(along.dot(beside->covariance_m2 * along), along.dot(moved->covariance_m2 * along));
+    EXPECT_FALSE(found->between(12.0, 20.0));
+    EXPECT_FALSE(found->between(20.0, 20.2));
+    EXPECT_EQ(found->covered().first_s, 10.0);
+    // One gate, or gates of another time, say nothing.
+    EXPECT_FALSE(gate_witness({{10.0, 0.0}}, {}, run.trajectory));
+    EXPECT_FALSE(gate_witness({{1000.0, 0.0}, {1003.0, 60.0}}, {}, run.trajectory));
+}
+
+TEST(ReceiverWitness, TakesTheVectorBetweenTheAntennasOff) {
+    const Recorded own(60.0), other(60.0, Vector2d(-1.2, 0.5));
+    const auto witness = receiver_witness<2>(other.trajectory, own.trajectory);
+    ASSERT_TRUE(witness);
+    for (const double from_s : {2.0, 17.3, 40.05}) {
+        const auto moved = witness->between(from_s, from_s + 3.0);
+        ASSERT_TRUE(moved);
+        const Vector2d truth = place_at(from_s + 3.0) - place_at(from_s);
+        EXPECT_LT((moved->displacement_m - truth).norm(), 0.01) << from_s;
+        EXPECT_NEAR(witness->path_between(from_s, from_s + 3.0).value(), truth.norm(), 0.05);
+        // Both ends, and what is not known of where the craft points: 15 mrad of 1.3 m.
+        EXPECT_NEAR(moved->covariance_m2(0, 0), 2.0 * (2.5e-5 + std::pow(0.015 * 1.3, 2)), 2e-5);
+    }
+    EXPECT_FALSE(witness->between(-1.0, 2.0));
+    EXPECT_FALSE(witness->between(58.0, 61.0));
+}
+
+TEST(ReceiverWitness, EndsAtAGapAndAtAStep) {
+    const Recorded own(60.0);
+    Recorded other(60.0);
+    for (std::size_t k = 300; k < other.trajectory.rows.size(); ++k)
+        other.trajectory.rows[k].arc = 2;
+    other.trajectory.rows[500].step_before = true;
+    const auto witness = receiver_witness<2>(other.trajectory, own.trajectory);
+    ASSERT_TRUE(witness);
+    EXPECT_TRUE(witness->between(26.0, 29.0));
+    EXPECT_FALSE(witness->between(28.0, 31.0));
+    EXPECT_TRUE(witness->between(31.0, 34.0));
+    EXPECT_FALSE(witness->between(48.0, 51.0));
+    // Without a time in common it says nothing.
+    other.trajectory.facts.first_epoch.reset();
+    EXPECT_FALSE(receiver_witness<2>(other.trajectory, own.trajectory));
+}
+
+}  // namespace
+}  // namespace runcert::RUNCERT_FILE

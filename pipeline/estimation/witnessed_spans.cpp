@@ -153,6 +153,68 @@ std::vector<ContradictedSpan> contradicted_spans(std::span<const TimedPosition<2
     return spans;
 }
 
+namespace {
+
+constexpr std::size_t spans_compared = 500;
+constexpr std::int64_t least_spans = 10;
+
+WitnessedMotionComparison compare_shifted(std::span<const TimedPosition<2>> positions,
+                                          const Witness<2>& witness, double span_s, double shift_s,
+                                          std::size_t at_most) {
+    std::vector<double> differences_m, displacements_m, sigmas_m;
+    const std::size_t stride = std::max<std::size_t>(1, positions.size() / at_most);
+    std::size_t to = 0;
+    for (std::size_t from = 0; from < positions.size(); from += stride) {
+        constexpr double tolerance_s = 0.02;
+        while (to < positions.size() &&
+               positions[to].time_s < positions[from].time_s + span_s - tolerance_s)
+            ++to;
+        if (to == positions.size()) break;
+        const TimedPosition<2>&begin = positions[from], &end = positions[to];
+        if (end.time_s > begin.time_s + span_s + tolerance_s) continue;
+        const auto moved = witness.between(begin.time_s - shift_s, end.time_s - shift_s);
+        if (!moved) continue;
+        const Vector2d way = end.position - begin.position;
+        differences_m.push_back((way - moved->displacement_m).norm());
+        displacements_m.push_back(way.norm());
+        sigmas_m.push_back(std::hypot(begin.sigma_m, end.sigma_m));
+    }
+    WitnessedMotionComparison comparison;
+    comparison.spans = std::ssize(differences_m);
+    if (differences_m.empty()) return comparison;
+    comparison.median_difference_m = median(std::move(differences_m));
+    comparison.median_displacement_m = median(std::move(displacements_m));
+    constexpr double other_m = 0.5, other_share = 0.1, other_sigmas = 4.0;
+    comparison.contradicts = comparison.spans >= least_spans &&
+                             comparison.median_difference_m >
+                                 std::max({other_m, other_share * comparison.median_displacement_m,
+                                           other_sigmas * median(std::move(sigmas_m))});
+    return comparison;
+}
+
+}  // namespace
+
+WitnessedMotionComparison compare_motion(std::span<const TimedPosition<2>> positions,
+                                         const Witness<2>& witness, double span_s) {
+    WitnessedMotionComparison result =
+        compare_shifted(positions, witness, span_s, 0.0, spans_compared);
+    if (!result.contradicts) return result;
+    constexpr int farthest_s = 60;
+    constexpr std::size_t of_a_shift = 60;
+    constexpr double much_better = 0.2;
+    double least_m = much_better * result.median_difference_m;
+    for (int shift_s = -farthest_s; shift_s <= farthest_s; ++shift_s) {
+        const WitnessedMotionComparison shifted =
+            compare_shifted(positions, witness, span_s, shift_s, of_a_shift);
+        if (shifted.contradicts || shifted.spans < least_spans ||
+            shifted.median_difference_m >= least_m)
+            continue;
+        least_m = shifted.median_difference_m;
+        result.positions_ahead_s = shift_s;
+    }
+    return result;
+}
+
 #define RUNCERT_INSTANTIATE(AXES)                                         \
     template std::optional<DisplacementSpread> displacement_spread<AXES>( \
         const Witness<AXES>&, std::span<const TimedPosition<AXES>>, double);

@@ -34,6 +34,23 @@ template <int Axes>
 std::optional<DisplacementSpread> displacement_spread(
     const Witness<Axes>& witness, std::span<const TimedPosition<Axes>> positions, double span_s);
 
+/// The motion by a witness beside that of the positions, over spans of one length.
+struct WitnessedMotionComparison {
+    std::int64_t spans = 0;  ///< compared, spread over the recording
+    double median_difference_m = 0.0;
+    double median_displacement_m = 0.0;  ///< by the positions
+    bool contradicts = false;            ///< the typical difference is another motion's
+    /// By so many whole seconds the positions' clock is ahead of the witness's: shifted by this the
+    /// two agree. Looked for up to a minute where the two contradict one another.
+    std::optional<std::int64_t> positions_ahead_s = std::nullopt;
+};
+
+/// Compares up to 500 spans. A motion is another where the median difference exceeds half a metre,
+/// a tenth of the median displacement, and four standard deviations of a displacement as stated;
+/// fewer than ten spans are not enough to say so.
+WitnessedMotionComparison compare_motion(std::span<const TimedPosition<2>> positions,
+                                         const Witness<2>& witness, double span_s);
+
 /// How spans are tested.
 struct SpanTest {
     double span_s = 0.0;

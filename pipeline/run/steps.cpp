@@ -109,7 +109,11 @@ Names inputs_of(const Step& step, const Attempt& attempt) {
     if (step.name == "report") return inventory_of(attempt).files;
     if (step.made_from.empty()) return {};  // they read what is outside
     Names names;
-    if (is_of_run(step)) names = claim_files(attempt);
+    if (is_of_run(step)) {
+        names = claim_files(attempt);
+        for (const AttemptFile& file : witness_files(attempt))
+            std::erase(names, file.name);
+    }
     if (step.hears_witnesses)
         for (const AttemptFile& file : witness_files(attempt))
             names.push_back(file.name);

@@ -251,7 +251,7 @@ Finding computation::accuracy(const Clause&, const ClauseContext& context) {
     const std::string undetected =
         heard == witnesses.end()
             ? std::string("except drift")
-            : fmt::format("that screening and the {} together could have missed, drifts included",
+            : fmt::format("of any kind, drifts included, which screening and the {} together find",
                           words_of(heard->kind));
     return {met ? RequirementStatus::met : RequirementStatus::not_met,
             fmt::format("expanded uncertainty {} (k = {}{}), limit {}; {}", rounded_up(u),

@@ -13,19 +13,16 @@
 #include "core/text.h"
 #include "estimation/phase_witness.h"
 #include "estimation/tables/screened_phases.h"
-#include "satellites/line_of_sight.h"
+#include "estimation/witnessed_spans.h"
+#include "schemas/enu/measured_position.h"
 
 namespace runcert {
 namespace {
 
 constexpr std::size_t listed_at_most = 1000;
-/// Windows and places that are compared, spread over the recording.
-constexpr std::size_t compared = 500;
-constexpr std::int64_t window_ns = 3'000'000'000;
-constexpr std::size_t least_compared = 10;
-/// A motion is another where the median window differs by so much (m), and by this share of it.
-constexpr double other_motion_m = 0.5;
-constexpr double other_motion_share = 0.1;
+/// Windows that are compared.
+constexpr double window_s = 3.0;
+constexpr std::int64_t least_compared = 10;
 
 constexpr std::array standings{PhaseStanding::used,     PhaseStanding::no_phase,
                                PhaseStanding::no_orbit, PhaseStanding::unhealthy,
@@ -49,80 +46,37 @@ void note_place(const PlacesSet& places, std::vector<std::string>& notes) {
                     metres(*places.apart_m)));
 }
 
-/// A window's horizontal displacement by phases, and its ends by GPS time.
-struct PhaseWindow {
-    std::int64_t from_ns = 0, to_ns = 0;
-    Eigen::Vector2d moved_m = Eigen::Vector2d::Zero();
-};
-
-std::vector<PhaseWindow> windows_of(const JudgedPhases& phases, std::int64_t first_ns) {
-    std::vector<PhaseWindow> windows;
-    const auto& epochs = phases.record.epochs;
-    const std::size_t stride = std::max<std::size_t>(1, epochs.size() / compared);
-    for (std::size_t a = 0; a < epochs.size(); a += stride) {
-        const auto b = epoch_after(phases.record, a, window_ns);
-        if (!b) continue;
-        if (const auto moved = displacement_between(phases.record, phases.screening, a, *b))
-            windows.push_back({.from_ns = first_ns + epochs[a].time_ns,
-                               .to_ns = first_ns + epochs[*b].time_ns,
-                               .moved_m = moved->enu_m.head<2>()});
-    }
-    return windows;
-}
-
-/// The displacements of the windows beside those of the positions so much later.
-MotionComparison compare_windows(const std::vector<PhaseWindow>& windows,
-                                 const ReceiverPlaces& positions, std::int64_t later_ns) {
-    MotionComparison result;
-    result.length_s = static_cast<double>(window_ns) * 1e-9;
-    std::vector<double> differences_m, displacements_m;
-    for (const PhaseWindow& window : windows) {
-        const auto from_m = positions.at(window.from_ns + later_ns);
-        const auto to_m = positions.at(window.to_ns + later_ns);
-        if (!from_m || !to_m) continue;
-        const Eigen::Vector3d by_positions_m =
-            receiver_place(*from_m).enu_from_ecef * (*to_m - *from_m);
-        differences_m.push_back((window.moved_m - by_positions_m.head<2>()).norm());
-        displacements_m.push_back(by_positions_m.head<2>().norm());
-    }
-    result.windows = std::ssize(differences_m);
-    if (differences_m.empty()) return result;
-    result.median_difference_m = median(std::move(differences_m));
-    result.median_displacement_m = median(std::move(displacements_m));
-    if (result.windows < static_cast<std::int64_t>(least_compared)) return result;
-    const bool other = *result.median_difference_m >
-                       std::max(other_motion_m, other_motion_share * *result.median_displacement_m);
-    result.outcome = other ? PhaseMotion::contradicts : PhaseMotion::agrees;
-    return result;
-}
-
-/// By how many whole seconds the positions' clock is ahead of the phases', if shifted by these the
-/// two agree: leap seconds, or a clock set wrongly.
-std::optional<std::int64_t> seconds_ahead(const std::vector<PhaseWindow>& windows,
-                                          const ReceiverPlaces& positions, double unshifted_m) {
-    constexpr std::int64_t farthest_s = 60;
-    constexpr double much_better = 0.2;
-    std::optional<std::int64_t> best;
-    double least_m = much_better * unshifted_m;
-    for (std::int64_t shift_s = -farthest_s; shift_s <= farthest_s; ++shift_s) {
-        const MotionComparison shifted =
-            compare_windows(windows, positions, shift_s * 1'000'000'000);
-        if (shifted.outcome != PhaseMotion::agrees || *shifted.median_difference_m >= least_m)
+/// Positions of a recording as they are, in order of time.
+std::vector<TimedPosition<2>> recorded_positions(const EnuTable& table) {
+    std::vector<TimedPosition<2>> positions;
+    for (const EnuEpoch& row : table.rows) {
+        const double time_s = row.time.seconds();
+        if (!row.east_m || !row.north_m ||
+            (!positions.empty() && time_s <= positions.back().time_s))
             continue;
-        least_m = *shifted.median_difference_m;
-        best = shift_s;
+        positions.push_back({.time_s = time_s,
+                             .position = measured_position<2>(row),
+                             .sigma_m = 0.0,
+                             .stretch = 0});
     }
-    return best;
+    return positions;
 }
 
 /// The motion by phases beside that of the positions.
-MotionComparison compare_motion(const JudgedPhases& phases, std::int64_t first_ns,
-                                const ReceiverPlaces& positions) {
-    const std::vector<PhaseWindow> windows = windows_of(phases, first_ns);
-    MotionComparison result = compare_windows(windows, positions, 0);
-    if (result.outcome == PhaseMotion::contradicts)
-        if (const auto ahead_s = seconds_ahead(windows, positions, *result.median_difference_m))
-            result.positions_ahead_s = *ahead_s;
+MotionComparison compare_with(const EnuTable& table, const std::optional<PhaseWitness<2>>& phases) {
+    MotionComparison result;
+    result.length_s = window_s;
+    if (!phases) return result;
+    const WitnessedMotionComparison found =
+        compare_motion(recorded_positions(table), *phases, window_s);
+    result.windows = found.spans;
+    if (found.spans == 0) return result;
+    result.median_difference_m = found.median_difference_m;
+    result.median_displacement_m = found.median_displacement_m;
+    if (found.spans < least_compared) return result;
+    result.outcome = found.contradicts ? PhaseMotion::contradicts : PhaseMotion::agrees;
+    if (found.positions_ahead_s)
+        result.positions_ahead_s = static_cast<double>(*found.positions_ahead_s);
     return result;
 }
 
@@ -141,7 +95,7 @@ void note_motion(const MotionComparison& motion, bool any_position,
                     ? fmt::format(
                           "The clock of the positions is {} s {} that of the phases: shifted "
                           "by this the two agree.",
-                          std::abs(*motion.positions_ahead_s),
+                          std::lround(std::abs(*motion.positions_ahead_s)),
                           *motion.positions_ahead_s > 0 ? "ahead of" : "behind")
                     : std::string("They are of another receiver or another time.")));
             return;
@@ -213,7 +167,7 @@ ScreenedPhases screen_receiver_phases(const PhaseTable& head, PhaseRecord record
     list_findings(record, screening, result.head);
     result.phases = std::make_shared<const JudgedPhases>(
         JudgedPhases{.record = std::move(record), .screening = std::move(screening)});
-    result.head.motion = compare_motion(*result.phases, first_ns, positions);
+    result.head.motion = compare_with(table, result.witness<2>(table, 0.0));
     note_motion(result.head.motion, !positions.empty(), result.head.notes);
     return result;
 }

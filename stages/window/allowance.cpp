@@ -112,6 +112,8 @@ class Expectation {
                        ? std::max(reference.window.bound->floor_m, reference.window.bound->fitted_m)
                        : 0.0;
         set_reference(reference);
+        for (const WitnessedSpeed& one : reference.window.witnesses)
+            if (one.normalised_error > 1.0) contradicting_.push_back(one);
     }
 
     double operator()(const FoundWindow& found) const {
@@ -135,6 +137,7 @@ class Expectation {
         if (std::ranges::any_of(
                 witnessed, [](const WitnessedSpeed& one) { return one.normalised_error > 1.0; }))
             return nothing_to_claim;
+        if (is_unheard(witnessed)) return nothing_to_claim;
         if (const WitnessedSpeed* const heard = choose_share(witnessed)) {
             const double share = heard->share;
             rest = 1.0 - share;
@@ -153,6 +156,16 @@ class Expectation {
     }
 
   private:
+    /// Whether a witness that contradicts the reference does not cover the window: to go there is
+    /// no way round it.
+    bool is_unheard(const std::vector<WitnessedSpeed>& witnessed) const {
+        return std::ranges::any_of(contradicting_, [&](const WitnessedSpeed& wanted) {
+            return std::ranges::none_of(witnessed, [&](const WitnessedSpeed& one) {
+                return one.kind == wanted.kind && one.receiver == wanted.receiver;
+            });
+        });
+    }
+
     static RangeMaximum missed_of(const ScreenedTable& screened, Dimension dimension) {
         std::vector<double> missed;
         missed.reserve(screened.rows.size());
@@ -238,6 +251,7 @@ class Expectation {
     RunningSum usable_;
     RunningSum velocity_;  ///< stated standard uncertainties of recorded speeds
     RunningSum silent_;    ///< rows that state none
+    std::vector<WitnessedSpeed> contradicting_;
     double floor_m_ = 0.0;
     double scale_ = 1.0;
     ReferenceFigures reference_;

@@ -60,14 +60,17 @@ class Certifier {
                 if (!best || profiles[i].dimension == Dimension::vertical ||
                     profiles[i].speed_source == SpeedSource::velocity)
                     continue;
-                const bool heard =
-                    std::ranges::any_of(best->witnesses, [&](const WitnessedSpeed& one) {
+                const auto said =
+                    std::ranges::find_if(best->witnesses, [&](const WitnessedSpeed& one) {
                         return one.kind == witness.kind && one.receiver == witness.receiver;
                     });
-                if (heard) continue;
-                std::string silence = silence_text(witness, trajectory_, windows[i].profile);
-                if (std::ranges::find(notes, silence) == notes.end())
-                    notes.push_back(std::move(silence));
+                std::string note = said == best->witnesses.end()
+                                       ? silence_text(witness, trajectory_, windows[i].profile)
+                                   : said->normalised_error > 1.0
+                                       ? contradiction_text(witness, screened_)
+                                       : std::string();
+                if (!note.empty() && std::ranges::find(notes, note) == notes.end())
+                    notes.push_back(std::move(note));
             }
         }
         return notes;
@@ -246,6 +249,23 @@ std::vector<CertifiableWindow> certified_windows(const Certifier& certifier, con
     return certified;
 }
 
+/// Whether every witness that contradicts the first windows was heard of each of the others: a
+/// window that it does not cover is no way round it.
+bool hear_the_contradicting(const std::vector<CertifiableWindow>& others,
+                            const std::vector<CertifiableWindow>& first) {
+    const auto covers = [&](const WitnessedSpeed& contradicting) {
+        return std::ranges::all_of(others, [&](const CertifiableWindow& window) {
+            return std::ranges::any_of(window.witnesses, [&](const WitnessedSpeed& one) {
+                return one.kind == contradicting.kind && one.receiver == contradicting.receiver;
+            });
+        });
+    };
+    for (const CertifiableWindow& window : first)
+        for (const WitnessedSpeed& one : window.witnesses)
+            if (one.normalised_error > 1.0 && !covers(one)) return false;
+    return true;
+}
+
 bool contradicted(const std::vector<CertifiableWindow>& windows) {
     return std::ranges::any_of(windows, [](const CertifiableWindow& window) {
         return std::ranges::any_of(
@@ -297,8 +317,9 @@ void certify_best(const Certifier& certifier, const Candidates& among, const Cho
     if (!proof.chosen.empty()) {
         std::vector<CertifiableWindow> proving =
             certified_windows(certifier, profile, proof, among.gates);
-        if (!contradicted(proving) && (contradicted(windows) || proven_m_s(proving, profile) >
-                                                                    proven_m_s(windows, profile))) {
+        if (!contradicted(proving) && hear_the_contradicting(proving, windows) &&
+            (contradicted(windows) ||
+             proven_m_s(proving, profile) > proven_m_s(windows, profile))) {
             entry.fastest = beside(windows.front());
             windows = std::move(proving);
         }

@@ -12,6 +12,7 @@
 #include "estimation/tables/other_receiver.h"
 #include "estimation/tables/screened_phases.h"
 #include "estimation/velocity_witness.h"
+#include "estimation/witnessed_spans.h"
 #include "stages/window/budget.h"
 
 namespace runcert {
@@ -136,6 +137,25 @@ std::string silence_text(const HeardWitness<Axes>& witness, const TrajectoryTabl
         "The {} say nothing of the window certified under {}: they do not cover it without a "
         "break.",
         words_of(witness.kind), profile);
+}
+
+std::string contradiction_text(const HeardWitness<2>& witness, const ScreenedTable& screened) {
+    constexpr double span_s = 3.0;
+    if (witness.kind == WitnessKind::phases) return {};
+    const WitnessedMotionComparison found =
+        compare_motion(timed_positions<2>(screened.rows), *witness.motion, span_s);
+    if (!found.contradicts) return {};
+    std::string text = fmt::format(
+        "The {} show another motion than the positions: over {:g} s they differ by {:.2f} m "
+        "(median "
+        "of {} spans).",
+        words_of(witness.kind), span_s, found.median_difference_m, found.spans);
+    if (found.positions_ahead_s)
+        text += fmt::format(
+            " The clock of the positions is {} s {} theirs: shifted by this the two agree.",
+            std::abs(*found.positions_ahead_s),
+            *found.positions_ahead_s > 0 ? "ahead of" : "behind");
+    return text;
 }
 
 bool counts_path(SpeedDefinition definition) {
@@ -270,7 +290,7 @@ void condition_on(const WitnessedSpeed& witnessed, std::vector<BudgetRow>& rows)
     const double common_m_s = witnessed.shared_standard_uncertainty_m_s;
     if (common_m_s == 0.0) return;
     rows.push_back(speed_row(
-        "s", "slow errors that positions and phases share", "B", share * common_m_s,
+        "s", "time-correlated errors that positions and phases share", "B", share * common_m_s,
         independent_of_other_rows,
         fmt::format("multipath disturbs both: {:g} m at either end of the window, independently",
                     shared_by_phases_m)));

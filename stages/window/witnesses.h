@@ -57,6 +57,11 @@ bool counts_path(SpeedDefinition definition);
 
 enum class Undetected { counted, left_out };
 
+/// By how much a witness that contradicts a window shows another motion than the positions all over
+/// the recording, and by how many seconds a clock may be off; empty where it does not, and of
+/// phases, of which screening says so.
+std::string contradiction_text(const HeardWitness<2>& witness, const ScreenedTable& screened);
+
 /// What positions say of a window, to be compared with a witness.
 template <int Axes>
 struct PositionFigures {
@@ -120,9 +125,10 @@ void set_undetected_beside(const WitnessedSpeed& witnessed, const UndetectedErro
 /// their difference does not show it. Row s is what both may share (`shared_by_phases_m`).
 void condition_on(const WitnessedSpeed& witnessed, std::vector<BudgetRow>& rows);
 
-/// Standard deviation (m, each axis) of a slow error that positions and phases of one antenna may
-/// share: half of what rules take positions with fixed ambiguities to err by. A phase is never
-/// disturbed by more than a quarter of its wave, 48 mm, and a position by several satellites less.
+/// Standard deviation (m, each axis) of a time-correlated error that positions and phases of one
+/// antenna may share: half of what rules take positions with fixed ambiguities to err by. A phase
+/// is never disturbed by more than a quarter of its wave, 48 mm, and a position by several
+/// satellites less.
 inline constexpr double shared_by_phases_m = 0.010;
 
 /// Expanded uncertainty (k = 2, m/s) to be expected of a window beside velocities of a receiver:

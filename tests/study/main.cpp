@@ -151,7 +151,7 @@ int main(int argc, char** argv) {
 
     WitnessStudyOptions witness_options;
     CLI::App* witness = app.add_subcommand(
-        "witness", "A record run whose positions and phases share slow errors, with both");
+        "witness", "A record run whose positions and phases share an error, with both");
     witness->add_option("--runs", witness_options.runs)->capture_default_str();
     witness->add_option("--seed", witness_options.seed)->capture_default_str();
     witness->add_option("--threads", witness_options.threads, "0: as many as there are")

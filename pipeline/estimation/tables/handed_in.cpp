@@ -69,19 +69,20 @@ struct WheelDelay {
 };
 
 /// The delay of the best fit. Where the speed hardly changes, or the best lies at the end of the
-/// range, it is not told: then it is none, with the uncertainty of the range.
+/// range, it is not known: then it is none, with the uncertainty of the range.
 WheelDelay delay_of(const std::vector<TimedValue>& wheel, const TrajectoryTable& trajectory) {
     const auto steps = static_cast<int>(std::lround(largest_delay_s / delay_step_s));
     std::vector<WheelFit> fits;
     for (int k = -steps; k <= steps; ++k)
         fits.push_back(fit_at(wheel, trajectory, k * delay_step_s));
     const auto best = std::ranges::min_element(fits, {}, &WheelFit::mean_square);
-    const WheelDelay not_told{.delay_s = 0.0, .sigma_s = rectangular_uncertainty(largest_delay_s)};
-    if (best == fits.begin() || best + 1 == fits.end()) return not_told;
+    const WheelDelay unknown_delay{.delay_s = 0.0,
+                                   .sigma_s = rectangular_uncertainty(largest_delay_s)};
+    if (best == fits.begin() || best + 1 == fits.end()) return unknown_delay;
     const double left = (best - 1)->mean_square(), middle = best->mean_square(),
                  right = (best + 1)->mean_square();
     const double curvature = (left - 2.0 * middle + right) / (delay_step_s * delay_step_s);
-    if (!(curvature > 0.0)) return not_told;
+    if (!(curvature > 0.0)) return unknown_delay;
     const double shift_s = 0.5 * delay_step_s * (left - right) / (left - 2.0 * middle + right);
     // Errors that last for a second: as many count as seconds.
     const double seconds =
@@ -89,7 +90,7 @@ WheelDelay delay_of(const std::vector<TimedValue>& wheel, const TrajectoryTable&
     WheelDelay delay;
     delay.delay_s = (static_cast<double>(best - fits.begin()) - steps) * delay_step_s + shift_s;
     delay.sigma_s = std::sqrt(2.0 * middle / (curvature * seconds));
-    return delay.sigma_s < not_told.sigma_s ? delay : not_told;
+    return delay.sigma_s < unknown_delay.sigma_s ? delay : unknown_delay;
 }
 
 /// Standard uncertainty of the scale: of the ratios of both paths over spans of 3 s while the craft

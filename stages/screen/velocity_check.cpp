@@ -280,12 +280,18 @@ std::optional<VelocityWitness<Axes>> undisturbed_witness(const std::vector<Scree
     return VelocityWitness<Axes>(std::move(samples), delay_alone, options.jerk_density);
 }
 
+/// `scale_m_s` is that of the differences from the smoothed velocities, each horizontal axis: where
+/// nothing else bounds the errors, they are taken to be all of it, and to last.
 template <int Axes>
 std::optional<VelocityErrors> errors_of(const VelocityWitness<Axes>& witness,
-                                        const std::vector<ScreenedEpoch>& rows) {
+                                        const std::vector<ScreenedEpoch>& rows, double scale_m_s) {
     const EstimatedVelocityErrors<Axes> estimated = estimate_velocity_errors<Axes>(
         witness, timed_positions<Axes>(rows), stated_velocity_sigma<Axes>(rows));
-    const VelocityErrorModel& model = estimated.model;
+    VelocityErrorModel model = estimated.model;
+    // Upwards satellites tell a velocity half as well.
+    constexpr double upwards = 2.0;
+    if (!model.is_known() && scale_m_s > 0.0)
+        model.stated_m_s = Axes == 1 ? upwards * scale_m_s : scale_m_s;
     if (!model.is_known()) return std::nullopt;
     VelocityErrors errors;
     errors.axes = Axes == 1 ? TestedAxes::vertical : TestedAxes::horizontal;
@@ -361,13 +367,13 @@ VelocityFindings check_velocities(std::vector<ScreenedEpoch>& rows, const Motion
     const auto displaced = mark_displaced(rows, displacements, threshold);
     mark_drifting(rows, differences, displaced, threshold);
     if (const auto witness = undisturbed_witness<2>(rows, directions, delay, options))
-        if (auto errors = errors_of<2>(*witness, rows)) {
+        if (auto errors = errors_of<2>(*witness, rows, comparison.scale_m_s)) {
             if (displaced.empty()) mark_drifts(rows, *witness, *errors, threshold);
             findings.errors.push_back(std::move(*errors));
         }
     if (options.vertical_measured)
         if (const auto witness = undisturbed_witness<1>(rows, directions, delay, options))
-            if (auto errors = errors_of<1>(*witness, rows))
+            if (auto errors = errors_of<1>(*witness, rows, comparison.scale_m_s))
                 findings.errors.push_back(std::move(*errors));
     comparison.rejected = std::ranges::count_if(
         gathered.recorded, [&](const Knot& knot) { return !rows[knot.row].usable; });

@@ -201,19 +201,6 @@ std::string size_of(const SupposedError& error) {
                        std::atan2(error.size.x(), error.size.y()) * 180.0 / std::numbers::pi);
 }
 
-std::string run_line(const CertifiedRun& run) {
-    std::string text = fmt::format(
-        "  seed {}: {}, {:g} s, jerk {:g}; {:+.3f} km/h, stated +-{:.3f}, undetected {:.3f}; "
-        "window "
-        "from epoch {}{}\n",
-        run.seed, run.cell, run.length_s, run.jerk_density, run.error_m_s * 3.6,
-        run.expanded_m_s * 3.6, run.undetected_m_s * 3.6, run.first_epoch, run.witnesses);
-    for (const SupposedError& error : run.errors)
-        text += fmt::format("    {} of {} from epoch {}, {} epochs\n", to_text(error.kind),
-                            size_of(error), error.first + 1, error.epochs);
-    return text;
-}
-
 }  // namespace
 
 bool CertifiedRun::missed() const {
@@ -282,10 +269,24 @@ CertifiedRun certify_run(std::uint64_t seed, const StudyWitness& witness) {
 }
 
 std::vector<CertifiedRun> study_false_records(const FalseRecordOptions& options) {
+    if (options.only) return {certify_run(*options.only, options.witness)};
     return results_of(options.runs, options.threads, [&](std::int64_t i) {
         return certify_run(options.seed * 4'000'037 + static_cast<std::uint64_t>(i),
                            options.witness);
     });
+}
+
+std::string run_line(const CertifiedRun& run) {
+    std::string text = fmt::format(
+        "  seed {}: {}, {:g} s, jerk {:g}; {:+.3f} km/h, stated +-{:.3f}, undetected {:.3f}; "
+        "window "
+        "from epoch {}{}\n",
+        run.seed, run.cell, run.length_s, run.jerk_density, run.error_m_s * 3.6,
+        run.expanded_m_s * 3.6, run.undetected_m_s * 3.6, run.first_epoch, run.witnesses);
+    for (const SupposedError& error : run.errors)
+        text += fmt::format("    {} of {} from epoch {}, {} epochs\n", to_text(error.kind),
+                            size_of(error), error.first + 1, error.epochs);
+    return text;
 }
 
 std::string false_records_table(const std::vector<CertifiedRun>& runs) {

@@ -58,9 +58,13 @@ struct FalseRecordOptions {
     std::uint64_t seed = 1;
     unsigned threads = 0;
     StudyWitness witness = {};
+    std::optional<std::uint64_t> only = std::nullopt;  ///< the run of this seed alone
 };
 
 std::vector<CertifiedRun> study_false_records(const FalseRecordOptions& options);
+
+/// A run with its errors and its witnesses, in words.
+std::string run_line(const CertifiedRun& run);
 
 /// By kind of error and altogether; then the runs that are furthest off.
 std::string false_records_table(const std::vector<CertifiedRun>& runs);

@@ -146,6 +146,7 @@ int main(int argc, char** argv) {
     false_records->add_flag("--second-receiver", records.witness.receiver,
                             "another receiver records too");
     false_records->add_option("--seed", records.seed)->capture_default_str();
+    false_records->add_option("--only", records.only, "the run of this seed, as the table has it");
     false_records->add_option("--threads", records.threads, "0: as many as there are")
         ->capture_default_str();
 
@@ -208,6 +209,9 @@ int main(int argc, char** argv) {
                 std::fflush(stdout);
             }
     if (screening->parsed()) print_screening(study);
-    if (false_records->parsed())
-        fmt::print("{}", false_records_table(study_false_records(records)));
+    if (false_records->parsed()) {
+        const auto certified = study_false_records(records);
+        if (records.only) fmt::print("{}", run_line(certified.front()));
+        fmt::print("{}", false_records_table(certified));
+    }
 }

@@ -111,12 +111,12 @@ Json settings_of_step(std::string_view step, const Attempt& attempt, const Json&
     if (step == "enu") settings["origin"] = document.value("origin", Json());
     const auto parameters = attempt.parameters.find(std::string(step));
     if (parameters != attempt.parameters.end()) settings["parameters"] = *parameters->second;
-    if (step == "screen") {
+    if (step == "screen" || step == "window")
         for (const Receiver& receiver : attempt.receivers)
             settings["phases"].push_back(has_phases(receiver));
+    if (step == "screen")
         for (const char* shared : {"error_time_min_s", "error_time_max_s"})
             settings["smooth"][shared] = attempt.parameters.at("smooth").at(shared);
-    }
     if (step == "window") {
         for (const char* shared : {"gap_max_s", "gap_factor", "phase_mask_deg"})
             settings["screen"][shared] = attempt.parameters.at("screen").at(shared);

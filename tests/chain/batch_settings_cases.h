@@ -178,10 +178,10 @@ inline constexpr const char* receiver_changes = R"yaml(
 - {key: "receivers[].recording[]", set: {/attempt/receivers/0/recording: [a.pos, b.pos]}, redoes: import}
 - {key: "receivers[].format", set: {/attempt/receivers/0/format: csv}, redoes: import}
 - {key: "receivers[].gpsbabel_type", set: {/attempt/receivers/0/gpsbabel_type: kml}, redoes: import}
-- {key: "receivers[].base", set: {/attempt/receivers/0/base: b.pos}, redoes: import screen}
+- {key: "receivers[].base", set: {/attempt/receivers/0/base: b.pos}, redoes: import screen window}
 - {key: "receivers[].navigation", set: {/attempt/receivers/0/navigation: b.pos}, redoes: import}
 - {key: "receivers[].navigation[]", set: {/attempt/receivers/0/navigation: [b.pos, a.pos]}, redoes: import}
-- {key: "receivers[].phase", set: {/attempt/receivers/0/phase: b.pos}, redoes: import screen}
+- {key: "receivers[].phase", set: {/attempt/receivers/0/phase: b.pos}, redoes: import screen window}
 - {key: "receivers[].base_position.latitude_deg", set: {/attempt/receivers/0/base_position: {latitude_deg: 1, longitude_deg: 2, height_m: 3}}, redoes: import}
 - {key: "receivers[].base_position.longitude_deg", set: {/attempt/receivers/0/base_position: {latitude_deg: 1, longitude_deg: 3, height_m: 3}}, redoes: import}
 - {key: "receivers[].base_position.height_m", set: {/attempt/receivers/0/base_position: {latitude_deg: 1, longitude_deg: 2, height_m: 4}}, redoes: import}

@@ -58,7 +58,8 @@ std::vector<Change> parameter_changes(const Attempt& attempt) {
         change.edits["/attempt/parameters/" + names[1] + "/" + names[2]] =
             other_value(rule, attempt.parameters.at(names[1]).at(names[2]));
         if (names[2].starts_with("error_time_")) change.redone.insert("screen");
-        if (names[2].starts_with("gap_")) change.redone.insert("window");
+        if (names[2].starts_with("gap_") || names[2] == "phase_mask_deg")
+            change.redone.insert("window");
         changes.push_back(std::move(change));
     }
     return changes;

@@ -36,11 +36,6 @@ Json span_between(const std::string& name, const char* kind, double from, double
             {"to", rounded(to, 6)}};
 }
 
-void add_window_span(Json& spans, const Json& window, const std::string& name, const char* kind) {
-    const double start = window["start_time_s"].get<double>();
-    spans.push_back(span_between(name, kind, start, start + window["duration_s"].get<double>()));
-}
-
 /// The windows of all rules, certified and refused, and those that make a figure with them.
 Json window_spans(const Json& profiles) {
     Json spans = Json::array();
@@ -175,6 +170,11 @@ void add_counting_speeds(Json& figure, Range& speeds, const Json& profile, doubl
 }
 
 }  // namespace
+
+void add_window_span(Json& spans, const Json& window, const std::string& name, const char* kind) {
+    const double start = window["start_time_s"].get<double>();
+    spans.push_back(span_between(name, kind, start, start + window["duration_s"].get<double>()));
+}
 
 std::size_t thinning(std::size_t rows) {
     return 1 + rows / points_of_a_line;

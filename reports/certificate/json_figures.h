@@ -22,6 +22,9 @@ nlohmann::ordered_json residual_figure(const ReceiverResults& results);
 /// The statistics of screening's tests over their thresholds; null where there are none.
 nlohmann::ordered_json test_figure(const ScreenedTable& table);
 
+/// Adds the stretch of a window to a figure's spans, of kind "window" or "refused".
+void add_window_span(nlohmann::ordered_json& spans, const nlohmann::ordered_json& window,
+                     const std::string& name, const char* kind);
 /// Adds the speed by carrier phases to the figure of a window.
 void add_phase_speed(nlohmann::ordered_json& figure, const PhaseView& view);
 /// Sky, satellites over time, residuals, and displacements beside the positions'; none where the

@@ -110,11 +110,7 @@ Json bars_figure(const PhaseView& view, const Json& window, double from_s, doubl
     }
     for (const Curve* curve : {&bars, &slips})
         if (!curve->empty()) figure["curves"].push_back(curve->json());
-    const double start = window["start_time_s"].get<double>();
-    figure["spans"].push_back({{"span_name", "window"},
-                               {"span_kind", "window"},
-                               {"from", rounded(start, 6)},
-                               {"to", rounded(start + window["duration_s"].get<double>(), 6)}});
+    add_window_span(figure["spans"], window, "window", "window");
     for (const double time_s : view.refused_s)
         figure["spans"].push_back({{"span_name", "pair of epochs that could not be judged"},
                                    {"span_kind", "unusable"},
@@ -182,11 +178,7 @@ Json apart_figure(const PhaseView& view, const Json& window, double from_s, doub
     add("east", "blue", view.apart_east_m);
     add("north", "orange", view.apart_north_m);
     figure["levels"].push_back({{"level_name", "no difference"}, {"level", 0.0}});
-    const double start = window["start_time_s"].get<double>();
-    figure["spans"].push_back({{"span_name", "window"},
-                               {"span_kind", "window"},
-                               {"from", rounded(start, 6)},
-                               {"to", rounded(start + window["duration_s"].get<double>(), 6)}});
+    add_window_span(figure["spans"], window, "window", "window");
     set_axes(figure, from_s, to_s, values.least.value_or(0.0), values.most.value_or(0.0));
     return figure;
 }

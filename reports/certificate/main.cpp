@@ -19,14 +19,12 @@ using namespace runcert;
 namespace {
 
 /// The phases around the first certified window.
-void view_phases(StageRun& run, const Receiver& receiver, ReceiverResults& results) {
+void view_phases(const StageRun& run, auto& phases, auto& judged, ReceiverResults& results) {
     constexpr double around_s = 10.0;
     const auto entry = std::ranges::find_if(
         results.windows.profiles, [](const ProfileWindows& one) { return one.best.has_value(); });
     const ScreenedTable& screened = results.screened;
     if (entry == results.windows.profiles.end() || !screened.facts.first_epoch) return;
-    auto phases = run.open(products::phase, receiver, open_phase);
-    auto judged = run.open(products::screened_phase, receiver, open_screened_phase);
     const GpsTime first = phases.head().first_epoch;
     const WindowSpan& span = entry->best->span;
     const double start_s =
@@ -50,13 +48,20 @@ ReceiverResults gather_receiver(StageRun& run, const Receiver& receiver) {
     results.observations = run.read(products::observations, receiver, read_observations);
     results.enu_header = run.read(products::enu, receiver, read_enu).header;
     results.screened = run.read(products::screened, receiver, read_screened);
-    if (has_phases(receiver)) {
-        (void)run.open(products::phase, receiver, open_phase);
-        results.phases = run.open(products::screened_phase, receiver, open_screened_phase).head();
+    const auto read_the_rest = [&] {
+        results.trajectory = run.read(products::trajectory, receiver, read_trajectory);
+        results.windows = run.read(products::windows, receiver, read_windows);
+    };
+    if (!has_phases(receiver)) {
+        read_the_rest();
+        return results;
     }
-    results.trajectory = run.read(products::trajectory, receiver, read_trajectory);
-    results.windows = run.read(products::windows, receiver, read_windows);
-    if (has_phases(receiver)) view_phases(run, receiver, results);
+    auto phases = run.open(products::phase, receiver, open_phase);
+    auto judged = run.open(products::screened_phase, receiver, open_screened_phase);
+    results.phases = judged.head();
+    read_the_rest();
+    // Only the judged receiver's are drawn.
+    if (&receiver == &run.attempt().receivers.front()) view_phases(run, phases, judged, results);
     return results;
 }
 

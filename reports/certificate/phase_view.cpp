@@ -121,9 +121,9 @@ class View {
 
 }  // namespace
 
-std::optional<PhaseView> phase_view(const JudgedPhases& phases, const GpsTime& first_of_phases,
+std::optional<PhaseView> phase_view(JudgedPhases phases, const GpsTime& first_of_phases,
                                     const TrajectoryTable& trajectory, double window_s) {
-    const auto shared = std::make_shared<const JudgedPhases>(phases);
+    const auto shared = std::make_shared<const JudgedPhases>(std::move(phases));
     const auto witness = phase_witness<2>(shared, first_of_phases, trajectory.facts.first_epoch,
                                           trajectory.origin, 0.0);
     if (!witness) return std::nullopt;

@@ -43,7 +43,7 @@ struct PhaseView {
 /// Of the epochs of these phases. `window_s`: length of the window whose displacements are
 /// compared. Empty lists where the phases say nothing; nothing where the positions have no place or
 /// time.
-std::optional<PhaseView> phase_view(const JudgedPhases& phases, const GpsTime& first_of_phases,
+std::optional<PhaseView> phase_view(JudgedPhases phases, const GpsTime& first_of_phases,
                                     const TrajectoryTable& trajectory, double window_s);
 
 }  // namespace runcert

@@ -147,10 +147,10 @@ double median(std::vector<double> values) {
     require_count(values.size(), 1);
     if (std::any_of(values.begin(), values.end(), [](double v) { return std::isnan(v); }))
         fail_statistics("a value is not a number", "Leave out missing values");
-    std::sort(values.begin(), values.end());
-    const std::size_t half = values.size() / 2;
-    if (values.size() % 2 == 1) return values[half];
-    return 0.5 * values[half - 1] + 0.5 * values[half];
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    if (values.size() % 2 == 1) return *middle;
+    return 0.5 * *std::max_element(values.begin(), middle) + 0.5 * *middle;
 }
 
 }  // namespace runcert

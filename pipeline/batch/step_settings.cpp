@@ -6,6 +6,7 @@
 #include <string>
 
 #include "run/attempt_files.h"
+#include "run/steps.h"
 
 namespace runcert {
 namespace {
@@ -79,9 +80,6 @@ Json window_rules(const Json& document) {
 void add_window_settings(Json& settings, const Json& document,
                          const std::vector<HeldJson>& profiles) {
     settings["course"] = document.value("course", Json());
-    for (const char* series : {"wheel", "gates"})
-        if (document.contains(series))
-            settings[series] = without(document.at(series), std::array{"source"});
     settings["rules"] = window_rules(document);
     for (const Json& receiver : document.at("receivers"))
         settings["antennas"].push_back(
@@ -111,6 +109,10 @@ Json settings_of_step(std::string_view step, const Attempt& attempt, const Json&
     if (step == "enu") settings["origin"] = document.value("origin", Json());
     const auto parameters = attempt.parameters.find(std::string(step));
     if (parameters != attempt.parameters.end()) settings["parameters"] = *parameters->second;
+    for (const std::string_view series : step_named(step).hears)
+        if (document.contains(series))
+            settings[std::string(series)] =
+                without(document.at(std::string(series)), std::array{"source"});
     if (step == "screen" || step == "window")
         for (const Receiver& receiver : attempt.receivers)
             settings["phases"].push_back(has_phases(receiver));

@@ -6,8 +6,9 @@
 namespace runcert {
 
 template <int Axes>
-ReceiverWitness<Axes>::ReceiverWitness(std::vector<OtherReceiverEpoch<Axes>> epochs)
-    : epochs_(std::move(epochs)) {}
+ReceiverWitness<Axes>::ReceiverWitness(std::vector<OtherReceiverEpoch<Axes>> epochs,
+                                       double longest_step_s)
+    : epochs_(std::move(epochs)), longest_step_s_(longest_step_s) {}
 
 template <int Axes>
 std::optional<typename ReceiverWitness<Axes>::Place> ReceiverWitness<Axes>::place_of(
@@ -22,6 +23,7 @@ std::optional<typename ReceiverWitness<Axes>::Place> ReceiverWitness<Axes>::plac
     if (after == epochs_.end() || after->stretch != a.stretch) return std::nullopt;
     const OtherReceiverEpoch<Axes>& b = *after;
     const double h = b.time_s - a.time_s;
+    if (h > longest_step_s_) return std::nullopt;
     const double s = (time_s - a.time_s) / h;
     const double s2 = s * s, s3 = s2 * s, s4 = s3 * s, s5 = s4 * s;
     const double to_b = 10.0 * s3 - 15.0 * s4 + 6.0 * s5;

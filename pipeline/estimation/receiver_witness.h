@@ -27,8 +27,9 @@ struct OtherReceiverEpoch {
 template <int Axes>
 class ReceiverWitness final : public Witness<Axes> {
   public:
-    /// Epochs with increasing times.
-    explicit ReceiverWitness(std::vector<OtherReceiverEpoch<Axes>> epochs);
+    /// Epochs with increasing times. Between two that are further apart than `longest_step_s` it
+    /// does not know where the craft was.
+    ReceiverWitness(std::vector<OtherReceiverEpoch<Axes>> epochs, double longest_step_s);
 
     std::optional<WitnessedMotion<Axes>> between(double from_s, double to_s) const override;
     TimeSpan covered() const override;
@@ -45,6 +46,7 @@ class ReceiverWitness final : public Witness<Axes> {
     std::optional<Place> place_of(double time_s) const;
 
     std::vector<OtherReceiverEpoch<Axes>> epochs_;
+    double longest_step_s_;
 };
 
 }  // namespace runcert

@@ -107,6 +107,7 @@ std::optional<DisplacementSpread> displacement_spread(
     for (const SpanDifference<Axes>& one : all)
         if (one.speed_m_s >= least_m_s) squares.push_back(one.difference_m.squaredNorm());
     DisplacementSpread spread{.span_s = span_s, .spans = std::ssize(squares)};
+    spread.least_speed_m_s = least_m_s;
     // Spans follow one another by a tenth of their length, or by an interval where that is more.
     const double interval_s = (positions.back().time_s - positions.front().time_s) /
                               static_cast<double>(std::max<std::size_t>(positions.size(), 2) - 1);
@@ -137,7 +138,9 @@ std::vector<ContradictedSpan> contradicted_spans(std::span<const TimedPosition<2
             continue;
         const auto moved = witness.between(begin.time_s, end.time_s);
         if (!moved) continue;
-        const Vector2d difference = end.position - begin.position - moved->displacement_m;
+        const Vector2d way = end.position - begin.position;
+        if (way.norm() < test.least_speed_m_s * (end.time_s - begin.time_s)) continue;
+        const Vector2d difference = way - moved->displacement_m;
         const Matrix2d covariance =
             moved->covariance_m2 +
             (variance_of_span(begin, end, test) + lasting_m * lasting_m) * Matrix2d::Identity();

@@ -26,6 +26,7 @@ struct DisplacementSpread {
     double independent = 0.0;  ///< so many lengths of span are covered
     double sd_m = 0.0;         ///< robust standard deviation, each axis
     double sd_upper_m = 0.0;   ///< not exceeded with a probability of 95 %, for normal errors
+    double least_speed_m_s = 0.0;  ///< of the spans that were compared
 };
 
 /// The spread over spans of `span_s`, of those during which the craft moved at half the speed of
@@ -62,6 +63,7 @@ struct SpanTest {
     /// The arc must go on for so long beyond the span: what a witness is asked for there must not
     /// be of another arc.
     double ahead_s = 0.0;
+    double least_speed_m_s = 0.0;  ///< slower spans are not tested
     double threshold = 0.0;  ///< of chi-squared with two degrees of freedom
 };
 

@@ -241,4 +241,12 @@ MeasuredSeries read_series(std::string_view text, const std::string& where,
     return series;
 }
 
+std::vector<TimedValue> timed_values(const MeasuredSeries& series) {
+    std::vector<TimedValue> values;
+    values.reserve(series.samples.size());
+    for (const SeriesSample& sample : series.samples)
+        values.push_back({.time_s = sample.time_s, .value = sample.value});
+    return values;
+}
+
 }  // namespace runcert

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/gps_time.h"
+#include "core/timed_value.h"
 
 namespace runcert {
 
@@ -40,5 +41,8 @@ struct MeasuredSeries {
 /// `first_epoch` is empty, the recording's times being relative.
 MeasuredSeries read_series(std::string_view text, const std::string& where,
                            const std::optional<GpsTime>& first_epoch, SeriesKind kind);
+
+/// Times and values of the samples.
+std::vector<TimedValue> timed_values(const MeasuredSeries& series);
 
 }  // namespace runcert

@@ -145,12 +145,10 @@ std::vector<AttemptFile> series_files(const Attempt& attempt) {
     return files;
 }
 
-std::vector<AttemptFile> witness_files(const Attempt& attempt) {
-    std::vector<AttemptFile> files = series_files(attempt);
-    std::erase_if(files, [](const AttemptFile& file) {
-        return file.role != "wheel" && file.role != "gates";
-    });
-    return files;
+SeriesKind kind_of_series(std::string_view key) {
+    return key == "wheel"   ? SeriesKind::wheel
+           : key == "gates" ? SeriesKind::gates
+                            : SeriesKind::flow;
 }
 
 std::string find_series(const AttemptFile& file, const Attempt& attempt,
@@ -179,8 +177,13 @@ void bring_in_claim(const Attempt& attempt, std::string_view text, const Attempt
         require_course(with_replaced_figures(std::move(rule), attempt), attempt, source);
         write_file_atomically(run_dir / profile_copy_name(claimed), profile);
     }
-    for (const AttemptFile& file : series_files(attempt))
-        write_file_atomically(run_dir / file.name, find_series(file, attempt, source));
+    for (const AttemptFile& file : series_files(attempt)) {
+        const std::string series = find_series(file, attempt, source);
+        // What is no such series is said before anything is computed. Whether its times fit those
+        // of the recording, which are not known yet, the stage says that reads it.
+        read_series(series, file.original, GpsTime{}, kind_of_series(file.role));
+        write_file_atomically(run_dir / file.name, series);
+    }
     write_file_atomically(run_dir / attempt_copy_name, text);
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "files/atomic_file.h"
+#include "files/measured_series.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/profile/profile.h"
 
@@ -57,8 +58,8 @@ std::string find_profile(const std::string& claimed, const AttemptSource& source
 /// The series that the attempt names, with their keys as roles ("wind", "current", "wheel",
 /// "gates") and the names "wind.csv" and so on in a run folder.
 std::vector<AttemptFile> series_files(const Attempt& attempt);
-/// Those of them that are witnesses of the positions: "wheel" and "gates".
-std::vector<AttemptFile> witness_files(const Attempt& attempt);
+/// What a series handed in under that key holds.
+SeriesKind kind_of_series(std::string_view key);
 
 /// The text of one of them, found and refused as above.
 std::string find_series(const AttemptFile& file, const Attempt& attempt,
@@ -66,7 +67,7 @@ std::string find_series(const AttemptFile& file, const Attempt& attempt,
 
 /// Brings what is neither a recording nor made of one into a run folder: the series that
 /// it names, the claimed profiles, and the attempt itself, whose `text` is given. Failure where one
-/// cannot be found, and where a profile needs a course that the attempt does not give.
+/// cannot be found, where a series cannot be read, and where a profile needs a course that the attempt does not give.
 void bring_in_claim(const Attempt& attempt, std::string_view text, const AttemptSource& source,
                     const std::filesystem::path& run_dir);
 

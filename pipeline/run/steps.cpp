@@ -45,6 +45,15 @@ Names files_of(const std::vector<ProductFile>& products, const Attempt& attempt,
     return names;
 }
 
+/// The series that the step reads as witnesses.
+Names heard_files(const Step& step, const Attempt& attempt) {
+    Names names;
+    for (const AttemptFile& file : series_files(attempt))
+        if (std::ranges::find(step.hears, file.role) != step.hears.end())
+            names.push_back(file.name);
+    return names;
+}
+
 /// Whether what a stage writes is of the whole run.
 bool is_of_run(const Step& step) {
     return !step.products.empty() && !step.products.front().each_receiver;
@@ -67,7 +76,8 @@ const std::vector<Step>& steps() {
         {.name = "screen",
          .program = "runcert-screen",
          .products = {screened, screened_phase},
-         .made_from = {products::enu, phase}},
+         .made_from = {products::enu, phase},
+         .hears = {"wheel"}},
         {.name = "smooth",
          .program = "runcert-smooth",
          .products = {trajectory},
@@ -76,7 +86,7 @@ const std::vector<Step>& steps() {
          .program = "runcert-window",
          .products = {windows},
          .made_from = {screened, trajectory, phase, screened_phase},
-         .hears_witnesses = true},
+         .hears = {"wheel", "gates"}},
         {.name = "check",
          .program = "runcert-check",
          .products = {verdict},
@@ -111,12 +121,11 @@ Names inputs_of(const Step& step, const Attempt& attempt) {
     Names names;
     if (is_of_run(step)) {
         names = claim_files(attempt);
-        for (const AttemptFile& file : witness_files(attempt))
-            std::erase(names, file.name);
+        for (const Step& other : steps())
+            for (const std::string& file : heard_files(other, attempt))
+                std::erase(names, file);
     }
-    if (step.hears_witnesses)
-        for (const AttemptFile& file : witness_files(attempt))
-            names.push_back(file.name);
+    append(names, heard_files(step, attempt));
     for (const Receiver& receiver : attempt.receivers)
         append(names, files_of(step.made_from, attempt, receiver));
     return names;
@@ -167,9 +176,7 @@ RunInventory inventory_of(const Attempt& attempt) {
                 Names& needed = inventory.made_from[file];
                 needed =
                     step.made_from.empty() ? recorded : files_of(step.made_from, attempt, receiver);
-                if (step.hears_witnesses)
-                    for (const AttemptFile& series : witness_files(attempt))
-                        needed.push_back(series.name);
+                append(needed, heard_files(step, attempt));
             }
         }
     }

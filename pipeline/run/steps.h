@@ -20,7 +20,8 @@ struct Step {
     std::vector<std::string> calls = {};      ///< programs of others that it may run
     std::vector<ProductFile> products = {};   ///< what a stage writes, its own first
     std::vector<ProductFile> made_from = {};  ///< the products that it reads at least
-    bool hears_witnesses = false;             ///< it reads the series that are witnesses, too
+    /// The attempt's keys of the series that it reads besides, as witnesses.
+    std::vector<std::string_view> hears = {};
 };
 
 /// The steps, in their order: the one list that certify, batch, verify and the inventory go by.

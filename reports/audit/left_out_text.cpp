@@ -24,11 +24,11 @@ std::string out_of_order(RowSpan rows) {
     return fmt::format("{}{}", words_of(rows.front().reason), by.empty() ? "" : ": by " + by);
 }
 
-/// By how much, and where to, positions and carrier phases part.
-std::string phases(RowSpan rows) {
+/// By how much, and where to, positions and a witness part.
+std::string contradicted(std::string_view witness, RowSpan rows) {
     const EstimatedError& apart = rows.front().estimated;
-    std::string text = rows.size() == 1 ? "the carrier phases contradict its position"
-                                        : "the carrier phases contradict their positions";
+    std::string text = fmt::format("the {} contradict {}", witness,
+                                   rows.size() == 1 ? "its position" : "their positions");
     if (apart.east_m && apart.north_m)
         text += ": by " + components(apart);
     return text;
@@ -166,7 +166,9 @@ std::string left_out_text(const ScreenedTable& table, const AuditEntry& entry) {
             return one ? "the recorded velocity contradicts its position"
                        : "the recorded velocities contradict their positions";
         case Reason::phase:
-            return phases(rows);
+            return contradicted("carrier phases", rows);
+        case Reason::wheel:
+            return contradicted("speeds of the wheel", rows);
         case Reason::physical_limit:
             return physical_limit(table, rows);
         case Reason::baseline:

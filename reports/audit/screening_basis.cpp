@@ -175,6 +175,8 @@ std::vector<Block> basis_blocks(const ScreenedTable& table, const AuditSubject& 
     say(basis.velocity
             ? fmt::format("Recorded velocities: {}.", velocity_comparison_text(*basis.velocity))
             : "Velocities. None, or fewer than 30, were recorded.");
+    for (const DisplacementComparison& each : basis.displacements)
+        say(displacement_comparison_text(each) + ".");
     say(time_text(table));
     Entries faults{.items = {}, .nested = true};
     for (const TimeFault& fault : basis.time.faults)

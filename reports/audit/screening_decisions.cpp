@@ -57,6 +57,7 @@ bool has_tested(Reason reason) {
         case Reason::model:
         case Reason::velocity:
         case Reason::phase:
+        case Reason::wheel:
         case Reason::baseline:
             return true;
         default:

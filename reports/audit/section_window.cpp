@@ -107,6 +107,27 @@ std::string monte_carlo_text(const MonteCarloCheck& check) {
         format_fixed(check.upper_m_s, 6), check.converged ? "settled" : "NOT SETTLED");
 }
 
+std::string witness_text(const WitnessedSpeed& one) {
+    std::string text = fmt::format(
+        "{} by {}, standard uncertainty {} m/s; positions less witness {} m/s, normalised "
+        "error {}: {}; the displacements differ by {} m{}; counts by {}",
+        file_speed_text(one.speed_m_s),
+        one.receiver.empty() ? std::string(words_of(one.kind))
+                             : fmt::format("the positions of receiver \"{}\"", one.receiver),
+        quantity_text(one.standard_uncertainty_m_s), quantity_text(one.difference_m_s),
+        format_fixed(one.normalised_error, 2),
+        one.normalised_error <= 1.0 ? "agrees" : "DOES NOT AGREE", quantity_text(one.apart_m),
+        one.apart_azimuth_deg
+            ? fmt::format(" towards {} degrees from north", format_fixed(*one.apart_azimuth_deg, 0))
+            : "",
+        format_fixed(one.share, 3));
+    if (one.kind == WitnessKind::phases)
+        text += fmt::format("; {}, {}, {}", counted(one.satellites.value_or(0), "satellite"),
+                            counted(one.slips.value_or(0), "slip"),
+                            counted(one.refusals.value_or(0), "refusal"));
+    return text;
+}
+
 Facts checks_of(const CertifiableWindow& best) {
     Facts facts;
     const auto add = [&](const char* name, std::string value) {
@@ -122,6 +143,8 @@ Facts checks_of(const CertifiableWindow& best) {
     if (best.bound) add("Bound", bound_text(*best.bound));
     if (best.selection) add("Choice of the fastest", selection_text(*best.selection));
     if (best.monte_carlo) add("Check of linearisation", monte_carlo_text(*best.monte_carlo));
+    for (const WitnessedSpeed& one : best.witnesses)
+        add("Witness", witness_text(one));
     for (const UndetectedError& error : best.reliability)
         add("Undetected error", fmt::format("{}, {} {}: changes the speed by {} m/s",
                                             tested_error_text(error.hypothesis), size_text(error),
@@ -179,6 +202,8 @@ Section window_section(const RunRecord& record, const ReceiverRecord& one, bool 
                                           counted(std::ssize(windows.profiles), "rule"), all)};
     for (Block& block : parameter_blocks(record.attempt, windows.header, all))
         section.blocks.push_back(std::move(block));
+    if (!windows.witness_notes.empty())
+        section.blocks.emplace_back(Entries{.items = windows.witness_notes});
     for (const ProfileWindows& each : windows.profiles)
         section.parts.push_back(rule_windows(each));
     return section;

@@ -54,6 +54,9 @@ Noun decided_for(Hypothesis hypothesis) {
         case Hypothesis::phase:
             return {"position that the carrier phases contradict",
                     "positions that the carrier phases contradict"};
+        case Hypothesis::wheel:
+            return {"position that the speeds of the wheel contradict",
+                    "positions that the speeds of the wheel contradict"};
         case Hypothesis::acceleration:
             return {"acceleration that the craft cannot make",
                     "accelerations that the craft cannot make"};

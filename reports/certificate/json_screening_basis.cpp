@@ -94,6 +94,8 @@ Json screening_basis_facts(const ScreeningBasis& basis) {
     facts.push_back(fact("Recorded velocities", basis.velocity
                                                     ? velocity_comparison_text(*basis.velocity)
                                                     : "too few were recorded to compare"));
+    for (const DisplacementComparison& each : basis.displacements)
+        facts.push_back(fact("Displacements by a witness", displacement_comparison_text(each)));
     if (basis.device)
         facts.push_back(
             fact("Signs of positions that were not measured", device_signs_text(*basis.device)));

@@ -61,7 +61,8 @@ Json witnesses_json(const std::vector<WitnessedSpeed>& witnesses, const Uncertai
         json.back()["witness_words"] = fmt::format(
             "{}: {}, by positions {}; the two {} (normalised error {:.2f}, at most 1). Beside it "
             "errors of the positions of any kind change the speed by {} at most (k = 2)",
-            words_of(one.kind),
+            one.receiver.empty() ? std::string(words_of(one.kind))
+                                 : fmt::format("positions of receiver “{}”", one.receiver),
             speed_with_uncertainty_text(
                 one.speed_m_s, scale.coverage_factor * one.standard_uncertainty_m_s, scale.unit),
             difference_text(one.difference_m_s, scale),

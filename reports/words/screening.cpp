@@ -93,6 +93,19 @@ std::string baseline_comparison_text(const BaselineComparison& baseline) {
         counted(baseline.compared, "epoch"), counted(baseline.rejected));
 }
 
+std::string displacement_comparison_text(const DisplacementComparison& comparison) {
+    const std::string name =
+        comparison.receiver.empty()
+            ? capitalised(words_of(comparison.kind))
+            : fmt::format("Displacements by receiver “{}”", comparison.receiver);
+    if (comparison.spreads.empty())
+        return name + ": too few spans have both to compare the displacements";
+    const VelocitySpread& spread = comparison.spreads.front();
+    return fmt::format("{}: over {:g} s they differ by {} m per axis ({}) and contradict {}", name,
+                       spread.span_s, format_fixed(spread.sd_m, 3), counted(spread.spans, "span"),
+                       counted(comparison.rejected, "epoch"));
+}
+
 std::string tested_error_text(Hypothesis hypothesis) {
     switch (hypothesis) {
         case Hypothesis::outlier:

@@ -33,6 +33,10 @@ std::string time_fault_text(const TimeFault& fault);
 /// "“mast”: antennas 1.204 m apart, standard deviation 0.006 m over 601 epochs; contradicted at 3".
 std::string baseline_comparison_text(const BaselineComparison& baseline);
 
+/// "Carrier phases of the receiver's raw signals: over 3 s they differ by 0.012 m per axis (57
+/// spans) and contradict 2 epochs", without its end.
+std::string displacement_comparison_text(const DisplacementComparison& comparison);
+
 /// An error that the tests look for: "outlier of one epoch", "step of the positions".
 std::string tested_error_text(Hypothesis hypothesis);
 

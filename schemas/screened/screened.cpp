@@ -17,6 +17,7 @@ bool rejected_by_test(Reason reason) {
         case Reason::model:
         case Reason::velocity:
         case Reason::phase:
+        case Reason::wheel:
         case Reason::physical_limit:
         case Reason::baseline:
             return true;

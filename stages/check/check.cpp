@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/prose.h"
+#include "core/text.h"
 #include "reports/words/figures.h"
 #include "reports/words/outcome.h"
 #include "stages/check/context.h"
@@ -65,16 +66,14 @@ std::string refused_for_robust(const std::optional<RobustSpeed>& robust,
 
 /// Why a window that a witness contradicts forbids a certificate; empty where none does.
 std::string refused_for_witnesses(const std::vector<WitnessedSpeed>& witnesses) {
-    // A second receiver is judged by what the two do not share (`Agreement`).
-    const auto one = std::ranges::find_if(witnesses, [](const WitnessedSpeed& witness) {
-        return witness.normalised_error > 1.0 && witness.kind != WitnessKind::receiver;
-    });
+    const auto one = std::ranges::find_if(
+        witnesses, [](const WitnessedSpeed& witness) { return witness.normalised_error > 1.0; });
     if (one == witnesses.end()) return {};
     return fmt::format(
-        "The {} give {:+.3f} km/h against the positions over the window, in size or direction more "
-        "than both uncertainties allow (normalised error {:.2f}): one of the two is wrong. The "
+        "{} give {:+.3f} km/h against the positions over the window, in size or direction more than "
+        "both uncertainties allow (normalised error {:.2f}): one of the two is wrong. The "
         "displacements differ by {:.3f} m{}.",
-        words_of(one->kind), -one->difference_m_s * 3.6, one->normalised_error, one->apart_m,
+        capitalised(witness_name(*one)), -one->difference_m_s * 3.6, one->normalised_error, one->apart_m,
         one->apart_azimuth_deg
             ? fmt::format(", towards {:.0f} degrees from north", *one->apart_azimuth_deg)
             : std::string());
@@ -139,13 +138,6 @@ std::string refusal_of(const ClauseContext& context, const std::vector<Requireme
             [](const auto& window) { return refused_for_witnesses(window.witnesses); });
         !refused.empty())
         return refused;
-    if (context.agreement && context.agreement->contradicts())
-        return fmt::format(
-            "Receiver \"{}\" gives {:+.3f} km/h over the same time, more than both uncertainties "
-            "allow (normalised error {:.2f}): one of the two receivers is wrong.",
-            context.input.secondary->receiver,
-            (context.agreement->other_m_s - context.agreement->judged_m_s) * 3.6,
-            context.agreement->normalised_error);
     if (context.declared && context.declared->contradicts())
         return fmt::format(
             "The second method ({}) gives {:+.3f} km/h against the first, more than both "
@@ -327,7 +319,6 @@ ProfileVerdict judge(const CheckInput& input, const Profile& profile) {
 
 void ScreenedSelection::add(const ScreenedEpoch& row, const Windows& windows) {
     summary.add(row);
-    if (row.break_before == ArcBreak::bridged) bridged_epochs.push_back(row.epoch);
     for (const ProfileWindows& entry : windows.profiles)
         if (entry.best && row.epoch >= entry.best->span.first_epoch &&
             row.epoch <= entry.best->span.last_epoch)

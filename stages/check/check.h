@@ -31,7 +31,6 @@ struct ReceiverFindings {
     Windows windows;
     std::optional<FrameOrigin> origin = std::nullopt;  ///< of the trajectory
     std::vector<TrajectoryEpoch> trajectory = {};
-    std::vector<std::int64_t> bridged_epochs = {};  ///< whose positions jump by an unknown offset
     /// The screened epochs of each profile's best window, by the profile's id.
     std::map<std::string, std::vector<ScreenedEpoch>> window_epochs = {};
 
@@ -45,7 +44,6 @@ struct ReceiverFindings {
 /// What is gathered from the screened epochs, one by one.
 struct ScreenedSelection {
     ScreeningSummary summary;
-    std::vector<std::int64_t> bridged_epochs;
     /// Of the best window of each profile.
     std::map<std::string, std::vector<ScreenedEpoch>> window_epochs;
 
@@ -68,7 +66,7 @@ struct CheckInput {
 /// not_certifiable if a requirement that the data decide, other than the margin, is not met, if
 /// there is no certifiable window, if more than 1 % of the recording's records, or one inside the
 /// window, could not be read, if the rule subtracts the current and it is not known, or if a robust
-/// estimate, or the lack of one, the second receiver or a declared second method contradicts its
+/// estimate, or the lack of one, a witness or a declared second method contradicts its
 /// speed; else by `decide` against the record, not_proven without one. A speed below the record's
 /// is not_certifiable too where a window that was refused shows one that reaches it: not_beaten is
 /// never said from what was thrown away. Figures are rounded, for

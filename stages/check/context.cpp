@@ -156,17 +156,9 @@ void set_shown(ClauseContext& context) {
                              rule ? std::optional(rule->decimals) : std::nullopt);
 }
 
-void set_second_methods(ClauseContext& context) {
+void set_declared(ClauseContext& context) {
     const CheckInput& input = context.input;
     const CertifiableWindow& best = *context.windows.best;
-    if (input.secondary != nullptr && context.profile.dimension != Dimension::horizontal) {
-        context.agreement = Agreement{};
-        context.agreement->missing = "is compared by horizontal speed only";
-    } else if (input.secondary != nullptr) {
-        const auto& other = windows_of(input.secondary->windows, context.profile).best;
-        context.agreement =
-            compare_speeds(input.judged, best, *input.secondary, other ? &*other : nullptr);
-    }
     if (input.attempt.secondary_method)
         context.declared = compare_declared(
             {.speed_m_s = best.speed_m_s,
@@ -180,18 +172,18 @@ void set_second_methods(ClauseContext& context) {
 /// What else than the positions speaks for the window.
 void set_witnesses(ClauseContext& context) {
     for (const WitnessedSpeed& one : context.windows.best->witnesses)
-        // A second receiver is compared as its clause asks for.
-        if (one.normalised_error <= 1.0 && one.kind != WitnessKind::receiver)
-            context.witnesses.push_back(witness_text(one));
-    if (context.agreement && context.agreement->agrees())
-        context.witnesses.push_back(
-            fmt::format("receiver \"{}\" gives {:.3f} km/h over the same time",
-                        context.input.secondary->receiver, context.agreement->other_m_s * 3.6));
+        if (one.normalised_error <= 1.0) context.witnesses.push_back(witness_text(one));
     if (context.declared && context.declared->agrees())
         context.witnesses.push_back(second_method_text(*context.declared));
 }
 
 }  // namespace
+
+std::string witness_name(const WitnessedSpeed& one) {
+    return one.kind == WitnessKind::receiver
+               ? fmt::format("the positions of receiver \"{}\"", one.receiver)
+               : fmt::format("the {}", words_of(one.kind));
+}
 
 std::string witness_text(const WitnessedSpeed& one) {
     const std::string speed = speed_with_uncertainty_text(
@@ -204,9 +196,9 @@ std::string witness_text(const WitnessedSpeed& one) {
             "processing, gives {}; {} (normalised error {:.2f}, at most 1)",
             speed, agreement, one.normalised_error);
     return fmt::format(
-        "the {} give {} over the window, {:+.3f} km/h against the positions (normalised error "
-        "{:.2f}, at most 1)",
-        words_of(one.kind), speed, -one.difference_m_s * 3.6, one.normalised_error);
+        "{} give {} over the window, {:+.3f} km/h against the positions (normalised error {:.2f}, "
+        "at most 1)",
+        witness_name(one), speed, -one.difference_m_s * 3.6, one.normalised_error);
 }
 
 /// The drift that positions alone could not have shown, where nothing else was heard.
@@ -253,7 +245,7 @@ ClauseContext gather_context(const CheckInput& input, const Profile& profile,
         context.course = course_of(input.judged, profile, *best);
         context.wind = flow_of(input.wind, FlowKind::wind, *best, context.course);
         context.current = flow_of(input.current, FlowKind::current, *best, context.course);
-        set_second_methods(context);
+        set_declared(context);
         set_witnesses(context);
     } else {
         context.course.missing = "there is no certifiable window";

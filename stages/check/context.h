@@ -15,6 +15,9 @@ std::vector<CraftRun> runs_under(const Profile& profile, const ReceiverFindings&
 /// What a witness says of the window, in words.
 std::string witness_text(const WitnessedSpeed& one);
 
+/// Which witness it is, with "the".
+std::string witness_name(const WitnessedSpeed& one);
+
 /// The smallest drift (m/s) of the positions over the window that their tests would have found with
 /// the stated power; nothing where a witness was heard, or the rule takes recorded velocities.
 std::optional<double> unseen_drift_m_s(const ClauseContext& context);

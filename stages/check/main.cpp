@@ -4,6 +4,7 @@
 #include "reports/words/figures.h"
 #include "reports/words/outcome.h"
 #include "run/attempt_files.h"
+#include "run/handed_in_series.h"
 #include "run/stage_main.h"
 #include "stages/check/check.h"
 
@@ -44,7 +45,6 @@ ReceiverFindings gather(StageRun& run, const Receiver& receiver) {
             .windows = std::move(windows),
             .origin = trajectory.origin,
             .trajectory = std::move(trajectory.rows),
-            .bridged_epochs = std::move(selection.bridged_epochs),
             .window_epochs = std::move(selection.window_epochs)};
 }
 
@@ -54,17 +54,6 @@ void say_verdict(StageRun& run, const Verdict& verdict) {
             "{}: {}{}. {}", profile.profile, outcome_words(state_of(profile)).title,
             profile.shown ? fmt::format(" ({})", measured_speed_text(*profile.shown)) : "",
             profile.reason));
-}
-
-/// A series that the attempt names, of that role. It is spoken of by the attempt's name for it:
-/// the verdict must not hold the folder that it is made in.
-std::optional<MeasuredSeries> flow_of(StageRun& run, std::string_view role,
-                                      const std::optional<GpsTime>& first_epoch) {
-    for (const AttemptFile& file : series_files(run.attempt()))
-        if (file.role == role)
-            return read_series(run.read_text(file.role, file.name), file.original, first_epoch,
-                               SeriesKind::flow);
-    return std::nullopt;
 }
 
 void check_run(StageRun& run) {
@@ -78,8 +67,8 @@ void check_run(StageRun& run) {
     for (const Receiver& receiver : run.attempt().receivers)
         receivers.push_back(gather(run, receiver));
     const auto& first_epoch = receivers.front().facts.first_epoch;
-    const auto wind = flow_of(run, "wind", first_epoch);
-    const auto current = flow_of(run, "current", first_epoch);
+    const auto wind = handed_in_series(run, "wind", first_epoch);
+    const auto current = handed_in_series(run, "current", first_epoch);
     Verdict verdict = check({.attempt = run.attempt(),
                              .profiles = profiles,
                              .judged = receivers.front(),

@@ -127,27 +127,34 @@ std::vector<Figure> crossing_figures(const ClauseContext& context) {
     return figures;
 }
 
+/// Why the second receiver says nothing of the window.
+std::string_view silence_of_receiver(const CheckInput& input) {
+    if (!input.judged.facts.first_epoch || !input.secondary->facts.first_epoch)
+        return "cannot be compared: the time of a recording is relative (give its start_gps)";
+    if (input.judged.origin.has_value() != input.secondary->origin.has_value())
+        return "cannot be compared: only one of the two has a place on the Earth";
+    return "has no estimate without a break and a step over the whole of that time";
+}
+
 /// What the second receiver says.
 Finding by_receiver(const ClauseContext& context) {
     const std::string& receiver = context.input.secondary->receiver;
-    if (!context.agreement)
+    if (!context.windows.best)
         return {RequirementStatus::not_met, "there is no certifiable window to compare"};
-    const Agreement& agreement = *context.agreement;
-    if (!agreement.missing.empty())
-        return {RequirementStatus::not_met,
-                fmt::format("receiver \"{}\" {}", receiver, agreement.missing)};
-    return {agreement.agrees() ? RequirementStatus::met : RequirementStatus::not_met,
+    const auto& witnesses = context.windows.best->witnesses;
+    const auto one = std::ranges::find(witnesses, receiver, &WitnessedSpeed::receiver);
+    if (one == witnesses.end())
+        return {RequirementStatus::not_met, fmt::format("receiver \"{}\" {}", receiver,
+                                                        silence_of_receiver(context.input))};
+    return {one->normalised_error <= 1.0 ? RequirementStatus::met : RequirementStatus::not_met,
             fmt::format(
                 "receiver \"{}\" gives {:.3f} km/h over the same {:.3f} s, {:+.3f} km/h "
-                "against the primary one (displacement over time); normalised error "
-                "{:.2f}, at most 1, with what the two do not share: noise, each receiver's own "
-                "time-correlated error, antenna. They share base station, satellites, atmosphere, "
-                "frame and "
-                "time scale",
-                receiver, agreement.other_m_s * 3.6, context.windows.best->span.duration.seconds(),
-                (agreement.other_m_s - agreement.judged_m_s) * 3.6, agreement.normalised_error),
-            {{.name = "normalised error of receiver " + receiver,
-              .value = agreement.normalised_error}}};
+                "against the primary one; normalised error {:.2f}, at most 1, with what the two do "
+                "not share: noise, each receiver's own time-correlated error, antenna. They share "
+                "base station, satellites, atmosphere, frame and time scale",
+                receiver, one->speed_m_s * 3.6, context.windows.best->span.duration.seconds(),
+                -one->difference_m_s * 3.6, one->normalised_error),
+            {{.name = "normalised error of receiver " + receiver, .value = one->normalised_error}}};
 }
 
 /// What the method says that the attempt declares.

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "estimation/tables/runs.h"
-#include "stages/check/agreement.h"
+#include "stages/check/check.h"
 #include "stages/check/course.h"
 #include "stages/check/decision.h"
 #include "stages/check/declared_agreement.h"
@@ -21,8 +21,7 @@ struct ClauseContext {
     const CheckInput& input;
     const Profile& profile;
     const ProfileWindows& windows;
-    std::optional<Agreement> agreement = std::nullopt;         ///< where there is a second receiver
-    std::optional<DeclaredAgreement> declared = std::nullopt;  ///< and where a method is declared
+    std::optional<DeclaredAgreement> declared = std::nullopt;  ///< where a method is declared
     double coverage_factor = 2.0;
     /// What the rule counts: of its windows, less the current where it subtracts that.
     std::optional<SpeedPosterior> speed = std::nullopt;

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/prose.h"
 #include "core/statistics.h"
+#include "reports/words/screening.h"
 
 namespace runcert {
 namespace {
@@ -234,30 +236,22 @@ void add_velocity(const VelocityComparison& velocity, Statements& statements) {
         velocity.compared, velocity.scale_m_s, delay, velocity.rejected));
 }
 
-/// What the carrier phases say of the motion.
-void add_phases(const PhaseComparison& phases, Statements& statements) {
-    if (phases.spreads.empty()) {
-        statements.push_back(
-            "Too few spans of the recording have both positions and unbroken carrier phases for "
-            "the two to be compared while screening.");
-        return;
-    }
-    const VelocitySpread& spread = phases.spreads.front();
-    statements.push_back(fmt::format(
-        "Over {:g} s the displacements by carrier phases and by positions differ by {:.3f} m per "
-        "axis ({} spans); {} epochs contradicted them and were left out.",
-        spread.span_s, spread.sd_m, spread.spans, phases.rejected));
+/// What a witness says of the displacements.
+void add_displacements(const DisplacementComparison& found, Statements& statements) {
+    // Of the other receiver its own statement says what the vector between the antennas does.
+    if (found.kind == WitnessKind::receiver && found.rejected == 0) return;
+    statements.push_back(displacement_comparison_text(found) + ".");
 }
 
 /// What else than positions tests for slow drifts, in words; empty where nothing does.
 std::string slow_drift_tests(const ScreeningBasis& tests) {
-    std::string words;
+    std::vector<std::string> names;
     if (tests.velocity && tests.velocity->compared > 0)
-        words = fmt::format("recorded velocities, which agree to {:.3f} m/s per axis,",
-                            tests.velocity->scale_m_s);
-    if (tests.phases && !tests.phases->spreads.empty())
-        words += words.empty() ? "carrier phases" : " and the carrier phases";
-    return words;
+        names.push_back(fmt::format("recorded velocities, which agree to {:.3f} m/s per axis,",
+                                    tests.velocity->scale_m_s));
+    for (const DisplacementComparison& one : tests.displacements)
+        if (!one.spreads.empty()) names.emplace_back(words_of(one.kind));
+    return listed(names);
 }
 
 /// What the other receiver says of this one's positions.
@@ -346,7 +340,8 @@ void add_screening(const ReceiverFindings& judged, Statements& statements) {
                             to_text(model.axes), model.measurement_scale));
     add_kinds(tests.fix_types, statements);
     add_time(tests.time, statements);
-    if (tests.phases) add_phases(*tests.phases, statements);
+    for (const DisplacementComparison& one : tests.displacements)
+        add_displacements(one, statements);
     if (tests.velocity) add_velocity(*tests.velocity, statements);
     if (tests.baseline) add_baseline(*tests.baseline, statements);
     add_drift(judged, statements);

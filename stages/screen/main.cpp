@@ -4,6 +4,7 @@
 
 #include "estimation/tables/phase_rows.h"
 #include "files/atomic_file.h"
+#include "run/handed_in_series.h"
 #include "run/stage_main.h"
 #include "stages/screen/phases.h"
 #include "stages/screen/screen.h"
@@ -55,10 +56,16 @@ int main(int argc, char** argv) {
                 own = read_and_screen_phases(run, receiver, table);
                 witness = own->witness<2>(table, config.jerk_density);
             }
-            std::vector<const Witness<2>*> heard;
+            std::vector<ScreeningWitnesses> beside;
             for (const auto& witness : witnesses)
-                heard.push_back(witness ? &*witness : nullptr);
-            std::vector<ScreenedTable> screened = screen_receivers(tables, config, heard);
+                beside.push_back({.phases = witness ? &*witness : nullptr});
+            // The wheel is of the first receiver's craft and on its time.
+            std::vector<TimedValue> wheel_m_s;
+            if (const auto wheel =
+                    handed_in_series(run, "wheel", tables.front().facts.first_epoch))
+                wheel_m_s = timed_values(*wheel);
+            beside.front().wheel_m_s = wheel_m_s;
+            std::vector<ScreenedTable> screened = screen_receivers(tables, config, beside);
             for (std::size_t i = 0; i < screened.size(); ++i) {
                 // Each table rests on what was read of all receivers.
                 screened[i].header = run.header();

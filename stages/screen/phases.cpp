@@ -27,9 +27,6 @@ constexpr std::int64_t least_compared = 10;
 constexpr std::array standings{PhaseStanding::used,     PhaseStanding::no_phase,
                                PhaseStanding::no_orbit, PhaseStanding::unhealthy,
                                PhaseStanding::low,      PhaseStanding::half_cycle};
-constexpr std::array starts{ArcStart::start,        ArcStart::gap,           ArcStart::lost_lock,
-                            ArcStart::ephemeris,    ArcStart::geometry_free, ArcStart::displacement,
-                            ArcStart::uncontrolled, ArcStart::refused};
 constexpr std::array refusals{RefusalWord::few_satellites, RefusalWord::no_single_set,
                               RefusalWord::no_place};
 
@@ -189,8 +186,7 @@ void give_screened_rows(const ScreenedPhases& screened,
                 row.signal = record.signals[number].code;
                 row.standing = standings[static_cast<std::size_t>(finding.use)];
                 if (finding.arc > 0) row.arc = finding.arc;
-                if (finding.begins != PhaseBreak::none)
-                    row.begins = starts[static_cast<std::size_t>(finding.begins) - 1];
+                row.begins = start_of(finding.begins);
                 if (finding.correction != 0) row.correction = finding.correction;
                 if (slip != screening.slips.end() && slip->signal == number) {
                     row.statistic = slip->statistic;

@@ -1,11 +1,15 @@
 #include "stages/screen/screen.h"
 
 #include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 
 #include "core/parallel.h"
+#include "estimation/tables/handed_in.h"
+#include "estimation/tables/other_receiver.h"
+#include "estimation/tables/recorded_velocities.h"
 #include "estimation/tables/screening_noise.h"
 #include "stages/screen/baseline.h"
 #include "stages/screen/decisions.h"
@@ -122,52 +126,103 @@ void test_positions(ScreenedTable& screened, const ScreeningNoises& noises, cons
     mark_arcs(screened, vertical, options, basis);
 }
 
-/// The witnesses beside the positions: what they mark changes the motion, so that they are asked
-/// again.
-Motion check_witnesses_and_limits(ScreenedTable& screened, const ScreeningNoises& noises,
-                                  const TestPlan& plan, const ScreenConfig& config,
-                                  const Witness<2>* phases, ScreeningBasis& basis) {
-    constexpr int rounds = 4;
-    std::int64_t by_phases = 0;
-    std::int64_t velocities = 0;
-    std::int64_t limits = 0;
-    for (int round = 0; round < rounds; ++round) {
-        finish_arcs(screened.rows, config.bridged_s(screened.facts.nominal_interval_s),
-                    config.min_arc_epochs);
-        if (phases != nullptr) {
-            basis.phases = check_phases(screened.rows, *phases, screened.facts.nominal_interval_s,
-                                        plan.size());
-            const std::int64_t marked = basis.phases->rejected;
-            by_phases += marked;
-            basis.phases->rejected = by_phases;
-            if (marked > 0) continue;
-        }
-        const Motion motion = examine_arcs(screened, noises, plan, config.section_epochs);
-        VelocityFindings by_velocity = check_velocities(
-            screened.rows, motion,
-            {.delay_max_s = config.velocity_delay_max_s,
-             .nominal_interval_s = screened.facts.nominal_interval_s,
-             .jerk_density = noises.horizontal.model.motion.jerk_density,
-             .vertical_measured = screened.facts.vertical_measured,
-             .position_resolution_m = screened.facts.position_resolution_m.value_or(0.0),
-             .test_size = plan.size()});
-        basis.velocity = by_velocity.comparison;
-        basis.velocity_errors = std::move(by_velocity.errors);
-        const std::int64_t marked = basis.velocity ? basis.velocity->rejected : 0;
-        velocities += marked;
-        if (basis.velocity) basis.velocity->rejected = velocities;
-        if (marked > 0) continue;
-        PhysicalLimits allowed = config.limits;
-        allowed.test_size = plan.size();
-        basis.limits = check_limits(screened.rows, motion, allowed);
-        limits += basis.limits.rejected;
-        const bool done = basis.limits.rejected == 0;
-        basis.limits.rejected = limits;
-        if (done) return motion;
-    }
+/// What a check over arcs takes, beside the table.
+struct ArcCheck {
+    const ScreeningNoises& noises;
+    const TestPlan& plan;
+    const ScreenConfig& config;
+};
+
+void finish_arcs(ScreenedTable& screened, const ScreenConfig& config) {
     finish_arcs(screened.rows, config.bridged_s(screened.facts.nominal_interval_s),
                 config.min_arc_epochs);
-    return examine_arcs(screened, noises, plan, config.section_epochs);
+}
+
+/// Whether the witness marked anything.
+bool contradicts(ScreenedTable& screened, const DisplacementTest& test, const ArcCheck& check,
+                 ScreeningBasis& basis) {
+    DisplacementComparison found = check_displacements(
+        screened.rows, test, screened.facts.nominal_interval_s, check.plan.size());
+    const bool any = found.rejected > 0;
+    note(std::move(found), basis.displacements);
+    return any;
+}
+
+bool phases_contradict(ScreenedTable& screened, const Witness<2>* phases, const ArcCheck& check,
+                       ScreeningBasis& basis) {
+    if (phases == nullptr) return false;
+    return contradicts(screened,
+                       {.kind = WitnessKind::phases,
+                        .witness = phases,
+                        .mark = {.reason = Reason::phase, .hypothesis = Hypothesis::phase}},
+                       check, basis);
+}
+
+bool velocities_contradict(ScreenedTable& screened, const Motion& motion, const ArcCheck& check,
+                           ScreeningBasis& basis) {
+    VelocityFindings found = check_velocities(
+        screened.rows, motion,
+        {.delay_max_s = check.config.velocity_delay_max_s,
+         .nominal_interval_s = screened.facts.nominal_interval_s,
+         .jerk_density = check.noises.horizontal.model.motion.jerk_density,
+         .vertical_measured = screened.facts.vertical_measured,
+         .position_resolution_m = screened.facts.position_resolution_m.value_or(0.0),
+         .test_size = check.plan.size()});
+    const std::int64_t marked = found.comparison ? found.comparison->rejected : 0;
+    if (found.comparison && basis.velocity) found.comparison->rejected += basis.velocity->rejected;
+    basis.velocity = found.comparison;
+    basis.velocity_errors = std::move(found.errors);
+    return marked > 0;
+}
+
+bool wheel_contradicts(ScreenedTable& screened, const Motion& motion,
+                       std::span<const TimedValue> speeds_m_s, const ArcCheck& check,
+                       ScreeningBasis& basis) {
+    if (speeds_m_s.empty()) return false;
+    const auto wheel = wheel_witness(
+        speeds_m_s, timed_positions<2>(screened.rows), track_of(screened, motion),
+        check.noises.horizontal.model.motion.jerk_density);
+    if (!wheel) return false;
+    return contradicts(screened,
+                       {.kind = WitnessKind::wheel,
+                        .witness = &wheel->motion,
+                        .mark = {.reason = Reason::wheel, .hypothesis = Hypothesis::wheel},
+                        .single_epochs = false,
+                        .only_fast = true},
+                       check, basis);
+}
+
+bool limits_are_broken(ScreenedTable& screened, const Motion& motion, const ArcCheck& check,
+                       ScreeningBasis& basis) {
+    PhysicalLimits allowed = check.config.limits;
+    allowed.test_size = check.plan.size();
+    LimitComparison found = check_limits(screened.rows, motion, allowed);
+    const bool any = found.rejected > 0;
+    found.rejected += basis.limits.rejected;
+    basis.limits = found;
+    return any;
+}
+
+/// The witnesses beside the positions: what they mark changes the motion, so that they are asked
+/// again.
+Motion check_witnesses_and_limits(ScreenedTable& screened, const ArcCheck& check,
+                                  const ScreeningWitnesses& beside, ScreeningBasis& basis) {
+    constexpr int rounds = 4;
+    const auto examined = [&] {
+        return examine_arcs(screened, check.noises, check.plan, check.config.section_epochs);
+    };
+    for (int round = 0; round < rounds; ++round) {
+        finish_arcs(screened, check.config);
+        if (phases_contradict(screened, beside.phases, check, basis)) continue;
+        Motion motion = examined();
+        if (velocities_contradict(screened, motion, check, basis) ||
+            wheel_contradicts(screened, motion, beside.wheel_m_s, check, basis) ||
+            limits_are_broken(screened, motion, check, basis))
+            continue;
+        return motion;
+    }
+    finish_arcs(screened, check.config);
+    return examined();
 }
 
 /// A receiver screened by itself, and what its arcs are examined anew with.
@@ -179,7 +234,7 @@ struct ReceiverScreening {
 };
 
 ReceiverScreening screen_alone(const EnuTable& table, const ScreenConfig& config,
-                               const Witness<2>* phases) {
+                               const ScreeningWitnesses& beside) {
     ScreenedTable screened;
     screened.facts = table.facts;
     screened.origin = table.origin;
@@ -205,8 +260,7 @@ ReceiverScreening screen_alone(const EnuTable& table, const ScreenConfig& config
                                               .session_gap_s = config.session_gap_s});
     basis.device = find_device_signs(screened.rows, nominal_interval_s,
                                      table.facts.position_resolution_m.value_or(0.0));
-    finish_arcs(screened.rows, config.bridged_s(screened.facts.nominal_interval_s),
-                config.min_arc_epochs);
+    finish_arcs(screened, config);
     ScreeningNoises noises;
     {
         const ScreenedTable look = first_look(screened, config);
@@ -214,12 +268,44 @@ ReceiverScreening screen_alone(const EnuTable& table, const ScreenConfig& config
         noises = estimate_noises(look, config, basis);
     }
     test_positions(screened, noises, plan, config, basis);
-    Motion motion = check_witnesses_and_limits(screened, noises, plan, config, phases, basis);
+    Motion motion = check_witnesses_and_limits(
+        screened, {.noises = noises, .plan = plan, .config = config}, beside, basis);
     screened.basis = std::move(basis);
     return {.table = std::move(screened),
             .noises = std::move(noises),
             .plan = std::move(plan),
             .motion = std::move(motion)};
+}
+
+/// After marks: the arcs finished, and their motion estimated, anew.
+void examine_again(ReceiverScreening& one, const ScreenConfig& config) {
+    finish_arcs(one.table, config);
+    one.motion = examine_arcs(one.table, one.noises, one.plan, config.section_epochs);
+}
+
+/// Whether one of two receivers, as the witness of the other, contradicts it. Which of the two is
+/// wrong cannot be told: each marks the other.
+bool receivers_contradict(std::array<ReceiverScreening*, 2> pair, const ScreenConfig& config) {
+    const std::array tracks{track_of(pair[0]->table, pair[0]->motion),
+                            track_of(pair[1]->table, pair[1]->motion)};
+    bool any = false;
+    for (const std::size_t own : {0U, 1U}) {
+        const std::size_t other = 1U - own;
+        const auto witness = receiver_witness<2>(tracks[other], tracks[own]);
+        if (!witness) continue;
+        ReceiverScreening& judged = *pair[own];
+        const bool marked =
+            contradicts(judged.table,
+                        {.kind = WitnessKind::receiver,
+                         .receiver = pair[other]->table.facts.receiver,
+                         .witness = &*witness,
+                         .mark = {.reason = Reason::baseline, .hypothesis = Hypothesis::baseline},
+                         .only_fast = true},
+                        {.noises = judged.noises, .plan = judged.plan, .config = config},
+                        judged.table.basis);
+        any = any || marked;
+    }
+    return any;
 }
 
 }  // namespace
@@ -259,26 +345,33 @@ ScreenConfig screen_config(const Attempt& attempt) {
     return config;
 }
 
-ScreenedTable screen(const EnuTable& table, const ScreenConfig& config, const Witness<2>* phases) {
-    return screen_alone(table, config, phases).table;
+ScreenedTable screen(const EnuTable& table, const ScreenConfig& config,
+                     const ScreeningWitnesses& beside) {
+    return screen_alone(table, config, beside).table;
 }
 
 std::vector<ScreenedTable> screen_receivers(std::span<const EnuTable> tables,
                                             const ScreenConfig& config,
-                                            std::span<const Witness<2>* const> phases) {
+                                            std::span<const ScreeningWitnesses> beside) {
     std::vector<ReceiverScreening> receivers;
     for (std::size_t i = 0; i < tables.size(); ++i)
-        receivers.push_back(screen_alone(tables[i], config, phases.empty() ? nullptr : phases[i]));
+        receivers.push_back(
+            screen_alone(tables[i], config, beside.empty() ? ScreeningWitnesses{} : beside[i]));
     if (receivers.size() > 1) {
+        ReceiverScreening &first = receivers[0], &second = receivers[1];
         const auto strictest = std::ranges::min_element(
             receivers, {}, [](const ReceiverScreening& one) { return one.plan.size(); });
-        if (compare_receivers(receivers[0].table, receivers[1].table, receivers[0].motion,
-                              strictest->plan, config))
-            for (ReceiverScreening& one : receivers) {
-                finish_arcs(one.table.rows, config.bridged_s(one.table.facts.nominal_interval_s),
-                            config.min_arc_epochs);
-                examine_arcs(one.table, one.noises, one.plan, config.section_epochs);
-            }
+        bool marked = compare_receivers(first.table, second.table, first.motion, strictest->plan,
+                                        config);
+        constexpr int rounds = 4;
+        for (int round = 0; round < rounds; ++round) {
+            if (marked)
+                for (ReceiverScreening* const one : {&first, &second})
+                    examine_again(*one, config);
+            if (round + 1 == rounds) break;
+            marked = receivers_contradict({&first, &second}, config);
+            if (!marked) break;
+        }
     }
     std::vector<ScreenedTable> screened;
     for (ReceiverScreening& one : receivers)

@@ -4,6 +4,7 @@
 #include <set>
 #include <span>
 
+#include "core/timed_value.h"
 #include "estimation/witness.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/screened/screened.h"
@@ -47,6 +48,12 @@ struct ScreenConfig {
     }
 };
 
+/// What was recorded beside a receiver's positions and is no part of its table.
+struct ScreeningWitnesses {
+    const Witness<2>* phases = nullptr;  ///< null where there are none
+    std::span<const TimedValue> wheel_m_s = {};
+};
+
 /// The figures that the attempt states, or the schema's own where it states none.
 ScreenConfig screen_config(const Attempt& attempt);
 
@@ -58,18 +65,18 @@ ScreenConfig screen_config(const Attempt& attempt);
 /// outlier, a burst, a step, a ramp and a shift of its stamps, every stretch for the model as a
 /// whole; the best supported hypothesis is adapted to, and the tests are repeated until none is
 /// left. All tests together raise a false alarm with the family-wise rate at most. Then the
-/// carrier phases, where there are any (`phases`, or null), the recorded velocities, and the limits
-/// of the craft's class. No row is removed. The header is the
-/// caller's. Failure, naming the time, where a
-/// covariance of the estimate stops being positive definite by more than rounding.
+/// witnesses, where there are any: carrier phases, the recorded velocities, the wheel; and the
+/// limits of the craft's class. No row is removed. The header is the caller's. Failure, naming the
+/// time, where a covariance of the estimate stops being positive definite by more than rounding.
 ScreenedTable screen(const EnuTable& table, const ScreenConfig& config,
-                     const Witness<2>* phases = nullptr);
+                     const ScreeningWitnesses& beside = {});
 
 /// The tables of all receivers of an attempt, in their order: each screened by itself, then the
-/// first two compared with one another (`compare_receivers`). `phases`: of
-/// each table, or null; empty where none has any.
+/// first two compared with one another: the vector between the antennas (`compare_receivers`), and
+/// the displacements of each by the other as its witness. `beside`: of each table; empty where
+/// there is nothing.
 std::vector<ScreenedTable> screen_receivers(std::span<const EnuTable> tables,
                                             const ScreenConfig& config,
-                                            std::span<const Witness<2>* const> phases = {});
+                                            std::span<const ScreeningWitnesses> beside = {});
 
 }  // namespace runcert

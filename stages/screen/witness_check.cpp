@@ -11,8 +11,6 @@
 namespace runcert {
 namespace {
 
-constexpr WitnessMark by_phase{.reason = Reason::phase, .hypothesis = Hypothesis::phase};
-
 /// What of the test stands in the row. The size is known as well as its statistic says.
 void mark_row(ScreenedEpoch& row, const WitnessMark& mark, const Eigen::Vector2d& difference_m,
               double statistic, double threshold) {
@@ -32,22 +30,25 @@ void mark_row(ScreenedEpoch& row, const WitnessMark& mark, const Eigen::Vector2d
 
 /// Epochs between two steps that are contradicted in opposite directions.
 std::int64_t mark_displaced(std::vector<ScreenedEpoch>& rows, const UsablePositions& usable,
-                            const std::vector<ContradictedSpan>& steps, double threshold) {
+                            const std::vector<ContradictedSpan>& steps, const WitnessMark& mark,
+                            double threshold) {
     std::int64_t marked = 0;
     for (std::size_t i = 0; i + 1 < steps.size(); ++i) {
         const ContradictedSpan &to = steps[i], &from = steps[i + 1];
         if (to.last != from.first || to.difference_m.dot(from.difference_m) >= 0.0) continue;
-        mark_row(rows[usable.rows[to.last]], by_phase, to.difference_m,
+        mark_row(rows[usable.rows[to.last]], mark, to.difference_m,
                  std::min(to.statistic, from.statistic), threshold);
         ++marked;
     }
     return marked;
 }
 
-SpanTest test_of(const DisplacementSpread& spread, double typical_sigma_m, double threshold) {
+SpanTest test_of(const DisplacementSpread& spread, const DisplacementTest& test,
+                 double typical_sigma_m, double threshold) {
     return {.span_s = spread.span_s,
             .spread_m = spread.sd_upper_m,
             .typical_sigma_m = typical_sigma_m,
+            .least_speed_m_s = test.only_fast ? spread.least_speed_m_s : 0.0,
             .threshold = threshold};
 }
 
@@ -84,37 +85,54 @@ void mark_spans(std::vector<ScreenedEpoch>& rows, const UsablePositions& usable,
     }
 }
 
-PhaseComparison check_phases(std::vector<ScreenedEpoch>& rows, const Witness<2>& phases,
-                             double nominal_interval_s, double test_size) {
+DisplacementComparison check_displacements(std::vector<ScreenedEpoch>& rows,
+                                           const DisplacementTest& test, double nominal_interval_s,
+                                           double test_size) {
     constexpr std::array spans_s{3.0, 10.0};
     const double threshold = chi_squared_upper_quantile(test_size, 2);
     const UsablePositions usable = usable_positions(rows);
-    PhaseComparison comparison;
+    DisplacementComparison comparison;
+    comparison.kind = test.kind;
+    comparison.receiver = test.receiver;
     const double typical_m = typical_sigma_m(usable.positions);
-    const auto of_steps = displacement_spread<2>(phases, usable.positions, nominal_interval_s);
-    if (of_steps)
-        comparison.rejected = mark_displaced(
-            rows, usable,
-            contradicted_spans(usable.positions, phases, test_of(*of_steps, typical_m, threshold)),
-            threshold);
+    const auto contradicted_by = [&](const DisplacementSpread& spread) {
+        return contradicted_spans(usable.positions, *test.witness,
+                                  test_of(spread, test, typical_m, threshold));
+    };
+    if (test.single_epochs)
+        if (const auto spread =
+                displacement_spread<2>(*test.witness, usable.positions, nominal_interval_s))
+            comparison.rejected =
+                mark_displaced(rows, usable, contradicted_by(*spread), test.mark, threshold);
     std::vector<ContradictedSpan> contradicted;
     for (const double span_s : spans_s) {
-        const auto spread = displacement_spread<2>(phases, usable.positions, span_s);
+        const auto spread = displacement_spread<2>(*test.witness, usable.positions, span_s);
         if (!spread) continue;
         comparison.spreads.push_back({.span_s = spread->span_s,
                                       .spans = spread->spans,
                                       .sd_m = spread->sd_m,
                                       .sd_upper_m = spread->sd_upper_m});
         if (comparison.rejected > 0) continue;
-        const auto spans =
-            contradicted_spans(usable.positions, phases, test_of(*spread, typical_m, threshold));
+        const auto spans = contradicted_by(*spread);
         contradicted.insert(contradicted.end(), spans.begin(), spans.end());
     }
     if (comparison.rejected > 0) return comparison;
-    mark_spans(rows, usable, contradicted, by_phase, threshold);
+    mark_spans(rows, usable, contradicted, test.mark, threshold);
     comparison.rejected =
         std::ranges::count_if(usable.rows, [&](std::size_t row) { return !rows[row].usable; });
     return comparison;
+}
+
+void note(DisplacementComparison found, std::vector<DisplacementComparison>& all) {
+    const auto same = std::ranges::find_if(all, [&](const DisplacementComparison& one) {
+        return one.kind == found.kind && one.receiver == found.receiver;
+    });
+    if (same == all.end()) {
+        all.push_back(std::move(found));
+        return;
+    }
+    found.rejected += same->rejected;
+    *same = std::move(found);
 }
 
 }  // namespace runcert

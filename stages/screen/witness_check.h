@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "estimation/witnessed_spans.h"
@@ -27,12 +28,29 @@ void mark_spans(std::vector<ScreenedEpoch>& rows, const UsablePositions& usable,
                 const std::vector<ContradictedSpan>& spans, const WitnessMark& mark,
                 double threshold);
 
-/// Tests positions against the displacements by carrier phases: marks an epoch whose displacements
-/// from the one before and to the one after are contradicted in opposite directions (an outlier);
-/// where there is none, what drifts or steps within spans of 3 and 10 s (`mark_spans`). A phase is
-/// compared with what such spans of this recording differ by altogether, so that positions worse
+/// How positions are tested against the displacements by a witness.
+struct DisplacementTest {
+    WitnessKind kind = WitnessKind::phases;
+    std::string receiver = {};  ///< id, where the witness is another receiver
+    const Witness<2>* witness = nullptr;
+    WitnessMark mark;
+    bool single_epochs = true;  ///< whether it is sharp enough over one interval
+    /// Whether the witness is worth its figures only where the craft moves fast: a wheel that slips
+    /// and a second antenna that swings are of slow stretches.
+    bool only_fast = false;
+};
+
+/// Tests positions against the displacements by a witness: marks an epoch whose displacements from
+/// the one before and to the one after are contradicted in opposite directions (an outlier); where
+/// there is none, what drifts or steps within spans of 3 and 10 s (`mark_spans`). The two are
+/// compared by what such spans of this recording differ by altogether, so that positions worse
 /// than they state are not marked for that. `test_size`: false alarm rate of one test.
-PhaseComparison check_phases(std::vector<ScreenedEpoch>& rows, const Witness<2>& phases,
-                             double nominal_interval_s, double test_size);
+DisplacementComparison check_displacements(std::vector<ScreenedEpoch>& rows,
+                                           const DisplacementTest& test, double nominal_interval_s,
+                                           double test_size);
+
+/// Keeps what was found; of one witness asked several times its last figures, and all that it
+/// rejected.
+void note(DisplacementComparison found, std::vector<DisplacementComparison>& all);
 
 }  // namespace runcert

@@ -6,8 +6,8 @@
 
 #include "core/prose.h"
 #include "estimation/tables/screened_phases.h"
-#include "files/measured_series.h"
 #include "run/attempt_files.h"
+#include "run/handed_in_series.h"
 #include "run/stage_main.h"
 #include "stages/window/window.h"
 
@@ -44,21 +44,13 @@ ReceiverTables read_tables(StageRun& run, const Receiver& receiver) {
 
 /// Wheel and gates, which are of the first receiver's craft and on its time.
 void read_handed_in(StageRun& run, const std::optional<GpsTime>& first_epoch, Beside& beside) {
-    const auto read = [&](const AttemptFile& file, SeriesKind kind) {
-        std::vector<TimedValue> values;
-        for (const SeriesSample& sample :
-             read_series(run.read_text(file.role, file.name), file.original, first_epoch, kind)
-                 .samples)
-            values.push_back({.time_s = sample.time_s, .value = sample.value});
-        return values;
-    };
-    for (const AttemptFile& file : witness_files(run.attempt())) {
-        if (file.role == "wheel") beside.wheel_m_s = read(file, SeriesKind::wheel);
-        if (file.role != "gates") continue;
-        beside.gates_m = read(file, SeriesKind::gates);
-        const SeriesFile& gates = *run.attempt().gates;
-        beside.gate_errors = {.sigma_distance_m = 0.5 * gates.expanded_uncertainty_m,
-                              .sigma_time_s = 0.5 * gates.expanded_uncertainty_s};
+    if (const auto wheel = handed_in_series(run, "wheel", first_epoch))
+        beside.wheel_m_s = timed_values(*wheel);
+    if (const auto gates = handed_in_series(run, "gates", first_epoch)) {
+        beside.gates_m = timed_values(*gates);
+        const SeriesFile& stated = *run.attempt().gates;
+        beside.gate_errors = {.sigma_distance_m = 0.5 * stated.expanded_uncertainty_m,
+                              .sigma_time_s = 0.5 * stated.expanded_uncertainty_s};
     }
 }
 

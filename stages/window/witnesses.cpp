@@ -72,8 +72,12 @@ HeardWitnesses<Axes> witnesses_of(const ScreenedTable& screened, const Trajector
             const auto phases = std::make_shared<const PhaseWitness<Axes>>(*std::move(found));
             witnesses.push_back({.kind = WitnessKind::phases, .motion = phases, .phases = phases});
         }
+    const bool related =
+        !(beside.wheel_m_s.empty() && beside.gates_m.empty() && beside.receivers.empty());
+    const Track track = related ? track_of(trajectory) : Track{};
     if constexpr (Axes == 2) {
-        if (auto wheel = wheel_witness(beside.wheel_m_s, screened, trajectory, jerk_density)) {
+        if (auto wheel = wheel_witness(beside.wheel_m_s, timed_positions<2>(screened.rows), track,
+                                       jerk_density)) {
             std::string note = fmt::format(
                 "The wheel's speeds were multiplied by {:.5f} (standard uncertainty {:.5f}) and "
                 "taken {:.3f} s {} (standard uncertainty {:.3f} s), as fits the positions best. A "
@@ -85,12 +89,12 @@ HeardWitnesses<Axes> witnesses_of(const ScreenedTable& screened, const Trajector
                  .motion = std::make_shared<const VelocityWitness<2>>(std::move(wheel->motion)),
                  .note = std::move(note)});
         }
-        if (auto gates = gate_witness(beside.gates_m, beside.gate_errors, trajectory))
+        if (auto gates = gate_witness(beside.gates_m, beside.gate_errors, track))
             witnesses.push_back({.kind = WitnessKind::gates,
                                  .motion = std::make_shared<const GateWitness>(*std::move(gates))});
     }
     for (const TrajectoryTable* const other : beside.receivers)
-        if (auto found = receiver_witness<Axes>(*other, trajectory))
+        if (auto found = receiver_witness<Axes>(track_of(*other), track))
             witnesses.push_back(
                 {.kind = WitnessKind::receiver,
                  .receiver = other->facts.receiver,
@@ -180,10 +184,13 @@ std::optional<WitnessedSpeed> witnessed_speed(const HeardWitness<Axes>& witness,
                                               const PositionFigures<Axes>& positions) {
     auto moved = witness.motion->between(positions.start_s, positions.end_s);
     if (!moved) return std::nullopt;
+    PositionFigures<Axes> tested = positions;
     if (witness.kind == WitnessKind::receiver) {
         const double correlated_m =
             positions.correlated_m_s * (positions.end_s - positions.start_s);
         moved->covariance_m2 += correlated_m * correlated_m * PositionMatrix<Axes>::Identity();
+        tested.standard_uncertainty_m_s =
+            std::hypot(positions.standard_uncertainty_m_s, positions.correlated_m_s);
     }
     std::optional<double> path_m = moved->displacement_m.norm();
     if (positions.by_path)
@@ -198,7 +205,7 @@ std::optional<WitnessedSpeed> witnessed_speed(const HeardWitness<Axes>& witness,
     const double uncertainty_m_s = std::sqrt(along.dot(moved->covariance_m2 * along)) / duration_s;
     const WitnessedFigure figure{.by_position = positions.speed_m_s,
                                  .by_witness = *path_m / duration_s,
-                                 .uncertainty_by_position = positions.standard_uncertainty_m_s,
+                                 .uncertainty_by_position = tested.standard_uncertainty_m_s,
                                  .uncertainty_by_witness = uncertainty_m_s};
     WitnessedSpeed witnessed;
     witnessed.kind = witness.kind;
@@ -209,9 +216,9 @@ std::optional<WitnessedSpeed> witnessed_speed(const HeardWitness<Axes>& witness,
             std::numbers::sqrt2 * shared_by_phases_m / duration_s;
     witnessed.standard_uncertainty_m_s = uncertainty_m_s;
     witnessed.difference_m_s = figure.difference();
-    witnessed.position_standard_uncertainty_m_s = positions.standard_uncertainty_m_s;
+    witnessed.position_standard_uncertainty_m_s = tested.standard_uncertainty_m_s;
     witnessed.normalised_error =
-        std::max(figure.normalised_error(), displacement_ratio(*moved, positions));
+        std::max(figure.normalised_error(), displacement_ratio(*moved, tested));
     const PositionVector<Axes> apart = positions.displacement_m - moved->displacement_m;
     witnessed.apart_m = apart.norm();
     if constexpr (Axes == 2) witnessed.apart_azimuth_deg = azimuth_deg(apart);

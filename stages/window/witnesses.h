@@ -6,6 +6,7 @@
 
 #include "estimation/phase_motion.h"
 #include "estimation/tables/handed_in.h"
+#include "estimation/tables/recorded_velocities.h"
 #include "schemas/trajectory/trajectory.h"
 #include "schemas/windows/windows.h"
 #include "stages/window/speed_by_definition.h"
@@ -87,7 +88,8 @@ double displacement_ratio(const WitnessedMotion<Axes>& moved,
 /// is to be expected as the positions' error; nothing where the witness does not cover the window.
 /// The two contradict one another where the speeds differ by more than twice the standard
 /// uncertainty of the difference, or the displacements by what chance does once in a thousand.
-/// Another receiver's time-correlated error is taken to be bounded as the positions' own is.
+/// Another receiver's time-correlated error is taken to be bounded as the positions' own is; the
+/// test allows for both, as if they had nothing in common.
 /// `undetected_m_s` is left 0.
 template <int Axes>
 std::optional<WitnessedSpeed> witnessed_speed(const HeardWitness<Axes>& witness,

@@ -224,9 +224,13 @@ TEST(GoldenScreened, WhatOtherChecksFound) {
     EXPECT_EQ(basis.velocity->sigma_delay_s, 0.00375);
     EXPECT_EQ(basis.velocity->scale_m_s, 0.0475);
     EXPECT_EQ(basis.velocity->rejected, 1);
-    ASSERT_TRUE(basis.phases);
-    EXPECT_EQ(basis.phases->rejected, 2);
-    EXPECT_EQ(basis.phases->spreads.at(0).sd_upper_m, 0.015625);
+    ASSERT_EQ(basis.displacements.size(), 2U);
+    EXPECT_EQ(basis.displacements[0].kind, WitnessKind::phases);
+    EXPECT_EQ(basis.displacements[0].rejected, 2);
+    EXPECT_EQ(basis.displacements[0].spreads.at(0).sd_upper_m, 0.015625);
+    EXPECT_EQ(basis.displacements[1].kind, WitnessKind::receiver);
+    EXPECT_EQ(basis.displacements[1].receiver, "secondary");
+    EXPECT_TRUE(basis.displacements[1].spreads.empty());
     EXPECT_EQ(basis.time.sessions, 2);
     EXPECT_EQ(basis.time.longest_gap_s, 75.100000001);
     EXPECT_EQ(basis.time.rate_deviation, -2.5e-8);

@@ -132,8 +132,8 @@ std::vector<SimulatedEpoch> true_epochs(const SimulatedRecording& recording) {
 }
 
 /// Another receiver a metre from the first on the craft, with noise of its own.
-TrajectoryTable second_receiver(const SimulatedRecording& recording, const StudyNoise& noise,
-                                RandomGenerator& random) {
+EnuTable second_receiver(const SimulatedRecording& recording, const StudyNoise& noise,
+                         RandomGenerator& random) {
     EnuTable table = to_be_screened(recording.screened);
     table.facts.receiver = "second";
     table.facts.first_epoch = study_start();
@@ -144,7 +144,7 @@ TrajectoryTable second_receiver(const SimulatedRecording& recording, const Study
         table.rows[k].east_m = antenna.x() + noise.white_m * random.normal();
         table.rows[k].north_m = antenna.y() + noise.white_m * random.normal();
     }
-    return smooth_trajectory(screen(table, study_screen_config()), smooth_config(study_attempt()));
+    return table;
 }
 
 /// Smoothing and window search.
@@ -251,16 +251,20 @@ CertifiedRun certify_run(std::uint64_t seed, const StudyWitness& witness) {
         phases = phase_witness<2>(of_run.phases, of_run.first_epoch, measured.facts.first_epoch,
                                   measured.origin, study_screen_config().jerk_density);
     }
-    const ScreenedTable screened =
-        screen(measured, study_screen_config(), phases ? &*phases : nullptr);
-    if (summarise(screened.rows).usable == 0) return run;
+    std::vector<EnuTable> tables{std::move(measured)};
+    if (witness.receiver) tables.push_back(second_receiver(recording, cell.noise, random));
+    std::vector<ScreeningWitnesses> heard(tables.size());
+    heard.front().phases = phases ? &*phases : nullptr;
+    const std::vector<ScreenedTable> screened =
+        screen_receivers(tables, study_screen_config(), heard);
+    if (summarise(screened.front().rows).usable == 0) return run;
     try {
         std::optional<TrajectoryTable> second;
         if (witness.receiver) {
-            second = second_receiver(recording, cell.noise, random);
+            second = smooth_trajectory(screened.back(), smooth_config(study_attempt()));
             beside.receivers.push_back(&*second);
         }
-        certify(screened, recording, profile, beside, run);
+        certify(screened.front(), recording, profile, beside, run);
     } catch (const Failure& failure) {
         run.outcome = CertifiedRun::Outcome::failed;
         run.failure = failure.what();

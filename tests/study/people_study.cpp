@@ -70,7 +70,6 @@ ReceiverFindings findings_of(const ScreenedTable& screened, TrajectoryTable&& tr
             .estimation = trajectory.estimation,
             .windows = std::move(windows),
             .trajectory = std::move(trajectory.rows),
-            .bridged_epochs = std::move(selection.bridged_epochs),
             .window_epochs = std::move(selection.window_epochs)};
 }
 

@@ -88,7 +88,7 @@ WitnessStudyRun run_once(const WitnessStudyOptions& options, std::uint64_t seed)
                          measured.origin, screen_config.jerk_density);
     const WindowConfig config = window_config(study_attempt(), study_attempt().receivers.front());
     const auto best = [&](const Witness<2>* heard, const Beside& beside) {
-        const ScreenedTable screened = screen(measured, screen_config, heard);
+        const ScreenedTable screened = screen(measured, screen_config, {.phases = heard});
         const TrajectoryTable trajectory =
             smooth_trajectory(screened, smooth_config(study_attempt()));
         return find_windows(screened, trajectory, {profile}, config, std::nullopt, beside)

@@ -180,9 +180,13 @@ TEST(DeclaredMethod, WithoutAWindowThereIsNothingToCompare) {
 }
 
 TEST(DeclaredMethod, AndASecondReceiverMustBothAgree) {
-    const RuleScene scene = with_speed(60.0, 0.04);
+    RuleScene scene = with_speed(60.0, 0.04);
     ReceiverFindings second = scene.judged;
     second.receiver = "second";
+    WitnessedSpeed& by = scene.best().witnesses.emplace_back();
+    by.kind = WitnessKind::receiver;
+    by.receiver = "second";
+    by.speed_m_s = 60.0;
     const auto status = [&] {
         return check({.attempt = scene.attempt,
                       .profiles = scene.profiles,
@@ -195,8 +199,7 @@ TEST(DeclaredMethod, AndASecondReceiverMustBothAgree) {
     EXPECT_TRUE(contains(status().evidence, "radar gives"));
     EXPECT_TRUE(contains(status().evidence, "receiver \"second\" gives"));
     EXPECT_EQ(status().figures.size(), 2U);
-    for (TrajectoryEpoch& row : second.trajectory)
-        row.north_m = *row.north_m * 1.01;
+    scene.best().witnesses.front().normalised_error = 1.2;
     EXPECT_EQ(status().status, RequirementStatus::not_met);
 }
 

@@ -61,14 +61,6 @@ TEST(HeardWitness, ThatContradictsForbidsACertificateAndSaysByHowMuch) {
     }
 }
 
-// A second receiver is judged by its own clause, which allows for what the two share.
-TEST(HeardWitness, ThatIsASecondReceiverIsLeftToItsClause) {
-    RuleScene scene(profile_text(clause_text("margin")));
-    scene.best().witnesses = {heard(WitnessKind::receiver, 1.7)};
-    EXPECT_EQ(scene.verdict().outcome, Outcome::beaten);
-    EXPECT_FALSE(scene.verdict().unseen_drift_m_s);
-}
-
 TEST(PositionsAlone, SayWhatDriftCouldNotHaveBeenSeen) {
     RuleScene scene(profile_text(clause_text("margin")));
     EXPECT_FALSE(scene.verdict().unseen_drift_m_s);  // nothing was computed

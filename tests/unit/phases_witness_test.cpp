@@ -265,17 +265,18 @@ TEST(PhaseWitness, FindsARampOf30MillimetresASecond) {
 ScreenedTable screened_beside(const RawRun& run, const EnuTable& table) {
     ScreenConfig config = screen_config(default_attempt());
     const auto witness = run.witness(config.jerk_density);
-    return screen(table, config, witness.get());
+    return screen(table, config, {.phases = witness.get()});
 }
 
 TEST(PhaseCheck, MarksADriftAndSaysWhereTo) {
     const RawRun run(40.0, quiet(), 0.005);
     const ScreenedTable honest = screened_beside(run, run.table);
-    ASSERT_TRUE(honest.basis.phases);
-    EXPECT_EQ(honest.basis.phases->rejected, 0);
-    ASSERT_FALSE(honest.basis.phases->spreads.empty());
+    ASSERT_EQ(honest.basis.displacements.size(), 1U);
+    EXPECT_EQ(honest.basis.displacements[0].kind, WitnessKind::phases);
+    EXPECT_EQ(honest.basis.displacements[0].rejected, 0);
+    ASSERT_FALSE(honest.basis.displacements[0].spreads.empty());
     EXPECT_EQ(summarise(honest.rows).usable, 401);
-    EXPECT_NEAR(honest.basis.phases->spreads.front().sd_m, 0.0075, 0.003);
+    EXPECT_NEAR(honest.basis.displacements[0].spreads.front().sd_m, 0.0075, 0.003);
 
     EnuTable drifting = run.table;
     for (EnuEpoch& row : drifting.rows)
@@ -295,7 +296,7 @@ TEST(PhaseCheck, MarksADriftAndSaysWhereTo) {
         EXPECT_LT(std::abs(*row.estimated.north_m), 0.1);
     }
     EXPECT_GT(marked_inside, 80);
-    EXPECT_EQ(found.basis.phases->rejected, marked_inside);
+    EXPECT_EQ(found.basis.displacements[0].rejected, marked_inside);
 }
 
 TEST(PhaseCheck, MarksAnOutlierThatPositionsAloneKeep) {
@@ -313,7 +314,7 @@ CertifiableWindow best_of(const RawRun& run, const EnuTable& table, bool beside_
     ScreenConfig screening = screen_config(default_attempt());
     const auto witness = run.witness(screening.jerk_density);
     const ScreenedTable screened =
-        screen(table, screening, beside_phases ? witness.get() : nullptr);
+        screen(table, screening, {.phases = beside_phases ? witness.get() : nullptr});
     const TrajectoryTable trajectory =
         smooth_trajectory(screened, smooth_config(default_attempt()));
     WindowConfig config = window_config(default_attempt(), default_attempt().receivers.front());
@@ -432,7 +433,7 @@ TEST(RecordedPair, IsFlaggedInItsFirstMinute) {
     EXPECT_GE(early_flagged, 0.8 * early) << what;
     EXPECT_LE(late_flagged, 0.1 * late) << what;
     // Screening allows for what the positions state of themselves, and leaves none out later.
-    const ScreenedTable beside = screen(table, config, witness.get());
+    const ScreenedTable beside = screen(table, config, {.phases = witness.get()});
     int early_left_out = 0, late_left_out = 0;
     for (const ScreenedEpoch& row : beside.rows)
         if (row.reason == Reason::phase)

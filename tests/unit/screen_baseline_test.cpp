@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/geodesy.h"
@@ -103,6 +104,11 @@ struct TwoReceivers {
     ScreenedTable a, b;
     bool marked = false;
 
+    /// Longer, at much the same speed.
+    void last_until(std::int64_t ms) {
+        craft = {.start_m_s = 20.0, .acceleration_m_s2 = 0.05};
+        first.last_ms = second.last_ms = ms;
+    }
     void record(std::uint64_t seed) {
         RandomGenerator random(seed);
         a = recorded(craft, first, random);
@@ -415,6 +421,79 @@ TEST(ScreenReceivers, TheArcsAreFinishedAfterTheComparison) {
         EXPECT_EQ(table.rows[60].hypothesis, Hypothesis::baseline);
         EXPECT_EQ(table.rows[59].arc, 1);
     }
+}
+
+double seconds_after_zero(const ScreenedTable& table) {
+    return static_cast<double>(table.facts.first_epoch->nanoseconds_since(time_zero)) * 1e-9;
+}
+
+/// Positions that drift from 15 s on for ten seconds, and keep the offset.
+void drift_north(ScreenedTable& table, double rate_m_s) {
+    for (ScreenedEpoch& row : table.rows) {
+        const double since_s = seconds_after_zero(table) + row.time.seconds() - 15.0;
+        *row.north_m += rate_m_s * std::clamp(since_s, 0.0, 10.0);
+    }
+}
+
+/// Usable epochs that the other receiver contradicts, all of them within the drift; the direction
+/// of the first.
+std::pair<int, Vector2d> contradicted_within_the_drift(const ScreenedTable& table) {
+    int count = 0;
+    Vector2d apart = Vector2d::Zero();
+    for (const ScreenedEpoch& row : table.rows) {
+        if (row.reason != Reason::baseline) continue;
+        const double time_s = seconds_after_zero(table) + row.time.seconds();
+        EXPECT_GE(time_s, 14.0);
+        EXPECT_LE(time_s, 26.0);
+        if (count++ == 0 && row.estimated.east_m)
+            apart = {*row.estimated.east_m, *row.estimated.north_m};
+    }
+    return {count, apart};
+}
+
+// A drift leaves every epoch as near to its neighbours as before: displacements over seconds show
+// it, whether or not the two have an epoch in common.
+TEST(ScreenReceivers, ASlowDriftOfOneIsMarkedInBoth) {
+    for (const std::int64_t first_ms : {0, 30}) {
+        TwoReceivers pair;
+        pair.last_until(120'000);
+        pair.second.first_ms = first_ms;
+        pair.record(16);
+        drift_north(pair.b, 0.15);
+        const std::vector<EnuTable> tables{unscreened(pair.a), unscreened(pair.b)};
+        for (const EnuTable& table : tables)
+            EXPECT_EQ(summarise(screen(table, config()).rows).reasons[Reason::none],
+                      std::ssize(table.rows))
+                << "one alone does not show it";
+        const std::vector<ScreenedTable> screened = screen_receivers(tables, config());
+        const auto [first, against_first] = contradicted_within_the_drift(screened[0]);
+        const auto [second, against_second] = contradicted_within_the_drift(screened[1]);
+        EXPECT_GT(first, 20);
+        EXPECT_GT(second, 20);
+        EXPECT_LT(against_first.y(), -0.1);
+        EXPECT_GT(against_second.y(), 0.1);
+        for (const ScreenedTable& table : screened) {
+            const auto& found = table.basis.displacements;
+            ASSERT_EQ(found.size(), 1U);
+            EXPECT_EQ(found[0].kind, WitnessKind::receiver);
+            EXPECT_EQ(found[0].receiver,
+                      &table == screened.data() ? pair.second.id : pair.first.id);
+            EXPECT_GT(found[0].rejected, 0);
+        }
+    }
+}
+
+TEST(ScreenReceivers, DisplacementsRaiseNoAlarmInCleanRecordings) {
+    int alarms = 0;
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+        TwoReceivers pair;
+        pair.second.first_ms = 30;  // the vector between the antennas is not tested
+        pair.record(seed);
+        const std::vector<EnuTable> tables{unscreened(pair.a), unscreened(pair.b)};
+        for (const ScreenedTable& table : screen_receivers(tables, config()))
+            alarms += std::ranges::count(table.rows, Reason::baseline, &ScreenedEpoch::reason) > 0;
+    }
+    EXPECT_EQ(alarms, 0);
 }
 
 }  // namespace

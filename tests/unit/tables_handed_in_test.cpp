@@ -4,7 +4,7 @@
 
 #include "core/random.h"
 #include "estimation/tables/handed_in.h"
-#include "estimation/tables/other_receiver.h"
+#include "estimation/tables/recorded_velocities.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {
@@ -24,17 +24,14 @@ struct Recorded {
     ScreenedTable screened;
     TrajectoryTable trajectory;
 
-    explicit Recorded(double length_s, const Vector2d& antenna = Vector2d::Zero()) {
+    explicit Recorded(double length_s) {
         RandomGenerator random(5);
         screened.facts.nominal_interval_s = trajectory.facts.nominal_interval_s = 0.1;
         trajectory.facts.first_epoch = parse_gps_iso("2026-03-14T03:20:18.000");
         for (int k = 0; k <= std::lround(10.0 * length_s); ++k) {
             const double time_s = 0.1 * k;
             const Vector2d velocity = (place_at(time_s + 1e-4) - place_at(time_s - 1e-4)) / 2e-4;
-            const Vector2d along = velocity.normalized();
-            Eigen::Matrix2d craft;
-            craft << along, Vector2d(-along.y(), along.x());
-            const Vector2d place = place_at(time_s) + craft * antenna;
+            const Vector2d place = place_at(time_s);
             ScreenedEpoch& row = screened.rows.emplace_back();
             row.epoch = k + 1;
             row.time = {std::llround(time_s * 1e9)};
@@ -72,7 +69,8 @@ std::vector<TimedValue> wheel(double length_s, double scale, double delay_s, dou
 TEST(WheelWitness, FindsItsScaleAndItsDelay) {
     const Recorded run(120.0);
     const auto found =
-        wheel_witness(wheel(120.0, 1.013, 0.24, 0.05), run.screened, run.trajectory, 0.6);
+        wheel_witness(wheel(120.0, 1.013, 0.24, 0.05), timed_positions<2>(run.screened.rows),
+                      track_of(run.trajectory), 0.6);
     ASSERT_TRUE(found);
     EXPECT_NEAR(found->scale, 1.013, 4.0 * found->sigma_scale);
     EXPECT_LT(found->sigma_scale, 0.002);
@@ -110,12 +108,15 @@ TEST(WheelWitness, SaysNothingOfAnotherTimeOrOfStandstill) {
     std::vector<TimedValue> later = wheel(60.0, 1.0, 0.0, 0.05);
     for (TimedValue& one : later)
         one.time_s += 1000.0;
-    EXPECT_FALSE(wheel_witness(later, run.screened, run.trajectory, 0.6));
+    EXPECT_FALSE(
+        wheel_witness(later, timed_positions<2>(run.screened.rows), track_of(run.trajectory), 0.6));
     std::vector<TimedValue> nothing = wheel(60.0, 1.0, 0.0, 0.0);
     for (TimedValue& one : nothing)
         one.value = 0.0;
-    EXPECT_FALSE(wheel_witness(nothing, run.screened, run.trajectory, 0.6));
-    EXPECT_FALSE(wheel_witness({}, run.screened, run.trajectory, 0.6));
+    EXPECT_FALSE(wheel_witness(nothing, timed_positions<2>(run.screened.rows),
+                               track_of(run.trajectory), 0.6));
+    EXPECT_FALSE(
+        wheel_witness({}, timed_positions<2>(run.screened.rows), track_of(run.trajectory), 0.6));
 }
 
 TEST(GateWitness, GivesTheDistanceBetweenTheNearestGates) {
@@ -123,8 +124,8 @@ TEST(GateWitness, GivesTheDistanceBetweenTheNearestGates) {
     const auto way = [](double time_s) { return 20.0 * time_s - 30.0 * std::cos(0.3 * time_s); };
     const std::vector<TimedValue> passages{
         {10.0, 0.0}, {20.0, way(20.0) - way(10.0)}, {23.0, way(23.0) - way(10.0)}};
-    const auto found =
-        gate_witness(passages, {.sigma_distance_m = 0.01, .sigma_time_s = 0.0005}, run.trajectory);
+    const auto found = gate_witness(passages, {.sigma_distance_m = 0.01, .sigma_time_s = 0.0005},
+                                    track_of(run.trajectory));
     ASSERT_TRUE(found);
     const auto moved = found->between(20.0, 23.0);
     ASSERT_TRUE(moved);
@@ -142,42 +143,9 @@ TEST(GateWitness, GivesTheDistanceBetweenTheNearestGates) {
     EXPECT_FALSE(found->between(20.0, 20.2));
     EXPECT_EQ(found->covered().first_s, 10.0);
     // One gate, or gates of another time, say nothing.
-    EXPECT_FALSE(gate_witness({{10.0, 0.0}}, {}, run.trajectory));
-    EXPECT_FALSE(gate_witness({{1000.0, 0.0}, {1003.0, 60.0}}, {}, run.trajectory));
-}
-
-TEST(ReceiverWitness, TakesTheVectorBetweenTheAntennasOff) {
-    const Recorded own(60.0), other(60.0, Vector2d(-1.2, 0.5));
-    const auto witness = receiver_witness<2>(other.trajectory, own.trajectory);
-    ASSERT_TRUE(witness);
-    for (const double from_s : {2.0, 17.3, 40.05}) {
-        const auto moved = witness->between(from_s, from_s + 3.0);
-        ASSERT_TRUE(moved);
-        const Vector2d truth = place_at(from_s + 3.0) - place_at(from_s);
-        EXPECT_LT((moved->displacement_m - truth).norm(), 0.01) << from_s;
-        EXPECT_NEAR(witness->path_between(from_s, from_s + 3.0).value(), truth.norm(), 0.05);
-        // Both ends, and what is not known of where the craft points: 15 mrad of 1.3 m.
-        EXPECT_NEAR(moved->covariance_m2(0, 0), 2.0 * (2.5e-5 + std::pow(0.015 * 1.3, 2)), 2e-5);
-    }
-    EXPECT_FALSE(witness->between(-1.0, 2.0));
-    EXPECT_FALSE(witness->between(58.0, 61.0));
-}
-
-TEST(ReceiverWitness, EndsAtAGapAndAtAStep) {
-    const Recorded own(60.0);
-    Recorded other(60.0);
-    for (std::size_t k = 300; k < other.trajectory.rows.size(); ++k)
-        other.trajectory.rows[k].arc = 2;
-    other.trajectory.rows[500].step_before = true;
-    const auto witness = receiver_witness<2>(other.trajectory, own.trajectory);
-    ASSERT_TRUE(witness);
-    EXPECT_TRUE(witness->between(26.0, 29.0));
-    EXPECT_FALSE(witness->between(28.0, 31.0));
-    EXPECT_TRUE(witness->between(31.0, 34.0));
-    EXPECT_FALSE(witness->between(48.0, 51.0));
-    // Without a time in common it says nothing.
-    other.trajectory.facts.first_epoch.reset();
-    EXPECT_FALSE(receiver_witness<2>(other.trajectory, own.trajectory));
+    EXPECT_FALSE(gate_witness(std::vector<TimedValue>{{10.0, 0.0}}, {}, track_of(run.trajectory)));
+    EXPECT_FALSE(gate_witness(std::vector<TimedValue>{{1000.0, 0.0}, {1003.0, 60.0}}, {},
+                              track_of(run.trajectory)));
 }
 
 }  // namespace

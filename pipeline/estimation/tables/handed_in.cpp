@@ -15,13 +15,13 @@ constexpr double largest_delay_s = 1.0;
 constexpr double delay_step_s = 0.02;
 constexpr double longest_step_s = 2.5;
 
-bool is_moving(const TrajectoryEpoch& row) {
-    return row.arc && row.speed_m_s && row.velocity_east_m_s && row.velocity_north_m_s &&
-           row.east_m && row.north_m;
+/// Of the plane.
+double speed_of(const TrackEpoch& epoch) {
+    return epoch.velocity_m_s.head<2>().norm();
 }
 
 /// Linearly between samples that are no more than 2.5 s apart.
-std::optional<double> value_at(const std::vector<TimedValue>& samples, double time_s) {
+std::optional<double> value_at(std::span<const TimedValue> samples, double time_s) {
     const auto after = std::ranges::lower_bound(samples, time_s, {}, &TimedValue::time_s);
     if (after == samples.end()) return std::nullopt;
     if (after->time_s == time_s) return after->value;
@@ -44,17 +44,17 @@ struct WheelFit {
     }
 };
 
-WheelFit fit_at(const std::vector<TimedValue>& wheel, const TrajectoryTable& trajectory,
+WheelFit fit_at(std::span<const TimedValue> wheel, const Track& track,
                 double delay_s) {
     double cross = 0.0, square = 0.0, smoothed = 0.0;
     WheelFit fit;
-    for (const TrajectoryEpoch& row : trajectory.rows) {
-        if (!is_moving(row)) continue;
-        const auto speed = value_at(wheel, row.time.seconds() + delay_s);
+    for (const TrackEpoch& epoch : track.epochs) {
+        const auto speed = value_at(wheel, epoch.time_s + delay_s);
         if (!speed) continue;
-        cross += *speed * *row.speed_m_s;
+        const double of_track = speed_of(epoch);
+        cross += *speed * of_track;
         square += *speed * *speed;
-        smoothed += *row.speed_m_s * *row.speed_m_s;
+        smoothed += of_track * of_track;
         ++fit.epochs;
     }
     if (!(square > 0.0)) return {};
@@ -70,11 +70,11 @@ struct WheelDelay {
 
 /// The delay of the best fit. Where the speed hardly changes, or the best lies at the end of the
 /// range, it is not known: then it is none, with the uncertainty of the range.
-WheelDelay delay_of(const std::vector<TimedValue>& wheel, const TrajectoryTable& trajectory) {
+WheelDelay delay_of(std::span<const TimedValue> wheel, const Track& track) {
     const auto steps = static_cast<int>(std::lround(largest_delay_s / delay_step_s));
     std::vector<WheelFit> fits;
     for (int k = -steps; k <= steps; ++k)
-        fits.push_back(fit_at(wheel, trajectory, k * delay_step_s));
+        fits.push_back(fit_at(wheel, track, k * delay_step_s));
     const auto best = std::ranges::min_element(fits, {}, &WheelFit::mean_square);
     const WheelDelay unknown_delay{.delay_s = 0.0,
                                    .sigma_s = rectangular_uncertainty(largest_delay_s)};
@@ -86,7 +86,7 @@ WheelDelay delay_of(const std::vector<TimedValue>& wheel, const TrajectoryTable&
     const double shift_s = 0.5 * delay_step_s * (left - right) / (left - 2.0 * middle + right);
     // Errors that last for a second: as many count as seconds.
     const double seconds =
-        std::max(1.0, static_cast<double>(best->epochs) * trajectory.facts.nominal_interval_s);
+        std::max(1.0, static_cast<double>(best->epochs) * track.nominal_interval_s);
     WheelDelay delay;
     delay.delay_s = (static_cast<double>(best - fits.begin()) - steps) * delay_step_s + shift_s;
     delay.sigma_s = std::sqrt(2.0 * middle / (curvature * seconds));
@@ -95,30 +95,30 @@ WheelDelay delay_of(const std::vector<TimedValue>& wheel, const TrajectoryTable&
 
 /// Standard uncertainty of the scale: of the ratios of both paths over spans of 3 s while the craft
 /// moves fast, as many as do not overlap.
-double sigma_of_scale(const std::vector<TimedValue>& wheel, const TrajectoryTable& trajectory,
+double sigma_of_scale(std::span<const TimedValue> wheel, const Track& track,
                       double delay_s, double scale) {
     constexpr double span_s = 3.0;
     constexpr double least = 1e-4;
     double fastest = 0.0;
-    for (const TrajectoryEpoch& row : trajectory.rows)
-        if (is_moving(row)) fastest = std::max(fastest, *row.speed_m_s);
+    for (const TrackEpoch& epoch : track.epochs)
+        fastest = std::max(fastest, speed_of(epoch));
     std::vector<double> ratios;
     double smoothed = 0.0, wheeled = 0.0, from_s = 0.0;
     std::size_t count = 0;
-    for (const TrajectoryEpoch& row : trajectory.rows) {
-        const auto speed = value_at(wheel, row.time.seconds() + delay_s);
-        if (!is_moving(row) || !speed || *row.speed_m_s < 0.5 * fastest) {
+    for (const TrackEpoch& epoch : track.epochs) {
+        const auto speed = value_at(wheel, epoch.time_s + delay_s);
+        if (!speed || speed_of(epoch) < 0.5 * fastest) {
             count = 0;
             continue;
         }
         if (count == 0) {
             smoothed = wheeled = 0.0;
-            from_s = row.time.seconds();
+            from_s = epoch.time_s;
         }
-        smoothed += *row.speed_m_s;
+        smoothed += speed_of(epoch);
         wheeled += scale * *speed;
         ++count;
-        if (row.time.seconds() - from_s < span_s) continue;
+        if (epoch.time_s - from_s < span_s) continue;
         ratios.push_back(smoothed / wheeled);
         count = 0;
     }
@@ -131,38 +131,31 @@ double sigma_of_scale(const std::vector<TimedValue>& wheel, const TrajectoryTabl
     return std::max(least, 1.2533 * sd / std::sqrt(spans));
 }
 
-/// The smoothed row nearest to a time, in an arc; null where none is near.
-const TrajectoryEpoch* row_near(const TrajectoryTable& trajectory, double time_s) {
-    const auto after = std::ranges::lower_bound(
-        trajectory.rows, time_s, {}, [](const TrajectoryEpoch& row) { return row.time.seconds(); });
-    const TrajectoryEpoch* best = nullptr;
-    const auto consider = [&](auto row) {
-        if (!is_moving(*row)) return;
-        if (best == nullptr ||
-            std::abs(row->time.seconds() - time_s) < std::abs(best->time.seconds() - time_s))
-            best = &*row;
-    };
-    if (after != trajectory.rows.end()) consider(after);
-    if (after != trajectory.rows.begin()) consider(after - 1);
-    const double nearest_s = 0.6 * std::max(trajectory.facts.nominal_interval_s, 1e-3);
-    if (best == nullptr || std::abs(best->time.seconds() - time_s) > nearest_s) return nullptr;
-    return best;
+/// The epoch of the track nearest to a time; null where none is near.
+const TrackEpoch* epoch_near(const Track& track, double time_s) {
+    const double nearest_s = 0.6 * std::max(track.nominal_interval_s, 1e-3);
+    const auto after = std::ranges::lower_bound(track.epochs, time_s, {}, &TrackEpoch::time_s);
+    const TrackEpoch* best = after == track.epochs.end() ? nullptr : &*after;
+    if (after != track.epochs.begin() &&
+        (best == nullptr || time_s - (after - 1)->time_s < best->time_s - time_s))
+        best = &*(after - 1);
+    return best != nullptr && std::abs(best->time_s - time_s) <= nearest_s ? best : nullptr;
 }
 
 }  // namespace
 
-std::optional<WheelWitness> wheel_witness(const std::vector<TimedValue>& speeds_m_s,
-                                          const ScreenedTable& screened,
-                                          const TrajectoryTable& trajectory, double jerk_density) {
-    const WheelDelay delay = delay_of(speeds_m_s, trajectory);
-    const WheelFit fit = fit_at(speeds_m_s, trajectory, delay.delay_s);
+std::optional<WheelWitness> wheel_witness(std::span<const TimedValue> speeds_m_s,
+                                          std::span<const TimedPosition<2>> positions,
+                                          const Track& track, double jerk_density) {
+    const WheelDelay delay = delay_of(speeds_m_s, track);
+    const WheelFit fit = fit_at(speeds_m_s, track, delay.delay_s);
     if (fit.epochs < fewest_epochs || !(fit.scale > 0.0)) return std::nullopt;
-    const double sigma_scale = sigma_of_scale(speeds_m_s, trajectory, delay.delay_s, fit.scale);
+    const double sigma_scale = sigma_of_scale(speeds_m_s, track, delay.delay_s, fit.scale);
     std::vector<TimedVelocity<2>> samples;
     for (const TimedValue& one : speeds_m_s) {
-        const TrajectoryEpoch* const row = row_near(trajectory, one.time_s - delay.delay_s);
-        if (row == nullptr) continue;
-        const Eigen::Vector2d velocity(*row->velocity_east_m_s, *row->velocity_north_m_s);
+        const TrackEpoch* const at = epoch_near(track, one.time_s - delay.delay_s);
+        if (at == nullptr) continue;
+        const Eigen::Vector2d velocity = at->velocity_m_s.head<2>();
         if (!(velocity.norm() > 0.0)) continue;
         const std::int64_t stretch =
             samples.empty() ? 0
@@ -179,8 +172,7 @@ std::optional<WheelWitness> wheel_witness(const std::vector<TimedValue>& speeds_
     delay_alone.density = 0.0;
     const VelocityWitness<2> undisturbed(samples, delay_alone, jerk_density);
     VelocityErrorModel model =
-        estimate_velocity_errors<2>(undisturbed, timed_positions<2>(screened.rows), std::nullopt)
-            .model;
+        estimate_velocity_errors<2>(undisturbed, positions, std::nullopt).model;
     if (!model.is_known()) return std::nullopt;
     model.sigma_scale = sigma_scale;
     return WheelWitness{.motion = VelocityWitness<2>(std::move(samples), model, jerk_density),
@@ -190,19 +182,17 @@ std::optional<WheelWitness> wheel_witness(const std::vector<TimedValue>& speeds_
                         .sigma_delay_s = delay.sigma_s};
 }
 
-std::optional<GateWitness> gate_witness(const std::vector<TimedValue>& passages,
-                                        const GateErrors& errors,
-                                        const TrajectoryTable& trajectory) {
+std::optional<GateWitness> gate_witness(std::span<const TimedValue> passages,
+                                        const GateErrors& errors, const Track& track) {
     std::vector<GatePassage> passed;
     for (const TimedValue& one : passages) {
-        const TrajectoryEpoch* const row = row_near(trajectory, one.time_s);
-        if (row == nullptr) continue;
-        const double after_s = one.time_s - row->time.seconds();
-        const Eigen::Vector2d velocity(*row->velocity_east_m_s, *row->velocity_north_m_s);
+        const TrackEpoch* const at = epoch_near(track, one.time_s);
+        if (at == nullptr) continue;
+        const Eigen::Vector2d velocity = at->velocity_m_s.head<2>();
         passed.push_back(
             {.time_s = one.time_s,
              .distance_m = one.value,
-             .position_m = Eigen::Vector2d(*row->east_m, *row->north_m) + after_s * velocity,
+             .position_m = at->position_m.head<2>() + (one.time_s - at->time_s) * velocity,
              .speed_m_s = velocity.norm()});
     }
     if (passed.size() < 2) return std::nullopt;

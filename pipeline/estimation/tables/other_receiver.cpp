@@ -19,16 +19,10 @@ constexpr double longest_baseline_m = 50.0;
 constexpr double sigma_heading = 0.015;
 constexpr double slowest_m_s = 1.0;
 
-bool is_estimated(const TrajectoryEpoch& row) {
-    return row.usable && row.arc && row.east_m && row.north_m && row.velocity_east_m_s &&
-           row.velocity_north_m_s && row.acceleration_east_m_s2 && row.acceleration_north_m_s2 &&
-           row.sigma_east_m && row.sigma_north_m;
-}
-
 /// From the other's frame to the own one: places turn and shift, velocities turn.
 class FrameChange {
   public:
-    FrameChange(const TrajectoryTable& other, const TrajectoryTable& own) {
+    FrameChange(const Track& other, const Track& own) {
         if (!other.origin) return;
         from_.emplace(other.origin->position);
         to_.emplace(own.origin->position);
@@ -47,58 +41,39 @@ class FrameChange {
     Eigen::Matrix3d turn_ = Eigen::Matrix3d::Identity();
 };
 
-/// An epoch of the other receiver in the own frame and time.
-struct Epoch {
-    double time_s = 0.0;
-    Vector3d position_m, velocity_m_s, acceleration_m_s2;
-    Vector3d variance_m2;
-    std::int64_t stretch = 0;
-};
-
-std::vector<Epoch> epochs_of(const TrajectoryTable& other, const TrajectoryTable& own,
-                             bool with_heights) {
+/// The other receiver's usable epochs in the own frame and time.
+std::vector<TrackEpoch> epochs_of(const Track& other, const Track& own, bool with_heights) {
     const FrameChange frame(other, own);
     const double later_s =
-        static_cast<double>(other.facts.first_epoch->nanoseconds_since(*own.facts.first_epoch)) *
-        1e-9;
-    std::vector<Epoch> epochs;
-    std::int64_t stretch = 0;
-    std::optional<std::int64_t> arc;
-    for (const TrajectoryEpoch& row : other.rows) {
-        if (!is_estimated(row) || (with_heights && !(row.up_m && row.sigma_up_m))) continue;
-        if (row.arc != arc || begins_after_step(row)) ++stretch;
-        arc = row.arc;
-        const Vector3d position(*row.east_m, *row.north_m, row.up_m.value_or(0.0));
-        const Vector3d velocity(*row.velocity_east_m_s, *row.velocity_north_m_s,
-                                row.velocity_up_m_s.value_or(0.0));
-        const Vector3d acceleration(*row.acceleration_east_m_s2, *row.acceleration_north_m_s2, 0.0);
-        epochs.push_back({.time_s = row.time.seconds() + later_s,
-                          .position_m = frame.place(position),
-                          .velocity_m_s = frame.turned(velocity),
-                          .acceleration_m_s2 = frame.turned(acceleration),
-                          .variance_m2 = Vector3d(*row.sigma_east_m, *row.sigma_north_m,
-                                                  row.sigma_up_m.value_or(0.0))
-                                             .cwiseAbs2(),
-                          .stretch = stretch});
+        static_cast<double>(other.first_epoch->nanoseconds_since(*own.first_epoch)) * 1e-9;
+    std::vector<TrackEpoch> epochs;
+    for (TrackEpoch epoch : other.epochs) {
+        if (!epoch.usable || (with_heights && !epoch.has_height)) continue;
+        epoch.time_s += later_s;
+        epoch.position_m = frame.place(epoch.position_m);
+        epoch.velocity_m_s = frame.turned(epoch.velocity_m_s);
+        epoch.acceleration_m_s2 = frame.turned(epoch.acceleration_m_s2);
+        epochs.push_back(epoch);
     }
     return epochs;
 }
 
-/// The vector between the antennas along and across the track.
-Vector2d baseline_of(const std::vector<Epoch>& epochs, const TrajectoryTable& own) {
+/// The vector between the antennas along and across the track; `tolerance_s`: between epochs so
+/// near to one another the motion takes the one to the time of the other.
+Vector2d baseline_of(const std::vector<TrackEpoch>& epochs, double tolerance_s, const Track& own) {
     std::vector<double> along, across;
     std::size_t k = 0;
-    for (const TrajectoryEpoch& row : own.rows) {
-        if (!is_estimated(row)) continue;
-        constexpr double tolerance_s = 1e-3;
-        while (k < epochs.size() && epochs[k].time_s < row.time.seconds() - tolerance_s)
+    for (const TrackEpoch& at : own.epochs) {
+        if (!at.usable) continue;
+        while (k < epochs.size() && epochs[k].time_s < at.time_s - tolerance_s)
             ++k;
         if (k == epochs.size()) break;
-        const Vector2d velocity = epochs[k].velocity_m_s.head<2>();
-        if (epochs[k].time_s > row.time.seconds() + tolerance_s || velocity.norm() < slowest_m_s)
-            continue;
-        const Vector2d track = velocity.normalized();
-        const Vector2d apart = epochs[k].position_m.head<2>() - Vector2d(*row.east_m, *row.north_m);
+        const double to_s = at.time_s - epochs[k].time_s;
+        const Vector3d velocity = epochs[k].velocity_m_s + to_s * epochs[k].acceleration_m_s2;
+        if (to_s < -tolerance_s || velocity.head<2>().norm() < slowest_m_s) continue;
+        const Vector2d track = velocity.head<2>().normalized();
+        const Vector3d moved = 0.5 * to_s * (epochs[k].velocity_m_s + velocity);
+        const Vector2d apart = (epochs[k].position_m + moved - at.position_m).head<2>();
         along.push_back(apart.dot(track));
         across.push_back(apart.dot(Vector2d(-track.y(), track.x())));
     }
@@ -110,17 +85,16 @@ Vector2d baseline_of(const std::vector<Epoch>& epochs, const TrajectoryTable& ow
 }  // namespace
 
 template <int Axes>
-std::optional<ReceiverWitness<Axes>> receiver_witness(const TrajectoryTable& other,
-                                                      const TrajectoryTable& own) {
-    if (!other.facts.first_epoch || !own.facts.first_epoch ||
+std::optional<ReceiverWitness<Axes>> receiver_witness(const Track& other, const Track& own) {
+    if (!other.first_epoch || !own.first_epoch ||
         other.origin.has_value() != own.origin.has_value())
         return std::nullopt;
-    const std::vector<Epoch> epochs = epochs_of(other, own, Axes == 1);
+    const std::vector<TrackEpoch> epochs = epochs_of(other, own, Axes == 1);
     if (epochs.empty()) return std::nullopt;
-    const Vector2d baseline = baseline_of(epochs, own);
+    const Vector2d baseline = baseline_of(epochs, 0.5 * other.nominal_interval_s, own);
     std::vector<OtherReceiverEpoch<Axes>> samples;
     samples.reserve(epochs.size());
-    for (const Epoch& epoch : epochs) {
+    for (const TrackEpoch& epoch : epochs) {
         OtherReceiverEpoch<Axes>& sample = samples.emplace_back();
         sample.time_s = epoch.time_s;
         sample.stretch = epoch.stretch;
@@ -142,12 +116,11 @@ std::optional<ReceiverWitness<Axes>> receiver_witness(const TrajectoryTable& oth
                                    angle * angle * baseline.squaredNorm() * Matrix2d::Identity();
         }
     }
-    return ReceiverWitness<Axes>(std::move(samples));
+    constexpr double longest_step = 1.5;
+    return ReceiverWitness<Axes>(std::move(samples), longest_step * other.nominal_interval_s);
 }
 
-template std::optional<ReceiverWitness<1>> receiver_witness<1>(const TrajectoryTable&,
-                                                               const TrajectoryTable&);
-template std::optional<ReceiverWitness<2>> receiver_witness<2>(const TrajectoryTable&,
-                                                               const TrajectoryTable&);
+template std::optional<ReceiverWitness<1>> receiver_witness<1>(const Track&, const Track&);
+template std::optional<ReceiverWitness<2>> receiver_witness<2>(const Track&, const Track&);
 
 }  // namespace runcert

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <utility>
 
 #include "core/failure.h"
 #include "core/geodesy.h"
@@ -22,29 +24,30 @@ constexpr std::size_t places_compared = 20;
     throw Failure("3-phase.ecsv", what, "Run runcert-screen again");
 }
 
+/// What begins an arc, in the estimate and in the table.
+constexpr std::array<std::pair<PhaseBreak, ArcStart>, 8> arc_starts{
+    {{PhaseBreak::start, ArcStart::start},
+     {PhaseBreak::gap, ArcStart::gap},
+     {PhaseBreak::lost_lock, ArcStart::lost_lock},
+     {PhaseBreak::ephemeris, ArcStart::ephemeris},
+     {PhaseBreak::geometry_free, ArcStart::geometry_free},
+     {PhaseBreak::displacement, ArcStart::displacement},
+     {PhaseBreak::uncontrolled, ArcStart::uncontrolled},
+     {PhaseBreak::refused, ArcStart::refused}}};
+
 PhaseBreak break_of(ArcStart start) {
-    switch (start) {
-        case ArcStart::start:
-            return PhaseBreak::start;
-        case ArcStart::gap:
-            return PhaseBreak::gap;
-        case ArcStart::lost_lock:
-            return PhaseBreak::lost_lock;
-        case ArcStart::ephemeris:
-            return PhaseBreak::ephemeris;
-        case ArcStart::geometry_free:
-            return PhaseBreak::geometry_free;
-        case ArcStart::displacement:
-            return PhaseBreak::displacement;
-        case ArcStart::uncontrolled:
-            return PhaseBreak::uncontrolled;
-        case ArcStart::refused:
-            return PhaseBreak::refused;
-    }
+    for (const auto& [own, word] : arc_starts)
+        if (word == start) return own;
     return PhaseBreak::none;
 }
 
 }  // namespace
+
+std::optional<ArcStart> start_of(PhaseBreak begins) {
+    for (const auto& [own, word] : arc_starts)
+        if (own == begins) return word;
+    return std::nullopt;
+}
 
 void ReceiverPlaces::set_frame(const FrameOrigin& origin) {
     const Geodetic& place = origin.position;

@@ -19,6 +19,9 @@
 
 namespace runcert {
 
+/// What begins an arc of phases, as the table says it; nothing where none begins.
+std::optional<ArcStart> start_of(PhaseBreak begins);
+
 /// Where the recorded positions put a receiver, by GPS time.
 class ReceiverPlaces {
   public:

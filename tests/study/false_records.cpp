@@ -131,6 +131,14 @@ std::vector<SimulatedEpoch> true_epochs(const SimulatedRecording& recording) {
     return epochs;
 }
 
+/// Where the craft points: along its way at speed; while it hardly moves, much as the whole run
+/// goes.
+Eigen::Vector2d heading_of(const Eigen::Vector2d& velocity) {
+    constexpr double slow_m_s = 5.0;
+    const Eigen::Vector2d of_run = Eigen::Vector2d::Constant(1.0).normalized();
+    return (velocity + slow_m_s * of_run).normalized();
+}
+
 /// Another receiver a metre from the first on the craft, with noise of its own.
 EnuTable second_receiver(const SimulatedRecording& recording, const StudyNoise& noise,
                          RandomGenerator& random) {
@@ -138,7 +146,7 @@ EnuTable second_receiver(const SimulatedRecording& recording, const StudyNoise& 
     table.facts.receiver = "second";
     table.facts.first_epoch = study_start();
     for (std::size_t k = 0; k < table.rows.size(); ++k) {
-        const Eigen::Vector2d track = recording.velocity[k].normalized();
+        const Eigen::Vector2d track = heading_of(recording.velocity[k]);
         const Eigen::Vector2d antenna =
             recording.truth[k] - 0.9 * track + 0.4 * Eigen::Vector2d(-track.y(), track.x());
         table.rows[k].east_m = antenna.x() + noise.white_m * random.normal();

@@ -149,7 +149,7 @@ inline constexpr const char* claim_changes = R"yaml(
 - {key: current.file, set: {/attempt/current/file: wind.csv}}
 - {key: current.source, set: {/attempt/current/source: another float}}
 - {key: current.expanded_uncertainty_m_s, set: {/attempt/current/expanded_uncertainty_m_s: 0.02}}
-- {key: wheel.file, set: {/attempt/wheel/file: other_wheel.csv}, redoes: [screen, window]}
+- {key: wheel.file, set: {/attempt/wheel/file: other_wheel.csv}, redoes: screen window}
 - {key: wheel.source, set: {/attempt/wheel/source: front wheel}}
 - {key: gates.file, set: {/attempt/gates/file: other_gates.csv}, redoes: window}
 - {key: gates.source, set: {/attempt/gates/source: other gates}}

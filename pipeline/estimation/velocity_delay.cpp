@@ -132,10 +132,21 @@ struct CoarseDelay {
     bool at_limit = false;
 };
 
+/// Some thousand of them, as far apart as they lie: a grid needs no more.
+std::vector<Comparison> spread(const std::vector<Comparison>& all) {
+    constexpr std::size_t enough = 2000;
+    const std::size_t stride = 1 + all.size() / (2 * enough);
+    std::vector<Comparison> chosen;
+    for (std::size_t k = 0; k < all.size(); k += stride)
+        chosen.push_back(all[k]);
+    return chosen;
+}
+
 /// The delay on a grid over the whole range that has the least Huber criterion, in the scale of
 /// the grid's least median [Rousseeuw84], which up to half of the epochs cannot spoil.
-CoarseDelay coarse_delay(const Knots& knots, const std::vector<Comparison>& comparisons,
+CoarseDelay coarse_delay(const Knots& knots, const std::vector<Comparison>& all,
                          double delay_max_s) {
+    const std::vector<Comparison> comparisons = spread(all);
     constexpr int half = 25;
     CoarseDelay coarse{.scale = std::numeric_limits<double>::infinity(),
                        .step_s = delay_max_s / half};

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/parallel.h"
 #include "core/statistics.h"
 #include "core/uncertainty.h"
 #include "estimation/tables/recorded_velocities.h"
@@ -356,12 +357,15 @@ VelocityFindings check_velocities(std::vector<ScreenedEpoch>& rows, const Motion
                                        options.delay_max_s, options.nominal_interval_s);
     Differences differences = smoothed_differences(gathered, delay);
     if (differences.size() < least_comparisons) return findings;
-    Differences displacements = displacement_differences(rows, gathered.recorded, delay);
+    Differences displacements;
     comparison.compared = static_cast<std::int64_t>(differences.size());
     comparison.delay_s = delay.delay_s;
     if (delay.delay_s) comparison.sigma_delay_s = delay.sigma_s;
-    comparison.scale_m_s = test_differences(differences);
-    test_differences(displacements);
+    do_together([&] { comparison.scale_m_s = test_differences(differences); },
+                [&] {
+                    displacements = displacement_differences(rows, gathered.recorded, delay);
+                    test_differences(displacements);
+                });
 
     const double threshold = chi_squared_upper_quantile(options.test_size, 2);
     const auto displaced = mark_displaced(rows, displacements, threshold);

@@ -21,7 +21,7 @@ namespace runcert {
 /// hypothesis baseline, and `estimated` the error of that receiver were it the wrong one. Epochs of
 /// either receiver between two compared ones are as doubtful as these where one of them is wrong,
 /// or a step lies between them. A step ends the arc in both, and so does the beginning of a drift,
-/// which leaves nothing out: over a window, the check of the speeds tells it.
+/// which leaves nothing out here: displacements show what it leaves (`check_displacements`).
 ///
 /// Fills `comparison.baseline` of both: median and robust standard deviation of the length,
 /// nothing compared where a recording's time is relative, or one is in an engineering CRS and the

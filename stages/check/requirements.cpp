@@ -133,7 +133,7 @@ std::string_view silence_of_receiver(const CheckInput& input) {
         return "cannot be compared: the time of a recording is relative (give its start_gps)";
     if (input.judged.origin.has_value() != input.secondary->origin.has_value())
         return "cannot be compared: only one of the two has a place on the Earth";
-    return "has no estimate without a break and a step over the whole of that time";
+    return "has no estimate over the whole of that time without a break or a step";
 }
 
 /// What the second receiver says.

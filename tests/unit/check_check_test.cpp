@@ -387,7 +387,7 @@ TEST(SecondReceiver, ThatSaysNothingDoesNotMeetTheClause) {
             << evidence_of(scene.both(), "secondary-method");
         EXPECT_EQ(scene.both().outcome, Outcome::not_certifiable);
     };
-    says("no estimate without a break and a step");
+    says("no estimate over the whole of that time");
     scene.secondary.origin = FrameOrigin{.position = {}, .source = "attempt"};
     says("place on the Earth");
     scene.secondary.facts.first_epoch.reset();

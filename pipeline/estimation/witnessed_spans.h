@@ -22,10 +22,10 @@ struct TimedPosition {
 /// How displacements by a witness and by positions differ over spans of one length.
 struct DisplacementSpread {
     double span_s = 0.0;
-    std::int64_t spans = 0;    ///< compared; they overlap
-    double independent = 0.0;  ///< so many lengths of span are covered
-    double sd_m = 0.0;         ///< robust standard deviation, each axis
-    double sd_upper_m = 0.0;   ///< not exceeded with a probability of 95 %, for normal errors
+    std::int64_t spans = 0;        ///< compared; they overlap
+    double independent = 0.0;      ///< so many lengths of span are covered
+    double sd_m = 0.0;             ///< robust standard deviation, each axis
+    double sd_upper_m = 0.0;       ///< not exceeded with a probability of 95 %, for normal errors
     double least_speed_m_s = 0.0;  ///< of the spans that were compared
 };
 
@@ -64,7 +64,7 @@ struct SpanTest {
     /// be of another arc.
     double ahead_s = 0.0;
     double least_speed_m_s = 0.0;  ///< slower spans are not tested
-    double threshold = 0.0;  ///< of chi-squared with two degrees of freedom
+    double threshold = 0.0;        ///< of chi-squared with two degrees of freedom
 };
 
 /// A span (places of its first and last position) whose displacement a witness contradicts.

@@ -67,7 +67,8 @@ std::string find_series(const AttemptFile& file, const Attempt& attempt,
 
 /// Brings what is neither a recording nor made of one into a run folder: the series that
 /// it names, the claimed profiles, and the attempt itself, whose `text` is given. Failure where one
-/// cannot be found, where a series cannot be read, and where a profile needs a course that the attempt does not give.
+/// cannot be found, where a series cannot be read, and where a profile needs a course that the
+/// attempt does not give.
 void bring_in_claim(const Attempt& attempt, std::string_view text, const AttemptSource& source,
                     const std::filesystem::path& run_dir);
 

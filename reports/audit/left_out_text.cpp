@@ -29,8 +29,7 @@ std::string contradicted(std::string_view witness, RowSpan rows) {
     const EstimatedError& apart = rows.front().estimated;
     std::string text = fmt::format("the {} contradict {}", witness,
                                    rows.size() == 1 ? "its position" : "their positions");
-    if (apart.east_m && apart.north_m)
-        text += ": by " + components(apart);
+    if (apart.east_m && apart.north_m) text += ": by " + components(apart);
     return text;
 }
 

@@ -70,10 +70,12 @@ std::string refused_for_witnesses(const std::vector<WitnessedSpeed>& witnesses) 
         witnesses, [](const WitnessedSpeed& witness) { return witness.normalised_error > 1.0; });
     if (one == witnesses.end()) return {};
     return fmt::format(
-        "{} give {:+.3f} km/h against the positions over the window, in size or direction more than "
+        "{} give {:+.3f} km/h against the positions over the window, in size or direction more "
+        "than "
         "both uncertainties allow (normalised error {:.2f}): one of the two is wrong. The "
         "displacements differ by {:.3f} m{}.",
-        capitalised(witness_name(*one)), -one->difference_m_s * 3.6, one->normalised_error, one->apart_m,
+        capitalised(witness_name(*one)), -one->difference_m_s * 3.6, one->normalised_error,
+        one->apart_m,
         one->apart_azimuth_deg
             ? fmt::format(", towards {:.0f} degrees from north", *one->apart_azimuth_deg)
             : std::string());

@@ -55,7 +55,7 @@ struct CheckInput {
     const std::vector<Profile>& profiles;
     const ReceiverFindings& judged;
     const ReceiverFindings* secondary = nullptr;  ///< null where there is one receiver only
-    const MeasuredSeries* wind = nullptr;             ///< null where the attempt gives none
+    const MeasuredSeries* wind = nullptr;         ///< null where the attempt gives none
     const MeasuredSeries* current = nullptr;
 };
 

@@ -144,8 +144,8 @@ Finding by_receiver(const ClauseContext& context) {
     const auto& witnesses = context.windows.best->witnesses;
     const auto one = std::ranges::find(witnesses, receiver, &WitnessedSpeed::receiver);
     if (one == witnesses.end())
-        return {RequirementStatus::not_met, fmt::format("receiver \"{}\" {}", receiver,
-                                                        silence_of_receiver(context.input))};
+        return {RequirementStatus::not_met,
+                fmt::format("receiver \"{}\" {}", receiver, silence_of_receiver(context.input))};
     return {one->normalised_error <= 1.0 ? RequirementStatus::met : RequirementStatus::not_met,
             fmt::format(
                 "receiver \"{}\" gives {:.3f} km/h over the same {:.3f} s, {:+.3f} km/h "

@@ -61,8 +61,7 @@ int main(int argc, char** argv) {
                 beside.push_back({.phases = witness ? &*witness : nullptr});
             // The wheel is of the first receiver's craft and on its time.
             std::vector<TimedValue> wheel_m_s;
-            if (const auto wheel =
-                    handed_in_series(run, "wheel", tables.front().facts.first_epoch))
+            if (const auto wheel = handed_in_series(run, "wheel", tables.front().facts.first_epoch))
                 wheel_m_s = timed_values(*wheel);
             beside.front().wheel_m_s = wheel_m_s;
             std::vector<ScreenedTable> screened = screen_receivers(tables, config, beside);

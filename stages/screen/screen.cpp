@@ -179,9 +179,9 @@ bool wheel_contradicts(ScreenedTable& screened, const Motion& motion,
                        std::span<const TimedValue> speeds_m_s, const ArcCheck& check,
                        ScreeningBasis& basis) {
     if (speeds_m_s.empty()) return false;
-    const auto wheel = wheel_witness(
-        speeds_m_s, timed_positions<2>(screened.rows), track_of(screened, motion),
-        check.noises.horizontal.model.motion.jerk_density);
+    const auto wheel =
+        wheel_witness(speeds_m_s, timed_positions<2>(screened.rows), track_of(screened, motion),
+                      check.noises.horizontal.model.motion.jerk_density);
     if (!wheel) return false;
     return contradicts(screened,
                        {.kind = WitnessKind::wheel,
@@ -294,15 +294,14 @@ bool receivers_contradict(std::array<ReceiverScreening*, 2> pair, const ScreenCo
         const auto witness = receiver_witness<2>(tracks[other], tracks[own]);
         if (!witness) continue;
         ReceiverScreening& judged = *pair[own];
-        const bool marked =
-            contradicts(judged.table,
-                        {.kind = WitnessKind::receiver,
-                         .receiver = pair[other]->table.facts.receiver,
-                         .witness = &*witness,
-                         .mark = {.reason = Reason::baseline, .hypothesis = Hypothesis::baseline},
-                         .only_fast = true},
-                        {.noises = judged.noises, .plan = judged.plan, .config = config},
-                        judged.table.basis);
+        const bool marked = contradicts(
+            judged.table,
+            {.kind = WitnessKind::receiver,
+             .receiver = pair[other]->table.facts.receiver,
+             .witness = &*witness,
+             .mark = {.reason = Reason::baseline, .hypothesis = Hypothesis::baseline},
+             .only_fast = true},
+            {.noises = judged.noises, .plan = judged.plan, .config = config}, judged.table.basis);
         any = any || marked;
     }
     return any;
@@ -361,8 +360,8 @@ std::vector<ScreenedTable> screen_receivers(std::span<const EnuTable> tables,
         ReceiverScreening &first = receivers[0], &second = receivers[1];
         const auto strictest = std::ranges::min_element(
             receivers, {}, [](const ReceiverScreening& one) { return one.plan.size(); });
-        bool marked = compare_receivers(first.table, second.table, first.motion, strictest->plan,
-                                        config);
+        bool marked =
+            compare_receivers(first.table, second.table, first.motion, strictest->plan, config);
         constexpr int rounds = 4;
         for (int round = 0; round < rounds; ++round) {
             if (marked)

@@ -85,10 +85,9 @@ void judge(benchmark::State& state) {
     static const Profile profile = read_profile(builtin_profile("nalsa"), "nalsa");
     WindowConfig config = window_config(study_attempt(), study_attempt().receivers.front());
     for (auto _ : state) {
-        const ScreenedTable screened =
-            screen(run.table, study_screen_config(),
-                   {.phases = run.phases ? &*run.phases : nullptr,
-                    .wheel_m_s = run.beside.wheel_m_s});
+        const ScreenedTable screened = screen(
+            run.table, study_screen_config(),
+            {.phases = run.phases ? &*run.phases : nullptr, .wheel_m_s = run.beside.wheel_m_s});
         const TrajectoryTable trajectory =
             smooth_trajectory(screened, smooth_config(study_attempt()));
         const Windows windows =

@@ -44,8 +44,7 @@ struct WheelFit {
     }
 };
 
-WheelFit fit_at(std::span<const TimedValue> wheel, const Track& track,
-                double delay_s) {
+WheelFit fit_at(std::span<const TimedValue> wheel, const Track& track, double delay_s) {
     double cross = 0.0, square = 0.0, smoothed = 0.0;
     WheelFit fit;
     for (const TrackEpoch& epoch : track.epochs) {
@@ -95,8 +94,8 @@ WheelDelay delay_of(std::span<const TimedValue> wheel, const Track& track) {
 
 /// Standard uncertainty of the scale: of the ratios of both paths over spans of 3 s while the craft
 /// moves fast, as many as do not overlap.
-double sigma_of_scale(std::span<const TimedValue> wheel, const Track& track,
-                      double delay_s, double scale) {
+double sigma_of_scale(std::span<const TimedValue> wheel, const Track& track, double delay_s,
+                      double scale) {
     constexpr double span_s = 3.0;
     constexpr double least = 1e-4;
     double fastest = 0.0;

@@ -24,7 +24,8 @@ struct WheelWitness {
 /// The speed of a wheel along the direction of travel. Its delay (within a second either way) and
 /// its scale are those with which its speeds fit those of the track best; its errors are estimated
 /// beside the positions, as those of recorded velocities are. A wrong scale that lasts it cannot
-/// see. Nothing where fewer than 30 epochs of the track have a speed of the wheel, or nothing bounds its errors.
+/// see. Nothing where fewer than 30 epochs of the track have a speed of the wheel, or nothing
+/// bounds its errors.
 std::optional<WheelWitness> wheel_witness(std::span<const TimedValue> speeds_m_s,
                                           std::span<const TimedPosition<2>> positions,
                                           const Track& track, double jerk_density);

@@ -65,10 +65,10 @@ Arguments system_binds() {
 /// How bubblewrap shuts in: an own everything, and another user, so that a program that asks who
 /// it runs for finds one in /etc/passwd, and always the same.
 Arguments shut_in(const fs::path& wrapper, const fs::path& folder, const Arguments& inputs) {
-    Arguments arguments{wrapper.string(), "--unshare-user", "--unshare-ipc", "--unshare-pid",
-                        "--unshare-net",  "--unshare-uts",  "--uid",         "65534",
-                        "--gid",          "65534",          "--new-session", "--die-with-parent",
-                        "--hostname",     "runcert"};
+    Arguments arguments{
+        wrapper.string(),    "--unshare-user", "--unshare-ipc", "--unshare-pid", "--unshare-net",
+        "--unshare-uts",     "--uid",          "65534",         "--gid",         "65534",
+        "--die-with-parent", "--hostname",     "runcert"};
     const Arguments system = system_binds();
     arguments.insert(arguments.end(), system.begin(), system.end());
     append(arguments, {"--bind", folder.string(), folder.string()});
@@ -88,8 +88,8 @@ struct Confinement {
 /// Why a trial of shutting nothing in failed; none where it did not.
 std::optional<std::string> obstacle_to(const Arguments& command, bool no_network) {
     try {
-        const ProcessResult result =
-            run_process(command, {.closed_environment = true, .no_network = no_network});
+        const ProcessResult result = run_process(
+            command, {.closed_environment = true, .guarded = true, .no_network = no_network});
         if (result.exit_status == 0) return std::nullopt;
         const std::string_view said = trim(result.errors);
         return escape_for_message(said.substr(0, said.find('\n')), 200);
@@ -163,6 +163,7 @@ ProcessResult run_in(const ExternalCall& call, const fs::path& program, const fs
                            .standard_input = call.standard_input,
                            .time_limit = call.limits.time,
                            .most_output = call.limits.output_bytes,
+                           .guarded = true,
                            .most_memory = call.limits.memory_bytes,
                            .longest_file = call.limits.file_bytes,
                            .no_network = isolation() == Isolation::no_network};

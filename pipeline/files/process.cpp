@@ -125,7 +125,11 @@ class Watch {
     }
 
     /// Only before the program is reaped: its number may be another's afterwards.
-    void kill_all() const { kill(own_group_ ? -program_.process : program_.process, SIGKILL); }
+    void kill_all() const {
+        if (kill(own_group_ ? -program_.process : program_.process, SIGKILL) == 0) return;
+        // A guard that has no group yet: it ends all that is in it as soon as it has.
+        kill(program_.process, SIGTERM);
+    }
 
     /// Reads what is left in the pipes, ends what is left of the group, and takes the status.
     void finish() {
@@ -180,8 +184,8 @@ ProcessResult run_process(const std::vector<std::string>& arguments,
                           const ProcessOptions& options) {
     if (options.stop.stop_requested())
         return {.exit_status = 128 + SIGKILL, .end = ProcessEnd::stopped, .signal = SIGKILL};
-    const bool own_group = options.own_group || options.time_limit || options.most_output ||
-                           options.stop.stop_possible();
+    const bool own_group = options.own_group || options.guarded || options.time_limit ||
+                           options.most_output || options.stop.stop_possible();
     std::optional<Clock::time_point> deadline;
     if (options.time_limit)
         deadline = Clock::now() + std::min<std::chrono::milliseconds>(*options.time_limit, longest);
@@ -197,6 +201,7 @@ ProcessResult run_process(const std::vector<std::string>& arguments,
                                .folder = options.folder.string(),
                                .standard_input = options.standard_input.string(),
                                .own_group = own_group,
+                               .guarded = options.guarded,
                                .most_memory = options.most_memory,
                                .longest_file = options.longest_file,
                                .no_network = options.no_network}),

@@ -30,6 +30,9 @@ struct ProcessOptions {
     /// Runs the program in a process group of its own, so that the terminal's Ctrl-C does not reach
     /// it and what it leaves running is ended after it. Always so with a limit or a stop.
     bool own_group = false;
+    /// Runs the program in a session of its own, under a guard: a process between it and the caller
+    /// that ends the whole group when the caller dies, however it dies.
+    bool guarded = false;
     /// The most memory, as address space, in bytes: the program gets no more. It leaves no core.
     std::optional<std::uint64_t> most_memory = {};
     /// The longest file it may write, in bytes: a signal ends it that writes a longer one.
@@ -69,6 +72,9 @@ struct ProcessResult {
 /// did not take a group of their own. Programs run by this function that do have one still die with
 /// the program that ran them. Output is read until the program has ended and nobody can write any
 /// more, but for no longer than a second after its end, whoever still holds it open.
+///
+/// A guarded program and all in its group die with the caller. It takes a program that starts
+/// others (bubblewrap, whose own children live on where it is killed while it begins).
 ProcessResult run_process(const std::vector<std::string>& arguments,
                           const ProcessOptions& options = {});
 

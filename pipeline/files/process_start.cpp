@@ -14,6 +14,7 @@
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
+#include <limits>
 #include <string_view>
 
 #include "core/failure.h"
@@ -119,6 +120,7 @@ struct Child {
     int input, output, errors, problem;
     pid_t parent;
     bool own_group;
+    bool guarded;
     bool no_network;
     std::string_view user_map, group_map;
 };
@@ -171,14 +173,48 @@ bool confine(const Child& child) {
     _exit(127);
 }
 
+/// Ends as the program did.
+[[noreturn]] void end_as(pid_t program) {
+    int status = 0;
+    while (waitpid(program, &status, 0) < 0 && errno == EINTR) {
+    }
+    if (!WIFSIGNALED(status)) _exit(WEXITSTATUS(status));
+    reset_signals();
+    kill(getpid(), WTERMSIG(status));
+    _exit(128 + WTERMSIG(status));
+}
+
+/// Returns in a new process, with the number of its guard, which this one becomes. All signals are
+/// blocked when this is called, so that none that ends the guard comes before it has a group.
+pid_t under_guard(const Child& child) {
+    const pid_t guard = setsid();
+    struct sigaction action {};
+    action.sa_handler = [](int) { kill(0, SIGKILL); };
+    sigaction(SIGTERM, &action, nullptr);
+    action.sa_handler = SIG_DFL;  // an ignored SIGCHLD would leave nothing to wait for
+    sigaction(SIGCHLD, &action, nullptr);
+    prctl(PR_SET_PDEATHSIG, SIGTERM);
+    if (getppid() != child.parent) _exit(127);
+    const pid_t program = _Fork();
+    if (program == 0) return guard;
+    if (program < 0) report(child, errno);
+    close_range(0, std::numeric_limits<unsigned>::max(), 0);  // pipes of others among them
+    sigset_t ends;
+    sigemptyset(&ends);
+    sigaddset(&ends, SIGTERM);
+    sigprocmask(SIG_UNBLOCK, &ends, nullptr);
+    end_as(program);
+}
+
 /// What the child does between fork and exec: only calls that are safe there.
 [[noreturn]] void become(const Child& child) {
+    const pid_t parent = child.guarded ? under_guard(child) : child.parent;
     const bool confined = confine(child);
     const int obstacle = errno;
     prctl(PR_SET_PDEATHSIG, SIGTERM);  // after confine: another namespace may take it away
-    if (getppid() != child.parent) _exit(127);
+    if (getppid() != parent) _exit(127);
     if (!confined) report(child, obstacle);
-    if (child.own_group) setpgid(0, 0);
+    if (child.own_group && !child.guarded) setpgid(0, 0);
     dup2(child.input, STDIN_FILENO);
     dup2(child.output, STDOUT_FILENO);
     dup2(child.errors, STDERR_FILENO);
@@ -255,11 +291,12 @@ StartedProgram start_program(const ProgramStart& program) {
                       .problem = problem.write_end.number(),
                       .parent = getpid(),
                       .own_group = program.own_group,
+                      .guarded = program.guarded,
                       .no_network = program.no_network,
                       .user_map = user_map,
                       .group_map = group_map});
-    // Both do it, so that the group is there for whoever comes first.
-    if (program.own_group) setpgid(started.process, started.process);
+    // Both do it, so that the group is there for whoever comes first; a guard makes a session.
+    if (program.own_group && !program.guarded) setpgid(started.process, started.process);
     started.ended = open_pidfd(started.process);
     if (started.ended.number() < 0) {
         const int error = errno;

@@ -44,6 +44,7 @@ struct ProgramStart {
     std::string folder;
     std::string standard_input;
     bool own_group = false;
+    bool guarded = false;
     std::optional<std::uint64_t> most_memory;
     std::optional<std::uint64_t> longest_file;
     bool no_network = false;

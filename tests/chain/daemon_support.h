@@ -6,24 +6,25 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <cerrno>
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "guardian.h"
+
 namespace runcert::chain {
 
-/// Waits until something holds, asking ten times a second. Whether it did within so many seconds.
+/// Waits until something holds, asking fifty times a second. Whether it did within so many
+/// seconds, which are to be far more than it takes on the busiest machine.
 inline bool holds_within(int seconds, const std::function<bool()>& question) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(seconds);
     while (!question()) {
         if (std::chrono::steady_clock::now() > end) return false;
-        std::this_thread::sleep_for(std::chrono::milliseconds(100));
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
     }
     return true;
 }
@@ -47,12 +48,11 @@ class Daemon {
     Daemon& operator=(const Daemon&) = delete;
 
   private:
-    // A process between the test and the program: what the program's children leave behind becomes
-    // its own (PR_SET_CHILD_SUBREAPER), so that it knows them all.
+    // A process between the test and the program.
     [[noreturn]] static void guard(std::vector<std::string> command,
                                    const std::filesystem::path& log, pid_t parent) {
         setsid();
-        prctl(PR_SET_CHILD_SUBREAPER, 1);
+        test::adopt_descendants();
         sigset_t awaited;
         sigset_t before;
         sigemptyset(&awaited);
@@ -72,7 +72,7 @@ class Daemon {
             kill(program, SIGTERM);
             holds_within(5, [program] { return waitpid(program, nullptr, WNOHANG) != 0; });
         }
-        kill_children();
+        test::kill_children();
         _exit(0);
     }
 
@@ -89,16 +89,6 @@ class Daemon {
         sigprocmask(SIG_SETMASK, &signals, nullptr);
         execvp(words[0], words.data());
         _exit(127);
-    }
-
-    /// Children of a child that is killed become children of the guardian: until there are none.
-    static void kill_children() {
-        const std::string list = "/proc/self/task/" + std::to_string(getpid()) + "/children";
-        do {
-            std::ifstream children(list);
-            for (pid_t child = 0; children >> child;)
-                kill(child, SIGKILL);
-        } while (waitpid(-1, nullptr, 0) > 0 || errno != ECHILD);
     }
 
     pid_t guardian_ = -1;

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <chrono>
@@ -16,6 +17,7 @@
 #include "files/atomic_file.h"
 #include "files/external_program.h"
 #include "files_test_support.h"
+#include "guardian.h"
 
 // What a program that means harm can see, change and use up.
 
@@ -197,7 +199,28 @@ TEST_F(ExternalProgramTest, EndsAtEachOfItsLimits) {
     const ProcessResult time = run_external(little);
     EXPECT_EQ(time.end, ProcessEnd::over_time);
     EXPECT_EQ(external_problem(little, time), "it did not end within 1 s");
-    EXPECT_LT(std::chrono::steady_clock::now() - before, 20s);
+    EXPECT_LT(std::chrono::steady_clock::now() - before, 240s);
+}
+
+// Killed while it begins, bubblewrap left a child that waited for ever, once in two or three times.
+TEST_F(ExternalProgramTest, NothingIsLeftOfOneWhoseCallerIsKilledWhileItBegins) {
+    if (!has_sandbox()) GTEST_SKIP() << "no sandbox here";
+    pretend("exec sleep 600\n");
+    for (int i = 0; i < 24; ++i) {
+        const pid_t caller = fork();
+        ASSERT_GE(caller, 0);
+        if (caller == 0) {
+            (void)run_external({.command = {"gpsbabel"}});
+            _exit(0);
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(i));
+        kill(caller, SIGKILL);
+        waitpid(caller, nullptr, 0);
+    }
+    const auto is_left = [this] { return !test::processes_with(programs_.path()).empty(); };
+    for (int tries = 0; tries < 6000 && is_left(); ++tries)
+        std::this_thread::sleep_for(10ms);
+    EXPECT_FALSE(is_left());
 }
 
 TEST_F(ExternalProgramTest, ManyAtOnceDoNotMeet) {

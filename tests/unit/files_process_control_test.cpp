@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -28,7 +29,7 @@ using Clock = std::chrono::steady_clock;
 
 /// Far more than any of these programs takes that is ended, on a busy machine; far less than the
 /// minutes they sleep.
-constexpr auto soon = 20s;
+constexpr auto soon = 240s;
 
 ProcessResult shell(const std::string& script, const ProcessOptions& options) {
     return run_process({"sh", "-c", script}, options);
@@ -298,6 +299,49 @@ TEST_F(ProcessControl, DiesWithItsCaller) {
     kill(caller, SIGKILL);
     waitpid(caller, nullptr, 0);
     EXPECT_TRUE(is_gone_soon(child));
+}
+
+TEST_F(ProcessControl, AGuardedProgramDiesWithItsCallerAndSoDoesItsGroup) {
+    const pid_t caller = fork();
+    ASSERT_GE(caller, 0);
+    if (caller == 0) {
+        shell(
+            "trap '' TERM; (echo $(exec sh -c 'echo $PPID') > $F/grandchild; sleep 600; true) & "
+            "echo $$ > $F/child; sleep 600; true",
+            in_folder({.guarded = true}));
+        _exit(0);
+    }
+    const std::string child = number_in("child");
+    const std::string grandchild = number_in("grandchild");
+    kill(caller, SIGKILL);
+    waitpid(caller, nullptr, 0);
+    EXPECT_TRUE(is_gone_soon(child));
+    EXPECT_TRUE(is_gone_soon(grandchild));
+}
+
+TEST_F(ProcessControl, AGuardedProgramEndsAsOneWithoutAGuard) {
+    const auto guarded = [&](const std::string& script, ProcessOptions options = {}) {
+        options.guarded = true;
+        return shell(script, in_folder(std::move(options)));
+    };
+    const ProcessResult exited = guarded("printf out; printf err >&2; exit 7");
+    EXPECT_EQ(exited.output + exited.errors, "outerr");
+    EXPECT_EQ(exited.exit_status, 7);
+    EXPECT_EQ(exited.end, ProcessEnd::by_itself);
+    for (const int signal : {SIGSEGV, SIGKILL, SIGTERM}) {
+        const ProcessResult ended = guarded(fmt::format("kill -{} $$", signal));
+        EXPECT_EQ(ended.signal, signal);
+        EXPECT_EQ(ended.end, ProcessEnd::by_signal);
+    }
+    EXPECT_EQ(guarded("sleep 600", {.time_limit = 0ms}).end, ProcessEnd::over_time);
+    EXPECT_EQ(guarded("sleep 600", {.time_limit = 300ms}).end, ProcessEnd::over_time);
+    EXPECT_EQ(guarded("yes", {.most_output = 100'000}).end, ProcessEnd::over_output);
+    // It has a session without a terminal, and all that it started ends with it.
+    EXPECT_EQ(guarded("ps -o tty= -p $$ | tr -d ' '").output, "?\n");
+    EXPECT_EQ(guarded("sleep 600 & echo $! > $F/left; exit 4").exit_status, 4);
+    EXPECT_TRUE(is_gone_soon(number_in("left")));
+    const auto said = failure_of([] { run_process({"no such program"}, {.guarded = true}); });
+    EXPECT_TRUE(said.contains("could not be started")) << said.problem;
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 //   RUNCERT_BROWSER_WORK   folder to work in; what is in it is replaced
 //   RUNCERT_NODE_MODULES   folder into which `npm ci` installed this folder's package-lock.json
 //   RUNCERT_CHROMIUM       the browser, /usr/bin/chromium where it is not set
+//   RUNCERT_STUDY          set: all draws, and not the daily ones alone
 import { execFileSync, spawnSync } from "node:child_process";
 import { createRequire } from "node:module";
 import path from "node:path";
@@ -18,6 +19,8 @@ export const sources = fileURLToPath(new URL("../..", import.meta.url));
 export const programs = needed("RUNCERT_BIN", "folder of runcert's programs");
 export const workFolder = needed("RUNCERT_BROWSER_WORK", "folder to work in");
 export const chromiumPath = process.env.RUNCERT_CHROMIUM || "/usr/bin/chromium";
+
+export const isStudy = Boolean(process.env.RUNCERT_STUDY);
 
 const modules = createRequire(path.join(needed("RUNCERT_NODE_MODULES", "folder of npm ci"), "package.json"));
 export const { chromium } = modules("playwright-core");

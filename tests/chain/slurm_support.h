@@ -67,7 +67,7 @@ inline std::vector<int> free_ports(std::size_t count) {
 /// ports, and need no rights but the user's, so that several can run side by side.
 class SlurmCluster {
   public:
-    /// `settings`: more lines of slurm.conf. Where the nodes are not ready after 30 s, why_not()
+    /// `settings`: more lines of slurm.conf. Where the nodes are not ready after minutes, why_not()
     /// says so.
     explicit SlurmCluster(const std::string& settings = "") {
         for (const char* program : {"munged", "slurmctld", "slurmd", "sbatch"})
@@ -78,7 +78,7 @@ class SlurmCluster {
         write_munge_key();
         write_configuration(settings);
         start();
-        if (!holds_within(30, [this] { return count_nodes("idle") == 3; }))
+        if (!holds_within(240, [this] { return count_nodes("idle") == 3; }))
             why_not_ = "Slurm does not start here:\n" + logs();
     }
 
@@ -86,7 +86,7 @@ class SlurmCluster {
         if (why_not_.empty()) {
             run_process({"scancel", "--state=PENDING", "--user=" + user()});
             run_process({"scancel", "--user=" + user()});
-            holds_within(10, [] { return run_process({"squeue", "--noheader"}).output.empty(); });
+            holds_within(120, [] { return run_process({"squeue", "--noheader"}).output.empty(); });
         }
         if (testing::Test::HasFailure()) ADD_FAILURE() << logs();
         while (!daemons_.empty())
@@ -190,7 +190,7 @@ class SlurmCluster {
                     "--socket=" + path("munge.socket"), "--pid-file=" + path("munged.pid"),
                     "--log-file=" + path("munged.log"), "--seed-file=" + path("munge.seed")},
                    "munged");
-        holds_within(10, [this] { return std::filesystem::exists(path("munge.socket")); });
+        holds_within(120, [this] { return std::filesystem::exists(path("munge.socket")); });
         run_beside({"slurmctld", "-D", "-f", path("slurm.conf")}, "slurmctld");
         for (const char* node : {"n1", "n2", "n3"})
             run_beside({"slurmd", "-D", "-N", node, "-f", path("slurm.conf")}, node);

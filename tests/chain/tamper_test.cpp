@@ -1,9 +1,8 @@
 #include <fmt/format.h>
 
-#include <cstdlib>
-
 #include "core/failure.h"
 #include "core/random.h"
+#include "draws.h"
 #include "handover_support.h"
 #include "trust/bundle.h"
 
@@ -14,10 +13,11 @@ namespace runcert::chain::RUNCERT_FILE {
 namespace {
 
 constexpr std::uint64_t seed = 20260314;
-/// How many bytes are changed: 300, or RUNCERT_TAMPER_CHANGES of them.
-int changes_wanted() {
-    const char* wanted = std::getenv("RUNCERT_TAMPER_CHANGES");
-    return wanted ? std::stoi(wanted) : 300;
+/// How many bytes are changed. The first change of each file is certain to be made; those beyond
+/// look for a place in a file that nothing vouches for: of one that is a tenth of a file 24 find it
+/// with probability 0.9, 300 one of a hundredth with 0.95.
+int changes_wanted(std::size_t files) {
+    return static_cast<int>(files) + draws({.daily = 24, .study = 300});
 }
 
 class Tamper : public testing::Test {
@@ -55,17 +55,18 @@ TEST_F(Tamper, TheBundleIsAcceptedAsItIs) {
 }
 
 TEST_F(Tamper, EveryChangeOfOneByteIsFoundAndItsFileNamed) {
-    const int changes = changes_wanted();
     const auto files = contents_of(bundle_->run_dir);
     std::vector<std::string> names;
     for (const auto& [name, bytes] : files)
         if (!bytes.empty()) names.push_back(name);
     ASSERT_GE(names.size(), 14u);
     RandomGenerator random(seed);
-    std::map<std::string, int> hit;
+    const int changes = changes_wanted(names.size());
     int found = 0;
     for (int i = 0; i < changes; ++i) {
-        const std::string& name = names[below(random, names.size())];
+        const auto next = static_cast<std::size_t>(i);
+        const std::string& name =
+            next < names.size() ? names[next] : names[below(random, names.size())];
         const std::string& bytes = files.at(name);
         const std::size_t at = below(random, bytes.size());
         std::string changed = bytes;
@@ -79,16 +80,14 @@ TEST_F(Tamper, EveryChangeOfOneByteIsFoundAndItsFileNamed) {
         EXPECT_TRUE(named) << name << " byte " << at << "\n" << result.output << result.errors;
         EXPECT_FALSE(check_sums(bundle_->run_dir).empty()) << name << " byte " << at;
         found += accepted || !named ? 0 : 1;
-        ++hit[name];
         write_quickly(bundle_->run_dir / name, bytes);
     }
     EXPECT_EQ(found, changes);
-    EXPECT_EQ(hit.size(), names.size()) << "a file was never changed";
     EXPECT_EQ(verify().exit_status, 0);
 }
 
 TEST_F(Tamper, AChangeOfTheBundleItselfIsRefusedOrFound) {
-    const int changes = changes_wanted();
+    const int changes = changes_wanted(0);
     const fs::path file = signed_->path() / "salt-lake.tar.zst";
     const fs::path other = signed_->path() / "changed.tar.zst";
     const std::string bytes = read_file(file);

@@ -20,6 +20,7 @@ void count(Coverage& coverage, double error_m_s, double standard_uncertainty_m_s
     const double half_width = factor * standard_uncertainty_m_s;
     ++coverage.runs;
     if (std::abs(error_m_s) <= half_width) ++coverage.held;
+    coverage.squares += std::pow(error_m_s / standard_uncertainty_m_s, 2);
     coverage.half_width_m_s +=
         (half_width - coverage.half_width_m_s) / static_cast<double>(coverage.runs);
     coverage.largest_half_width_m_s = std::max(coverage.largest_half_width_m_s, half_width);
@@ -77,6 +78,16 @@ void study_one(CoverageCell& cell, const CoverageOptions& options, std::uint64_t
 }
 
 }  // namespace
+
+Coverage& Coverage::operator+=(const Coverage& other) {
+    const auto share = static_cast<double>(other.runs) / static_cast<double>(runs + other.runs);
+    half_width_m_s += share * (other.half_width_m_s - half_width_m_s);
+    largest_half_width_m_s = std::max(largest_half_width_m_s, other.largest_half_width_m_s);
+    runs += other.runs;
+    held += other.held;
+    squares += other.squares;
+    return *this;
+}
 
 std::vector<CoverageCell> coverage_cells(double rate_hz, double jerk_density) {
     std::vector<CoverageCell> cells;

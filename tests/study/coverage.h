@@ -11,10 +11,14 @@ namespace runcert {
 struct Coverage {
     std::int64_t runs = 0;
     std::int64_t held = 0;
+    double squares = 0.0;         ///< of the errors in standard uncertainties, their sum
     double half_width_m_s = 0.0;  ///< mean
     double largest_half_width_m_s = 0.0;
 
     double fraction() const { return static_cast<double>(held) / static_cast<double>(runs); }
+    /// 1 where the standard uncertainties are those of the errors.
+    double mean_square() const { return squares / static_cast<double>(runs); }
+    Coverage& operator+=(const Coverage& other);
 };
 
 /// One kind of noise, by four ways to an interval.

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/failure.h"
+#include "draws.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {
@@ -22,8 +23,10 @@ MotionCell cell_of(const std::string& motion, const std::string& errors, double 
 }
 
 /// What a cell of few runs can show: every run certified, all but one held, nothing falsely
-/// decided.
-void expect_honest(const MotionCell& cell, std::int64_t runs) {
+/// decided. What spoils every run is found by the four of the daily set for certain, what spoils
+/// half of them with probability 0.7 in each cell.
+void expect_honest(const MotionCell& cell, int in_study) {
+    const int runs = draws({.daily = 4, .study = in_study});
     SCOPED_TRACE(cell.motion + ", " + cell.errors);
     const MotionSummary sum = summarise(study_motion(cell, {.runs = runs}));
     fmt::print("{}", motion_line(cell, sum));

@@ -46,9 +46,9 @@ void write_text(int to, const std::string& text) {
     [[maybe_unused]] const ssize_t written = write(to, text.data(), text.size());
 }
 
-/// Waits until a condition holds, for half a minute at most.
+/// Waits until a condition holds, for minutes at most.
 bool holds_soon(const std::function<bool()>& condition) {
-    for (int i = 0; i < 3000; ++i) {
+    for (int i = 0; i < 24'000; ++i) {
         if (condition()) return true;
         std::this_thread::sleep_for(10ms);
     }

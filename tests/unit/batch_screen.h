@@ -153,7 +153,7 @@ class Terminal {
 
     /// Waits until a text is shown on the last row, and returns what is shown then.
     std::vector<std::string> rows_when_last_has(const std::string& text) {
-        for (int i = 0; i < 3000; ++i) {
+        for (int i = 0; i < 48'000; ++i) {  // minutes, on a busy machine
             {
                 const std::lock_guard lock(mutex_);
                 const std::vector<std::string> rows = screen_.rows();

@@ -1,6 +1,11 @@
 // What a run folder is at every moment that a crash could leave: the program is killed before each
 // of its calls that change a folder, one after the other; and whatever it gives its name was synced
 // before, and the name after. strace does both, so that no clock and no chance is in it.
+#include <csignal>
+#include <functional>
+
+#include "core/failure.h"
+#include "core/text.h"
 #include "signatures_support.h"
 #include "watched_run.h"
 
@@ -91,9 +96,13 @@ class CrashPoints : public SignedRuns {
             }
         return kills;
     }
-    void copy_to_run(const fs::path& from) const {
+    /// The run folder as another is, with the evidence that is in it.
+    Watched begun_from(const fs::path& from) const {
         fs::remove_all(run());
         fs::copy(from, run(), fs::copy_options::recursive);
+        Watched watched(run());
+        watched.note();
+        return watched;
     }
     void expect_nothing_left() const {
         for (const fs::path& folder : {run(), run().parent_path()})
@@ -109,14 +118,14 @@ TEST_F(CrashPoints, CertifyLeavesTheEarlierRunOrTheNewOne) {
     const Words command = certify_other();
     Watched watched(run());
     const int kills = kill_at_each(
-        command, [&] { copy_to_run(path("before")); },
+        command, [&] { watched = begun_from(path("before")); },
         [&] {
-            watched.note();
             watched.expect_whole();
             reports.insert(read_file(run() / "report.json"));
         });
     EXPECT_GE(kills, 10);
     EXPECT_EQ(reports.size(), 2U) << "all were killed before, or all after, the exchange";
+    watched = begun_from(path("before"));
     ASSERT_TRUE(killed_before("renameat2", 1, command));
     must_do(command);
     watched.expect_whole();
@@ -133,9 +142,8 @@ TEST_F(CrashPoints, CertifyInPlaceLosesNothing) {
     Watched watched(run());
     int without_report = 0;
     const int kills = kill_at_each(
-        command, [&] { copy_to_run(path("before")); },
+        command, [&] { watched = begun_from(path("before")); },
         [&] {
-            watched.note();
             if (fs::exists(run() / "report.json"))
                 watched.expect_whole({"photos/a.jpg"});
             else
@@ -156,11 +164,7 @@ TEST_F(CrashPoints, SignLosesNoSignatureAndNoStamp) {
     fs::rename(run(), path("before"));
     Watched watched(run());
     const int kills = kill_at_each(
-        sign_words("judge"),
-        [&] {
-            copy_to_run(path("before"));
-            watched.note();
-        },
+        sign_words("judge"), [&] { watched = begun_from(path("before")); },
         [&] {
             watched.expect_whole();
             const auto found =

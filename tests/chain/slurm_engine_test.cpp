@@ -132,6 +132,7 @@ TEST_F(SlurmEngine, ArraysAreAsLongAsTheClusterLets) {
     ASSERT_TRUE(holds_within(240, [&] { return state_of(jobs).running == 1; }));
     EXPECT_FALSE(holds_within(3, [&] { return state_of(jobs).running > 1; }))
         << "six processors are free";
+    let_go();
     try {
         submit(job_of(tasks + 1));
         ADD_FAILURE() << "an array beyond MaxArraySize was accepted";

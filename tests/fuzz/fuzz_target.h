@@ -8,8 +8,11 @@
 
 namespace runcert::fuzz {
 
-/// What a target does with one input. Every target defines it. It may throw a Failure, the answer
-/// to bad input; anything else that leaves it is a fault of the program.
+/// The target that runs, of those that its program has: "nmea".
+const std::string& target_name();
+
+/// What a target does with one input. Every program of targets defines it. It may throw a Failure,
+/// the answer to bad input; anything else that leaves it is a fault of the program.
 void read_input(std::string_view bytes);
 
 /// One execution of the target. A Failure is passed over if it says where, what and what to do in

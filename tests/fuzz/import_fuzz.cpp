@@ -1,4 +1,4 @@
-// The readers of recordings: RUNCERT_FUZZ_FORMAT is the format, "auto" for all by their content.
+// The readers of recordings: the target is the format, "auto" for all by their content.
 
 #include "fuzz_target.h"
 #include "import_checks.h"
@@ -9,7 +9,7 @@ void read_input(std::string_view bytes) {
     Receiver receiver;
     receiver.id = "primary";
     receiver.recordings = {"recording"};
-    receiver.format = RUNCERT_FUZZ_FORMAT;
+    receiver.format = target_name();
     receiver.place = "attempt.yaml:5:5";
     // An attempt that states nothing, or all that may help a reader.
     if (bytes.size() % 2 == 1) {

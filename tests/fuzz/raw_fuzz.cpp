@@ -1,5 +1,5 @@
-// The readers of raw measurements: RUNCERT_FUZZ_RAW says which. What is read goes through the whole
-// of what is done with it: orbits, places, slips, displacements.
+// The readers of raw measurements, each a target. What is read goes through the whole of what is
+// done with it: orbits, places, slips, displacements.
 
 #include <algorithm>
 #include <cmath>
@@ -16,7 +16,6 @@
 namespace runcert::fuzz {
 namespace {
 
-constexpr std::string_view kind = RUNCERT_FUZZ_RAW;
 /// Screening is quadratic in nothing, but its tests are dear: longer inputs say no more.
 constexpr std::size_t most_rows = 4000;
 
@@ -69,9 +68,9 @@ void check_phases(std::string_view bytes, bool with_navigation) {
 }  // namespace
 
 void read_input(std::string_view bytes) {
-    if (kind == "rinex_navigation") {
+    if (target_name() == "rinex_navigation") {
         check_ephemerides(rinex::read_navigation({.name = "nav", .bytes = bytes}).ephemerides);
-    } else if (kind == "sfrbx") {
+    } else if (target_name() == "sfrbx") {
         // Messages of up to 8 bytes of head and ten words, one after the other.
         ubx::NavigationCollector collector;
         const GpsTime near = GpsTime::from_week(2381, 400'000'000'000'000);
@@ -79,7 +78,7 @@ void read_input(std::string_view bytes) {
             (void)collector.take(bytes.substr(at, 48), static_cast<std::int64_t>(at), near);
         check_ephemerides(collector.ephemerides());
     } else {
-        check_phases(bytes, kind == "rinex_observation" || bytes.size() % 4 < 2);
+        check_phases(bytes, target_name() == "rinex_observation" || bytes.size() % 4 < 2);
     }
 }
 

@@ -1,5 +1,6 @@
-// Runs a target without libFuzzer: on every file of a folder and on mutations of each, drawn with a
-// fixed seed, until a number of executions is reached. Exit status 1 for a finding.
+// Runs a target of this program without libFuzzer: on every file of a folder and on mutations of
+// each, drawn with a fixed seed, until a number of executions is reached. Exit status 1 for a
+// finding.
 
 #include <fmt/format.h>
 
@@ -20,6 +21,8 @@
 
 namespace runcert::fuzz {
 namespace {
+
+std::string target;
 
 namespace fs = std::filesystem;
 
@@ -125,18 +128,24 @@ int replay(const fs::path& folder, std::uint64_t executions) {
 }
 
 }  // namespace
+
+const std::string& target_name() {
+    return target;
+}
+
 }  // namespace runcert::fuzz
 
 int main(int argc, char** argv) {
     std::uint64_t executions = 0;
-    const std::string number = argc == 3 ? argv[2] : "";
+    const std::string number = argc == 4 ? argv[3] : "";
     if (std::from_chars(number.data(), number.data() + number.size(), executions).ec !=
         std::errc{}) {
-        fmt::print(stderr, "usage: replay CORPUS_FOLDER EXECUTIONS\n");
+        fmt::print(stderr, "usage: replay TARGET CORPUS_FOLDER EXECUTIONS\n");
         return 2;
     }
+    runcert::fuzz::target = argv[1];
     for (const int signal : {SIGSEGV, SIGABRT, SIGFPE, SIGBUS, SIGILL})
         std::signal(signal, runcert::fuzz::say_and_end);
     return runcert::test::guarded(
-        [argv, executions] { return runcert::fuzz::replay(argv[1], executions); });
+        [argv, executions] { return runcert::fuzz::replay(argv[2], executions); });
 }

@@ -53,10 +53,11 @@ void expect_coverage_of_each(double rate_hz) {
 
 /// All cells together. With the true parameters the mean square of 3,500 errors in standard
 /// uncertainties is 1 within 0.024 (one standard deviation): a variance that is 10 % too small is
-/// found at three of these with probability 0.93, and at one of both rates with 0.995. Fitted
+/// found at three of these with probability 0.93; of half as many, at 20 Hz, with 0.62. Fitted
 /// intervals that are too narrow by a third hold 0.81: of 84 fewer than 0.85 hold with 0.8.
 void expect_coverage_together(double rate_hz) {
-    const CoverageTable table = coverage_at(rate_hz, {.runs = 12, .runs_known = 500}, true);
+    const CoverageTable table =
+        coverage_at(rate_hz, {.runs = 12, .runs_known = rate_hz > 15.0 ? 250 : 500}, true);
     EXPECT_NEAR(table.known.mean_square(), 1.0,
                 3.0 * std::sqrt(2.0 / static_cast<double>(table.known.runs)));
     EXPECT_GE(table.fitted.fraction(), 0.85);

@@ -137,15 +137,16 @@ TEST_F(ExternalProgramTest, ReadsWhatItIsGivenAndNothingElse) {
 TEST_F(ExternalProgramTest, WritesInItsOwnFolderAlone) {
     if (!has_sandbox()) GTEST_SKIP() << "no sandbox here";
     const TemporaryFolder own;
+    const std::string name = own.path().filename().string() + "x";  // nobody else's
     const ProcessResult result =
-        run("for f in /x /tmp/x /usr/bin/x /dev/shm/x \"$1\"/x; do echo x 2>/dev/null > $f && echo "
+        run("for f in / /tmp/ /usr/bin/ /dev/shm/ \"$1\"/; do echo x 2>/dev/null > $f$2 && echo "
             "wrote $f; done; echo result > here\n",
-            {.folder = own.path()}, {folder_.path().string()});
+            {.folder = own.path()}, {folder_.path().string(), name});
     EXPECT_EQ(result.output.find("wrote /usr"), std::string::npos);
-    EXPECT_EQ(result.output.find("wrote /x"), std::string::npos) << result.output;
-    EXPECT_FALSE(fs::exists("/tmp/x"));
-    EXPECT_FALSE(fs::exists("/dev/shm/x"));
-    EXPECT_FALSE(fs::exists(folder_.path() / "x"));
+    EXPECT_EQ(result.output.find("wrote /\n"), std::string::npos) << result.output;
+    EXPECT_FALSE(fs::exists(fs::path("/tmp") / name));
+    EXPECT_FALSE(fs::exists(fs::path("/dev/shm") / name));
+    EXPECT_FALSE(fs::exists(folder_.path() / name));
     EXPECT_EQ(read_file(own.path() / "here"), "result\n");
 }
 

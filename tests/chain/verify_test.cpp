@@ -163,6 +163,44 @@ TEST_F(Verify, AStageRefusesAnInputThatIsNotTheOneItsHeaderNames) {
         << result.errors;
 }
 
+// Stages before read one table alone, which nothing else that they read was made from.
+TEST_F(Verify, EachStageRefusesEachInputThatAnotherWasMadeFrom) {
+    const TemporaryFolder folder;
+    const fs::path out = folder.path() / "run";
+    certify(examples / "salt_lake" / "attempt.yaml", out, {"--no-render"});
+    const auto before = contents_of(out);
+    const std::string tables[] = {"1-observations.ecsv", "2-enu.ecsv", "3-screened.ecsv",
+                                  "4-trajectory.ecsv"};
+    const std::map<std::string, std::vector<std::string>> inputs{
+        {"runcert-window", {tables[2]}},
+        {"runcert-check", {tables[0], tables[2], tables[3]}},
+        {"runcert-report",
+         {tables[0], tables[1], tables[2], tables[3], "5-windows.yaml", "recording.primary.pos"}}};
+    for (const auto& [stage, files] : inputs)
+        for (const std::string& file : files) {
+            SCOPED_TRACE(stage + " " + file);
+            std::string text = before.at(file);
+            if (file.ends_with(".ecsv")) {
+                const std::size_t digit = text.find_last_of("0123456789");
+                text[digit] = text[digit] == '0' ? '1' : '0';
+            } else {
+                text += file.ends_with(".pos") ? "% later\n" : "# later\n";
+            }
+            write_file_atomically(out / file, text);
+            std::vector<std::string> command{RUNCERT_PROGRAMS "/" + stage, "--attempt",
+                                             (out / "attempt.yaml").string(), "--run-dir",
+                                             out.string()};
+            if (stage == "runcert-report") command.emplace_back("--no-render");
+            const ProcessResult result = run_process(command);
+            EXPECT_EQ(result.exit_status, 2) << result.output;
+            EXPECT_NE(result.errors.find("is not the one that"), std::string::npos)
+                << result.errors;
+            EXPECT_NE(result.errors.find(file), std::string::npos) << result.errors;
+            write_file_atomically(out / file, before.at(file));
+        }
+    EXPECT_EQ(contents_of(out), before);
+}
+
 TEST_F(Verify, TheReportRefusesARecordingThatIsNotTheOneImported) {
     const TemporaryFolder folder;
     const fs::path out = folder.path() / "run";

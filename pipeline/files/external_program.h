@@ -64,8 +64,9 @@ struct ExternalCall {
 std::filesystem::path external_input(const std::filesystem::path& file);
 
 /// Runs a program, shut in as far as the system allows (`isolation`), to its end. Failure where it
-/// is missing, with the package to install. That it reached a limit is in the result: `end`, or an
-/// exit status above 128; `external_problem` says it in words.
+/// is missing, with the package to install. It and all that it started die with the caller. That it
+/// reached a limit is in the result: `end`, or an exit status above 128; `external_problem` says it
+/// in words.
 ProcessResult run_external(const ExternalCall& call);
 
 /// Why a call that did not succeed ended, in words: "it did not end within 120 s", "it ended with

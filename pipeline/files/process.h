@@ -73,8 +73,8 @@ struct ProcessResult {
 /// the program that ran them. Output is read until the program has ended and nobody can write any
 /// more, but for no longer than a second after its end, whoever still holds it open.
 ///
-/// A guarded program and all in its group die with the caller. It takes a program that starts
-/// others (bubblewrap, whose own children live on where it is killed while it begins).
+/// A guarded program and all in its group die with the caller. That is for programs that start
+/// others, as bubblewrap does: its children live on where it is killed while it begins.
 ProcessResult run_process(const std::vector<std::string>& arguments,
                           const ProcessOptions& options = {});
 

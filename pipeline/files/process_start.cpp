@@ -173,11 +173,11 @@ bool confine(const Child& child) {
     _exit(127);
 }
 
-/// Ends as the program did.
+/// Waits for the program and ends as it did.
 [[noreturn]] void end_as(pid_t program) {
     int status = 0;
-    while (waitpid(program, &status, 0) < 0 && errno == EINTR) {
-    }
+    while (waitpid(program, &status, 0) < 0)
+        if (errno != EINTR) _exit(127);
     if (!WIFSIGNALED(status)) _exit(WEXITSTATUS(status));
     reset_signals();
     kill(getpid(), WTERMSIG(status));

@@ -80,9 +80,9 @@ class CrashPoints : public SignedRuns {
         return false;
     }
 
-    /// Kills a command before each of its calls of these names, but for the first few only before
-    /// every third; each time the run folder is first `begin`'s, and `look` sees what is left. How
-    /// many kills there were.
+    /// Kills a command before each of its calls of these names; of many removals, before every
+    /// third. Each time `begin` makes the run folder first, and `look` sees what is left. How many
+    /// kills there were.
     int kill_at_each(const Words& command, const std::function<void()>& begin,
                      const std::function<void()>& look) const {
         int kills = 0;

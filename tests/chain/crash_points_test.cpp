@@ -104,11 +104,6 @@ class CrashPoints : public SignedRuns {
         watched.note();
         return watched;
     }
-    void expect_nothing_left() const {
-        for (const fs::path& folder : {run(), run().parent_path()})
-            for (const auto& entry : fs::directory_iterator(folder))
-                EXPECT_FALSE(entry.path().filename().string().starts_with(".runcert-")) << entry;
-    }
 };
 
 TEST_F(CrashPoints, CertifyLeavesTheEarlierRunOrTheNewOne) {

@@ -87,9 +87,7 @@ class Kills : public SignedRuns {
     void expect_done(const Words& command) const {
         const ProcessResult result = run_process(command);
         EXPECT_LT(result.exit_status, 2) << command[1] << ": " << result.errors;
-        for (const fs::path& folder : {run(), run().parent_path()})
-            for (const auto& entry : fs::directory_iterator(folder))
-                EXPECT_FALSE(entry.path().filename().string().starts_with(".runcert-")) << entry;
+        expect_nothing_left();
     }
 
     RandomGenerator random_{20260317};

@@ -75,10 +75,7 @@ class RunFolders : public SignedRuns {
     void expect_whole() const {
         const auto files = layer(verify_json({"--pubkey", public_key("measurer")}), "files");
         EXPECT_EQ(files["passed"], true) << files.dump(1);
-        for (const auto& entry : fs::directory_iterator(run()))
-            EXPECT_FALSE(entry.path().filename().string().starts_with(".runcert-")) << entry;
-        for (const auto& entry : fs::directory_iterator(run().parent_path()))
-            EXPECT_FALSE(entry.path().filename().string().starts_with(".runcert-")) << entry;
+        expect_nothing_left();
     }
     /// A report with another's signature among what was superseded.
     void expect_replaced(const std::string& signature, const std::string& report) const {

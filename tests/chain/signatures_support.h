@@ -144,6 +144,13 @@ class SignedRuns : public testing::Test {
         write_file_atomically(run() / "report.json", text);
     }
 
+    /// Of what programs make for a while, nothing is left in the run folder or beside it.
+    void expect_nothing_left() const {
+        for (const fs::path& folder : {run(), run().parent_path()})
+            for (const auto& entry : fs::directory_iterator(folder))
+                EXPECT_FALSE(entry.path().filename().string().starts_with(".runcert-")) << entry;
+    }
+
     static bool says(const nlohmann::json& value, const std::string& part) {
         return value.dump().find(part) != std::string::npos;
     }

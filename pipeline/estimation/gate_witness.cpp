@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "estimation/same_origin.h"
+
 namespace runcert {
 namespace {
 
@@ -44,6 +46,20 @@ std::optional<WitnessedMotion<2>> GateWitness::between(double from_s, double to_
     motion.covariance_m2 = variance_m2 * along * along.transpose() +
                            sigma_across_m * sigma_across_m * across * across.transpose();
     return motion;
+}
+
+bool GateWitness::agrees_too_well() const {
+    constexpr double least_of_positions_m = 0.01;
+    std::vector<double> differences;
+    for (std::size_t i = 1; i < passages_.size(); ++i) {
+        const GatePassage &from = passages_[i - 1], &to = passages_[i];
+        const double apart_m =
+            to.distance_m - from.distance_m - (to.position_m - from.position_m).norm();
+        differences.push_back(
+            apart_m / std::hypot(errors_.sigma_distance_m, least_of_positions_m,
+                                 errors_.sigma_time_s * std::hypot(from.speed_m_s, to.speed_m_s)));
+    }
+    return agree_too_well(differences);
 }
 
 TimeSpan GateWitness::covered() const {

@@ -33,6 +33,11 @@ class GateWitness final : public Witness<2> {
     TimeSpan covered() const override;
     std::optional<double> path_between(double from_s, double to_s) const override;
 
+    /// Whether the ways between neighbouring gates are those between the positions there, more
+    /// exactly than the errors stated for the gates and the least that positions err by would let
+    /// them be but once in a hundred times.
+    bool agrees_too_well() const;
+
   private:
     const GatePassage* nearest(double time_s) const;
 

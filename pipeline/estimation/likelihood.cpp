@@ -121,8 +121,8 @@ class Likelihood {
         return result;
     }
 
-    /// Kept while steps are of one kind; and what the jerk's density does not change, while they are
-    /// of one length.
+    /// Kept while steps are of one kind; and what the jerk's density does not change, while they
+    /// are of one length.
     const Step& step_of(const StepKind& kind) {
         if (kind == kind_) return step_;
         const bool same_length = kind.length_ns == kind_.length_ns;

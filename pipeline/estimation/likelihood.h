@@ -23,7 +23,8 @@ struct InnovationSums {
     double log_likelihood_at_best_scale() const;
 };
 
-/// The sums over all arcs together. The likelihood is that of the innovations, independent and normal
+/// The sums over all arcs together. The likelihood is that of the innovations, independent and
+/// normal
 /// ([YSM22]). What an arc must be is said at `smooth` (smoother.h). Failure, naming the time, where
 /// the covariance of a measurement is not positive definite.
 template <int Axes>

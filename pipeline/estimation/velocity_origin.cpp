@@ -174,6 +174,11 @@ bool outweighs(const OriginFound& a, const OriginFound& b) {
 
 }  // namespace
 
+double white_noise_m(Rows rows) {
+    const double step_s = median_step_of(rows);
+    return step_s > 0.0 ? position_noise_m(backward_differences(rows, step_s), step_s) : 0.0;
+}
+
 OriginFound origin_of_speeds(Rows rows, double position_resolution_m) {
     OriginFound best;
     const double step_s = median_step_of(rows);

@@ -11,7 +11,7 @@ namespace runcert::velocities {
 struct SpeedBesidePosition {
     double time_s = 0.0;
     Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
-    std::optional<double> speed_m_s;
+    std::optional<double> speed_m_s = std::nullopt;
 };
 
 enum class Origin {
@@ -34,13 +34,17 @@ struct OriginFound {
     std::size_t compared = 0;   ///< epochs
 };
 
+/// The white noise of the positions (m, each coordinate) by their differences of third to sixth
+/// order, of which the smallest counts, so that motion does not pass for noise; 0 where there are
+/// too few.
+double white_noise_m(std::span<const SpeedBesidePosition> rows);
+
 /// Whether recorded speeds are differences of the recorded positions, and of which kind.
 ///
 /// A speed measured on its own differs from every difference of positions by at least the noise
-/// that the positions' white errors give that difference. The noise is taken from the positions'
-/// differences of third to sixth order, of which the smallest counts, so that motion does not pass
-/// for noise. Speeds that lie within a fifth of it, beyond rounding, were computed from the
-/// positions. Where rounding alone would hide it the answer is `unclear`.
+/// that the positions' white errors (`white_noise_m`) give that difference. Speeds that lie within
+/// a fifth of it, beyond rounding, were computed from the positions. Where rounding alone would
+/// hide it the answer is `unclear`.
 ///
 /// `rows`: in order of time, s and m; gaps are allowed. `position_resolution_m`: what the positions
 /// are rounded to. Only the lengths of velocities are compared, so a rounded course does no harm.

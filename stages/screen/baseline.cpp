@@ -5,7 +5,9 @@
 #include <cmath>
 
 #include "core/statistics.h"
+#include "estimation/same_origin.h"
 #include "estimation/tables/arcs.h"
+#include "schemas/enu/measured_position.h"
 #include "stages/screen/adaptation.h"
 #include "stages/screen/decisions.h"
 #include "stages/screen/noise.h"
@@ -273,7 +275,7 @@ void test_differences(const std::vector<ReceiverPair>& pairs, double length_m,
 }
 
 BaselineComparison comparison_of(const ScreenedTable& table, const std::string& other,
-                                 const std::vector<ReceiverPair>& pairs) {
+                                 const std::vector<ReceiverPair>& pairs, bool same_errors) {
     BaselineComparison comparison{.receiver = other, .compared = std::ssize(pairs)};
     if (!pairs.empty()) {
         std::vector<double> lengths = lengths_of(pairs);
@@ -282,8 +284,28 @@ BaselineComparison comparison_of(const ScreenedTable& table, const std::string& 
             length = std::abs(length - comparison.length_m);
         comparison.sd_m = median(std::move(lengths)) / normal_quantile(0.75);
     }
+    comparison.same_errors = same_errors;
     comparison.rejected = std::ranges::count(table.rows, Reason::baseline, &ScreenedEpoch::reason);
     return comparison;
+}
+
+/// The recorded positions, usable or not: a copy keeps the errors that screening finds.
+std::vector<velocities::SpeedBesidePosition> recorded_positions(const ScreenedTable& table) {
+    std::vector<velocities::SpeedBesidePosition> positions;
+    for (const ScreenedEpoch& row : table.rows) {
+        if (!row.east_m || !row.north_m) continue;
+        const double time_s = row.time.seconds();
+        if (!positions.empty() && positions.back().time_s >= time_s) continue;
+        positions.push_back({.time_s = time_s, .position_m = measured_position<2>(row)});
+    }
+    return positions;
+}
+
+bool have_same_errors(const ScreenedTable& first, const ScreenedTable& second) {
+    const auto &of_first = first.facts.first_epoch, &of_second = second.facts.first_epoch;
+    if (of_first.has_value() != of_second.has_value()) return false;
+    return share_errors(recorded_positions(first), recorded_positions(second),
+                        of_first ? of_second->seconds_since(*of_first) : 0.0);
 }
 
 }  // namespace
@@ -298,8 +320,9 @@ bool compare_receivers(ScreenedTable& first, ScreenedTable& second, const Motion
         test_differences<2>(pairs, length_m, receivers, markers, plan, config);
         test_differences<1>(pairs, length_m, receivers, markers, plan, config);
     }
+    const bool same_errors = have_same_errors(first, second);
     for (auto [table, other] : {std::pair{&first, &second}, {&second, &first}})
-        table->basis.baseline = comparison_of(*table, other->facts.receiver, pairs);
+        table->basis.baseline = comparison_of(*table, other->facts.receiver, pairs, same_errors);
     return markers[0].any() || markers[1].any();
 }
 

@@ -29,6 +29,8 @@ namespace runcert {
 /// clocks is a distance along the track in proportion to the speed: it is not an error of
 /// positions, is not marked, and shows in the standard deviation of the length.
 ///
+/// `comparison.same_errors`: one of the two was made from the other (`share_errors`).
+///
 /// Returns whether anything was marked: the arcs must then be finished anew. `motion_of_first` has
 /// one entry for each row of the first.
 bool compare_receivers(ScreenedTable& first, ScreenedTable& second, const Motion& motion_of_first,

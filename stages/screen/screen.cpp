@@ -182,7 +182,7 @@ bool wheel_contradicts(ScreenedTable& screened, const Motion& motion,
     const auto wheel =
         wheel_witness(speeds_m_s, timed_positions<2>(screened.rows), track_of(screened, motion),
                       check.noises.horizontal.model.motion.jerk_density);
-    if (!wheel) return false;
+    if (!wheel || wheel->made_from_positions) return false;
     return contradicts(screened,
                        {.kind = WitnessKind::wheel,
                         .witness = &wheel->motion,

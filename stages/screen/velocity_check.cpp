@@ -9,6 +9,7 @@
 #include "core/parallel.h"
 #include "core/statistics.h"
 #include "core/uncertainty.h"
+#include "estimation/same_origin.h"
 #include "estimation/tables/recorded_velocities.h"
 #include "estimation/velocity_delay.h"
 #include "estimation/velocity_origin.h"
@@ -27,6 +28,10 @@ using namespace velocities;
 /// have bent the smoothed motion.
 constexpr std::size_t neighbours = 10;
 constexpr std::size_t least_neighbours = 8;
+/// Recorded velocities never err by more (m/s, each axis) than this from epoch to epoch: receivers
+/// of all kinds showed 0.02 to 0.18. What differs by more contradicts the positions, and is not
+/// taken for noise of its own.
+constexpr double largest_scale_m_s = 0.5;
 
 /// A recorded velocity less another at one row (m/s), what is known of its variance without the
 /// recorded velocity's part, and the statistic that the test made of it.
@@ -146,7 +151,8 @@ double test_differences(Differences& differences) {
     const double typical = median(std::move(variances));
     for (std::size_t k = 0; k < differences.size(); ++k) {
         Difference& d = differences[k];
-        const double largest = std::max(scale, local_scale(differences, k));
+        const double largest = std::min(std::max(scale, local_scale(differences, k)),
+                                        std::hypot(largest_scale_m_s, std::sqrt(typical)));
         const double own = std::max(0.0, largest * largest - typical);
         const Matrix2d covariance = d.known + own * Matrix2d::Identity();
         d.statistic = d.value.dot(covariance.inverse() * d.value);
@@ -291,7 +297,7 @@ std::optional<VelocityErrors> errors_of(const VelocityWitness<Axes>& witness,
     VelocityErrorModel model = estimated.model;
     // Upwards satellites tell a velocity half as well.
     constexpr double upwards = 2.0;
-    if (!model.is_known() && scale_m_s > 0.0)
+    if (!model.is_known() && scale_m_s > 0.0 && scale_m_s <= largest_scale_m_s)
         model.stated_m_s = Axes == 1 ? upwards * scale_m_s : scale_m_s;
     if (!model.is_known()) return std::nullopt;
     VelocityErrors errors;
@@ -309,6 +315,50 @@ std::optional<VelocityErrors> errors_of(const VelocityWitness<Axes>& witness,
                                   .sd_m = one.sd_m,
                                   .sd_upper_m = one.sd_upper_m});
     return errors;
+}
+
+struct Ratio {
+    double value = 1.0;
+    double standard_uncertainty = 0.0;
+};
+
+/// How many times what the smoothed motion shows the recorded velocities are, along it, where the
+/// craft moves at half the speed of its fastest tenth or more; nothing where too few do.
+std::optional<Ratio> ratio_of(const Gathered& gathered, const Delay& delay) {
+    std::vector<double> speeds, ratios;
+    for (const Comparison& one : gathered.comparisons)
+        speeds.push_back(gathered.smoothed[one.knot].velocity.norm());
+    if (speeds.empty()) return std::nullopt;
+    const auto tenth = speeds.begin() + std::ssize(speeds) * 9 / 10;
+    std::ranges::nth_element(speeds, tenth);
+    const double least_m_s = std::max(1.0, 0.5 * *tenth);
+    for (std::size_t k = 0; k < gathered.recorded.size(); ++k) {
+        const Knot& recorded = gathered.recorded[k];
+        const auto at = motion_at(gathered.smoothed, gathered.comparisons[k].knot,
+                                  recorded.time_s - delay.delay_s.value_or(0.0));
+        if (at && at->velocity.norm() >= least_m_s)
+            ratios.push_back(recorded.velocity.dot(at->velocity) / at->velocity.squaredNorm());
+    }
+    if (ratios.size() < least_comparisons) return std::nullopt;
+    const double ratio = median(ratios);
+    for (double& one : ratios)
+        one = std::abs(one - ratio);
+    // Of neighbours errors are alike: as many count as there are tens.
+    const double independent = static_cast<double>(ratios.size()) / 10.0;
+    return Ratio{.value = ratio,
+                 .standard_uncertainty = 1.2533 * median(std::move(ratios)) /
+                                         normal_quantile(0.75) / std::sqrt(independent)};
+}
+
+/// Whether the velocities were made from the positions, which their integral then never leaves.
+bool follow_positions(const std::vector<ScreenedEpoch>& rows, const VelocityWitness<2>& witness) {
+    const bool of_code = std::ranges::none_of(rows, [](const ScreenedEpoch& row) {
+        return row.usable && (row.fix == FixType::fixed || row.fix == FixType::float_ambiguities ||
+                              row.fix == FixType::ppp);
+    });
+    const auto estimated =
+        estimate_velocity_errors<2>(witness, timed_positions<2>(rows), std::nullopt);
+    return keep_to_positions(estimated.spreads, of_code);
 }
 
 /// Marks what drifts slowly, or stepped, and ends the arc behind it.
@@ -357,7 +407,16 @@ VelocityFindings check_velocities(std::vector<ScreenedEpoch>& rows, const Motion
                                        options.delay_max_s, options.nominal_interval_s);
     Differences differences = smoothed_differences(gathered, delay);
     if (differences.size() < least_comparisons) return findings;
+    const auto undisturbed = undisturbed_witness<2>(rows, directions, delay, options);
+    if (undisturbed && follow_positions(rows, *undisturbed)) {
+        comparison.origin = VelocityOrigin::positions;
+        return findings;
+    }
     Differences displacements;
+    if (const auto ratio = ratio_of(gathered, delay)) {
+        comparison.ratio = ratio->value;
+        comparison.sigma_ratio = ratio->standard_uncertainty;
+    }
     comparison.compared = static_cast<std::int64_t>(differences.size());
     comparison.delay_s = delay.delay_s;
     if (delay.delay_s) comparison.sigma_delay_s = delay.sigma_s;
@@ -370,6 +429,7 @@ VelocityFindings check_velocities(std::vector<ScreenedEpoch>& rows, const Motion
     const double threshold = chi_squared_upper_quantile(options.test_size, 2);
     const auto displaced = mark_displaced(rows, displacements, threshold);
     mark_drifting(rows, differences, displaced, threshold);
+    // Again: epochs that were marked count no more.
     if (const auto witness = undisturbed_witness<2>(rows, directions, delay, options))
         if (auto errors = errors_of<2>(*witness, rows, comparison.scale_m_s)) {
             if (displaced.empty()) mark_drifts(rows, *witness, *errors, threshold);

@@ -68,6 +68,41 @@ double mean_uncertainty(const ScreenedTable& screened, const ArcRows& arc, const
     return sum / static_cast<double>(found.last - found.first + 1);
 }
 
+/// What the positions say of the window, so that velocities are never certified that the positions
+/// beside them do not show. Their uncertainty is that of both ends, with the rule's floor for a
+/// time-correlated error; that of the velocities what is stated for them, but no more than
+/// receivers of all kinds were seen to err by.
+WitnessedSpeed by_positions(const ScreenedTable& screened, const TrajectoryTable& trajectory,
+                            const ArcRows& arc, const Profile& profile, const FoundWindow& found,
+                            const CertifiableWindow& window, double stated_m_s) {
+    constexpr double largest_of_velocities_m_s = 0.5;
+    const double duration_s = found.end.seconds() - found.start.seconds();
+    double square_m2 = 0.0;
+    for (const std::size_t k : {found.first, found.last}) {
+        const TrajectoryEpoch& row = trajectory.rows[arc.rows[k]];
+        const auto floor = profile.uncertainty.error_floor_m.find(
+            std::string(to_text(screened.rows[arc.rows[k]].fix)));
+        const double sigma_m = profile.dimension == Dimension::vertical
+                                   ? row.sigma_up_m.value_or(0.0)
+                                   : std::max(*row.sigma_east_m, *row.sigma_north_m);
+        square_m2 += sigma_m * sigma_m;
+        if (floor != profile.uncertainty.error_floor_m.end())
+            square_m2 += floor->second * floor->second;
+    }
+    WitnessedSpeed witnessed;
+    witnessed.kind = WitnessKind::positions;
+    witnessed.origin = origin_of(witnessed.kind).front();
+    witnessed.speed_m_s = speed_by(window.definitions, profile.definition);
+    witnessed.standard_uncertainty_m_s = std::sqrt(square_m2) / duration_s;
+    witnessed.position_standard_uncertainty_m_s = std::min(stated_m_s, largest_of_velocities_m_s);
+    witnessed.difference_m_s = found.speed_m_s - witnessed.speed_m_s;
+    witnessed.normalised_error = std::abs(witnessed.difference_m_s) /
+                                 (2.0 * std::hypot(witnessed.standard_uncertainty_m_s,
+                                                   witnessed.position_standard_uncertainty_m_s));
+    witnessed.apart_m = std::abs(witnessed.difference_m_s) * duration_s;
+    return witnessed;
+}
+
 /// Of the windows that could have been the fastest, as many as do not overlap.
 std::int64_t rivals_of(const std::vector<FoundWindow>& all, double least_m_s) {
     std::vector<FoundWindow> near;
@@ -98,7 +133,8 @@ bool states_velocity_accuracy(const ScreenedTable& screened, const ArcRows& arc,
 CertifiableWindow certified_by_velocity(const ScreenedTable& screened,
                                         const TrajectoryTable& trajectory, const ArcRows& arc,
                                         const Profile& profile, const FoundWindow& found,
-                                        const std::vector<FoundWindow>& all) {
+                                        const std::vector<FoundWindow>& all,
+                                        double least_uncertainty_m_s) {
     CertifiableWindow window;
     const TrajectoryEpoch& first = trajectory.rows[arc.rows[found.first]];
     const TrajectoryEpoch& last = trajectory.rows[arc.rows[found.last]];
@@ -112,12 +148,18 @@ CertifiableWindow certified_by_velocity(const ScreenedTable& screened,
     window.position_r95_m = 2.45 * std::max({*first.sigma_east_m, *first.sigma_north_m,
                                              *last.sigma_east_m, *last.sigma_north_m});
 
-    const double stated = mean_uncertainty(screened, arc, profile, found);
+    const double stated =
+        std::max(mean_uncertainty(screened, arc, profile, found), least_uncertainty_m_s);
+    window.witnesses.push_back(
+        by_positions(screened, trajectory, arc, profile, found, window, stated));
     const std::int64_t rivals = rivals_of(all, found.speed_m_s - selection_width * stated);
     const double selection = stated * std::sqrt(2.0 * std::log(static_cast<double>(rivals)));
     window.budget.push_back(speed_row(
-        "u", "accuracy of the recorded velocities, as the recording states it", "B", stated,
-        independent_of_other_rows,
+        "u",
+        least_uncertainty_m_s > 0.0
+            ? "accuracy of the recorded velocities, as the attempt states it, or as they scatter"
+            : "accuracy of the recorded velocities, as the recording states it",
+        "B", stated, independent_of_other_rows,
         fmt::format("taken as one error throughout the window; the smoothed positions give {:.3f} "
                     "m/s over the same window",
                     speed_by(window.definitions, profile.definition))));

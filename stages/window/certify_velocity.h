@@ -16,7 +16,8 @@ namespace runcert {
 CertifiableWindow certified_by_velocity(const ScreenedTable& screened,
                                         const TrajectoryTable& trajectory, const ArcRows& arc,
                                         const Profile& profile, const FoundWindow& found,
-                                        const std::vector<FoundWindow>& all);
+                                        const std::vector<FoundWindow>& all,
+                                        double least_uncertainty_m_s);
 
 /// Whether every epoch of the window states how accurate its velocity is.
 bool states_velocity_accuracy(const ScreenedTable& screened, const ArcRows& arc,

@@ -57,8 +57,10 @@ void read_handed_in(StageRun& run, const std::optional<GpsTime>& first_epoch, Be
 Beside beside(StageRun& run, const std::vector<ReceiverTables>& tables, std::size_t own) {
     Beside all{.phases = tables[own].phases, .first_of_phases = tables[own].first_of_phases};
     if (own == 0) read_handed_in(run, tables[own].trajectory.facts.first_epoch, all);
+    const auto& baseline = tables[own].screened.basis.baseline;
     for (std::size_t i = 0; i < tables.size(); ++i)
-        if (i != own) all.receivers.push_back(&tables[i].trajectory);
+        if (i != own && !(baseline && baseline->same_errors))
+            all.receivers.push_back(&tables[i].trajectory);
     return all;
 }
 

@@ -30,6 +30,7 @@ class Certifier {
               const Beside& beside)
         : screened_(screened),
           trajectory_(trajectory),
+          velocity_accuracy_claimed_(config.velocity_accuracy_claimed),
           horizontal_(estimate_of<2>(screened, trajectory, config, beside)) {
         const auto of_heights = [](const Profile& profile) {
             return profile.dimension != Dimension::horizontal;
@@ -55,6 +56,7 @@ class Certifier {
         std::vector<std::string> notes = unheard(beside, horizontal_.witnesses);
         for (const HeardWitness<2>& witness : horizontal_.witnesses) {
             if (!witness.note.empty()) notes.push_back(witness.note);
+            if (witness.made_from_positions) continue;
             for (std::size_t i = 0; i < windows.size(); ++i) {
                 const auto& best = windows[i].best;
                 if (!best || profiles[i].dimension == Dimension::vertical ||
@@ -81,7 +83,7 @@ class Certifier {
                               const std::optional<CourseGates>& gates) const {
         if (profile.speed_source == SpeedSource::velocity)
             return certified_by_velocity(screened_, trajectory_, rows()[found.series], profile,
-                                         found, all);
+                                         found, all, least_velocity_uncertainty_m_s());
         WindowChoice choice{
             .profile = profile, .found = found, .all = all, .quantity = quantity_of(profile)};
         if (profile.window_kind == WindowKind::course)
@@ -94,6 +96,12 @@ class Certifier {
     }
 
   private:
+    /// An accuracy that the attempt states never counts for more than the scatter that was seen.
+    double least_velocity_uncertainty_m_s() const {
+        const auto& velocity = screened_.basis.velocity;
+        return velocity_accuracy_claimed_ && velocity ? velocity->scale_m_s : 0.0;
+    }
+
     /// The crossings by the smoothed track in place of those by straight lines between epochs.
     CertifiableWindow certify_course(const Profile& profile, FoundWindow found,
                                      std::vector<FoundWindow> all, const CourseGates& gates) const {
@@ -132,6 +140,7 @@ class Certifier {
 
     const ScreenedTable& screened_;
     const TrajectoryTable& trajectory_;
+    bool velocity_accuracy_claimed_;
     AxesEstimate<2> horizontal_;
     std::optional<AxesEstimate<1>> vertical_;
 };
@@ -388,7 +397,9 @@ WindowConfig window_config(const Attempt& attempt, const Receiver& receiver) {
             .gap_max_s = attempt.parameters.at("screen").at("gap_max_s"),
             .gap_factor = attempt.parameters.at("screen").at("gap_factor"),
             .lever_arm = lever_arm,
-            .rotation_bound_deg = receiver.rotation_bound_deg};
+            .rotation_bound_deg = receiver.rotation_bound_deg,
+            .velocity_accuracy_claimed =
+                receiver.accuracy && receiver.accuracy->velocity_m_s.has_value()};
 }
 
 Windows find_windows(const ScreenedTable& screened, const TrajectoryTable& trajectory,

@@ -26,6 +26,7 @@ struct WindowConfig {
     double gap_factor = 1.5;         ///< or one of more intervals, where that is longer
     std::optional<Eigen::Vector3d> lever_arm = std::nullopt;  ///< m
     std::optional<double> rotation_bound_deg = std::nullopt;
+    bool velocity_accuracy_claimed = false;  ///< by the attempt, where the recording states none
 };
 
 WindowConfig window_config(const Attempt& attempt, const Receiver& receiver);

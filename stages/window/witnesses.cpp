@@ -78,20 +78,37 @@ HeardWitnesses<Axes> witnesses_of(const ScreenedTable& screened, const Trajector
     if constexpr (Axes == 2) {
         if (auto wheel = wheel_witness(beside.wheel_m_s, timed_positions<2>(screened.rows), track,
                                        jerk_density)) {
-            std::string note = fmt::format(
-                "The wheel's speeds were multiplied by {:.5f} (standard uncertainty {:.5f}) and "
-                "taken {:.3f} s {} (standard uncertainty {:.3f} s), as fits the positions best. A "
-                "wrong scale that lasts they cannot show.",
-                wheel->scale, wheel->sigma_scale, std::abs(wheel->delay_s),
-                wheel->delay_s < 0.0 ? "earlier" : "later", wheel->sigma_delay_s);
+            std::string note =
+                wheel->made_from_positions
+                    ? std::string(
+                          "The wheel's speeds keep to the positions more closely than a wheel can: "
+                          "they were made from them, and were not heard.")
+                    : fmt::format(
+                          "The wheel's speeds were multiplied by {:.5f} (standard uncertainty "
+                          "{:.5f}) and "
+                          "taken {:.3f} s {} (standard uncertainty {:.3f} s), as fits the "
+                          "positions best. A "
+                          "wrong scale that lasts they cannot show.",
+                          wheel->scale, wheel->sigma_scale, std::abs(wheel->delay_s),
+                          wheel->delay_s < 0.0 ? "earlier" : "later", wheel->sigma_delay_s);
             witnesses.push_back(
                 {.kind = WitnessKind::wheel,
                  .motion = std::make_shared<const VelocityWitness<2>>(std::move(wheel->motion)),
-                 .note = std::move(note)});
+                 .note = std::move(note),
+                 .made_from_positions = wheel->made_from_positions});
         }
-        if (auto gates = gate_witness(beside.gates_m, beside.gate_errors, track))
-            witnesses.push_back({.kind = WitnessKind::gates,
-                                 .motion = std::make_shared<const GateWitness>(*std::move(gates))});
+        if (auto gates = gate_witness(beside.gates_m, beside.gate_errors, track)) {
+            const bool made =
+                gates->agrees_too_well() ||
+                are_between_positions(beside.gates_m, timed_positions<2>(screened.rows));
+            witnesses.push_back(
+                {.kind = WitnessKind::gates,
+                 .motion = std::make_shared<const GateWitness>(*std::move(gates)),
+                 .note = made ? "The gates agree with the positions better than the errors of "
+                                "either allow: they were made from them, and were not heard."
+                              : "",
+                 .made_from_positions = made});
+        }
     }
     for (const TrajectoryTable* const other : beside.receivers)
         if (auto found = receiver_witness<Axes>(track_of(*other), track))
@@ -182,6 +199,7 @@ double displacement_ratio(const WitnessedMotion<Axes>& moved,
 template <int Axes>
 std::optional<WitnessedSpeed> witnessed_speed(const HeardWitness<Axes>& witness,
                                               const PositionFigures<Axes>& positions) {
+    if (witness.made_from_positions) return std::nullopt;
     auto moved = witness.motion->between(positions.start_s, positions.end_s);
     if (!moved) return std::nullopt;
     PositionFigures<Axes> tested = positions;
@@ -210,6 +228,7 @@ std::optional<WitnessedSpeed> witnessed_speed(const HeardWitness<Axes>& witness,
     WitnessedSpeed witnessed;
     witnessed.kind = witness.kind;
     witnessed.receiver = witness.receiver;
+    witnessed.origin = origin_of(witness.kind).front();
     witnessed.speed_m_s = figure.by_witness;
     if (witness.kind == WitnessKind::phases)
         witnessed.shared_standard_uncertainty_m_s =

@@ -24,6 +24,8 @@ struct HeardWitness {
     std::shared_ptr<const Witness<Axes>> motion;
     std::shared_ptr<const PhaseWitness<Axes>> phases = nullptr;  ///< the same, where it is that
     std::string note = {};  ///< a sentence on what was estimated of it; empty where nothing was
+    /// It has the positions' own errors, and says nothing of any window.
+    bool made_from_positions = false;
 };
 
 template <int Axes>

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "core/statistics.h"
 #include "core/uncertainty.h"
+#include "estimation/same_origin.h"
 
 namespace runcert {
 namespace {
@@ -141,6 +143,23 @@ const TrackEpoch* epoch_near(const Track& track, double time_s) {
     return best != nullptr && std::abs(best->time_s - time_s) <= nearest_s ? best : nullptr;
 }
 
+std::vector<velocities::SpeedBesidePosition> rows_of(std::span<const TimedPosition<2>> positions) {
+    std::vector<velocities::SpeedBesidePosition> rows;
+    for (const TimedPosition<2>& one : positions)
+        rows.push_back({.time_s = one.time_s, .position_m = one.position});
+    return rows;
+}
+
+/// Whether the wheel's speeds are differences of the positions as recorded.
+bool are_differences(std::span<const TimedValue> wheel, std::span<const TimedPosition<2>> positions,
+                     double scale, double delay_s) {
+    std::vector<velocities::SpeedBesidePosition> rows = rows_of(positions);
+    for (velocities::SpeedBesidePosition& row : rows)
+        if (const auto speed = value_at(wheel, row.time_s + delay_s))
+            row.speed_m_s = scale * *speed;
+    return velocities::origin_of_speeds(rows, 0.0).origin == velocities::Origin::positions;
+}
+
 }  // namespace
 
 std::optional<WheelWitness> wheel_witness(std::span<const TimedValue> speeds_m_s,
@@ -170,15 +189,43 @@ std::optional<WheelWitness> wheel_witness(std::span<const TimedValue> speeds_m_s
     delay_alone.sigma_delay_s = delay.sigma_s;
     delay_alone.density = 0.0;
     const VelocityWitness<2> undisturbed(samples, delay_alone, jerk_density);
-    VelocityErrorModel model =
-        estimate_velocity_errors<2>(undisturbed, positions, std::nullopt).model;
+    const auto estimated = estimate_velocity_errors<2>(undisturbed, positions, std::nullopt);
+    VelocityErrorModel model = estimated.model;
     if (!model.is_known()) return std::nullopt;
+    const bool made = keep_to_positions(estimated.spreads, false) ||
+                      are_differences(speeds_m_s, positions, fit.scale, delay.delay_s);
     model.sigma_scale = sigma_scale;
     return WheelWitness{.motion = VelocityWitness<2>(std::move(samples), model, jerk_density),
                         .scale = fit.scale,
                         .sigma_scale = sigma_scale,
                         .delay_s = delay.delay_s,
-                        .sigma_delay_s = delay.sigma_s};
+                        .sigma_delay_s = delay.sigma_s,
+                        .made_from_positions = made};
+}
+
+bool are_between_positions(std::span<const TimedValue> passages,
+                           std::span<const TimedPosition<2>> positions) {
+    const double noise_m = velocities::white_noise_m(rows_of(positions));
+    if (!(noise_m > 0.0)) return false;
+    const auto position_at = [&](double time_s) -> std::optional<Eigen::Vector2d> {
+        const auto after =
+            std::ranges::lower_bound(positions, time_s, {}, &TimedPosition<2>::time_s);
+        if (after == positions.end()) return std::nullopt;
+        if (after->time_s == time_s) return after->position;
+        if (after == positions.begin()) return std::nullopt;
+        const TimedPosition<2>& before = *(after - 1);
+        const double part = (time_s - before.time_s) / (after->time_s - before.time_s);
+        return before.position + part * (after->position - before.position);
+    };
+    std::vector<double> differences;
+    for (std::size_t i = 1; i < passages.size(); ++i) {
+        const auto from = position_at(passages[i - 1].time_s), to = position_at(passages[i].time_s);
+        if (from && to)
+            differences.push_back(
+                (passages[i].value - passages[i - 1].value - (*to - *from).norm()) /
+                (std::numbers::sqrt2 * noise_m));
+    }
+    return agree_too_well(differences);
 }
 
 std::optional<GateWitness> gate_witness(std::span<const TimedValue> passages,

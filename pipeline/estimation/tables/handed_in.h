@@ -19,6 +19,8 @@ struct WheelWitness {
     double sigma_scale = 0.0;
     double delay_s = 0.0;  ///< of its speeds behind the positions
     double sigma_delay_s = 0.0;
+    bool made_from_positions = false;  ///< it has their errors (`keep_to_positions`, or as recorded
+                                       ///< speeds that are differences of the positions)
 };
 
 /// The speed of a wheel along the direction of travel. Its delay (within a second either way) and
@@ -34,5 +36,11 @@ std::optional<WheelWitness> wheel_witness(std::span<const TimedValue> speeds_m_s
 /// pass in its arcs are left out; nothing where fewer than two are left.
 std::optional<GateWitness> gate_witness(std::span<const TimedValue> passages,
                                         const GateErrors& errors, const Track& track);
+
+/// Whether the ways between neighbouring gates are those between the recorded positions there,
+/// taken linearly, more exactly than the white noise of these would let them be but once in a
+/// hundred times.
+bool are_between_positions(std::span<const TimedValue> passages,
+                           std::span<const TimedPosition<2>> positions);
 
 }  // namespace runcert

@@ -11,11 +11,13 @@ struct ExplainOptions {
     std::string clause;
     std::string profile;
     bool profiles = false;
+    bool inputs = false;
 };
 
 int explain(const ExplainOptions& options) {
     std::vector<std::string> arguments;
     if (options.profiles) arguments.emplace_back("--profiles");
+    if (options.inputs) arguments.emplace_back("--inputs");
     if (!options.profile.empty()) arguments.insert(arguments.end(), {"--profile", options.profile});
     for (const std::string& word : {options.run_dir, options.clause})
         if (!word.empty()) arguments.push_back(word);
@@ -34,11 +36,14 @@ void add_explain(CLI::App& app, Command& chosen) {
     command->add_option("--profile", options->profile, "id of the profile (default: all)");
     command->add_flag("--profiles", options->profiles,
                       "list the profiles that come with the program");
+    command->add_flag("--inputs", options->inputs,
+                      "list who says what of an attempt, and who answers for it");
     command->footer(
         "Of a clause: its text and source, how its figure is computed and compared, the figures\n"
         "with their uncertainties, the limit, what the attempt replaced, the outcome, and what a\n"
         "official must attest where the recording does not decide. `outcome` or `decision` as\n"
-        "CLAUSE explains how the record was compared with. Hashes are checked; nothing is written.");
+        "CLAUSE explains how the record was compared with. Hashes are checked; nothing is "
+        "written.");
     command->callback([&chosen, options] { chosen = [options] { return explain(*options); }; });
 }
 

@@ -11,6 +11,21 @@
 namespace runcert {
 namespace {
 
+std::optional<FieldOrigin> read_origin(const YamlValue& entry) {
+    if (!entry["origin"].exists()) return std::nullopt;
+    const auto words = [&entry](std::string_view key) {
+        std::vector<std::string> all;
+        if (const YamlValue list = entry[key]; list.is_list())
+            for (const YamlValue& one : list.list())
+                all.push_back(one.text());
+        return all;
+    };
+    return FieldOrigin{.origin = entry["origin"].text(),
+                       .changes = words("changes"),
+                       .decides = words("decides"),
+                       .clause = entry["clause"].text_or("")};
+}
+
 FieldRule read_rule(const std::string& path, const YamlValue& entry) {
     FieldRule rule{.path = path, .default_value = entry["default"], .since = entry["since"]};
     const std::string types = entry["type"].text();
@@ -27,6 +42,7 @@ FieldRule read_rule(const std::string& path, const YamlValue& entry) {
     rule.maximum = entry["max"].optional_real();
     rule.decimals = static_cast<int>(entry["decimals"].optional_integer().value_or(6));
     rule.description = entry["description"].text();
+    rule.origin = read_origin(entry);
     return rule;
 }
 
@@ -127,6 +143,16 @@ DocumentSchema DocumentSchema::restricted(std::string version,
 const FieldRule* DocumentSchema::find(std::string_view path) const {
     const auto found = by_path_.find(path);
     return found == by_path_.end() ? nullptr : &fields_[found->second];
+}
+
+const FieldOrigin* DocumentSchema::origin_of(std::string_view path) const {
+    while (!path.empty()) {
+        if (const FieldRule* rule = find(path); rule && rule->origin) return &*rule->origin;
+        path = path.ends_with("[]") ? path.substr(0, path.size() - 2)
+                                    : path.substr(0, path.rfind('.') + 1);
+        if (path.ends_with('.')) path.remove_suffix(1);
+    }
+    return nullptr;
 }
 
 std::vector<std::string_view> DocumentSchema::children(std::string_view path) const {

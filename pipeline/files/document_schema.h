@@ -12,6 +12,14 @@
 
 namespace runcert {
 
+/// Who says what a field of an input holds, and what follows from it.
+struct FieldOrigin {
+    std::string origin;                ///< "observed", "handed_in", "claimed"
+    std::vector<std::string> changes;  ///< "speed", "outcome", ...; empty for nothing
+    std::vector<std::string> decides;  ///< computations of clauses that rest on it
+    std::string clause;  ///< in which an official answers for it where no clause rests on it
+};
+
 /// One line of a schema's field table.
 struct FieldRule {
     std::string path;                  ///< "window.start_time_s", "profiles[].profile", "map.*"
@@ -25,6 +33,7 @@ struct FieldRule {
     YamlValue default_value;
     YamlValue since;  ///< the revision that added it, as the table says it
     std::string description{};
+    std::optional<FieldOrigin> origin{};  ///< its own; else that of what it is in holds
 };
 
 /// The field table of one product or input: `schemas/NAME/v1.yaml`, the normative text, from which
@@ -50,6 +59,10 @@ class DocumentSchema {
 
     /// The rule of that path, or null.
     const FieldRule* find(std::string_view path) const;
+
+    /// Who says what that field holds: its own declaration, or the nearest one of what it is in.
+    /// Null where none declares it.
+    const FieldOrigin* origin_of(std::string_view path) const;
 
     /// Checks every key, type, range and required field of a document. The first deviation is a
     /// Failure with file, line and column; an unknown key's names the nearest known one. Keys

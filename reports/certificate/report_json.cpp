@@ -12,10 +12,12 @@
 #include "files/yaml_output.h"
 #include "reports/certificate/figures.h"
 #include "reports/certificate/json_certificate.h"
+#include "reports/certificate/json_facts.h"
 #include "reports/certificate/json_figures.h"
 #include "reports/certificate/json_parts.h"
 #include "reports/certificate/json_text.h"
 #include "reports/certificate/report_html.h"
+#include "reports/words/inputs.h"
 #include "schemas/common/document.h"
 #include "schemas/products/products.h"
 
@@ -84,6 +86,15 @@ void check_predicate(Json predicate, const std::string& where) {
     (void)read_document(to_yaml_text(predicate), where, report_field_table());
 }
 
+void set_origins(Json& predicate, const Verdict& verdict) {
+    predicate["origins"] = Json::array();
+    for (const VerdictInput& input : verdict.origins)
+        predicate["origins"].push_back(members_json(input));
+    predicate["origin_facts"] = Json::array();
+    for (const InputsOfOrigin& said : inputs_by_origin(verdict.origins))
+        predicate["origin_facts"].push_back(fact(said.label, said.text));
+}
+
 }  // namespace
 
 std::string report_id(const std::vector<ReportSubject>& subjects) {
@@ -111,6 +122,7 @@ Json report_json(const ReportInputs& inputs) {
     predicate["profiles"] = Json::array();
     for (std::size_t i = 0; i < inputs.profiles.size(); ++i)
         predicate["profiles"].push_back(profile_json(inputs, i));
+    set_origins(predicate, inputs.verdict);
     predicate["statements"] = inputs.verdict.statements;
     predicate["attestations"] = attestations_json(inputs.verdict);
     predicate["frame"] = frame_json(inputs);

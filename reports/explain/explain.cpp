@@ -11,6 +11,7 @@
 #include "core/text.h"
 #include "reports/explain/parts.h"
 #include "reports/explain/words.h"
+#include "reports/words/inputs.h"
 #include "schemas/common/product_files.h"
 
 namespace runcert {
@@ -113,8 +114,10 @@ std::string explain_text(const Verdict& verdict, const std::vector<Profile>& pro
     std::string text;
     for (const ProfileView& view : views)
         text += fmt::format("{}\n", in_short(view));
+    for (const InputsOfOrigin& said : inputs_by_origin(verdict.origins))
+        text += labelled(said.label, sentence(said.text));
     const ProfileView& first = views.front();
-    return text +
+    return text + "\n" +
            wrapped(fmt::format("One clause in full: runcert explain RUN_DIR {}. How the outcome "
                                "was decided: runcert explain RUN_DIR decision.",
                                first.verdict.requirements.empty()

@@ -18,6 +18,7 @@ struct Options {
     std::string run_dir;
     ExplainOptions what;
     bool profiles = false;
+    bool inputs = false;
 };
 
 /// Hashes what the verdict was made from, and is in the run folder. The names of what is not.
@@ -72,12 +73,18 @@ int main(int argc, char** argv) {
             line.flag("--profiles", options.profiles,
                       "list the profiles that come with the program");
             line.exclude("--profiles", "RUN_DIR");
+            line.flag("--inputs", options.inputs,
+                      "list who says what of an attempt, and who answers for it");
+            line.exclude("--inputs", "RUN_DIR");
         },
         [&]() -> int {
-            if (!options.profiles && options.run_dir.empty())
+            if (!options.profiles && !options.inputs && options.run_dir.empty())
                 throw Failure("the command line", "no run folder is named",
-                              "Name a folder that `runcert certify` wrote, or give --profiles");
-            fmt::print("{}", options.profiles ? builtin_profiles_text() : explain_run(options));
+                              "Name a folder that `runcert certify` wrote, or give --profiles or "
+                              "--inputs");
+            fmt::print("{}", options.profiles ? builtin_profiles_text()
+                             : options.inputs ? inputs_table_text()
+                                              : explain_run(options));
             return 0;
         });
 }

@@ -9,6 +9,7 @@
 #include "core/failure.h"
 #include "core/text.h"
 #include "schemas/attempt/attempt_id.h"
+#include "schemas/attempt/inputs.h"
 #include "schemas/attempt/rule_input.h"
 #include "schemas/common/document.h"
 #include "schemas/common/enum_text.h"
@@ -299,6 +300,7 @@ Attempt read_attempt(std::string_view text, const std::string& where) {
     read_rule_input(document, attempt);
     resolve_parameters(document, attempt);
     require_error_times(document["parameters"]["smooth"], attempt.parameters["smooth"]);
+    attempt.inputs = inputs_of(document);
     return attempt;
 }
 

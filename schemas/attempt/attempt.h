@@ -141,6 +141,14 @@ struct AmendedReport {
     std::string reason;
 };
 
+/// Something that the attempt says or hands in, and that can change what is certified.
+struct AttemptInput {
+    std::string name;     ///< "receivers.primary.solution", "records.nalsa.speed"
+    std::string profile;  ///< whose it is alone; empty for that of every profile
+    FieldOrigin origin;   ///< as its field declares it
+    std::string value;    ///< as the attempt has it, with its unit
+};
+
 /// An attempt, `schemas/attempt/v1.yaml`.
 struct Attempt {
     std::string id;
@@ -169,6 +177,9 @@ struct Attempt {
     std::map<std::string, HeldJson> parameters;
     /// Paths of the parameters that the attempt sets itself ("smooth.jerk_density").
     std::vector<std::string> overrides;
+    /// Everything in it that its fields declare to change something and that is not the default, in
+    /// the order of the file. What changes the outcome is stated where its default holds, too.
+    std::vector<AttemptInput> inputs;
 
     /// The record to beat under the profile of that name; null where there is none.
     const Record* record_for(const std::string& profile) const;

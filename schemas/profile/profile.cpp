@@ -329,6 +329,10 @@ Profile read_profile(std::string_view text, const std::string& where) {
     profile.signatures = read_role_signatures(document["signatures"]);
     profile.uncertainty = read_uncertainty(document["uncertainty"]);
     profile.clauses = read_clauses(document, profile);
+    for (const YamlValue& clause : document["clauses"].list())
+        if (clause["decided_by"].text() == to_text(Computation::claims))
+            clause["decided_by"].fail("claims is what this program asks beside every rule",
+                                      "Write attest: an official answers for the clause");
     return profile;
 }
 

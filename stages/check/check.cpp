@@ -12,6 +12,7 @@
 #include "reports/words/figures.h"
 #include "reports/words/outcome.h"
 #include "stages/check/context.h"
+#include "stages/check/inputs.h"
 #include "stages/check/notes.h"
 #include "stages/check/statements.h"
 
@@ -70,12 +71,11 @@ std::string refused_for_witnesses(const std::vector<WitnessedSpeed>& witnesses) 
         witnesses, [](const WitnessedSpeed& witness) { return witness.normalised_error > 1.0; });
     if (one == witnesses.end()) return {};
     return fmt::format(
-        "{} give {:+.3f} km/h against the positions over the window, in size or direction more "
-        "than "
-        "both uncertainties allow (normalised error {:.2f}): one of the two is wrong. The "
+        "{} give {:+.3f} km/h against {} over the window, in size or direction more than both "
+        "uncertainties allow (normalised error {:.2f}): one of the two is wrong. The "
         "displacements differ by {:.3f} m{}.",
-        capitalised(witness_name(*one)), -one->difference_m_s * 3.6, one->normalised_error,
-        one->apart_m,
+        capitalised(witness_name(*one)), -one->difference_m_s * 3.6, compared_with(one->kind),
+        one->normalised_error, one->apart_m,
         one->apart_azimuth_deg
             ? fmt::format(", towards {:.0f} degrees from north", *one->apart_azimuth_deg)
             : std::string());
@@ -120,6 +120,9 @@ std::string refusal_of(const ClauseContext& context, const std::vector<Requireme
             !refused.empty())
             return refused;
     // What made the other requirements fail comes first.
+    if (const auto& velocity = context.input.judged.tests.velocity;
+        velocity && is_another_speed(*velocity))
+        return another_speed_text(*velocity);
     if (std::string refused = refused_for_decision(context); !refused.empty()) return refused;
     if (!failed.empty()) return "Not met: " + failed.front();
     if (!best) return "There is no certifiable window.";
@@ -187,8 +190,7 @@ std::string reason_of(const ClauseContext& context, Outcome outcome) {
         "{}, required {} {}; conformance probability {} (at least {} required).",
         measured_speed_text(shown), shown.required_speed, shown.unit,
         probability_text(context.decision->probability), level_text(context.decision->level));
-    const bool alone =
-        context.witnesses.empty() && context.profile.speed_source == SpeedSource::position;
+    const bool alone = !context.observed && context.profile.speed_source == SpeedSource::position;
     const auto beginning = [&](const char* finding) {
         return fmt::format("{}{}: {}", alone ? "By positions alone, t" : "T", finding, figures);
     };
@@ -302,12 +304,8 @@ ProfileVerdict judge(const CheckInput& input, const Profile& profile) {
     verdict.body = profile.body;
     verdict.title = profile.title;
     verdict.definition = profile.definition;
-    for (const Clause& clause : profile.clauses)
+    for (const Clause& clause : clauses_asked(profile, input.attempt))
         verdict.requirements.push_back(decide_clause(clause, context));
-    for (const Clause& clause : own_clauses())
-        if (std::ranges::find(profile.clauses, clause.decided_by, &Clause::decided_by) ==
-            profile.clauses.end())
-            verdict.requirements.push_back(decide_clause(clause, context));
     std::int64_t signatures = 0;
     for (const RoleSignatures& role : combined(profile.signatures, input.attempt.signatures))
         signatures += role.count;
@@ -333,6 +331,7 @@ Verdict check(const CheckInput& input) {
     verdict.receiver = input.judged.receiver;
     verdict.georeferenced = input.judged.facts.georeferenced;
     if (input.attempt.record) verdict.record = record_to_beat(*input.attempt.record);
+    verdict.origins = verdict_inputs(input);
     verdict.statements = statements_of(input);
     for (const Profile& profile : input.profiles)
         verdict.profiles.push_back(judge(input, profile));

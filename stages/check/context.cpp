@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/failure.h"
+#include "core/rounding.h"
 #include "core/uncertainty.h"
 
 namespace runcert {
@@ -169,15 +170,47 @@ void set_declared(ClauseContext& context) {
             *input.attempt.secondary_method, input.attempt.course);
 }
 
-/// What else than the positions speaks for the window.
+/// What else than the positions speaks for the window. What the attempt states does not.
 void set_witnesses(ClauseContext& context) {
-    for (const WitnessedSpeed& one : context.windows.best->witnesses)
-        if (one.normalised_error <= 1.0) context.witnesses.push_back(witness_text(one));
-    if (context.declared && context.declared->agrees())
-        context.witnesses.push_back(second_method_text(*context.declared));
+    for (const WitnessedSpeed& one : context.windows.best->witnesses) {
+        if (one.normalised_error > 1.0) continue;
+        const bool sure = confirms(one, context);
+        (sure ? context.witnesses : context.unsure_witnesses).push_back(witness_text(one));
+        context.observed = context.observed || (sure && is_observed(one));
+    }
 }
 
 }  // namespace
+
+bool could_have_failed(double expanded_uncertainty_m_s, const ClauseContext& context) {
+    constexpr double times = 3.0;
+    const CertifiableWindow& best = *context.windows.best;
+    double compared_m_s =
+        2.0 * best.own_standard_uncertainty_m_s.value_or(best.standard_uncertainty_m_s);
+    if (context.record != nullptr)
+        compared_m_s = std::max(
+            compared_m_s, context.required_speed->speed_m_s -
+                              context.record->speed * metres_per_second(context.record->unit));
+    return expanded_uncertainty_m_s <= times * compared_m_s;
+}
+
+bool is_observed(const WitnessedSpeed& one) {
+    return origin_of(one.kind).front() == to_text(InputOrigin::observed);
+}
+
+bool confirms(const WitnessedSpeed& one, const ClauseContext& context) {
+    return one.normalised_error <= 1.0 &&
+           could_have_failed(2.0 * one.standard_uncertainty_m_s, context);
+}
+
+std::string too_uncertain_text(double expanded_uncertainty_m_s) {
+    return fmt::format("at ± {} km/h it is too uncertain to confirm",
+                       uncertainty_rounded_up(expanded_uncertainty_m_s * 3.6));
+}
+
+std::string_view compared_with(WitnessKind kind) {
+    return kind == WitnessKind::positions ? "the recorded velocities" : "the positions";
+}
 
 std::string witness_name(const WitnessedSpeed& one) {
     return one.kind == WitnessKind::receiver
@@ -196,15 +229,15 @@ std::string witness_text(const WitnessedSpeed& one) {
             "processing, gives {}; {} (normalised error {:.2f}, at most 1)",
             speed, agreement, one.normalised_error);
     return fmt::format(
-        "{} give {} over the window, {:+.3f} km/h against the positions (normalised error {:.2f}, "
-        "at most 1)",
-        witness_name(one), speed, -one.difference_m_s * 3.6, one.normalised_error);
+        "{} give {} over the window, {:+.3f} km/h against {} (normalised error {:.2f}, at most 1)",
+        witness_name(one) + (is_observed(one) ? "" : ", handed in by the claimant,"), speed,
+        -one.difference_m_s * 3.6, compared_with(one.kind), one.normalised_error);
 }
 
 /// The drift that positions alone could not have shown, where nothing else was heard.
 std::optional<double> unseen_drift_m_s(const ClauseContext& context) {
-    if (!context.witnesses.empty() || context.profile.speed_source != SpeedSource::position ||
-        !context.windows.best || !context.windows.best->witnesses.empty())
+    if (context.observed || context.profile.speed_source != SpeedSource::position ||
+        !context.windows.best)
         return std::nullopt;
     const auto& all = context.windows.best->reliability;
     const auto ramp = std::ranges::find(all, Hypothesis::ramp, &UndetectedError::hypothesis);
@@ -245,13 +278,15 @@ ClauseContext gather_context(const CheckInput& input, const Profile& profile,
         context.course = course_of(input.judged, profile, *best);
         context.wind = flow_of(input.wind, FlowKind::wind, *best, context.course);
         context.current = flow_of(input.current, FlowKind::current, *best, context.course);
-        set_declared(context);
-        set_witnesses(context);
     } else {
         context.course.missing = "there is no certifiable window";
     }
     set_speed(context);
     set_decision(context);
+    if (windows.best) {
+        set_declared(context);
+        set_witnesses(context);
+    }
     set_shown(context);
     return context;
 }

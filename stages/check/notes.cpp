@@ -91,14 +91,22 @@ void add_flow(const ClauseContext& context, Notes& notes) {
 }
 
 /// What the second method says, whether the rule asks for one or not.
-/// What agrees stands among the witnesses.
 void add_second_method(const ClauseContext& context, Notes& notes) {
-    if (!context.declared || context.declared->agrees()) return;
+    if (!context.declared) return;
     const DeclaredAgreement& second = *context.declared;
-    notes.push_back(second.missing.empty()
-                        ? capitalised(second_method_text(second)) + "."
-                        : fmt::format("The second method ({}) gives no figure: {}.", second.method,
-                                      second.missing));
+    if (!second.missing.empty())
+        notes.push_back(fmt::format("The second method ({}) gives no figure: {}.", second.method,
+                                    second.missing));
+    else
+        notes.push_back(
+            fmt::format("By the attempt's own statement, {}.", second_method_text(second)));
+}
+
+void add_unsure_witnesses(const ClauseContext& context, Notes& notes) {
+    for (const std::string& one : context.unsure_witnesses)
+        notes.push_back(capitalised(one) +
+                        ". That is too uncertain to confirm the speed: it would "
+                        "have agreed with another, too.");
 }
 
 /// What would make the next run's speed known well enough, where this one's was not.
@@ -180,6 +188,7 @@ std::vector<std::string> notes_of(const ClauseContext& context) {
     add_windows(context, notes);
     add_flow(context, notes);
     add_second_method(context, notes);
+    add_unsure_witnesses(context, notes);
     add_next_time(context, notes);
     add_rule(context, notes);
     add_overrides(context, notes);

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "stages/check/against_limit.h"
+#include "stages/check/inputs.h"
 #include "stages/check/overshoot.h"
 
 namespace runcert {
@@ -46,6 +47,10 @@ std::vector<std::string> signs_of_filter(const ClauseContext& context) {
 }
 
 }  // namespace
+
+Finding computation::claims(const Clause& clause, const ClauseContext& context) {
+    return {RequirementStatus::attest, stated_text(inputs_answered_in(clause, context))};
+}
 
 Finding computation::time_scale(const Clause&, const ClauseContext& context) {
     const ReceiverFindings& judged = context.input.judged;

@@ -31,7 +31,11 @@ struct ClauseContext {
     std::optional<Decision> decision = std::nullopt;
     std::optional<ShownFigures> shown = std::nullopt;  ///< where there is a speed
     CourseFindings course = {};
-    std::vector<std::string> witnesses = {};  ///< of the window, beside its positions, in words
+    /// Of the window, beside its positions, in words: those that agree and are sure enough to
+    /// confirm it; and those that agree and are not.
+    std::vector<std::string> witnesses = {};
+    std::vector<std::string> unsure_witnesses = {};
+    bool observed = false;  ///< whether a receiver's recording is among the first
     std::optional<FlowInWindow> wind = std::nullopt;
     std::optional<FlowInWindow> current = std::nullopt;
 };
@@ -41,9 +45,11 @@ struct Finding {
     RequirementStatus status = RequirementStatus::not_met;
     std::string evidence;
     std::vector<Figure> figures = {};
+    bool observed = false;  ///< met by what was observed alone, whatever else is stated
 };
 
-/// Decides one clause by the computation it names.
+/// Decides one clause by the computation it names. What that finds met is only to be attested where
+/// it rests on something that nobody observed: the evidence then says on what.
 Requirement decide_clause(const Clause& clause, const ClauseContext& context);
 
 /// A function for each word of the profile's schema: what decides the clause.

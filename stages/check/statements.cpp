@@ -218,14 +218,15 @@ void add_time(const TimeStampSummary& time, Statements& statements) {
 void add_velocity(const VelocityComparison& velocity, Statements& statements) {
     if (velocity.origin == VelocityOrigin::positions) {
         statements.push_back(
-            "The device computed the recorded velocities from its positions: they witness "
-            "nothing, and were not used.");
+            "The recorded velocities were computed from the positions: they witness nothing, and "
+            "were not used.");
         return;
     }
     if (velocity.compared == 0) {
         statements.push_back("The recorded velocities could not be compared with the positions.");
         return;
     }
+    if (is_another_speed(velocity)) statements.push_back(another_speed_text(velocity));
     const std::string delay =
         velocity.delay_s
             ? fmt::format("a delay of {:.3f} s behind the positions taken off", *velocity.delay_s)
@@ -263,6 +264,12 @@ void add_baseline(const BaselineComparison& baseline, Statements& statements) {
             baseline.receiver));
         return;
     }
+    if (baseline.same_errors)
+        statements.push_back(
+            fmt::format("The positions of receiver \"{}\" have the errors of this one's: one "
+                        "recording was made "
+                        "from the other. It is no second measurement, and was not heard.",
+                        baseline.receiver));
     constexpr double scatter_worth_saying_m = 0.2;
     statements.push_back(fmt::format(
         "Receiver \"{}\" was {:.3f} m away, with a standard deviation of {:.3f} m over {} epochs{}",
@@ -348,6 +355,20 @@ void add_screening(const ReceiverFindings& judged, Statements& statements) {
 }
 
 }  // namespace
+
+bool is_another_speed(const VelocityComparison& velocity) {
+    constexpr double worth_saying = 0.02;
+    constexpr double times = 4.0;
+    return velocity.ratio && std::abs(*velocity.ratio - 1.0) >
+                                 worth_saying + times * velocity.sigma_ratio.value_or(0.0);
+}
+
+std::string another_speed_text(const VelocityComparison& velocity) {
+    return fmt::format(
+        "The recorded velocities are {:.3f} times what the positions show, where the craft moves "
+        "fast: one of the two is wrong.",
+        velocity.ratio.value_or(1.0));
+}
 
 std::vector<std::string> statements_of(const CheckInput& input) {
     const ReceiverFindings& judged = input.judged;

@@ -12,4 +12,11 @@ namespace runcert {
 /// what the recording does not say.
 std::vector<std::string> statements_of(const CheckInput& input);
 
+/// Whether the recorded velocities are of another speed than the positions show, all over the
+/// recording: by more than 2 % and four standard uncertainties of their ratio.
+bool is_another_speed(const VelocityComparison& velocity);
+
+/// By how much, a sentence.
+std::string another_speed_text(const VelocityComparison& velocity);
+
 }  // namespace runcert

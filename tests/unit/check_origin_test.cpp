@@ -25,10 +25,12 @@ RuleScene scene() {
 
 TEST(OwnClauses, StandUnderEveryRuleBesideItsOwn) {
     const ProfileVerdict verdict = scene().verdict();
-    ASSERT_EQ(verdict.requirements.size(), 4U);
+    // The last of what the attempt states: its class of craft, and that one attempt was made.
+    const char* own[] = {"time-scale", "positions-as-measured", "kind-of-solution",
+                         "craft-and-attempts"};
+    ASSERT_EQ(verdict.requirements.size(), 1U + std::size(own));
     EXPECT_EQ(verdict.requirements[0].clause, "margin");
-    const char* own[] = {"time-scale", "positions-as-measured", "kind-of-solution"};
-    for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t i = 0; i < std::size(own); ++i) {
         EXPECT_EQ(verdict.requirements[i + 1].clause, own[i]);
         EXPECT_EQ(verdict.requirements[i + 1].source, "this program's own requirement");
         EXPECT_FALSE(verdict.requirements[i + 1].text.empty());
@@ -39,7 +41,7 @@ TEST(OwnClauses, GiveWayToAClauseOfTheRuleByTheSameComputation) {
     RuleScene other = scene();
     other.use(profile_text(clause_text("time_scale") + clause_text("margin")));
     const ProfileVerdict verdict = other.verdict();
-    EXPECT_EQ(verdict.requirements.size(), 4U);
+    EXPECT_EQ(verdict.requirements.size(), 5U);
     EXPECT_EQ(
         std::ranges::count(verdict.requirements, Computation::time_scale, &Requirement::decided_by),
         1);
@@ -155,16 +157,20 @@ TEST(MeasuredPositions, HaveNoWitnessInVelocitiesThatContradict) {
     EXPECT_EQ(with.verdict().outcome, Outcome::not_certifiable);
 }
 
-TEST(MeasuredPositions, HaveAWitnessInASecondMethodThatAgrees) {
+TEST(MeasuredPositions, HaveNoWitnessInASecondMethodThatIsTyped) {
     RuleScene with = scene();
     with.attempt.secondary_method = SecondaryMethod{.method = "radar",
                                                     .source = "protocol",
                                                     .speed = SecondaryMethod::Speed{60.01, 0.02},
                                                     .times = std::nullopt};
-    EXPECT_EQ(with.clause("positions-as-measured").status, RequirementStatus::met);
-    EXPECT_EQ(with.clause("positions-as-measured").evidence,
-              "the second method (radar) gives 216.036 km/h ± 0.072 km/h, +0.036 km/h against this "
-              "one (normalised error 0.45, at most 1)");
+    EXPECT_EQ(with.clause("positions-as-measured").status, RequirementStatus::attest);
+    const ProfileVerdict verdict = with.verdict();
+    EXPECT_TRUE(verdict.witnesses.empty());
+    EXPECT_TRUE(contains(verdict.reason, "By positions alone")) << verdict.reason;
+    EXPECT_TRUE(std::ranges::count(
+        verdict.notes,
+        "By the attempt's own statement, the second method (radar) gives 216.036 km/h ± 0.072 "
+        "km/h, +0.036 km/h against this one (normalised error 0.45, at most 1)."));
 }
 
 TEST(MeasuredPositions, SolvedHereFromRawObservationsAreMet) {

@@ -1,0 +1,88 @@
+#include "stages/check/inputs.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+
+namespace runcert {
+namespace {
+
+bool asks(const std::vector<Clause>& clauses, Computation computation) {
+    return std::ranges::find(clauses, computation, &Clause::decided_by) != clauses.end();
+}
+
+/// The clauses that something is computed for or that the rule asks.
+std::vector<Clause> clauses_without_claims(const Profile& profile) {
+    std::vector<Clause> clauses = profile.clauses;
+    for (const Clause& own : own_clauses())
+        if (own.decided_by != Computation::claims && !asks(profile.clauses, own.decided_by))
+            clauses.push_back(own);
+    return clauses;
+}
+
+/// Whether a rule looks at it: it is not another rule's, and not replaced by one of its own.
+bool concerns(const AttemptInput& input, const Profile& profile, const Attempt& attempt) {
+    const bool replaced = input.name.starts_with("record.") && attempt.records.contains(profile.id);
+    return !replaced && (input.profile.empty() || input.profile == profile.id);
+}
+
+}  // namespace
+
+std::vector<std::string> clauses_answering(const AttemptInput& input, const Profile& profile,
+                                           const Attempt& attempt) {
+    std::vector<std::string> ids;
+    if (!concerns(input, profile, attempt)) return ids;
+    for (const Clause& clause : clauses_without_claims(profile))
+        if (std::ranges::count(input.origin.decides, to_text(clause.decided_by)) > 0)
+            ids.push_back(clause.id);
+    if (ids.empty() && !input.origin.clause.empty()) ids.push_back(input.origin.clause);
+    return ids;
+}
+
+std::vector<Clause> clauses_asked(const Profile& profile, const Attempt& attempt) {
+    std::vector<std::string> answering;
+    for (const AttemptInput& input : attempt.inputs)
+        for (std::string& id : clauses_answering(input, profile, attempt))
+            answering.push_back(std::move(id));
+    std::vector<Clause> clauses = clauses_without_claims(profile);
+    for (const Clause& own : own_clauses())
+        if (own.decided_by == Computation::claims && std::ranges::count(answering, own.id) > 0)
+            clauses.push_back(own);
+    return clauses;
+}
+
+std::vector<AttemptInput> inputs_answered_in(const Clause& clause, const ClauseContext& context) {
+    std::vector<AttemptInput> inputs;
+    const Attempt& attempt = context.input.attempt;
+    for (const AttemptInput& input : attempt.inputs)
+        if (input.origin.origin != to_text(InputOrigin::observed) &&
+            std::ranges::count(clauses_answering(input, context.profile, attempt), clause.id) > 0)
+            inputs.push_back(input);
+    return inputs;
+}
+
+std::string stated_text(const std::vector<AttemptInput>& inputs) {
+    std::vector<std::string> stated;
+    for (const AttemptInput& input : inputs)
+        stated.push_back(fmt::format(
+            "{}: {}{}", input.name, input.value,
+            input.origin.origin == to_text(InputOrigin::handed_in) ? " (handed in)" : ""));
+    return fmt::format("{}", fmt::join(stated, "; "));
+}
+
+std::vector<VerdictInput> verdict_inputs(const CheckInput& input) {
+    std::vector<VerdictInput> inputs;
+    for (const AttemptInput& one : input.attempt.inputs) {
+        VerdictInput& made =
+            inputs.emplace_back(VerdictInput{.name = one.name, .value = one.value});
+        from_text(one.origin.origin, made.origin);
+        for (const Profile& profile : input.profiles)
+            for (std::string& id : clauses_answering(one, profile, input.attempt))
+                if (std::ranges::count(made.clauses, id) == 0)
+                    made.clauses.push_back(std::move(id));
+    }
+    return inputs;
+}
+
+}  // namespace runcert

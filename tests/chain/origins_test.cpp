@@ -1,0 +1,371 @@
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "rules_support.h"
+
+// What a claimant types or hands in, as if somebody had observed it. Each of these was certified,
+// or met a requirement, before inputs had an origin.
+
+namespace runcert::chain::RUNCERT_FILE {
+namespace {
+
+struct Sample {
+    double time_s = 0.0;
+    double east_m = 0.0, north_m = 0.0;
+    double speed_m_s = 0.0;  ///< recorded, towards north
+    double true_m = 0.0;     ///< the way there without errors
+};
+using Samples = std::vector<Sample>;
+
+/// A run northwards up to 60 m/s, standing before it; positions with white and lasting errors,
+/// speeds measured on their own.
+Samples sailed(std::uint64_t seed = 1) {
+    RandomGenerator random(seed);
+    Samples samples;
+    double way_m = 0.0, lasting_east_m = 0.0, lasting_north_m = 0.0;
+    for (int k = 0; k <= 1200; ++k) {
+        const double t = 0.1 * k;
+        const double speed_m_s = 60.0 / (1.0 + std::exp(-(t - 60.0) / 6.0));
+        way_m = 360.0 * std::log1p(std::exp((t - 60.0) / 6.0));
+        lasting_east_m += -0.05 * lasting_east_m + 0.0015 * random.normal();
+        lasting_north_m += -0.05 * lasting_north_m + 0.0015 * random.normal();
+        samples.push_back({.time_s = t,
+                           .east_m = lasting_east_m + 0.004 * random.normal(),
+                           .north_m = way_m + lasting_north_m + 0.004 * random.normal(),
+                           .speed_m_s = speed_m_s + 0.03 * random.normal(),
+                           .true_m = way_m});
+    }
+    return samples;
+}
+
+std::string table(const Samples& samples) {
+    std::string text = "time_s,east_m,north_m,velocity_east,velocity_north\n";
+    for (const Sample& one : samples)
+        text += fmt::format("{:.2f},{:.4f},{:.4f},0.0000,{:.4f}\n", one.time_s, one.east_m,
+                            one.north_m, one.speed_m_s);
+    return text;
+}
+
+std::string receiver(const std::string& id, const std::string& file, bool velocities,
+                     const std::string& accuracy = "horizontal_m: 0.01, velocity_mps: 0.05") {
+    return fmt::format(
+        "{{id: {}, recording: {}, format: csv, columns: {{time: time_s, east: east_m, north: "
+        "north_m, up: null{}}}, frame: local_plane, start_gps: \"2026-03-14T03:20:18.000\", "
+        "solution: fixed, accuracy: {{{}}}}}",
+        id, file,
+        velocities ? ", velocity_east: velocity_east, velocity_north: velocity_north" : "",
+        accuracy);
+}
+
+class Origins : public testing::Test {
+  protected:
+    void write(const std::string& name, const std::string& text) const {
+        write_file_atomically(folder_.path() / name, text);
+    }
+
+    /// Certifies what was written, and keeps the verdict of its one rule.
+    void judge(const std::string& receivers, const std::string& more = {},
+               const std::string& profile = "nalsa") {
+        write(
+            "attempt.yaml",
+            fmt::format("schema: attempt/1.0\nid: run\ncraft: {{name: yacht, class: land-yacht}}\n"
+                        "receivers: [{}]\nprofiles: [{}]\n"
+                        "record: {{speed: 200, unit: km/h, source: a newspaper}}\n{}",
+                        receivers, profile, more));
+        const fs::path run = folder_.path() / "run";
+        fs::remove_all(run);
+        result_ = certify(folder_.path() / "attempt.yaml", run, {"--no-render"});
+        ASSERT_NE(result_.exit_status, 2) << result_.errors;
+        verdict_ = read_yaml(run / "6-verdict.yaml");
+        windows_ = read_yaml(run / "5-windows.yaml");
+    }
+    void judge_alone(const Samples& samples, bool velocities = false,
+                     const std::string& more = {}) {
+        write("one.csv", table(samples));
+        judge(receiver("one", "one.csv", velocities), more);
+    }
+
+    YamlValue profile() const { return verdict_["profiles"].list().front(); }
+    std::string outcome() const { return profile()["outcome"].text(); }
+    std::string reason() const { return profile()["reason"].text(); }
+    double expanded_uncertainty_km_h() const {
+        return profile()["expanded_uncertainty_km_h"].real();
+    }
+    YamlValue requirement(const std::string& clause) const {
+        for (const YamlValue& one : profile()["requirements"].list())
+            if (one["clause"].text() == clause) return one;
+        ADD_FAILURE() << "no clause " << clause;
+        return profile();
+    }
+    std::string status(const std::string& clause) const {
+        return requirement(clause)["status"].text();
+    }
+    bool evidence_has(const std::string& clause, const std::string& part) const {
+        return requirement(clause)["evidence"].text().find(part) != std::string::npos;
+    }
+    bool says(const std::string& part) const {
+        const std::string text = read_file(folder_.path() / "run" / "6-verdict.yaml") +
+                                 read_file(folder_.path() / "run" / "5-windows.yaml");
+        return text.find(part) != std::string::npos;
+    }
+    std::size_t witnesses() const {
+        return windows_["profiles"].list().front()["best"]["witnesses"].list().size();
+    }
+
+    TemporaryFolder folder_;
+    ProcessResult result_;
+    YamlValue verdict_{YamlNode(), ""};
+    YamlValue windows_{YamlNode(), ""};
+};
+
+Samples with_speeds(Samples samples, const std::function<double(const Sample&)>& speed) {
+    for (Sample& one : samples)
+        one.speed_m_s = speed(one);
+    return samples;
+}
+
+/// Speeds as a mean of central differences of the positions over so many rows on either side.
+Samples speeds_from_positions(Samples samples, std::size_t either_side) {
+    const Samples from = samples;
+    for (std::size_t k = 0; k < samples.size(); ++k) {
+        const std::size_t a = k > either_side ? k - either_side : 0;
+        const std::size_t b = std::min(samples.size() - 1, k + either_side);
+        samples[k].speed_m_s =
+            std::max(0.0, (from[b].north_m - from[a].north_m) / (from[b].time_s - from[a].time_s));
+    }
+    return samples;
+}
+
+TEST_F(Origins, ARecordThatIsTypedIsToBeAttestedWithItsSource) {
+    judge_alone(sailed());
+    EXPECT_EQ(status("margin"), "attest");
+    EXPECT_TRUE(evidence_has("margin",
+                             "record.speed: 200; record.unit: km/h; "
+                             "record.source: a newspaper"));
+    EXPECT_EQ(status("craft-and-attempts"), "attest");
+    EXPECT_TRUE(evidence_has("craft-and-attempts", "attempts_made: 1"));
+    EXPECT_EQ(status("accuracy"), "attest");
+    EXPECT_TRUE(evidence_has("accuracy", "receivers.one.accuracy.horizontal_m: 0.01 m"));
+    EXPECT_EQ(status("kind-of-solution"), "attest");
+    EXPECT_EQ(status("recording-as-read"), "attest");
+}
+
+TEST_F(Origins, ASecondMethodThatCouldNotHaveFailedConfirmsNothing) {
+    const auto typed = [](double uncertainty) {
+        return fmt::format(
+            "secondary: {{method: radar, source: a note, speed: 215, unit: km/h, "
+            "expanded_uncertainty: {}}}\n",
+            uncertainty);
+    };
+    for (const double uncertainty : {100000.0, 1000.0, 100.0, 20.0, 10.0}) {
+        SCOPED_TRACE(uncertainty);
+        judge_alone(sailed(), false, typed(uncertainty));
+        EXPECT_EQ(status("secondary-method"), "attest");
+        EXPECT_TRUE(evidence_has("secondary-method", "too uncertain to confirm"));
+        EXPECT_TRUE(reason().starts_with("By positions alone")) << reason();
+        EXPECT_TRUE(profile()["witnesses"].list().empty());
+    }
+    // One that could have failed is shown, and still somebody's word.
+    judge_alone(sailed(), false, typed(3.0));
+    EXPECT_EQ(status("secondary-method"), "attest");
+    EXPECT_FALSE(evidence_has("secondary-method", "too uncertain to confirm"));
+    EXPECT_TRUE(evidence_has("secondary-method", "secondary.expanded_uncertainty: 3"));
+    EXPECT_TRUE(reason().starts_with("By positions alone")) << reason();
+}
+
+TEST_F(Origins, ASecondMethodThatContradictsIsHeard) {
+    judge_alone(sailed(), false,
+                "secondary: {method: radar, source: a note, speed: 190, unit: km/h, "
+                "expanded_uncertainty: 3}\n");
+    EXPECT_EQ(outcome(), "not_certifiable");
+}
+
+TEST_F(Origins, VelocitiesMeasuredBesideThePositionsAreHeard) {
+    judge_alone(sailed(), true);
+    EXPECT_EQ(outcome(), "beaten") << reason();
+    EXPECT_EQ(witnesses(), 1U);
+    EXPECT_FALSE(reason().starts_with("By positions alone")) << reason();
+}
+
+TEST_F(Origins, VelocitiesOfAnotherSpeedThanThePositionsShowAreRefused) {
+    write("speeds.yaml",
+          profile_of("speeds", "{duration_s: 3, definition: mean_n, source: velocity}"));
+    for (const double factor : {1.5, 1.05, 0.9, 2.0, 1.03}) {
+        SCOPED_TRACE(factor);
+        write("one.csv", table(with_speeds(
+                             sailed(), [&](const Sample& one) { return factor * one.speed_m_s; })));
+        for (const char* rule : {"speeds.yaml", "nalsa"}) {
+            SCOPED_TRACE(rule);
+            judge(receiver("one", "one.csv", true), {}, rule);
+            EXPECT_EQ(outcome(), "not_certifiable");
+            EXPECT_NE(reason().find("times what the positions show"), std::string::npos)
+                << reason();
+        }
+    }
+    // Higher near the end alone, where the window is.
+    write("one.csv", table(with_speeds(sailed(), [](const Sample& one) {
+              return one.time_s > 110.0 ? one.speed_m_s + 3.0 : one.speed_m_s;
+          })));
+    judge(receiver("one", "one.csv", true), {}, "speeds.yaml");
+    EXPECT_FALSE(outcome() == "beaten" && profile()["speed_m_s"].real() > 61.0) << reason();
+    // The control: as measured.
+    write("one.csv", table(sailed()));
+    judge(receiver("one", "one.csv", true), {}, "speeds.yaml");
+    EXPECT_EQ(outcome(), "beaten") << reason();
+}
+
+TEST_F(Origins, AClaimedAccuracyOfVelocitiesNeverSharpensBeyondTheirScatter) {
+    write("speeds.yaml",
+          profile_of("speeds", "{duration_s: 3, definition: mean_n, source: velocity}"));
+    RandomGenerator random(5);
+    write("one.csv", table(with_speeds(sailed(), [&](const Sample& one) {
+              return one.speed_m_s + 0.4 * random.normal();
+          })));
+    judge(receiver("one", "one.csv", true, "horizontal_m: 0.01, velocity_mps: 0.001"), {},
+          "speeds.yaml");
+    if (outcome() != "not_certifiable") {
+        EXPECT_GT(expanded_uncertainty_km_h(), 2.0 * 0.2 * 3.6);
+    }
+}
+
+TEST_F(Origins, VelocitiesMadeFromThePositionsConfirmNothing) {
+    for (const std::size_t either_side : {1U, 3U, 10U, 30U}) {
+        SCOPED_TRACE(either_side);
+        judge_alone(speeds_from_positions(sailed(), either_side), true);
+        EXPECT_EQ(witnesses(), 0U);
+        EXPECT_TRUE(says("The recorded velocities were computed from the positions"));
+        EXPECT_TRUE(reason().starts_with("By positions alone") || outcome() == "not_certifiable")
+            << reason();
+    }
+}
+
+TEST_F(Origins, ACopyIsNoSecondReceiver) {
+    const Samples first = sailed();
+    const auto judge_with = [&](const Samples& second) {
+        write("one.csv", table(first));
+        write("two.csv", table(second));
+        judge(receiver("one", "one.csv", false) + ", " + receiver("two", "two.csv", false));
+    };
+    const auto changed = [&](const std::function<void(Sample&)>& change) {
+        Samples copy = first;
+        for (Sample& one : copy)
+            change(one);
+        return copy;
+    };
+    Samples between;
+    for (std::size_t k = 1; k < first.size(); ++k) {
+        between.push_back(first[k]);
+        between.back().time_s -= 0.05;
+        between.back().east_m = 0.5 * (first[k - 1].east_m + first[k].east_m);
+        between.back().north_m = 0.5 * (first[k - 1].north_m + first[k].north_m);
+    }
+    for (const Samples& copy :
+         {first, changed([](Sample& one) { one.east_m += 0.6; }),
+          changed([](Sample& one) { one.east_m += 0.3 + 0.05 * std::sin(0.3 * one.time_s); }),
+          changed([](Sample& one) { one.north_m = std::round(one.north_m * 500.0) / 500.0; }),
+          between}) {
+        judge_with(copy);
+        EXPECT_NE(status("secondary-method"), "met");
+        EXPECT_EQ(witnesses(), 0U);
+        EXPECT_TRUE(says("one recording was made from the other"));
+    }
+    // Another receiver, measured.
+    Samples measured = sailed(2);
+    for (Sample& one : measured)
+        one.east_m += 0.6;
+    judge_with(measured);
+    EXPECT_EQ(status("secondary-method"), "met");
+    EXPECT_EQ(witnesses(), 1U);
+}
+
+/// Passages of gates every 180 m of the last part of the run, on the positions or the truth.
+std::string gates(const Samples& samples, bool from_positions) {
+    std::string text = "time_gps,distance_m\n";
+    double distance_m = -1.0, first_m = 0.0;
+    int count = 0;
+    for (std::size_t k = 1; k < samples.size() && count < 6; ++k) {
+        if (samples[k].time_s < 95.0) continue;
+        const double at_m = from_positions ? samples[k].north_m : samples[k].true_m;
+        if (distance_m < 0.0) first_m = at_m;
+        if (distance_m >= 0.0 && at_m - first_m < distance_m + 180.0) continue;
+        distance_m = at_m - first_m;
+        ++count;
+        text += fmt::format("2026-03-14T03:{:02}:{:07.4f},{:.4f}\n",
+                            20 + static_cast<int>(18.0 + samples[k].time_s) / 60,
+                            std::fmod(18.0 + samples[k].time_s, 60.0), distance_m);
+    }
+    return text;
+}
+
+TEST_F(Origins, GatesMadeFromThePositionsAreNotHeard) {
+    const std::string stated =
+        "gates: {file: gates.csv, source: a survey, expanded_uncertainty_m: 0.02, "
+        "expanded_uncertainty_s: 0.0002}\n";
+    write("gates.csv", gates(sailed(), true));
+    judge_alone(sailed(), false, stated);
+    EXPECT_TRUE(says("The gates agree with the positions better than"));
+    EXPECT_EQ(witnesses(), 0U);
+    write("gates.csv", gates(sailed(), false));
+    judge_alone(sailed(), false, stated);
+    EXPECT_FALSE(says("The gates agree with the positions better than"));
+    // Heard or not, an official answers for them.
+    EXPECT_EQ(status("gates-as-measured"), "attest");
+    EXPECT_TRUE(reason().starts_with("By positions alone")) << reason();
+}
+
+TEST_F(Origins, AWheelMadeFromThePositionsIsNotHeard) {
+    const auto wheel = [](const Samples& samples, double scale) {
+        std::string text = "time_s,speed_m_s\n";
+        for (const Sample& one : samples)
+            text += fmt::format("{:.2f},{:.5f}\n", one.time_s, scale * one.speed_m_s);
+        return text;
+    };
+    const std::string stated = "wheel: {file: wheel.csv, source: a sensor}\n";
+    for (const std::size_t either_side : {1U, 2U, 10U}) {
+        SCOPED_TRACE(either_side);
+        write("wheel.csv", wheel(speeds_from_positions(sailed(), either_side), 1.02));
+        judge_alone(sailed(), false, stated);
+        EXPECT_TRUE(says("The wheel's speeds keep to the positions"));
+        EXPECT_EQ(witnesses(), 0U);
+    }
+    write("wheel.csv", wheel(sailed(), 1.02));
+    judge_alone(sailed(), false, stated);
+    EXPECT_EQ(witnesses(), 1U);
+    EXPECT_EQ(status("wheel-as-measured"), "attest");
+}
+
+TEST_F(Origins, ASeriesOfTheWindIsToBeAttestedUnderTheClauseThatItMeets) {
+    write("windy.yaml", profile_of("windy", "{duration_s: 3, definition: displacement}",
+                                   clause_of("wind_mean", ", limit: 10, unit: m/s")));
+    write("wind.csv", "time_s,speed_m_s,direction_deg\n0,3,10\n60,4,10\n120,3,12\n");
+    write("one.csv", table(sailed()));
+    judge(receiver("one", "one.csv", false), "wind: {file: wind.csv, source: a mast}\n",
+          "windy.yaml");
+    EXPECT_EQ(status("wind_mean"), "attest");
+    EXPECT_TRUE(evidence_has("wind_mean", "wind.file: wind.csv (handed in)"));
+    write("wind.csv", "time_s,speed_m_s,direction_deg\n0,30,10\n60,40,10\n120,30,12\n");
+    judge(receiver("one", "one.csv", false), "wind: {file: wind.csv, source: a mast}\n",
+          "windy.yaml");
+    EXPECT_EQ(status("wind_mean"), "not_met");
+}
+
+TEST_F(Origins, EachInputIsListedWithWhoSaysIt) {
+    judge_alone(sailed());
+    std::map<std::string, std::string> origin;
+    for (const YamlValue& one : verdict_["origins"].list())
+        origin[one["name"].text()] = one["origin"].text();
+    EXPECT_EQ(origin["receivers.one.recording"], "observed");
+    EXPECT_EQ(origin["record.speed"], "claimed");
+    const ProcessResult explained = runcert({"explain", (folder_.path() / "run").string()});
+    EXPECT_NE(explained.output.find("Claimed"), std::string::npos) << explained.output;
+    EXPECT_NE(explained.output.find("record.source: a newspaper"), std::string::npos)
+        << explained.output;
+    const std::string report = read_file(folder_.path() / "run" / "report.json");
+    EXPECT_NE(report.find("\"origin_facts\""), std::string::npos);
+}
+
+}  // namespace
+}  // namespace runcert::chain::RUNCERT_FILE

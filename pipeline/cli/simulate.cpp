@@ -48,6 +48,7 @@ Json receiver_of(const SimulationDocument& simulation) {
     receiver["format"] = "csv";
     receiver["columns"] = plane_columns(spec);
     receiver["frame"] = "local_plane";
+    if (spec.faults.float_fixes.empty()) receiver["solution"] = "fixed";
     receiver["accuracy"] = {{"horizontal_m", spec.recording.accuracy.horizontal_m}};
     if (spec.recording.with_up)
         receiver["accuracy"]["vertical_m"] = spec.recording.accuracy.vertical_m;
@@ -137,7 +138,9 @@ void add_simulate(CLI::App& app, Command& chosen) {
     command->add_option("--out", *folder, "folder to write")->required();
     command->footer(fmt::format(
         "Writes recording.pos (or recording.csv, in an engineering CRS), truth.csv and "
-        "attempt.yaml; with raw: raw.obs and broadcast.nav, too.\n\n"
+        "attempt.yaml; with raw: raw.obs and broadcast.nav, too. Each of them but the orbits, "
+        "which "
+        "are real, says that it is simulated; so does a report made from them.\n\n"
         "A simulation (schema simulation/1.0; examples/salt_lake/spec.yaml is one):\n\n"
         "  schema: simulation/1.0\n"
         "  run: {{top_speed_m_s: 60, half_speed_time_s: 15, duration_s: 45, rate_hz: 10}}\n"

@@ -12,6 +12,10 @@ namespace {
 
 constexpr int truth_decimals = 6;
 
+/// By which import knows what it is.
+constexpr const char* simulated_comment =
+    "# runcert simulate (no receiver: this recording is simulated)\n";
+
 // What a simulated receiver has to say that no part of this program relies on.
 constexpr int satellites = 20;
 constexpr double ratio_fixed = 50.0;
@@ -71,7 +75,8 @@ std::string rtklib_pos_text(const SimulationSpec& spec, std::span<const Simulate
 std::string plane_csv_text(const SimulationSpec& spec, std::span<const SimulatedEpoch> epochs) {
     const bool with_fix = !spec.faults.float_fixes.empty();
     const int decimals = spec.recording.decimals_m;
-    std::string text = "epoch,time_s,east_m,north_m";
+    std::string text = simulated_comment;
+    text += "epoch,time_s,east_m,north_m";
     if (spec.recording.with_up) text += ",up_m";
     text += with_fix ? ",fix\n" : "\n";
     for (const SimulatedEpoch& epoch : epochs) {
@@ -87,7 +92,8 @@ std::string plane_csv_text(const SimulationSpec& spec, std::span<const Simulated
 }
 
 std::string truth_csv_text(std::span<const SimulatedEpoch> epochs) {
-    std::string text = "time_s,east_m,north_m,up_m,speed_m_s,acceleration_m_s2\n";
+    std::string text = simulated_comment;
+    text += "time_s,east_m,north_m,up_m,speed_m_s,acceleration_m_s2\n";
     for (const SimulatedEpoch& epoch : epochs) {
         text += seconds_text(epoch);
         for (const double value : {epoch.true_enu_m.x(), epoch.true_enu_m.y(), epoch.true_enu_m.z(),

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -11,6 +12,7 @@
 #include "reports/certificate/json_rule.h"
 #include "reports/certificate/json_screening.h"
 #include "reports/words/phases.h"
+#include "reports/words/recording.h"
 
 namespace runcert {
 
@@ -35,6 +37,7 @@ Json official_json(const Official& official) {
 Json stated_json(const Receiver& receiver) {
     Json json = Json::object();
     if (receiver.antenna_height_m) json["antenna_height_m"] = *receiver.antenna_height_m;
+    if (receiver.height_m) json["height_m"] = *receiver.height_m;
     if (receiver.accuracy) {
         const AttemptAccuracy& accuracy = *receiver.accuracy;
         if (accuracy.horizontal_m) json["accuracy_horizontal_m"] = *accuracy.horizontal_m;
@@ -56,6 +59,15 @@ Json recording_facts(const ReceiverResults& results, const Json& recording) {
     Json facts = Json::array();
     facts.push_back(fact("Recording", recording["recording"].get<std::string>()));
     facts.push_back(fact("Format", observations.format));
+    if (const auto& processing = observations.processing) {
+        facts.push_back(fact("Positions", processing_text(*processing)));
+        if (!processing->begin.empty() && !processing->end.empty())
+            facts.push_back(
+                fact("Solved from, to", fmt::format("{}, {}", processing->begin, processing->end)));
+        if (!processing->options.empty())
+            facts.push_back(fact("Options of the solution",
+                                 fmt::format("{}", fmt::join(processing->options, "; "))));
+    }
     facts.push_back(fact("Coordinates", observations.frame));
     facts.push_back(fact("Time scale", observations.time_scale));
     if (!observations.time_origin.empty())
@@ -72,6 +84,10 @@ Json recording_facts(const ReceiverResults& results, const Json& recording) {
     facts.push_back(fact("Heights", observations.facts.vertical_measured
                                         ? "measured"
                                         : "not measured: the estimate is in the plane"));
+    if (const Json& stated = recording["stated"];
+        stated.contains("height_m") && !observations.facts.vertical_measured)
+        facts.push_back(
+            fact("Height of the course stated by the attempt", stated["height_m"].dump() + " m"));
     facts.push_back(fact("Accuracy stated", accuracy_words(observations.accuracy_source)));
     const Json& stated = recording["stated"];
     if (stated.contains("accuracy_horizontal_m"))
@@ -194,6 +210,9 @@ Json receiver_json(const ReceiverResults& results, const Receiver& receiver) {
               {"vertical_measured", observations.facts.vertical_measured},
               {"nominal_interval_s", rounded(observations.facts.nominal_interval_s, 9)},
               {"length_s", rounded(last_time(results.screened.rows).seconds(), 9)}};
+    if (!observations.written_by.empty()) json["written_by"] = observations.written_by;
+    if (observations.simulated) json["simulated"] = true;
+    if (observations.processing) json["processing"] = members_json(*observations.processing);
     if (!observations.time_origin.empty()) json["time_origin"] = observations.time_origin;
     if (const auto& first = observations.facts.first_epoch) {
         json["first_epoch_gps"] = to_iso(*first, 9);

@@ -72,7 +72,8 @@ std::vector<TruthEpoch> read_truth(std::string_view text, const std::string& whe
         const std::size_t end = std::min(text.find('\n'), text.size());
         const std::string_view content = trim(text.substr(0, end));
         text.remove_prefix(std::min(end + 1, text.size()));
-        if (line == 1) {
+        if (width == 0) {
+            if (content.starts_with('#')) continue;
             columns = find_columns(content, where);
             width = cells_of(content).size();
             continue;

@@ -17,10 +17,10 @@ struct TruthEpoch {
     double speed_m_s = 0.0;
 };
 
-/// Reads what `runcert simulate` writes as truth.csv: a line of column names, then numbers. Of the
-/// columns time_s, east_m, north_m and speed_m_s must be there; others are passed over. Failure
-/// with line and column for anything else than numbers, rows of another length, and times that do
-/// not increase. `where` names the file.
+/// Reads what `runcert simulate` writes as truth.csv: comment lines, one of column names, then
+/// numbers. Of the columns time_s, east_m, north_m and speed_m_s must be there; others are passed
+/// over. Failure with line and column for anything else than numbers, rows of another length, and
+/// times that do not increase. `where` names the file.
 std::vector<TruthEpoch> read_truth(std::string_view text, const std::string& where);
 
 /// For each row of a trajectory the truth at its time, to half a millisecond; empty where there is

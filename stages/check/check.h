@@ -21,8 +21,11 @@ struct ReceiverFindings {
     std::string receiver;
     RecordingFacts facts;
     std::string accuracy_source;
-    std::string format = {};       ///< of the recording
-    std::string time_origin = {};  ///< what its time stamps are, in words
+    std::string format = {};                   ///< of the recording
+    std::string time_origin = {};              ///< what its time stamps are, in words
+    std::vector<std::string> written_by = {};  ///< what it says of the programs that made it
+    bool simulated = false;                    ///< it says so itself
+    std::optional<Processing> processing = std::nullopt;       ///< how its positions were solved
     SolutionSource solution_source = SolutionSource::unknown;  ///< who says the fix type
     RecordCount records = {};
     ScreeningSummary screening;

@@ -225,8 +225,8 @@ std::string witness_text(const WitnessedSpeed& one) {
         one.normalised_error <= 1.0 ? "the two agree" : "the two contradict one another";
     if (one.kind == WitnessKind::phases)
         return fmt::format(
-            "a second computation from the receiver's raw signals, independent of the team's "
-            "processing, gives {}; {} (normalised error {:.2f}, at most 1)",
+            "a second computation, from the raw signals handed in, gives {}; {} (normalised error "
+            "{:.2f}, at most 1); that the receiver wrote them is to be attested",
             speed, agreement, one.normalised_error);
     return fmt::format(
         "{} give {} over the window, {:+.3f} km/h against {} (normalised error {:.2f}, at most 1)",

@@ -50,6 +50,16 @@ void add_straddle(const ClauseContext& context, Notes& notes) {
             : "the mean without the first speed"));
 }
 
+/// What every reader must know before any figure.
+void add_simulated(const ClauseContext& context, Notes& notes) {
+    for (const ReceiverFindings* receiver : {&context.input.judged, context.input.secondary})
+        if (receiver && receiver->simulated)
+            notes.push_back(
+                fmt::format("The recording of receiver \"{}\" says that it was simulated: this is "
+                            "an example of a report, and no craft was measured.",
+                            receiver->receiver));
+}
+
 void add_windows(const ClauseContext& context, Notes& notes) {
     const ProfileWindows& windows = context.windows;
     if (!windows.missing.empty() && !windows.best)
@@ -184,6 +194,7 @@ double path_m(const std::vector<TrajectoryEpoch>& rows, const CraftRun& run) {
 
 std::vector<std::string> notes_of(const ClauseContext& context) {
     Notes notes;
+    add_simulated(context, notes);
     add_straddle(context, notes);
     add_windows(context, notes);
     add_flow(context, notes);

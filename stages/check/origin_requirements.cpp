@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reports/words/recording.h"
 #include "stages/check/against_limit.h"
 #include "stages/check/inputs.h"
 #include "stages/check/overshoot.h"
@@ -46,6 +47,40 @@ std::vector<std::string> signs_of_filter(const ClauseContext& context) {
     return signs;
 }
 
+/// What speaks for positions as the receiver measured them, and what against: whether the files are
+/// as the receiver wrote them only people can say.
+std::string evidence_of_measuring(const ClauseContext& context) {
+    const ReceiverFindings& judged = context.input.judged;
+    std::vector<std::string> evidence;
+    if (judged.simulated) evidence.emplace_back("the recording says that it was simulated");
+    if (judged.format == "rinex")
+        evidence.emplace_back("positions were solved here, from raw observations that are kept");
+    else if (judged.processing && !judged.simulated)
+        evidence.push_back("positions were " + processing_text(*judged.processing));
+    if (context.witnesses.empty())
+        evidence.emplace_back("only the positions themselves could show it");
+    evidence.insert(evidence.end(), context.witnesses.begin(), context.witnesses.end());
+    std::string text = fmt::format("{}", fmt::join(evidence, "; "));
+    if (const std::vector<std::string> signs = signs_of_filter(context); !signs.empty())
+        text += fmt::format("; {} {}", context.witnesses.empty() ? "signs found in them:" : "but",
+                            fmt::join(signs, "; "));
+    return text;
+}
+
+/// In what the steps of the stamps are not those of a receiver, in words; empty where they are.
+std::string unusual_steps(const ReceiverFindings& judged) {
+    const TimeStampSummary& time = judged.tests.time;
+    constexpr double allowed_s = 2e-3;
+    if (!time.departure_s ||
+        *time.departure_s <= allowed_s + judged.facts.time_resolution_s.value_or(0.0))
+        return {};
+    return fmt::format(
+        "steps in a row lead {:.3f} s away from {:.6g} s, the nearest interval that receivers are "
+        "set to (mean step {:.6g} s): somebody must show by the receiver's settings that it "
+        "recorded at such steps",
+        *time.departure_s, *time.usual_interval_s, *time.interval_s);
+}
+
 }  // namespace
 
 Finding computation::claims(const Clause& clause, const ClauseContext& context) {
@@ -62,7 +97,11 @@ Finding computation::time_scale(const Clause&, const ClauseContext& context) {
                                        .unit = "",
                                        .expanded_uncertainty = std::nullopt,
                                        .note = "in millionths"}};
-    if (source == "satellites") return {RequirementStatus::met, what, figures};
+    const std::string steps = unusual_steps(judged);
+    if (source == "satellites")
+        return steps.empty() ? Finding{RequirementStatus::met, what, figures}
+                             : Finding{RequirementStatus::attest,
+                                       what + ", by the format; but " + steps, figures};
     constexpr double allowed = 1e-4;
     if (source == "unknown" && std::abs(rate) > std::max(allowed, rate_by_chance(judged)))
         return {RequirementStatus::not_met,
@@ -74,7 +113,9 @@ Finding computation::time_scale(const Clause&, const ClauseContext& context) {
                 figures};
     if (source == "attempt")
         return {RequirementStatus::attest,
-                what + "; the attempt states that they are the satellites' time", figures};
+                fmt::format("{}; the attempt states that they are the satellites' time{}{}", what,
+                            steps.empty() ? "" : "; but ", steps),
+                figures};
     return {RequirementStatus::attest,
             what + "; the recording cannot show whether its rate is true", figures};
 }
@@ -100,22 +141,7 @@ Finding computation::measured_positions(const Clause&, const ClauseContext& cont
                                 "resampled",
                                 device.interpolated, device.moving, device.by_chance)};
     }
-    const std::vector<std::string> signs = signs_of_filter(context);
-    if (judged.format == "rinex")
-        return {RequirementStatus::met,
-                "positions were solved here, from raw observations that are kept"};
-    if (context.witnesses.empty())
-        return {RequirementStatus::attest,
-                signs.empty()
-                    ? std::string("only the positions themselves could show it")
-                    : fmt::format(
-                          "only the positions themselves could show it; signs found in them: {}",
-                          fmt::join(signs, "; "))};
-    if (!signs.empty())
-        return {
-            RequirementStatus::attest,
-            fmt::format("{}; but {}", fmt::join(context.witnesses, "; "), fmt::join(signs, "; "))};
-    return {RequirementStatus::met, fmt::format("{}", fmt::join(context.witnesses, "; "))};
+    return {RequirementStatus::attest, evidence_of_measuring(context)};
 }
 
 Finding computation::stated_solution(const Clause&, const ClauseContext& context) {

@@ -232,6 +232,9 @@ Inspection inspect(const Observations& observations) {
     inspection.format = observations.format;
     inspection.variant = observations.variant;
     inspection.device = observations.device;
+    inspection.written_by = observations.written_by;
+    inspection.simulated = observations.simulated;
+    inspection.processing = observations.processing;
     inspection.records = observations.records;
     inspection.frame = observations.frame;
     inspection.time_scale = observations.time_scale;

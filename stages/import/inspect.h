@@ -26,6 +26,9 @@ struct RawBest {
 /// What a recording holds, before anything is judged.
 struct Inspection {
     std::string format, variant, device, frame, time_scale;
+    std::vector<std::string> written_by;  ///< as in Observations; so the next two
+    bool simulated = false;
+    std::optional<Processing> processing;
     std::string time_origin, time_source;  ///< as in Observations and RecordingFacts
     std::optional<GpsTime> first, last;    ///< earliest and latest epoch; empty on relative time
     double span_s = 0.0;
@@ -61,6 +64,9 @@ struct Inspection {
     std::optional<RawBest> best_vertical_by_position, best_vertical_by_velocity;
     std::vector<std::string> notes;
 };
+
+inline constexpr const char* says_simulated =
+    "The recording says that it was simulated: no craft was measured.";
 
 /// Counts and measures a recording.
 ///

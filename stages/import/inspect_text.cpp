@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -167,9 +168,9 @@ void add_quality_concerns(const Inspection& it, std::vector<std::string>& concer
     if (unknown == it.epochs)
         concerns.push_back(
             "The recording does not say which positions are fixed solutions: they count as those "
-            "of one receiver alone (if they are fixed, write solution: fixed in the attempt and "
-            "keep "
-            "the proof).");
+            "of one receiver alone (single), which most classes may not use. If they are fixed, "
+            "write solution: fixed in the receiver and keep the proof; else name them in "
+            "parameters: {screen: {allowed_fixes: [single]}}.");
     else if (lesser > 0)
         concerns.push_back(
             fmt::format("{} of the epochs are not fixed solutions.", percent(lesser, it.epochs)));
@@ -231,6 +232,16 @@ void add_speed_concerns(const Inspection& it, std::vector<std::string>& concerns
             "The best by position and by recorded velocity differ: one of the two is wrong.");
 }
 
+/// How the positions were solved, as the header says: files, times, options.
+std::string processing_text(const Processing& processing) {
+    std::vector<std::string> parts = processing.options;
+    if (!processing.begin.empty() && !processing.end.empty())
+        parts.insert(parts.begin(), fmt::format("{} to {}", processing.begin, processing.end));
+    if (!processing.files.empty())
+        parts.insert(parts.begin(), fmt::format("from {}", fmt::join(processing.files, ", ")));
+    return fmt::format("{}", fmt::join(parts, "; "));
+}
+
 }  // namespace
 
 std::string inspection_text(const Inspection& it, const std::string& file_name) {
@@ -242,6 +253,9 @@ std::string inspection_text(const Inspection& it, const std::string& file_name) 
         text += fmt::format("  {:<10}{}\n", title, value);
     };
     if (!it.device.empty()) line("Made by", plain_text(it.device));
+    for (const std::string& said : it.written_by)
+        if (said != it.device) line("It says", plain_text(said));
+    if (it.processing) line("Solved", plain_text(processing_text(*it.processing)));
     line("Time", span_text(it));
     if (!it.time_origin.empty()) line("Clock", it.time_origin);
     line("Epochs", epochs_text(it));
@@ -261,6 +275,7 @@ std::string inspection_text(const Inspection& it, const std::string& file_name) 
     }
 
     std::vector<std::string> concerns;
+    if (it.simulated) concerns.emplace_back(says_simulated);
     add_record_concerns(it, concerns);
     add_quality_concerns(it, concerns);
     add_time_concerns(it, concerns);

@@ -123,6 +123,7 @@ Observations join(std::vector<Observations> parts, const std::vector<RecordingBy
                      .format = first.format,
                      .variant = first.variant,
                      .device = first.device,
+                     .processing = first.processing,
                      .frame = first.frame,
                      .time_scale = first.time_scale,
                      .accuracy_source = first.accuracy_source,
@@ -136,6 +137,12 @@ Observations join(std::vector<Observations> parts, const std::vector<RecordingBy
         if (i > 0)
             all.notes.push_back(seam_text(i + 1, span_of(parts[i - 1]), span_of(part),
                                           all.facts.nominal_interval_s));
+        all.simulated |= part.simulated;
+        all.written_by.insert(all.written_by.end(), part.written_by.begin(), part.written_by.end());
+        if (i > 0 && part.processing && all.processing)
+            all.processing->files.insert(all.processing->files.end(),
+                                         part.processing->files.begin(),
+                                         part.processing->files.end());
         all.facts.vertical_measured &= part.facts.vertical_measured;
         all.facts.position_resolution_m =
             coarser(all.facts.position_resolution_m, part.facts.position_resolution_m);

@@ -16,6 +16,7 @@
 #include "stages/import/phase_table.h"
 #include "stages/import/rinex/rinex.h"
 #include "stages/import/rinex/solve.h"
+#include "stages/import/written_by.h"
 
 using namespace runcert;
 
@@ -114,6 +115,13 @@ StreamedRecording read_receiver(StageRun& run, const Receiver& receiver, const O
     return held(import_recordings(receiver, recordings, read_recording));
 }
 
+/// What a receiver's files say of who wrote them, behind what the recording's format knows of it.
+void note_writers(const std::vector<RecordingBytes>& files, Observations& head) {
+    if (!head.device.empty()) head.written_by.insert(head.written_by.begin(), head.device);
+    for (const RecordingBytes& file : files)
+        note_written_by(file, files.size() > 1, head);
+}
+
 void write_rows(const StageRun& run, const std::string& file_name,
                 const StreamedRecording& observations) {
     AtomicFile file(run.run_dir() / file_name);
@@ -148,6 +156,11 @@ void import_receiver(StageRun& run, const Receiver& receiver, const AttemptSourc
     one.use_parameters(receiver.stated);
     const std::vector<RecordingBytes> recordings = open.of("recording");
     StreamedRecording observations = read_receiver(one, receiver, open, recordings);
+    std::vector<RecordingBytes> files = recordings;
+    for (const char* role : {"phase", "base", "navigation"})
+        for (RecordingBytes& file : open.of(role))
+            files.push_back(std::move(file));
+    note_writers(files, observations.head);
     for (std::size_t i = 0; i < open.files.size(); ++i) {
         const AttemptFile& file = open.files[i];
         one.note_input(file.role, file.name, open.views[i],
@@ -191,6 +204,11 @@ void inspect_phases(const Receiver& receiver, const RecordingBytes& raw,
     }
     fmt::print("{}", phase_inspection_text(import_phases(receiver, raw, navigations), raw.name));
     if (navigation) fmt::print("  {:<10}{}\n", "Orbits", plain_text(*navigation));
+    Observations said;
+    note_writers({raw}, said);
+    for (const std::string& line : said.written_by)
+        fmt::print("  {:<10}{}\n", "It says", plain_text(line));
+    if (said.simulated) fmt::print("  - {}\n", says_simulated);
 }
 
 int inspect_file(const std::string& path, std::optional<std::string> navigation) {
@@ -203,7 +221,8 @@ int inspect_file(const std::string& path, std::optional<std::string> navigation)
     const RecordingBytes recording{.name = path, .bytes = file.bytes()};
     const std::string_view head = recording.bytes.substr(0, recognised_by);
     if (!rinex::recognises(head)) {
-        const Observations observations = read_recording(receiver, recording);
+        Observations observations = read_recording(receiver, recording);
+        note_writers({recording}, observations);
         fmt::print("{}", inspection_text(inspect(observations), path));
         if (!has_phases(head)) return 0;
         fmt::print("\n");

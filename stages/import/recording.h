@@ -73,7 +73,8 @@ class LineReader {
 };
 
 /// Failure, in words of its own, for a recording that is empty, or of a kind that no format begins
-/// as (an archive, a film, UTF-32 text: see not_read.h): none is even tried on these. It looks at the beginning alone.
+/// as (an archive, a film, UTF-32 text: see not_read.h): none is even tried on these. It looks at
+/// the beginning alone.
 void require_readable(const RecordingBytes& recording);
 
 /// The same, and Failure where the beginning holds NUL bytes: no text.

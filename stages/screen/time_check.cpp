@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <optional>
@@ -76,6 +77,62 @@ double set_interval(const Rhythm& rhythm) {
     // The next one that receivers offer is 1 / whole away: between them nothing is told.
     const double told = std::min(largest_clock_error, 0.25 / whole);
     return std::abs(mean_s / offered_s - 1.0) <= told ? offered_s : rhythm.nominal_s;
+}
+
+/// Rates that receivers are set to, Hz.
+constexpr std::array usual_rates_hz{1,  2,  3,  4,  5,  6,  7,  8,  9,  10, 12,
+                                    15, 16, 18, 20, 25, 30, 40, 50, 60, 100};
+
+/// The nearest interval that receivers are set to: of those rates, also in whole milliseconds from
+/// 100 ms on (333 ms), or whole seconds.
+double usual_interval(double mean_s) {
+    if (mean_s > 1.25) return std::round(mean_s);
+    double nearest_s = 1.0;
+    const auto offer = [&](double interval_s) {
+        if (std::abs(mean_s - interval_s) < std::abs(mean_s - nearest_s)) nearest_s = interval_s;
+    };
+    for (const int rate_hz : usual_rates_hz) {
+        offer(1.0 / rate_hz);
+        if (rate_hz < 10) offer(std::round(1e3 / rate_hz) * 1e-3);
+    }
+    return nearest_s;
+}
+
+/// How far steps in a row lead away from an interval, to one side.
+class Departure {
+  public:
+    /// Takes the next step, by how much it exceeds the interval to that side (s).
+    void add(double excess_s, double step_s) {
+        const double tolerance_s = rate_tolerance * step_s;
+        sum_s_ += excess_s - tolerance_s;
+        if (excess_s > tolerance_s) ++steps_;
+        if (sum_s_ <= 0.0) *this = {};
+    }
+    /// Single stamps that are off, and back in time after a few, are no rate.
+    double found_s() const { return steps_ >= steps_of_a_rate ? sum_s_ : 0.0; }
+
+  private:
+    static constexpr double rate_tolerance = 1e-4;
+    static constexpr int steps_of_a_rate = 5;
+    double sum_s_ = 0.0;
+    int steps_ = 0;
+};
+
+double largest_departure(const std::vector<ScreenedEpoch>& rows, const Rhythm& rhythm,
+                         double interval_s) {
+    Departure late, early;
+    double largest_s = 0.0;
+    for (std::size_t row = 1; row < rows.size(); ++row) {
+        const double step_s = step_before(rows, row);
+        if (rhythm.is_regular(step_s)) {
+            late.add(step_s - interval_s, step_s);
+            early.add(interval_s - step_s, step_s);
+            largest_s = std::max({largest_s, late.found_s(), early.found_s()});
+        } else {
+            late = early = {};
+        }
+    }
+    return largest_s;
 }
 
 /// A step that is not regular.
@@ -229,6 +286,11 @@ TimeStampSummary examine_time(const std::vector<ScreenedEpoch>& rows,
     const Rhythm rhythm = find_rhythm(rows, options);
     if (rhythm.mean_s > 0.0) summary.rate_deviation = rhythm.mean_s / set_interval(rhythm) - 1.0;
     summary.jitter_s = rhythm.sd_s;
+    if (rhythm.mean_s > 0.0) {
+        summary.interval_s = rhythm.mean_s;
+        summary.usual_interval_s = usual_interval(rhythm.mean_s);
+        summary.departure_s = largest_departure(rows, rhythm, *summary.usual_interval_s);
+    }
     for (const Jump& jump : find_jumps(rows, rhythm.longest_s, options.session_gap_s)) {
         if (jump.step_s == 0.0)
             ++summary.duplicates;

@@ -53,6 +53,11 @@ struct TimeCheckOptions {
 /// of what is between it and the next, else `options.nominal_interval_s`. `jitter_s` is the
 /// standard deviation of the regular steps, rounding of the stamps included; both are 0 where too
 /// few steps are regular.
+///
+/// `usual_interval_s` is the one of the intervals that receivers are set to which is nearest to the
+/// mean regular step, `interval_s`, however far. `departure_s` is by how much regular steps in a
+/// row, five at least, lead away from it to one side, less 1e-4 of their time: stamps that are
+/// rounded, or of a receiver's clock that is set now and then, stay within what they are off by.
 TimeStampSummary examine_time(const std::vector<ScreenedEpoch>& rows,
                               const TimeCheckOptions& options);
 

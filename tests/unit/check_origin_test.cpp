@@ -57,6 +57,39 @@ TEST(TimeScale, OfSatellitesIsMet) {
     EXPECT_EQ(stamped.clause("time-scale").decided_by, Computation::time_scale);
 }
 
+/// What screening says of stamps whose steps lead so far away from the nearest usual interval.
+void set_steps(RuleScene& scene, double interval_s, double usual_s, double departure_s) {
+    TimeStampSummary& time = scene.judged.tests.time;
+    time.interval_s = interval_s;
+    time.usual_interval_s = usual_s;
+    time.departure_s = departure_s;
+}
+
+TEST(TimeScale, OfStepsThatNoReceiverMakesIsToAttestWhateverTheFormatSays) {
+    for (const char* source : {"satellites", "attempt"}) {
+        RuleScene stamped = scene();
+        stamped.judged.facts.time_source = source;
+        stamped.judged.facts.time_resolution_s = 0.001;
+        set_steps(stamped, 0.1, 0.1, 0.00299);
+        EXPECT_FALSE(contains(stamped.clause("time-scale").evidence, "lead"));
+        set_steps(stamped, 0.098, 0.1, 0.706);
+        const Requirement requirement = stamped.clause("time-scale");
+        EXPECT_EQ(requirement.status, RequirementStatus::attest) << source;
+        for (const char* part : {"lead 0.706 s away from 0.1 s", "mean step 0.098 s", "settings"})
+            EXPECT_TRUE(contains(requirement.evidence, part)) << requirement.evidence;
+    }
+}
+
+TEST(TimeScale, OfStampsInHundredthsIsNotBlamedForTheirRounding) {
+    RuleScene stamped = scene();
+    stamped.judged.facts.time_source = "satellites";
+    stamped.judged.facts.time_resolution_s = 0.01;
+    set_steps(stamped, 0.0999, 0.1, 0.0119);
+    EXPECT_EQ(stamped.clause("time-scale").status, RequirementStatus::met);
+    set_steps(stamped, 0.0999, 0.1, 0.0121);
+    EXPECT_EQ(stamped.clause("time-scale").status, RequirementStatus::attest);
+}
+
 TEST(TimeScale, OfACounterOrAnUnknownClockIsToAttest) {
     RuleScene unknown = scene();
     // A rate that no receiver offers has nothing to be compared with; a good one is not proof.
@@ -137,10 +170,13 @@ TEST(MeasuredPositions, WithoutAWitnessAreToAttestAndTheReasonSaysPositionsAlone
         << alone.verdict().reason;
 }
 
-TEST(MeasuredPositions, WithVelocitiesThatAgreeAreMet) {
+TEST(MeasuredPositions, WithVelocitiesThatAgreeAreStillToAttest) {
     RuleScene with = scene();
     set_velocities(with, 60.0);
-    EXPECT_EQ(with.clause("positions-as-measured").status, RequirementStatus::met);
+    const Requirement requirement = with.clause("positions-as-measured");
+    EXPECT_EQ(requirement.status, RequirementStatus::attest);
+    EXPECT_EQ(requirement.evidence.find("recorded velocities give 216.00"), 4U)
+        << requirement.evidence;
     const ProfileVerdict verdict = with.verdict();
     ASSERT_EQ(verdict.witnesses.size(), 1U);
     EXPECT_TRUE(contains(verdict.witnesses[0], "recorded velocities give 216.00 km/h ± 0.36 km/h"));
@@ -173,17 +209,43 @@ TEST(MeasuredPositions, HaveNoWitnessInASecondMethodThatIsTyped) {
         "km/h, +0.036 km/h against this one (normalised error 0.45, at most 1)."));
 }
 
-TEST(MeasuredPositions, SolvedHereFromRawObservationsAreMet) {
+TEST(MeasuredPositions, SolvedHereFromRawObservationsAreToAttestAsTheFilesAre) {
     RuleScene solved = scene();
     solved.judged.format = "rinex";
-    EXPECT_EQ(solved.clause("positions-as-measured").status, RequirementStatus::met);
+    EXPECT_EQ(solved.clause("positions-as-measured").status, RequirementStatus::attest);
+    EXPECT_EQ(solved.clause("positions-as-measured").evidence,
+              "positions were solved here, from raw observations that are kept; only the positions "
+              "themselves could show it");
+}
+
+TEST(MeasuredPositions, SayFromWhichFilesTheHeaderSaysThatTheyWereSolved) {
+    RuleScene solved = scene();
+    solved.judged.processing =
+        Processing{.program = "RTKLIB ver.2.4.3", .files = {"rover.obs", "base.obs"}};
+    EXPECT_EQ(solved.clause("positions-as-measured").evidence,
+              "positions were solved by RTKLIB ver.2.4.3 from rover.obs, base.obs, as the "
+              "recording's header says; only the positions themselves could show it");
+}
+
+TEST(MeasuredPositions, OfASimulatorAreSaidToBeAndNobodyNeedsToLookForIt) {
+    RuleScene simulated = scene();
+    set_velocities(simulated, 60.0);
+    EXPECT_TRUE(simulated.verdict().notes.empty() ||
+                !contains(simulated.verdict().notes.front(), "simulated"));
+    simulated.judged.simulated = true;
+    const Requirement requirement = simulated.clause("positions-as-measured");
+    EXPECT_EQ(requirement.status, RequirementStatus::attest);
+    EXPECT_EQ(requirement.evidence.find("the recording says that it was simulated; "), 0U)
+        << requirement.evidence;
+    ASSERT_FALSE(simulated.verdict().notes.empty());
+    EXPECT_TRUE(contains(simulated.verdict().notes.front(), "no craft was measured"));
 }
 
 TEST(MeasuredPositions, ThatAreHeldAreNotMetWhoeverSpeaksForThem) {
     RuleScene held = scene();
     set_velocities(held, 60.0);
     held.judged.tests.device = DeviceSigns{.moving = 350, .held = 3};
-    EXPECT_EQ(held.clause("positions-as-measured").status, RequirementStatus::met);
+    EXPECT_EQ(held.clause("positions-as-measured").status, RequirementStatus::attest);
     held.judged.tests.device->held = 4;  // of 350 one in a hundred is 3.5
     const Requirement requirement = held.clause("positions-as-measured");
     EXPECT_EQ(requirement.status, RequirementStatus::not_met);
@@ -204,9 +266,9 @@ TEST(MeasuredPositions, ThatAreInterpolatedAreNotMetUnlessChanceMakesThem) {
     EXPECT_EQ(resampled.verdict().outcome, Outcome::not_certifiable);
     // Where coordinates are coarse, so many of a steady run are in line by chance.
     device.by_chance = 60.0;
-    EXPECT_EQ(resampled.clause("positions-as-measured").status, RequirementStatus::met);
+    EXPECT_EQ(resampled.clause("positions-as-measured").status, RequirementStatus::attest);
     device = {.moving = 350, .held = 0, .interpolated = 70, .by_chance = 0.0};  // a fifth
-    EXPECT_EQ(resampled.clause("positions-as-measured").status, RequirementStatus::met);
+    EXPECT_EQ(resampled.clause("positions-as-measured").status, RequirementStatus::attest);
 }
 
 TEST(MeasuredPositions, ThatLookFilteredAreToAttestWhateverTheWitnesses) {
@@ -216,13 +278,13 @@ TEST(MeasuredPositions, ThatLookFilteredAreToAttestWhateverTheWitnesses) {
         {.axes = TestedAxes::horizontal, .noise = NoiseBasis::fitted, .white_scale = 0.31}};
     filtered.judged.estimation.horizontal = AxesEstimation{};
     filtered.judged.estimation.horizontal.health.autocorrelation = 0.09;
-    EXPECT_EQ(filtered.clause("positions-as-measured").status, RequirementStatus::met);
+    EXPECT_FALSE(contains(filtered.clause("positions-as-measured").evidence, "; but "));
     filtered.judged.tests.models[0].white_scale = 0.29;
     EXPECT_EQ(filtered.clause("positions-as-measured").status, RequirementStatus::attest);
     EXPECT_TRUE(contains(filtered.clause("positions-as-measured").evidence,
                          "scatter by 0.29 times what is stated"));
     filtered.judged.tests.models[0].noise = NoiseBasis::too_few_epochs;  // then it says nothing
-    EXPECT_EQ(filtered.clause("positions-as-measured").status, RequirementStatus::met);
+    EXPECT_FALSE(contains(filtered.clause("positions-as-measured").evidence, "; but "));
     filtered.judged.estimation.horizontal.health.autocorrelation = 0.43;
     EXPECT_EQ(filtered.clause("positions-as-measured").status, RequirementStatus::attest);
     EXPECT_TRUE(contains(filtered.clause("positions-as-measured").evidence,

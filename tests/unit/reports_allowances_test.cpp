@@ -209,7 +209,7 @@ TEST(Origins, OfEverySolutionHaveWordsOfTheirOwn) {
         words.insert(fact_of(receiver_of(run)["recording_facts"], "Fix type"));
     }
     EXPECT_EQ(words.size(), 4U);
-    EXPECT_TRUE(words.contains("not stated; taken as that of one receiver alone"));
+    EXPECT_TRUE(words.contains("not stated; taken as that of one receiver alone (single)"));
 }
 
 TEST(DeviceSigns, AreInFiguresAndWords) {

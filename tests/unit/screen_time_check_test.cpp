@@ -423,6 +423,63 @@ TEST(TimeCheck, HowFarADeviationIsToldHangsOnTheNextUsualInterval) {
         }
 }
 
+/// In steps of a millisecond, or of another resolution.
+Rows rounded_to(Rows rows, std::int64_t resolution_ns = 1'000'000) {
+    for (ScreenedEpoch& row : rows)
+        row.time.nanoseconds =
+            (row.time.nanoseconds + resolution_ns / 2) / resolution_ns * resolution_ns;
+    return rows;
+}
+
+double departure(const Rows& rows) {
+    return examine(rows, 0.0).departure_s.value();
+}
+
+TEST(TimeCheck, StampsOfEveryRateThatReceiversAreSetToStayAtIt) {
+    for (const double rate_hz : {1.0,  2.0,  3.0,  4.0,  5.0,  6.0,  7.0,  8.0,  9.0,  10.0, 12.0,
+                                 15.0, 16.0, 18.0, 20.0, 25.0, 30.0, 40.0, 50.0, 60.0, 100.0}) {
+        EXPECT_LE(departure(rounded_to(every(1.0 / rate_hz))), 1.001e-3) << rate_hz;
+        EXPECT_LE(departure(rounded_to(every(1.0 / rate_hz), 10'000'000)), 1.0001e-2) << rate_hz;
+        EXPECT_NEAR(*examine(every(1.0 / rate_hz), 0.0).usual_interval_s, 1.0 / rate_hz, 1e-9);
+    }
+    // Whole milliseconds that a receiver is told, and whole seconds.
+    for (const double interval_s : {0.333, 0.167, 0.143, 0.111, 2.0, 5.0, 30.0})
+        EXPECT_LE(departure(every(interval_s)), 1e-9) << interval_s;
+}
+
+TEST(TimeCheck, StepsThatNoReceiverMakesLeadAwayFromEveryRate) {
+    for (const double interval_s : {0.098, 0.095, 0.0999, 0.102, 0.105, 0.196, 0.98, 0.995, 0.0392,
+                                    0.0098, 0.49, 1.3, 0.055, 0.037})
+        for (const std::int64_t resolution_ns : {1'000'000, 100'000})
+            EXPECT_GT(departure(rounded_to(every(interval_s), resolution_ns)), 0.02) << interval_s;
+}
+
+TEST(TimeCheck, AWindowOfShortenedStepsIsFoundWithinALongRecording) {
+    // 3 s of 10 Hz whose steps are 98 ms, or alternate between 97 and 99; the rest is as it was.
+    for (const double other : {0.098, 0.097}) {
+        Rows rows = recording(600, 60.0);
+        for (std::size_t k = 300; k < rows.size(); ++k) {
+            const std::size_t steps = std::min<std::size_t>(k - 299, 30);
+            const double taken_s =
+                static_cast<double>(steps) * 0.002 + (steps % 2 == 1 ? 0.098 - other : 0.0);
+            rows[k].time.nanoseconds -= std::llround(taken_s * 1e9);
+        }
+        EXPECT_NEAR(departure(rows), 0.0597, 0.002) << other;
+    }
+}
+
+TEST(TimeCheck, SingleStampsThatAreOffAndBackAreNoRate) {
+    // As solutions have them whose rover's clock is off at an epoch: RTKLIB and GINav, recorded.
+    Rows rows = recording(2000, 20.0, 5.0);
+    for (std::size_t k = 50; k < 1990; k += 37) {
+        rows[k].time.nanoseconds += 6'000'000;
+        rows[k + 1].time.nanoseconds += k % 2 == 0 ? 6'000'000 : 0;
+    }
+    EXPECT_LT(departure(rows), 1e-3);
+    // And a clock that drifts by 16 millionths.
+    EXPECT_LT(departure(every(1.0 + 16e-6)), 1e-9);
+}
+
 TEST(TimeCheck, JitterIsTheStandardDeviationOfTheIntervals) {
     Rows rows = recording(20000, 0.0);
     RandomGenerator random(3);

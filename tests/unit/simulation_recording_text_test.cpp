@@ -121,19 +121,20 @@ TEST(PlaneCsv, HasTheColumnsThatTheSpecAsksFor) {
     spec.start_enu_m = {1000.0, 1000.0, 2.0};
     spec.recording.decimals_m = 3;
     auto lines = lines_of(plane_csv_text(spec, simulate(spec)));
-    EXPECT_EQ(lines.size(), 452U);
-    EXPECT_EQ(lines[0], "epoch,time_s,east_m,north_m,up_m");
-    EXPECT_EQ(lines[1], "1,0.000,1000.000,1000.000,2.000");
-    EXPECT_EQ(lines[451], "451,45.000,2272.780,2272.780,2.000");
+    EXPECT_EQ(lines.size(), 453U);
+    EXPECT_EQ(lines[0], "# runcert simulate (no receiver: this recording is simulated)");
+    EXPECT_EQ(lines[1], "epoch,time_s,east_m,north_m,up_m");
+    EXPECT_EQ(lines[2], "1,0.000,1000.000,1000.000,2.000");
+    EXPECT_EQ(lines[452], "451,45.000,2272.780,2272.780,2.000");
 
     spec.recording.with_up = false;
     spec.faults.gaps.push_back({.from_s = 0.1, .to_s = 0.3});
     spec.faults.float_fixes.push_back({.from_s = 0.3, .to_s = 0.4});
     lines = lines_of(plane_csv_text(spec, simulate(spec)));
-    EXPECT_EQ(lines[0], "epoch,time_s,east_m,north_m,fix");
-    EXPECT_EQ(lines[1], "1,0.000,1000.000,1000.000,fixed");
-    EXPECT_EQ(lines[2], "4,0.300,1000.002,1000.002,float");
-    EXPECT_EQ(lines[3], "5,0.400,1000.003,1000.003,fixed");
+    EXPECT_EQ(lines[1], "epoch,time_s,east_m,north_m,fix");
+    EXPECT_EQ(lines[2], "1,0.000,1000.000,1000.000,fixed");
+    EXPECT_EQ(lines[3], "4,0.300,1000.002,1000.002,float");
+    EXPECT_EQ(lines[4], "5,0.400,1000.003,1000.003,fixed");
 }
 
 TEST(TruthCsv, HasEveryEpochOfTheTrueRun) {
@@ -142,10 +143,11 @@ TEST(TruthCsv, HasEveryEpochOfTheTrueRun) {
     spec.white = {.horizontal_m = 0.010, .vertical_m = 0.020};
     spec.faults.gaps.push_back({.from_s = 14.0, .to_s = 16.0});
     const auto lines = lines_of(truth_csv_text(simulate(spec)));
-    ASSERT_EQ(lines.size(), 452U);
-    EXPECT_EQ(lines[0], "time_s,east_m,north_m,up_m,speed_m_s,acceleration_m_s2");
+    ASSERT_EQ(lines.size(), 453U);
+    EXPECT_EQ(lines[0], "# runcert simulate (no receiver: this recording is simulated)");
+    EXPECT_EQ(lines[1], "time_s,east_m,north_m,up_m,speed_m_s,acceleration_m_s2");
     // [DHD22], table 2, epoch 151.
-    EXPECT_EQ(lines[151], "15.000,1050.694614,1050.694614,0.000000,30.000000,8.699348");
+    EXPECT_EQ(lines[152], "15.000,1050.694614,1050.694614,0.000000,30.000000,8.699348");
 }
 
 }  // namespace

@@ -16,6 +16,22 @@ bool has_time_field(SentenceType type) {
     return type != SentenceType::vtg && type != SentenceType::gsa && type != SentenceType::txt;
 }
 
+/// Whether a sentence says that a simulator made its position (NMEA 0183 4.1: quality 8, mode S).
+bool is_of_simulator(const Sentence& sentence) {
+    switch (sentence.type) {
+        case SentenceType::gga:
+            return sentence[6] == "8";
+        case SentenceType::gns:
+            return sentence[6].find('S') != std::string_view::npos;
+        case SentenceType::rmc:
+            return sentence[12] == "S";
+        case SentenceType::vtg:
+            return sentence[9] == "S";
+        default:
+            return false;
+    }
+}
+
 /// Adds what a TXT sentence says of the device: u-blox receivers name theirs when switched on.
 void name_device(const Sentence& sentence, std::string& device) {
     constexpr std::size_t longest = 120;
@@ -82,6 +98,7 @@ void EpochReader::take_in(const Sentence& sentence) {
     if (sentence.type == SentenceType::txt) return name_device(sentence, tally_.device);
     require_whole(sentence);
     tally_.sentences |= bit(sentence.type);
+    if (is_of_simulator(sentence)) ++tally_.of_simulator;
     if (has_time_field(sentence.type)) {
         if (sentence[1].empty())
             ++tally_.without_time;

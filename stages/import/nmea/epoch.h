@@ -62,6 +62,7 @@ struct Tally {
     std::int64_t without_time = 0;
     std::int64_t repeated = 0;       ///< of a type that its epoch had already
     std::int64_t odd_qualities = 0;  ///< GGA quality above 6
+    std::int64_t of_simulator = 0;   ///< sentences whose quality is 8, or whose mode is S
     std::string device;
 };
 

@@ -159,6 +159,11 @@ Observations read(const Receiver& receiver, const RecordingBytes& recording) {
     require_position_sentences(recording, timed, epochs.tally());
     observations.variant = variant_of(epochs.tally().sentences);
     observations.device = epochs.tally().device;
+    observations.simulated = epochs.tally().of_simulator > 0;
+    if (observations.simulated)
+        observations.written_by.push_back(
+            fmt::format("{} sentences with quality 8 or mode S, those of a simulator",
+                        epochs.tally().of_simulator));
     set_rows(observations, std::move(timed));
     note_sentences(observations, epochs.tally(), epochs.passed_over());
     note(observations, "Times that have no GGA, GNS or RMC sentence, and are no epochs",

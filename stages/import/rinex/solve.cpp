@@ -146,6 +146,15 @@ Observations read(const Receiver& receiver, const Solution& solution,
                                .bytes = forward ? solution.backward : solution.forward};
     Observations observations = rtklib_pos::read(receiver, chosen);
     observations.header.programs = {solution.program};
+    if (observations.processing) {
+        // Not as they were called while they were solved.
+        std::vector<std::string>& files = observations.processing->files;
+        files = receiver.recordings;
+        files.push_back(receiver.base);
+        files.insert(files.end(), receiver.navigation.begin(), receiver.navigation.end());
+        for (std::string& file : files)
+            file.erase(0, file.find_last_of('/') + 1);
+    }
     observations.format = "rinex";
     observations.variant = fmt::format("solved by {}, {}", program_of(solution.forward),
                                        forward ? "forward" : "backward");

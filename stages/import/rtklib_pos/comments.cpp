@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/failure.h"
+#include "core/text.h"
 #include "stages/import/earth.h"
 #include "stages/import/rtklib_pos/header.h"
 
@@ -53,6 +54,30 @@ std::optional<Geodetic> read_reference_position(const SourceLine& line,
         start.fail("the base position is not three numbers, nor seven in degrees-minutes-seconds",
                    "Take the solution as RTKLIB wrote it");
     return read_base(cells);
+}
+
+void read_processing(std::string_view line, std::optional<Processing>& processing) {
+    constexpr std::size_t most = 40, longest = 120, widest_key = 16;
+    const std::size_t colon = line.find(':');
+    if (!line.starts_with('%') || colon == std::string_view::npos || colon > widest_key ||
+        line.find('(') < colon)
+        return;
+    const std::string_view key = trim(line.substr(1, colon - 1));
+    const std::string value = escape_for_message(trim(line.substr(colon + 1)), longest);
+    if (key.empty() || value.empty()) return;
+    if (!processing) processing.emplace();
+    if (key == "program") {
+        processing->program = value;
+    } else if (key == "inp file") {
+        if (processing->files.size() < most)
+            processing->files.push_back(value.substr(value.find_last_of("/\\") + 1));
+    } else if (key == "obs start") {
+        processing->begin = value;
+    } else if (key == "obs end") {
+        processing->end = value;
+    } else if (processing->options.size() < most) {
+        processing->options.push_back(fmt::format("{}: {}", escape_for_message(key), value));
+    }
 }
 
 Angle read_dms(const Cell& degrees, const Cell& minutes, const Cell& seconds,

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/geodesy.h"
+#include "schemas/observations/observations.h"
 #include "stages/import/clock.h"
 #include "stages/import/fields.h"
 
@@ -85,6 +86,11 @@ Layout read_column_line(const SourceLine& line, const RecordingBytes& recording)
 /// nothing for any other line.
 std::optional<Geodetic> read_reference_position(const SourceLine& line,
                                                 const RecordingBytes& recording);
+
+/// Adds what a line "% key : value" says of how the solution was made (RTKLIB 2.4.3, outheader() of
+/// postpos.c): program, files without their folders, first and last observation, options, 40 at
+/// most.
+void read_processing(std::string_view line, std::optional<Processing>& processing);
 
 /// Degrees from three fields, the sign (also of "-0") on the degrees.
 Angle read_dms(const Cell& degrees, const Cell& minutes, const Cell& seconds,

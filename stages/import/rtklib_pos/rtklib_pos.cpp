@@ -105,6 +105,7 @@ class Reader {
 
     void read_header_line(const SourceLine& line) {
         require_datum(line, recording_);
+        if (!layout_) read_processing(line.text, observations_.processing);
         if (const auto base = read_reference_position(line, recording_)) {
             base_.emplace(*base);
             base_line_ = line.number;

@@ -187,6 +187,22 @@ std::vector<Receiver> read_receivers(const YamlValue& list) {
     return receivers;
 }
 
+/// A typed height is part of every length: within what there is where craft of the class run.
+void require_heights(const YamlValue& receivers, const std::string& craft_class) {
+    const YamlValue limits =
+        attempt_schema().source()["fields"]["receivers[].height_m"]["limits"][craft_class];
+    const double lowest_m = limits.list().at(0).real(), highest_m = limits.list().at(1).real();
+    for (const YamlValue& entry : receivers.list()) {
+        const auto height_m = entry["height_m"].optional_real();
+        if (height_m && (*height_m < lowest_m || *height_m > highest_m))
+            entry["height_m"].fail(
+                fmt::format("no {} runs at a height of {:g} m: it is from {:g} m to {:g} m",
+                            craft_class, *height_m, lowest_m, highest_m),
+                "Give the course's height above the ellipsoid in metres, from a map or a receiver "
+                "that records heights");
+    }
+}
+
 void resolve_parameters(const YamlValue& document, Attempt& attempt) {
     for (const FieldRule& rule : attempt_schema().fields()) {
         constexpr std::string_view prefix = "parameters.";
@@ -294,6 +310,7 @@ Attempt read_attempt(std::string_view text, const std::string& where) {
     attempt.amends = read_amends(document["amends"]);
     attempt.attempts_made = document["attempts_made"].optional_integer().value_or(1);
     attempt.receivers = read_receivers(document["receivers"]);
+    require_heights(document["receivers"], attempt.craft_class);
     if (const YamlValue origin = document["origin"]; origin.exists())
         attempt.origin = read_geodetic(origin);
     attempt.profiles = read_profiles(document["profiles"]);

@@ -24,13 +24,18 @@ Figure speed_figure(std::string name, double speed_m_s, const std::string& unit,
 
 /// Which key of the attempt decides what a reason rules out, and how to answer it; empty where
 /// none.
-std::string_view what_decides(Reason reason, bool heights) {
+std::string_view what_decides(Reason reason, const ReceiverFindings& judged) {
     switch (reason) {
         case Reason::float_ambiguities:
         case Reason::other_fix:
-            return "screen.allowed_fixes decides which fix types may be used";
+            return judged.solution_source == SolutionSource::unknown
+                       ? "the recording states no fix type, which counts as single: if they are "
+                         "fixed solutions, write solution: fixed in the receiver, a claim that "
+                         "somebody must attest"
+                       : "to use other fix types, write parameters: {screen: {allowed_fixes: "
+                         "[fixed, float, ...]}}";
         case Reason::accuracy_missing:
-            return heights
+            return judged.facts.vertical_measured
                        ? "state it in the attempt, accuracy: {horizontal_m: ..., vertical_m: ...}"
                        : "state it in the attempt, accuracy: {horizontal_m: ...}";
         case Reason::accuracy_absurd:
@@ -66,7 +71,7 @@ std::string nothing_usable(const ReceiverFindings& judged) {
     for (std::size_t i = 0; i < std::min(named, reasons.size()); ++i) {
         const auto [count, reason] = reasons[i];
         const auto& [epoch, time] = screening.first_of.at(reason);
-        const std::string_view decides = what_decides(reason, judged.facts.vertical_measured);
+        const std::string_view decides = what_decides(reason, judged);
         words.push_back(fmt::format("{} {} (first epoch {}, {}{}{})", count, words_of(reason),
                                     epoch, instant_text(judged.facts.first_epoch, time),
                                     decides.empty() ? "" : "; ", decides));

@@ -315,7 +315,7 @@ ScreenConfig screen_config(const Attempt& attempt) {
     for (const auto& word : parameters.at("allowed_fixes")) {
         FixType fix{};
         from_text(word.get<std::string>(), fix);
-        config.allowed_fixes.insert(fix);
+        config.allowed_fixes.insert(counted_as(fix));
     }
     config.accuracy_min_m = parameters.at("accuracy_min_m");
     config.accuracy_max_m = parameters.at("accuracy_max_m");

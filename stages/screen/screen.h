@@ -14,8 +14,13 @@
 namespace runcert {
 
 /// The figures of screening; `schemas/attempt/v1.yaml` describes them under `parameters.screen`.
+/// The fix type that one counts as: one that nobody states as that of one receiver alone.
+constexpr FixType counted_as(FixType fix) {
+    return fix == FixType::unknown ? FixType::single : fix;
+}
+
 struct ScreenConfig {
-    std::set<FixType> allowed_fixes;
+    std::set<FixType> allowed_fixes;  ///< as counted (`counted_as`): none of them is unknown
     double accuracy_min_m = 0.0;
     double accuracy_max_m = 0.0;
     std::int64_t satellites_min = 0;

@@ -200,7 +200,7 @@ class Expectation {
         const double rest = std::max(1.0 - share, 1e-9);
         reference_.positions = position_uncertainty(window.budget, Undetected::left_out) / rest;
         reference_.undetected = contribution(window.budget, "d") / rest;
-        for (const char* symbol : {"k", "m", "c", "a"})
+        for (const char* symbol : {"k", "m", "h", "c", "a"})
             reference_.others = std::hypot(reference_.others, contribution(window.budget, symbol));
         reference_.bias_limit = window.bias_limit_m_s / rest;
         reference_.stated_m = std::max(error_m(first, last), 1e-9);

@@ -14,7 +14,6 @@
 namespace runcert {
 namespace {
 
-constexpr double unknown_height_m = 100.0;
 const char* const joint = "with the other epochs; combined from their joint covariance";
 /// A row of a quantity known to lie within a half width.
 BudgetRow bounded_row(std::string symbol, std::string source, double half_width, std::string unit,
@@ -163,12 +162,8 @@ BudgetRow plane_row(const BudgetInput& input) {
         const TrajectoryEpoch& last = input.trajectory.rows[input.last_row];
         const double distance_m = std::max(std::hypot(*first.east_m, *first.north_m),
                                            std::hypot(*last.east_m, *last.north_m));
-        const bool measured = input.trajectory.facts.vertical_measured;
-        half_width = 0.5 * std::pow(distance_m / earth_mean_radius_m, 2) +
-                     (measured ? 0.0 : unknown_height_m / earth_mean_radius_m);
-        note =
-            fmt::format("{:.1f} km from the origin at most{}", distance_m / 1000.0,
-                        measured ? "" : ", height of the course not measured (100 m allowed for)");
+        half_width = 0.5 * std::pow(distance_m / earth_mean_radius_m, 2);
+        note = fmt::format("{:.1f} km from the origin at most", distance_m / 1000.0);
     }
     BudgetRow row = bounded_row(
         "m",
@@ -176,6 +171,18 @@ BudgetRow plane_row(const BudgetInput& input) {
         half_width, "1", speed_m_s, std::move(note));
     row.estimate = 1.0;
     return row;
+}
+
+/// The height that the attempt states where none was measured: angles make lengths by it.
+std::optional<BudgetRow> height_row(const BudgetInput& input) {
+    const RecordingFacts& facts = input.trajectory.facts;
+    if (facts.vertical_measured || !facts.georeferenced || input.length) return std::nullopt;
+    const double bound_m = input.config.height_bound_m;
+    return bounded_row(
+        "h", "height of the course, as the attempt states it", bound_m, "m",
+        input.noise.speed.speed_m_s / earth_mean_radius_m,
+        fmt::format("not measured; {:g} m allowed for, by parameter window.height_bound_m",
+                    bound_m));
 }
 
 /// The vertical of the ellipsoid, along which heights are measured, against the plumb line.
@@ -282,6 +289,7 @@ std::vector<BudgetRow> budget_of(const BudgetInput& input) {
     rows.push_back(clock_row(input));
     rows.push_back(resolution_row(input));
     rows.push_back(frame_row(input));
+    if (auto height = height_row(input)) rows.push_back(*std::move(height));
     if (input.length) rows.push_back(length_row(*input.length, input.duration_s));
     rows.push_back(antenna_row(input));
     rows.push_back(undetected_row(input));

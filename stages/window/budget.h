@@ -53,14 +53,14 @@ BudgetRow speed_row(std::string symbol, std::string source, std::string type,
 /// (the positions of the epochs) is combined before, from their joint covariance.
 ///
 /// The symbols, in this order: w white noise, b time-correlated error, j motion, o choice of the
-/// motion's model, t time stamps, k clock rate, r resolution, m frame or plumb line, c surveyed
-/// length (only where there is one), a antenna, d undetected error, f choice of the fastest. Each
-/// row has the unit of its own quantity; all contributions are in m/s. Quantities known by a half
-/// width are rectangular ([GUM] 4.3.7).
+/// motion's model, t time stamps, k clock rate, r resolution, m frame or plumb line, h typed height
+/// (only where heights were not measured), c surveyed length (only where there is one), a antenna,
+/// d undetected error, f choice of the fastest. Each row has the unit of its own quantity; all
+/// contributions are in m/s. Quantities known by a half width are rectangular ([GUM] 4.3.7).
 ///
 /// The half width of the horizontal frame's scale is half the square of the distance from the
-/// origin in Earth radii. 100 m in Earth radii is added where heights are not measured. Without a
-/// georeference it is `config.plane_scale_bound`.
+/// origin in Earth radii; without a georeference it is `config.plane_scale_bound`. That of a typed
+/// height is `config.height_bound_m`; lengths grow with it by one over the Earth's radius.
 std::vector<BudgetRow> budget_of(const BudgetInput& input);
 
 /// The rows combined as independent ones by the law of propagation of uncertainty ([GUM] (10)), in

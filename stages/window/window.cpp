@@ -394,6 +394,7 @@ WindowConfig window_config(const Attempt& attempt, const Receiver& receiver) {
             .monte_carlo_trials_max = parameters.at("monte_carlo_trials_max"),
             .plane_scale_bound = parameters.at("plane_scale_bound"),
             .clock_rate_bound = parameters.at("clock_rate_bound"),
+            .height_bound_m = parameters.at("height_bound_m"),
             .gap_max_s = attempt.parameters.at("screen").at("gap_max_s"),
             .gap_factor = attempt.parameters.at("screen").at("gap_factor"),
             .lever_arm = lever_arm,

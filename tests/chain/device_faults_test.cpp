@@ -82,7 +82,8 @@ ProfileVerdict judge(const std::string& table, double best_m_s, const std::strin
             "schema: attempt/1.0\nid: device\ncraft: {{name: yacht, class: land-yacht}}\n"
             "receivers: [{}]\nprofiles: [nalsa]\n"
             "record: {{speed: {:.4f}, unit: km/h, source: test}}\n"
-            "parameters: {{window: {{plane_scale_bound: 0}}}}\n",
+            "parameters:\n  screen: {{allowed_fixes: [fixed, single]}}\n"
+            "  window: {{plane_scale_bound: 0}}\n",
             csv_receiver("primary", "recording.csv", white_m, {}, solution),
             best_m_s * 3.6 + 0.2 - margin_kmh))
         .profiles.front();

@@ -226,6 +226,7 @@ TEST(Check, OfARecordingThatIsNotUsableTheThreeCommonestReasonsAreSaid) {
     add(Reason::accuracy_missing, 20);
     add(Reason::duplicate_time, 1);
     add(Reason::other_fix, 7);
+    scene.judged.solution_source = SolutionSource::recording;
     const ProfileVerdict verdict = scene.verdict();
     EXPECT_EQ(verdict.outcome, Outcome::not_certifiable);
     EXPECT_NE(verdict.reason.find(
@@ -233,10 +234,19 @@ TEST(Check, OfARecordingThatIsNotUsableTheThreeCommonestReasonsAreSaid) {
                   "after the first epoch; state it in the attempt, accuracy: {horizontal_m: ..., "
                   "vertical_m: ...}), "
                   "7 fix type not allowed (first epoch 25, 25.0 s after the first epoch; "
-                  "screen.allowed_fixes decides which fix types may be used), 3 no solution (first "
+                  "to use other fix types, write parameters: {screen: {allowed_fixes: [fixed, "
+                  "float, ...]}}), 3 no solution (first "
                   "epoch 1, 1.0 s after the first epoch), and other reasons"),
               std::string::npos)
         << verdict.reason;
+    // Where nobody states them, what to write is the claim.
+    scene.judged.solution_source = SolutionSource::unknown;
+    EXPECT_NE(scene.verdict().reason.find(
+                  "the recording states no fix type, which counts as single: if they are fixed "
+                  "solutions, write solution: fixed in the receiver, a claim that somebody must "
+                  "attest"),
+              std::string::npos)
+        << scene.verdict().reason;
 }
 
 TEST(Check, EveryWindowOfAMeanIsRefusedForWhatTheBestIs) {

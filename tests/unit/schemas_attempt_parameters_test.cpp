@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <string>
@@ -36,6 +37,46 @@ TEST(AttemptParameters, HaveTheirDefaults) {
     EXPECT_EQ(window.at("selection_samples"), 500);
     EXPECT_EQ(window.at("monte_carlo_trials_max"), 1'000'000);
     EXPECT_EQ(window.at("plane_scale_bound"), 0.001);
+    EXPECT_EQ(window.at("height_bound_m"), 150);
+}
+
+TEST(AttemptHeights, AreThoseOfPlacesWhereCraftOfTheClassRun) {
+    const auto typed = [](const std::string& craft, double height_m) {
+        return replaced(replaced(least, "class: board", "class: " + craft), "recording: r.csv",
+                        fmt::format("recording: r.csv, height_m: {:g}", height_m));
+    };
+    struct Limits {
+        const char* craft;
+        double lowest_m, highest_m;
+    };
+    for (const Limits& of : {Limits{"land-yacht", -450, 5200},
+                             {"ice-yacht", -120, 5200},
+                             {"sail-boat", -450, 5000},
+                             {"board", -450, 5000},
+                             {"car", -450, 6000},
+                             {"skydiver", -1000, 20000},
+                             {"other", -1000, 20000}}) {
+        SCOPED_TRACE(of.craft);
+        for (const double height_m : {of.lowest_m, 0.0, of.highest_m})
+            EXPECT_NO_THROW(read_attempt(typed(of.craft, height_m), "f")) << height_m;
+        for (const double height_m : {of.lowest_m - 1.0, of.highest_m + 1.0}) {
+            const auto said = failure_of([&] { read_attempt(typed(of.craft, height_m), "f"); });
+            EXPECT_EQ(said.where, "f:5:47") << height_m;
+            EXPECT_FALSE(said.remedy.empty());
+        }
+    }
+    const auto said = failure_of([&] { read_attempt(typed("land-yacht", 20000), "f"); });
+    EXPECT_TRUE(
+        said.contains("no land-yacht runs at a height of 20000 m: it is from -450 m to 5200 m"))
+        << said.problem;
+}
+
+TEST(AttemptHeights, MayBeAllowedMoreForAndNeverLess) {
+    const auto bound = [](const std::string& metres) {
+        return least + "parameters: {window: {height_bound_m: " + metres + "}}\n";
+    };
+    EXPECT_EQ(read_attempt(bound("300"), "f").parameters.at("window").at("height_bound_m"), 300);
+    EXPECT_TRUE(failure_of([&] { read_attempt(bound("149"), "f"); }).contains("149 is below 150"));
 }
 
 TEST(AttemptParameters, AKeyIsNoPath) {

@@ -285,9 +285,8 @@ TEST(Attempt, ParametersAreTheClassesDefaults) {
     EXPECT_EQ(of_class("ice-yacht")["smooth"]["jerk_density"], 0.8);
     EXPECT_EQ(of_class("board")["smooth"]["jerk_density"], 2.0);
     EXPECT_EQ(of_class("car")["screen"]["jerk_density"], 3.0);
-    EXPECT_EQ(of_class("car")["screen"]["allowed_fixes"],
-              nlohmann::ordered_json({"fixed", "unknown"}));
-    EXPECT_EQ(of_class("skydiver")["screen"]["allowed_fixes"].size(), 7U);
+    EXPECT_EQ(of_class("car")["screen"]["allowed_fixes"], nlohmann::ordered_json({"fixed"}));
+    EXPECT_EQ(of_class("skydiver")["screen"]["allowed_fixes"].size(), 6U);
     EXPECT_EQ(of_class("other")["screen"]["restart_after"], 3);
     EXPECT_EQ(of_class("other")["screen"]["false_alarm_rate"], 1e-6);
     EXPECT_EQ(of_class("other")["window"]["duration_tolerance_s"], 0.001);

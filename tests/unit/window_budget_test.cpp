@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/geodesy.h"
 #include "stages/window/budget.h"
 #include "window_test_support.h"
 
@@ -216,10 +217,36 @@ TEST(Budget, TangentPlaneTenKilometresFromItsOrigin) {
         row.north_m = 8000.0;
     }
     EXPECT_NEAR(scene.row("m").contribution_m_s, 4.2672e-5, 1e-8);
-    // Without heights 100 m more: 100 / 6371000 = 1.56961e-5.
+}
+
+TEST(Budget, ATypedHeightHasARowThatHoldsWhatGeodesySaysOfIt) {
+    Scene scene;
+    const auto rows = budget_of(scene.input());
+    EXPECT_EQ(std::ranges::count(rows, "h", &BudgetRow::symbol), 0);
     scene.trajectory.facts.vertical_measured = false;
-    EXPECT_NEAR(scene.row("m").contribution_m_s, (1.23184e-6 + 1.56961e-5) / std::sqrt(3.0) * 60.0,
-                1e-8);
+    // 150 / 6371000 = 2.35442e-5, rectangular, at 60 m/s.
+    EXPECT_NEAR(scene.row("h").contribution_m_s, 2.35442e-5 / std::sqrt(3.0) * 60.0, 1e-8);
+    EXPECT_EQ(scene.row("h").unit, "m");
+    // The same two places, 180 m apart on the ellipsoid, at two heights: how far apart they are.
+    const auto apart_m = [](double height_m) {
+        const auto at = [&](double longitude_deg) {
+            return ecef_from_geodetic({.latitude = Angle::from_degrees(-31.6),
+                                       .longitude = Angle::from_degrees(longitude_deg),
+                                       .height_m = height_m})
+                .m;
+        };
+        return (at(136.0019) - at(136.0)).norm();
+    };
+    const double low_m = apart_m(0.0), high_m = apart_m(150.0);
+    const BudgetRow row = scene.row("h");
+    EXPECT_NEAR((high_m / low_m - 1.0) * 60.0,
+                row.sensitivity * row.standard_uncertainty * std::sqrt(3.0), 5e-6);
+    // What 20,000 m would have added to 232 km/h.
+    EXPECT_NEAR((apart_m(20000.0) / low_m - 1.0) * 232.0, 0.73, 0.01);
+    scene.config.height_bound_m = 4000.0;
+    EXPECT_NEAR(scene.row("h").contribution_m_s, 4000.0 / 6371000.0 / std::sqrt(3.0) * 60.0, 1e-5);
+    scene.trajectory.facts.georeferenced = false;
+    EXPECT_EQ(std::ranges::count(budget_of(scene.input()), "h", &BudgetRow::symbol), 0);
 }
 
 TEST(Budget, LeverArmAndRotation) {

@@ -29,6 +29,10 @@ Json file_json(const DayAttempt& attempt, const FileHashes& files, const std::st
 void add_done(Json& json, const DayAttempt& attempt, const FileHashes& files, const fs::path& out) {
     json["verdict"] = file_json(attempt, files, std::string(products::verdict_file), out);
     json["report"] = file_json(attempt, files, "report.json", out);
+    json["observations"] = Json::array();
+    for (const auto& [name, hash] : files)
+        if (name.starts_with(products::observations.stem))
+            json["observations"].push_back(file_json(attempt, files, name, out));
     json["pages"] = Json::array();
     for (const char* page : {"report.html", "report.pdf"})
         if (files.contains(page)) json["pages"].push_back(attempt.id + "/" + page);

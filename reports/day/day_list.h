@@ -22,6 +22,7 @@ struct ListedAttempt {
     std::string state;  ///< "done", "failed", "not_processed"
     std::optional<ListedFile> verdict = {};
     std::optional<ListedFile> report = {};
+    std::vector<ListedFile> observations = {};  ///< of each receiver
     std::vector<std::string> pages = {};
     std::vector<std::string> notes = {};
     std::string step = {}, problem = {}, where = {}, remedy = {};  ///< of a failed one

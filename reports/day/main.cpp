@@ -9,6 +9,7 @@
 #include "files/sha256.h"
 #include "reports/day/day.h"
 #include "reports/day/ranking.h"
+#include "reports/day/shared_recordings.h"
 #include "reports/day/summary.h"
 #include "run/stage_main.h"
 
@@ -21,12 +22,10 @@ struct Options {
     std::filesystem::path list;
 };
 
-/// The bytes of a file of the day, noted as an input. Failure where it is not the one listed.
-std::string read_listed(const Options& options, const ListedFile& listed, const std::string& role,
-                        Header& header) {
+/// Notes a file of the day as an input. Failure where it is not the one listed.
+void note_listed(const Options& options, const ListedFile& listed, const FileDigest& found,
+                 const std::string& role, Header& header) {
     const std::filesystem::path path = options.out / listed.file;
-    std::string text = read_file(path);
-    const FileDigest found = digest_of(text);
     if (found.sha256 != listed.sha256 || found.bytes != listed.bytes)
         throw Failure(path.string(),
                       fmt::format("the file is not the one that its run wrote: its SHA-256 is {}, "
@@ -38,7 +37,24 @@ std::string read_listed(const Options& options, const ListedFile& listed, const 
                              .sha256 = found.sha256,
                              .bytes = found.bytes,
                              .original = {}});
+}
+
+std::string read_listed(const Options& options, const ListedFile& listed, const std::string& role,
+                        Header& header) {
+    std::string text = read_file(options.out / listed.file);
+    note_listed(options, listed, digest_of(text), role, header);
     return text;
+}
+
+/// The recordings of an attempt, as its run's tables have them.
+void add_recordings(const Options& options, const ListedAttempt& listed, std::size_t attempt,
+                    DayResults& results, SharedRecordings& shared) {
+    for (const ListedFile& file : listed.observations) {
+        const FileView table(options.out / file.file);
+        note_listed(options, file, digest_of(table), "observations", results.header);
+        shared.add(static_cast<std::uint32_t>(attempt),
+                   open_observations(table.bytes(), (options.out / file.file).string()));
+    }
 }
 
 /// An attempt that is done: its verdict and its report are read, and let go of.
@@ -59,9 +75,13 @@ DayResults results_of_day(const Options& options) {
     results.header.program_version = program_version();
     results.header.source_revision = source_revision();
     results.notes = list.notes;
-    for (const ListedAttempt& listed : list.attempts)
+    SharedRecordings shared;
+    for (const ListedAttempt& listed : list.attempts) {
+        add_recordings(options, listed, results.attempts.size(), results, shared);
         results.attempts.push_back(listed.state == "done" ? read_done(options, listed, results)
                                                           : summary_of(listed));
+    }
+    shared.note(results.attempts);
     results.counts = counts_of(results.attempts);
     for (DayProfile& profile : results.profiles) {
         profile.ranking = ranking_by(profile.profile, results.attempts);

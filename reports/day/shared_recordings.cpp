@@ -5,55 +5,46 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
+#include <set>
 
 #include "core/random.h"
 
 namespace runcert {
 namespace {
 
-constexpr std::int64_t epochs_of_an_overlap = 10;
+constexpr std::int64_t rows_of_an_overlap = 10;
 constexpr std::size_t named_at_most = 5;
+/// In coarser steps two runs over one course meet by chance.
+constexpr double coarsest_m = 0.05;
 
 std::uint64_t mixed(std::uint64_t hash, std::int64_t value) {
     hash += static_cast<std::uint64_t>(value);
     return splitmix64(hash);
 }
 
-/// The hash of an epoch's time and position; nothing where it has no position.
-std::optional<std::uint64_t> epoch_hash(const RecordingFacts& facts, const Observation& row) {
-    const bool on_earth = row.latitude_deg && row.longitude_deg;
-    if (!on_earth && !(row.plane_east_m && row.plane_north_m)) return std::nullopt;
-    const double first = on_earth ? *row.latitude_deg * 1e7 : *row.plane_east_m * 1e2;
-    const double second = on_earth ? *row.longitude_deg * 1e7 : *row.plane_north_m * 1e2;
-    std::uint64_t hash = mixed(on_earth ? 1 : 2, std::llround(first));
-    hash = mixed(hash, std::llround(second));
-    if (!facts.first_epoch) return hash;
-    const std::int64_t time_ns =
-        facts.first_epoch->plus_nanoseconds(row.time.nanoseconds).nanoseconds();
-    return mixed(hash, (time_ns + 500'000) / 1'000'000);
-}
+/// A position in whole steps of about a centimetre.
+struct Place {
+    bool on_earth = true;
+    std::int64_t first = 0, second = 0;
 
-/// Attempts by pairs, and how much they share: each attempt's others.
-using Shared = std::map<std::uint32_t, std::map<std::uint32_t, std::int64_t>>;
-
-template <class Entry>
-Shared shared_by(std::vector<Entry>& entries) {
-    std::ranges::sort(entries);
-    const auto repeated = std::ranges::unique(entries);
-    entries.erase(repeated.begin(), repeated.end());
-    Shared shared;
-    for (std::size_t first = 0, last = 0; first < entries.size(); first = last) {
-        while (last < entries.size() && entries[last].what == entries[first].what)
-            ++last;
-        for (std::size_t a = first; a < last; ++a)
-            for (std::size_t b = first; b < last; ++b)
-                if (a != b) ++shared[entries[a].attempt][entries[b].attempt];
+    std::uint64_t hash() const { return mixed(mixed(on_earth ? 1 : 2, first), second); }
+    bool is_a_metre_from(const Place& other) const {
+        constexpr std::int64_t metre = 100;
+        return std::abs(first - other.first) > metre || std::abs(second - other.second) > metre;
     }
-    return shared;
+};
+
+std::optional<Place> place_of(const Observation& row) {
+    if (row.latitude_deg && row.longitude_deg)
+        return Place{true, std::llround(*row.latitude_deg * 1e7),
+                     std::llround(*row.longitude_deg * 1e7)};
+    if (row.plane_east_m && row.plane_north_m)
+        return Place{false, std::llround(*row.plane_east_m * 1e2),
+                     std::llround(*row.plane_north_m * 1e2)};
+    return std::nullopt;
 }
 
-std::string named(const std::vector<std::string>& ids) {
+std::string listed_shortly(const std::vector<std::string>& ids) {
     const std::size_t shown = std::min(ids.size(), named_at_most);
     return fmt::format("{}{}", fmt::join(ids.begin(), ids.begin() + std::ptrdiff_t(shown), ", "),
                        ids.size() > shown ? fmt::format(" and {} more", ids.size() - shown) : "");
@@ -61,37 +52,84 @@ std::string named(const std::vector<std::string>& ids) {
 
 }  // namespace
 
-void SharedRecordings::add(std::uint32_t attempt, OpenTable<Observations> recording) {
-    for (const InputFile& input : recording.head.header.inputs)
-        if (input.role == "recording")
-            files_.push_back({std::stoull(input.sha256.substr(0, 16), nullptr, 16), attempt});
-    for (Observation row; recording.rows.next(row); row = {})
-        if (const auto hash = epoch_hash(recording.head.facts, row))
-            epochs_.push_back({*hash, attempt});
+void SharedRecordings::add(std::uint32_t attempt, OpenTable<Observations> table) {
+    std::string files;
+    for (const InputFile& input : table.head.header.inputs)
+        if (input.role == "recording") files += input.sha256 + " ";
+    const auto known = std::ranges::find(recordings_, files, &Recording::files);
+    if (known != recordings_.end()) {
+        known->attempts.push_back(attempt);
+        return;
+    }
+    const auto recording = static_cast<std::uint32_t>(recordings_.size());
+    recordings_.push_back({std::move(files), {attempt}});
+    const RecordingFacts& facts = table.head.facts;
+    const bool fine = facts.position_resolution_m.value_or(0.0) <= coarsest_m;
+    std::optional<Place> last;  // a metre or more before
+    for (Observation row; table.rows.next(row); row = {}) {
+        const std::optional<Place> place = place_of(row);
+        if (!place) continue;
+        if (facts.first_epoch) {
+            const GpsTime time = facts.first_epoch->plus_nanoseconds(row.time.nanoseconds);
+            epochs_.push_back(
+                {mixed(place->hash(), (time.nanoseconds() + 500'000) / 1'000'000), recording});
+        }
+        if (!fine || (last && !place->is_a_metre_from(*last))) continue;
+        if (last) places_.push_back({place->hash(), recording});
+        last = place;
+    }
+}
+
+/// How many entries each attempt has in common with each other one.
+SharedRecordings::Shared SharedRecordings::shared_by(std::vector<Entry>& entries) const {
+    std::ranges::sort(entries);
+    const auto repeated = std::ranges::unique(entries);
+    entries.erase(repeated.begin(), repeated.end());
+    Shared recordings;
+    for (std::size_t first = 0, last = 0; first < entries.size(); first = last) {
+        while (last < entries.size() && entries[last].what == entries[first].what)
+            ++last;
+        for (std::size_t a = first; a < last; ++a)
+            for (std::size_t b = first; b < last; ++b)
+                if (a != b) ++recordings[entries[a].recording][entries[b].recording];
+    }
+    Shared attempts;
+    for (const auto& [a, others] : recordings)
+        for (const auto& [b, count] : others)
+            for (const std::uint32_t one : recordings_[a].attempts)
+                for (const std::uint32_t other : recordings_[b].attempts)
+                    attempts[one][other] = std::max(attempts[one][other], count);
+    return attempts;
 }
 
 void SharedRecordings::note(std::vector<AttemptResult>& attempts) {
-    Shared files = shared_by(files_);
-    Shared epochs = shared_by(epochs_);
+    Shared files, epochs = shared_by(epochs_), places = shared_by(places_);
+    for (const Recording& recording : recordings_)
+        for (const std::uint32_t one : recording.attempts)
+            for (const std::uint32_t other : recording.attempts)
+                files[one][other] = 1;
     for (std::uint32_t attempt = 0; attempt < attempts.size(); ++attempt) {
-        std::vector<std::string> same, overlapping;
-        for (const auto& [other, count] : files[attempt])
-            same.push_back(attempts[other].id);
-        std::int64_t most = 0;
-        for (const auto& [other, count] : epochs[attempt]) {
-            if (count < epochs_of_an_overlap || files[attempt].contains(other)) continue;
-            overlapping.push_back(attempts[other].id);
-            most = std::max(most, count);
-        }
-        std::vector<std::string>& notes = attempts[attempt].notes;
-        if (!same.empty())
-            notes.push_back(
-                fmt::format("It rests on the same recording, byte for byte, as {}.", named(same)));
-        if (!overlapping.empty())
-            notes.push_back(
-                fmt::format("Its recording overlaps that of {}: up to {} epochs have "
-                            "the same time and position.",
-                            named(overlapping), most));
+        std::set<std::uint32_t> named{attempt};
+        // Says of those that share enough what it is, and of each once.
+        const auto say = [&](const auto& others, std::int64_t enough, const char* words) {
+            std::vector<std::string> ids;
+            std::int64_t most = 0;
+            for (const auto& [other, count] : others) {
+                if (count < enough || !named.insert(other).second) continue;
+                ids.push_back(attempts[other].id);
+                most = std::max(most, count);
+            }
+            if (ids.empty()) return;
+            attempts[attempt].notes.push_back(fmt::format(
+                fmt::runtime(words), fmt::arg("ids", listed_shortly(ids)), fmt::arg("most", most)));
+        };
+        say(files[attempt], 1, "It rests on the same recording, byte for byte, as {ids}.");
+        say(epochs[attempt], rows_of_an_overlap,
+            "Its recording overlaps that of {ids}: up to {most} epochs have the same time and "
+            "position.");
+        say(places[attempt], rows_of_an_overlap,
+            "Its recording repeats that of {ids}, at other times or without a date: up to {most} "
+            "positions in motion are the same.");
     }
 }
 

@@ -105,15 +105,18 @@ class Departure {
     void add(double excess_s, double step_s) {
         const double tolerance_s = rate_tolerance * step_s;
         sum_s_ += excess_s - tolerance_s;
-        if (excess_s > tolerance_s) ++steps_;
+        steps_ += excess_s > tolerance_s ? 1 : excess_s < -tolerance_s ? -1 : 0;
         if (sum_s_ <= 0.0) *this = {};
     }
-    /// Single stamps that are off, and back in time after a few, are no rate.
-    double found_s() const { return steps_ >= steps_of_a_rate ? sum_s_ : 0.0; }
+    /// Nothing where single stamps are off and back in time after a few: that is no rate.
+    double found_s() const {
+        return steps_ >= steps_of_a_rate || sum_s_ > most_of_stamps_s ? sum_s_ : 0.0;
+    }
 
   private:
     static constexpr double rate_tolerance = 1e-4;
-    static constexpr int steps_of_a_rate = 5;
+    static constexpr int steps_of_a_rate = 5;  ///< to the one side less those to the other
+    static constexpr double most_of_stamps_s = 0.02;
     double sum_s_ = 0.0;
     int steps_ = 0;
 };

@@ -56,8 +56,9 @@ struct TimeCheckOptions {
 ///
 /// `usual_interval_s` is the one of the intervals that receivers are set to which is nearest to the
 /// mean regular step, `interval_s`, however far. `departure_s` is by how much regular steps in a
-/// row, five at least, lead away from it to one side, less 1e-4 of their time: stamps that are
-/// rounded, or of a receiver's clock that is set now and then, stay within what they are off by.
+/// row lead away from it to one side, less 1e-4 of their time: by more than 20 ms, or with at least
+/// five more steps to that side than to the other. Stamps that are rounded, or of a receiver whose
+/// clock is off at single epochs, come back before.
 TimeStampSummary examine_time(const std::vector<ScreenedEpoch>& rows,
                               const TimeCheckOptions& options);
 

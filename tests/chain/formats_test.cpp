@@ -127,7 +127,7 @@ INSTANTIATE_TEST_SUITE_P(
                           "not_beaten",
                           3.2,
                           0.1,
-                          {"a second computation from the receiver's raw signals"}}),
+                          {"a second computation, from the raw signals handed in"}}),
     [](const auto& instance) { return std::string(instance.param.name); });
 
 TEST(RecordingFormats, RinexIsMadeAgainFromTheRunFolder) {

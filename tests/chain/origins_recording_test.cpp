@@ -480,6 +480,14 @@ TEST_F(OriginsOfADay, RecordingsThatOverlapAreNamedInBoth) {  // got through, al
         EXPECT_TRUE(holds(notes_of({{"whole.pos", ""}, {file, receiver}}),
                           "run-2: Its recording overlaps that of run-1"))
             << file;
+    // Moved to another hour.
+    RecordedRun later = run;
+    for (double& stamp_s : later.stamps_s)
+        stamp_s += 3600.0;
+    put("later.pos", later.pos());
+    EXPECT_TRUE(holds(
+        notes_of({{"whole.pos", ""}, {"later.pos", ""}}),
+        "run-2: Its recording repeats that of run-1, at other times or without a date: up to "));
     // Two cuts that meet without an epoch in common are two recordings.
     put("first.pos", cut(pos, 0, 300));
     put("second.pos", cut(pos, 300, 600));

@@ -18,7 +18,8 @@ std::map<double, double> true_path() {
     std::istringstream lines(read_file(examples / "salt_lake" / "truth.csv"));
     std::map<double, double> path;
     std::string line;
-    std::getline(lines, line);
+    for (int header = 0; header < 2; ++header)
+        std::getline(lines, line);
     while (std::getline(lines, line)) {
         std::istringstream cells(line);
         std::vector<double> values;

@@ -455,8 +455,8 @@ TEST(TimeCheck, StepsThatNoReceiverMakesLeadAwayFromEveryRate) {
 }
 
 TEST(TimeCheck, AWindowOfShortenedStepsIsFoundWithinALongRecording) {
-    // 3 s of 10 Hz whose steps are 98 ms, or alternate between 97 and 99; the rest is as it was.
-    for (const double other : {0.098, 0.097}) {
+    // 3 s of 10 Hz whose steps are 98 ms, or alternate between 97 and 99, or 95 and 101.
+    for (const double other : {0.098, 0.097, 0.095}) {
         Rows rows = recording(600, 60.0);
         for (std::size_t k = 300; k < rows.size(); ++k) {
             const std::size_t steps = std::min<std::size_t>(k - 299, 30);
@@ -476,6 +476,11 @@ TEST(TimeCheck, SingleStampsThatAreOffAndBackAreNoRate) {
         rows[k + 1].time.nanoseconds += k % 2 == 0 ? 6'000'000 : 0;
     }
     EXPECT_LT(departure(rows), 1e-3);
+    // Of GINav: each is early and back, so that no sum begins anew with it.
+    Rows early = recording(1200, 20.0, 1.0);
+    for (std::size_t k = 50; k < 1190; k += 17)
+        early[k].time.nanoseconds -= k % 3 == 0 ? 10'000'000 : 6'000'000;
+    EXPECT_EQ(departure(early), 0.0);
     // And a clock that drifts by 16 millionths.
     EXPECT_LT(departure(every(1.0 + 16e-6)), 1e-9);
 }

@@ -11,15 +11,19 @@ bool is_role(std::string_view text) {
     });
 }
 
+std::string read_role(const YamlValue& value) {
+    if (!is_role(value.text()))
+        value.fail("a role is letters, digits, - and _, at most 64 of them",
+                   "Write it so, \"measurer\": signatures name it");
+    return value.text();
+}
+
 std::vector<RoleSignatures> read_role_signatures(const YamlValue& list) {
     std::vector<RoleSignatures> needed;
     if (!list.exists()) return needed;
     for (const YamlValue& entry : list.list()) {
-        RoleSignatures one{.role = entry["role"].text(),
+        RoleSignatures one{.role = read_role(entry["role"]),
                            .count = entry["count"].exists() ? entry["count"].integer() : 1};
-        if (!is_role(one.role))
-            entry["role"].fail("a role is letters, digits, - and _, at most 64 of them",
-                               "Write it so, \"measurer\": signatures name it");
         if (std::ranges::find(needed, one.role, &RoleSignatures::role) != needed.end())
             entry["role"].fail("the role is there twice", "Give one count for it");
         needed.push_back(std::move(one));

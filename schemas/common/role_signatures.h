@@ -12,6 +12,9 @@ namespace runcert {
 /// Whether a text can be a role: 1 to 64 letters, digits, - and _ (ASCII).
 bool is_role(std::string_view text);
 
+/// A role that stands in a document. Failure at its place where the text is none.
+std::string read_role(const YamlValue& value);
+
 /// Signatures of one role that a report needs.
 struct RoleSignatures {
     std::string role;

@@ -78,6 +78,20 @@ void read_accepts(const YamlValue& entry, Clause& clause) {
         clause.accepts.push_back(one.text());
 }
 
+/// The field's own value, or its default.
+YamlValue value_or_default(const YamlValue& document, std::string_view group,
+                           const std::string& key) {
+    const YamlValue value = document[key];
+    return value.exists() ? value
+                          : profile_schema().find(fmt::format("{}.{}", group, key))->default_value;
+}
+
+RoleSignatures read_answerer(const YamlValue& map) {
+    constexpr std::string_view group = "clauses[].answered_by";
+    return {.role = read_role(value_or_default(map, group, "role")),
+            .count = value_or_default(map, group, "count").integer()};
+}
+
 std::vector<Clause> read_clauses(const YamlValue& document, const Profile& profile) {
     std::vector<Clause> clauses;
     std::set<std::string> ids;
@@ -92,6 +106,7 @@ std::vector<Clause> read_clauses(const YamlValue& document, const Profile& profi
                                         .unit = {}});
         read_limit(entry, clause);
         read_accepts(entry, clause);
+        clause.answered_by = read_answerer(entry["answered_by"]);
         if (!ids.insert(clause.id).second)
             entry["id"].fail(
                 fmt::format("two clauses have the id \"{}\"", escape_for_message(clause.id)),
@@ -106,14 +121,6 @@ std::vector<Clause> read_clauses(const YamlValue& document, const Profile& profi
     if (clauses.empty())
         document["clauses"].fail("the rule requires nothing", "List its requirements");
     return clauses;
-}
-
-/// The field's own value, or its default.
-YamlValue value_or_default(const YamlValue& document, std::string_view group,
-                           const std::string& key) {
-    const YamlValue value = document[key];
-    return value.exists() ? value
-                          : profile_schema().find(fmt::format("{}.{}", group, key))->default_value;
 }
 
 Profile::Uncertainty read_uncertainty(const YamlValue& map) {
@@ -285,6 +292,10 @@ void require_own_id(const Profile& profile, const std::string& where) {
                               profile.id, profile.sha256.substr(0, 16)),
                   "Claim the program's rule by its id alone; give a rule of your own another id, "
                   "and its file the same name");
+}
+
+RoleSignatures default_answerer() {
+    return read_answerer(YamlValue(YamlNode(), "schemas/profile/v1.yaml"));
 }
 
 const std::vector<Clause>& own_clauses() {

@@ -25,6 +25,8 @@ struct Clause {
     std::string unit;
     /// Witnesses that meet it, of those that it does not name by itself: "velocities", "phases".
     std::vector<std::string> accepts = {};
+    /// Who answers for it where it is to be attested; of a silent rule the schema's default.
+    RoleSignatures answered_by = {};
 };
 
 /// How decimal figures are rounded.
@@ -128,6 +130,9 @@ void require_own_id(const Profile& profile, const std::string& where);
 /// The text of the profile of that name that comes with the program ("nalsa", "fisly"); empty if
 /// there is none.
 std::string_view builtin_profile(std::string_view name);
+
+/// Who answers for a clause whose rule does not say.
+RoleSignatures default_answerer();
 
 /// What the program itself asks under every rule, beside the rule's clauses.
 const std::vector<Clause>& own_clauses();

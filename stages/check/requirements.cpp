@@ -367,6 +367,9 @@ Requirement decide_clause(const Clause& clause, const ClauseContext& context) {
         finding.status = RequirementStatus::attest;
         finding.evidence += "; it rests on what nobody observed: " + stated_text(stated);
     }
+    std::optional<AnsweredBy> answered_by;
+    if (finding.status == RequirementStatus::attest)
+        answered_by = {.role = clause.answered_by.role, .count = clause.answered_by.count};
     return {.clause = clause.id,
             .status = finding.status,
             .evidence = finding.evidence,
@@ -374,7 +377,8 @@ Requirement decide_clause(const Clause& clause, const ClauseContext& context) {
             .source = clause.source,
             .certainty = clause.certainty,
             .decided_by = clause.decided_by,
-            .figures = std::move(finding.figures)};
+            .figures = std::move(finding.figures),
+            .answered_by = std::move(answered_by)};
 }
 
 }  // namespace runcert

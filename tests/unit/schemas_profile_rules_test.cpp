@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/failure.h"
 #include "files_test_support.h"
 #include "schemas/profile/profile.h"
 
@@ -249,6 +250,26 @@ TEST(ProfileRule, EveryComputationHasItsLimitInItsUnitsOrNone) {
                                      "p");
                     }).contains(std::string(none) + " compares with no limit. Remove it"));
     }
+}
+
+TEST(ProfileRule, SaysWhoAnswersForAClause) {
+    const auto answerer = [](const std::string& more) {
+        return read_profile(replaced(newest, "attest", "attest" + more), "p")
+            .clauses.at(0)
+            .answered_by;
+    };
+    EXPECT_EQ(answerer(", answered_by: {role: board, count: 3}"), (RoleSignatures{"board", 3}));
+    EXPECT_EQ(answerer(", answered_by: {role: board}"), (RoleSignatures{"board", 1}));
+    // A silent rule has what the schema says, which is the same for a report without the field.
+    EXPECT_EQ(answerer(", answered_by: {count: 2}"), (RoleSignatures{"judge", 2}));
+    EXPECT_EQ(answerer(""), default_answerer());
+    EXPECT_EQ(default_answerer(), (RoleSignatures{"judge", 1}));
+    EXPECT_TRUE(failure_of([&] {
+                    answerer(", answered_by: {role: chief judge}");
+                }).contains("a role is letters, digits"));
+    for (const char* wrong :
+         {"{role: judge, count: 0}", "{role: judge, count: 21}", "{role: judge, who: me}", "judge"})
+        EXPECT_THROW(answerer(std::string(", answered_by: ") + wrong), Failure) << wrong;
 }
 
 TEST(ProfileRule, FieldsThatSayWhatHoldsAnyway) {

@@ -11,6 +11,7 @@
 #include "files/process.h"
 #include "files/sha256.h"
 #include "schemas/common/product_files.h"
+#include "trust/attestation_files.h"
 
 namespace runcert {
 namespace {
@@ -33,6 +34,13 @@ void add_done(Json& json, const DayAttempt& attempt, const FileHashes& files, co
     for (const auto& [name, hash] : files)
         if (name.starts_with(products::observations.stem))
             json["observations"].push_back(file_json(attempt, files, name, out));
+    for (const std::string& name : attestation_names(out / attempt.id)) {
+        const std::string file = attempt.id + "/" + name;
+        if (!fs::is_regular_file(out / file)) continue;
+        const FileDigest digest = digest_file(out / file);
+        json["attestations"].push_back(
+            {{"file", file}, {"sha256", digest.sha256}, {"bytes", digest.bytes}});
+    }
     json["pages"] = Json::array();
     for (const char* page : {"report.html", "report.pdf"})
         if (files.contains(page)) json["pages"].push_back(attempt.id + "/" + page);

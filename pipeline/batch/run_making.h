@@ -50,6 +50,7 @@ class RunMaking {
 
     /// run_publishing.cpp: the way from and into the run folder.
     FileHashes standing_signatures() const;
+    FileHashes standing_attestations() const;
     void bring_signatures();
     void publish();
     RecordPlace record_place() const;

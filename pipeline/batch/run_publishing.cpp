@@ -4,6 +4,7 @@
 #include "files/sha256.h"
 #include "run/run_times.h"
 #include "run/staging_folder.h"
+#include "trust/attestation_files.h"
 #include "trust/signature_files.h"
 
 namespace runcert {
@@ -23,10 +24,23 @@ FileHashes RunMaking::standing_signatures() const {
     return hashes;
 }
 
+/// The attestations there of this run's report.
+FileHashes RunMaking::standing_attestations() const {
+    FileHashes hashes;
+    if (!files_.is_published(report_file, current_.at(report_file))) return hashes;
+    for (const std::string& name : attestation_names(files_.run_dir()))
+        if (std::filesystem::is_regular_file(files_.run_dir() / name))
+            hashes[name] = digest_file(files_.run_dir() / name).sha256;
+    return hashes;
+}
+
 /// Has them in the work folder, for the page to show and for a new one to stand beside.
 void RunMaking::bring_signatures() {
     for (const auto& [name, hash] : standing_signatures())
         files_.bring_to_work(name, hash);
+    const Folder work(files_.work_dir());
+    work.remove_tree(attestations_folder);
+    if (!standing_attestations().empty()) carry_attestations(Folder(files_.run_dir()), work, true);
 }
 
 /// The run is whole beside the earlier one before it takes that one's place.

@@ -80,6 +80,7 @@ StepRecord RunMaking::expected(const std::string& step) const {
     if (step == "import") record.inputs = recording_hashes(claim_);
     if (step == "render") {
         record.inputs.merge(standing_signatures());
+        record.inputs.merge(standing_attestations());
         for (const auto& [name, hash] : current_)
             if (is_signature_name(name)) record.inputs[name] = hash;
     }

@@ -16,6 +16,7 @@ void add_certify(CLI::App& app, Command& chosen);
 void add_batch(CLI::App& app, Command& chosen);
 void add_verify(CLI::App& app, Command& chosen);
 void add_sign(CLI::App& app, Command& chosen);
+void add_attest(CLI::App& app, Command& chosen);
 void add_timestamp(CLI::App& app, Command& chosen);
 void add_inspect(CLI::App& app, Command& chosen);
 void add_simulate(CLI::App& app, Command& chosen);

@@ -10,6 +10,7 @@ struct ExplainOptions {
     std::string run_dir;
     std::string clause;
     std::string profile;
+    std::string roster;
     bool profiles = false;
     bool inputs = false;
 };
@@ -19,6 +20,7 @@ int explain(const ExplainOptions& options) {
     if (options.profiles) arguments.emplace_back("--profiles");
     if (options.inputs) arguments.emplace_back("--inputs");
     if (!options.profile.empty()) arguments.insert(arguments.end(), {"--profile", options.profile});
+    if (!options.roster.empty()) arguments.insert(arguments.end(), {"--roster", options.roster});
     for (const std::string& word : {options.run_dir, options.clause})
         if (!word.empty()) arguments.push_back(word);
     return run_reader("explain", arguments);
@@ -34,6 +36,7 @@ void add_explain(CLI::App& app, Command& chosen) {
     command->add_option("CLAUSE", options->clause,
                         "flat-course, nalsa/flat-course, or outcome (default: all in short)");
     command->add_option("--profile", options->profile, "id of the profile (default: all)");
+    command->add_option("--roster", options->roster, "whose answers and signatures count");
     command->add_flag("--profiles", options->profiles,
                       "list the profiles that come with the program");
     command->add_flag("--inputs", options->inputs,

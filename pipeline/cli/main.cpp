@@ -28,6 +28,7 @@ int main(int argc, char** argv) {
         add_batch(app, chosen);
         add_verify(app, chosen);
         add_sign(app, chosen);
+        add_attest(app, chosen);
         add_timestamp(app, chosen);
         add_inspect(app, chosen);
         add_audit(app, chosen);

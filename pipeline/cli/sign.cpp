@@ -5,12 +5,11 @@
 
 #include "commands.h"
 #include "recompute.h"
-#include "run/chain.h"
+#include "render_pages.h"
 #include "run/run_lock.h"
 #include "trust/roster.h"
 #include "trust/signable.h"
 #include "trust/signature.h"
-#include "trust/signature_files.h"
 #include "trust/signing.h"
 
 namespace runcert {
@@ -20,6 +19,7 @@ struct SignOptions {
     std::string run_dir;
     std::string key;
     std::string role;
+    std::string roster;
     bool no_render = false;
     bool no_recompute = false;
 };
@@ -27,29 +27,11 @@ struct SignOptions {
 constexpr const char* bring_back =
     "Bring back the original files and move others away, or certify again";
 
-/// The pages name the signatures, so they are recomputed; a seal is of the page as it was.
-int render(const std::filesystem::path& run_dir) {
-    try {
-        {
-            const RunLock lock(run_dir);
-            keep_sealed_page(run_dir);
-        }
-        run_step("render", {.attempt = run_dir / "attempt.yaml", .run_dir = run_dir});
-    } catch (const StageFailed& failed) {
-        fmt::print(stderr,
-                   "{}the report is signed; its pages could not be made again and do not name the "
-                   "signature\n",
-                   failed.errors);
-        return 2;
-    }
-    fmt::print("pages   report.html, report.pdf\n");
-    return 0;
-}
-
 int sign_run(const SignOptions& options) {
     const std::filesystem::path run_dir = options.run_dir;
     const ReportFacts report = read_report_facts(run_dir);
     require_role(options.role, "--role");
+    require_own_roster(options.roster, run_dir);
     require_signable(run_dir, report, bring_back);
     require_passed(run_dir, verify_report_text(run_dir, report), bring_back);
     if (!options.no_recompute)
@@ -66,7 +48,7 @@ int sign_run(const SignOptions& options) {
     fmt::print("signed  report {} of {}, as {}, by the key {}\nfile    {}\n", report.report_id,
                report.attempt_id, options.role, key_id_text(public_key_of(key)),
                (run_dir / file).string());
-    return options.no_render ? 0 : render(run_dir);
+    return options.no_render ? 0 : render_pages(run_dir, options.roster, "the report is signed");
 }
 
 }  // namespace
@@ -87,6 +69,8 @@ void add_sign(CLI::App& app, Command& chosen) {
         ->required();
     command->add_flag("--no-recompute", options->no_recompute,
                       "sign without computing every file again; the signature then says so");
+    command->add_option("--roster", options->roster,
+                        "whose signatures and answers the pages count; verify them with it too");
     command->add_flag("--no-render", options->no_render,
                       "leave report.html and report.pdf as they are");
     command->footer(

@@ -58,6 +58,20 @@ std::string VerificationResult::verdict() const {
     return recomputed() ? "VERIFIED" : "SIGNED, NOT RECOMPUTED";
 }
 
+/// A title rests on all layers: that a record was beaten is not said of a run that does not verify.
+std::vector<std::string> VerificationResult::standing_lines() const {
+    std::vector<std::string> lines;
+    if (!standing) return lines;
+    for (const RuleStanding& rule : standing->rules)
+        lines.push_back(
+            passed() || rule.state.standing.state != StandingState::complete
+                ? fmt::format("{}: {}. Standing: {}.", rule.profile,
+                              outcome_words(rule.state).title, standing_text(rule.state.standing))
+                : fmt::format("{}: no standing, since not all above holds.", rule.profile));
+    lines.push_back(vouched_words(*standing));
+    return lines;
+}
+
 std::string verification_text(const VerificationResult& result) {
     std::string text;
     for (const VerificationStep& step : result.layers) {
@@ -66,6 +80,9 @@ std::string verification_text(const VerificationResult& result) {
         for (const std::string& detail : step.details)
             text += fmt::format("     {:<13} {}\n", "", plain_text(detail));
     }
+    text += "\n";
+    for (const std::string& line : result.standing_lines())
+        text += plain_text(line) + "\n";
     text += fmt::format("\n{}\n", result.verdict());
     if (result.passed() && !result.recomputed())
         text +=
@@ -88,6 +105,7 @@ std::string verification_json(const VerificationResult& result) {
         json["layers"].push_back(layer_json(step));
     for (const Signer& signer : result.signers)
         json["signers"].push_back(signer_json(signer));
+    json["standing"] = result.standing_lines();
     return json.dump(2, ' ', true, Json::error_handler_t::replace) + '\n';
 }
 

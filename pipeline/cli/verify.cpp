@@ -10,6 +10,7 @@
 #include "core/text.h"
 #include "files/atomic_file.h"
 #include "recompute.h"
+#include "render_pages.h"
 #include "trust/bundle.h"
 #include "trust/bundle_limits.h"
 #include "trust/roster.h"
@@ -44,7 +45,10 @@ std::optional<Roster> read_keys(const VerifyOptions& options) {
 }
 
 SignatureRules read_rules(const VerifyOptions& options) {
-    SignatureRules rules{.roster = read_keys(options), .by_public_keys = options.roster.empty()};
+    SignatureRules rules{
+        .roster = read_keys(options),
+        .by_public_keys = options.roster.empty(),
+        .roster_of_run = !options.roster.empty() && lies_in(options.roster, options.run_dir)};
     rules.time_stamp_cas.assign(options.time_stamp_cas.begin(), options.time_stamp_cas.end());
     rules.present = std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now());
     rules.at = rules.present;
@@ -115,8 +119,11 @@ int verify(const VerifyOptions& options) {
     result.layers.push_back(std::move(signatures.signatures));
     result.layers.push_back(std::move(signatures.time_stamps));
     result.signers = std::move(signatures.signers);
+    AttestationLayer attestations = verify_attestations(run_dir, report, result.signers, rules);
+    result.layers.push_back(std::move(attestations.step));
+    result.standing = std::move(attestations.standing);
     add_long_layer(result, options.keep_going, "pages",
-                   [&] { return verify_pages(run_dir, report); });
+                   [&] { return verify_pages(run_dir, report, rules); });
     if (options.recompute)
         add_long_layer(result, options.keep_going, "recompute",
                        [&] { return verify_recomputation(run_dir, report); });
@@ -181,7 +188,12 @@ void add_verify(CLI::App& app, Command& chosen) {
         "program "
         "alone.\n" +
         bundle_limits_words() +
-        "\nExit status: 0 verified, or signed and not recomputed; 1 not verified, 2 not "
+        "\nThe standing counts answers (runcert attest) and signatures by keys of the roster: it "
+        "is "
+        "complete where\neach requirement is met or attested and all signatures stand. A roster "
+        "that lies in the run vouches\nfor nothing. What is open, or was answered no, does not "
+        "change the exit status; an attestation that\nis not as it was signed does.\n"
+        "Exit status: 0 verified, or signed and not recomputed; 1 not verified, 2 not "
         "checkable.");
     command->callback([&chosen, options] { chosen = [options] { return verify(*options); }; });
 }

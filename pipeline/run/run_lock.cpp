@@ -34,7 +34,7 @@ void remove_half_written(const Folder& run) {
     try {
         for (const std::string& name : run.names()) {
             const EntryKind kind = run.kind_of(name);
-            if (kind == EntryKind::folder && name == "superseded")
+            if (kind == EntryKind::folder && (name == "superseded" || name == "attestations"))
                 remove_half_written(run.open(name));
             else if (kind == EntryKind::file && name.starts_with(".runcert-") &&
                      name.ends_with(".tmp"))

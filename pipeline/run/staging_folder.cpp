@@ -28,7 +28,7 @@ constexpr const char* done_name = ".runcert-done";
 constexpr const char* report_name = "report.json";
 
 // Folders that a run may hold; a folder with others is not exchanged.
-constexpr std::array<std::string_view, 2> run_subfolders{"superseded", "keys"};
+constexpr std::array<std::string_view, 3> run_subfolders{"superseded", "keys", "attestations"};
 
 /// What begins the names of staging folders of a run, whatever that is called.
 std::string prefix_of(const std::string& run) {

@@ -74,6 +74,7 @@ struct StepCall {
     /// For import: where what the attempt names is to be found ("--earlier-run", "--folder").
     std::vector<std::string> import_options = {};
     bool pdf = true;
+    std::filesystem::path roster = {};  ///< for render: whose keys count; may be empty
 };
 
 /// The command line of a step that a program does, the program in that folder.

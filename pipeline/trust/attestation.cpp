@@ -9,43 +9,43 @@
 namespace runcert {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 constexpr std::string_view statement_type = "https://in-toto.io/Statement/v1";
 constexpr const char* recomputed_property = "RUNCERT_RECOMPUTED_AND_AGREED";
 
-Json file_json(const NamedFile& file) {
+OrderedJson file_json(const EvidenceFile& file) {
     return {{"name", file.name}, {"digest", {{"sha256", file.sha256}}}};
 }
 
-Json files_json(const std::vector<NamedFile>& files) {
-    Json list = Json::array();
-    for (const NamedFile& file : files)
+OrderedJson files_json(const std::vector<EvidenceFile>& files) {
+    OrderedJson list = OrderedJson::array();
+    for (const EvidenceFile& file : files)
         list.push_back(file_json(file));
     return list;
 }
 
-NamedFile read_file_entry(const Json& json) {
+EvidenceFile read_file_entry(const OrderedJson& json) {
     return {.name = json.at("name").get<std::string>(),
             .sha256 = json.at("digest").at("sha256").get<std::string>()};
 }
 
-std::vector<NamedFile> read_files(const Json& json) {
-    std::vector<NamedFile> files;
-    for (const Json& one : json)
+std::vector<EvidenceFile> read_files(const OrderedJson& json) {
+    std::vector<EvidenceFile> files;
+    for (const OrderedJson& one : json)
         files.push_back(read_file_entry(one));
     return files;
 }
 
 /// What both kinds say besides: in a simple verification result it is an extension.
-Json signer_json(const Attestation& attestation) {
+OrderedJson signer_json(const Attestation& attestation) {
     return {{"report_id", attestation.report_id}, {"attempt", attestation.attempt_id},
             {"role", attestation.role},           {"key", attestation.key},
             {"statement", attestation.statement}, {"evidence", files_json(attestation.evidence)},
             {"after", attestation.after}};
 }
 
-void read_signer(const Json& json, Attestation& attestation) {
+void read_signer(const OrderedJson& json, Attestation& attestation) {
     json.at("report_id").get_to(attestation.report_id);
     json.at("attempt").get_to(attestation.attempt_id);
     json.at("role").get_to(attestation.role);
@@ -55,11 +55,11 @@ void read_signer(const Json& json, Attestation& attestation) {
     json.at("after").get_to(attestation.after);
 }
 
-Json answers_json(const Attestation& attestation) {
-    Json json = signer_json(attestation);
+OrderedJson answers_json(const Attestation& attestation) {
+    OrderedJson json = signer_json(attestation);
     json["time"] = attestation.time;
     if (attestation.on_paper) json["on_paper"] = file_json(*attestation.on_paper);
-    json["answers"] = Json::array();
+    json["answers"] = OrderedJson::array();
     for (const Answer& one : attestation.answers)
         json["answers"].push_back({{"profile", one.profile},
                                    {"clause", one.clause},
@@ -69,10 +69,10 @@ Json answers_json(const Attestation& attestation) {
     return json;
 }
 
-void read_answers(const Json& json, Attestation& attestation) {
+void read_answers(const OrderedJson& json, Attestation& attestation) {
     json.at("time").get_to(attestation.time);
     if (json.contains("on_paper")) attestation.on_paper = read_file_entry(json.at("on_paper"));
-    for (const Json& one : json.at("answers"))
+    for (const OrderedJson& one : json.at("answers"))
         attestation.answers.push_back({.profile = one.at("profile").get<std::string>(),
                                        .clause = one.at("clause").get<std::string>(),
                                        .text = one.at("text").get<std::string>(),
@@ -81,16 +81,16 @@ void read_answers(const Json& json, Attestation& attestation) {
     read_signer(json, attestation);
 }
 
-Json recomputed_json(const Attestation& attestation) {
+OrderedJson recomputed_json(const Attestation& attestation) {
     return {{"verifier",
              {{"id", "urn:runcert:role:" + attestation.role},
               {"policies", files_json(attestation.policies)}}},
             {"timeCreated", attestation.time},
-            {"properties", Json::array({recomputed_property})},
+            {"properties", OrderedJson::array({recomputed_property})},
             {"runcert", signer_json(attestation)}};
 }
 
-void read_recomputed(const Json& json, Attestation& attestation) {
+void read_recomputed(const OrderedJson& json, Attestation& attestation) {
     attestation.policies = read_files(json.at("verifier").at("policies"));
     json.at("timeCreated").get_to(attestation.time);
     read_signer(json.at("runcert"), attestation);
@@ -107,9 +107,9 @@ bool is_sound(const Attestation& attestation) {
 
 std::string statement_text(const Attestation& attestation) {
     const bool recomputed = attestation.is_recomputed();
-    const Json statement{
+    const OrderedJson statement{
         {"_type", statement_type},
-        {"subject", Json::array({file_json({"report.json", attestation.report_sha256})})},
+        {"subject", OrderedJson::array({file_json({"report.json", attestation.report_sha256})})},
         {"predicateType", recomputed ? recomputed_type : answers_type},
         {"predicate", recomputed ? recomputed_json(attestation) : answers_json(attestation)}};
     return statement.dump();
@@ -117,10 +117,10 @@ std::string statement_text(const Attestation& attestation) {
 
 Attestation read_statement(std::string_view payload, const std::string& where) {
     try {
-        const Json json = Json::parse(payload);
+        const OrderedJson json = OrderedJson::parse(payload);
         Attestation attestation;
         attestation.report_sha256 = read_file_entry(json.at("subject").at(0)).sha256;
-        const Json& predicate = json.at("predicate");
+        const OrderedJson& predicate = json.at("predicate");
         if (json.at("predicateType") == recomputed_type)
             read_recomputed(predicate, attestation);
         else

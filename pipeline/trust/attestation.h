@@ -32,11 +32,11 @@ struct Answer {
 };
 
 /// A file that lies beside the envelope.
-struct NamedFile {
+struct EvidenceFile {
     std::string name{};    ///< as its owner called it
     std::string sha256{};  ///< 64 lower-case hexadecimal digits
 
-    bool operator==(const NamedFile&) const = default;
+    bool operator==(const EvidenceFile&) const = default;
 };
 
 struct Attestation {
@@ -48,10 +48,11 @@ struct Attestation {
     std::string attempt_id{};
     std::vector<Answer> answers{};  ///< none of "recomputed and agreed"
     std::string statement{};        ///< in the signer's words; may be empty
-    std::vector<NamedFile> evidence{};
-    std::optional<NamedFile> on_paper{};  ///< the sheet that was signed by hand, and is answered for
+    std::vector<EvidenceFile> evidence{};
+    std::optional<EvidenceFile>
+        on_paper{};                    ///< the sheet that was signed by hand, and is answered for
     std::vector<std::string> after{};  ///< ids of the envelopes that lay there when it was signed
-    std::vector<NamedFile> policies{};  ///< of "recomputed and agreed" alone: the rules
+    std::vector<EvidenceFile> policies{};  ///< of "recomputed and agreed" alone: the rules
 
     bool is_recomputed() const { return answers.empty(); }
     bool operator==(const Attestation&) const = default;

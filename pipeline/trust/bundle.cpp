@@ -11,6 +11,7 @@
 #include "files/archive.h"
 #include "files/atomic_file.h"
 #include "files/sha256.h"
+#include "trust/attestation_files.h"
 #include "trust/bundle_limits.h"
 #include "trust/bundle_text.h"
 #include "trust/report_facts.h"
@@ -72,6 +73,7 @@ struct FolderContents {
 
 FolderContents contents_of(const fs::path& run_dir, const std::set<std::string>& subjects) {
     FolderContents contents;
+    const std::set<std::string> attestations = attestation_names(run_dir);
     for (auto entry = fs::recursive_directory_iterator(run_dir);
          entry != fs::recursive_directory_iterator(); ++entry) {
         const std::string name = entry->path().lexically_relative(run_dir).generic_string();
@@ -80,14 +82,15 @@ FolderContents contents_of(const fs::path& run_dir, const std::set<std::string>&
         if (superseded || (entry.depth() == 0 && name.starts_with(program_leftover))) {
             contents.leftovers.push_back(name);
             entry.disable_recursion_pending();
-        } else if (type == fs::file_type::directory && name == bundle_keys_folder) {
+        } else if (type == fs::file_type::directory &&
+                   (name == bundle_keys_folder || name == attestations_folder)) {
             continue;
         } else if (type == fs::file_type::directory) {
             contents.unknown.push_back(name);
             entry.disable_recursion_pending();
         } else if (type == fs::file_type::regular &&
                    (subjects.contains(name) || is_written_beside_the_report(name) ||
-                    is_bundled_key(name))) {
+                    is_bundled_key(name) || attestations.contains(name))) {
             contents.known.push_back(name);
         } else {
             contents.unknown.push_back(name);

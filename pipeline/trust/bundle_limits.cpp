@@ -32,6 +32,7 @@ bool ends_with_any(std::string_view name, std::initializer_list<std::string_view
 bool is_short(std::string_view name) {
     return name == "attempt.yaml" || name == "run.yaml" || name == "SHA256SUMS" ||
            name == "VERIFY.txt" || name.starts_with("profile.") || name.starts_with("keys/") ||
+           name.starts_with("attestations/answer-") ||
            ends_with_any(name, {".minisig", ".sig", ".tsq", ".tsr", ".pub"});
 }
 

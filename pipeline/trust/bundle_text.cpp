@@ -104,6 +104,13 @@ std::string signatures(const BundleFacts& facts) {
     std::string text = "2. Check who answers for report.json\n\n";
     text += lines.empty() ? "   The report is UNSIGNED: nobody answers for it.\n\n" : lines;
     text += stamp_lines(facts);
+    if (!with_ending(facts, "attestations/answer-", ".json").empty())
+        text +=
+            "   attestations/ holds who answered for what the recording cannot show: DSSE "
+            "envelopes "
+            "of\n"
+            "   in-toto statements about report.json. `runcert attest` with the folder alone lists "
+            "them.\n\n";
     if (has(facts, "report.pdf"))
         text +=
             "   report.pdf may carry a seal of its own: `pdfsig -no-ocsp report.pdf` says so in "

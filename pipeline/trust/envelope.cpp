@@ -8,24 +8,23 @@
 
 #include "core/failure.h"
 #include "files/base64.h"
-
 #include "trust/signature_text.h"
 #include "trust/ssh_key.h"
 
 namespace runcert {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 using signature_text::data_of;
 
 std::string envelope_text(const Envelope& envelope) {
-    const Json json{
+    const OrderedJson json{
         {"payloadType", statement_payload_type},
         {"payload", base64(envelope.payload)},
         {"signatures",
-         Json::array({{{"keyid", envelope.key_id},
-                       {"sig", signature_text::base64_of(envelope.signature.data(),
-                                                         envelope.signature.size())}}})}};
+         OrderedJson::array({{{"keyid", envelope.key_id},
+                              {"sig", signature_text::base64_of(envelope.signature.data(),
+                                                                envelope.signature.size())}}})}};
     return json.dump(-1, ' ', true) + "\n";
 }
 
@@ -48,8 +47,8 @@ std::string sign_envelope(std::string_view payload, const SecretKey& key) {
 Envelope read_envelope(std::string_view text, const std::string& where) {
     Envelope envelope;
     try {
-        const Json json = Json::parse(text);
-        const Json& signature = json.at("signatures").at(0);
+        const OrderedJson json = OrderedJson::parse(text);
+        const OrderedJson& signature = json.at("signatures").at(0);
         const std::string payload = json.at("payload").get<std::string>();
         envelope.key_id = signature.at("keyid").get<std::string>();
         const std::string bytes =

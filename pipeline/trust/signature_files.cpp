@@ -9,6 +9,7 @@
 #include "core/failure.h"
 #include "files/atomic_file.h"
 #include "files/sha256.h"
+#include "trust/attestation_files.h"
 #include "trust/report_facts.h"
 
 namespace runcert {
@@ -22,18 +23,6 @@ constexpr std::string_view ssh_end = ".sig";
 constexpr std::string_view time_stamp_end = ".tsr";
 constexpr std::string_view query_end = ".tsq";
 constexpr const char* sealed_file = "report.pdf";
-
-/// Has a file of `from` among what `to` superseded, unless it is there already under that name.
-void supersede(const Folder& from, const std::string& name, const Folder& to) {
-    const Folder kept = to.make(superseded_folder);
-    const std::string bytes = from.read(name);
-    std::string free = name;
-    for (int number = 2; kept.kind_of(free) != EntryKind::none; ++number) {
-        if (kept.kind_of(free) == EntryKind::file && kept.read(free) == bytes) return;
-        free = fmt::format("{}.{}", name, number);
-    }
-    kept.write(free, bytes);
-}
 
 bool is_file(const Folder& folder, const std::string& name) {
     return folder.kind_of(name) == EntryKind::file;
@@ -110,6 +99,17 @@ void carry_own_files(const Folder& run, const Folder& made) {
 
 }  // namespace
 
+void supersede(const Folder& from, const std::string& name, const Folder& to) {
+    const Folder kept = to.make(superseded_folder);
+    const std::string bytes = from.read(name);
+    std::string free = name;
+    for (int number = 2; kept.kind_of(free) != EntryKind::none; ++number) {
+        if (kept.kind_of(free) == EntryKind::file && kept.read(free) == bytes) return;
+        free = fmt::format("{}.{}", name, number);
+    }
+    kept.write(free, bytes);
+}
+
 bool is_signature_name(std::string_view name) {
     return name.starts_with(std::string(signed_file) + ".") &&
            (name.ends_with(minisign_end) || name.ends_with(ssh_end));
@@ -164,12 +164,15 @@ void supersede_signatures(const fs::path& run_dir) {
         if (is_file(run, name)) supersede(run, name, run);
         run.remove(name);
     }
+    carry_attestations(run, run, false);
+    run.remove_tree(attestations_folder);
 }
 
 void carry_over(const Folder& run, const Folder& made) {
     for (const char* name : {superseded_folder, "keys"})
         carry_folder(run, made, name);
     carry_signatures(run, made);
+    carry_attestations(run, made, same_in_both(run, made, std::string(signed_file)));
     if (is_file(run, sealed_file) && is_sealed(run.path() / sealed_file) &&
         !same_in_both(run, made, sealed_file))
         supersede(run, sealed_file, made);

@@ -35,6 +35,10 @@ bool belongs_to_signatures(std::string_view name);
 /// The folder of a run's signatures and time stamps that no longer stand.
 inline constexpr const char* superseded_folder = "superseded";
 
+/// Has a file of `from` in that folder of `to`, under its own name or the first with a number that
+/// is free; once alone where it is there already.
+void supersede(const Folder& from, const std::string& name, const Folder& to);
+
 /// Copies a file that is about to be replaced into that folder, under its own name or the first
 /// with a number that is free. Nothing where there is no such file. Failure where `superseded` is a
 /// symbolic link.
@@ -43,14 +47,14 @@ void keep_superseded(const std::filesystem::path& run_dir, const std::string& na
 /// The same of report.pdf where it is sealed, which one that is rendered again is not.
 void keep_sealed_page(const std::filesystem::path& run_dir);
 
-/// Moves all signatures and time stamps there: a new report makes them void, and evidence is never
-/// deleted.
+/// Moves all signatures, time stamps and attestations there: a new report makes them void, and
+/// evidence is never deleted.
 void supersede_signatures(const std::filesystem::path& run_dir);
 
 /// Brings what stands in a run folder into `made`, which takes its place and has its report.json:
-/// signatures beside that where it is unchanged, byte for byte, else into its superseded/; a sealed
-/// PDF there too; and files of the user's, those that the earlier report does not name. What is in
-/// `made` already stays, and a signature that it has otherwise is superseded.
+/// signatures and attestations beside that where it is unchanged, byte for byte, else into its
+/// superseded/; a sealed PDF there too; and files of the user's, those that the earlier report does
+/// not name. What is in `made` already stays, and a signature that it has otherwise is superseded.
 void carry_over(const Folder& run, const Folder& made);
 
 }  // namespace runcert

@@ -198,6 +198,11 @@ Signer judge_ssh(const SignatureCase& one, const SignatureRules& rules, Signer s
 
 }  // namespace
 
+Signer judge_by_roster(Signer signer, const SshPublicKey& key, std::optional<UtcSecond> stamped,
+                       const SignatureRules& rules) {
+    return apply_roster(std::move(signer), key, {.stamped = stamped}, rules);
+}
+
 Signer judge_signature(const SignatureCase& one, const ReportFacts& report,
                        const SignatureRules& rules) {
     Signer signer{.file = one.file.name};

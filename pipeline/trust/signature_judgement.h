@@ -21,4 +21,9 @@ struct SignatureCase {
 Signer judge_signature(const SignatureCase& one, const ReportFacts& report,
                        const SignatureRules& rules);
 
+/// Whether a signature that holds, by that key, counts: by the roster, and by the time; `stamped`
+/// is that of its time stamp, where it has one.
+Signer judge_by_roster(Signer signer, const SshPublicKey& key, std::optional<UtcSecond> stamped,
+                       const SignatureRules& rules);
+
 }  // namespace runcert

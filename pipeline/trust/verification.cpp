@@ -15,6 +15,7 @@
 #include "run/stage_run.h"
 #include "run/steps.h"
 #include "schemas/products/products.h"
+#include "trust/attestation_files.h"
 #include "trust/bundle.h"
 #include "trust/signature_files.h"
 
@@ -30,7 +31,7 @@ bool is_known_companion(const fs::directory_entry& entry) {
     // Keys are those of a bundle, whose SHA256SUMS names each.
     if (name == bundle_keys_folder)
         return fs::is_directory(status) && fs::exists(entry.path().parent_path() / "SHA256SUMS");
-    if (name == superseded_folder) return fs::is_directory(status);
+    if (name == superseded_folder || name == attestations_folder) return fs::is_directory(status);
     if (name.starts_with(".runcert-")) return true;  // of a run that was killed
     if (!fs::is_regular_file(status)) return false;
     for (const char* known :
@@ -67,9 +68,26 @@ std::vector<std::string> extra_keys(const fs::path& keys) {
     return extras;
 }
 
+/// What does not belong among the attestations.
+std::vector<std::string> extra_attestations(const fs::path& run_dir) {
+    std::vector<std::string> extras;
+    if (!fs::is_directory(fs::symlink_status(run_dir / attestations_folder))) return extras;
+    const std::set<std::string> known = attestation_names(run_dir);
+    for (const auto& entry : fs::directory_iterator(run_dir / attestations_folder)) {
+        const std::string name =
+            fmt::format("{}/{}", attestations_folder, entry.path().filename().string());
+        if (!known.contains(name) || !fs::is_regular_file(entry.symlink_status()))
+            extras.push_back(shown(name) +
+                             ": neither an attestation nor evidence that one names: move it away");
+    }
+    return extras;
+}
+
 /// What does not belong into a run folder, in words; by name, so that the order is always the same.
 std::vector<std::string> extra_files(const fs::path& run_dir, const ReportFacts& report) {
     std::vector<std::string> extras = extra_keys(run_dir / bundle_keys_folder);
+    const std::vector<std::string> among_attestations = extra_attestations(run_dir);
+    extras.insert(extras.end(), among_attestations.begin(), among_attestations.end());
     for (const auto& entry : fs::directory_iterator(run_dir)) {
         const std::string name = entry.path().filename().string();
         if (report.subjects.contains(name) || is_known_companion(entry)) continue;

@@ -53,11 +53,6 @@ VerificationStep verify_report(const std::filesystem::path& run_dir, const Repor
 /// wrote.
 VerificationStep verify_schemas(const std::filesystem::path& run_dir, const ReportFacts& report);
 
-/// Whether report.html and report.pdf, where they are there, are what this report.json and the
-/// signatures that the page names render to. They are rendered again, which takes a second or two;
-/// those of another program, and where they cannot be rendered, are not passed.
-VerificationStep verify_pages(const std::filesystem::path& run_dir, const ReportFacts& report);
-
 /// Clocks of signers, authorities and of who verifies may differ by that much.
 inline constexpr std::chrono::minutes clock_tolerance{5};
 
@@ -66,10 +61,14 @@ struct SignatureRules {
     /// Keys and their roles; nothing where no key is known, so that no signature can count.
     std::optional<Roster> roster{};
     bool by_public_keys = false;  ///< the roster was made of public keys given, not of a file
+    bool roster_of_run = false;   ///< it lies in the run itself, and is the sender's word
     UtcSecond present{};          ///< the clock: nothing was signed after it
     UtcSecond at{};               ///< the time that counts where no time stamp does
     bool at_was_given = false;    ///< by --at; else it is the present
     std::vector<std::filesystem::path> time_stamp_cas{};
+
+    /// Whether somebody vouches for keys and roles: the reader, by a roster of the reader's own.
+    bool vouches() const { return roster && !by_public_keys && !roster_of_run; }
 };
 
 /// One signature file, as judged.
@@ -98,5 +97,12 @@ struct SignatureLayers {
 /// no signature is broken; one that merely does not count is said.
 SignatureLayers verify_signatures(const std::filesystem::path& run_dir, const ReportFacts& report,
                                   const SignatureRules& rules);
+
+/// Whether report.html and report.pdf, where they are there, are what this report.json, the
+/// signatures that the page names and all attestations render to. They are rendered again, which
+/// takes a second or two; those of another program, by another roster than the one given, and where
+/// they cannot be rendered, are not passed.
+VerificationStep verify_pages(const std::filesystem::path& run_dir, const ReportFacts& report,
+                              const SignatureRules& rules);
 
 }  // namespace runcert

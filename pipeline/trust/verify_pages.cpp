@@ -8,8 +8,10 @@
 #include "files/atomic_file.h"
 #include "files/process.h"
 #include "files/program.h"
+#include "files/sha256.h"
 #include "run/attempt_files.h"
 #include "run/chain.h"
+#include "trust/attestation_files.h"
 #include "trust/page_comparison.h"
 #include "trust/seal.h"
 #include "trust/signature_files.h"
@@ -24,9 +26,9 @@ constexpr const char* html_file = "report.html";
 constexpr const char* pdf_file = "report.pdf";
 constexpr const char* report_json_file = "report.json";
 
-/// What stands in the script that carries the names and texts of the signatures shown.
-std::string signatures_shown(const std::string& page) {
-    constexpr std::string_view begin = "<script type=\"application/json\" id=\"signature-files\">";
+/// What stands in one of the scripts that carry data: "signature-files", "standing".
+std::string carried(const std::string& page, std::string_view id) {
+    const std::string begin = fmt::format("<script type=\"application/json\" id=\"{}\">", id);
     const std::size_t at = page.find(begin);
     if (at == std::string::npos) return {};
     const std::size_t from = at + begin.size();
@@ -35,13 +37,21 @@ std::string signatures_shown(const std::string& page) {
 
 /// The names of the signature files that a page was made with: others may have come later.
 std::vector<std::string> signatures_in(const std::string& page) {
-    const auto list = nlohmann::json::parse(signatures_shown(page), nullptr, false);
+    const auto list = nlohmann::json::parse(carried(page, "signature-files"), nullptr, false);
     std::vector<std::string> names;
     if (!list.is_array()) return names;
     for (const auto& entry : list)
         if (entry.is_object() && entry.contains("file") && entry["file"].is_string())
             names.push_back(entry["file"].get<std::string>());
     return names;
+}
+
+/// The hash of the roster that a page's standing goes by; empty where it goes by none.
+std::string roster_of(const std::string& page) {
+    const auto standing = nlohmann::json::parse(carried(page, "standing"), nullptr, false);
+    if (!standing.is_object()) return {};
+    const auto roster = standing.find("roster_sha256");
+    return roster != standing.end() && roster->is_string() ? roster->get<std::string>() : "";
 }
 
 /// The folder's report, with those of its signatures that the page was made with, or all of them.
@@ -51,14 +61,23 @@ void take_report(const fs::path& run_dir, const fs::path& folder,
     for (const SignatureFile& signature : signature_files(run_dir))
         if (!shown || std::ranges::find(*shown, signature.name) != shown->end())
             write_file_atomically(folder / signature.name, signature.text);
+    // All of these: a page that left out a no would say another thing.
+    for (const std::string& name : attestation_names(run_dir)) {
+        make_directory((folder / name).parent_path());
+        if (fs::is_regular_file(fs::symlink_status(run_dir / name)))
+            fs::copy_file(run_dir / name, folder / name);
+    }
 }
 
 /// The pages of the run folder's report, made in `folder`. Nothing where they are; else why not.
 std::optional<std::string> render_again(const fs::path& run_dir, const fs::path& folder,
-                                        const ReportFacts& report, bool with_pdf) {
+                                        const ReportFacts& report, const fs::path& roster,
+                                        bool with_pdf) {
     try {
-        run_step("render",
-                 {.attempt = run_dir / attempt_copy_name, .run_dir = folder, .pdf = with_pdf});
+        run_step("render", {.attempt = run_dir / attempt_copy_name,
+                            .run_dir = folder,
+                            .pdf = with_pdf,
+                            .roster = roster});
     } catch (const StageFailed& failed) {
         if (report.program_version != program_version() ||
             report.source_revision != source_revision())
@@ -76,7 +95,8 @@ std::optional<std::string> render_again(const fs::path& run_dir, const fs::path&
 
 }  // namespace
 
-VerificationStep verify_pages(const fs::path& run_dir, const ReportFacts& report) {
+VerificationStep verify_pages(const fs::path& run_dir, const ReportFacts& report,
+                              const SignatureRules& rules) {
     VerificationStep step{
         .passed = true, .what = "pages", .finding = {}, .details = {}, .checked = true};
     const auto is_there = [&](const char* name) {
@@ -90,9 +110,24 @@ VerificationStep verify_pages(const fs::path& run_dir, const ReportFacts& report
         return step;
     }
     const TemporaryFolder folder;
-    take_report(run_dir, folder.path(),
-                html ? std::optional(signatures_in(read_file(run_dir / html_file))) : std::nullopt);
-    if (const auto failed = render_again(run_dir, folder.path(), report, pdf)) {
+    const std::string page = html ? read_file(run_dir / html_file) : std::string();
+    const std::string roster = roster_of(page);
+    if (!roster.empty() && (!rules.vouches() || roster != sha256_hex(rules.roster->text))) {
+        step.passed = false;
+        step.finding = fmt::format(
+            "their standing goes by a roster that was not given here, "
+            "SHA-256 {}",
+            shown(roster));
+        step.details.emplace_back(
+            "Render them again, by your own roster or by none: runcert attest RUN --render.");
+        return step;
+    }
+    const TemporaryFolder roster_folder;
+    const fs::path roster_file = roster_folder.path() / "roster";
+    if (!roster.empty()) write_file_atomically(roster_file, rules.roster->text);
+    take_report(run_dir, folder.path(), html ? std::optional(signatures_in(page)) : std::nullopt);
+    if (const auto failed = render_again(run_dir, folder.path(), report,
+                                         roster.empty() ? fs::path() : roster_file, pdf)) {
         step.passed = false;
         step.finding = *failed;
         step.details.emplace_back(

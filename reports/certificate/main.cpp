@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "files/atomic_file.h"
+#include "reports/certificate/json_standing.h"
+#include "reports/certificate/json_text.h"
 #include "reports/certificate/report_html.h"
 #include "reports/certificate/report_run.h"
 #include "run/attempt_files.h"
@@ -98,6 +100,14 @@ std::vector<SignatureText> signatures_of(const std::filesystem::path& run_dir) {
     return signatures;
 }
 
+/// Where the run stands by its attestations, for the pages.
+std::string standing_of(const std::filesystem::path& run_dir, const std::string& roster) {
+    std::optional<Roster> keys;
+    if (!roster.empty()) keys = parse_roster(read_handwritten(roster), roster);
+    return report_text_of(
+        standing_json(stated_standing(run_dir, read_report_facts(run_dir), std::move(keys))));
+}
+
 /// Signatures of an unchanged report stand; those of another one are void.
 void write_report(const StageRun& run, const std::string& report) {
     const std::filesystem::path file = run.run_dir() / "report.json";
@@ -110,6 +120,7 @@ void write_report(const StageRun& run, const std::string& report) {
 
 int main(int argc, char** argv) {
     std::string key;
+    std::string roster;
     bool no_render = false;
     bool no_pdf = false;
     bool render_only = false;
@@ -125,11 +136,14 @@ int main(int argc, char** argv) {
                 return;
             }
             render_report(run.run_dir(), read_file(run.run_dir() / "report.json"),
-                          {.signatures = signatures_of(run.run_dir()), .pdf = !no_pdf});
+                          {.signatures = signatures_of(run.run_dir()),
+                           .standing = standing_of(run.run_dir(), roster),
+                           .pdf = !no_pdf});
             run.say(no_pdf ? "report.json, report.html" : "report.json, report.html, report.pdf");
         },
         [&](CommandLine& line) {
             line.text("--key", key, "secret key to sign report.json with");
+            line.text("--roster", roster, "whose answers and signatures the pages count");
             line.flag("--no-render", no_render, "stop after report.json");
             line.flag("--no-pdf", no_pdf, "no PDF, which takes longest");
             line.flag("--render-only", render_only, "HTML and PDF of the report.json there is");

@@ -11,6 +11,7 @@
 #include "core/plain_text.h"
 #include "files/base64.h"
 #include "files/sha256.h"
+#include "reports/certificate/json_standing.h"
 #include "reports/certificate/json_text.h"
 #include "trust/signature.h"
 #include "trust/ssh_signature.h"
@@ -132,8 +133,9 @@ std::string image_source(const std::string& svg) {
 
 /// The inside of the page's <main>: what stands in the report, and its drawings.
 std::string content_of(const Json& report, const std::vector<std::string>& drawings,
-                       const std::vector<SignatureText>& signatures, const WordPieces& pieces) {
-    Json shown = report["predicate"];
+                       const std::vector<SignatureText>& signatures, const std::string& standing,
+                       const WordPieces& pieces) {
+    Json shown = with_standing(report["predicate"], Json::parse(standing));
     shown["signed"] = !signatures.empty();
     shown["signers"] = signers_json(signatures);
     shown["missing_signatures"] = missing_signatures_json(shown, shown["signers"]);
@@ -209,26 +211,28 @@ Json page_parts_json() {
 
 std::string report_page(const std::string& report_text_bytes, const Json& report,
                         const std::vector<std::string>& drawings,
-                        const std::vector<SignatureText>& signatures) {
+                        const std::vector<SignatureText>& signatures, const std::string& standing) {
     Json files = Json::array();
     for (const SignatureText& signature : signatures)
         files.push_back({{"file", signature.file}, {"text", signature.text}});
     const std::string script = page_script();
     TemplateData data = page_data(report, !signatures.empty());
     data.set("style", page_style());
-    data.set("content", content_of(report, drawings, signatures, on_screen));
+    data.set("content", content_of(report, drawings, signatures, standing, on_screen));
     data.set("report_json", report_text_bytes);
     data.set("signature_files", report_text_of(files));
+    data.set("standing", standing);
     data.set("script", script);
     data.set("script_hash", base64_of_hex(sha256_hex(script)));
     return rendered("template/page.html", data);
 }
 
 std::string report_print_page(const Json& report, const std::vector<std::string>& drawings,
-                              const std::vector<SignatureText>& signatures) {
+                              const std::vector<SignatureText>& signatures,
+                              const std::string& standing) {
     TemplateData data = page_data(report, !signatures.empty());
     data.set("style", std::string(report_text("template/report.css")));
-    data.set("content", content_of(report, drawings, signatures, on_paper));
+    data.set("content", content_of(report, drawings, signatures, standing, on_paper));
     return rendered("template/page.html", data);
 }
 

@@ -44,6 +44,14 @@ Json files_json(const std::vector<ReportSubject>& subjects) {
     return json;
 }
 
+/// "judge", "2 of judge".
+std::string answerer_words(const Requirement& requirement) {
+    const RoleSignatures fallback = default_answerer();
+    const AnsweredBy by = requirement.answered_by.value_or(
+        AnsweredBy{.role = fallback.role, .count = fallback.count});
+    return by.count > 1 ? fmt::format("{} of {}", by.count, by.role) : by.role;
+}
+
 Json attestations_json(const Verdict& verdict) {
     Json json = Json::array();
     for (const ProfileVerdict& profile : verdict.profiles)
@@ -51,7 +59,8 @@ Json attestations_json(const Verdict& verdict) {
             if (requirement.status == RequirementStatus::attest)
                 json.push_back({{"profile", profile.profile},
                                 {"clause", requirement.clause},
-                                {"text", requirement.text}});
+                                {"text", requirement.text},
+                                {"answered_by", answerer_words(requirement)}});
     return json;
 }
 

@@ -14,11 +14,12 @@ std::string write_report_json(const ReportInputs& inputs);
 
 struct RenderOptions {
     std::vector<SignatureText> signatures;  ///< none: every page says UNSIGNED
+    std::string standing = "{}\n";          ///< the text of a standing_json
     bool pdf = true;
 };
 
-/// Writes report.html and report.pdf into the run folder, from the bytes of report.json and its
-/// signatures alone, so that anyone can make them again from what was signed.
+/// Writes report.html and report.pdf into the run folder, from the bytes of report.json, its
+/// signatures and its standing alone, so that anyone can make them again from what was signed.
 void render_report(const std::filesystem::path& run_folder, const std::string& report_text,
                    const RenderOptions& options = {});
 

@@ -102,8 +102,8 @@ bool is_safe_id(const std::string& id) {
 }
 
 ListedAttempt listed_attempt(const Value& value) {
-    value.holds_only({"id", "source", "state", "verdict", "report", "observations", "pages",
-                      "notes", "step", "problem", "where", "remedy", "reason"});
+    value.holds_only({"id", "source", "state", "verdict", "report", "observations", "attestations",
+                      "pages", "notes", "step", "problem", "where", "remedy", "reason"});
     ListedAttempt attempt{.id = value["id"].text(),
                           .source = value["source"].text(),
                           .state = value["state"].text(),
@@ -116,6 +116,9 @@ ListedAttempt listed_attempt(const Value& value) {
         if (value.has("observations"))
             for (const Value& file : value["observations"].list())
                 attempt.observations.push_back(listed_file(file));
+        if (value.has("attestations"))
+            for (const Value& file : value["attestations"].list())
+                attempt.attestations.push_back(listed_file(file));
         if (value.has("pages"))
             for (const Value& page : value["pages"].list())
                 attempt.pages.push_back(file_inside(page));

@@ -23,6 +23,7 @@ struct ListedAttempt {
     std::optional<ListedFile> verdict = {};
     std::optional<ListedFile> report = {};
     std::vector<ListedFile> observations = {};  ///< of each receiver
+    std::vector<ListedFile> attestations = {};
     std::vector<std::string> pages = {};
     std::vector<std::string> notes = {};
     std::string step = {}, problem = {}, where = {}, remedy = {};  ///< of a failed one

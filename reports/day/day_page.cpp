@@ -20,16 +20,6 @@ namespace {
 /// Failures that are seen at once; the others are folded away.
 constexpr std::size_t failures_shown = 12;
 
-TemplateData texts_of(const std::vector<std::string>& texts) {
-    TemplateData data = template_list();
-    for (const std::string& text : texts) {
-        TemplateData item = template_map();
-        set_text(item, "text", text);
-        data.push_back(item);
-    }
-    return data;
-}
-
 TemplateData failure_data(const AttemptResult& attempt) {
     const DayFailure failure = attempt.failure.value_or(DayFailure{});
     TemplateData data = template_map();

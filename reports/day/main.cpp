@@ -12,6 +12,7 @@
 #include "reports/day/shared_recordings.h"
 #include "reports/day/summary.h"
 #include "run/stage_main.h"
+#include "trust/run_standing.h"
 
 using namespace runcert;
 
@@ -57,6 +58,20 @@ void add_recordings(const Options& options, const ListedAttempt& listed, std::si
     }
 }
 
+/// Who answered what of a run, and where each rule stands by it. Nobody vouches for the keys here.
+void add_answers(const std::filesystem::path& run_dir, AttemptResult& result) {
+    const RunStanding standing = stated_standing(run_dir, read_report_facts(run_dir), std::nullopt);
+    for (const RuleStanding& rule : standing.rules)
+        for (DayResult& one : result.results) {
+            if (one.profile != rule.profile) continue;
+            one.standing = rule.state.standing;
+            for (const ClauseStanding& clause : rule.clauses)
+                for (const GivenAnswer& answer : clause.answers)
+                    one.answers.push_back(
+                        fmt::format("{}: {}", clause.due.clause, answer_words(answer)));
+        }
+}
+
 /// An attempt that is done: its verdict and its report are read, and let go of.
 AttemptResult read_done(const Options& options, const ListedAttempt& listed, DayResults& results) {
     const auto where = [&](const ListedFile& file) { return (options.out / file.file).string(); };
@@ -64,8 +79,12 @@ AttemptResult read_done(const Options& options, const ListedAttempt& listed, Day
         read_listed(options, *listed.verdict, "verdict", results.header), where(*listed.verdict));
     const ReportIdentity report = read_report_identity(
         read_listed(options, *listed.report, "report", results.header), where(*listed.report));
+    for (const ListedFile& file : listed.attestations)
+        (void)read_listed(options, file, "attestation", results.header);
     add_rules(results.profiles, verdict);
-    return summary_of(listed, verdict, report);
+    AttemptResult result = summary_of(listed, verdict, report);
+    if (!listed.attestations.empty()) add_answers(options.out / listed.id, result);
+    return result;
 }
 
 DayResults results_of_day(const Options& options) {

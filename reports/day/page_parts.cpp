@@ -69,6 +69,7 @@ TemplateData place_data(const DayProfile& profile, std::size_t i, const AttemptR
     set_text(row, "window", window_words(result));
     set_text(row, "reason", result.reason);
     set_text(row, "replaced", listed(result.replaced));
+    row.set("answers", texts_of(result.answers));
     return row;
 }
 
@@ -119,6 +120,16 @@ TemplateData tally_of(const DayProfile& profile, const AttemptsById& attempts) {
 }
 
 }  // namespace
+
+TemplateData texts_of(const std::vector<std::string>& texts) {
+    TemplateData data = template_list();
+    for (const std::string& text : texts) {
+        TemplateData item = template_map();
+        set_text(item, "text", text);
+        data.push_back(item);
+    }
+    return data;
+}
 
 AttemptsById attempts_by_id(const DayResults& results) {
     AttemptsById attempts;

@@ -20,6 +20,8 @@ TemplateData template_map();
 TemplateData template_list();
 void set_list(TemplateData& map, const std::string& name, TemplateData list, bool any);
 void set_text(TemplateData& map, const std::string& name, const std::string& text);
+/// Maps whose `text` is one of them each.
+TemplateData texts_of(const std::vector<std::string>& texts);
 
 /// One rule: its counts, its picture and its ranking.
 TemplateData profile_data(const DayProfile& profile, const AttemptsById& attempts,

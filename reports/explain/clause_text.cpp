@@ -54,6 +54,11 @@ std::string ClauseView::limit() const {
     return clause != nullptr && clause->limit ? number_text(*clause->limit, clause->unit) : "";
 }
 
+std::vector<std::string> ClauseView::answers() const {
+    const auto found = of.options.answers.find(of.verdict.profile + "/" + requirement.clause);
+    return found == of.options.answers.end() ? std::vector<std::string>() : found->second;
+}
+
 std::string clause_text(const ClauseView& view) {
     const Requirement& requirement = view.requirement;
     std::string text = heading(words_of(requirement.status),
@@ -70,6 +75,12 @@ std::string clause_text(const ClauseView& view) {
     text += labelled("Outcome", outcome_sentence(requirement));
     if (requirement.status == RequirementStatus::attest)
         text += labelled("To do", std::string(phrase_of(view.requirement.decided_by)));
+    if (requirement.answered_by)
+        text +=
+            labelled("Answered by", fmt::format("{} in the role {}", requirement.answered_by->count,
+                                                requirement.answered_by->role));
+    for (const std::string& answer : view.answers())
+        text += labelled("Answers", answer);
     return text;
 }
 
@@ -84,6 +95,8 @@ std::string clause_in_short(const ClauseView& view) {
                                   : "";
     text += blanks + wrapped(requirement.text + doubt, indent, indent);
     text += blanks + wrapped(sentence(requirement.evidence), indent, indent);
+    for (const std::string& answer : view.answers())
+        text += blanks + wrapped(answer, indent, indent);
     return text;
 }
 

@@ -13,9 +13,11 @@ std::string title(const ProfileView& view) {
                    fmt::format("{}, {}", view.verdict.title, view.verdict.body));
 }
 
-std::string outcome_lines(const ProfileVerdict& verdict) {
-    std::string text = labelled("Outcome", outcome_words(state_of(verdict)).title + ".");
-    return text + labelled("Standing", capitalised(standing_text(verdict.standing)) + ".");
+std::string outcome_lines(const ProfileView& view) {
+    OutcomeState state = state_of(view.verdict);
+    state.vouched = view.options.vouched;
+    return labelled("Outcome", outcome_words(state).title + ".") +
+           labelled("Standing", capitalised(standing_text(state.standing)) + ".");
 }
 
 std::string window_text(const ProfileView& view) {
@@ -159,7 +161,7 @@ std::string comparison_text(const ProfileView& view) {
 
 std::string decision_text(const ProfileView& view) {
     const ProfileVerdict& verdict = view.verdict;
-    std::string text = title(view) + outcome_lines(verdict);
+    std::string text = title(view) + outcome_lines(view);
     text += labelled("Window", window_text(view));
     text += comparison_text(view);
     text += labelled("Why", why_text(view));
@@ -179,7 +181,7 @@ std::string decision_text(const ProfileView& view) {
 
 std::string decision_in_short(const ProfileView& view) {
     const ProfileVerdict& verdict = view.verdict;
-    std::string text = title(view) + outcome_lines(verdict);
+    std::string text = title(view) + outcome_lines(view);
     if (const std::string speed = speed_shown(view); !speed.empty()) {
         const std::string unit = unit_of(view);
         const std::string required_speed =

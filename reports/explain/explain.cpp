@@ -18,7 +18,8 @@ namespace runcert {
 namespace {
 
 std::vector<ProfileView> views_of(const Verdict& verdict, const std::vector<Profile>& profiles,
-                                  const std::string& wanted) {
+                                  const ExplainOptions& options) {
+    const std::string& wanted = options.profile;
     std::vector<ProfileView> views;
     std::vector<std::string_view> known;
     for (const ProfileVerdict& entry : verdict.profiles) {
@@ -31,7 +32,7 @@ std::vector<ProfileView> views_of(const Verdict& verdict, const std::vector<Prof
                                       "not claim",
                                       escape_for_message(entry.profile)),
                           "Run the stages again, or `runcert certify`");
-        views.push_back({verdict, entry, *profile});
+        views.push_back({verdict, entry, *profile, options});
     }
     if (views.empty())
         throw Failure("--profile",
@@ -109,7 +110,7 @@ std::string in_short(const ProfileView& view) {
 
 std::string explain_text(const Verdict& verdict, const std::vector<Profile>& profiles,
                          const ExplainOptions& options) {
-    const std::vector<ProfileView> views = views_of(verdict, profiles, options.profile);
+    const std::vector<ProfileView> views = views_of(verdict, profiles, options);
     if (!options.clause.empty()) return one_clause(views, options.clause);
     std::string text;
     for (const ProfileView& view : views)

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,9 @@ struct ExplainOptions {
     /// "decision"; empty: every clause in short.
     std::string clause;
     std::string profile;  ///< id of the one profile to look at; empty: all
+    /// Of "PROFILE/CLAUSE", what became of it and who answered, a line each.
+    std::map<std::string, std::vector<std::string>> answers = {};
+    bool vouched = false;  ///< the verdict's standing counts keys of the reader's roster
 };
 
 /// The verdict in plain words, in lines of at most 100 characters: one clause of the rules in full,

@@ -4,11 +4,14 @@
 #include <filesystem>
 
 #include "core/failure.h"
+#include "files/atomic_file.h"
 #include "files/program.h"
 #include "reports/explain/explain.h"
 #include "reports/explain/words.h"
 #include "run/attempt_files.h"
 #include "run/stage_main.h"
+#include "trust/roster.h"
+#include "trust/run_standing.h"
 
 using namespace runcert;
 
@@ -17,6 +20,7 @@ namespace {
 struct Options {
     std::string run_dir;
     ExplainOptions what;
+    std::string roster;
     bool profiles = false;
     bool inputs = false;
 };
@@ -34,18 +38,38 @@ std::vector<std::string> check_inputs(StageRun& run, const Verdict& verdict) {
     return missing;
 }
 
+/// What was answered since the verdict was made, and where each rule stands by it.
+void add_answers(Verdict& verdict, const Options& options, ExplainOptions& what) {
+    if (!std::filesystem::exists(std::filesystem::path(options.run_dir) / "report.json")) return;
+    std::optional<Roster> roster;
+    if (!options.roster.empty())
+        roster = parse_roster(read_handwritten(options.roster), options.roster);
+    const RunStanding standing =
+        stated_standing(options.run_dir, read_report_facts(options.run_dir), std::move(roster));
+    if (standing.envelopes == 0 && standing.roster_sha256.empty()) return;
+    what.vouched = !standing.roster_sha256.empty();
+    for (const RuleStanding& rule : standing.rules) {
+        for (ProfileVerdict& profile : verdict.profiles)
+            if (profile.profile == rule.profile) profile.standing = rule.state.standing;
+        for (const ClauseStanding& clause : rule.clauses)
+            what.answers[rule.profile + "/" + clause.due.clause] = clause_words(clause);
+    }
+}
+
 std::string explain_run(const Options& options) {
     const std::filesystem::path run_dir(options.run_dir);
     StageRun run = open_run("explain", run_dir);
     run.note_attempt();
-    const Verdict verdict = run.read(products::verdict, read_verdict);
+    Verdict verdict = run.read(products::verdict, read_verdict);
     std::vector<Profile> profiles;
     for (const std::string& claimed : run.attempt().profiles) {
         run.note_file("profile", profile_copy_name(claimed));
         profiles.push_back(read_claimed_profile(run_dir, claimed, run.attempt()));
     }
     const std::vector<std::string> missing = check_inputs(run, verdict);
-    std::string text = explain_text(verdict, profiles, options.what);
+    ExplainOptions what = options.what;
+    add_answers(verdict, options, what);
+    std::string text = explain_text(verdict, profiles, what);
     if (!missing.empty())
         text += "\n" + wrapped(fmt::format("Not checked, since the folder does not hold it: {}.",
                                            fmt::join(missing, ", ")),
@@ -70,6 +94,7 @@ int main(int argc, char** argv) {
             line.text("RUN_DIR", options.run_dir, "folder of a certified run");
             line.text("CLAUSE", options.what.clause, "clause, or outcome (default: all in short)");
             line.text("--profile", options.what.profile, "which profile (default: all)");
+            line.text("--roster", options.roster, "whose answers and signatures count");
             line.flag("--profiles", options.profiles,
                       "list the profiles that come with the program");
             line.exclude("--profiles", "RUN_DIR");

@@ -15,6 +15,7 @@ struct ProfileView {
     const Verdict& all;
     const ProfileVerdict& verdict;
     const Profile& profile;
+    const ExplainOptions& options;
 };
 
 /// One of its clauses. `clause` is null where the profile does not have it.
@@ -25,6 +26,8 @@ struct ClauseView {
 
     /// What the computation compared with, "1 m"; empty where it takes no limit.
     std::string limit() const;
+    /// Who answered for it, and what.
+    std::vector<std::string> answers() const;
 };
 
 /// A clause in full: text, source, computation, figures, limit, outcome.

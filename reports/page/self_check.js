@@ -13,6 +13,11 @@ const whoseKey = "Only you can know whose key this is: compare it with the key t
   "you. A page cannot vouch for itself: whoever can change it can change this check; runcert verify " +
   "decides.";
 
+/** What the page shows of answers is of its maker, who may be anybody. */
+const standingNote = ({ roster_sha256: roster }) => "Its standing, and who answered what, are not signed: they were " +
+  "computed when the page was made, " + (roster ? `with the roster of keys whose SHA-256 is ${roster}` : "without a roster of keys") +
+  ". Only runcert verify with a roster of your own says whether they hold.";
+
 /** The text of the one element with an id. PageFault where there is none, or more than one. */
 function embeddedText(id) {
   const found = document.querySelectorAll(`#${id}`);
@@ -30,7 +35,8 @@ function embeddedReport() {
   }
 }
 
-function embeddedList(id) {
+/** What stands in a part of the page, read as JSON. */
+function embeddedPart(id) {
   try {
     return JSON.parse(embeddedText(id));
   } catch (error) {
@@ -39,12 +45,12 @@ function embeddedList(id) {
 }
 
 /** The page as it was made, and all in which the loaded one differs from it, in words: {made, faults}. */
-function comparePage(json, predicate, signatureFiles) {
+function comparePage(json, predicate, signatureFiles, standing) {
   const page = document.documentElement;
   const script = embeddedText("page-script");
   const { sources, faults } = signedPictures(page, predicate.figures);
-  const made = renderPage(predicate, signersOf(signatureFiles), sources,
-    { report_json: json, signature_files: embeddedText("signature-files"), script });
+  const made = renderPage(withStanding(predicate, standing), signersOf(signatureFiles), sources,
+    { report_json: json, signature_files: embeddedText("signature-files"), standing: embeddedText("standing"), script });
   if (hexOf(nobleHashes.sha256(utf8Bytes(script))) !== predicate.page.script_sha256)
     faults.unshift("the script of this page is not the one that the report names");
   const [first, ...beside] = document.childNodes;
@@ -65,8 +71,9 @@ function showAsMade(made) {
 /** The state of the page with its faults and what is known of each signature. Shows it as it was made. */
 async function findingsOfPage() {
   const { json, predicate } = embeddedReport();
-  const signatureFiles = embeddedList("signature-files");
-  const { made, faults } = comparePage(json, predicate, signatureFiles);
+  const signatureFiles = embeddedPart("signature-files");
+  const standing = embeddedPart("standing");
+  const { made, faults } = comparePage(json, predicate, signatureFiles, standing);
   const canVerify = await browserKnowsEd25519();
   const identity = { report: predicate.report_id, attempt: predicate.attempt.id };
   const signatures = canVerify
@@ -76,6 +83,7 @@ async function findingsOfPage() {
     if (state === "invalid") faults.push(`${file}: ${words}`);
   const notes = signatures.filter(({ state }) => state === "unchecked")
     .map(({ file, words }) => `${file}: ${words}`);
+  if (standing.rules !== undefined) notes.push(standingNote(standing));
   if (!canVerify && signatureFiles.length > 0)
     notes.push("This browser cannot verify Ed25519 signatures (WebCrypto). Open the page in a newer " +
       "one, or use runcert verify.");

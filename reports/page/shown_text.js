@@ -47,6 +47,24 @@ function missingSignatures(required, signers) {
   return missing;
 }
 
+/** What the page shows in place of the report's own texts, as the program's with_standing has it. */
+const textsOfRule = ["outcome_title", "outcome_mark", "tone", "standing_words", "answered"];
+
+/** A predicate with the texts of the standing in their places, and in no others. */
+function withStanding(predicate, { vouched_words, rules }) {
+  if (rules === undefined) return predicate;
+  const profiles = predicate.profiles.map((profile, index) => {
+    const texts = Object.fromEntries(textsOfRule.map((name) => [name, rules[index][name]]));
+    const requirements = profile.requirements.map((requirement) => {
+      const { clauses } = rules[index];
+      return Object.hasOwn(clauses, requirement.clause)
+        ? { ...requirement, clause_answers: clauses[requirement.clause] } : requirement;
+    });
+    return { ...profile, ...texts, requirements };
+  });
+  return { ...predicate, vouched_words, profiles };
+}
+
 /** The data of the content's template: the report's predicate, who signed, and the picture of each figure. */
 function contentData(predicate, signers, pictures) {
   const data = templateData({ ...predicate, signed: signers.length > 0, signers,
@@ -61,7 +79,7 @@ function contentData(predicate, signers, pictures) {
 /**
  * The whole page as it was made, in a document of its own in which nothing runs: rendered from the
  * signed JSON with the templates and the style of this script. `carried` are the texts that it
- * carries: report_json, signature_files and script.
+ * carries: report_json, signature_files, standing and script.
  */
 function renderPage(predicate, signers, pictures, carried) {
   const escape = { escape: escapeHtml };

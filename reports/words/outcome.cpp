@@ -1,6 +1,7 @@
 #include "reports/words/outcome.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 
@@ -15,15 +16,29 @@ std::string under(const OutcomeState& state) {
     return state.rule_altered ? " under altered rules" : "";
 }
 
+/// What was answered, but not so that it counts.
+std::vector<std::string> answered_otherwise(const Standing& standing) {
+    std::vector<std::string> words;
+    if (const std::int64_t count = standing.unvouched.value_or(0); count > 0)
+        words.push_back(
+            fmt::format("{} by keys that nobody vouched for", counted(count, "answer")));
+    if (const std::int64_t count = standing.refused.value_or(0); count > 0)
+        words.push_back(fmt::format("{} answered no", counted(count, "requirement")));
+    return words;
+}
+
 std::string beaten_title(const OutcomeState& state) {
     const Standing& standing = state.standing;
-    if (standing.state == StandingState::complete && !state.rule_altered) return "Record beaten";
+    if (standing.state == StandingState::complete && state.vouched && !state.rule_altered)
+        return "Record beaten";
     std::vector<std::string> open;
     if (standing.attestations > 0)
         open.push_back(
             fmt::format("{} still to be attested", counted(standing.attestations, "requirement")));
     if (standing.signatures > 0)
         open.push_back(fmt::format("{} required", counted(standing.signatures, "signature")));
+    for (std::string& more : answered_otherwise(standing))
+        open.push_back(std::move(more));
     return fmt::format("Measured speed exceeds the record{}{}{}", under(state),
                        open.empty() ? "" : "; ", listed(open));
 }
@@ -86,7 +101,9 @@ std::string standing_text(const Standing& standing) {
     std::vector<std::string> open;
     if (standing.attestations > 0) open.push_back(counted(standing.attestations, "attestation"));
     if (standing.signatures > 0) open.push_back(counted(standing.signatures, "signature"));
-    return "awaiting " + listed(open);
+    std::vector<std::string> words = answered_otherwise(standing);
+    if (!open.empty()) words.insert(words.begin(), "awaiting " + listed(open));
+    return fmt::format("{}", fmt::join(words, "; "));
 }
 
 }  // namespace runcert

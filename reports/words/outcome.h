@@ -19,6 +19,7 @@ struct OutcomeState {
     Standing standing = {};
     bool record_named = false;
     bool rule_altered = false;  ///< figures replaced by the attempt, or a rule of its own
+    bool vouched = false;       ///< the standing counts keys that the reader's roster vouches for
 };
 OutcomeState state_of(const ProfileVerdict& verdict);
 
@@ -30,8 +31,9 @@ struct OutcomeWords {
 };
 
 /// "Record beaten" only where the measurement says so, the rule is the body's own and nothing is
-/// left to be attested or signed; else what was measured and what it waits for: "Measured speed
-/// exceeds the record; 5 requirements still to be attested".
+/// left to be attested or signed, by keys that the reader's roster vouches for; else what was
+/// measured and what it waits for: "Measured speed exceeds the record; 5 requirements still to be
+/// attested".
 OutcomeWords outcome_words(const OutcomeState& state);
 
 /// "rule “nalsa”, revision 1", "the attempt's own rule “x”, revision 1".
@@ -40,7 +42,7 @@ std::string rule_identity_text(const ProfileVerdict& verdict);
 /// "The result rests on positions alone: a drift below 0.46 m/s could not have been seen."
 std::string positions_alone_text(double unseen_drift_m_s);
 
-/// "complete", or "awaiting 5 attestations and 2 signatures".
+/// "complete", or "awaiting 5 attestations and 2 signatures; 1 requirement answered no".
 std::string standing_text(const Standing& standing);
 
 }  // namespace runcert

@@ -39,14 +39,31 @@ TEST(WordsOfOutcomes, TheStandingCountsWhatPeopleMustStillAnswerFor) {
 
 // DESIGN, "Outcome and standing are two things".
 TEST(WordsOfOutcomes, ARecordIsBeatenOnlyWhereNothingIsOpenAndTheRuleIsTheBodysOwn) {
-    EXPECT_EQ(title(beaten(standing_of(requirements({met}), 0))), "Record beaten");
-    EXPECT_EQ(title(beaten(standing_of(requirements({met}), 0), true)),
-              "Measured speed exceeds the record under altered rules");
+    OutcomeState state = beaten(standing_of(requirements({met}), 0));
+    EXPECT_EQ(title(state), "Measured speed exceeds the record");
+    state.vouched = true;  // by the roster of whoever reads it
+    EXPECT_EQ(title(state), "Record beaten");
+    state.rule_altered = true;
+    EXPECT_EQ(title(state), "Measured speed exceeds the record under altered rules");
     EXPECT_EQ(title(beaten(standing_of(requirements({attest}), 0))),
               "Measured speed exceeds the record; 1 requirement still to be attested");
     EXPECT_EQ(title(beaten(standing_of(requirements({attest, attest}), 2), true)),
               "Measured speed exceeds the record under altered rules; 2 requirements still to be "
               "attested and 2 signatures required");
+}
+
+TEST(WordsOfOutcomes, WhatWasAnsweredButDoesNotCountIsSaid) {
+    OutcomeState state = beaten({.state = StandingState::refused, .refused = 1});
+    state.vouched = true;
+    EXPECT_EQ(title(state), "Measured speed exceeds the record; 1 requirement answered no");
+    EXPECT_EQ(standing_text(state.standing), "1 requirement answered no");
+    state.standing = {.state = StandingState::awaiting, .unvouched = 7};
+    EXPECT_EQ(title(state),
+              "Measured speed exceeds the record; 7 answers by keys that nobody vouched for");
+    EXPECT_EQ(standing_text(state.standing), "7 answers by keys that nobody vouched for");
+    state.standing.attestations = 2;
+    EXPECT_EQ(standing_text(state.standing),
+              "awaiting 2 attestations; 7 answers by keys that nobody vouched for");
 }
 
 TEST(WordsOfOutcomes, ANegativeOutcomeGivesItsReason) {

@@ -1,0 +1,255 @@
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <iostream>
+
+#include "attest_list.h"
+#include "commands.h"
+#include "core/failure.h"
+#include "core/plain_text.h"
+#include "core/prose.h"
+#include "core/text.h"
+#include "files/archive.h"
+#include "files/atomic_file.h"
+#include "files/sha256.h"
+#include "recompute.h"
+#include "render_pages.h"
+#include "run/run_lock.h"
+#include "trust/attestation_files.h"
+#include "trust/roster.h"
+#include "trust/signable.h"
+#include "trust/signing.h"
+#include "trust/ssh_key.h"
+
+namespace runcert {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct AttestOptions {
+    std::string run_dir;
+    std::vector<std::string> clauses;
+    std::string profile, role, key, statement, paper, roster;
+    std::vector<std::string> evidence;
+    bool no = false, withdraw = false, recomputed = false, yes = false;
+    bool render = false, no_render = false;
+
+    bool signs() const { return !clauses.empty() || recomputed; }
+    std::string_view answer() const {
+        return withdraw ? answer_withdrawn : no ? answer_no : answer_yes;
+    }
+};
+
+/// A file that goes along, with its bytes.
+struct TakenFile {
+    EvidenceFile named{};
+    std::string bytes{};
+};
+
+TakenFile take_file(const fs::path& path) {
+    constexpr std::uintmax_t longest = std::uintmax_t{256} << 20;
+    constexpr std::size_t longest_name = 100;
+    const std::string name = path.filename().string();
+    if (!is_plain_name(name) || name.size() > longest_name || !is_printable_line(name))
+        throw Failure(path.string(), "this is no name that every system can keep a file under",
+                      "Give it a short name of letters and digits");
+    if (fs::is_regular_file(path) && fs::file_size(path) > longest)
+        throw Failure(path.string(), fmt::format("the file is longer than {} bytes", longest),
+                      "Hand it over by itself, and name it in --statement");
+    TakenFile file{.named = {.name = name}, .bytes = read_file(path)};
+    file.named.sha256 = sha256_hex(file.bytes);
+    return file;
+}
+
+void require_statement(const std::string& statement) {
+    constexpr std::size_t longest = 1000;
+    if (statement.size() > longest || !is_printable_line(statement))
+        throw Failure(
+            "--statement",
+            fmt::format("it is not one line of printable text of at most {} bytes", longest),
+            "Shorten it, or hand it over as --evidence");
+}
+
+/// Refuses what this key has answered already, and to take back what it has not.
+void require_sense(const AttestOptions& options, const std::vector<DueClause>& chosen,
+                   const Attestations& there, const std::string& key) {
+    for (const DueClause& clause : chosen) {
+        const auto own = std::ranges::find_if(there.answers, [&](const GivenAnswer& one) {
+            return one.key == key && one.profile == clause.profile && one.clause == clause.clause &&
+                   one.counts && one.answer != answer_withdrawn;
+        });
+        const bool answered = own != there.answers.end();
+        if (answered == options.withdraw) continue;
+        const std::string name = clause.profile + "/" + clause.clause;
+        if (answered)
+            throw Failure(name, fmt::format("this key has answered it: {}", answer_words(*own)),
+                          "Take that back first, with --withdraw");
+        throw Failure(name, "this key has not answered it, so that there is nothing to take back",
+                      "`runcert attest RUN` lists who answered what");
+    }
+}
+
+/// Shows what is about to be signed. False where whoever types says no.
+bool is_confirmed(const AttestOptions& options, const std::vector<DueClause>& chosen) {
+    for (const DueClause& clause : chosen)
+        fmt::print("{}{}      answer: {}\n\n", clause_heading(clause), clause_figures(clause),
+                   options.answer());
+    if (options.recomputed) fmt::print("every stage was run again, and every file is the same\n");
+    std::fflush(stdout);
+    if (options.yes) return true;
+    if (isatty(STDIN_FILENO) == 0)
+        throw Failure("the command line", "nobody is there to confirm what is signed",
+                      "Read what is shown above, and give --yes");
+    fmt::print(stderr, "Sign this as {}? [y/N] ", options.role);
+    std::string word;
+    std::getline(std::cin, word);
+    return word == "y" || word == "Y" || word == "yes";
+}
+
+/// The rules that a recomputation went by.
+std::vector<EvidenceFile> policies_of(const ReportFacts& report) {
+    std::vector<EvidenceFile> policies;
+    for (const std::string& name : report.subject_names)
+        if (name.starts_with("profile.")) policies.push_back({name, report.subjects.at(name)});
+    return policies;
+}
+
+Attestation statement_of(const AttestOptions& options, const ReportFacts& report,
+                         const std::vector<DueClause>& chosen) {
+    Attestation said{.report_sha256 = sha256_hex(report.text),
+                     .role = options.role,
+                     .report_id = report.report_id,
+                     .attempt_id = report.attempt_id,
+                     .statement = options.statement};
+    for (const DueClause& clause : chosen)
+        said.answers.push_back({.profile = clause.profile,
+                                .clause = clause.clause,
+                                .text = clause.text,
+                                .shown = clause.shown,
+                                .answer = std::string(options.answer())});
+    if (options.recomputed) said.policies = policies_of(report);
+    return said;
+}
+
+/// Signs and writes, under the run's lock, what was shown.
+std::string sign_and_write(const AttestOptions& options, const ReportFacts& report,
+                           const std::vector<DueClause>& chosen, Attestation said) {
+    std::vector<std::string> bytes;
+    for (const std::string& file : options.evidence) {
+        TakenFile taken = take_file(file);
+        said.evidence.push_back(taken.named);
+        bytes.push_back(std::move(taken.bytes));
+    }
+    if (!options.paper.empty()) {
+        TakenFile taken = take_file(options.paper);
+        said.on_paper = taken.named;
+        bytes.push_back(std::move(taken.bytes));
+    }
+    const SecretKey key = load_secret_key(options.key);
+    const PublicKey public_key = public_key_of(key);
+    const RunLock lock(options.run_dir);
+    if (read_file(fs::path(options.run_dir) / "report.json") != report.text)
+        throw Failure((fs::path(options.run_dir) / "report.json").string(),
+                      "the report was changed after it was shown; nothing was signed",
+                      "Find out who writes into the folder, and answer again");
+    const Attestations there = judge_attestations(options.run_dir, report, {});
+    if (!there.faults.empty())
+        throw Failure(options.run_dir, there.faults.front(),
+                      "Nothing was signed. Bring back the original, or move it away");
+    require_sense(options, chosen, there, ssh_key_text(ssh_key_of(public_key.key)));
+    for (const EnvelopeFile& file : envelope_files(options.run_dir))
+        said.after.push_back(envelope_id(file));
+    said.key = public_key_line(public_key);
+    said.time =
+        iso_text(std::chrono::floor<std::chrono::seconds>(std::chrono::system_clock::now()));
+    return write_attestation(options.run_dir, said, bytes, key);
+}
+
+int sign_answers(const AttestOptions& options) {
+    if (options.role.empty() || options.key.empty())
+        throw Failure("the command line", "an answer needs who gives it",
+                      "Give --role ROLE and --key KEY");
+    require_role(options.role, "--role");
+    require_statement(options.statement);
+    const fs::path run_dir = options.run_dir;
+    const ReportFacts report = read_report_facts(run_dir);
+    constexpr const char* bring_back = "Bring back the original files, or certify again";
+    require_signable(run_dir, report, bring_back);
+    require_passed(run_dir, verify_report_text(run_dir, report), bring_back);
+    const std::vector<DueClause> chosen =
+        chosen_clauses(report, options.clauses, options.profile, options.role);
+    if (options.recomputed)
+        require_passed(run_dir, verify_recomputation(run_dir, report), bring_back);
+    if (!is_confirmed(options, chosen)) {
+        fmt::print("nothing was signed\n");
+        return 1;
+    }
+    const std::string file =
+        sign_and_write(options, report, chosen, statement_of(options, report, chosen));
+    fmt::print("signed  report {} of {}, as {}\nfile    {}\n", report.report_id, report.attempt_id,
+               options.role, (run_dir / file).string());
+    return options.no_render ? 0 : render_pages(run_dir, options.roster, "the answer is signed");
+}
+
+int attest(const AttestOptions& options) {
+    require_own_roster(options.roster, options.run_dir);
+    if (options.signs()) return sign_answers(options);
+    if (options.render) return render_pages(options.run_dir, options.roster, "nothing is lost");
+    return list_clauses(options.run_dir, options.roster);
+}
+
+void add_options(CLI::App& command, AttestOptions& options) {
+    command.add_option("RUN_DIR", options.run_dir, "the folder of a certified run")->required();
+    CLI::Option* clauses =
+        command.add_option("CLAUSE", options.clauses,
+                           "observers, or nalsa/observers; none: list what is to be attested");
+    command.add_option("--profile", options.profile,
+                       "of which rule (default: of all that have it)");
+    command.add_option("--role", options.role, "what whoever answers is: judge, measurer, board");
+    command.add_option("--key", options.key, "secret key of whoever answers (runcert keygen)");
+    CLI::Option* no = command.add_flag("--no", options.no, "the answer is no");
+    CLI::Option* withdraw =
+        command.add_flag("--withdraw", options.withdraw, "take back what this key answered")
+            ->excludes(no);
+    command.add_option("--statement", options.statement, "a line in your own words");
+    command.add_option("--evidence", options.evidence, "a file to go along; may be repeated")
+        ->allow_extra_args(false);
+    command
+        .add_option("--paper", options.paper,
+                    "scan of the report's last page, signed by hand: you sign that it was")
+        ->excludes(withdraw);
+    command
+        .add_flag("--recomputed", options.recomputed,
+                  "run every stage again, and sign that all is the same")
+        ->excludes(clauses);
+    command.add_flag("--yes", options.yes, "do not ask before signing");
+    command.add_option("--roster", options.roster,
+                       "whose answers and signatures list and pages count; verify with it too");
+    command.add_flag("--render", options.render, "render the pages again, and sign nothing");
+    command.add_flag("--no-render", options.no_render,
+                     "leave report.html and report.pdf as they are");
+}
+
+}  // namespace
+
+void add_attest(CLI::App& app, Command& chosen) {
+    auto options = std::make_shared<AttestOptions>();
+    CLI::App* command = app.add_subcommand(
+        "attest", "Answer, signed, for what a recording cannot decide; or list what is open");
+    add_options(*command, *options);
+    command->footer(
+        "Writes attestations/answer-ID.json, a DSSE envelope with an in-toto statement about the "
+        "hash of\nreport.json, with evidence beside it. report.json never changes: where the run "
+        "stands is computed from\nit and from what lies beside it. A no is a no; --withdraw takes "
+        "an "
+        "answer back, which is signed too.\n"
+        "Exit status: 0 signed or listed, 1 not confirmed, 2 it could not be done.");
+    command->callback([&chosen, options] { chosen = [options] { return attest(*options); }; });
+}
+
+}  // namespace runcert

@@ -1,0 +1,46 @@
+#include "render_pages.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/failure.h"
+#include "run/chain.h"
+#include "run/run_lock.h"
+#include "trust/signature_files.h"
+
+namespace runcert {
+
+namespace fs = std::filesystem;
+
+int render_pages(const fs::path& run_dir, const std::string& roster, const std::string& done) {
+    try {
+        {
+            const RunLock lock(run_dir);
+            keep_sealed_page(run_dir);
+        }
+        run_step("render",
+                 {.attempt = run_dir / "attempt.yaml", .run_dir = run_dir, .roster = roster});
+    } catch (const StageFailed& failed) {
+        fmt::print(stderr, "{}{}; its pages could not be made again and do not show it\n",
+                   failed.errors, done);
+        return 2;
+    }
+    fmt::print("pages   report.html, report.pdf\n");
+    return 0;
+}
+
+bool lies_in(const fs::path& file, const fs::path& run_dir) {
+    std::error_code ignored;
+    const fs::path inner = fs::weakly_canonical(file, ignored);
+    const fs::path outer = fs::weakly_canonical(run_dir, ignored);
+    return std::ranges::mismatch(outer, inner).in1 == outer.end();
+}
+
+void require_own_roster(const std::string& roster, const fs::path& run_dir) {
+    if (roster.empty() || !lies_in(roster, run_dir)) return;
+    throw Failure(roster, "this roster lies in the run, and vouches for nothing",
+                  "Give the roster that you have from the body itself");
+}
+
+}  // namespace runcert

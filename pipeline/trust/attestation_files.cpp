@@ -1,0 +1,116 @@
+#include "trust/attestation_files.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/failure.h"
+#include "core/text.h"
+#include "files/atomic_file.h"
+#include "trust/envelope.h"
+#include "trust/signature_files.h"
+
+namespace runcert {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view envelope_begin = "answer-";
+constexpr std::string_view envelope_end = ".json";
+constexpr std::size_t id_digits = 16;
+constexpr std::size_t most_envelopes = 200;  // each costs a hash of the report's length
+
+bool is_envelope_name(std::string_view name) {
+    return name.size() == envelope_begin.size() + id_digits + envelope_end.size() &&
+           name.starts_with(envelope_begin) && name.ends_with(envelope_end);
+}
+
+std::string in_folder(const std::string& name) {
+    return fmt::format("{}/{}", attestations_folder, name);
+}
+
+/// What an envelope names as evidence; nothing where it cannot be read, which is said elsewhere.
+std::vector<EvidenceFile> evidence_of(const EnvelopeFile& file) {
+    try {
+        const Attestation read =
+            read_statement(read_envelope(file.text, file.name).payload, file.name);
+        std::vector<EvidenceFile> evidence = read.evidence;
+        if (read.on_paper) evidence.push_back(*read.on_paper);
+        return evidence;
+    } catch (const Failure&) {
+        return {};
+    }
+}
+
+}  // namespace
+
+std::string envelope_name(std::string_view id) {
+    return fmt::format("{}{}{}", envelope_begin, id.substr(0, id_digits), envelope_end);
+}
+
+std::string evidence_name(const EvidenceFile& file) {
+    return fmt::format("evidence-{}-{}", file.sha256.substr(0, id_digits), file.name);
+}
+
+std::string envelope_id(const EnvelopeFile& file) {
+    return attestation_id(read_envelope(file.text, file.name).payload);
+}
+
+std::vector<EnvelopeFile> envelope_files(const fs::path& run_dir) {
+    std::vector<EnvelopeFile> files;
+    const Folder run(run_dir);
+    if (run.kind_of(attestations_folder) != EntryKind::folder) return files;
+    const Folder folder = run.open(attestations_folder);
+    for (const std::string& name : folder.names())
+        if (is_envelope_name(name) && folder.kind_of(name) == EntryKind::file) {
+            if (files.size() == most_envelopes)
+                throw Failure(folder.path().string(),
+                              fmt::format("there are more than {} attestations", most_envelopes),
+                              "Move away those that are not needed");
+            files.push_back({.name = name, .text = read_handwritten(folder.path() / name)});
+        }
+    return files;
+}
+
+std::set<std::string> attestation_names(const fs::path& run_dir) {
+    std::set<std::string> names;
+    for (const EnvelopeFile& file : envelope_files(run_dir)) {
+        names.insert(in_folder(file.name));
+        for (const EvidenceFile& evidence : evidence_of(file))
+            names.insert(in_folder(evidence_name(evidence)));
+    }
+    return names;
+}
+
+std::string write_attestation(const fs::path& run_dir, const Attestation& attestation,
+                              const std::vector<std::string>& evidence, const SecretKey& key) {
+    const std::string payload = statement_text(attestation);
+    std::vector<EvidenceFile> named = attestation.evidence;
+    if (attestation.on_paper) named.push_back(*attestation.on_paper);
+    const Folder folder = Folder(run_dir).make(attestations_folder);
+    for (std::size_t i = 0; i < named.size(); ++i)
+        folder.write(evidence_name(named[i]), evidence.at(i));
+    const std::string name = envelope_name(attestation_id(payload));
+    folder.write(name, sign_envelope(payload, key));
+    return in_folder(name);
+}
+
+void carry_attestations(const Folder& run, const Folder& made, bool report_unchanged) {
+    if (run.kind_of(attestations_folder) != EntryKind::folder) return;
+    const Folder from = run.open(attestations_folder);
+    for (const std::string& name : from.names()) {
+        const EntryKind kind = from.kind_of(name);
+        if (kind == EntryKind::folder)
+            throw Failure((from.path() / name).string(),
+                          "a folder among the attestations of this run is none of its own",
+                          "Move it elsewhere, and certify again");
+        if (!report_unchanged && kind == EntryKind::file) {
+            supersede(from, name, made);
+            continue;
+        }
+        const Folder to = made.make(report_unchanged ? attestations_folder : superseded_folder);
+        if (to.kind_of(name) == EntryKind::none) from.place(name, to);
+    }
+}
+
+}  // namespace runcert

@@ -1,0 +1,244 @@
+#include "trust/attestation_judgement.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <tuple>
+
+#include "core/failure.h"
+#include "core/prose.h"
+#include "core/text.h"
+#include "files/archive.h"
+#include "files/atomic_file.h"
+#include "files/sha256.h"
+#include "schemas/profile/profile.h"
+#include "trust/attestation_files.h"
+#include "trust/envelope.h"
+#include "trust/signature_judgement.h"
+
+namespace runcert {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+/// An envelope whose signature holds.
+struct SignedAnswers {
+    std::string file{};
+    std::string id{};
+    Attestation said{};
+    Signer signer{};  ///< with the roster's word on it
+    SshPublicKey key{};
+};
+
+std::string shown_of(const Json& requirement) {
+    std::string shown = requirement.at("evidence").get<std::string>();
+    for (const Json& figure : requirement.at("figures"))
+        shown += fmt::format("; {}: {}", figure.at("name").get<std::string>(),
+                             figure.at("quantity_text").get<std::string>());
+    return shown;
+}
+
+/// Of a report from before rules said it, whoever answers for a clause whose rule is silent.
+RoleSignatures answered_by(const Json& requirement) {
+    if (!requirement.contains("answered_by")) return default_answerer();
+    const Json& stated = requirement.at("answered_by");
+    return {.role = stated.at("role").get<std::string>(),
+            .count = stated.at("count").get<std::int64_t>()};
+}
+
+/// Takes an envelope apart. Failure, of which the problem is said, where it is not one of this
+/// report's.
+SignedAnswers open_envelope(const EnvelopeFile& file, const ReportFacts& report) {
+    SignedAnswers opened{.file = fmt::format("{}/{}", attestations_folder, file.name)};
+    const auto refuse = [&](const std::string& problem) {
+        throw Failure(opened.file, problem, "Move it away, or bring back the original");
+    };
+    const Envelope envelope = read_envelope(file.text, opened.file);
+    opened.said = read_statement(envelope.payload, opened.file);
+    opened.id = attestation_id(envelope.payload);
+    const PublicKey key = parse_public_key(opened.said.key, opened.file);
+    if (!envelope_holds(envelope, key) || envelope.key_id != key_id_text(key))
+        refuse("it was not signed by the key that it names, or was changed since");
+    if (file.name != envelope_name(opened.id)) refuse("it has another name than its statement");
+    if (opened.said.report_sha256 != sha256_hex(report.text) ||
+        opened.said.report_id != report.report_id || opened.said.attempt_id != report.attempt_id)
+        refuse(fmt::format(
+            "it was signed for another report ({}, attempt {}), and is replayed here",
+            escape_for_message(opened.said.report_id), escape_for_message(opened.said.attempt_id)));
+    if (!is_role(opened.said.role)) refuse("it states no role to answer in");
+    if (!parse_iso_utc(opened.said.time)) refuse("the time that its signer states cannot be read");
+    opened.key = ssh_key_of(key.key);
+    return opened;
+}
+
+/// Whether the evidence is there, and all that lay there when it was signed.
+void check_surroundings(const fs::path& run_dir, const SignedAnswers& one,
+                        const std::set<std::string>& ids, std::vector<std::string>& faults) {
+    std::vector<EvidenceFile> evidence = one.said.evidence;
+    if (one.said.on_paper) evidence.push_back(*one.said.on_paper);
+    for (const EvidenceFile& file : evidence) {
+        const fs::path path = run_dir / attestations_folder / evidence_name(file);
+        const bool there =
+            is_plain_name(evidence_name(file)) && fs::is_regular_file(fs::symlink_status(path));
+        if (!there || digest_file(path).sha256 != file.sha256)
+            faults.push_back(fmt::format("{}: its evidence {} is {}", one.file, shown(file.name),
+                                         there ? "changed" : "missing"));
+    }
+    const auto gone = std::ranges::count_if(
+        one.said.after, [&](const std::string& id) { return !ids.contains(id); });
+    if (gone > 0)
+        faults.push_back(fmt::format("{}: when it was signed there {} {} more, now deleted",
+                                     one.file, gone == 1 ? "was" : "were",
+                                     counted(gone, "attestation")));
+}
+
+/// The answers that their signers took back: envelope, rule, clause.
+using TakenBack = std::map<std::tuple<std::string, std::string, std::string>, std::string>;
+
+TakenBack taken_back(const std::vector<SignedAnswers>& all) {
+    TakenBack taken;
+    for (const SignedAnswers& later : all)
+        for (const Answer& answer : later.said.answers) {
+            if (answer.answer != answer_withdrawn) continue;
+            for (const SignedAnswers& earlier : all)
+                if (earlier.key == later.key &&
+                    std::ranges::find(later.said.after, earlier.id) != later.said.after.end())
+                    taken[{earlier.id, answer.profile, answer.clause}] = later.said.time;
+        }
+    return taken;
+}
+
+/// Why an answer does not count, whoever signed it; empty where it does.
+std::string objection_to(const Answer& answer, const SignedAnswers& one,
+                         const std::vector<DueClause>& due, const TakenBack& taken) {
+    const auto clause = std::ranges::find_if(due, [&](const DueClause& each) {
+        return each.profile == answer.profile && each.clause == answer.clause;
+    });
+    if (clause == due.end()) return "nothing of that name is to be attested";
+    if (clause->text != answer.text || clause->shown != answer.shown)
+        return "its signer was shown other words or figures than the report has";
+    if (const auto back = taken.find({one.id, answer.profile, answer.clause}); back != taken.end())
+        return "taken back by its signer, " + back->second;
+    if (clause->answered_by.role != one.said.role)
+        return fmt::format("{} answers for it, not {}", clause->answered_by.role, one.said.role);
+    return {};
+}
+
+GivenAnswer given(const SignedAnswers& one, const SignatureRules& rules) {
+    GivenAnswer answer{.file = one.file,
+                       .role = one.said.role,
+                       .who = one.signer.who,
+                       .key = ssh_key_text(one.key),
+                       .time = one.said.time,
+                       .statement = one.said.statement,
+                       .on_paper = one.said.on_paper.has_value(),
+                       .counts = one.signer.valid || !rules.roster,
+                       .vouched = one.signer.valid && rules.vouches(),
+                       .reason = rules.roster ? one.signer.reason : ""};
+    for (const EvidenceFile& file : one.said.evidence)
+        answer.evidence.push_back(file.name);
+    return answer;
+}
+
+void add_answers(const SignedAnswers& one, const std::vector<DueClause>& due,
+                 const TakenBack& taken, const SignatureRules& rules, Attestations& result) {
+    if (one.said.is_recomputed()) {
+        result.recomputations.push_back(given(one, rules));
+        result.recomputations.back().answer = "recomputed and agreed";
+    }
+    for (const Answer& said : one.said.answers) {
+        GivenAnswer answer = given(one, rules);
+        answer.profile = said.profile;
+        answer.clause = said.clause;
+        answer.answer = said.answer;
+        if (std::string objection = objection_to(said, one, due, taken); !objection.empty()) {
+            answer.counts = answer.vouched = false;
+            answer.reason = std::move(objection);
+        }
+        result.answers.push_back(std::move(answer));
+    }
+}
+
+/// What the program itself shows of a clause is asked for by its report.
+std::vector<DueClause> read_due(const Json& predicate) {
+    std::vector<DueClause> due;
+    for (const Json& profile : predicate.at("profiles"))
+        for (const Json& requirement : profile.at("requirements")) {
+            if (requirement.at("status") != "attest") continue;
+            due.push_back({.profile = profile.at("profile").get<std::string>(),
+                           .clause = requirement.at("clause").get<std::string>(),
+                           .text = requirement.at("text").get<std::string>(),
+                           .shown = shown_of(requirement),
+                           .answered_by = answered_by(requirement)});
+        }
+    return due;
+}
+
+}  // namespace
+
+std::vector<DueClause> due_clauses(const ReportFacts& report) {
+    try {
+        return read_due(report.json->at("predicate"));
+    } catch (const Json::exception& error) {
+        throw Failure("report.json",
+                      fmt::format("its requirements cannot be read: {}",
+                                  escape_for_message(error.what(), 200)),
+                      "The file was changed or cut off; take the original");
+    }
+}
+
+std::string answer_words(const GivenAnswer& answer) {
+    std::string words = answer.answer;
+    if (answer.on_paper) words += " on paper, entered";
+    words += " by " + answer.role;
+    if (!answer.who.empty()) words += fmt::format(" ({})", answer.who);
+    words += ", " + answer.time;
+    if (!answer.statement.empty()) words += fmt::format("; “{}”", answer.statement);
+    if (!answer.evidence.empty()) words += "; evidence: " + listed(answer.evidence);
+    if (!answer.counts) words += "; not counted: " + answer.reason;
+    return words;
+}
+
+Attestations judge_attestations(const fs::path& run_dir, const ReportFacts& report,
+                                const SignatureRules& rules) {
+    const std::vector<DueClause> due = due_clauses(report);
+    Attestations result;
+    std::vector<SignedAnswers> all;
+    std::set<std::string> ids;
+    for (const EnvelopeFile& file : envelope_files(run_dir)) {
+        ++result.envelopes;
+        try {
+            all.push_back(open_envelope(file, report));
+            SignedAnswers& one = all.back();
+            ids.insert(one.id);
+            one.signer = judge_by_roster({.file = one.file,
+                                          .role = one.said.role,
+                                          .key = one.said.key,
+                                          .stated_time = one.said.time},
+                                         one.key, std::nullopt, rules);
+        } catch (const Failure& failure) {
+            result.faults.push_back(
+                fmt::format("{}/{}: {}", attestations_folder, file.name, failure.problem()));
+        }
+    }
+    std::ranges::stable_sort(all, {}, [](const SignedAnswers& one) { return one.said.time; });
+    const TakenBack taken = taken_back(all);
+    for (const SignedAnswers& one : all) {
+        check_surroundings(run_dir, one, ids, result.faults);
+        add_answers(one, due, taken, rules, result);
+    }
+    if (!result.faults.empty())
+        for (auto* answers : {&result.answers, &result.recomputations})
+            for (GivenAnswer& answer : *answers) {
+                answer.counts = answer.vouched = false;
+                answer.reason = "the attestations here are not as they were signed";
+            }
+    return result;
+}
+
+}  // namespace runcert

@@ -45,7 +45,8 @@ struct AttestOptions {
     }
 };
 
-/// A file that goes along, with its bytes.
+/// A file that goes along, with its bytes; blanks and letters of other alphabets in its name
+/// become -.
 struct TakenFile {
     EvidenceFile named{};
     std::string bytes{};
@@ -54,8 +55,14 @@ struct TakenFile {
 TakenFile take_file(const fs::path& path) {
     constexpr std::uintmax_t longest = std::uintmax_t{256} << 20;
     constexpr std::size_t longest_name = 100;
-    const std::string name = path.filename().string();
-    if (!is_plain_name(name) || name.size() > longest_name || !is_printable_line(name))
+    std::string name = path.filename().string();
+    std::ranges::replace_if(
+        name,
+        [](char c) {
+            return !is_printable_ascii({&c, 1}) || c == ' ';
+        },
+        '-');
+    if (!is_plain_name(name) || name.size() > longest_name)
         throw Failure(path.string(), "this is no name that every system can keep a file under",
                       "Give it a short name of letters and digits");
     if (fs::is_regular_file(path) && fs::file_size(path) > longest)

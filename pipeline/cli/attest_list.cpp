@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "core/failure.h"
 #include "core/plain_text.h"
@@ -40,7 +41,10 @@ std::vector<std::string> names_of(const std::vector<DueClause>& clauses) {
 }
 
 /// What one role answers for.
-void print_role(const RunStanding& standing, const std::string& role) {
+void print_role(const RunStanding& standing, const std::string& role,
+                const std::filesystem::path& run_dir) {
+    std::string open;
+    std::set<std::string> named;
     fmt::print("{} answers:\n", plain_text(role));
     for (const RuleStanding& rule : standing.rules)
         for (const ClauseStanding& clause : rule.clauses) {
@@ -48,7 +52,12 @@ void print_role(const RunStanding& standing, const std::string& role) {
             fmt::print("{}{}", clause_heading(clause.due), clause_figures(clause.due));
             for (const std::string& words : clause_words(clause))
                 fmt::print("{}", indented(words));
+            if (clause.missing > 0 && named.insert(clause.due.clause).second)
+                open += " " + shell_word(plain_text(clause.due.clause));
         }
+    if (!open.empty())
+        fmt::print("  to answer: runcert attest {}{} --role {} --key KEY\n",
+                   shell_word(run_dir.string()), open, plain_text(role));
     fmt::print("\n");
 }
 
@@ -100,7 +109,7 @@ int list_clauses(const std::filesystem::path& run_dir, const std::string& roster
             roles.push_back(clause.answered_by.role);
     fmt::print("report  {} of {}\n\n", report.report_id, report.attempt_id);
     for (const std::string& role : roles)
-        print_role(standing, role);
+        print_role(standing, role, run_dir);
     for (const GivenAnswer& one : standing.recomputations)
         fmt::print("{}\n", plain_text(answer_words(one)));
     for (const std::string& fault : standing.faults)

@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
+
+#include "core/prose.h"
 
 namespace runcert {
 
@@ -14,20 +17,29 @@ namespace {
 constexpr const char* texts_of_rule[] = {"outcome_title", "outcome_mark", "tone", "standing_words",
                                          "answered"};
 
+void add_line(Json& lines, const std::string& rule, const std::string& words) {
+    lines.push_back({{"label", "Rule “" + rule + "”"}, {"value", words}});
+}
+
+/// An answer to several clauses is one line.
 Json rule_json(const RuleStanding& rule) {
-    const OutcomeWords words = outcome_words(rule.state);
+    const OutcomeWords title = outcome_words(rule.state);
     Json json{
-        {"outcome_title", words.title}, {"outcome_mark", words.mark},
-        {"tone", words.tone},           {"standing_words", standing_text(rule.state.standing)},
+        {"outcome_title", title.title}, {"outcome_mark", title.mark},
+        {"tone", title.tone},           {"standing_words", standing_text(rule.state.standing)},
         {"answered", Json::array()},    {"clauses", Json::object()}};
+    std::vector<std::pair<std::string, std::vector<std::string>>> answered;
     for (const ClauseStanding& clause : rule.clauses) {
         json["clauses"][clause.due.clause] = clause_words(clause);
-        for (const GivenAnswer& answer : clause.answers)
-            json["answered"].push_back(
-                fmt::format("{}: {}", clause.due.clause, answer_words(answer)));
-        if (clause.contradicted)
-            json["answered"].push_back(clause.due.clause + ": contradicted, answered yes and no");
+        for (const std::string& words : clause_words(clause)) {
+            auto same =
+                std::ranges::find(answered, words, [](const auto& one) { return one.first; });
+            if (same == answered.end()) same = answered.insert(same, {words, {}});
+            same->second.push_back(clause.due.clause);
+        }
     }
+    for (const auto& [words, clauses] : answered)
+        add_line(json["answered"], rule.profile, fmt::format("{}: {}", words, listed(clauses)));
     return json;
 }
 
@@ -42,9 +54,9 @@ Json standing_json(const RunStanding& standing) {
         json["rules"].push_back(rule_json(rule));
         Json& answered = json["rules"].back()["answered"];
         for (const GivenAnswer& one : standing.recomputations)
-            answered.push_back(answer_words(one));
+            add_line(answered, rule.profile, answer_words(one));
         for (const std::string& fault : standing.faults)
-            answered.push_back(fault);
+            add_line(answered, rule.profile, fault);
     }
     return json;
 }

@@ -165,7 +165,8 @@ RunStanding stated_standing(const std::filesystem::path& run_dir, const ReportFa
         if (const auto stated = parse_iso_utc(text)) time = std::max(time, *stated);
     };
     SignatureRules rules;
-    UtcSecond time{};
+    UtcSecond time{std::chrono::days(1)};  // the first that ssh-keygen takes
+    rules.present = rules.at = time;
     for (const GivenAnswer& answer : judge_attestations(run_dir, report, rules).answers)
         latest(time, answer.time);
     for (const Signer& signer : verify_signatures(run_dir, report, rules).signers)

@@ -13,6 +13,7 @@
 #include "run/stage_main.h"
 #include "schemas/phase/phase.h"
 #include "schemas/screened_phase/screened_phase.h"
+#include "trust/attestation_files.h"
 #include "trust/signature_files.h"
 #include "trust/signing.h"
 
@@ -103,6 +104,7 @@ std::vector<SignatureText> signatures_of(const std::filesystem::path& run_dir) {
 /// Where the run stands by its attestations, for the pages.
 std::string standing_of(const std::filesystem::path& run_dir, const std::string& roster) {
     std::optional<Roster> keys;
+    if (roster.empty() && envelope_files(run_dir).empty()) return "{}\n";
     if (!roster.empty()) keys = parse_roster(read_handwritten(roster), roster);
     return report_text_of(
         standing_json(stated_standing(run_dir, read_report_facts(run_dir), std::move(keys))));

@@ -10,6 +10,7 @@
 #include "reports/explain/words.h"
 #include "run/attempt_files.h"
 #include "run/stage_main.h"
+#include "trust/attestation_files.h"
 #include "trust/roster.h"
 #include "trust/run_standing.h"
 
@@ -40,13 +41,12 @@ std::vector<std::string> check_inputs(StageRun& run, const Verdict& verdict) {
 
 /// What was answered since the verdict was made, and where each rule stands by it.
 void add_answers(Verdict& verdict, const Options& options, ExplainOptions& what) {
-    if (!std::filesystem::exists(std::filesystem::path(options.run_dir) / "report.json")) return;
+    if (options.roster.empty() && envelope_files(options.run_dir).empty()) return;
     std::optional<Roster> roster;
     if (!options.roster.empty())
         roster = parse_roster(read_handwritten(options.roster), options.roster);
     const RunStanding standing =
         stated_standing(options.run_dir, read_report_facts(options.run_dir), std::move(roster));
-    if (standing.envelopes == 0 && standing.roster_sha256.empty()) return;
     what.vouched = !standing.roster_sha256.empty();
     for (const RuleStanding& rule : standing.rules) {
         for (ProfileVerdict& profile : verdict.profiles)

@@ -1,7 +1,8 @@
 #include "core/plain_text.h"
 
+#include <fmt/format.h>
+
 #include <cstdint>
-#include <optional>
 
 namespace runcert {
 namespace {
@@ -61,16 +62,21 @@ std::string plain_text(std::string_view text) {
     return plain;
 }
 
-bool is_printable_line(std::string_view text) {
+std::optional<std::string> hidden_character(std::string_view text) {
     constexpr std::uint32_t byte_order_mark = 0xFEFF;
     while (!text.empty()) {
         const auto character = first_character(text);
-        if (!character) return false;
+        if (!character) return "a byte that is not UTF-8";
         const std::uint32_t code = character->code;
-        if (code != '\t' && (!is_shown(code) || code == byte_order_mark)) return false;
+        if (code != '\t' && code != '\n' && (!is_shown(code) || code == byte_order_mark))
+            return fmt::format("U+{:04X}", code);
         text.remove_prefix(character->bytes);
     }
-    return true;
+    return std::nullopt;
+}
+
+bool is_printable_line(std::string_view text) {
+    return text.find('\n') == std::string_view::npos && !hidden_character(text);
 }
 
 }  // namespace runcert

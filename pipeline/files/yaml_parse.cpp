@@ -31,8 +31,7 @@ void refuse_unprintable_lines(std::string_view text, const std::string& where) {
         if (!is_printable_ascii(content) && !is_printable_line(content))
             throw Failure(fmt::format("{}:{}:1", where, line),
                           "the line holds control characters, or bytes that are not UTF-8",
-                          "Save the file as UTF-8 text, and write such characters as escapes "
-                          "(\"\\u200f\")");
+                          "Save the file as UTF-8 text, without such characters");
         text.remove_prefix(std::min(end + 1, text.size()));
     }
 }

@@ -6,6 +6,7 @@
 #include "core/text.h"
 #include "files/atomic_file.h"
 #include "files/program.h"
+#include "files/yaml_output.h"
 #include "run/attempt_files.h"
 #include "schemas/common/document.h"
 #include "schemas/common/revision.h"
@@ -95,9 +96,8 @@ void check_report(const ReportFacts& report, const std::string& where) {
                         "it says made it writes report/{}",
                         escape_for_message(version), report_field_table().version()),
             "Take the original");
-    // Escaped, as an attempt writes what no line may hold as it is: U+007F, U+FEFF.
-    (void)read_document(predicate.dump(2, ' ', true, nlohmann::json::error_handler_t::replace),
-                        where, report_field_table());
+    (void)read_document(to_yaml_text(nlohmann::ordered_json(predicate)), where,
+                        report_field_table());
 }
 
 void check_attempt_files(const fs::path& run_dir, Findings& findings) {

@@ -4,7 +4,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "core/plain_text.h"
 #include "core/rounding.h"
+#include "core/text.h"
 #include "files/yaml_output.h"
 #include "schemas/common/revision.h"
 
@@ -25,6 +27,26 @@ void round_reals(nlohmann::ordered_json& value, const std::string& path,
     }
 }
 
+/// What a person writes is read by people: no text in it holds what they cannot see, or what
+/// changes how the text around it looks, however it is written.
+void require_shown(const YamlValue& value) {
+    const auto require = [&value](std::string_view text) {
+        if (const auto hidden = hidden_character(text))
+            value.fail(fmt::format("the text \"{}\" holds {}, which cannot be shown as it stands",
+                                   escape_for_message(text), *hidden),
+                       "Remove that character");
+    };
+    const YamlNode& node = value.node();
+    if (node.is_scalar()) require(node.scalar());
+    if (value.is_list())
+        for (const YamlValue& item : value.list())
+            require_shown(item);
+    for (const std::string& key : value.keys()) {
+        require(key);
+        require_shown(value[key]);
+    }
+}
+
 }  // namespace
 
 void round_to_table(nlohmann::ordered_json& document, const DocumentSchema& schema) {
@@ -41,6 +63,7 @@ YamlValue read_document(std::string_view text, const std::string& where,
 YamlValue parse_input(std::string_view text, const std::string& where,
                       const DocumentSchema& schema) {
     YamlValue document(parse_yaml(text, where), where);
+    require_shown(document);
     const std::string& name = schema.name();
     const std::string remedy =
         fmt::format("{} {} begins with \"schema: {}/{}\"", name == "attempt" ? "An" : "A", name,

@@ -18,7 +18,8 @@ YamlValue read_document(std::string_view text, const std::string& where,
                         const DocumentSchema& schema);
 
 /// Parses what a person wrote, whose first line says which schema it follows ("attempt/1.0").
-/// Failure with its place where it says none that this program knows.
+/// Failure with its place where it says none that this program knows, and where a text in it holds
+/// a character that cannot be shown (hidden_character), as it is or escaped.
 YamlValue parse_input(std::string_view text, const std::string& where,
                       const DocumentSchema& schema);
 

@@ -156,15 +156,6 @@ TEST_F(Attacks, Files07SignaturesAreNotMovedThroughALink) {
     EXPECT_EQ(read_file(run() / "report.json.minisig"), signature);
 }
 
-TEST_F(Attacks, Input11WhatCertifyAcceptsInANameVerifyAcceptsToo) {
-    replace_in(attempt(), "name: simulated land yacht", "name: \"yacht \\x7f one \\ufeff\"");
-    const ProcessResult made = certify(attempt(), run(), {"--no-render"});
-    ASSERT_EQ(made.exit_status, 0) << made.errors;
-    const ProcessResult verified = runcert({"verify", run().string(), "--recompute"});
-    EXPECT_TRUE(holds(verified.output, "yes  schemas")) << verified.output;
-    EXPECT_TRUE(holds(verified.output, "yes  recompute")) << verified.output;
-}
-
 TEST_F(Attacks, Input12AReportWithACurveThatIsTooShortIsRefused) {
     certify(attempt(), run(), {"--no-render"});
     auto report = nlohmann::ordered_json::parse(read_file(run() / "report.json"));

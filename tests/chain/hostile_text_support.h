@@ -18,10 +18,9 @@ inline const std::string markup_in_yaml =
 inline const std::string markup =
     "</script><script>document.title='taken'</script><!-- <b onmouseover=alert(1)>\"'`"
     "{{report_id}}{{{style}}}{{#signed}} &lt;i&gt;&#x202e;&amp; \\u003c \\x1b[31m";
-/// What steers terminals or turns the direction of writing, and a line that says what is not true.
-inline const std::string steering_in_yaml =
-    "\\e[31mred\\e]0;title\\a \\u202egnp.exe\\u2069\\u202e \\u2066i \\u2028s \\x9b5m \\x7f "
-    "\\0 \\u200b\\u200d\\ufeff \\r\\n\\tVERIFIED\\n";
+/// Of what cannot be seen, what an attempt may still hold (the rest is refused when it is read, see
+/// AttacksOnTexts; the recording below has some of it), and a line that says what is not true.
+inline const std::string steering_in_yaml = "\\u200b\\u200d \\n\\tVERIFIED\\n";
 inline const std::string letters =
     "\u26F5\U0001F3F4\u200D\u2620\uFE0F e\u0301\u0323 Z\u0311\u0343\u0311\u0343 "
     "\u05E9\u05DC\u05D5\u05DD \u0645\u0631\u062D\u0628\u0627";

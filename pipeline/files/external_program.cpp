@@ -235,6 +235,26 @@ Isolation isolation() {
     return confinement().isolation;
 }
 
+std::string isolation_word() {
+    switch (isolation()) {
+        case Isolation::full:
+            break;
+        case Isolation::no_network:
+            return "no_network";
+        case Isolation::limits_only:
+            return "limits_only";
+    }
+    return {};
+}
+
+std::string missing_sandbox() {
+    if (isolation() == Isolation::full) return {};
+    return fmt::format(
+        "The sandbox is not in force ({}). Programs of others can read your files{}.",
+        confinement().obstacle,
+        isolation() == Isolation::no_network ? "" : ", and may reach the network");
+}
+
 std::string external_programs_text() {
     std::string text;
     for (const ExternalProgram& program : external_programs()) {
@@ -245,11 +265,7 @@ std::string external_programs_text() {
                     : fmt::format("{}, SHA-256 {}..., {}\n", escape_for_message(file.string(), 200),
                                   digest_file(file).sha256.substr(0, 16), words_of(isolation()));
     }
-    if (isolation() != Isolation::full)
-        text +=
-            fmt::format("The sandbox is not in force ({}). These programs can read your files{}.\n",
-                        confinement().obstacle,
-                        isolation() == Isolation::no_network ? "" : ", and may reach the network");
+    if (const std::string missing = missing_sandbox(); !missing.empty()) text += missing + "\n";
     return text;
 }
 

@@ -83,6 +83,13 @@ enum class Isolation {
 /// Found once, by trying.
 Isolation isolation();
 
+/// "no_network" or "limits_only"; empty for a full one, which nobody need be told.
+std::string isolation_word();
+
+/// Where external programs are not fully shut in, a sentence that says so, why, and what it means;
+/// else empty.
+std::string missing_sandbox();
+
 /// For people: a line for each program (file, beginning of its SHA-256, how far it is shut in; or
 /// what to install), and where something could not be had, why.
 std::string external_programs_text();

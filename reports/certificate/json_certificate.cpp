@@ -110,6 +110,16 @@ void set_times(Json& json, const ReceiverResults& judged) {
     json["end_performance"] = to_utc_iso(first->plus_nanoseconds(last.nanoseconds), 3);
 }
 
+/// The programs of others that ran on what was handed in, not shut in by a sandbox.
+std::string unconfined_programs(const ReportInputs& inputs) {
+    std::string names;
+    for (const ReceiverResults& results : inputs.receivers)
+        for (const CalledProgram& program : results.observations.header.programs)
+            if (!program.isolation.empty() && names.find(program.name) == std::string::npos)
+                names += (names.empty() ? "" : ", ") + program.name;
+    return names;
+}
+
 Json certificate_facts(const Json& certificate) {
     Json facts = Json::array();
     const auto add = [&](const char* label, const char* key) {
@@ -160,6 +170,8 @@ Json certificate_json(const ReportInputs& inputs, const std::string& report_id) 
     }
     json["deviations"] = deviations_json(inputs);
     json["facts"] = certificate_facts(json);
+    if (const std::string programs = unconfined_programs(inputs); !programs.empty())
+        json["facts"].push_back(fact("Run without a sandbox", programs));
     return json;
 }
 

@@ -30,6 +30,7 @@ Json header_json(const Header& header) {
         Json entry = {{"name", program.name}};
         if (!program.version.empty()) entry["version"] = program.version;
         entry["sha256"] = program.sha256;
+        if (!program.isolation.empty()) entry["isolation"] = program.isolation;
         json["stage"]["programs"].push_back(std::move(entry));
     }
     json["inputs"] = Json::array();
@@ -55,7 +56,8 @@ Header read_header(const YamlValue& document) {
     for (const YamlValue& program : document["stage"]["programs"].list())
         header.programs.push_back({.name = program["name"].text(),
                                    .version = program["version"].text_or(""),
-                                   .sha256 = program["sha256"].text()});
+                                   .sha256 = program["sha256"].text(),
+                                   .isolation = program["isolation"].text_or("")});
     for (const YamlValue& input : document["inputs"].list())
         header.inputs.push_back({.role = input["role"].text(),
                                  .file = input["file"].text(),

@@ -26,6 +26,8 @@ struct CalledProgram {
     std::string name;
     std::string version;  ///< as it states it; empty where it states none
     std::string sha256;   ///< of its file
+    /// "no_network" or "limits_only" where it did not run in a sandbox; else empty.
+    std::string isolation = {};
 
     bool operator==(const CalledProgram&) const = default;
 };

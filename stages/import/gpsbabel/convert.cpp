@@ -21,6 +21,7 @@ CalledProgram called_program() {
         called.version =
             output.substr(digit, output.find_first_not_of("0123456789.", digit) - digit);
     called.sha256 = external_program_sha256(program);
+    called.isolation = isolation_word();
     return called;
 }
 

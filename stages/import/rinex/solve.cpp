@@ -133,7 +133,8 @@ Solution solve(const Receiver& receiver, const RecordingBytes& rover, const Reco
     solution.backward = run(folder.path(), configuration_of(receiver, "backward"), inputs, rover);
     solution.program = {.name = solver,
                         .version = program_of(solution.forward),
-                        .sha256 = external_program_sha256(solver)};
+                        .sha256 = external_program_sha256(solver),
+                        .isolation = isolation_word()};
     return solution;
 }
 

@@ -15,6 +15,7 @@
 #include "core/parallel.h"
 #include "core/text.h"
 #include "files/atomic_file.h"
+#include "files/external_program.h"
 
 namespace runcert {
 namespace {
@@ -97,6 +98,7 @@ int run_selected(const BatchOrder& order, const Day& day, const std::vector<bool
     for (const std::string& note : day.notes)
         progress->note(note);
     if (!order.passing_key.empty()) progress->note(order.passing_key);
+    if (std::string missing = missing_sandbox(); !missing.empty()) progress->note(missing);
     BatchContext context = order.context;
     // Runs side by side use the processors already; their steps need not share one out again.
     context.threads = std::max(1U, threads_allowed() / static_cast<unsigned>(order.jobs));

@@ -19,6 +19,8 @@ struct BatchFolders {
     }
     /// A run in the making.
     std::filesystem::path work(const std::string& id) const { return own() / "work" / id; }
+    /// What was found in the way of the batch's own files, and is not this user's batches'.
+    std::filesystem::path superseded() const { return own() / "superseded"; }
     /// The text of an attempt that a day file made.
     std::filesystem::path composed(const std::string& id) const {
         return own() / "attempts" / (id + ".yaml");

@@ -1,6 +1,7 @@
 #include "batch/day_results.h"
 
 #include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 
 #include "batch/batch_folders.h"
@@ -20,6 +21,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr const char* results_step = "results";
+constexpr std::array day_files{"day.yaml", "day.csv", "day.html"};
 
 Json file_json(const DayAttempt& attempt, const FileHashes& files, const std::string& name,
                const fs::path& out) {
@@ -94,6 +96,13 @@ void make_day_results(const Day& day, const std::vector<AttemptOutcome>& outcome
     if (known != record.steps.end() && what_changed(known->second, now).empty() &&
         are_as_written(context.out, known->second.outputs))
         return;
+    for (const std::string name : day_files) {
+        const std::filesystem::path file = context.out / name;
+        const auto before = known == record.steps.end() ? FileHashes() : known->second.outputs;
+        if (fs::exists(fs::symlink_status(file)) &&
+            !are_as_written(context.out, {{name, before.contains(name) ? before.at(name) : ""}}))
+            set_aside(Folder(context.out), name, context.out);
+    }
     write_file_atomically(folders.results_list(), list);
     const ProcessResult result = run_process(
         {program, "--out", context.out.string(), "--list", folders.results_list().string()},
@@ -102,7 +111,7 @@ void make_day_results(const Day& day, const std::vector<AttemptOutcome>& outcome
         const RunFailure failure = failure_of_program(results_step, result, context.time_limit, {});
         throw Failure(failure.where, failure.problem, failure.remedy);
     }
-    for (const char* name : {"day.yaml", "day.csv", "day.html"})
+    for (const char* name : day_files)
         now.outputs[name] = digest_file(context.out / name).sha256;
     record.steps[results_step] = std::move(now);
     write_run_record(place, record);

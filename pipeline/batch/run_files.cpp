@@ -4,8 +4,10 @@
 
 #include <algorithm>
 
+#include "batch/batch_folders.h"
 #include "core/failure.h"
 #include "files/atomic_file.h"
+#include "files/own_name.h"
 #include "files/sha256.h"
 #include "run/run_lock.h"
 #include "run/staging_folder.h"
@@ -15,10 +17,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The names of files half written, those of write_file_atomically and of Folder::place.
-constexpr std::string_view temporary_prefix = ".runcert-";
-constexpr std::string_view temporary_suffix = ".tmp";
-
 bool is_regular(const fs::path& file) {
     std::error_code error;
     return fs::is_regular_file(fs::symlink_status(file, error)) && !error;
@@ -27,12 +25,20 @@ bool is_regular(const fs::path& file) {
 }  // namespace
 
 void remove_temporaries(const fs::path& folder) {
-    std::error_code ignored;
-    for (const auto& entry : fs::directory_iterator(folder, ignored)) {
-        const std::string name = entry.path().filename().string();
-        if (name.starts_with(temporary_prefix) && name.ends_with(temporary_suffix))
-            fs::remove_all(entry.path(), ignored);
-    }
+    if (!fs::is_directory(folder)) return;
+    const Folder opened(folder);
+    for (const std::string& name : opened.names())
+        if (opened.kind_of(name) == EntryKind::file && name.ends_with(".tmp") &&
+            is_own_name(opened, name))
+            opened.remove(name);
+}
+
+void set_aside(const Folder& folder, const std::string& name, const fs::path& results) {
+    const Folder kept = make_below(results, BatchFolders("").superseded());
+    std::string free = name;
+    for (int number = 2; kept.kind_of(free) != EntryKind::none; ++number)
+        free = fmt::format("{}.{}", name, number);
+    folder.rename(name, kept, free);
 }
 
 RunFiles::RunFiles(fs::path results, const fs::path& run, fs::path work)
@@ -74,7 +80,12 @@ void RunFiles::remove_left() const {
 }
 
 void RunFiles::open_work(const std::multimap<std::string, std::string>& known) {
-    const Folder work = make_below(results_, work_);
+    const Folder all = make_below(results_, work_.parent_path());
+    const std::string name_of_work = work_.filename().string();
+    if (all.kind_of(name_of_work) != EntryKind::none && !is_own_work())
+        set_aside(all, name_of_work, results_);
+    const Folder work = all.make(name_of_work);
+    all.write(seal_name(), own_seal(identity_of(work)));
     for (const std::string& name : work.names()) {
         const fs::path file = work_dir_ / name;
         const auto [begin, end] = known.equal_range(name);
@@ -93,6 +104,19 @@ void RunFiles::bring_to_work(const std::string& name, const std::string& sha256)
     if (*found == work_dir_ / name) return;
     Folder(run_dir_).place(name, make_below(results_, work_));
     hashes_[(work_dir_ / name).string()] = sha256;
+}
+
+std::string RunFiles::seal_name() const {
+    return work_.filename().string() + ".seal";
+}
+
+bool RunFiles::is_own_work() const {
+    try {
+        const Folder all = make_below(results_, work_.parent_path());
+        return is_own_seal(identity_of(all.open(work_.filename().string())), all.read(seal_name()));
+    } catch (const Failure&) {
+        return false;
+    }
 }
 
 std::string RunFiles::written(const std::string& name) {
@@ -115,7 +139,11 @@ void RunFiles::place(const std::map<std::string, std::string>& files, const Fold
 }
 
 void RunFiles::close_work() {
-    make_below(results_, work_.parent_path()).remove_tree(work_dir_.filename().string());
+    if (is_own_work()) {
+        const Folder all = make_below(results_, work_.parent_path());
+        all.remove_tree(work_.filename().string());
+        all.remove(seal_name());
+    }
     forget();
 }
 

@@ -34,8 +34,9 @@ class RunFiles {
     /// Failure where another program writes in the run folder.
     void remove_left() const;
 
-    /// Makes the work folder, and takes out of it what is none of these files: whoever filled it,
-    /// a step reads there what is known by its hash. `known` may have several hashes of a name.
+    /// Makes the work folder, and takes out of it what is none of these files: a step reads there
+    /// what is known by its hash. `known` may have several hashes of a name. A folder of that name
+    /// that no batch of this user made is set aside.
     void open_work(const std::multimap<std::string, std::string>& known);
 
     /// Has the file of that SHA-256 in the work folder, as a link to the run folder's where the
@@ -57,6 +58,9 @@ class RunFiles {
 
   private:
     std::optional<std::string> hash_of(const std::filesystem::path& file);
+    /// The file beside the work folder by which this user's batches know that they made it.
+    std::string seal_name() const;
+    bool is_own_work() const;
 
     std::filesystem::path results_;
     std::filesystem::path run_dir_;
@@ -65,7 +69,12 @@ class RunFiles {
     std::map<std::string, std::optional<std::string>> hashes_;
 };
 
-/// Takes away what killed programs left half written in a folder. Nobody may be writing there.
+/// Moves an entry of a folder of results, which no batch of this user wrote, to the first free name
+/// in what was superseded there.
+void set_aside(const Folder& folder, const std::string& name, const std::filesystem::path& results);
+
+/// Takes away what killed programs of this user left half written in a folder. Nobody may be
+/// writing there.
 void remove_temporaries(const std::filesystem::path& folder);
 
 }  // namespace runcert

@@ -1,13 +1,10 @@
 #include "batch/run_record.h"
 
-#include <algorithm>
-#include <array>
 #include <nlohmann/json.hpp>
 
 #include "core/failure.h"
 #include "files/atomic_file.h"
 #include "files/file_sync.h"
-#include "schemas/products/products.h"
 #include "trust/signature_files.h"
 
 namespace runcert {
@@ -40,17 +37,9 @@ StepRecord step_of(const Json& json) {
 }
 
 /// Whether a batch makes files of that name: no path, no folder, nobody else's file.
-bool is_file_of_a_run(const std::string& name) {
-    if (std::filesystem::path(name).filename() != name) return false;
-    if (is_product_name(name) || belongs_to_signatures(name)) return true;
-    constexpr std::array whole{"attempt.yaml", "wind.csv",    "current.csv", "wheel.csv",
-                               "gates.csv",    "report.json", "report.html", "report.pdf"};
-    constexpr std::array begins{"profile.", "recording.", "base.",    "navigation.",
-                                "phase.",   "rtklib.",    "forward.", "backward."};
-    return std::ranges::find(whole, name) != whole.end() ||
-           std::ranges::any_of(begins, [&](const char* part) {
-               return name.starts_with(part) && name.size() > std::string_view(part).size();
-           });
+bool is_made_by_a_batch(const std::string& name) {
+    return is_file_of_a_run(name) || name == "report.json" || name == "report.html" ||
+           name == "report.pdf";
 }
 
 RunRecord foreign_record() {
@@ -72,7 +61,7 @@ RunRecord record_of(Json json, const RecordPlace& place) {
         record.steps[name] = step_of(step);
     for (const std::string name : json.at("published")) {
         // These are taken away one day: only what a batch makes may be among them.
-        if (!is_file_of_a_run(name)) return foreign_record();
+        if (!is_made_by_a_batch(name)) return foreign_record();
         record.published.push_back(name);
     }
     if (json.contains("failure")) {
@@ -92,8 +81,15 @@ RunRecord read_run_record(const RecordPlace& place) {
     std::error_code error;
     if (std::filesystem::file_size(place.file, error) > longest_record && !error)
         return foreign_record();
+    bool too_deep = false;
+    const auto depth_guard = [&too_deep](int depth, Json::parse_event_t, Json&) {
+        constexpr int deepest = 64;  // what is deeper would take the stack when it is written out
+        too_deep = too_deep || depth > deepest;
+        return !too_deep;
+    };
     try {
-        return record_of(Json::parse(read_file(place.file)), place);
+        Json json = Json::parse(read_file(place.file), depth_guard);
+        return too_deep ? foreign_record() : record_of(std::move(json), place);
     } catch (const Json::exception&) {
         return foreign_record();
     }

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "batch/programs.h"
-#include "batch/record_key.h"
 #include "files/held_json.h"
+#include "files/record_key.h"
 
 namespace runcert {
 

@@ -137,6 +137,8 @@ RunState RunMaking::update() {
     try {
         files_.remove_left();
         claim_ = read_claim(given_, folders_.composed(given_.id));
+        if (const fs::path& run = files_.run_dir(); fs::is_directory(run))
+            require_a_run(Folder(run), inventory_of(claim_.attempt).files, record_.published);
         for (const Step& one : steps()) {
             step = one.name;
             if (!is_step_of(one, context_.report)) continue;

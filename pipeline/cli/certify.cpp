@@ -11,6 +11,7 @@
 #include "core/plain_text.h"
 #include "core/text.h"
 #include "files/atomic_file.h"
+#include "files/external_program.h"
 #include "files/file_sync.h"
 #include "files/program.h"
 #include "reports/words/figures.h"
@@ -19,6 +20,7 @@
 #include "run/chain.h"
 #include "run/run_times.h"
 #include "run/staging_folder.h"
+#include "run/steps.h"
 #include "schemas/attempt/attempt.h"
 #include "schemas/common/product_files.h"
 #include "schemas/verdict/declared.h"
@@ -119,6 +121,8 @@ bool print_verdicts(const Verdict& verdict, const fs::path& run_dir, bool signed
         fmt::print(
             "\nnote     not georeferenced: engineering coordinates, whose scale on the ground is "
             "not stated\n");
+    if (const std::string missing = missing_sandbox(); !missing.empty())
+        fmt::print("\nnote     {}\n", plain_text(missing));
     fmt::print("\nreport   {}{}\n", (run_dir / (rendered ? "report.html" : "report.json")).string(),
                signed_report ? " (signed)" : " (UNSIGNED: give --key to sign it)");
     return all_beaten;
@@ -144,6 +148,7 @@ int certify(const CertifyOptions& options) {
     const fs::path run_dir =
         options.out.empty() ? fs::path("out") / attempt.id : fs::path(options.out);
     StagingFolder staging(run_dir);
+    require_a_run(staging.earlier(), inventory_of(attempt).files);
     std::vector<StageDone> stages;
     const auto done = [&](const StageDone& stage) {
         StageDone shown = stage;

@@ -29,6 +29,9 @@ constexpr const char* bring_back =
 
 int sign_run(const SignOptions& options) {
     const std::filesystem::path run_dir = options.run_dir;
+    {
+        const RunLock clears(run_dir);  // what a killed call of this user's left half written
+    }
     const ReportFacts report = read_report_facts(run_dir);
     require_role(options.role, "--role");
     require_own_roster(options.roster, run_dir);

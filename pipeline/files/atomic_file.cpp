@@ -6,11 +6,9 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cerrno>
 #include <cstdio>
 #include <cstdlib>
-#include <deque>
 #include <memory>
 #include <system_error>
 #include <utility>
@@ -20,6 +18,7 @@
 #include "files/descriptor.h"
 #include "files/file_sync.h"
 #include "files/folder.h"
+#include "files/own_name.h"
 
 namespace runcert {
 namespace {
@@ -134,12 +133,9 @@ class TemporaryFile {
     }
 
     int create(mode_t mode) {
-        // The counter keeps threads apart, the process number processes, and O_EXCL machines
-        // that share the folder and what killed runs left behind.
-        static std::atomic<unsigned> counter{0};
+        // O_EXCL keeps machines that share the folder apart.
         for (;;) {
-            name_ =
-                ".runcert-" + std::to_string(::getpid()) + "-" + std::to_string(counter++) + ".tmp";
+            name_ = own_name(folder_) + ".tmp";
             const int number = ::openat(folder_.number(), name_.c_str(),
                                         O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
             if (number >= 0) return number;
@@ -332,15 +328,20 @@ std::pair<std::string, std::string> synced_by_caller() {
 }
 
 void sync_files(const std::vector<fs::path>& files) {
-    std::deque<FileDescriptor> opened;
-    for (const fs::path& file : files) {
-        const int number = opened.emplace_back(open_regular(file)).number();
-        // Only begins the writing; whether it succeeds, fsync says.
-        (void)::sync_file_range(number, 0, 0, SYNC_FILE_RANGE_WRITE);
+    // Few enough for any limit on open files.
+    constexpr std::size_t at_once = 16;
+    for (std::size_t first = 0; first < files.size(); first += at_once) {
+        const std::size_t end = std::min(first + at_once, files.size());
+        std::vector<FileDescriptor> opened;
+        for (std::size_t i = first; i < end; ++i) {
+            const int number = opened.emplace_back(open_regular(files[i])).number();
+            // Only begins the writing; whether it succeeds, fsync says.
+            (void)::sync_file_range(number, 0, 0, SYNC_FILE_RANGE_WRITE);
+        }
+        for (std::size_t i = first; i < end; ++i)
+            if (::fsync(opened[i - first].number()) != 0)
+                fail_of_system(files[i], "cannot write this file to the disk", errno);
     }
-    for (std::size_t i = 0; i < files.size(); ++i)
-        if (::fsync(opened[i].number()) != 0)
-            fail_of_system(files[i], "cannot write this file to the disk", errno);
 }
 
 void make_directory(const fs::path& path) {

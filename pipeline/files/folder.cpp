@@ -2,17 +2,16 @@
 
 #include <dirent.h>
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <sys/stat.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cstdio>
 #include <memory>
 
 #include "core/failure.h"
 #include "files/atomic_file.h"
 #include "files/file_sync.h"
+#include "files/own_name.h"
 
 namespace runcert {
 namespace {
@@ -33,11 +32,6 @@ constexpr int open_folder = O_PATH | O_DIRECTORY | O_CLOEXEC;
 /// The folder's contents, opened to be read.
 FileDescriptor opened_to_read(int folder) {
     return FileDescriptor(openat(folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-}
-
-std::string unused_name() {
-    static std::atomic<unsigned> counter{0};
-    return fmt::format(".runcert-{}-l{}.tmp", getpid(), counter++);
 }
 
 }  // namespace
@@ -130,7 +124,7 @@ bool Folder::exchange(const std::string& name, const Folder& other,
 }
 
 void Folder::place(const std::string& name, const Folder& to) const {
-    const std::string temporary = unused_name();
+    const std::string temporary = own_name(to) + ".tmp";
     if (linkat(number(), name.c_str(), to.number(), temporary.c_str(), 0) != 0) {
         if (kind_of(name) != EntryKind::file)
             fail_of_system(to.path() / name, "the file could not be put in place", errno);

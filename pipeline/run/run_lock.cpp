@@ -5,12 +5,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <thread>
 #include <utility>
 
 #include "core/failure.h"
+#include "files/own_name.h"
 
 namespace runcert {
 namespace {
@@ -28,32 +30,38 @@ bool still_names(int parent, const std::filesystem::path& name, bool follow, int
            open_one.st_dev == named.st_dev && open_one.st_ino == named.st_ino;
 }
 
-/// Removes what killed programs left half written in a run folder, and among what it superseded.
-/// What cannot be removed stays: it is no part of the run.
-void remove_half_written(const Folder& run) {
+/// Removes what killed programs of this user left half written in a folder, and in those of a run
+/// in it. What cannot be removed stays: it is no part of the run.
+void remove_half_written(const Folder& folder, bool is_run) {
     try {
-        for (const std::string& name : run.names()) {
-            const EntryKind kind = run.kind_of(name);
-            if (kind == EntryKind::folder && (name == "superseded" || name == "attestations"))
-                remove_half_written(run.open(name));
-            else if (kind == EntryKind::file && name.starts_with(".runcert-") &&
-                     name.ends_with(".tmp"))
-                run.remove(name);
+        for (const std::string& name : folder.names()) {
+            const EntryKind kind = folder.kind_of(name);
+            if (kind == EntryKind::folder && (!is_run || is_run_subfolder(name)))
+                remove_half_written(folder.open(name), false);
+            else if (kind == EntryKind::file && name.ends_with(".tmp") && is_own_name(folder, name))
+                folder.remove(name);
         }
     } catch (const Failure&) {
     }
 }
 
+void prepare(const Folder& run) {
+    keep_own_names();
+    remove_half_written(run, true);
+}
+
 }  // namespace
 
+bool is_run_subfolder(std::string_view name) {
+    return std::ranges::find(run_subfolders, name) != run_subfolders.end();
+}
+
 RunLock::RunLock(const std::filesystem::path& run_dir, RunUse use) {
-    if (take(AT_FDCWD, run_dir, true, run_dir) && use == RunUse::writes)
-        remove_half_written(Folder(run_dir));
+    if (take(AT_FDCWD, run_dir, true, run_dir) && use == RunUse::writes) prepare(Folder(run_dir));
 }
 
 RunLock::RunLock(const Folder& parent, const std::string& name) {
-    if (take(parent.number(), name, false, parent.path() / name))
-        remove_half_written(parent.open(name));
+    if (take(parent.number(), name, false, parent.path() / name)) prepare(parent.open(name));
 }
 
 bool RunLock::take(int parent, const std::filesystem::path& name, bool follow,

@@ -1,11 +1,19 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "files/folder.h"
 
 namespace runcert {
+
+/// The folders that a run folder may hold; others in it are the user's own.
+inline constexpr std::array<std::string_view, 3> run_subfolders{"superseded", "keys",
+                                                                "attestations"};
+
+bool is_run_subfolder(std::string_view name);
 
 /// What is done in a run folder under its lock.
 enum class RunUse { writes, reads };
@@ -20,8 +28,8 @@ enum class RunUse { writes, reads };
 class RunLock {
   public:
     /// Takes the lock of the folder that a user named, and to write there removes what killed
-    /// programs left half written. Failure where another program has it. On a file system that has
-    /// no locks, nothing is locked.
+    /// programs of this user left half written. Failure where another program has it. On a file
+    /// system that has no locks, nothing is locked.
     explicit RunLock(const std::filesystem::path& run_dir, RunUse use = RunUse::writes);
     /// The same of a folder in another, where it is no symbolic link.
     RunLock(const Folder& parent, const std::string& name);

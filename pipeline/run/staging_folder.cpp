@@ -7,37 +7,24 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
-#include <atomic>
 #include <vector>
 
 #include "core/failure.h"
 #include "files/atomic_file.h"
 #include "files/file_sync.h"
+#include "files/own_name.h"
 #include "files/sha256.h"
+#include "run/ready_run.h"
 
 namespace runcert {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view own_prefix = ".runcert-";
-constexpr const char* staged_name = "run";
-constexpr const char* ready_name = ".runcert-ready";
-constexpr const char* done_name = ".runcert-done";
-constexpr const char* report_name = "report.json";
-
-// Folders that a run may hold; a folder with others is not exchanged.
-constexpr std::array<std::string_view, 3> run_subfolders{"superseded", "keys", "attestations"};
-
-/// What begins the names of staging folders of a run, whatever that is called.
-std::string prefix_of(const std::string& run) {
-    return fmt::format("{}{}-", own_prefix, sha256_hex(run).substr(0, 16));
-}
-
-std::string unused_own_name(const std::string& run) {
-    static std::atomic<unsigned> counter{0};
-    return fmt::format("{}{}-{}", prefix_of(run), getpid(), counter++);
+/// What its staging folders are named by, whatever a run is called.
+std::string mark_of(const std::string& run) {
+    constexpr std::size_t digits = 16;
+    return sha256_hex(run).substr(0, digits);
 }
 
 /// The lock of a folder, where nobody has it.
@@ -57,51 +44,10 @@ void remove_unless_locked(const Folder& parent, const std::string& name) {
     }
 }
 
-bool is_run_subfolder(const std::string& name) {
-    return std::ranges::find(run_subfolders, name) != run_subfolders.end();
-}
-
-/// The names of a folder's entries in the order in which they are put in place.
-std::vector<std::string> report_last(const Folder& folder) {
-    std::vector<std::string> names = folder.names();
-    std::ranges::stable_sort(names, {}, [](const std::string& name) {
-        return name == report_name ? 2 : name.starts_with("report.") ? 1 : 0;
-    });
-    return names;
-}
-
-/// Has all that is in `from` in `to` too.
-void place_all(const Folder& from, const Folder& to) {
-    for (const std::string& name : report_last(from))
-        if (from.kind_of(name) == EntryKind::folder)
-            place_all(from.open(name), to.make(name));
-        else
-            from.place(name, to);
-}
-
-/// Gives a run folder the contents of the run that is ready in it. It may have been begun before.
-void finish_in_place(const Folder& run) {
-    {
-        const Folder made = run.open(ready_name).open(staged_name);
-        for (const char* name : {report_name, "report.html", "report.pdf"})
-            run.remove(name);
-        for (const std::string& name : run.names()) {
-            const EntryKind kind = run.kind_of(name);
-            const bool stays = kind == EntryKind::folder || made.kind_of(name) != EntryKind::none;
-            if (!stays && !name.starts_with(own_prefix)) run.remove(name);
-        }
-        place_all(made, run);
-    }
-    run.sync();
-    // What is half removed is not taken for ready.
-    run.rename(ready_name, run, done_name);
-    run.remove_tree(done_name);
-}
-
 void clear_inside(const Folder& run) {
-    if (run.kind_of(ready_name) == EntryKind::folder) finish_in_place(run);
+    if (run.kind_of(ready_name) != EntryKind::none) finish_in_place(run);
     for (const std::string& name : run.names())
-        if (name.starts_with(own_prefix)) {
+        if (is_own_name(run, name)) {
             if (run.kind_of(name) == EntryKind::folder)
                 remove_unless_locked(run, name);
             else if (name.ends_with(".tmp"))
@@ -131,8 +77,7 @@ bool is_working_folder(const Folder& folder) {
 bool may_be_exchanged(const Folder& run, const Folder& parent) {
     if (is_mount_point(run, parent) || is_working_folder(run)) return false;
     return std::ranges::none_of(run.names(), [&run](const std::string& name) {
-        return run.kind_of(name) == EntryKind::folder && !is_run_subfolder(name) &&
-               !name.starts_with(own_prefix);
+        return run.kind_of(name) == EntryKind::folder && !is_run_subfolder(name);
     });
 }
 
@@ -182,8 +127,10 @@ void clear_abandoned(const Folder& parent, const std::string& name) {
     } catch (const Failure&) {
         // A folder that may not be listed: what was left there stays.
     }
+    const std::string begin = ".runcert-" + mark_of(name) + "-";
     for (const std::string& each : beside)
-        if (each.starts_with(prefix_of(name))) remove_unless_locked(parent, each);
+        if (each.starts_with(begin) && is_own_name(parent, each))
+            remove_unless_locked(parent, each);
     if (parent.kind_of(name) == EntryKind::folder) clear_inside(parent.open(name));
 }
 
@@ -209,10 +156,11 @@ StagingFolder::StagingFolder(Place place)
 }
 
 void StagingFolder::open_beside_or_inside() {
-    own_name_ = unused_own_name(name_);
-    inside_ = !may_be_exchanged(*run_, parent_);
-    // Whoever may write in the run folder need not be let to write beside it.
-    if (!inside_ && mkdirat(parent_.number(), own_name_.c_str(), 0700) != 0) inside_ = true;
+    own_name_ = own_name(parent_, mark_of(name_));
+    inside_ = !may_be_exchanged(*run_, parent_) ||
+              // Whoever may write in the run folder need not be let to write beside it.
+              mkdirat(parent_.number(), own_name_.c_str(), 0700) != 0;
+    if (inside_) own_name_ = own_name(*run_, mark_of(name_));
     own_ = inside_ ? run_->make(own_name_) : parent_.open(own_name_);
     own_lock_ = locked(*own_);
     staged_ = own_->make(staged_name);
@@ -233,10 +181,12 @@ void StagingFolder::publish() {
         throw Failure((parent_.path() / name_).string(),
                       "the run folder was replaced while this run was made",
                       "Find out what else writes there, and run this again");
-    if (!inside_) {
+    // A folder that the user made in it meanwhile has it replaced in place.
+    if (!inside_ && may_be_exchanged(*run_, parent_)) {
         take_permissions(*run_, *staged_);
         if (own_->exchange(staged_name, parent_, name_)) return parent_.sync();
     }
+    write_ready_record(*run_, *own_);
     place().rename(own_name_, *run_, ready_name);
     finish_in_place(*run_);
 }

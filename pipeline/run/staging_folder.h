@@ -14,13 +14,15 @@ namespace runcert {
 ///
 /// It lies beside the run folder, in `.runcert-...`, and one rename exchanges the two: whoever
 /// looks, and whenever the program is killed, finds the earlier run or the new one. What is left of
-/// the one that lost is removed, after a kill by the next call.
+/// the one that lost is removed, after a kill by the next call of the same user (own_name.h).
 ///
 /// Where a folder cannot be exchanged (a disk is mounted there, this program runs in it, it holds
 /// folders of the user's, its parent may not be written, its file system has no such rename), the
 /// new run is made inside it. When it is complete it is called `.runcert-ready`, and its files are
 /// put in place one by one, report.json out first and in last. A kill in the midst leaves no
-/// report.json, and the new run whole in `.runcert-ready`: the next call goes on from there.
+/// report.json, and the new run whole in `.runcert-ready`: the next call goes on from there, by a
+/// record in it that the same user's secret sealed. It says of which folder it is, and which files,
+/// with their SHA-256, are to go or to be replaced; others stay as they are.
 class StagingFolder {
   public:
     /// For the run folder that a user named, which is made where it is missing and may be a link.
@@ -65,8 +67,9 @@ class StagingFolder {
     std::optional<Folder> staged_;
 };
 
-/// Removes what killed programs left beside and in a run folder, and puts in place what one of them
-/// had ready. For who holds the run folder's lock, or a batch's lock of the run.
+/// Removes what killed programs of this user left beside and in a run folder, and puts in place
+/// what one of them had ready. Failure where what is ready there is not this user's, or a file was
+/// put in its way since. For who holds the run folder's lock, or a batch's lock of the run.
 void clear_abandoned(const Folder& parent, const std::string& name);
 
 }  // namespace runcert

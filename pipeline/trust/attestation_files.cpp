@@ -105,7 +105,7 @@ void carry_attestations(const Folder& run, const Folder& made, bool report_uncha
                           "a folder among the attestations of this run is none of its own",
                           "Move it elsewhere, and certify again");
         if (!report_unchanged && kind == EntryKind::file) {
-            supersede(from, name, made);
+            keep_copy(from, name, superseded_of(run, made).make(attestations_folder));
             continue;
         }
         const Folder to = made.make(report_unchanged ? attestations_folder : superseded_folder);

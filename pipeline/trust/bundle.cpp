@@ -25,7 +25,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view program_leftover = ".runcert-";
 constexpr const char* timing_file = "run.yaml";
 
 struct BundledReport {

@@ -17,6 +17,9 @@ inline constexpr const char* bundle_keys_folder = "keys";
 inline constexpr const char* bundle_roster_file = "keys/roster";
 inline constexpr const char* bundle_tsa_file = "keys/tsa-ca.pem";
 
+/// What begins the names of what programs make for a while. None belongs in a whole run.
+inline constexpr std::string_view program_leftover = ".runcert-";
+
 /// What goes into a bundle.
 struct BundleInput {
     std::filesystem::path run_dir;

@@ -3,12 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <set>
 
 #include "core/failure.h"
+#include "core/text.h"
 #include "files/atomic_file.h"
 #include "files/sha256.h"
+#include "run/run_lock.h"
+#include "schemas/products/products.h"
 #include "trust/attestation_files.h"
 #include "trust/report_facts.h"
 
@@ -26,6 +30,11 @@ constexpr const char* sealed_file = "report.pdf";
 
 bool is_file(const Folder& folder, const std::string& name) {
     return folder.kind_of(name) == EntryKind::file;
+}
+
+/// Has a file of a run among what `to` superseded, beside that run's report.
+void supersede(const Folder& run, const std::string& name, const Folder& to) {
+    keep_copy(run, name, superseded_of(run, to));
 }
 
 bool same_in_both(const Folder& one, const Folder& other, const std::string& name) {
@@ -69,38 +78,60 @@ std::map<std::string, std::string> named_by_report(const Folder& run) {
     }
 }
 
-/// Files in a folder of a run that `made` has not.
+/// What is in a folder of a run, and in those inside, that `made` has not.
 void carry_folder(const Folder& run, const Folder& made, const std::string& name) {
     if (run.kind_of(name) == EntryKind::none) return;
     const Folder from = run.open(name);
     const Folder to = made.make(name);
     for (const std::string& each : from.names())
-        if (to.kind_of(each) == EntryKind::none && from.kind_of(each) != EntryKind::folder)
+        if (from.kind_of(each) == EntryKind::folder)
+            carry_folder(from, to, each);
+        else if (to.kind_of(each) == EntryKind::none)
             from.place(each, to);
 }
 
-/// Files of the user's. A file that the earlier report names is not, where it is still that file.
+/// What every run has, and makes anew.
+bool is_made_anew(const std::string& name) {
+    static const std::set<std::string> all{"report.json", "report.html", "report.pdf", "run.yaml"};
+    return all.contains(name);
+}
+
+/// Files of the user's, and those of the run that are not as its report names them.
 void carry_own_files(const Folder& run, const Folder& made) {
-    static const std::set<std::string> remade{"report.json", "report.html", "report.pdf",
-                                              "run.yaml"};
     const auto named = named_by_report(run);
     for (const std::string& name : run.names()) {
         const EntryKind kind = run.kind_of(name);
-        if (remade.contains(name) || name.starts_with(".runcert-") || kind == EntryKind::folder ||
-            made.kind_of(name) != EntryKind::none || belongs_to_signatures(name))
+        if (is_made_anew(name) || kind == EntryKind::folder || belongs_to_signatures(name))
             continue;
         const auto of_run = named.find(name);
-        if (of_run != named.end() && kind == EntryKind::file &&
-            digest_file(run.path() / name).sha256 == of_run->second)
-            continue;
-        run.place(name, made);
+        const bool is_new = made.kind_of(name) == EntryKind::none;
+        // What is neither named nor replaced may be long, and need not be read.
+        const std::string sha256 = kind == EntryKind::file && (of_run != named.end() || !is_new)
+                                       ? digest_file(run.path() / name).sha256
+                                       : "";
+        if (of_run != named.end() && sha256 == of_run->second && is_file_of_a_run(name)) continue;
+        if (is_new)
+            run.place(name, made);
+        else if (kind == EntryKind::file && digest_file(made.path() / name).sha256 != sha256)
+            supersede(run, name, made);
     }
 }
 
 }  // namespace
 
-void supersede(const Folder& from, const std::string& name, const Folder& to) {
-    const Folder kept = to.make(superseded_folder);
+Folder superseded_of(const Folder& run, const Folder& to) {
+    const std::string report(signed_file);
+    const std::string signed_text = is_file(run, report) ? run.read(report) : "";
+    constexpr std::size_t digits = 16;
+    const std::string of_report =
+        signed_text.empty() ? "no-report" : sha256_hex(signed_text).substr(0, digits);
+    Folder kept = to.make(superseded_folder).make(of_report);
+    if (!signed_text.empty() && kept.kind_of(report) == EntryKind::none)
+        kept.write(report, signed_text);
+    return kept;
+}
+
+void keep_copy(const Folder& from, const std::string& name, const Folder& kept) {
     const std::string bytes = from.read(name);
     std::string free = name;
     for (int number = 2; kept.kind_of(free) != EntryKind::none; ++number) {
@@ -127,6 +158,18 @@ bool belongs_to_signatures(std::string_view name) {
     for (const std::string_view end : {time_stamp_end, query_end})
         if (name.ends_with(end)) return is_signature_name(name.substr(0, name.size() - end.size()));
     return is_signature_name(name);
+}
+
+bool is_file_of_a_run(const std::string& name) {
+    if (fs::path(name).filename() != name) return false;
+    if (is_product_name(name) || belongs_to_signatures(name)) return true;
+    constexpr std::array whole{"attempt.yaml", "wind.csv", "current.csv", "wheel.csv", "gates.csv"};
+    constexpr std::array begins{"profile.", "recording.", "base.",    "navigation.",
+                                "phase.",   "rtklib.",    "forward.", "backward."};
+    return std::ranges::find(whole, name) != whole.end() ||
+           std::ranges::any_of(begins, [&](const char* part) {
+               return name.starts_with(part) && name.size() > std::string_view(part).size();
+           });
 }
 
 std::vector<SignatureFile> signature_files(const fs::path& run_dir) {
@@ -168,9 +211,30 @@ void supersede_signatures(const fs::path& run_dir) {
     run.remove_tree(attestations_folder);
 }
 
+void require_a_run(const Folder& run, const std::vector<std::string>& made,
+                   const std::vector<std::string>& known) {
+    const auto named = named_by_report(run);
+    const bool is_run = !named.empty() || !known.empty();
+    std::string strangers;
+    for (const std::string& name : run.names()) {
+        const bool of_run = is_made_anew(name) || is_product_name(name) ||
+                            belongs_to_signatures(name) ||
+                            std::ranges::find(made, name) != made.end();
+        const bool stands = named.contains(name) || std::ranges::find(known, name) != known.end() ||
+                            (is_run && (is_made_anew(name) || belongs_to_signatures(name)));
+        if (of_run && !stands) strangers += (strangers.empty() ? "" : ", ") + shown(name);
+    }
+    if (strangers.empty()) return;
+    throw Failure(run.path().string(),
+                  fmt::format("the folder holds files of a run's names that no report in it names: "
+                              "{}; nothing was written",
+                              strangers),
+                  "Give another folder for the run, or move these out of this one");
+}
+
 void carry_over(const Folder& run, const Folder& made) {
-    for (const char* name : {superseded_folder, "keys"})
-        carry_folder(run, made, name);
+    for (const std::string_view name : run_subfolders)
+        if (name != attestations_folder) carry_folder(run, made, std::string(name));
     carry_signatures(run, made);
     carry_attestations(run, made, same_in_both(run, made, std::string(signed_file)));
     if (is_file(run, sealed_file) && is_sealed(run.path() / sealed_file) &&

@@ -32,16 +32,24 @@ std::string time_stamp_query_name(std::string_view signature);
 /// Whether a file of a run folder is, by its name, a signature, its time stamp or the query for it.
 bool belongs_to_signatures(std::string_view name);
 
-/// The folder of a run's signatures and time stamps that no longer stand.
+/// Whether a run has files of that name beside its report, pages and run.yaml.
+bool is_file_of_a_run(const std::string& name);
+
+/// The folder of what no longer stands of a run: for each report that was signed a folder, named by
+/// the beginning of its SHA-256, with that report.json, its signatures, time stamps and sealed PDF,
+/// so that each can still be verified there; and what somebody had changed in that run.
 inline constexpr const char* superseded_folder = "superseded";
 
-/// Has a file of `from` in that folder of `to`, under its own name or the first with a number that
-/// is free; once alone where it is there already.
-void supersede(const Folder& from, const std::string& name, const Folder& to);
+/// The folder in that one for what a run superseded: it holds the run's report.json.
+Folder superseded_of(const Folder& run, const Folder& to);
 
-/// Copies a file that is about to be replaced into that folder, under its own name or the first
-/// with a number that is free. Nothing where there is no such file. Failure where `superseded` is a
-/// symbolic link.
+/// Has a copy of a file of `from` in `kept`, under its own name or the first with a number that is
+/// free; once alone where it is there already.
+void keep_copy(const Folder& from, const std::string& name, const Folder& kept);
+
+/// Copies a file that is about to be replaced there, beside the run folder's report.json, under its
+/// own name or the first with a number that is free. Nothing where there is no such file. Failure
+/// where `superseded` is a symbolic link.
 void keep_superseded(const std::filesystem::path& run_dir, const std::string& name);
 
 /// The same of report.pdf where it is sealed, which one that is rendered again is not.
@@ -51,10 +59,17 @@ void keep_sealed_page(const std::filesystem::path& run_dir);
 /// evidence is never deleted.
 void supersede_signatures(const std::filesystem::path& run_dir);
 
+/// Failure, with their names, where a folder holds files of a run's names that no run put there: it
+/// has no report that names them, and they are none of `known`, the names that a batch put there.
+/// `made` are the files that a new run will have. Links and folders of such names count too.
+void require_a_run(const Folder& run, const std::vector<std::string>& made,
+                   const std::vector<std::string>& known = {});
+
 /// Brings what stands in a run folder into `made`, which takes its place and has its report.json:
 /// signatures and attestations beside that where it is unchanged, byte for byte, else into its
-/// superseded/; a sealed PDF there too; and files of the user's, those that the earlier report does
-/// not name. What is in `made` already stays, and a signature that it has otherwise is superseded.
+/// superseded/; a sealed PDF there too; files of the run that are not as its report names them
+/// there too, where `made` has others; and files of the user's, which no run has. What is in `made`
+/// already stays, and a signature that it has otherwise is superseded.
 void carry_over(const Folder& run, const Folder& made);
 
 }  // namespace runcert

@@ -32,7 +32,6 @@ bool is_known_companion(const fs::directory_entry& entry) {
     if (name == bundle_keys_folder)
         return fs::is_directory(status) && fs::exists(entry.path().parent_path() / "SHA256SUMS");
     if (name == superseded_folder || name == attestations_folder) return fs::is_directory(status);
-    if (name.starts_with(".runcert-")) return true;  // of a run that was killed
     if (!fs::is_regular_file(status)) return false;
     for (const char* known :
          {"report.json", "report.html", "report.pdf", "run.yaml", "SHA256SUMS", "VERIFY.txt"})
@@ -91,9 +90,14 @@ std::vector<std::string> extra_files(const fs::path& run_dir, const ReportFacts&
     for (const auto& entry : fs::directory_iterator(run_dir)) {
         const std::string name = entry.path().filename().string();
         if (report.subjects.contains(name) || is_known_companion(entry)) continue;
-        extras.push_back(fs::is_symlink(entry.symlink_status())
-                             ? shown(name) + ": a symbolic link, not part of the report: remove it"
-                             : shown(name) + ": not part of the report: move it away");
+        const bool link = fs::is_symlink(entry.symlink_status());
+        extras.push_back(
+            shown(name) +
+            (name.starts_with(program_leftover)
+                 ? ": left by a program that was killed, or put here by somebody: certify again, "
+                   "which clears away what is yours, or move it away"
+             : link ? ": a symbolic link, not part of the report: remove it"
+                    : ": not part of the report: move it away"));
     }
     std::ranges::sort(extras);
     return extras;
@@ -177,6 +181,11 @@ VerificationStep verify_chain(const fs::path& run_dir, const ReportFacts& report
         try {
             const Header header = read_product_header(FileView(file).bytes(), name, file.string());
             parameters_of[name] = header.parameters;
+            for (const CalledProgram& program : header.programs)
+                if (!program.isolation.empty())
+                    step.details.push_back(fmt::format(
+                        "note: {}: {} ran without a sandbox where this was made ({})", shown(name),
+                        escape_for_message(program.name), program.isolation));
             for (const InputFile& input : header.inputs) {
                 inputs_of[name].insert(input.file);
                 const auto subject = report.subjects.find(input.file);

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 std::ptrdiff_t superseded_answers(const fs::path& run_dir) {
     const fs::path folder = run_dir / superseded_folder;
     if (!fs::is_directory(fs::symlink_status(folder))) return 0;
-    return std::ranges::count_if(fs::directory_iterator(folder), [](const auto& entry) {
+    return std::ranges::count_if(fs::recursive_directory_iterator(folder), [](const auto& entry) {
         return entry.path().filename().string().starts_with("answer-");
     });
 }

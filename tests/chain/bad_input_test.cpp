@@ -127,7 +127,7 @@ void expect_refused(const BadInput& one) {
     const TemporaryFolder folder;
     const fs::path out = folder.path() / "run";
     fs::create_directory(out);
-    write_file_atomically(out / "report.json", "an earlier result");
+    write_file_atomically(out / "result.txt", "an earlier result");
     write_file_atomically(folder.path() / "attempt.yaml", one.attempt);
     write_file_atomically(folder.path() / "recording.pos", one.recording);
     const ProcessResult result = certify(folder.path() / "attempt.yaml", out);
@@ -136,7 +136,7 @@ void expect_refused(const BadInput& one) {
         EXPECT_NE(result.errors.find(part), std::string::npos) << result.errors;
     for (const std::string& said : one.said)
         EXPECT_NE(result.errors.find(said), std::string::npos) << said << "\n" << result.errors;
-    const std::map<std::string, std::string> untouched{{"report.json", "an earlier result"}};
+    const std::map<std::string, std::string> untouched{{"result.txt", "an earlier result"}};
     EXPECT_EQ(contents_of(out), untouched);
     // Into a folder that did not exist: it does not exist afterwards.
     EXPECT_EQ(certify(folder.path() / "attempt.yaml", folder.path() / "new").exit_status, 2);
@@ -220,14 +220,14 @@ TEST(BadInput, AFullDisk) {
     const TemporaryFolder folder;
     const fs::path out = folder.path() / "run";
     fs::create_directory(out);
-    write_file_atomically(out / "report.json", "an earlier result");
+    write_file_atomically(out / "result.txt", "an earlier result");
     const ProcessResult result = run_process(
         {"bash", "-c",
          fmt::format("ulimit -f 30; {}/runcert certify {} --out {}", RUNCERT_PROGRAMS,
                      (examples / "land_yacht" / "attempt.yaml").string(), out.string())});
     EXPECT_EQ(result.exit_status, 2) << result.output;
     EXPECT_NE(result.errors.find("1-observations.ecsv"), std::string::npos) << result.errors;
-    const std::map<std::string, std::string> untouched{{"report.json", "an earlier result"}};
+    const std::map<std::string, std::string> untouched{{"result.txt", "an earlier result"}};
     EXPECT_EQ(contents_of(out), untouched);
 }
 

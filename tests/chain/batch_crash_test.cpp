@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "batch_crash_support.h"
+#include "files/folder.h"
+#include "files/own_name.h"
 
 namespace runcert::chain::RUNCERT_FILE {
 namespace {
@@ -129,7 +131,7 @@ TEST(Batch, WhatKilledProgramsLeftHalfWrittenIsTakenAway) {
     const fs::path own = day.out / ".runcert";
     for (const fs::path& folder :
          {day.out, own, own / "records", own / "attempts", day.out / "run-0001"})
-        std::ofstream(folder / ".runcert-4711-0.tmp") << "half";
+        std::ofstream(folder / (own_name(Folder(folder)) + ".tmp")) << "half";
     const fs::path notes = day.out / ".runcert-notes";
     std::ofstream(notes) << "the measurer's own";
     EXPECT_EQ(day.batch().exit_status, 0);

@@ -1,8 +1,8 @@
 // A day's folder that others wrote into: what is ranked and signed was computed by this user's
 // batches.
-#include "batch/record_key.h"
 #include "batch/run_record.h"
 #include "batch_support.h"
+#include "files/record_key.h"
 #include "files/sha256.h"
 
 namespace runcert::chain::RUNCERT_FILE {
@@ -136,6 +136,16 @@ TEST_F(Attacks, BatchTakesNoFileOfAWorkFolderThatItDidNotWrite) {
 
 TEST_F(Attacks, BatchReadsNoRecordWithoutEnd) {
     fs::resize_file(record(), std::uintmax_t{1} << 40);
+    const BatchSaid said = again();
+    EXPECT_EQ(said.exit_status, 0) << said.errors;
+    EXPECT_TRUE(holds(said.text, "1 run was recomputed")) << said.text;
+    EXPECT_EQ(made("one"), first_made("one"));
+}
+
+// Crashed the batch: it was written out to look for its seal.
+TEST_F(Attacks, BatchReadsNoRecordThatIsNestedWithoutEnd) {
+    write_file_atomically(record(), "{\"seal\": \"x\", \"a\": " + std::string(1900000, '[') +
+                                        std::string(1900000, ']') + "}");
     const BatchSaid said = again();
     EXPECT_EQ(said.exit_status, 0) << said.errors;
     EXPECT_TRUE(holds(said.text, "1 run was recomputed")) << said.text;

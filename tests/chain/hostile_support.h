@@ -139,7 +139,7 @@ inline void expect_hostile_refused(const HostileCase& one) {
     const TemporaryFolder folder;
     const fs::path run_dir = folder.path() / "run";
     fs::create_directory(run_dir);
-    write_plainly(run_dir / "report.json", "an earlier result");
+    write_plainly(run_dir / "result.txt", "an earlier result");
     write_plainly(folder.path() / "attempt.yaml", good_attempt);
     write_plainly(folder.path() / "recording.pos", good_recording());
     one.prepare(folder.path());

@@ -8,6 +8,8 @@
 #include <cstddef>
 
 #include "batch_crash_support.h"
+#include "files/folder.h"
+#include "files/own_name.h"
 #include "signatures_support.h"
 
 namespace runcert::chain::RUNCERT_FILE {
@@ -80,7 +82,8 @@ class RunFolders : public SignedRuns {
     /// A report with another's signature among what was superseded.
     void expect_replaced(const std::string& signature, const std::string& report) const {
         EXPECT_NE(read_file(run() / "report.json"), report);
-        EXPECT_EQ(read_file(run() / "superseded/report.json.minisig"), signature);
+        EXPECT_EQ(read_file(superseded(report, "report.json.minisig")), signature);
+        EXPECT_EQ(read_file(superseded(report, "report.json")), report);
         EXPECT_FALSE(fs::exists(run() / "report.json.minisig"));
     }
 };
@@ -163,6 +166,7 @@ TEST_F(RunFolders, Files08WithoutAnExchangeTheyAreReplacedInPlace) {
 
 TEST_F(RunFolders, Files08AMountedDiskIsReplacedInPlace) {
     if (!mounts()) GTEST_SKIP() << "no file system can be mounted here (needs root)";
+    const std::string report = read_file(run() / "report.json");
     const std::string script = fmt::format(
         "mount -t tmpfs none '{0}' && {1} certify '{2}' --out '{0}' --no-render --key {4}; "
         "{1} certify '{3}' --out '{0}' --no-render; cp -a '{0}' '{0}-copy'",
@@ -171,37 +175,9 @@ TEST_F(RunFolders, Files08AMountedDiskIsReplacedInPlace) {
     run_process({"unshare", "-m", "sh", "-c", script});
     fs::remove_all(run());
     fs::rename(run().string() + "-copy", run());
-    EXPECT_TRUE(fs::exists(run() / "superseded/report.json.minisig"));
+    EXPECT_TRUE(fs::exists(superseded(report, "report.json.minisig")));
     EXPECT_FALSE(fs::exists(run() / "report.json.minisig"));
     expect_whole();
-}
-
-// A kill while files are put in place: the new run is whole in .runcert-ready until all are.
-TEST_F(RunFolders, Files08WhatWasReadyIsPutInPlaceByTheNextCall) {
-    certify(attempt(true), path("made"), {"--no-render"});
-    const auto made = contents_of(path("made"));
-    std::vector<std::string> names;
-    for (const auto& [name, bytes] : made)
-        names.push_back(name);
-    for (const std::size_t moved : {std::size_t{0}, names.size() / 2, names.size()}) {
-        SCOPED_TRACE(moved);
-        fs::remove_all(run());
-        fs::copy(original(), run(), fs::copy_options::recursive);
-        write_file_atomically(run() / "recording.gone.pos", "of the earlier run");
-        fs::create_directory(run() / ".runcert-ready");
-        fs::copy(path("made"), run() / ".runcert-ready/run", fs::copy_options::recursive);
-        if (moved > 0) fs::remove(run() / "report.json");
-        for (std::size_t i = 0; i < moved; ++i)
-            fs::copy_file(path("made") / names[i], run() / names[i],
-                          fs::copy_options::overwrite_existing);
-        // One that fails finishes it too, and the run is that which was ready.
-        write_file_atomically(path("bad.yaml"), "schema: attempt/1.0\nid: x\n");
-        EXPECT_EQ(certify(path("bad.yaml"), run()).exit_status, 2);
-        EXPECT_LT(run_process(certify_words(true, run())).exit_status, 2);
-        auto now = contents_of(run());
-        now["run.yaml"] = made.at("run.yaml");
-        EXPECT_EQ(now, made);
-    }
 }
 
 // Whoever waited for the folder that was exchanged does not write into it.
@@ -265,8 +241,15 @@ TEST_F(RunFolders, Files08AFullDiskLosesNoSignatureAndNoStamp) {
     const auto before = contents_of(run());
     int failed = 0;
     int went = 0;
-    // superseded/ takes a page for each of three files, the new signature one.
-    for (int free = 0; free <= 8; ++free) {
+    // superseded/ takes the report's blocks and a page for each of three files, the new signature
+    // one.
+    const auto of_report = static_cast<int>(before.at("report.json").size() / 4096 + 1);
+    std::vector<int> blocks{0, 1};
+    for (int more = 0; more <= 8; ++more)
+        blocks.push_back(of_report + more);
+    const std::string kept =
+        fs::relative(superseded(before.at("report.json"), "report.json.minisig"), run()).string();
+    for (const int free : blocks) {
         const fs::path after = path(fmt::format("after{}", free));
         const std::string script = fmt::format(
             "mkdir -p '{0}'; mount -t tmpfs -o size=16m none '{0}' && cp -a '{1}/.' '{0}' && "
@@ -280,9 +263,9 @@ TEST_F(RunFolders, Files08AFullDiskLosesNoSignatureAndNoStamp) {
         auto now = contents_of(after);
         if (read_file(after.string() + ".status") == "0\n") {
             ++went;
-            EXPECT_EQ(now["superseded/report.json.minisig"], before.at("report.json.minisig"));
-            EXPECT_EQ(now["superseded/report.json.minisig.tsr"], "stamp");
-            EXPECT_EQ(now["superseded/report.json.minisig.tsq"], "query");
+            EXPECT_EQ(now[kept], before.at("report.json.minisig"));
+            EXPECT_EQ(now[kept + ".tsr"], "stamp");
+            EXPECT_EQ(now[kept + ".tsq"], "query");
             continue;
         }
         ++failed;
@@ -297,13 +280,15 @@ TEST_F(RunFolders, Files08AFullDiskLosesNoSignatureAndNoStamp) {
 TEST_F(RunFolders, Files08WhatAKilledProgramHalfWroteIsRemovedByTheNext) {
     must_sign("measurer", "measurer");
     must_sign("measurer", "measurer");
-    write_file_atomically(run() / ".runcert-4711-0.tmp", "half");
-    write_file_atomically(run() / "superseded/.runcert-4711-1.tmp", "half");
-    write_file_atomically(run() / ".runcert-notes", "mine");
+    std::vector<fs::path> left;
+    for (const fs::path& folder :
+         {run(), superseded(read_file(run() / "report.json"), "").parent_path()}) {
+        left.push_back(folder / (own_name(Folder(folder)) + ".tmp"));
+        write_file_atomically(left.back(), "half");
+    }
     must_sign("judge", "judge");
-    EXPECT_FALSE(fs::exists(run() / ".runcert-4711-0.tmp"));
-    EXPECT_FALSE(fs::exists(run() / "superseded/.runcert-4711-1.tmp"));
-    EXPECT_TRUE(fs::exists(run() / ".runcert-notes"));
+    for (const fs::path& each : left)
+        EXPECT_FALSE(fs::exists(each)) << each;
 }
 
 TEST_F(RunFolders, Files08ACertificateThatDoesNotFitLeavesTheEarlierOne) {

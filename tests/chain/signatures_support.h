@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "chain_support.h"
+#include "files/sha256.h"
 
 namespace runcert::chain {
 
@@ -142,6 +143,11 @@ class SignedRuns : public testing::Test {
         for (std::size_t at = text.find(old); at != std::string::npos; at = text.find(old))
             text.replace(at, 64, now);
         write_file_atomically(run() / "report.json", text);
+    }
+
+    /// A file among what was superseded of the run whose report.json this was.
+    fs::path superseded(const std::string& report, const std::string& file) const {
+        return run() / "superseded" / sha256_hex(report).substr(0, 16) / file;
     }
 
     /// Of what programs make for a while, nothing is left in the run folder or beside it.

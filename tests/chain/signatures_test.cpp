@@ -275,7 +275,7 @@ TEST_F(Signatures, OfAnotherReportAreKeptApartAndVoid) {
     for (const char* name :
          {"report.json.minisig", "report.json.judge.minisig", "report.json.judge.minisig.tsq"}) {
         EXPECT_FALSE(after.contains(name)) << name;
-        EXPECT_EQ(after[std::string("superseded/") + name], before.at(name)) << name;
+        EXPECT_EQ(read_file(superseded(before.at("report.json"), name)), before.at(name)) << name;
     }
     const ProcessResult verified = verify({"--pubkey", public_key("judge")});
     EXPECT_NE(verified.output.find("yes  files"), std::string::npos) << verified.output;
@@ -288,8 +288,9 @@ TEST_F(Signatures, ThatAreMadeAgainLeaveTheEarlierOneAndItsStamp) {
     write_file_atomically(run() / "report.json.minisig.tsr", "stamp");
     const std::string first = read_file(run() / "report.json.minisig");
     must_sign("measurer", "measurer");
-    EXPECT_EQ(read_file(run() / "superseded/report.json.minisig"), first);
-    EXPECT_EQ(read_file(run() / "superseded/report.json.minisig.tsr"), "stamp");
+    const std::string report = read_file(run() / "report.json");
+    EXPECT_EQ(read_file(superseded(report, "report.json.minisig")), first);
+    EXPECT_EQ(read_file(superseded(report, "report.json.minisig.tsr")), "stamp");
     EXPECT_FALSE(fs::exists(run() / "report.json.minisig.tsr"));
 }
 

@@ -1,4 +1,4 @@
-#include "batch/record_key.h"
+#include "files/record_key.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -13,6 +13,7 @@
 
 #include "core/failure.h"
 #include "files/atomic_file.h"
+#include "files/descriptor.h"
 
 namespace runcert {
 namespace {
@@ -46,37 +47,22 @@ std::string hexadecimal(const RecordKey::Bytes& bytes) {
     return text;
 }
 
-class OpenFile {
-  public:
-    explicit OpenFile(const fs::path& path)
-        : descriptor_(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK)) {}
-    ~OpenFile() {
-        if (descriptor_ >= 0) close(descriptor_);
-    }
-    OpenFile(const OpenFile&) = delete;
-    OpenFile& operator=(const OpenFile&) = delete;
-    int descriptor() const { return descriptor_; }
-
-  private:
-    int descriptor_;
-};
-
 [[noreturn]] void refuse_key(const fs::path& path, const std::string& problem) {
     throw Failure(path.string(), problem,
                   "Remove the file: a new secret is made, and every run is recomputed once");
 }
 
 RecordKey read_key(const fs::path& path) {
-    const OpenFile file(path);
+    const FileDescriptor file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK));
     struct stat status {};
-    if (file.descriptor() < 0 || fstat(file.descriptor(), &status) != 0)
+    if (!file.is_open() || fstat(file.number(), &status) != 0)
         refuse_key(path,
                    std::string("the secret of records cannot be read: ") + std::strerror(errno));
     if (!S_ISREG(status.st_mode) || status.st_uid != geteuid() ||
         (status.st_mode & (S_IRWXG | S_IRWXO)) != 0)
         refuse_key(path, "others than its owner can use the secret of records");
     std::array<char, 2 * RecordKey::size + 2> text{};
-    const ssize_t length = read(file.descriptor(), text.data(), text.size());
+    const ssize_t length = read(file.number(), text.data(), text.size());
     RecordKey::Bytes bytes{};
     std::size_t read_bytes = 0;
     const bool whole = length == 2 * static_cast<ssize_t>(RecordKey::size) + 1 &&
@@ -89,6 +75,15 @@ RecordKey read_key(const fs::path& path) {
     return RecordKey(bytes);
 }
 
+/// Writes a file for its owner alone. Not as others are written: their names need this very secret.
+void write_draft(const fs::path& draft, const std::string& text) {
+    FileDescriptor file(open(draft.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
+    if (!file.is_open()) fail_of_system(draft, "cannot create a file in this folder", errno);
+    if (write(file.number(), text.data(), text.size()) != static_cast<ssize_t>(text.size()) ||
+        fsync(file.number()) != 0 || file.close() != 0)
+        fail_of_system(draft, "cannot write this file", errno);
+}
+
 /// Writes a new secret under another name and links it to its own: the first of several that do so
 /// at once has made it.
 void make_key(const fs::path& path) {
@@ -96,7 +91,7 @@ void make_key(const fs::path& path) {
     randombytes_buf(bytes.data(), bytes.size());
     const fs::path draft =
         fmt::format("{}.{}.{:08x}", path.string(), getpid(), randombytes_random());
-    write_file_atomically(draft, hexadecimal(bytes) + "\n", FileAccess::owner_only);
+    write_draft(draft, hexadecimal(bytes) + "\n");
     const int linked = link(draft.c_str(), path.c_str());
     const int error = errno;
     std::error_code ignored;
@@ -137,6 +132,17 @@ std::optional<fs::path> state_folder() {
     if (auto named = absolute_folder(std::getenv("XDG_STATE_HOME"))) return *named / "runcert";
     if (auto own = home()) return *own / ".local/state/runcert";
     return std::nullopt;
+}
+
+std::optional<RecordKey> kept_record_key() {
+    const auto folder = state_folder();
+    std::error_code ignored;
+    if (!folder || !fs::exists(*folder / key_file, ignored)) return std::nullopt;
+    try {
+        return read_key(*folder / key_file);
+    } catch (const Failure&) {
+        return std::nullopt;
+    }
 }
 
 KeptRecordKey record_key_in(const std::optional<fs::path>& folder) {

@@ -8,7 +8,7 @@
 
 namespace runcert {
 
-/// A user's secret, by which a batch knows the records that the same user's batches wrote.
+/// A user's secret, by which programs know what the same user's programs wrote.
 class RecordKey {
   public:
     static constexpr std::size_t size = 32;  ///< bytes
@@ -44,5 +44,8 @@ std::optional<std::filesystem::path> state_folder();
 /// passing one. Failure where the file is not what was written, or others than its owner can use
 /// it.
 KeptRecordKey record_key_in(const std::optional<std::filesystem::path>& folder);
+
+/// The secret in this user's folder of state, where there is one that can be used.
+std::optional<RecordKey> kept_record_key();
 
 }  // namespace runcert

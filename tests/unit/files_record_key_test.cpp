@@ -5,10 +5,10 @@
 #include <thread>
 #include <vector>
 
-#include "batch/record_key.h"
 #include "core/failure.h"
 #include "files/atomic_file.h"
 #include "files/process.h"
+#include "files/record_key.h"
 
 namespace runcert::RUNCERT_FILE {
 namespace {
